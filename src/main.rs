@@ -1,0 +1,3 @@
+//! The `ltcforge` command.
+
+fn main() {}

@@ -1,0 +1,5 @@
+//! The use cases: submit, work, download.
+
+mod api;
+
+pub use api::*;
