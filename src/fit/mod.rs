@@ -1,9 +1,23 @@
 //! Recipe to table: the fitting core.
 //!
+//! A configuration's path: [`nodes`] says where it lies, `target` samples its lobe, `guess` and `solve` find the
+//! matrix whose LTC is nearest to it by the distance of `loss`, `align` picks the representative that is stored.
+//!
 //! Invariant: `fit` knows no clock, file, environment, JSON value or thread count; equal recipes give equal bytes.
 
+mod align;
+mod bfgs;
+mod entry;
+mod guess;
+mod loss;
+mod nodes;
 mod recipe;
+mod sgd;
 mod shard;
+mod solve;
+mod target;
 
+pub use entry::{FittedEntry, Fitter};
+pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
-pub use shard::{FittedEntry, Plan, ShardBytesError, assemble, fit_shard, shard_from_bytes, shard_to_bytes};
+pub use shard::{Plan, ShardBytesError, assemble, fit_shard, shard_from_bytes, shard_to_bytes};

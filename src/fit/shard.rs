@@ -2,33 +2,37 @@
 
 use std::ops::{ControlFlow, Range};
 
-use super::Recipe;
-use crate::ltc::Table;
+use super::{
+    Recipe,
+    align::align,
+    entry::{FittedEntry, Fitter, mirrors, view_direction},
+    nodes,
+};
+use crate::{
+    brdf::Ggx,
+    ltc::{Layout, PerAxis, Table, Terms},
+    math::{from_row_major, row_major, turned_about_z},
+};
 
-/// One fitted configuration, before alignment and storage.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FittedEntry {
-    /// `M`, row-major.
-    pub matrix: [f64; 9],
-    /// Directional albedo for a Fresnel factor of one.
-    pub amplitude: f64,
-    /// Its part weighted by Schlick's fifth power.
-    pub fresnel: f64,
-    /// Sliced Wasserstein error on samples and directions that the fit did not see.
-    pub error: f64,
-}
+/// Entries that a shard has at least, unless it is the last: some hundredths of a second of work, so that little is
+/// lost with a worker and little is spent on leasing.
+const SHARD_ENTRIES: u64 = 64;
 
 /// A recipe's nodes and how they are cut into shards; the recipe alone decides both.
+///
+/// Entries that share alpha, ratio and theta, a row, also share work where symmetry makes them equal, so a shard is
+/// a whole number of rows.
 #[derive(Debug, Clone)]
 pub struct Plan {
     recipe: Recipe,
+    nodes: PerAxis<Vec<f64>>,
 }
 
 impl Plan {
-    /// The plan of a recipe that has passed [`crate::recipe::check`].
+    /// The plan of a recipe that [`crate::recipe`] has checked.
     #[must_use]
     pub fn new(recipe: &Recipe) -> Self {
-        Self { recipe: recipe.clone() }
+        Self { recipe: recipe.clone(), nodes: nodes::nodes(recipe) }
     }
 
     /// The recipe that is planned.
@@ -37,16 +41,40 @@ impl Plan {
         &self.recipe
     }
 
+    /// Entries of the table.
+    #[must_use]
+    pub fn entries(&self) -> u64 {
+        self.recipe.entries()
+    }
+
     /// Number of shards.
     #[must_use]
     pub fn shards(&self) -> u32 {
-        todo!()
+        u32::try_from(self.entries().div_ceil(self.entries_per_shard())).unwrap_or(u32::MAX)
     }
 
-    /// The entries of `shard`, as indices in storage order.
+    /// The entries of `shard`, as indices in storage order; empty past the last.
     #[must_use]
-    pub fn shard_entries(&self, _shard: u32) -> Range<u64> {
-        todo!()
+    pub fn shard_entries(&self, shard: u32) -> Range<u64> {
+        let start = u64::from(shard) * self.entries_per_shard();
+        start.min(self.entries())..(start + self.entries_per_shard()).min(self.entries())
+    }
+
+    fn entries_per_shard(&self) -> u64 {
+        let row = self.row_length();
+        SHARD_ENTRIES.div_ceil(row) * row
+    }
+
+    fn row_length(&self) -> u64 {
+        u64::from(self.recipe.resolution.phi.max(1))
+    }
+
+    /// Alpha, ratio and theta of a row.
+    fn row(&self, row: u64) -> (f64, f64, f64) {
+        let PerAxis { alpha, ratio, theta, .. } = &self.nodes;
+        let (ratios, thetas) = (ratio.len() as u64, theta.len() as u64);
+        let at = |axis: &[f64], index: u64| axis[index as usize];
+        (at(alpha, row / (ratios * thetas)), at(ratio, row / thetas % ratios), at(theta, row % thetas))
     }
 }
 
@@ -55,18 +83,71 @@ impl Plan {
 /// `after_row` is told after every few entries how many of the shard's entries are done, and may stop the fit:
 /// then the result is `None` and nothing of the shard is kept.
 pub fn fit_shard(
-    _plan: &Plan,
-    _shard: u32,
-    _after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    plan: &Plan,
+    shard: u32,
+    after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Option<Vec<FittedEntry>> {
-    todo!()
+    let range = plan.shard_entries(shard);
+    let mut fitter = Fitter::new(&plan.recipe.fit);
+    let mut entries = Vec::with_capacity((range.end - range.start) as usize);
+    for row in range.start / plan.row_length()..range.end / plan.row_length() {
+        fit_row(plan, row, &mut fitter, &mut entries);
+        if after_row(entries.len() as u64).is_break() {
+            return None;
+        }
+    }
+    Some(entries)
+}
+
+/// Fits the entries of one row, each lobe once: seen from above, phi changes nothing; an isotropic surface turns
+/// its lobe with phi.
+fn fit_row(plan: &Plan, row: u64, fitter: &mut Fitter, entries: &mut Vec<FittedEntry>) {
+    let (alpha, ratio, theta) = plan.row(row);
+    let ggx = Ggx { alpha_x: alpha, alpha_y: alpha * ratio };
+    let first = row * plan.row_length();
+    let (from_above, isotropic) = (theta == 0.0, ratio == 1.0);
+    let shared = (from_above || isotropic).then(|| fitter.fit(&ggx, view_direction(theta, 0.0), first));
+    for (index, phi) in (first..).zip(&plan.nodes.phi) {
+        entries.push(match shared {
+            Some(entry) if from_above => entry,
+            Some(entry) => turned(&entry, *phi),
+            None => fitter.fit(&ggx, view_direction(theta, *phi), index),
+        });
+    }
+}
+
+/// The entry of an isotropic lobe that has turned with the view.
+fn turned(entry: &FittedEntry, phi: f64) -> FittedEntry {
+    FittedEntry { matrix: row_major(&turned_about_z(from_row_major(&entry.matrix), phi)), ..*entry }
 }
 
 /// Aligns, normalises and rounds all entries of a plan, given in storage order, into its table.
 #[must_use]
-pub fn assemble(_plan: &Plan, _entries: &[FittedEntry]) -> Table {
-    todo!()
+pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
+    let stored = |index: usize, entry: &FittedEntry| {
+        let index = index as u64;
+        let (_, _, theta) = plan.row(index / plan.row_length());
+        let wo = view_direction(theta, plan.nodes.phi[(index % plan.row_length()) as usize]);
+        let m = align(&from_row_major(&entry.matrix), mirrors(wo));
+        match plan.recipe.layout {
+            Layout::Kt2022 => row_major(&(m * (1.0 / m.z_axis.length()))).map(|x| x as f32),
+        }
+    };
+    let column = |value: fn(&FittedEntry) -> f64| entries.iter().map(|entry| value(entry) as f32).collect();
+    Table {
+        layout: plan.recipe.layout,
+        axes: plan.nodes.clone(),
+        matrix: entries.iter().enumerate().map(|(index, entry)| stored(index, entry)).collect(),
+        terms: plan
+            .recipe
+            .terms
+            .then(|| Terms { amplitude: column(|entry| entry.amplitude), fresnel: column(|entry| entry.fresnel) }),
+        node_error: column(|entry| entry.error),
+    }
 }
+
+/// Numbers of an entry in a shard's bytes.
+const NUMBERS: usize = 12;
 
 /// Bytes that are not the result of a shard of the expected length.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -80,14 +161,30 @@ pub struct ShardBytesError {
 
 /// A finished shard as bytes: 12 little-endian f64 an entry (matrix, amplitude, Fresnel, error).
 #[must_use]
-pub fn shard_to_bytes(_entries: &[FittedEntry]) -> Vec<u8> {
-    todo!()
+pub fn shard_to_bytes(entries: &[FittedEntry]) -> Vec<u8> {
+    let numbers = |e: &FittedEntry| e.matrix.into_iter().chain([e.amplitude, e.fresnel, e.error]);
+    entries.iter().flat_map(numbers).flat_map(f64::to_le_bytes).collect()
 }
 
 /// The inverse of [`shard_to_bytes`].
 ///
 /// # Errors
 /// When `bytes` is not exactly `entries` entries long.
-pub fn shard_from_bytes(_bytes: &[u8], _entries: usize) -> Result<Vec<FittedEntry>, ShardBytesError> {
-    todo!()
+pub fn shard_from_bytes(bytes: &[u8], entries: usize) -> Result<Vec<FittedEntry>, ShardBytesError> {
+    let expected = entries * NUMBERS * size_of::<f64>();
+    if bytes.len() != expected {
+        return Err(ShardBytesError { expected, actual: bytes.len() });
+    }
+    let (words, _) = bytes.as_chunks::<8>();
+    let numbers: Vec<f64> = words.iter().map(|word| f64::from_le_bytes(*word)).collect();
+    let (entries, _) = numbers.as_chunks::<NUMBERS>();
+    Ok(entries
+        .iter()
+        .map(|&[m00, m01, m02, m10, m11, m12, m20, m21, m22, amplitude, fresnel, error]| FittedEntry {
+            matrix: [m00, m01, m02, m10, m11, m12, m20, m21, m22],
+            amplitude,
+            fresnel,
+            error,
+        })
+        .collect())
 }

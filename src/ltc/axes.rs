@@ -22,3 +22,11 @@ impl<T> PerAxis<T> {
         [("alpha", &self.alpha), ("ratio", &self.ratio), ("theta", &self.theta), ("phi", &self.phi)]
     }
 }
+
+impl<T> PerAxis<Vec<T>> {
+    /// Nodes on each axis.
+    #[must_use]
+    pub fn lengths(&self) -> PerAxis<usize> {
+        PerAxis { alpha: self.alpha.len(), ratio: self.ratio.len(), theta: self.theta.len(), phi: self.phi.len() }
+    }
+}

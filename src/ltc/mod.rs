@@ -1,9 +1,17 @@
 //! Linearly Transformed Cosines: the distribution, and tables of them.
+//!
+//! Invariant: `ltc` knows how a table is read, not how it came to be.
 
 mod axes;
+mod distribution;
+mod fold;
 mod layout;
+mod lookup;
 mod table;
 
 pub use axes::PerAxis;
+pub use distribution::Ltc;
+pub use fold::{Configuration, ConfigurationError};
 pub use layout::Layout;
+pub use lookup::LookedUp;
 pub use table::{Table, Terms};

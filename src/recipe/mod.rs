@@ -1,6 +1,13 @@
 //! Recipe documents: JSON in, a complete [`Recipe`] or every fault at once out; canonical form and digest.
 
+mod document;
+mod preset;
+mod reader;
+
 use crate::{digest::Digest, fit::Recipe};
+
+pub use document::DEFAULT_ENTRY_LIMIT;
+pub use preset::Preset;
 
 /// One fault of a recipe document.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -17,26 +24,29 @@ pub enum RecipeError {
     /// Not JSON at all.
     #[error("not JSON: {0}")]
     Json(String),
-    /// JSON, but not a recipe: every fault, in document order.
-    #[error("{} fault(s) in the recipe, the first at {}: {}", .0.len(), .0[0].pointer, .0[0].detail)]
+    /// JSON, but not a recipe: every fault, in the order of the fields' reading.
+    #[error("the recipe has {} fault(s): {}", .0.len(), list(.0))]
     Faults(Vec<Fault>),
 }
 
-/// Entries a table may have unless the caller raises it.
-pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
+fn list(faults: &[Fault]) -> String {
+    faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("; ")
+}
 
 /// Reads a recipe document, fills in its preset and the defaults, and checks it.
 ///
 /// # Errors
 /// Every fault of the document at once.
-pub fn parse(_json: &[u8], _entry_limit: u64) -> Result<Recipe, RecipeError> {
-    todo!()
+pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
+    let document = serde_json::from_slice(json).map_err(|error| RecipeError::Json(error.to_string()))?;
+    document::read(&document, entry_limit).map_err(RecipeError::Faults)
 }
 
 /// The canonical JSON (RFC 8785) of a complete recipe.
 #[must_use]
-pub fn canonical_json(_recipe: &Recipe) -> String {
-    todo!()
+pub fn canonical_json(recipe: &Recipe) -> String {
+    // A recipe is made of names and finite numbers, and those always have a canonical form.
+    serde_jcs::to_string(recipe).unwrap_or_default()
 }
 
 /// The digest of a recipe: SHA-256 of its canonical JSON.
@@ -44,3 +54,6 @@ pub fn canonical_json(_recipe: &Recipe) -> String {
 pub fn digest(recipe: &Recipe) -> Digest {
     Digest::of(canonical_json(recipe).as_bytes())
 }
+
+#[cfg(test)]
+mod tests;

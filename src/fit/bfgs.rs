@@ -1,0 +1,202 @@
+//! Minimisation of a function of a few variables by BFGS with backtracking [Nocedal and Wright 2006, chapters 3, 6].
+
+/// Most variables.
+pub(super) const VARIABLES: usize = 7;
+
+/// A point, a gradient, a direction.
+pub(super) type Vector = [f64; VARIABLES];
+
+/// A step must give at least this part of the decrease that the gradient promises (Armijo).
+const SUFFICIENT_DECREASE: f64 = 1e-4;
+/// Halvings of a step before the direction is given up.
+const MOST_HALVINGS: u32 = 12;
+/// The first step moves no variable by more than this.
+const FIRST_STEP: f64 = 0.1;
+/// No step moves the variables by more than this: past it the quadratic model says nothing.
+const LONGEST_STEP: f64 = 1.0;
+
+/// When to stop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Most steps.
+    pub(super) steps: u32,
+    /// Stop after a step that lowered the value by less than this part of it.
+    pub(super) relative_decrease: f64,
+}
+
+/// The lowest point found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Minimum {
+    pub(super) point: Vector,
+    pub(super) value: f64,
+    /// Evaluations of the function.
+    pub(super) evaluations: u32,
+}
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The inverse of the Hessian as BFGS knows it.
+struct InverseHessian {
+    rows: [Vector; VARIABLES],
+    /// Whether a step has scaled it.
+    scaled: bool,
+}
+
+impl InverseHessian {
+    fn identity() -> Self {
+        let mut rows = [[0.0; VARIABLES]; VARIABLES];
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[i] = 1.0;
+        }
+        Self { rows, scaled: false }
+    }
+
+    fn times(&self, v: &Vector) -> Vector {
+        self.rows.map(|row| dot(&row, v))
+    }
+
+    /// `H <- (I - rho s y^T) H (I - rho y s^T) + rho s s^T` with `rho = 1 / (y^T s)`, for the step `s` and the
+    /// change `y` of the gradient. A step along which the slope fell teaches nothing and is passed over.
+    fn learn(&mut self, s: &Vector, y: &Vector) {
+        let ys = dot(y, s);
+        let yy = dot(y, y);
+        if ys <= 1e-10 * yy.sqrt() * dot(s, s).sqrt() {
+            return;
+        }
+        if !self.scaled {
+            for (i, row) in self.rows.iter_mut().enumerate() {
+                row[i] = ys / yy;
+            }
+            self.scaled = true;
+        }
+        let rho = 1.0 / ys;
+        let hy = self.times(y);
+        let gain = rho * (1.0 + rho * dot(y, &hy));
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            for (j, h) in row.iter_mut().enumerate() {
+                *h += gain * s[i] * s[j] - rho * (hy[i] * s[j] + s[i] * hy[j]);
+            }
+        }
+    }
+}
+
+/// Minimises `function`, which gives value and gradient, from `start`. Variables that are not `free` stay put.
+///
+/// A value that is not finite counts as too high.
+pub(super) fn minimise(
+    start: Vector,
+    free: [bool; VARIABLES],
+    limits: Limits,
+    mut function: impl FnMut(&Vector) -> (f64, Vector),
+) -> Minimum {
+    let mut masked = |point: &Vector| {
+        let (value, mut gradient) = function(point);
+        for (slope, free) in gradient.iter_mut().zip(free) {
+            if !free {
+                *slope = 0.0;
+            }
+        }
+        (value, gradient)
+    };
+    let mut point = start;
+    let (mut value, mut gradient) = masked(&point);
+    let mut evaluations = 1;
+    let mut hessian = InverseHessian::identity();
+    let mut small_steps = 0;
+    for _ in 0..limits.steps {
+        let mut direction = hessian.times(&gradient).map(|d| -d);
+        let mut slope = dot(&direction, &gradient);
+        if slope >= 0.0 {
+            hessian = InverseHessian::identity();
+            direction = gradient.map(|d| -d);
+            slope = -dot(&gradient, &gradient);
+            if slope == 0.0 {
+                break;
+            }
+        }
+        let length = dot(&direction, &direction).sqrt();
+        let longest = if hessian.scaled { LONGEST_STEP } else { FIRST_STEP };
+        let mut step = if length > longest || !hessian.scaled { longest / length } else { 1.0 };
+        let mut next = None;
+        for _ in 0..MOST_HALVINGS {
+            let mut trial = point;
+            trial.iter_mut().zip(&direction).for_each(|(x, d)| *x += step * d);
+            let (trial_value, trial_gradient) = masked(&trial);
+            evaluations += 1;
+            if trial_value <= value + SUFFICIENT_DECREASE * step * slope {
+                next = Some((trial, trial_value, trial_gradient));
+                break;
+            }
+            step *= 0.5;
+        }
+        let Some((next_point, next_value, next_gradient)) = next else {
+            if !hessian.scaled {
+                break;
+            }
+            hessian = InverseHessian::identity();
+            continue;
+        };
+        let mut s = next_point;
+        s.iter_mut().zip(&point).for_each(|(s, x)| *s -= x);
+        let mut y = next_gradient;
+        y.iter_mut().zip(&gradient).for_each(|(y, g)| *y -= g);
+        hessian.learn(&s, &y);
+        let decrease = value - next_value;
+        (point, value, gradient) = (next_point, next_value, next_gradient);
+        // One short step may be the line search's; two in a row are the end.
+        small_steps = if decrease <= limits.relative_decrease * value { small_steps + 1 } else { 0 };
+        if small_steps == 2 {
+            break;
+        }
+    }
+    Minimum { point, value, evaluations }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [bool; VARIABLES] = [true; VARIABLES];
+
+    /// A quadratic bowl with curvatures from 1 to 64, its bottom at (1, 2, ..., 7) / 10.
+    fn bowl(x: &Vector) -> (f64, Vector) {
+        let mut gradient = [0.0; VARIABLES];
+        let mut value = 0.5;
+        for (i, (x, g)) in x.iter().zip(&mut gradient).enumerate() {
+            let (curvature, offset) = (f64::from(1 << i), x - (i + 1) as f64 / 10.0);
+            *g = curvature * offset;
+            value += 0.5 * curvature * offset * offset;
+        }
+        (value, gradient)
+    }
+
+    #[test]
+    fn finds_the_bottom_of_a_bowl() {
+        let limits = Limits { steps: 100, relative_decrease: 0.0 };
+        let minimum = minimise([0.0; VARIABLES], ALL, limits, bowl);
+        for (i, x) in minimum.point.iter().enumerate() {
+            assert!((x - (i + 1) as f64 / 10.0).abs() < 1e-5, "{:?}", minimum.point);
+        }
+        assert!((minimum.value - 0.5).abs() < 1e-10);
+    }
+
+    #[test]
+    fn leaves_bound_variables_alone() {
+        let mut free = ALL;
+        free[3] = false;
+        let limits = Limits { steps: 100, relative_decrease: 0.0 };
+        let minimum = minimise([0.0; VARIABLES], free, limits, bowl);
+        assert_eq!(minimum.point[3], 0.0);
+        assert!((minimum.point[4] - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn survives_values_that_are_not_finite() {
+        let limits = Limits { steps: 50, relative_decrease: 0.0 };
+        let wall = |x: &Vector| if x[0] > 0.05 { (f64::NAN, [f64::NAN; VARIABLES]) } else { bowl(x) };
+        let minimum = minimise([0.0; VARIABLES], ALL, limits, wall);
+        assert!(minimum.value.is_finite() && minimum.point[0] <= 0.05);
+    }
+}

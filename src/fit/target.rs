@@ -1,0 +1,149 @@
+//! The lobe that one entry is fitted to: weighted samples in a frame of its own, and what is read off them once.
+
+use glam::{DMat2, DMat3, DVec2, DVec3};
+
+use crate::{
+    brdf::Brdf,
+    math::{lattice2, rotation_from_z},
+};
+
+/// Mirror symmetries of a lobe, which its LTC shares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Mirrors {
+    /// Unchanged by x -> -x: the view direction lies in the yz plane.
+    pub(super) x: bool,
+    /// Unchanged by y -> -y: the view direction lies in the xz plane.
+    pub(super) y: bool,
+}
+
+/// Terms of an entry: `reflectance = F0 (amplitude - fresnel) + F90 fresnel` [Hill and Heitz 2016].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LobeTerms {
+    /// `E[G2/G1]` over visible normals.
+    pub(super) amplitude: f64,
+    /// `E[G2/G1 (1 - wo.wm)^5]` over visible normals.
+    pub(super) fresnel: f64,
+}
+
+/// Samples of the cosine-weighted lobe, normalised to a distribution.
+///
+/// Sample `i` is the direction `frame * (p_i + z)`, so that `p` is small where the lobe is sharp and keeps all its
+/// digits in f32: `p.z = -(p.x^2 + p.y^2) / (1 + z)` instead of `z - 1`.
+#[derive(Debug, Clone)]
+pub(super) struct Target {
+    /// Rotation from the lobe's frame, its mean direction +z, to the tangent frame.
+    pub(super) frame: DMat3,
+    /// Symmetries of the lobe.
+    pub(super) mirrors: Mirrors,
+    /// Offsets from the mean direction, in the lobe's frame.
+    pub(super) points: Vec<DVec3>,
+    /// Weights; their sum is one.
+    pub(super) weights: Vec<f64>,
+    /// Where the lobe is and how wide, in the tangential plane.
+    pub(super) core: Core,
+    /// Amplitude and Fresnel term.
+    pub(super) terms: LobeTerms,
+}
+
+impl Target {
+    /// Samples the lobe of `brdf` for `wo` at `count` points of the golden lattice shifted by `shift`.
+    ///
+    /// Domain: `wo.z > 0`, so that some light is reflected above the horizon.
+    pub(super) fn sample(brdf: &impl Brdf, wo: DVec3, mirrors: Mirrors, count: usize, shift: [f64; 2]) -> Self {
+        let mut directions = Vec::with_capacity(count);
+        let mut weights = Vec::with_capacity(count);
+        let (mut total, mut fresnel, mut sum) = (0.0, 0.0, DVec3::ZERO);
+        for i in 0..count {
+            let sample = brdf.sample(wo, lattice2(i, count, shift));
+            if sample.weight > 0.0 {
+                total += sample.weight;
+                let grazing = (1.0 - sample.cos_theta_d).max(0.0);
+                let grazing2 = grazing * grazing;
+                fresnel += sample.weight * grazing2 * grazing2 * grazing;
+                sum += sample.weight * sample.wi;
+                directions.push(sample.wi);
+                weights.push(sample.weight);
+            }
+        }
+        let terms = LobeTerms { amplitude: total / count as f64, fresnel: fresnel / count as f64 };
+
+        // The samples are not quite symmetric where the lobe is; its mean direction is made so.
+        let axis = DVec3::new(if mirrors.x { 0.0 } else { sum.x }, if mirrors.y { 0.0 } else { sum.y }, sum.z);
+        let frame = rotation_from_z(axis.normalize());
+        let to_lobe = frame.transpose();
+        let points: Vec<DVec3> = directions.iter().map(|wi| offset_from_z(to_lobe * *wi)).collect();
+        weights.iter_mut().for_each(|weight| *weight /= total);
+        let core = Core::of(&points, &weights, mirrors);
+        Self { frame, mirrors, points, weights, core, terms }
+    }
+}
+
+/// Location and scatter of a lobe's core in its tangential plane, by maximum likelihood for Student's t with two
+/// degrees of freedom.
+///
+/// That is the distribution which a sharp GGX lobe and a sharp LTC both have there: for `M = diag(a, a, 1)`, `p` has
+/// density proportional to `(1 + |p|^2 / a^2)^-2`, scatter `a^2 / 2`. Its variance is infinite, so moments tell how
+/// far the samples reach into the tails rather than how wide the lobe is; this estimate does not.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Core {
+    /// Centre.
+    pub(super) centre: DVec2,
+    /// Scatter, positive definite.
+    pub(super) scatter: DMat2,
+}
+
+impl Core {
+    /// Samples that the estimate uses: its own error is far below what the fit corrects.
+    const SAMPLES: usize = 512;
+    /// Reweightings; each takes out about half of what the start is off.
+    const ROUNDS: usize = 12;
+    /// Least scatter along any axis: the square of a width in which f32 still resolves a lobe at distance one.
+    const LEAST: f64 = 1e-18;
+
+    fn of(points: &[DVec3], weights: &[f64], mirrors: Mirrors) -> Self {
+        let stride = points.len().div_ceil(Self::SAMPLES);
+        let chosen = || points.iter().zip(weights).step_by(stride).map(|(p, w)| (p.truncate(), *w));
+        let total: f64 = chosen().map(|(_, w)| w).sum();
+        let mut core = Self { centre: DVec2::ZERO, scatter: DMat2::ZERO };
+        for round in 0..=Self::ROUNDS {
+            let inverse = if round == 0 { DMat2::ZERO } else { core.scatter.inverse() };
+            let (mut weight_sum, mut sum, mut outer) = (0.0, DVec2::ZERO, DMat2::ZERO);
+            for (p, w) in chosen() {
+                let d = p - core.centre;
+                // (nu + 2) / (nu + d^T S^-1 d) for nu = 2; the first round, without a scatter, is plain moments.
+                let w = w * 4.0 / (2.0 + d.dot(inverse * d));
+                weight_sum += w;
+                sum += w * p;
+                outer += DMat2::from_cols(d * (w * d.x), d * (w * d.y));
+            }
+            core.centre = sum / weight_sum;
+            core.scatter = outer * (1.0 / total);
+            if mirrors.x || mirrors.y {
+                core.scatter.x_axis.y = 0.0;
+                core.scatter.y_axis.x = 0.0;
+            }
+            core.scatter.x_axis.x += Self::LEAST;
+            core.scatter.y_axis.y += Self::LEAST;
+            core.centre =
+                DVec2::new(if mirrors.x { 0.0 } else { core.centre.x }, if mirrors.y { 0.0 } else { core.centre.y });
+        }
+        core
+    }
+
+    /// Centre and width of the projections on a direction `d` in the lobe's frame.
+    ///
+    /// Off the tangential plane it is `p.z = -|p|^2 / 2` to first order that counts, whose median and spread are
+    /// half the trace of the scatter.
+    pub(super) fn project(&self, d: DVec3) -> (f64, f64) {
+        let half_trace = 0.5 * (self.scatter.x_axis.x + self.scatter.y_axis.y);
+        let tangential = d.truncate();
+        let variance = tangential.dot(self.scatter * tangential) + d.z * d.z * half_trace * half_trace;
+        (tangential.dot(self.centre) - d.z * half_trace, variance.sqrt())
+    }
+}
+
+/// `direction - z` for a unit vector, without cancellation where the two are close.
+fn offset_from_z(direction: DVec3) -> DVec3 {
+    let DVec3 { x, y, z } = direction;
+    DVec3::new(x, y, if z > 0.0 { -(x * x + y * y) / (1.0 + z) } else { z - 1.0 })
+}

@@ -1,0 +1,60 @@
+//! Functions whose results do not depend on the platform.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Angles that stand for a whole number of quarter turns, with their exact sine and cosine.
+const QUARTER_TURNS: [(f64, f64, f64); 5] =
+    [(0.0, 0.0, 1.0), (FRAC_PI_2, 1.0, 0.0), (PI, 0.0, -1.0), (3.0 * FRAC_PI_2, -1.0, 0.0), (2.0 * PI, 0.0, 1.0)];
+
+/// Sine and cosine of an angle in radians.
+///
+/// The f64 nearest to pi/2 stands for pi/2: its cosine is exactly zero here, not 6e-17, and likewise for the other
+/// quarter turns up to a full one. The zeros that symmetry demands of a matrix then hold exactly.
+#[must_use]
+pub fn sin_cos(angle: f64) -> (f64, f64) {
+    for (quarter, sin, cos) in QUARTER_TURNS {
+        if angle.abs() == quarter {
+            return (if angle < 0.0 { -sin } else { sin }, cos);
+        }
+    }
+    (libm::sin(angle), libm::cos(angle))
+}
+
+/// Sine of an angle in radians, exact at quarter turns.
+#[must_use]
+pub fn sin(angle: f64) -> f64 {
+    sin_cos(angle).0
+}
+
+/// Cosine of an angle in radians, exact at quarter turns.
+#[must_use]
+pub fn cos(angle: f64) -> f64 {
+    sin_cos(angle).1
+}
+
+/// Natural logarithm. Domain: x > 0.
+#[must_use]
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        assert_eq!(sin_cos(FRAC_PI_2), (1.0, 0.0));
+        assert_eq!(sin_cos(-FRAC_PI_2), (-1.0, 0.0));
+        assert_eq!(sin_cos(PI), (0.0, -1.0));
+        assert_eq!(sin_cos(2.0 * PI), (0.0, 1.0));
+    }
+
+    /// Bits, not tolerances: a change of `libm` that moves a last bit changes tables.
+    #[test]
+    fn bits_are_pinned() {
+        assert_eq!(sin(1.0).to_bits(), 0x3fea_ed54_8f09_0cee);
+        assert_eq!(cos(1.0).to_bits(), 0x3fe1_4a28_0fb5_068c);
+        assert_eq!(ln(10.0).to_bits(), 0x4002_6bb1_bbb5_5516);
+    }
+}

@@ -1,0 +1,51 @@
+//! Named points on the trade between speed and accuracy.
+
+use crate::fit::FitSettings;
+use crate::fit::{Metric, Solver};
+
+/// A named set of fit settings. Every other field of a recipe has one default for all presets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    /// To try things out.
+    Draft,
+    /// For work in progress.
+    Standard,
+    /// For a table that ships, at the paper's size.
+    Paper,
+    /// When minutes do not matter.
+    Best,
+}
+
+impl Preset {
+    /// All presets, fastest first.
+    pub const ALL: [Self; 4] = [Self::Draft, Self::Standard, Self::Paper, Self::Best];
+
+    /// The name in a recipe.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Draft => "draft",
+            Self::Standard => "standard",
+            Self::Paper => "paper",
+            Self::Best => "best",
+        }
+    }
+
+    /// The preset of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|preset| preset.name() == name)
+    }
+
+    /// How hard each entry is fitted.
+    #[must_use]
+    pub fn fit(self) -> FitSettings {
+        let (samples, directions, steps) = match self {
+            Self::Draft => (128, 8, 30),
+            Self::Standard => (256, 16, 60),
+            Self::Paper => (512, 24, 60),
+            Self::Best => (2048, 48, 120),
+        };
+        FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples, directions, steps, seed: 0 }
+    }
+}

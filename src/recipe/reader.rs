@@ -1,0 +1,144 @@
+//! Reads fields of a JSON object and notes every fault instead of stopping at the first.
+
+use serde_json::{Map, Value};
+
+use super::Fault;
+
+/// The longest piece of an offending value that is repeated to the sender.
+const LONGEST_ECHO: usize = 80;
+
+/// Where faults are noted.
+#[derive(Debug, Default)]
+pub(super) struct Faults(pub(super) Vec<Fault>);
+
+impl Faults {
+    pub(super) fn note(&mut self, pointer: impl Into<String>, detail: impl Into<String>) {
+        self.0.push(Fault { pointer: pointer.into(), detail: detail.into() });
+    }
+}
+
+/// One object of a document, with its place.
+#[derive(Debug, Clone)]
+pub(super) struct Object<'a> {
+    pointer: String,
+    fields: Option<&'a Map<String, Value>>,
+}
+
+impl<'a> Object<'a> {
+    /// The document's root. Faults of fields that are not in `known` are noted.
+    pub(super) fn root(value: &'a Value, known: &[&str], faults: &mut Faults) -> Self {
+        Self::new(String::new(), Some(value), known, faults)
+    }
+
+    /// The object in `field`, with only the fields in `known`; without any when it is absent or no object.
+    pub(super) fn object(&self, field: &str, known: &[&str], faults: &mut Faults) -> Self {
+        Self::new(self.pointer(field), self.get(field), known, faults)
+    }
+
+    fn new(pointer: String, value: Option<&'a Value>, known: &[&str], faults: &mut Faults) -> Self {
+        let fields = match value {
+            None => None,
+            Some(Value::Object(fields)) => Some(fields),
+            Some(other) => {
+                faults.note(&*pointer, format!("{} is not an object", echo(other)));
+                None
+            }
+        };
+        for field in fields.into_iter().flat_map(Map::keys).filter(|field| !known.contains(&field.as_str())) {
+            let detail = format!("unknown field; known here are {}", known.join(", "));
+            faults.note(format!("{pointer}/{}", escape(field)), detail);
+        }
+        Self { pointer, fields }
+    }
+
+    pub(super) fn pointer(&self, field: &str) -> String {
+        format!("{}/{}", self.pointer, escape(field))
+    }
+
+    pub(super) fn get(&self, field: &str) -> Option<&'a Value> {
+        self.fields.and_then(|fields| fields.get(field))
+    }
+
+    /// A whole number in `low..=high`.
+    pub(super) fn integer(&self, field: &str, low: u64, high: u64, default: u64, faults: &mut Faults) -> u64 {
+        match self.get(field) {
+            None => default,
+            Some(value) => match value.as_u64().filter(|number| (low..=high).contains(number)) {
+                Some(number) => number,
+                None => {
+                    let detail = format!("{} is not a whole number from {low} to {high}", echo(value));
+                    faults.note(self.pointer(field), detail);
+                    default
+                }
+            },
+        }
+    }
+
+    /// Like [`Object::integer`], for numbers that fit 32 bits.
+    pub(super) fn integer32(&self, field: &str, low: u32, high: u32, default: u32, faults: &mut Faults) -> u32 {
+        let number = self.integer(field, low.into(), high.into(), default.into(), faults);
+        u32::try_from(number).unwrap_or(default)
+    }
+
+    /// `true` or `false`.
+    pub(super) fn boolean(&self, field: &str, default: bool, faults: &mut Faults) -> bool {
+        match self.get(field) {
+            None => default,
+            Some(Value::Bool(value)) => *value,
+            Some(other) => {
+                faults.note(self.pointer(field), format!("{} is not true or false", echo(other)));
+                default
+            }
+        }
+    }
+
+    /// One of a few names.
+    pub(super) fn choice<T: Copy>(&self, field: &str, choices: &[(&str, T)], default: T, faults: &mut Faults) -> T {
+        let Some(value) = self.get(field) else { return default };
+        let chosen = value.as_str().and_then(|name| choices.iter().find(|(choice, _)| *choice == name));
+        if let Some((_, choice)) = chosen {
+            return *choice;
+        }
+        let names = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+        faults.note(self.pointer(field), format!("{} is not one of {names}", echo(value)));
+        default
+    }
+
+    /// Two numbers `[low, high]` within `domain`, the first not above the second.
+    pub(super) fn range(&self, field: &str, domain: [f64; 2], default: [f64; 2], faults: &mut Faults) -> [f64; 2] {
+        let Some(value) = self.get(field) else { return default };
+        let pointer = self.pointer(field);
+        let [low, high] = match value.as_array().map(Vec::as_slice) {
+            Some([low, high]) => [low, high].map(Value::as_f64),
+            _ => [None; 2],
+        };
+        let (Some(low), Some(high)) = (low, high) else {
+            faults.note(pointer, format!("{} is not a pair of numbers [low, high]", echo(value)));
+            return default;
+        };
+        if low < domain[0] || high > domain[1] {
+            faults.note(pointer, format!("{} is not within [{}, {}]", echo(value), domain[0], domain[1]));
+            return default;
+        }
+        if low > high {
+            faults.note(pointer, format!("{} is reversed: the lower end comes first", echo(value)));
+            return default;
+        }
+        // -0 and 0 are one number and must be one recipe.
+        [low + 0.0, high + 0.0]
+    }
+}
+
+/// A value as it stands in the document, cut short.
+pub(super) fn echo(value: &Value) -> String {
+    let text = value.to_string();
+    match text.char_indices().nth(LONGEST_ECHO) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
+    }
+}
+
+/// A reference token of RFC 6901.
+fn escape(field: &str) -> String {
+    field.replace('~', "~0").replace('/', "~1")
+}

@@ -1,0 +1,123 @@
+use proptest::prelude::*;
+
+use super::{DEFAULT_ENTRY_LIMIT, Preset, RecipeError, canonical_json, digest, parse};
+use crate::fit::{Recipe, Solver};
+
+fn recipe(json: &str) -> Result<Recipe, RecipeError> {
+    parse(json.as_bytes(), DEFAULT_ENTRY_LIMIT)
+}
+
+fn pointers(json: &str) -> Vec<String> {
+    match recipe(json) {
+        Err(RecipeError::Faults(faults)) => faults.into_iter().map(|fault| fault.pointer).collect(),
+        other => panic!("{json} gave {other:?}"),
+    }
+}
+
+#[test]
+fn an_empty_document_is_the_standard_preset() {
+    let default = recipe("{}").expect("a recipe");
+    assert_eq!(Ok(default.clone()), recipe(r#"{"preset": "standard"}"#));
+    assert_eq!(default.entries(), 4096);
+    assert_eq!(default.fit, Preset::Standard.fit());
+}
+
+#[test]
+fn explicit_fields_win_over_the_preset() {
+    let paper = recipe(r#"{"preset": "paper", "fit": {"samples": 64, "solver": "sgd"}}"#).expect("a recipe");
+    assert_eq!(paper.fit.samples, 64);
+    assert_eq!(paper.fit.solver, Solver::Sgd);
+    assert_eq!(paper.fit.directions, Preset::Paper.fit().directions);
+}
+
+#[test]
+fn the_canonical_form_reads_back_as_itself() {
+    for preset in Preset::ALL {
+        let first = recipe(&format!(r#"{{"preset": "{}"}}"#, preset.name())).expect("a recipe");
+        let text = canonical_json(&first);
+        assert!(text.starts_with(r#"{"brdf":"ggx","fit":{"directions":"#), "{text}");
+        let second = recipe(&text).expect("a recipe");
+        assert_eq!((digest(&first), &first), (digest(&second), &second));
+    }
+}
+
+#[test]
+fn equal_recipes_have_equal_digests_however_they_are_written() {
+    let a = recipe(r#"{"range": {"alpha": [-0.0, 1]}, "preset": "standard"}"#).expect("a recipe");
+    let b = recipe(r#"{ "range": {"alpha": [0, 1.0]} }"#).expect("a recipe");
+    assert_eq!(digest(&a), digest(&b));
+    assert_ne!(digest(&a), digest(&recipe(r#"{"fit": {"seed": 1}}"#).expect("a recipe")));
+}
+
+#[test]
+fn every_fault_is_reported_at_once() {
+    let found = pointers(
+        r#"{"preset": "papre", "colour": 1, "a/b": 0, "terms": "yes", "fitter": 0,
+            "fit": {"samples": 1.5, "seed": -1, "speed": 9}, "range": {"alpha": [0.5, 0.1], "theta": [0, 2]},
+            "resolution": {"alpha": 1, "phi": 0}}"#,
+    );
+    for pointer in [
+        "/preset",
+        "/colour",
+        "/a~1b",
+        "/terms",
+        "/fitter",
+        "/fit/samples",
+        "/fit/seed",
+        "/fit/speed",
+        "/range/alpha",
+        "/range/theta",
+        "/resolution/alpha",
+        "/resolution/phi",
+    ] {
+        assert!(found.iter().any(|p| p == pointer), "{pointer} is not in {found:?}");
+    }
+    assert_eq!(found.len(), 12, "{found:?}");
+}
+
+#[test]
+fn a_single_value_takes_one_node() {
+    let isotropic = r#"{"range": {"ratio": [1, 1], "phi": [0, 0]}}"#;
+    assert_eq!(recipe(isotropic).expect("a recipe").entries(), 64);
+    assert_eq!(pointers(r#"{"range": {"ratio": [1, 1]}, "resolution": {"ratio": 8}}"#), ["/resolution/ratio"]);
+}
+
+#[test]
+fn nodes_that_floors_would_join_are_refused() {
+    assert_eq!(pointers(r#"{"range": {"alpha": [0, 1e-5]}}"#), ["/range/alpha"]);
+    assert_eq!(pointers(r#"{"range": {"theta": [1.5707, 1.57079]}}"#), ["/range/theta"]);
+}
+
+#[test]
+fn the_entry_limit_counts_the_whole_table() {
+    let large = r#"{"resolution": {"alpha": 16384, "ratio": 16384, "theta": 16384, "phi": 16384}}"#;
+    assert_eq!(pointers(large), ["/resolution"]);
+    assert!(parse(b"{}", 4096).is_ok());
+    assert!(matches!(parse(b"{}", 4095), Err(RecipeError::Faults(_))));
+}
+
+#[test]
+fn what_is_not_json_is_told_apart() {
+    for text in ["", "{", r#"{"fit": NaN}"#, r#"{"range": {"alpha": [0, 1e999]}}"#] {
+        assert!(matches!(recipe(text), Err(RecipeError::Json(_))), "{text}");
+    }
+    assert_eq!(pointers("[]"), [""]);
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_give_an_answer(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let _ = parse(&bytes, DEFAULT_ENTRY_LIMIT);
+    }
+
+    /// Documents with the right names and the wrong values of every kind.
+    #[test]
+    fn any_values_give_an_answer(
+        field in prop::sample::select(vec!["preset", "fitter", "resolution", "range", "fit", "terms", "layout"]),
+        inner in prop::sample::select(vec!["alpha", "phi", "samples", "seed", "metric"]),
+        value in prop::sample::select(vec!["null", "-1", "1e300", "0.5", "\"x\"", "[]", "[0,1,2]", "[1,null]", "{}"]),
+    ) {
+        let _ = recipe(&format!(r#"{{"{field}": {value}}}"#));
+        let _ = recipe(&format!(r#"{{"{field}": {{"{inner}": {value}}}}}"#));
+    }
+}
