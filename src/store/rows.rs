@@ -65,6 +65,12 @@ impl Batch {
         self.changes.extend(other.changes);
     }
 
+    /// Whether there is nothing to change.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
     /// Bytes of all keys and values.
     pub(super) fn bytes(&self) -> usize {
         self.changes.iter().map(|(_, key, value)| key.len() + value.as_ref().map_or(0, Vec::len)).sum()
