@@ -221,6 +221,13 @@ impl State {
         *self.concluded.entry(record.job.state.name()).or_default() += 1;
         self.wake(record.job.id);
     }
+
+    /// Counts a job no more that is submitted again.
+    pub(super) fn forget_concluded(&mut self, former: Option<&JobRecord>) {
+        if let Some(count) = former.and_then(|former| self.concluded.get_mut(&former.job.state.name())) {
+            *count = count.saturating_sub(1);
+        }
+    }
 }
 
 /// The rows of a job in a final state. Finished shards are kept for the next submission where the job failed.

@@ -70,9 +70,7 @@ impl Queue {
         }
         record::put_job(&mut batch, &record)?;
         self.commit(&mut state, Ok(batch))?;
-        if let Some(count) = former.and_then(|former| state.concluded.get_mut(&former.job.state.name())) {
-            *count = count.saturating_sub(1);
-        }
+        state.forget_concluded(former.as_ref());
         state.next_submission += 1;
         let active = Active::new(record, steps);
         let job = active.job();
@@ -120,20 +118,29 @@ impl Queue {
         Ok(rows.into_iter().filter_map(|row| Some((record::step_of_key(&row.key)?, read(row.value)))).collect())
     }
 
-    /// Enters a job that is done without having been in this queue: its table was found in the store. A job that
-    /// the queue knows stays as it is.
+    /// Enters a job that is done, though not by this queue's doing: its table was found in the store. A job that
+    /// the queue has in flight or knows to be done stays as it is.
     ///
     /// # Errors
     /// When it cannot be stored.
-    pub fn adopt(&self, job: Job) -> Result<Job, StoreError> {
+    pub fn adopt(&self, done: Job) -> Result<Job, StoreError> {
         let mut state = self.lock();
-        if let Some(known) = self.find(&state, job.id)? {
-            return Ok(known);
+        if let Some(active) = state.by_id.get(&done.id).and_then(|submission| state.active.get(submission)) {
+            return Ok(active.job());
         }
-        let record = JobRecord { submission: state.next_submission, shard_entries: vec![], job };
+        let former = self.record(&state, done.id)?;
         let mut batch = Batch::default();
+        if let Some(former) = &former {
+            if former.job.state == done.state {
+                return Ok(former.job.clone());
+            }
+            batch.remove(Tree::JobOrder, former.submission.to_be_bytes());
+            record::remove_steps(&mut batch, former);
+        }
+        let record = JobRecord { submission: state.next_submission, shard_entries: vec![], job: done };
         record::put_job(&mut batch, &record)?;
         self.commit(&mut state, Ok(batch))?;
+        state.forget_concluded(former.as_ref());
         state.next_submission += 1;
         state.conclude(&record);
         Ok(record.job)

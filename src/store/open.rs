@@ -73,6 +73,14 @@ impl Store {
     }
 }
 
+#[cfg(test)]
+impl Store {
+    /// A data folder with rows of the test's own.
+    pub(crate) fn with_rows(dir: &Path, rows: Arc<dyn Rows>) -> Self {
+        Self { rows, ..Self::open(dir).unwrap() }
+    }
+}
+
 fn lock(path: &Path) -> Result<File, StoreOpenError> {
     let file = File::options().create(true).truncate(false).write(true).open(path).map_err(StoreOpenError::Unusable)?;
     match file.try_lock() {

@@ -75,6 +75,9 @@ impl Handle {
     }
 
     fn apply(&self, batch: &Batch) -> Result<(), sled::Error> {
+        if batch.is_empty() {
+            return Ok(());
+        }
         let mut touched: Vec<Tree> = batch.changes.iter().map(|(tree, ..)| *tree).collect();
         touched.sort_unstable();
         touched.dedup();
