@@ -116,7 +116,7 @@ impl Run {
     }
 
     /// Takes a held lease out; the flag tells whether the queue must accept it.
-    fn take(&mut self, index: &prop::sample::Index) -> Option<(Work, bool)> {
+    fn take(&mut self, index: prop::sample::Index) -> Option<(Work, bool)> {
         if self.held.is_empty() {
             return None;
         }
@@ -200,7 +200,7 @@ impl Run {
                 self.held.push((work, self.now()));
             }
             Action::Deliver(index) => {
-                let Some((work, current)) = self.take(index) else { return };
+                let Some((work, current)) = self.take(*index) else { return };
                 match self.deliver(&work) {
                     Ok(()) => {
                         assert!(current, "a stale result was taken");
@@ -221,11 +221,11 @@ impl Run {
                 }
             }
             Action::Fail(index) => {
-                let Some((work, current)) = self.take(index) else { return };
+                let Some((work, current)) = self.take(*index) else { return };
                 assert_eq!(self.queue.fail(&work.lease, "bad luck").is_ok(), current);
             }
             Action::GiveBack(index) => {
-                let Some((work, current)) = self.take(index) else { return };
+                let Some((work, current)) = self.take(*index) else { return };
                 assert_eq!(self.queue.give_back(&work.lease).is_ok(), current);
             }
             Action::Progress(index) => {

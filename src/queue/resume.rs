@@ -88,3 +88,79 @@ impl Queue {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::{num::NonZeroU32, path::Path, time::Duration};
+
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::{
+        digest::Digest,
+        queue::{Lease, NewJob, Offer, Step, Submitted},
+        store::{Store, copy_folder},
+    };
+
+    fn open(dir: &Path, max_attempts: u32) -> (Queue, Store) {
+        let store = Store::open(dir).unwrap();
+        let max_attempts = NonZeroU32::new(max_attempts).unwrap();
+        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts };
+        (Queue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
+    }
+
+    fn submit(queue: &Queue) -> JobId {
+        let recipe_digest = Digest::of(b"recipe");
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; 3] };
+        assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
+        JobId::of_recipe(&recipe_digest)
+    }
+
+    fn lease(queue: &Queue) -> (Step, Lease) {
+        match queue.lease(0) {
+            Offer::Work(work) => (work.step, work.lease),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn after_kill_9_leases_are_void_and_finished_shards_stay_finished() {
+        let dir = tempfile::tempdir().unwrap();
+        let (alive, killed) = (dir.path().join("alive"), dir.path().join("killed"));
+        let (queue, _store) = open(&alive, 3);
+        let id = submit(&queue);
+        let (step, first) = lease(&queue);
+        assert_eq!(step, Step::Shard(0));
+        let second = lease(&queue).1;
+        queue.complete(&second, b"result").unwrap();
+        // What kill -9 leaves is what the files hold now: the first shard is leased, the second finished.
+        copy_folder(&alive, &killed).unwrap();
+        let (again, _copy) = open(&killed, 3);
+        let job = again.job(id).unwrap().unwrap();
+        assert_eq!((job.state, job.entries_done), (JobState::Running, 1));
+        let (step, void) = lease(&again);
+        assert_eq!(step, Step::Shard(0), "the dead process's lease does not hold it");
+        assert_eq!(lease(&again).0, Step::Shard(2), "the second shard is not fitted again");
+        assert_ne!(void, first, "another attempt");
+        assert!(again.complete(&first, b"late").is_err());
+    }
+
+    #[test]
+    fn a_shard_that_takes_the_process_with_it_every_time_is_given_up() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut last = dir.path().join("0");
+        let id = submit(&open(&last, 2).0);
+        for crash in 1..=2 {
+            let (queue, _store) = open(&last, 2);
+            assert_eq!(lease(&queue).0, Step::Shard(0));
+            // Another shard's result takes the lease's row to the disk with it.
+            let other = lease(&queue).1;
+            queue.complete(&other, b"result").unwrap();
+            last = dir.path().join(crash.to_string());
+            copy_folder(&dir.path().join((crash - 1).to_string()), &last).unwrap();
+        }
+        let (queue, _store) = open(&last, 2);
+        assert!(matches!(queue.job(id).unwrap().unwrap().state, JobState::Failed { .. }));
+        assert!(matches!(queue.lease(0), Offer::Nothing { .. }));
+    }
+}

@@ -65,10 +65,8 @@ impl Queue {
         let state = self.lock();
         let active =
             |name| state.active.values().filter(|active| active.record.job.state.name() == name).count() as u64;
-        let count = |name: StateName| match name.is_final() {
-            true => state.concluded.get(&name).copied().unwrap_or(0),
-            false => active(name),
-        };
+        let concluded = |name| state.concluded.get(&name).copied().unwrap_or(0);
+        let count = |name: StateName| if name.is_final() { concluded(name) } else { active(name) };
         StateName::ALL.iter().map(|name| (*name, count(*name))).collect()
     }
 

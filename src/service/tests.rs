@@ -362,3 +362,35 @@ fn a_shard_costs_the_service_little() {
     println!("{per_shard:?} a shard");
     assert!(per_shard < Duration::from_millis(50), "{per_shard:?} a shard");
 }
+
+/// On a real disk of a few MiB, named by `LTCFORGE_SMALL_DISK` (`mount -t tmpfs -o size=6m tmpfs DIR`).
+#[test]
+#[ignore = "needs a small disk of its own in LTCFORGE_SMALL_DISK"]
+fn a_disk_that_is_really_full_fails_the_job_and_room_brings_it_back() {
+    let disk = std::path::PathBuf::from(std::env::var_os("LTCFORGE_SMALL_DISK").expect("LTCFORGE_SMALL_DISK"));
+    let (data, filler) = (disk.join("data"), disk.join("filler"));
+    let shared = Arc::new(Shared::default());
+    let service = start(&data, &shared);
+    for round in 0..3 {
+        let recipe = format!("gold{round} 40");
+        shared.set(|b| {
+            b.begun.clear();
+            b.held = true;
+        });
+        let (id, _) = submit(&service, &recipe);
+        shared.wait_for_begun(2);
+        let mut file = fs::File::create(&filler).unwrap();
+        while std::io::Write::write_all(&mut file, &[0; 4096]).is_ok() {}
+        drop(file);
+        shared.set(|b| b.held = false);
+        match end_of(&service, id) {
+            JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
+            other => panic!("{other:?}"),
+        }
+        assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
+        fs::remove_file(&filler).unwrap();
+        fitted(&service, &recipe);
+    }
+    drop(service);
+    assert_eq!(start(&data, &shared).tables(None, 10).unwrap().items.len(), 3);
+}

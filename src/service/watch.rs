@@ -99,15 +99,12 @@ impl Hub {
 
 impl Inner {
     fn news(&mut self, job: Job, now: Timestamp) -> JobNews {
-        let seconds_left = match job.state.name() {
-            StateName::Running => {
-                let start = Pace { since: now, entries_done: job.entries_done };
-                self.paces.entry(job.id).or_insert(start).seconds_left(&job, now)
-            }
-            _ => {
-                self.paces.remove(&job.id);
-                None
-            }
+        let seconds_left = if job.state.name() == StateName::Running {
+            let start = Pace { since: now, entries_done: job.entries_done };
+            self.paces.entry(job.id).or_insert(start).seconds_left(&job, now)
+        } else {
+            self.paces.remove(&job.id);
+            None
         };
         JobNews { sequence: self.sequence(&job, now), job, seconds_left }
     }

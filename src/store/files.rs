@@ -92,7 +92,7 @@ fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
 }
 
 /// Copies a folder with all that is in it.
-pub(super) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+pub(crate) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
         let entry = entry?;

@@ -20,6 +20,9 @@ mod open;
 mod rows;
 mod sled_rows;
 
+#[cfg(test)]
+pub(crate) use files::copy_folder;
+
 pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, TableRow};
 pub use error::StoreError;
