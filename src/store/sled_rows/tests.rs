@@ -91,6 +91,7 @@ fn a_commit_whose_fsync_fails_is_not_acknowledged_and_the_next_one_works() {
     rows.commit(&put("before")).unwrap();
     full.store(1, Ordering::Relaxed);
     assert!(matches!(rows.commit(&put("during")), Err(StoreError::DiskFull)));
+    assert!(rows.handle.read().unwrap().is_none(), "sled refuses everything after a write error: it is closed");
     full.store(0, Ordering::Relaxed);
     rows.commit(&put("after")).unwrap();
     assert!(rows.get(Tree::Jobs, b"before").unwrap().is_some());
