@@ -64,16 +64,32 @@ fn action() -> impl Strategy<Value = Action> {
 }
 
 /// What must be true of a job, told from the answers that the queue gave.
-#[derive(Debug, Default, Clone)]
+#[derive(Debug, Clone)]
 struct Expected {
-    /// Acknowledged and neither cancelled, failed nor done since.
-    open: bool,
+    stage: Stage,
     /// Shards whose completion was acknowledged in this submission, or kept from a failed one.
     finished: BTreeSet<u32>,
-    done: bool,
-    cancelled: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stage {
+    /// Acknowledged and neither done, failed nor cancelled since.
+    Open,
+    Done,
+    Cancelled,
+    Failed,
     /// It failed while the disk was full: nobody can have been promised that this outlives the process.
-    failure_unsaved: bool,
+    FailedUnsaved,
+}
+
+impl Expected {
+    fn concluded(stage: Stage) -> Self {
+        Self { stage, finished: BTreeSet::new() }
+    }
+
+    fn is_open(&self) -> bool {
+        self.stage == Stage::Open
+    }
 }
 
 struct Run {
@@ -114,7 +130,7 @@ impl Run {
     }
 
     fn is_current(&self, work: &Work, seen: i64) -> bool {
-        self.now() < seen + LEASE_SECONDS && self.jobs[&work.job].open
+        self.now() < seen + LEASE_SECONDS && self.jobs[&work.job].is_open()
     }
 
     /// Takes a held lease out; the flag tells whether the queue must accept it.
@@ -138,14 +154,14 @@ impl Run {
 
     /// Notes jobs that the queue has failed: only attempts used up may do that.
     fn notice_failures(&mut self, disk_was_full: bool) {
-        let open: Vec<JobId> = self.jobs.iter().filter(|(_, job)| job.open).map(|(id, _)| *id).collect();
+        let open: Vec<JobId> = self.jobs.iter().filter(|(_, job)| job.is_open()).map(|(id, _)| *id).collect();
         for id in open {
             let job = self.queue.job(id).unwrap().unwrap();
             if let JobState::Failed { error } = job.state {
                 assert_eq!(error.kind, FailureKind::Attempts);
                 assert!(job.attempts >= MAX_ATTEMPTS);
                 let expected = self.jobs.get_mut(&id).unwrap();
-                (expected.open, expected.failure_unsaved) = (false, disk_was_full);
+                expected.stage = if disk_was_full { Stage::FailedUnsaved } else { Stage::Failed };
                 self.close(id);
             }
         }
@@ -169,7 +185,7 @@ impl Run {
             Step::Shard(shard) => assert!(job.finished.insert(shard), "a shard was finished twice"),
             Step::Assemble => {
                 assert_eq!(job.finished.len(), SHARDS as usize, "assembled before all shards were finished");
-                *job = Expected { done: true, ..Expected::default() };
+                *job = Expected::concluded(Stage::Done);
                 self.close(work.job);
             }
         }
@@ -185,14 +201,14 @@ impl Run {
                     Ok(job) => assert_eq!(job.is_some(), known.is_some()),
                     Err(_) => return,
                 }
-                if known.is_some_and(|job| job.open) {
-                    self.jobs.insert(id, Expected { cancelled: true, ..Expected::default() });
+                if known.is_some_and(|job| job.is_open()) {
+                    self.jobs.insert(id, Expected::concluded(Stage::Cancelled));
                     self.close(id);
                 }
             }
             Action::Lease => {
                 let Offer::Work(work) = self.queue.lease(7) else { return };
-                assert!(self.jobs[&work.job].open, "only open jobs are worked on");
+                assert!(self.jobs[&work.job].is_open(), "only open jobs are worked on");
                 if let Step::Shard(shard) = work.step {
                     assert!(!self.jobs[&work.job].finished.contains(&shard), "a finished shard was leased");
                 }
@@ -250,10 +266,9 @@ impl Run {
                 // Leases are held in memory: they ended with the process.
                 self.held.clear();
                 self.spent.clear();
-                for (id, expected) in self.jobs.iter_mut().filter(|(_, expected)| expected.failure_unsaved) {
+                for (id, expected) in self.jobs.iter_mut().filter(|(_, job)| job.stage == Stage::FailedUnsaved) {
                     let job = self.queue.job(*id).unwrap().unwrap();
-                    expected.open = !job.state.name().is_final();
-                    expected.failure_unsaved = false;
+                    expected.stage = if job.state.name().is_final() { Stage::Failed } else { Stage::Open };
                 }
             }
             Action::DiskFull(action) => {
@@ -268,18 +283,18 @@ impl Run {
 
     fn submit(&mut self, n: u8) {
         let id = JobId::of_recipe(&recipe(n).recipe_digest);
-        let open = self.jobs.values().filter(|job| job.open).count();
+        let open = self.jobs.values().filter(|job| job.is_open()).count();
         let former = self.jobs.get(&id).cloned();
         match self.queue.submit(recipe(n), &|_| true) {
-            Ok(Submitted::Joined(_)) => assert!(former.is_some_and(|job| job.open)),
-            Ok(Submitted::Done(..)) => assert!(former.is_some_and(|job| job.done)),
+            Ok(Submitted::Joined(_)) => assert!(former.is_some_and(|job| job.is_open())),
+            Ok(Submitted::Done(..)) => assert!(former.is_some_and(|job| job.stage == Stage::Done)),
             Ok(Submitted::Queued(job)) => {
-                assert!(former.as_ref().is_none_or(|job| !job.open && !job.done));
+                assert!(former.as_ref().is_none_or(|job| !matches!(job.stage, Stage::Open | Stage::Done)));
                 assert!(open < 2);
                 assert_eq!(job.attempts, 0);
                 let finished = former.map(|job| job.finished).unwrap_or_default();
                 assert_eq!(job.entries_done, 2 * finished.len() as u64, "finished shards are kept");
-                self.jobs.insert(id, Expected { open: true, finished, ..Expected::default() });
+                self.jobs.insert(id, Expected { stage: Stage::Open, finished });
             }
             Err(QueueError::Full { .. }) => assert_eq!(open, 2),
             Err(QueueError::Store(_)) => {}
@@ -292,17 +307,17 @@ impl Run {
             let job = queue.job(*id).unwrap().expect("an acknowledged job is there");
             match job.state {
                 JobState::Queued | JobState::Running => {
-                    assert!(expected.open || (after_power_cut && expected.failure_unsaved));
+                    assert!(expected.is_open() || (after_power_cut && expected.stage == Stage::FailedUnsaved));
                 }
                 JobState::Done { table } => {
-                    assert!(expected.done);
+                    assert_eq!(expected.stage, Stage::Done);
                     assert_eq!(table, Digest::of(job.recipe.as_bytes()));
                     assert_eq!(job.entries_done, job.entries_total);
                 }
-                JobState::Cancelled => assert!(expected.cancelled),
-                JobState::Failed { .. } => assert!(!expected.done && !expected.cancelled),
+                JobState::Cancelled => assert_eq!(expected.stage, Stage::Cancelled),
+                JobState::Failed { .. } => assert!(!matches!(expected.stage, Stage::Done | Stage::Cancelled)),
             }
-            if expected.open {
+            if expected.is_open() {
                 assert!(job.entries_done >= 2 * expected.finished.len() as u64, "a finished shard was lost");
             }
         }
@@ -331,10 +346,10 @@ proptest! {
             run.deliver(&work).unwrap();
             run.delivered(&work);
         }
-        prop_assert!(run.jobs.values().all(|job| !job.open));
+        prop_assert!(run.jobs.values().all(|job| !job.is_open()));
         // A failed job keeps its steps, all others leave nothing.
         let rows = run.rows.after_power_cut();
-        let failed = run.jobs.values().filter(|job| !job.done && !job.cancelled).count();
+        let failed = run.jobs.values().filter(|job| matches!(job.stage, Stage::Failed | Stage::FailedUnsaved)).count();
         if failed == 0 {
             run.queue.submit(recipe(9), &|_| true).unwrap();
             prop_assert_eq!(run.rows.len(Tree::Results) + rows.len(Tree::Results), 0);
