@@ -25,6 +25,12 @@ impl JobId {
         Self(id)
     }
 
+    /// The id in 16 bytes; `None` for another number of bytes.
+    #[must_use]
+    pub fn from_slice(bytes: &[u8]) -> Option<Self> {
+        bytes.try_into().ok().map(Self)
+    }
+
     /// The 16 bytes: a key.
     #[must_use]
     pub fn as_bytes(&self) -> &[u8; 16] {
@@ -145,4 +151,29 @@ pub struct Job {
     pub started_at: Option<Timestamp>,
     /// When it reached a final state.
     pub finished_at: Option<Timestamp>,
+}
+
+impl JobState {
+    /// The state without its data.
+    #[must_use]
+    pub fn name(&self) -> StateName {
+        match self {
+            Self::Queued => StateName::Queued,
+            Self::Running => StateName::Running,
+            Self::Done { .. } => StateName::Done,
+            Self::Failed { .. } => StateName::Failed,
+            Self::Cancelled => StateName::Cancelled,
+        }
+    }
+}
+
+impl StateName {
+    /// Every state.
+    pub const ALL: [Self; 5] = [Self::Queued, Self::Running, Self::Done, Self::Failed, Self::Cancelled];
+
+    /// Whether a job in this state changes no more unless it is submitted again.
+    #[must_use]
+    pub fn is_final(self) -> bool {
+        matches!(self, Self::Done | Self::Failed | Self::Cancelled)
+    }
 }

@@ -1,15 +1,14 @@
-//! What the service offers to HTTP and to the command line.
+//! The words in which the service speaks to HTTP and to the command line.
 
-use std::{num::NonZeroUsize, path::PathBuf, sync::Arc, time::Duration};
+use std::{num::NonZeroUsize, path::PathBuf, time::Duration};
 
-use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use tokio::sync::watch;
 
 use crate::{
     digest::Digest,
-    queue::{Job, JobId, StateName},
+    queue::{Job, StateName},
     recipe::RecipeError,
+    store::StoreError,
 };
 
 /// How a service is set up.
@@ -126,19 +125,6 @@ pub struct Page<T> {
     pub next: Option<String>,
 }
 
-/// A table in the catalogue.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TableRow {
-    /// The table.
-    pub digest: Digest,
-    /// Its recipe.
-    pub recipe_digest: Digest,
-    /// Size of its file.
-    pub bytes: u64,
-    /// When it was stored.
-    pub created_at: Timestamp,
-}
-
 /// A running job's news. `sequence` grows by at least one with each change.
 #[derive(Debug, Clone)]
 pub struct JobNews {
@@ -169,112 +155,12 @@ pub struct Metrics {
     pub blobs_corrupt: u64,
 }
 
-/// The service. All its methods block; HTTP calls them from blocking threads.
-#[derive(Debug)]
-pub struct Service {}
-
-impl Service {
-    /// Opens the store, applies migrations, resumes unfinished jobs and starts the workers.
-    ///
-    /// # Errors
-    /// When the folder is locked, not usable, or of a later version.
-    pub fn open(_config: Config) -> Result<Arc<Self>, OpenError> {
-        todo!()
-    }
-
-    /// Stops leasing, lets running shards finish their entry and gives them back, and flushes.
-    pub fn stop(&self) {
-        todo!()
-    }
-
-    /// Whether the service takes and works on jobs.
-    #[must_use]
-    pub fn is_ready(&self) -> bool {
-        todo!()
-    }
-
-    /// Submits a recipe document. The job is durable when this returns.
-    ///
-    /// # Errors
-    /// See [`SubmitError`].
-    pub fn submit(&self, _document: &[u8]) -> Result<Submission, SubmitError> {
-        todo!()
-    }
-
-    /// A job by its id, with the expected seconds to its end.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn job(&self, _id: JobId) -> Result<Option<JobNews>, ServiceError> {
-        todo!()
-    }
-
-    /// Jobs, newest first.
-    ///
-    /// # Errors
-    /// When the store fails. An unknown cursor starts from the newest.
-    pub fn jobs(
-        &self,
-        _state: Option<StateName>,
-        _cursor: Option<&str>,
-        _limit: usize,
-    ) -> Result<Page<JobNews>, ServiceError> {
-        todo!()
-    }
-
-    /// Cancels a job. A finished job stays as it is. Returns the job as it is afterwards.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn cancel(&self, _id: JobId) -> Result<Option<JobNews>, ServiceError> {
-        todo!()
-    }
-
-    /// Follows a job: the receiver always holds the latest news.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn watch(&self, _id: JobId) -> Result<Option<watch::Receiver<JobNews>>, ServiceError> {
-        todo!()
-    }
-
-    /// The canonical file of a table, checked against its digest.
-    ///
-    /// # Errors
-    /// When the blob is damaged or unreadable.
-    pub fn table(&self, _digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        todo!()
-    }
-
-    /// The manifest of a table (see [`super::manifest`]) as JSON bytes.
-    ///
-    /// # Errors
-    /// When the blob is damaged or unreadable.
-    pub fn manifest(&self, _digest: Digest) -> Result<Option<Vec<u8>>, ServiceError> {
-        todo!()
-    }
-
-    /// Tables, newest first.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn tables(&self, _cursor: Option<&str>, _limit: usize) -> Result<Page<TableRow>, ServiceError> {
-        todo!()
-    }
-
-    /// A known recipe's canonical JSON and its table, if it has been fitted.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn recipe(&self, _digest: Digest) -> Result<Option<(String, Option<Digest>)>, ServiceError> {
-        todo!()
-    }
-
-    /// Figures for `/metrics`.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn metrics(&self) -> Result<Metrics, ServiceError> {
-        todo!()
+impl From<StoreError> for ServiceError {
+    fn from(error: StoreError) -> Self {
+        match error {
+            StoreError::DiskFull => Self::DiskFull,
+            StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
+            other => Self::Storage(other.to_string()),
+        }
     }
 }

@@ -1,5 +1,20 @@
 //! The use cases: submit, work, download.
+//!
+//! Invariant: nothing is fitted on a caller's thread; fitting runs on the one rayon pool that the service owns.
 
 mod api;
+mod core;
+mod downloads;
+mod engine;
+mod manifest;
+mod open;
+mod submit;
+#[cfg(test)]
+mod tests;
+mod watch;
+mod work;
 
-pub use api::*;
+pub use self::core::Service;
+pub use crate::store::TableRow;
+pub use api::{Config, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
+pub use manifest::manifest_json;

@@ -1,0 +1,140 @@
+//! One step of a job - a shard, or the assembling of the table - and what may happen to it.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+/// Where a step stands. `attempt` counts its leases and never goes back within one submission, so a result can
+/// be matched with its lease; `failures` counts the leases that came to nothing through an error, a crash or an
+/// expiry, and is what is capped.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "state", rename_all = "snake_case")]
+pub(super) enum StepState {
+    /// Nobody works on it.
+    Waiting {
+        /// Leases so far.
+        attempt: u32,
+        /// Those that failed.
+        failures: u32,
+        /// What the last of them said.
+        last_error: Option<String>,
+    },
+    /// A worker has it.
+    Leased {
+        /// This lease's number.
+        attempt: u32,
+        /// Failures before it.
+        failures: u32,
+        /// What the last of them said.
+        last_error: Option<String>,
+        /// Who has it.
+        worker: u32,
+        /// When it is taken away again, unless the worker shows a sign of life.
+        lease_until: Timestamp,
+    },
+    /// Its result is stored.
+    Finished {
+        /// The lease that finished it.
+        attempt: u32,
+    },
+}
+
+/// A transition that the step's state does not allow: the lease is not the current one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the lease has expired or was taken back")]
+pub struct StaleLease;
+
+impl StepState {
+    /// A step nobody has tried.
+    pub(super) const fn new() -> Self {
+        Self::Waiting { attempt: 0, failures: 0, last_error: None }
+    }
+
+    /// Leases so far, the current one included.
+    pub(super) fn attempt(&self) -> u32 {
+        match self {
+            Self::Waiting { attempt, .. } | Self::Leased { attempt, .. } | Self::Finished { attempt } => *attempt,
+        }
+    }
+
+    /// Leases that failed, and what the last one said.
+    pub(super) fn failures(&self) -> (u32, Option<&str>) {
+        match self {
+            Self::Waiting { failures, last_error, .. } | Self::Leased { failures, last_error, .. } => {
+                (*failures, last_error.as_deref())
+            }
+            Self::Finished { .. } => (0, None),
+        }
+    }
+
+    /// The step under a new lease.
+    pub(super) fn lease(&self, worker: u32, lease_until: Timestamp) -> Result<Self, StaleLease> {
+        match self.clone() {
+            Self::Waiting { attempt, failures, last_error } => {
+                Ok(Self::Leased { attempt: attempt + 1, failures, last_error, worker, lease_until })
+            }
+            Self::Leased { .. } | Self::Finished { .. } => Err(StaleLease),
+        }
+    }
+
+    /// The lease `attempt` with a later expiry.
+    pub(super) fn extend(&mut self, of_attempt: u32, until: Timestamp) -> Result<(), StaleLease> {
+        match self {
+            Self::Leased { attempt, lease_until, .. } if *attempt == of_attempt => {
+                *lease_until = until;
+                Ok(())
+            }
+            _ => Err(StaleLease),
+        }
+    }
+
+    /// The step after its lease `attempt` has delivered.
+    pub(super) fn finish(&self, of_attempt: u32) -> Result<Self, StaleLease> {
+        match self {
+            Self::Leased { attempt, .. } if *attempt == of_attempt => Ok(Self::Finished { attempt: of_attempt }),
+            _ => Err(StaleLease),
+        }
+    }
+
+    /// The step after its lease `attempt` was given back unfinished, without a fault of the step.
+    pub(super) fn give_back(&self, of_attempt: u32) -> Result<Self, StaleLease> {
+        match self.clone() {
+            Self::Leased { attempt, failures, last_error, .. } if attempt == of_attempt => {
+                Ok(Self::Waiting { attempt, failures, last_error })
+            }
+            _ => Err(StaleLease),
+        }
+    }
+
+    /// The step after its lease `attempt` has failed.
+    pub(super) fn fail(&self, of_attempt: u32, error: &str) -> Result<Self, StaleLease> {
+        match self {
+            Self::Leased { attempt, failures, .. } if *attempt == of_attempt => {
+                Ok(Self::Waiting { attempt: *attempt, failures: failures + 1, last_error: Some(error.to_owned()) })
+            }
+            _ => Err(StaleLease),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_current_lease_changes_a_step() {
+        let now = Timestamp::UNIX_EPOCH;
+        let first = StepState::new().lease(0, now).unwrap();
+        assert_eq!(first.lease(1, now), Err(StaleLease), "a leased step is not leased again");
+        let second = first.fail(1, "no luck").unwrap().lease(1, now).unwrap();
+        assert_eq!((second.attempt(), second.failures()), (2, (1, Some("no luck"))));
+        assert_eq!(second.finish(1), Err(StaleLease));
+        assert_eq!(second.give_back(1), Err(StaleLease));
+        assert_eq!(second.fail(1, "late"), Err(StaleLease));
+        assert_eq!(second.clone().extend(1, now), Err(StaleLease));
+        let third = second.give_back(2).unwrap().lease(0, now).unwrap();
+        assert_eq!((third.attempt(), third.failures().0), (3, 1), "giving back is no failure");
+        let finished = third.finish(3).unwrap();
+        assert_eq!(finished.finish(3), Err(StaleLease));
+        assert_eq!(finished.lease(0, now), Err(StaleLease));
+    }
+}

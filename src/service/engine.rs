@@ -1,0 +1,107 @@
+//! The one place where the service meets the fitting core.
+
+use std::{
+    ops::ControlFlow,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use crate::{
+    digest::Digest,
+    export::{self, TableFileError},
+    fit::{self, Plan, Recipe},
+    queue::NewJob,
+    recipe::{self, RecipeError},
+};
+
+/// What the service needs of a fitter. Tests bring their own.
+pub(super) trait Engine: Send + Sync {
+    /// Reads a recipe document and plans its job.
+    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
+
+    /// Fits one shard of a planned recipe. `after_row` hears how many of its entries are done and may stop it; the
+    /// result is `None` then.
+    fn fit_shard(
+        &self,
+        recipe: &str,
+        shard: u32,
+        after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<u8>>, String>;
+
+    /// The canonical file of the table of all shards' results, in order.
+    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String>;
+
+    /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
+    fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
+
+    /// The manifest of a canonical file.
+    fn manifest(&self, file: &[u8]) -> Result<Vec<u8>, TableFileError>;
+}
+
+/// The fitting core of this crate.
+#[derive(Debug, Default)]
+pub(super) struct Fitter {
+    /// The plan of the recipe that was used last: shards of one job follow each other.
+    latest: Mutex<Option<(String, Arc<Plan>)>>,
+}
+
+impl Fitter {
+    fn plan_of(&self, recipe: &str) -> Result<Arc<Plan>, String> {
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, plan)) = latest.as_ref()
+            && of == recipe
+        {
+            return Ok(Arc::clone(plan));
+        }
+        // It was checked when it was submitted.
+        let parsed: Recipe = serde_json::from_str(recipe).map_err(|error| format!("the stored recipe: {error}"))?;
+        let plan = Arc::new(Plan::new(&parsed));
+        *latest = Some((recipe.to_owned(), Arc::clone(&plan)));
+        Ok(plan)
+    }
+}
+
+fn entries(plan: &Plan, shard: u32) -> usize {
+    let range = plan.shard_entries(shard);
+    usize::try_from(range.end - range.start).unwrap_or(usize::MAX)
+}
+
+impl Engine for Fitter {
+    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError> {
+        let parsed = recipe::parse(document, entry_limit)?;
+        let plan = Plan::new(&parsed);
+        let shard_entries = (0..plan.shards()).map(|n| u32::try_from(entries(&plan, n)).unwrap_or(u32::MAX)).collect();
+        let text = recipe::canonical_json(&parsed);
+        Ok(NewJob { recipe_digest: Digest::of(text.as_bytes()), recipe: text, shard_entries })
+    }
+
+    fn fit_shard(
+        &self,
+        recipe: &str,
+        shard: u32,
+        after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<u8>>, String> {
+        let plan = self.plan_of(recipe)?;
+        Ok(fit::fit_shard(&plan, shard, after_row).map(|entries| fit::shard_to_bytes(&entries)))
+    }
+
+    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
+        let plan = self.plan_of(recipe)?;
+        let mut all = Vec::new();
+        for (shard, bytes) in (0..plan.shards()).zip(results) {
+            let fitted = fit::shard_from_bytes(&bytes, entries(&plan, shard));
+            all.extend(fitted.map_err(|error| format!("shard {shard}: {error}"))?);
+        }
+        Ok(export::encode(plan.recipe(), &fit::assemble(&plan, &all)))
+    }
+
+    fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
+        let table = export::decode(file).ok()?;
+        let text = recipe::canonical_json(&table.recipe);
+        let digest = Digest::of(text.as_bytes());
+        Some((text, digest))
+    }
+
+    fn manifest(&self, file: &[u8]) -> Result<Vec<u8>, TableFileError> {
+        super::manifest_json(file)
+    }
+}

@@ -1,0 +1,396 @@
+//! The service on an engine of its own: what it promises whatever is fitted.
+
+use std::{
+    collections::HashMap,
+    fs,
+    num::NonZeroUsize,
+    ops::ControlFlow,
+    path::Path,
+    sync::{Arc, Condvar, Mutex, atomic::Ordering},
+    time::Duration,
+};
+
+use super::{engine::Engine, *};
+use crate::{
+    digest::Digest,
+    export::TableFileError,
+    queue::{FailureKind, JobId, JobState, NewJob, StateName},
+    recipe::RecipeError,
+    store::{Store, Tree, memory::MemoryRows},
+};
+
+const ENTRIES: u32 = 4;
+
+/// How the fake engine behaves, and what it has done.
+#[derive(Debug, Default)]
+struct Behaviour {
+    /// Fits begun, by recipe and shard.
+    begun: HashMap<(String, u32), u32>,
+    /// Fits that end in a panic, from the first of each shard.
+    panics: u32,
+    /// While set, each fit stands still after its first entry.
+    held: bool,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    behaviour: Mutex<Behaviour>,
+    changed: Condvar,
+}
+
+impl Shared {
+    fn set(&self, change: impl FnOnce(&mut Behaviour)) {
+        change(&mut self.behaviour.lock().unwrap());
+        self.changed.notify_all();
+    }
+
+    fn begun(&self) -> u32 {
+        self.behaviour.lock().unwrap().begun.values().sum()
+    }
+
+    fn wait_for_begun(&self, fits: u32) {
+        let behaviour = self.behaviour.lock().unwrap();
+        drop(self.changed.wait_while(behaviour, |b| b.begun.values().sum::<u32>() < fits).unwrap());
+    }
+}
+
+/// A recipe is `NAME SHARDS`; its table is `TABLE NAME SHARDS` and its shards' names.
+struct FakeEngine(Arc<Shared>);
+
+impl Engine for FakeEngine {
+    fn plan(&self, document: &[u8], _entry_limit: u64) -> Result<NewJob, RecipeError> {
+        let refuse = || RecipeError::Json("NAME SHARDS".to_owned());
+        let recipe = String::from_utf8(document.to_vec()).map_err(|_| refuse())?;
+        let shards = recipe.split_once(' ').and_then(|(_, n)| n.parse().ok()).ok_or_else(refuse)?;
+        Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards] })
+    }
+
+    fn fit_shard(
+        &self,
+        recipe: &str,
+        shard: u32,
+        after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<u8>>, String> {
+        let panics = {
+            let mut behaviour = self.0.behaviour.lock().unwrap();
+            let begun = behaviour.begun.entry((recipe.to_owned(), shard)).or_default();
+            *begun += 1;
+            *begun <= behaviour.panics
+        };
+        self.0.changed.notify_all();
+        assert!(!panics, "the lobe fell over");
+        for done in 1..=u64::from(ENTRIES) {
+            if after_row(done).is_break() {
+                return Ok(None);
+            }
+            let behaviour = self.0.behaviour.lock().unwrap();
+            drop(self.0.changed.wait_while(behaviour, |b| b.held).unwrap());
+        }
+        Ok(Some(format!(" {shard}").into_bytes()))
+    }
+
+    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
+        Ok([format!("TABLE {recipe}").into_bytes(), results.concat()].concat())
+    }
+
+    fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
+        let text = std::str::from_utf8(file).ok()?.strip_prefix("TABLE ")?;
+        let recipe: Vec<_> = text.split(' ').take(2).collect();
+        let recipe = recipe.join(" ");
+        let digest = Digest::of(recipe.as_bytes());
+        Some((recipe, digest))
+    }
+
+    fn manifest(&self, _file: &[u8]) -> Result<Vec<u8>, TableFileError> {
+        Ok(b"{}".to_vec())
+    }
+}
+
+fn config(dir: &Path) -> Config {
+    Config {
+        data_dir: dir.to_owned(),
+        workers: NonZeroUsize::new(2).unwrap(),
+        queue_limit: 2,
+        entry_limit: 100,
+        lease_ttl: Duration::from_secs(60),
+        max_attempts: 3,
+    }
+}
+
+fn start(dir: &Path, shared: &Arc<Shared>) -> Arc<Service> {
+    Service::open_with(config(dir), Store::open(dir).unwrap(), Box::new(FakeEngine(Arc::clone(shared)))).unwrap()
+}
+
+/// Follows a job to its end, and checks that its news come in order.
+fn end_of(service: &Service, id: JobId) -> JobState {
+    let mut receiver = service.watch(id).unwrap().unwrap();
+    let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+    runtime.block_on(async {
+        let mut last = 0;
+        loop {
+            let news = receiver.borrow_and_update().clone();
+            assert!(news.sequence > last, "{last} then {news:?}");
+            last = news.sequence;
+            if news.job.state.name().is_final() {
+                return news.job.state;
+            }
+            receiver.changed().await.expect("the last news is the final state");
+        }
+    })
+}
+
+fn submit(service: &Service, recipe: &str) -> (JobId, bool) {
+    match service.submit(recipe.as_bytes()).unwrap() {
+        Submission::InFlight { job, joined } => (job.id, joined),
+        Submission::Ready { .. } => panic!("{recipe} is not to be ready yet"),
+    }
+}
+
+fn fitted(service: &Service, recipe: &str) -> Digest {
+    let (id, _) = submit(service, recipe);
+    match end_of(service, id) {
+        JobState::Done { table } => table,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_recipe_becomes_a_table_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    assert!(service.is_ready());
+    assert!(matches!(service.submit(b"nonsense"), Err(SubmitError::Recipe(_))));
+    let table = fitted(&service, "gold 5");
+    assert_eq!(service.table(table).unwrap().unwrap().as_slice(), b"TABLE gold 5 0 1 2 3 4");
+    assert_eq!(service.manifest(table).unwrap().unwrap(), b"{}");
+    assert!(service.table(Digest::of(b"unknown")).unwrap().is_none());
+    match service.submit(b"gold 5").unwrap() {
+        Submission::Ready { job, table: again } => {
+            assert_eq!((again, job.entries_done, job.entries_total), (table, 20, 20));
+            assert!(job.started_at.is_some() && job.finished_at.is_some());
+        }
+        Submission::InFlight { .. } => panic!("it is there"),
+    }
+    assert_eq!(shared.begun(), 5);
+    let digest = Digest::of(b"gold 5");
+    assert_eq!(service.recipe(digest).unwrap(), Some(("gold 5".to_owned(), Some(table))));
+    let metrics = service.metrics().unwrap();
+    assert_eq!((metrics.entries_fitted, metrics.tables, metrics.table_bytes), (20, 1, 22));
+    assert!(metrics.jobs.contains(&(StateName::Done, 1)));
+    assert_eq!(service.tables(None, 10).unwrap().items[0].digest, table);
+}
+
+#[test]
+fn equal_recipes_share_a_job_and_the_queue_has_a_limit() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    shared.set(|b| b.held = true);
+    let service = start(dir.path(), &shared);
+    let (id, joined) = submit(&service, "gold 3");
+    assert!(!joined);
+    assert_eq!(submit(&service, "gold 3"), (id, true));
+    submit(&service, "silver 1");
+    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::QueueFull { limit: 2, .. })));
+    shared.wait_for_begun(2);
+    let running = service.job(id).unwrap().unwrap().job;
+    assert_eq!(running.state, JobState::Running);
+    shared.set(|b| b.held = false);
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    assert_eq!(shared.behaviour.lock().unwrap().begun[&("gold 3".to_owned(), 0)], 1);
+    fitted(&service, "copper 1");
+    let newest = service.jobs(None, None, 2).unwrap();
+    let names: Vec<_> = newest.items.iter().map(|news| news.job.recipe.as_str()).collect();
+    assert_eq!(names, ["copper 1", "silver 1"]);
+    let rest = service.jobs(None, newest.next.as_deref(), 2).unwrap();
+    assert_eq!((rest.items[0].job.recipe.as_str(), rest.next), ("gold 3", None));
+}
+
+#[test]
+fn a_cancelled_job_stops_and_can_be_submitted_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    shared.set(|b| b.held = true);
+    let service = start(dir.path(), &shared);
+    let (id, _) = submit(&service, "gold 8");
+    shared.wait_for_begun(2);
+    let receiver = service.watch(id).unwrap().unwrap();
+    assert_eq!(service.cancel(id).unwrap().unwrap().job.state, JobState::Cancelled);
+    assert_eq!(receiver.borrow().job.state, JobState::Cancelled);
+    shared.set(|b| b.held = false);
+    fitted(&service, "silver 1");
+    assert_eq!(shared.begun(), 3, "no other shard of the cancelled job was begun");
+    fitted(&service, "gold 8");
+    assert!(service.cancel(id).unwrap().unwrap().job.finished_at.is_some(), "a finished job stays");
+    assert!(matches!(service.job(id).unwrap().unwrap().job.state, JobState::Done { .. }));
+}
+
+#[test]
+fn a_panic_is_a_failed_attempt_and_too_many_fail_the_job_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    shared.set(|b| b.panics = 2);
+    let service = start(dir.path(), &shared);
+    fitted(&service, "gold 2");
+    assert_eq!(service.metrics().unwrap().shard_failures, 4);
+    shared.set(|b| b.panics = u32::MAX);
+    let (id, _) = submit(&service, "silver 2");
+    match end_of(&service, id) {
+        JobState::Failed { error } => {
+            assert_eq!(error.kind, FailureKind::Attempts);
+            assert!(error.detail.contains("the lobe fell over"), "{error:?}");
+        }
+        other => panic!("{other:?}"),
+    }
+    shared.set(|b| b.panics = 0);
+    fitted(&service, "silver 2");
+}
+
+#[test]
+fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let rows = Arc::new(MemoryRows::default());
+    let store = Store::with_rows(dir.path(), rows.clone());
+    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
+    let first = fitted(&service, "silver 1");
+    shared.set(|b| b.held = true);
+    let (id, _) = submit(&service, "gold 4");
+    shared.wait_for_begun(3);
+    rows.full.store(true, Ordering::Relaxed);
+    shared.set(|b| b.held = false);
+    match end_of(&service, id) {
+        JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
+        other => panic!("{other:?}"),
+    }
+    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
+    assert!(service.table(first).unwrap().is_some(), "what is stored is served");
+    rows.full.store(false, Ordering::Relaxed);
+    fitted(&service, "gold 4");
+    assert_eq!(rows.len(Tree::Results) + rows.len(Tree::Shards), 0);
+}
+
+#[test]
+fn a_damaged_table_is_reported_once_and_fitted_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 1");
+    let hex = table.hex();
+    fs::write(dir.path().join("blobs").join(&hex[..2]).join(&hex), "noise").unwrap();
+    assert!(matches!(service.table(table), Err(ServiceError::Corrupt { expected, .. }) if expected == table));
+    assert!(service.table(table).unwrap().is_none());
+    assert!(service.tables(None, 10).unwrap().items.is_empty());
+    assert_eq!(service.metrics().unwrap().blobs_corrupt, 1);
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert_eq!(shared.begun(), 2);
+    assert!(service.table(table).unwrap().is_some());
+}
+
+#[test]
+fn stopping_gives_back_and_the_next_start_goes_on_where_it_was() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    fitted(&service, "gold 8");
+    shared.set(|b| b.held = true);
+    let (id, _) = submit(&service, "silver 6");
+    shared.wait_for_begun(10);
+    let stopper = {
+        let service = Arc::clone(&service);
+        std::thread::spawn(move || service.stop())
+    };
+    while service.is_ready() {
+        std::thread::yield_now();
+    }
+    shared.set(|b| b.held = false);
+    stopper.join().unwrap();
+    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Stopping)));
+    let job = service.job(id).unwrap().unwrap().job;
+    assert_eq!((job.state, job.entries_done), (JobState::Running, 0));
+    assert_eq!(service.metrics().unwrap().shard_failures, 0, "giving back is no failure");
+    drop(service);
+
+    let service = start(dir.path(), &shared);
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    let behaviour = shared.behaviour.lock().unwrap();
+    let begun: u32 = behaviour.begun.iter().filter(|((recipe, _), _)| recipe == "silver 6").map(|(_, n)| n).sum();
+    assert_eq!(begun, 8, "two were given back");
+    drop(behaviour);
+    assert_eq!(service.metrics().unwrap().shard_failures, 0, "giving back is no failure");
+}
+
+#[test]
+fn a_lost_database_leaves_the_tables() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 2");
+    drop(service);
+    fs::remove_dir_all(dir.path().join("db")).unwrap();
+    let service = start(dir.path(), &shared);
+    assert_eq!(service.tables(None, 10).unwrap().items.len(), 1);
+    let Submission::Ready { job, table: again } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
+    assert_eq!(again, table);
+    assert_eq!(service.job(job.id).unwrap().unwrap().job, job, "the job can be looked up");
+    assert_eq!(shared.begun(), 2);
+}
+
+#[test]
+fn followers_of_finished_jobs_cost_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let (id, _) = submit(&service, "gold 2");
+    end_of(&service, id);
+    assert!(!service.core.hub.is_watched(id));
+    let receiver = service.watch(id).unwrap().unwrap();
+    assert!(matches!(receiver.borrow().job.state, JobState::Done { .. }));
+    assert!(!service.core.hub.is_watched(id));
+    assert!(service.watch(JobId::of_recipe(&Digest::of(b"unknown"))).unwrap().is_none());
+}
+
+/// A job of many shards that take no time: what is left is the service's own time.
+#[test]
+fn a_shard_costs_the_service_little() {
+    let dir = tempfile::tempdir().unwrap();
+    let service = start(dir.path(), &Arc::new(Shared::default()));
+    let shards = 256;
+    let begin = std::time::Instant::now();
+    fitted(&service, &format!("gold {shards}"));
+    let per_shard = begin.elapsed() / shards;
+    println!("{per_shard:?} a shard");
+    assert!(per_shard < Duration::from_millis(50), "{per_shard:?} a shard");
+}
+
+/// On a real disk of a few MiB, named by `LTCFORGE_SMALL_DISK` (`mount -t tmpfs -o size=6m tmpfs DIR`).
+#[test]
+#[ignore = "needs a small disk of its own in LTCFORGE_SMALL_DISK"]
+fn a_disk_that_is_really_full_fails_the_job_and_room_brings_it_back() {
+    let disk = std::path::PathBuf::from(std::env::var_os("LTCFORGE_SMALL_DISK").expect("LTCFORGE_SMALL_DISK"));
+    let (data, filler) = (disk.join("data"), disk.join("filler"));
+    let shared = Arc::new(Shared::default());
+    let service = start(&data, &shared);
+    for round in 0..3 {
+        let recipe = format!("gold{round} 40");
+        shared.set(|b| {
+            b.begun.clear();
+            b.held = true;
+        });
+        let (id, _) = submit(&service, &recipe);
+        shared.wait_for_begun(2);
+        let mut file = fs::File::create(&filler).unwrap();
+        while std::io::Write::write_all(&mut file, &[0; 4096]).is_ok() {}
+        drop(file);
+        shared.set(|b| b.held = false);
+        match end_of(&service, id) {
+            JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
+            other => panic!("{other:?}"),
+        }
+        assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
+        fs::remove_file(&filler).unwrap();
+        fitted(&service, &recipe);
+    }
+    drop(service);
+    assert_eq!(start(&data, &shared).tables(None, 10).unwrap().items.len(), 3);
+}

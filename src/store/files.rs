@@ -1,0 +1,170 @@
+//! Files that are whole or absent after a power cut.
+
+use std::{
+    fs::{self, File},
+    io::{self, Write as _},
+    path::{Path, PathBuf},
+};
+
+use super::StoreError;
+
+/// Beginning of the names of files that are being written.
+pub(super) const TEMPORARY: &str = ".tmp-";
+
+/// Writes `bytes` to `path` so that a power cut leaves all of them or nothing: temporary file in the same folder,
+/// fsync, rename, fsync of the folder.
+///
+/// # Errors
+/// When the disk is full or refuses; no temporary file is left then.
+pub(super) fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    let Some((folder, name)) = path.parent().zip(path.file_name()) else {
+        return Err(StoreError::of_io(path, io::ErrorKind::InvalidFilename.into()));
+    };
+    // Two threads may store equal bytes under one name at once; each has its own temporary file.
+    let thread = format!("{:?}", std::thread::current().id()).replace(|c: char| !c.is_ascii_alphanumeric(), "");
+    let temporary = folder.join(format!("{TEMPORARY}{thread}-{}", name.to_string_lossy()));
+    let written = (|| {
+        let mut file = File::create(&temporary)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        fs::rename(&temporary, path)?;
+        sync_folder(folder)
+    })();
+    written.map_err(|source| {
+        // The first error is the one to report; a leftover is also swept at the next start.
+        let _ = fs::remove_file(&temporary);
+        StoreError::of_io(path, source)
+    })
+}
+
+/// Makes the names in `folder` durable.
+pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
+/// Makes `folder` and what is above it, with durable names.
+///
+/// # Errors
+/// When it is not a folder or cannot be made.
+pub(super) fn make_folder(folder: &Path) -> Result<(), StoreError> {
+    let made = (|| {
+        if !folder.is_dir() {
+            fs::create_dir_all(folder)?;
+            folder.parent().filter(|parent| !parent.as_os_str().is_empty()).map_or(Ok(()), sync_folder)?;
+        }
+        Ok(())
+    })();
+    made.map_err(|source| StoreError::of_io(folder, source))
+}
+
+/// Moves `path` into `quarantine` under a name that is not taken there: `<stem>-<n>`. Returns where it is now.
+///
+/// # Errors
+/// When it cannot be moved.
+pub(super) fn move_aside(path: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
+    let target = free_name(quarantine, stem)?;
+    fs::rename(path, &target)
+        .and_then(|()| sync_folder(quarantine))
+        .and_then(|()| path.parent().map_or(Ok(()), sync_folder))
+        .map_err(|source| StoreError::of_io(path, source))?;
+    Ok(target)
+}
+
+/// Copies the folder `from` into `quarantine` under a name that is not taken there. Returns where the copy is.
+///
+/// # Errors
+/// When it cannot be copied; no part of a copy is left then.
+pub(super) fn copy_aside(from: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
+    let target = free_name(quarantine, stem)?;
+    copy_folder(from, &target).map_err(|source| {
+        // The first error is the one to report.
+        let _ = fs::remove_dir_all(&target);
+        StoreError::of_io(from, source)
+    })?;
+    Ok(target)
+}
+
+fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
+    make_folder(quarantine)?;
+    let mut names = (1..=u32::MAX).map(|n| quarantine.join(format!("{stem}-{n}")));
+    let free = names.find(|name| !name.exists());
+    free.ok_or_else(|| StoreError::of_io(quarantine, io::ErrorKind::AlreadyExists.into()))
+}
+
+/// Copies a folder with all that is in it.
+pub(crate) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            copy_folder(&entry.path(), &target)?;
+        } else {
+            fs::copy(entry.path(), target)?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes every file of `folder` whose name begins with `prefix`. Returns how many there were.
+///
+/// # Errors
+/// When the folder cannot be listed or a file cannot be removed.
+pub(super) fn remove_matching(folder: &Path, prefix: &str) -> Result<usize, StoreError> {
+    let removed = (|| {
+        let mut removed = 0;
+        for entry in fs::read_dir(folder)? {
+            let entry = entry?;
+            if entry.file_name().to_string_lossy().starts_with(prefix) {
+                fs::remove_file(entry.path())?;
+                removed += 1;
+            }
+        }
+        Ok(removed)
+    })();
+    removed.map_err(|source| StoreError::of_io(folder, source))
+}
+
+/// Bytes that may still be written below `folder`.
+pub(super) fn free_bytes(folder: &Path) -> io::Result<u64> {
+    let disk = rustix::fs::statvfs(folder)?;
+    Ok(disk.f_bavail.saturating_mul(disk.f_frsize))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn writes_replace_and_leave_no_temporary_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("file");
+        write_durably(&path, b"one").unwrap();
+        write_durably(&path, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_nothing_behind() {
+        let dir = tempfile::tempdir().unwrap();
+        // A folder of that name stands in the way of the rename.
+        let path = dir.path().join("taken");
+        fs::create_dir(&path).unwrap();
+        assert!(matches!(write_durably(&path, b"x"), Err(StoreError::Io { .. })));
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn moving_aside_never_overwrites() {
+        let dir = tempfile::tempdir().unwrap();
+        let quarantine = dir.path().join("quarantine");
+        for n in 1..=2 {
+            let path = dir.path().join("bad");
+            fs::write(&path, format!("{n}")).unwrap();
+            let target = move_aside(&path, &quarantine, "bad").unwrap();
+            assert_eq!(target, quarantine.join(format!("bad-{n}")));
+        }
+        assert_eq!(fs::read(quarantine.join("bad-1")).unwrap(), b"1");
+    }
+}

@@ -1,0 +1,79 @@
+//! Rows in memory, with a disk that can be filled: for tests of what stands on [`Rows`].
+
+use std::{
+    collections::BTreeMap,
+    sync::{
+        Mutex,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+};
+
+use super::{Batch, Row, Rows, StoreError, Tree};
+
+type Map = BTreeMap<(Tree, Vec<u8>), Vec<u8>>;
+
+/// [`Rows`] of a test.
+#[derive(Debug, Default)]
+pub(crate) struct MemoryRows {
+    rows: Mutex<Map>,
+    durable: Mutex<Map>,
+    /// While set, every write is refused.
+    pub(crate) full: AtomicBool,
+    /// Acknowledged commits.
+    pub(crate) commits: AtomicU64,
+}
+
+impl MemoryRows {
+    /// What a power cut now would leave.
+    pub(crate) fn after_power_cut(&self) -> Self {
+        let durable = self.durable.lock().unwrap().clone();
+        Self { rows: Mutex::new(durable.clone()), durable: Mutex::new(durable), ..Self::default() }
+    }
+
+    /// Rows of `tree`.
+    pub(crate) fn len(&self, tree: Tree) -> usize {
+        self.rows.lock().unwrap().keys().filter(|(t, _)| *t == tree).count()
+    }
+
+    fn collect<'a>(rows: impl Iterator<Item = (&'a (Tree, Vec<u8>), &'a Vec<u8>)>) -> Vec<Row> {
+        rows.map(|((_, key), value)| Row { key: key.clone(), value: Some(value.clone()) }).collect()
+    }
+}
+
+impl Rows for MemoryRows {
+    fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
+        Ok(self.rows.lock().unwrap().get(&(tree, key.to_vec())).cloned())
+    }
+
+    fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
+        let rows = self.rows.lock().unwrap();
+        Ok(Self::collect(rows.iter().filter(|((t, key), _)| *t == tree && key.starts_with(prefix))))
+    }
+
+    fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
+        let rows = self.rows.lock().unwrap();
+        let below = |key: &[u8]| before.is_none_or(|before| key < before);
+        Ok(Self::collect(rows.iter().rev().filter(|((t, key), _)| *t == tree && below(key)).take(limit)))
+    }
+
+    fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
+        self.stage(batch)?;
+        *self.durable.lock().unwrap() = self.rows.lock().unwrap().clone();
+        self.commits.fetch_add(1, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
+        if self.full.load(Ordering::Relaxed) {
+            return Err(StoreError::DiskFull);
+        }
+        let mut rows = self.rows.lock().unwrap();
+        for (tree, key, value) in &batch.changes {
+            match value {
+                Some(value) => rows.insert((*tree, key.clone()), value.clone()),
+                None => rows.remove(&(*tree, key.clone())),
+            };
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,168 @@
+//! Small rows in ordered trees: the narrow face of the database.
+
+use sha2::{Digest as _, Sha256};
+
+use super::StoreError;
+
+/// The trees of the current schema; `migrations/` makes them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Tree {
+    /// Job id: the job.
+    Jobs,
+    /// Submission number, big-endian: job id.
+    JobOrder,
+    /// Job id and shard number, big-endian: the shard's state.
+    Shards,
+    /// Job id and shard number, big-endian: a finished shard's bytes, until the table is stored.
+    Results,
+    /// Table digest: its row in the catalogue.
+    Tables,
+    /// Microseconds since 1970, big-endian, and table digest: empty.
+    TablesByAge,
+    /// Recipe digest: the recipe and its table.
+    Recipes,
+}
+
+impl Tree {
+    /// Every tree.
+    pub const ALL: [Self; 7] =
+        [Self::Jobs, Self::JobOrder, Self::Shards, Self::Results, Self::Tables, Self::TablesByAge, Self::Recipes];
+
+    /// The tree's name in the database.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Jobs => "jobs",
+            Self::JobOrder => "job_order",
+            Self::Shards => "shards",
+            Self::Results => "results",
+            Self::Tables => "tables",
+            Self::TablesByAge => "tables_by_age",
+            Self::Recipes => "recipes",
+        }
+    }
+}
+
+/// Changes that are made together or not at all.
+#[derive(Debug, Clone, Default)]
+pub struct Batch {
+    pub(super) changes: Vec<(Tree, Vec<u8>, Option<Vec<u8>>)>,
+}
+
+impl Batch {
+    /// Sets a row.
+    pub fn put(&mut self, tree: Tree, key: impl Into<Vec<u8>>, value: impl Into<Vec<u8>>) {
+        self.changes.push((tree, key.into(), Some(value.into())));
+    }
+
+    /// Removes a row; one that is not there is no error.
+    pub fn remove(&mut self, tree: Tree, key: impl Into<Vec<u8>>) {
+        self.changes.push((tree, key.into(), None));
+    }
+
+    /// Adds the changes of `other`, after those already here.
+    pub fn extend(&mut self, other: Self) {
+        self.changes.extend(other.changes);
+    }
+
+    /// Whether there is nothing to change.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
+    /// Bytes of all keys and values.
+    pub(super) fn bytes(&self) -> usize {
+        self.changes.iter().map(|(_, key, value)| key.len() + value.as_ref().map_or(0, Vec::len)).sum()
+    }
+}
+
+/// One row of a scan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row {
+    /// Its key.
+    pub key: Vec<u8>,
+    /// Its value; `None` when it does not match the hash kept with it.
+    pub value: Option<Vec<u8>>,
+}
+
+/// Rows in ordered trees. What [`Rows::commit`] acknowledged survives a power cut.
+pub trait Rows: Send + Sync + std::fmt::Debug {
+    /// The value of `key`.
+    ///
+    /// # Errors
+    /// [`StoreError::DamagedRow`], or what the database reports.
+    fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError>;
+
+    /// All rows whose key begins with `prefix`, in ascending order.
+    ///
+    /// # Errors
+    /// What the database reports; damaged rows are in the answer, without a value.
+    fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError>;
+
+    /// Up to `limit` rows below `before` (from the last row where it is `None`), in descending order.
+    ///
+    /// # Errors
+    /// What the database reports; damaged rows are in the answer, without a value.
+    fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError>;
+
+    /// Applies `batch`; it is durable when this returns.
+    ///
+    /// # Errors
+    /// [`StoreError::DiskFull`], or what the database reports. The batch is then not acknowledged: it may be there
+    /// or not after the next start, but never in part.
+    fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
+
+    /// Applies `batch` without waiting for the disk; it is durable with the next [`Rows::commit`].
+    ///
+    /// # Errors
+    /// As [`Rows::commit`].
+    fn stage(&self, batch: &Batch) -> Result<(), StoreError>;
+}
+
+/// Bytes of the hash in front of each stored value.
+const SEAL_BYTES: usize = 8;
+
+/// A value as it is stored: the beginning of SHA-256 over tree, key and value, then the value. Bit flips are
+/// found, and so are values under a foreign key.
+pub(super) fn seal(tree: &str, key: &[u8], value: &[u8]) -> Vec<u8> {
+    let mut sealed = hash(tree, key, value).to_vec();
+    sealed.extend_from_slice(value);
+    sealed
+}
+
+/// The inverse of [`seal`]; `None` when the hash does not match.
+pub(super) fn unseal(tree: &str, key: &[u8], sealed: &[u8]) -> Option<Vec<u8>> {
+    let (found, value) = sealed.split_at_checked(SEAL_BYTES)?;
+    (found == hash(tree, key, value)).then(|| value.to_vec())
+}
+
+fn hash(tree: &str, key: &[u8], value: &[u8]) -> [u8; SEAL_BYTES] {
+    let mut hasher = Sha256::new();
+    for part in [tree.as_bytes(), key] {
+        hasher.update((part.len() as u64).to_le_bytes());
+        hasher.update(part);
+    }
+    hasher.update(value);
+    let full = hasher.finalize();
+    std::array::from_fn(|i| full[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sealed_value_opens_under_its_own_key_only_and_every_bit_flip_shows() {
+        let sealed = seal("jobs", b"key", b"value");
+        assert_eq!(unseal("jobs", b"key", &sealed).unwrap(), b"value");
+        assert!(unseal("jobs", b"kex", &sealed).is_none());
+        assert!(unseal("shards", b"key", &sealed).is_none());
+        for bit in 0..sealed.len() * 8 {
+            let mut damaged = sealed.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(unseal("jobs", b"key", &damaged).is_none(), "bit {bit}");
+        }
+        assert!(unseal("jobs", b"key", b"short").is_none());
+    }
+}

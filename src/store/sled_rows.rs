@@ -1,0 +1,227 @@
+//! [`Rows`] in sled.
+//!
+//! What sled 0.34.7 does not do by itself, and is done here: `flush` ends in `sync_file_range`, which a power cut
+//! undoes, so every commit ends in an fsync of the database file; truncated files can panic inside sled, so it is
+//! opened where a panic can be caught; after a write error (a full disk) an open database refuses everything for
+//! good, so it is closed then, and opened again by the next operation.
+
+use std::{
+    fs::File,
+    io,
+    path::{Path, PathBuf},
+    sync::{PoisonError, RwLock, RwLockReadGuard},
+    thread,
+};
+
+use sled::transaction::{TransactionError, Transactional as _};
+
+use super::{
+    Batch, Row, Rows, StoreError, Tree, files,
+    migrations::{self, MigrationError},
+    rows,
+};
+
+/// Memory for sled's page cache. All unfinished jobs' rows fit; what does not is read again.
+const CACHE_BYTES: u64 = 16 << 20;
+
+/// Room that a commit leaves on the disk: sled's log grows by segments of 512 KiB, two may be open, and sled must
+/// never meet a full disk while it writes behind our back.
+const HEADROOM_BYTES: u64 = 2 << 20;
+
+/// Makes what was written to the file durable: `File::sync_all`, or a test's stand-in.
+pub(super) type SyncFn = Box<dyn Fn(&File) -> io::Result<()> + Send + Sync>;
+
+/// Why the database does not open.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum SledOpenError {
+    /// The schema does not fit this program.
+    #[error(transparent)]
+    Schema(MigrationError),
+    /// The disk is full, or the folder cannot be read or written. The data may be sound.
+    #[error(transparent)]
+    Unusable(io::Error),
+    /// Its files are damaged.
+    #[error("{0}")]
+    Damaged(String),
+}
+
+/// Rows in a sled database.
+pub struct SledRows {
+    folder: PathBuf,
+    sync: SyncFn,
+    /// `None` after a write error.
+    handle: RwLock<Option<Handle>>,
+    /// Whether the database had nothing in it, not even a schema, when it was opened.
+    pub(super) was_empty: bool,
+}
+
+struct Handle {
+    db: sled::Db,
+    trees: [sled::Tree; Tree::ALL.len()],
+    /// sled's data file, for our own fsync.
+    file: File,
+    was_empty: bool,
+}
+
+impl std::fmt::Debug for SledRows {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SledRows").field("folder", &self.folder).finish_non_exhaustive()
+    }
+}
+
+impl Handle {
+    fn tree(&self, tree: Tree) -> &sled::Tree {
+        &self.trees[tree as usize]
+    }
+
+    fn apply(&self, batch: &Batch) -> Result<(), sled::Error> {
+        if batch.is_empty() {
+            return Ok(());
+        }
+        let mut touched: Vec<Tree> = batch.changes.iter().map(|(tree, ..)| *tree).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        let trees: Vec<sled::Tree> = touched.iter().map(|tree| self.tree(*tree).clone()).collect();
+        let result = trees.as_slice().transaction(|views| {
+            for (tree, key, value) in &batch.changes {
+                // `touched` has every tree of the batch.
+                let Some((_, view)) = touched.iter().zip(views).find(|(name, _)| *name == tree) else { continue };
+                match value {
+                    Some(value) => view.insert(key.as_slice(), rows::seal(tree.name(), key, value))?,
+                    None => view.remove(key.as_slice())?,
+                };
+            }
+            Ok::<(), sled::transaction::ConflictableTransactionError<()>>(())
+        });
+        match result {
+            Ok(()) | Err(TransactionError::Abort(())) => Ok(()),
+            Err(TransactionError::Storage(error)) => Err(error),
+        }
+    }
+}
+
+impl SledRows {
+    /// Opens or makes the database in `folder` and brings its schema up to date.
+    pub(super) fn open(folder: &Path, sync: SyncFn) -> Result<Self, SledOpenError> {
+        let handle = open_caught(folder)?;
+        sync(&handle.file).map_err(SledOpenError::Unusable)?;
+        let was_empty = handle.was_empty;
+        Ok(Self { folder: folder.to_owned(), sync, handle: RwLock::new(Some(handle)), was_empty })
+    }
+
+    /// Runs `operation` on the database, which is opened again if an earlier write error closed it.
+    fn with<T>(&self, operation: impl FnOnce(&Handle) -> Result<T, sled::Error>) -> Result<T, StoreError> {
+        let guard = loop {
+            let guard: RwLockReadGuard<'_, _> = self.handle.read().unwrap_or_else(PoisonError::into_inner);
+            if guard.is_some() {
+                break guard;
+            }
+            drop(guard);
+            let mut slot = self.handle.write().unwrap_or_else(PoisonError::into_inner);
+            if slot.is_none() {
+                *slot = Some(open_caught(&self.folder).map_err(|error| match error {
+                    SledOpenError::Unusable(source) => StoreError::of_io(&self.folder, source),
+                    other => StoreError::Database(other.to_string()),
+                })?);
+                tracing::info!("the database was opened again");
+            }
+        };
+        let Some(handle) = guard.as_ref() else {
+            return Err(StoreError::Database("the database is closed".to_owned()));
+        };
+        let result = operation(handle);
+        if matches!(result, Err(sled::Error::Io(_))) {
+            drop(guard);
+            tracing::error!("the database was closed after a write error");
+            *self.handle.write().unwrap_or_else(PoisonError::into_inner) = None;
+        }
+        result.map_err(|error| StoreError::of_sled(&error))
+    }
+
+    fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {
+        let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
+        if free < HEADROOM_BYTES + batch.bytes() as u64 { Err(StoreError::DiskFull) } else { Ok(()) }
+    }
+}
+
+impl Rows for SledRows {
+    fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
+        let Some(sealed) = self.with(|handle| handle.tree(tree).get(key))? else { return Ok(None) };
+        match rows::unseal(tree.name(), key, &sealed) {
+            Some(value) => Ok(Some(value)),
+            None => Err(StoreError::DamagedRow { tree, key: key.to_vec() }),
+        }
+    }
+
+    fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
+        self.with(|handle| handle.tree(tree).scan_prefix(prefix).map(|row| opened(tree, row)).collect())
+    }
+
+    fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
+        self.with(|handle| {
+            let rows = match before {
+                Some(before) => handle.tree(tree).range(..before),
+                None => handle.tree(tree).iter(),
+            };
+            rows.rev().take(limit).map(|row| opened(tree, row)).collect()
+        })
+    }
+
+    fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
+        self.ensure_room(batch)?;
+        self.with(|handle| {
+            handle.apply(batch)?;
+            handle.db.flush()?;
+            (self.sync)(&handle.file).map_err(sled::Error::Io)
+        })
+    }
+
+    fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
+        self.ensure_room(batch)?;
+        self.with(|handle| handle.apply(batch))
+    }
+}
+
+fn opened(tree: Tree, row: sled::Result<(sled::IVec, sled::IVec)>) -> sled::Result<Row> {
+    row.map(|(key, sealed)| Row { key: key.to_vec(), value: rows::unseal(tree.name(), &key, &sealed) })
+}
+
+/// Opens the database on a thread of its own, so that a panic inside sled ends as an error.
+fn open_caught(folder: &Path) -> Result<Handle, SledOpenError> {
+    let folder = folder.to_owned();
+    let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || open(&folder));
+    match opening.map_err(SledOpenError::Unusable)?.join() {
+        Ok(result) => result,
+        Err(_) => Err(SledOpenError::Damaged("sled panicked while it opened its files".to_owned())),
+    }
+}
+
+fn open(folder: &Path) -> Result<Handle, SledOpenError> {
+    let refused = |error: sled::Error| match error {
+        // What a cut-off file gives; other I/O errors say nothing about the data.
+        sled::Error::Io(source)
+            if matches!(source.kind(), io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData) =>
+        {
+            SledOpenError::Damaged(source.to_string())
+        }
+        sled::Error::Io(source) => SledOpenError::Unusable(source),
+        other => SledOpenError::Damaged(other.to_string()),
+    };
+    let db = sled::Config::new().path(folder).cache_capacity(CACHE_BYTES).open().map_err(refused)?;
+    let applied = migrations::apply(&db, migrations::ALL).map_err(|error| match error {
+        MigrationError::Sled(error) => refused(error),
+        other => SledOpenError::Schema(other),
+    })?;
+    let mut trees = Vec::with_capacity(Tree::ALL.len());
+    for tree in Tree::ALL {
+        trees.push(db.open_tree(tree.name()).map_err(refused)?);
+    }
+    let trees = trees.try_into().map_err(|_| SledOpenError::Damaged("trees are missing".to_owned()))?;
+    let file = File::options().read(true).write(true).open(folder.join("db")).map_err(SledOpenError::Unusable)?;
+    db.flush().map_err(refused)?;
+    file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
+    Ok(Handle { db, trees, file, was_empty: applied == migrations::ALL.len() })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,109 @@
+use std::sync::{
+    Arc, Mutex,
+    atomic::{AtomicU32, Ordering},
+};
+
+use super::*;
+
+fn put(key: &str) -> Batch {
+    let mut batch = Batch::default();
+    batch.put(Tree::Jobs, key, "job");
+    batch.put(Tree::Shards, key, "shard");
+    batch
+}
+
+fn plain(folder: &Path) -> SledRows {
+    SledRows::open(folder, Box::new(File::sync_all)).unwrap()
+}
+
+#[test]
+fn rows_are_set_removed_scanned_and_paged_in_order() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = plain(dir.path());
+    for key in ["a1", "a2", "b1", "b2"] {
+        rows.commit(&put(key)).unwrap();
+    }
+    let mut batch = Batch::default();
+    batch.remove(Tree::Jobs, "b1");
+    rows.commit(&batch).unwrap();
+    let keys = |rows: Vec<Row>| rows.into_iter().map(|row| String::from_utf8(row.key).unwrap()).collect::<Vec<_>>();
+    assert_eq!(rows.get(Tree::Jobs, b"a1").unwrap().unwrap(), b"job");
+    assert_eq!(rows.get(Tree::Jobs, b"b1").unwrap(), None);
+    assert_eq!(keys(rows.scan(Tree::Jobs, b"a").unwrap()), ["a1", "a2"]);
+    assert_eq!(keys(rows.page(Tree::Shards, None, 2).unwrap()), ["b2", "b1"]);
+    assert_eq!(keys(rows.page(Tree::Shards, Some(b"b1"), 9).unwrap()), ["a2", "a1"]);
+}
+
+#[test]
+fn a_copy_of_the_open_files_has_all_that_was_acknowledged() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = plain(&dir.path().join("db"));
+    for n in 0..20 {
+        rows.commit(&put(&format!("{n:02}"))).unwrap();
+        let killed = dir.path().join(format!("killed-{n}"));
+        files::copy_folder(&dir.path().join("db"), &killed).unwrap();
+        let again = plain(&killed);
+        assert_eq!(again.scan(Tree::Jobs, b"").unwrap().len(), n + 1);
+        assert_eq!(again.scan(Tree::Shards, b"").unwrap().len(), n + 1);
+    }
+}
+
+/// The disk keeps only what was there at the last fsync: every later write is lost with the power.
+#[test]
+fn a_power_cut_loses_nothing_acknowledged() {
+    let dir = tempfile::tempdir().unwrap();
+    let (folder, disk) = (dir.path().join("db"), dir.path().join("disk"));
+    let syncs = Arc::new(AtomicU32::new(0));
+    let last = Arc::new(Mutex::new(PathBuf::new()));
+    let hook = {
+        let (folder, disk, syncs, last) = (folder.clone(), disk, Arc::clone(&syncs), Arc::clone(&last));
+        move |file: &File| {
+            file.sync_all()?;
+            let snapshot = disk.join(syncs.fetch_add(1, Ordering::Relaxed).to_string());
+            files::copy_folder(&folder, &snapshot)?;
+            *last.lock().unwrap() = snapshot;
+            Ok(())
+        }
+    };
+    let rows = SledRows::open(&folder, Box::new(hook)).unwrap();
+    let before = syncs.load(Ordering::Relaxed);
+    for n in 0..12 {
+        rows.commit(&put(&format!("{n:02}"))).unwrap();
+    }
+    assert_eq!(syncs.load(Ordering::Relaxed) - before, 12, "one fsync for each acknowledged commit");
+    rows.stage(&put("lost, and nobody was told otherwise")).unwrap();
+    let survived = plain(&last.lock().unwrap());
+    assert_eq!(survived.scan(Tree::Jobs, b"").unwrap().len(), 12);
+}
+
+#[test]
+fn a_commit_whose_fsync_fails_is_not_acknowledged_and_the_next_one_works() {
+    let dir = tempfile::tempdir().unwrap();
+    let full = Arc::new(AtomicU32::new(0));
+    let hook = {
+        let full = Arc::clone(&full);
+        move |file: &File| match full.load(Ordering::Relaxed) {
+            0 => file.sync_all(),
+            _ => Err(io::ErrorKind::StorageFull.into()),
+        }
+    };
+    let rows = SledRows::open(dir.path(), Box::new(hook)).unwrap();
+    rows.commit(&put("before")).unwrap();
+    full.store(1, Ordering::Relaxed);
+    assert!(matches!(rows.commit(&put("during")), Err(StoreError::DiskFull)));
+    assert!(rows.handle.read().unwrap().is_none(), "sled refuses everything after a write error: it is closed");
+    full.store(0, Ordering::Relaxed);
+    rows.commit(&put("after")).unwrap();
+    assert!(rows.get(Tree::Jobs, b"before").unwrap().is_some());
+    assert!(rows.get(Tree::Jobs, b"after").unwrap().is_some());
+}
+
+#[test]
+fn a_value_that_was_changed_on_the_disk_is_reported() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = plain(dir.path());
+    rows.commit(&put("key")).unwrap();
+    rows.with(|handle| handle.tree(Tree::Jobs).insert("key", b"12345678another".as_slice())).unwrap();
+    assert!(matches!(rows.get(Tree::Jobs, b"key"), Err(StoreError::DamagedRow { tree: Tree::Jobs, .. })));
+    assert_eq!(rows.scan(Tree::Jobs, b"").unwrap()[0].value, None);
+}
