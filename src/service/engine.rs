@@ -91,7 +91,7 @@ impl Engine for Fitter {
             let fitted = fit::shard_from_bytes(&bytes, entries(&plan, shard));
             all.extend(fitted.map_err(|error| format!("shard {shard}: {error}"))?);
         }
-        Ok(export::encode(plan.recipe(), &fit::assemble(&plan, &all)))
+        export::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())
     }
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {

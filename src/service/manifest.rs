@@ -64,7 +64,7 @@ struct Export {
 pub fn manifest_json(file_bytes: &[u8]) -> Result<Vec<u8>, TableFileError> {
     let file = export::decode(file_bytes)?;
     let text = recipe::canonical_json(&file.recipe);
-    let not_json = |error: serde_json::Error| TableFileError(format!("its recipe: {error}"));
+    let not_json = |error: serde_json::Error| TableFileError::Recipe(error.to_string());
     let manifest = Manifest {
         table: Digest::of(file_bytes),
         recipe_digest: Digest::of(text.as_bytes()),
