@@ -42,3 +42,47 @@ fn symmetrised(mut m: DMat3, mirrors: Mirrors) -> DMat3 {
     }
     m
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
+
+    fn regular() -> impl Strategy<Value = DMat3> {
+        prop::array::uniform9(-1.0..1.0)
+            .prop_map(|numbers| DMat3::from_cols_array(&numbers))
+            .prop_filter("regular, third column away from -z", |m| {
+                m.determinant().abs() > 1e-3 && m.z_axis.normalize().z > -0.9
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn every_matrix_of_a_distribution_aligns_to_the_same_one(m in regular(), angle in 0.0..6.3, flip in any::<bool>()) {
+            let flip = DMat3::from_diagonal(DVec3::new(1.0, if flip { -1.0 } else { 1.0 }, 1.0));
+            let other = m * flip * DMat3::from_rotation_z(angle);
+            prop_assert!(align(&m, NO_MIRRORS).abs_diff_eq(align(&other, NO_MIRRORS), 1e-9));
+        }
+
+        #[test]
+        fn aligned_blocks_are_symmetric_and_positive_definite(m in regular()) {
+            let aligned = align(&m, NO_MIRRORS);
+            prop_assert!(aligned.determinant() > 0.0);
+            let local = rotation_from_z(aligned.z_axis.normalize()).transpose() * aligned;
+            prop_assert!((local.x_axis.y - local.y_axis.x).abs() < 1e-12);
+            prop_assert!(local.x_axis.x > 0.0 && local.x_axis.x * local.y_axis.y > local.x_axis.y * local.y_axis.x);
+        }
+    }
+
+    #[test]
+    fn mirrors_leave_exact_zeros() {
+        let m = DMat3::from_cols(DVec3::new(0.4, 1e-9, 0.1), DVec3::new(1e-9, 0.3, 1e-9), DVec3::new(-0.5, 1e-9, 0.8));
+        let aligned = align(&m, Mirrors { x: false, y: true });
+        assert_eq!([aligned.x_axis.y, aligned.y_axis.x, aligned.y_axis.z, aligned.z_axis.y], [0.0; 4]);
+        assert!(aligned.x_axis.z != 0.0 && aligned.z_axis.x != 0.0);
+    }
+}

@@ -129,3 +129,87 @@ impl Fitter {
         loss.value(&(target.frame.transpose() * *matrix), &mut self.work)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{
+        fit::{ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING},
+        math::from_row_major,
+    };
+
+    fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSettings {
+        FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0 }
+    }
+
+    /// A value of the set where fits are hardest, moved by a few ulps.
+    fn hard(values: &'static [f64], low: f64, high: f64) -> impl Strategy<Value = f64> {
+        let near = (prop::sample::select(values), -3_i64..=3)
+            .prop_map(move |(x, ulps)| f64::from_bits(x.to_bits().saturating_add_signed(ulps)).clamp(low, high));
+        prop_oneof![near, low..high]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn every_lobe_gets_a_finite_upright_matrix(
+            alpha in hard(&[ALPHA_FLOOR, 1e-3, 1.0], ALPHA_FLOOR, 1.0),
+            ratio in hard(&[RATIO_FLOOR, 1e-3, 1.0], RATIO_FLOOR, 1.0),
+            theta in hard(&[0.0, 1e-9, 1.57, THETA_CEILING], 0.0, THETA_CEILING),
+            phi in hard(&[0.0, 1e-12, FRAC_PI_2], 0.0, FRAC_PI_2),
+        ) {
+            let ggx = Ggx { alpha_x: alpha, alpha_y: alpha * ratio };
+            let mut fitter = Fitter::new(&settings(Solver::Bfgs, 64, 6, 20));
+            let wo = view_direction(theta, phi);
+            let entry = fitter.fit(&ggx, wo, 0);
+            prop_assert!(entry.matrix.iter().all(|x| x.is_finite()), "{entry:?}");
+            prop_assert!(from_row_major(&entry.matrix).determinant() > 0.0, "{entry:?}");
+            prop_assert!(entry.error.is_finite() && entry.error < 0.2, "{entry:?}");
+            prop_assert!((0.0..=1.0).contains(&entry.fresnel) && (0.0..=1.0 + 1e-9).contains(&entry.amplitude), "{entry:?}");
+        }
+    }
+
+    /// Seen from above, a sharp lobe is an LTC: `M = diag(2 alpha_x, 2 alpha_y, 1)`.
+    #[test]
+    fn a_sharp_lobe_from_above_has_the_limit_s_matrix() {
+        let ggx = Ggx { alpha_x: 1e-3, alpha_y: 4e-4 };
+        let entry = Fitter::new(&settings(Solver::Bfgs, 512, 16, 60)).fit(&ggx, DVec3::Z, 0);
+        let [xx, _, _, _, yy, _, _, _, zz] = entry.matrix;
+        assert!((xx / zz / 2e-3 - 1.0).abs() < 0.01 && (yy / zz / 8e-4 - 1.0).abs() < 0.01, "{entry:?}");
+        assert!((entry.amplitude - 1.0).abs() < 1e-4 && entry.fresnel < 1e-9, "{entry:?}");
+    }
+
+    #[test]
+    fn more_samples_fit_better() {
+        let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
+        let wo = view_direction(1.0, 0.6);
+        let [coarse, fine] =
+            [32, 1024].map(|n| Fitter::new(&settings(Solver::Bfgs, n, 16, 60)).fit(&ggx, wo, 0).matrix);
+        let mut judge = Fitter::new(&settings(Solver::Bfgs, 2048, 48, 1));
+        let [coarse, fine] = [coarse, fine].map(|m| judge.error(&ggx, wo, &from_row_major(&m)));
+        assert!(fine < coarse, "{fine} {coarse}");
+    }
+
+    /// Algorithm 3 goes the same way, only slower: after a few hundred steps a broad lobe is near its best fit.
+    #[test]
+    fn the_paper_s_descent_comes_near_the_same_error() {
+        let ggx = Ggx { alpha_x: 0.8, alpha_y: 0.5 };
+        let wo = view_direction(0.7, 0.4);
+        let ours = Fitter::new(&settings(Solver::Bfgs, 1024, 32, 60)).fit(&ggx, wo, 0).matrix;
+        let descended = |seed| {
+            let settings = FitSettings { seed, ..settings(Solver::Sgd, 256, 8, 600) };
+            Fitter::new(&settings).fit(&ggx, wo, 7).matrix
+        };
+        let mut judge = Fitter::new(&settings(Solver::Bfgs, 1024, 32, 1));
+        let [ours, theirs, identity] = [ours, descended(0), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]]
+            .map(|m| judge.error(&ggx, wo, &from_row_major(&m)));
+        assert!(ours <= theirs && theirs < 2.0 * ours && theirs < 0.2 * identity, "{ours} {theirs} {identity}");
+        assert_eq!(descended(0), descended(0));
+        assert_ne!(descended(0), descended(1));
+    }
+}

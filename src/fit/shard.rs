@@ -188,3 +188,6 @@ pub fn shard_from_bytes(bytes: &[u8], entries: usize) -> Result<Vec<FittedEntry>
         })
         .collect())
 }
+
+#[cfg(test)]
+mod tests;

@@ -48,7 +48,7 @@ pub(super) fn refine(loss: &Loss, guess: &DMat3, mirrors: Mirrors, limits: Limit
     // In units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
     let inv_spread = 1.0 / loss.spread();
     let guess_transposed = guess.transpose();
-    let minimum = minimise([0.0; VARIABLES], free_variables(mirrors), limits, |a| {
+    let lowest = minimise([0.0; VARIABLES], free_variables(mirrors), limits, |a| {
         let m = *guess * correction(a);
         // A mirrored or flattened LTC is the same distribution as an upright one; keep to the upright side.
         if m.determinant() <= 0.0 {
@@ -63,5 +63,61 @@ pub(super) fn refine(loss: &Loss, guess: &DMat3, mirrors: Mirrors, limits: Limit
         gradient[6] += by_zy;
         ((value + unseen) * inv_spread, gradient.map(|slope| slope * inv_spread))
     });
-    *guess * correction(&minimum.point)
+    *guess * correction(&lowest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        fit::{align::align, guess, loss::CosineSamples, target::tests::planted},
+        math::{fibonacci_hemisphere, lattice2},
+    };
+
+    const LIMITS: Limits = Limits { steps: 100, relative_decrease: 1e-6 };
+
+    fn fitted(matrix: DMat3, mirrors: Mirrors) -> DMat3 {
+        let target = planted(matrix, mirrors);
+        let samples = CosineSamples::new(2048, |i| lattice2(i, 2048, [0.0, 0.0]));
+        let directions: Vec<DVec3> = (0..24).map(|i| fibonacci_hemisphere(i, 24, 0.0)).collect();
+        let loss = Loss::new(&target, &samples, &directions);
+        let guess = guess::from_core(&target.core);
+        target.frame * refine(&loss, &guess, mirrors, LIMITS, &mut Workspace::default())
+    }
+
+    /// The representative that scale and gauge do not change.
+    fn canonical(m: DMat3, mirrors: Mirrors) -> DMat3 {
+        let aligned = align(&m, mirrors);
+        aligned * (1.0 / aligned.z_axis.length())
+    }
+
+    #[test]
+    fn a_planted_matrix_is_recovered_up_to_its_invariances() {
+        let cases = [
+            (DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8)),
+            (DVec3::new(0.05, 0.0, 0.02), DVec3::new(0.01, 0.02, 0.0), DVec3::new(-0.7, -0.5, 0.4)),
+            (DVec3::new(1e-3, 0.0, 0.0), DVec3::new(0.0, 2e-4, 0.0), DVec3::new(0.6, 0.0, 0.8)),
+        ];
+        for (x, y, z) in cases {
+            let (planted, mirrors) = (DMat3::from_cols(x, y, z), Mirrors { x: false, y: false });
+            let (wanted, found) = (canonical(planted, mirrors), canonical(fitted(planted, mirrors), mirrors));
+            // Within 3 % of the lobe's own width, column by column.
+            let width = wanted.x_axis.length().max(wanted.y_axis.length());
+            assert!(found.abs_diff_eq(wanted, 0.03 * width), "{wanted}\n{found}");
+        }
+    }
+
+    #[test]
+    fn mirrored_lobes_keep_their_zeros_without_being_told_afterwards() {
+        let planted =
+            DMat3::from_cols(DVec3::new(0.4, 0.0, 0.1), DVec3::new(0.0, 0.2, 0.0), DVec3::new(-0.5, 0.0, 0.8));
+        let found = fitted(planted, Mirrors { x: false, y: true });
+        assert_eq!([found.x_axis.y, found.y_axis.x, found.y_axis.z, found.z_axis.y], [0.0; 4]);
+    }
+
+    #[test]
+    fn symmetric_lobes_have_four_or_two_free_numbers() {
+        let count = |x, y| free_variables(Mirrors { x, y }).into_iter().filter(|free| *free).count();
+        assert_eq!([count(false, false), count(true, false), count(false, true), count(true, true)], [7, 4, 4, 2]);
+    }
 }

@@ -52,7 +52,7 @@ impl Target {
     pub(super) fn sample(brdf: &impl Brdf, wo: DVec3, mirrors: Mirrors, count: usize, shift: [f64; 2]) -> Self {
         let mut directions = Vec::with_capacity(count);
         let mut weights = Vec::with_capacity(count);
-        let (mut total, mut fresnel, mut sum) = (0.0, 0.0, DVec3::ZERO);
+        let (mut total, mut fresnel) = (0.0, 0.0);
         for i in 0..count {
             let sample = brdf.sample(wo, lattice2(i, count, shift));
             if sample.weight > 0.0 {
@@ -60,13 +60,19 @@ impl Target {
                 let grazing = (1.0 - sample.cos_theta_d).max(0.0);
                 let grazing2 = grazing * grazing;
                 fresnel += sample.weight * grazing2 * grazing2 * grazing;
-                sum += sample.weight * sample.wi;
                 directions.push(sample.wi);
                 weights.push(sample.weight);
             }
         }
         let terms = LobeTerms { amplitude: total / count as f64, fresnel: fresnel / count as f64 };
 
+        Self::of_directions(&directions, weights, mirrors, terms)
+    }
+
+    /// The target of weighted directions, the mean of which is above the horizon.
+    fn of_directions(directions: &[DVec3], mut weights: Vec<f64>, mirrors: Mirrors, terms: LobeTerms) -> Self {
+        let total: f64 = weights.iter().sum();
+        let sum = directions.iter().zip(&weights).fold(DVec3::ZERO, |sum, (wi, weight)| sum + *weight * *wi);
         // The samples are not quite symmetric where the lobe is; its mean direction is made so.
         let axis = DVec3::new(if mirrors.x { 0.0 } else { sum.x }, if mirrors.y { 0.0 } else { sum.y }, sum.z);
         let frame = rotation_from_z(axis.normalize());
@@ -146,4 +152,47 @@ impl Core {
 fn offset_from_z(direction: DVec3) -> DVec3 {
     let DVec3 { x, y, z } = direction;
     DVec3::new(x, y, if z > 0.0 { -(x * x + y * y) / (1.0 + z) } else { z - 1.0 })
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::ltc::Ltc;
+
+    /// The target of a lobe that is itself an LTC: what a fit of it should give back.
+    pub(in super::super) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
+        let ltc = Ltc::new(matrix).expect("a regular matrix");
+        let n = 8192;
+        let directions: Vec<DVec3> = (0..n).map(|i| ltc.sample(lattice2(i, n, [0.37, 0.81]))).collect();
+        Target::of_directions(&directions, vec![1.0; n], mirrors, LobeTerms { amplitude: 1.0, fresnel: 0.0 })
+    }
+
+    const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
+
+    #[test]
+    fn the_core_of_a_sharp_lobe_is_half_its_matrix_squared() {
+        for a in [1e-6, 1e-3, 1e-2] {
+            let core = planted(DMat3::from_diagonal(DVec3::new(a, 0.5 * a, 1.0)), NO_MIRRORS).core;
+            let expected = 0.5 * a * a;
+            assert!((core.scatter.x_axis.x / expected - 1.0).abs() < 0.1, "{a}: {core:?}");
+            assert!((core.scatter.y_axis.y / (0.25 * expected) - 1.0).abs() < 0.1, "{a}: {core:?}");
+            assert!(core.centre.length() < 0.05 * a, "{a}: {core:?}");
+        }
+    }
+
+    #[test]
+    fn offsets_keep_their_digits_near_the_axis() {
+        let tiny = DVec3::new(1e-9, 0.0, 1.0);
+        assert_eq!(offset_from_z(tiny).z, -5e-19);
+        let away = DVec3::new(0.6, 0.0, -0.8);
+        assert!((offset_from_z(away) + DVec3::Z - away).length() < 1e-15);
+    }
+
+    #[test]
+    fn a_mirror_puts_the_axis_into_its_plane_exactly() {
+        let matrix = DMat3::from_cols(DVec3::new(0.3, 0.0, 0.1), DVec3::new(0.0, 0.2, 0.0), DVec3::new(-0.5, 0.0, 0.8));
+        let target = planted(matrix, Mirrors { x: false, y: true });
+        assert_eq!(target.frame.z_axis.y, 0.0);
+        assert_eq!(target.core.scatter.x_axis.y, 0.0);
+    }
 }
