@@ -25,7 +25,7 @@ pub(super) struct Status {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct Version {
+pub(super) struct Build {
     name: &'static str,
     version: &'static str,
     /// Raised whenever the same recipe gives other bytes.
@@ -50,8 +50,8 @@ pub(super) async fn metrics(State(api): State<Api>) -> Result<Response, Problem>
 }
 
 /// `GET /version`.
-pub(super) async fn version() -> Json<Version> {
-    Json(Version { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
+pub(super) async fn version() -> Json<Build> {
+    Json(Build { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
 }
 
 /// `GET /openapi.yaml`.
