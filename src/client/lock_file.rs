@@ -115,13 +115,12 @@ pub fn with_pin(text: &str, pin: &Pin) -> Result<String, LockFileError> {
     };
     let same_name = |table: &Table| table.get("name").and_then(Item::as_str) == Some(&pin.name);
     let present = tables.iter().position(same_name);
-    match present.and_then(|index| tables.get_mut(index)) {
-        Some(table) => fill(table, pin),
-        None => {
-            let mut table = Table::new();
-            fill(&mut table, pin);
-            tables.push(table);
-        }
+    if let Some(table) = present.and_then(|index| tables.get_mut(index)) {
+        fill(table, pin);
+    } else {
+        let mut table = Table::new();
+        fill(&mut table, pin);
+        tables.push(table);
     }
     let text = document.to_string();
     parse(&text)?;

@@ -156,11 +156,9 @@ impl Client {
                 latest = news;
             });
             match followed {
-                Err(error @ ClientError::Unavailable { .. }) if heard.elapsed() > RETURN => return Err(error),
-                Err(error @ (ClientError::Refused { .. } | ClientError::Mismatch { .. })) => return Err(error),
-                Err(error @ ClientError::Unexpected { .. }) => return Err(error),
-                Err(ClientError::Unavailable { .. }) | Ok(()) if !latest.is_final() => std::thread::sleep(RETRY),
-                Err(ClientError::Unavailable { .. }) | Ok(()) => {}
+                Err(error) if !is_passing(&error) || heard.elapsed() > RETURN => return Err(error),
+                _ if latest.is_final() => {}
+                _ => std::thread::sleep(RETRY),
             }
         }
         Ok(latest)
@@ -200,6 +198,11 @@ impl Client {
     fn url(&self, path: &str) -> String {
         format!("{}{path}", self.base)
     }
+}
+
+/// Whether another try may go better.
+fn is_passing(error: &ClientError) -> bool {
+    matches!(error, ClientError::Unavailable { .. })
 }
 
 /// The answer, if its status is a success.

@@ -2,8 +2,10 @@
 
 mod axes;
 mod layout;
+mod lookup;
 mod table;
 
 pub use axes::PerAxis;
 pub use layout::Layout;
+pub use lookup::{Configuration, LookedUp};
 pub use table::{Table, Terms};
