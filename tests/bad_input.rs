@@ -127,10 +127,10 @@ fn ids_and_parameters_are_refused_by_name() {
 fn a_full_queue_asks_to_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--queue-limit", "1"]);
-    let id = server.submit(common::LARGE).with_status(202).json()["id"].clone();
+    let id = server.submit(common::ENDLESS).with_status(202).json()["id"].clone();
     let refused = server.submit(SMALL).with_status(429);
     assert!(refused.header("retry-after").is_some());
-    let joined = server.submit(common::LARGE).with_status(202).json();
+    let joined = server.submit(common::ENDLESS).with_status(202).json();
     assert_eq!(joined["id"], id, "an equal recipe takes no second place");
 }
 

@@ -5,7 +5,7 @@ mod common;
 use std::fs;
 
 use common::{
-    LARGE, SMALL,
+    ENDLESS, SMALL,
     command::{ltcforge, run, run_with_stdin, signal},
     eventually,
     server::{Server, text},
@@ -55,7 +55,7 @@ fn fit_tells_every_fault_on_its_line() {
 #[test]
 fn an_interrupted_fit_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("r.json"), r#"{"preset":"best"}"#).expect("a recipe");
+    fs::write(folder.path().join("r.json"), ENDLESS).expect("a recipe");
     let child = ltcforge(folder.path(), ["fit", "r.json", "-o", "out"]).spawn().expect("the binary runs");
     // Once the signal is caught the process sleeps no more in its start: the mask is in /proc.
     let status = format!("/proc/{}/status", child.id());
@@ -135,7 +135,8 @@ fn jobs_are_worked_with_from_the_command_line() {
     assert_eq!(jobs(&["watch", id], "").exited(0).last_line(), digest);
     assert_eq!(jobs(&["list", "--state", "done"], "").exited(0).stdout, submitted.stdout);
 
-    let running: Value = serde_json::from_str(&jobs(&["submit", "-", "--json"], LARGE).exited(0).stdout).expect("JSON");
+    let running: Value =
+        serde_json::from_str(&jobs(&["submit", "-", "--json"], ENDLESS).exited(0).stdout).expect("JSON");
     let id = text(&running["id"]);
     assert!(jobs(&["cancel", id], "").exited(0).stdout.contains(" cancelled "));
     assert!(jobs(&["watch", id], "").exited(5).stderr.contains("cancelled"));

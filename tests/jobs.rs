@@ -5,7 +5,7 @@ mod common;
 use std::io::{BufRead as _, BufReader};
 
 use common::{
-    LARGE, SMALL,
+    ENDLESS, LARGE, SMALL,
     server::{Server, text},
 };
 use ltcforge::digest::Digest;
@@ -194,7 +194,7 @@ fn events_lead_to_the_final_state_and_resume() {
 fn an_open_stream_does_not_hold_up_a_stop() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
-    let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    let id = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();
     let response = ureq::get(format!("{}/v1/jobs/{id}/events", server.url)).call().expect("a stream");
     let mut stream = BufReader::new(response.into_body().into_reader());
     let mut line = String::new();

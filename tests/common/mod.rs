@@ -15,6 +15,9 @@ pub(crate) const SMALL: &str = r#"{"preset":"draft","resolution":{"alpha":2,"rat
 pub(crate) const LARGE: &str =
     r#"{"preset":"draft","resolution":{"alpha":8,"ratio":8,"theta":8,"phi":4},"fit":{"steps":40}}"#;
 
+/// Far more entries than any test waits for.
+pub(crate) const ENDLESS: &str = r#"{"preset":"best","resolution":{"alpha":16,"ratio":16,"theta":16,"phi":16}}"#;
+
 /// How long a condition may take to come true. No test measures time: this only ends one that hangs.
 const DEADLINE: Duration = Duration::from_secs(120);
 
