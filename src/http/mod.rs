@@ -57,7 +57,7 @@ impl Api {
 }
 
 /// Answers requests on `listener` until `shutdown` resolves; then takes no more, ends event streams, lets the
-/// responses under way finish within [`DRAIN`] and returns.
+/// responses under way finish within ten seconds and returns.
 ///
 /// # Errors
 /// When the listener fails.
