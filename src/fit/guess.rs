@@ -1,16 +1,25 @@
 //! The first guess for the matrix of a lobe.
 
-use glam::DMat3;
+use glam::{DMat2, DVec2};
 
 use super::target::Core;
 use crate::math::symmetric_sqrt;
 
-/// The `M` of an LTC whose core lies and scatters as the lobe's does. Maps cosine space to the lobe's frame.
-///
-/// For a sharp one it is `sqrt(2 S)` with the scatter `S` of [`Core`]. The clamped cosine itself, `M = I`, scatters
-/// by 0.2 along either axis, where the factor 2 has become 5; in between it follows the trace.
-pub(super) fn from_core(core: &Core) -> DMat3 {
-    let trace = core.scatter.x_axis.x + core.scatter.y_axis.y;
-    let root = symmetric_sqrt(core.scatter * (2.0 + 7.5 * trace));
-    DMat3::from_cols(root.x_axis.extend(0.0), root.y_axis.extend(0.0), core.centre.extend(1.0))
+/// The `M = [[root^2, centre], [0, 1]]` of an LTC whose core lies and scatters as the lobe's does. Maps cosine space
+/// to the lobe's frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Guess {
+    /// Square root of the upper-left block, symmetric and positive definite like the block.
+    pub(super) root: DMat2,
+    /// First two numbers of the third column.
+    pub(super) centre: DVec2,
+}
+
+impl Guess {
+    /// For a sharp lobe the block is `sqrt(2 S)` with the scatter `S` of [`Core`]. The clamped cosine itself,
+    /// `M = I`, scatters by 0.2 along either axis, where the factor 2 has become 5; in between it follows the trace.
+    pub(super) fn of(core: &Core) -> Self {
+        let trace = core.scatter.x_axis.x + core.scatter.y_axis.y;
+        Self { root: symmetric_sqrt(symmetric_sqrt(core.scatter * (2.0 + 7.5 * trace))), centre: core.centre }
+    }
 }

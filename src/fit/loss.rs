@@ -157,11 +157,6 @@ impl<'a> Loss<'a> {
         Self { samples, slices, spread }
     }
 
-    /// Samples of the LTC.
-    pub(super) fn samples(&self) -> usize {
-        self.samples.points.len()
-    }
-
     /// Mean standard deviation of the target's projections.
     pub(super) fn spread(&self) -> f64 {
         self.spread
@@ -331,14 +326,18 @@ mod tests {
     fn gradient_is_that_of_central_differences() {
         for scale in [1.0, 0.1, 1e-3, 1e-4] {
             let target = planted(lobe(scale), NO_MIRRORS);
-            let (samples, directions) = (samples(1024), directions(16));
+            let (samples, directions) = (samples(8192), directions(16));
             let loss = Loss::new(&target, &samples, &directions);
             let mut work = Workspace::default();
-            let m = near(&target, scale);
+            // Far enough from the lobe for the two cumulatives to cross in few places: at a crossing the
+            // distance has a kink.
+            let far =
+                DMat3::from_cols(DVec3::new(1.8, 0.3, 0.0), DVec3::new(0.3, 0.5, 0.1), DVec3::new(0.5, -0.4, 1.0));
+            let m = near(&target, scale) * far;
             let (value, gradient) = loss.value_and_gradient(&m, &mut work);
             assert_eq!(value, loss.value(&m, &mut work));
-            // A change of 1e-3 of the lobe's width in any element; the kinks of single samples average out.
-            let step = 1e-3 * scale;
+            // Small beside the lobe's width, large beside the distance of its samples, whose kinks average out.
+            let step = 3e-3 * scale;
             let norm = gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>().sqrt();
             for k in 0..9 {
                 let moved = |by: f64| {
@@ -349,7 +348,7 @@ mod tests {
                 let difference = loss.value(&moved(step), &mut work) - loss.value(&moved(-step), &mut work);
                 let slope = difference / (2.0 * step);
                 let analytic = gradient.to_cols_array()[k];
-                assert!((slope - analytic).abs() < 0.01 * norm, "{scale} {k}: {slope} {analytic}");
+                assert!((slope - analytic).abs() < 0.05 * norm, "{scale} {k}: {slope} {analytic}");
             }
         }
     }

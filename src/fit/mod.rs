@@ -18,6 +18,6 @@ mod solve;
 mod target;
 
 pub use entry::{FittedEntry, Fitter};
-pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
+pub use nodes::{ALPHA_FLOOR, ALPHA_Y_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
 pub use shard::{Plan, ShardBytesError, assemble, fit_shard, shard_from_bytes, shard_to_bytes};

@@ -9,6 +9,9 @@ use crate::ltc::{Layout, PerAxis};
 pub const ALPHA_FLOOR: f64 = 1e-4;
 /// The smallest ratio that is fitted: a needle ten thousand times longer than wide.
 pub const RATIO_FLOOR: f64 = 1e-4;
+/// The smaller roughness is fitted as if it were at least this: of a lobe that is already a mirror's in one direction,
+/// the other would be a line thinner than f32 directions are apart, and nothing could be interpolated.
+pub const ALPHA_Y_FLOOR: f64 = 1e-5;
 /// The steepest view that is fitted; at the horizon itself no light is reflected [KT et al. 2022, published table].
 pub const THETA_CEILING: f64 = 0.9999 * FRAC_PI_2;
 

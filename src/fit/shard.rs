@@ -3,7 +3,7 @@
 use std::ops::{ControlFlow, Range};
 
 use super::{
-    Recipe,
+    ALPHA_Y_FLOOR, Recipe,
     align::align,
     entry::{FittedEntry, Fitter, mirrors, view_direction},
     nodes,
@@ -103,7 +103,7 @@ pub fn fit_shard(
 /// its lobe with phi.
 fn fit_row(plan: &Plan, row: u64, fitter: &mut Fitter, entries: &mut Vec<FittedEntry>) {
     let (alpha, ratio, theta) = plan.row(row);
-    let ggx = Ggx { alpha_x: alpha, alpha_y: alpha * ratio };
+    let ggx = Ggx { alpha_x: alpha, alpha_y: (alpha * ratio).max(ALPHA_Y_FLOOR) };
     let first = row * plan.row_length();
     let (from_above, isotropic) = (theta == 0.0, ratio == 1.0);
     let shared = (from_above || isotropic).then(|| fitter.fit(&ggx, view_direction(theta, 0.0), first));

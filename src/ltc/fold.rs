@@ -17,37 +17,6 @@ pub struct Configuration {
     pub phi: f64,
 }
 
-/// A number that is not in a configuration's domain.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{field} is {value}; allowed is {allowed}")]
-pub struct ConfigurationError {
-    /// Which number.
-    pub field: &'static str,
-    /// What it is.
-    pub value: f64,
-    /// What it may be.
-    pub allowed: &'static str,
-}
-
-impl Configuration {
-    /// Checks every number against its domain.
-    ///
-    /// # Errors
-    /// Names the first number outside its domain.
-    pub fn check(&self) -> Result<(), ConfigurationError> {
-        let checks = [
-            ("alpha_x", self.alpha_x, "0 to 1", (0.0..=1.0).contains(&self.alpha_x)),
-            ("alpha_y", self.alpha_y, "0 to 1", (0.0..=1.0).contains(&self.alpha_y)),
-            ("theta", self.theta, "0 to pi/2", (0.0..=FRAC_PI_2).contains(&self.theta)),
-            ("phi", self.phi, "any finite angle", self.phi.is_finite()),
-        ];
-        match checks.into_iter().find(|(.., fine)| !fine) {
-            Some((field, value, allowed, _)) => Err(ConfigurationError { field, value, allowed }),
-            None => Ok(()),
-        }
-    }
-}
-
 /// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and how to come back from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Folded {
@@ -149,21 +118,6 @@ mod tests {
             let folded = Folded::of(&Configuration { alpha_x, alpha_y, theta: 0.5, phi });
             let m = DMat3::from_cols_array(&m);
             prop_assert!((folded.unfold(m).determinant() - m.determinant()).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn every_number_outside_its_domain_is_named() {
-        let fine = Configuration { alpha_x: 0.0, alpha_y: 1.0, theta: FRAC_PI_2, phi: -100.0 };
-        assert_eq!(fine.check(), Ok(()));
-        let bad = [
-            ("alpha_x", Configuration { alpha_x: -1e-9, ..fine }),
-            ("alpha_y", Configuration { alpha_y: f64::NAN, ..fine }),
-            ("theta", Configuration { theta: 1.6, ..fine }),
-            ("phi", Configuration { phi: f64::INFINITY, ..fine }),
-        ];
-        for (field, configuration) in bad {
-            assert_eq!(configuration.check().expect_err("out of domain").field, field);
         }
     }
 }

@@ -43,7 +43,7 @@ impl Table {
     /// The table at a configuration: all four quadrants of phi, either roughness larger; outside the table's ranges
     /// the nearest configuration inside. Between nodes, weights are linear along each axis.
     ///
-    /// Domain: see [`Configuration::check`]. A table without entries has no lookup: its axes are never empty.
+    /// Domain: finite numbers. A table without entries has no lookup: its axes are never empty.
     #[must_use]
     pub fn lookup(&self, configuration: &Configuration) -> LookedUp {
         let folded = Folded::of(configuration);

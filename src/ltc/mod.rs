@@ -11,7 +11,7 @@ mod table;
 
 pub use axes::PerAxis;
 pub use distribution::Ltc;
-pub use fold::{Configuration, ConfigurationError};
+pub use fold::Configuration;
 pub use layout::Layout;
 pub use lookup::LookedUp;
 pub use table::{Table, Terms};

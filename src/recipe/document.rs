@@ -133,7 +133,7 @@ fn check_nodes(recipe: &Recipe, faults: &mut Faults) {
     for ((name, nodes), (_, range)) in axes.named().into_iter().zip(ranges) {
         if nodes.windows(2).any(|pair| pair[0] >= pair[1]) {
             let detail = format!(
-                "[{}, {}] is too narrow for {} nodes: alpha and ratio are fitted from 1e-4 up, theta to 0.9999 pi/2",
+                "[{}, {}] is too narrow for {} nodes: alpha and ratio are fitted from 1e-4 up, theta up to 0.9999 pi/2",
                 range[0],
                 range[1],
                 nodes.len()

@@ -1,0 +1,91 @@
+//! `ltcforge.toml`: settings that are the same on each run.
+//!
+//! ```toml
+//! server = "http://farm:8317"
+//!
+//! [serve]
+//! listen = "0.0.0.0:8317"
+//! data = "/srv/ltcforge"
+//! workers = 8
+//! queue_limit = 64
+//! entry_limit = 2000000
+//! ```
+
+use std::{
+    fs, io,
+    net::SocketAddr,
+    num::{NonZeroU64, NonZeroUsize},
+    path::{Path, PathBuf},
+};
+
+use serde::Deserialize;
+
+use super::{Exit, Failure};
+
+/// The file that is read when none is named.
+const DEFAULT_FILE: &str = "ltcforge.toml";
+
+/// The settings of a file; those it leaves out have their defaults.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ConfigFile {
+    pub(super) server: Option<String>,
+    #[serde(default)]
+    pub(super) serve: ServeSection,
+}
+
+/// Settings of `serve`.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ServeSection {
+    pub(super) listen: Option<SocketAddr>,
+    pub(super) data: Option<PathBuf>,
+    pub(super) workers: Option<NonZeroUsize>,
+    pub(super) queue_limit: Option<NonZeroUsize>,
+    pub(super) entry_limit: Option<NonZeroU64>,
+}
+
+impl ConfigFile {
+    /// Reads `named`, or the default file if there is one.
+    ///
+    /// # Errors
+    /// When a named file is missing, or any file is wrong.
+    pub(super) fn load(named: Option<&Path>) -> Result<Self, Failure> {
+        let path = named.unwrap_or(Path::new(DEFAULT_FILE));
+        let refuse = |reason: String| Failure::new(Exit::Usage, format!("{}: {reason}", path.display()));
+        match fs::read_to_string(path) {
+            Ok(text) => Self::parse(&text).map_err(refuse),
+            Err(error) if error.kind() == io::ErrorKind::NotFound && named.is_none() => Ok(Self::default()),
+            Err(error) => Err(refuse(error.to_string())),
+        }
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        toml_edit::de::from_str(text).map_err(|error| error.to_string().trim_end().to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_read_and_unknown_ones_refused() {
+        let file = ConfigFile::parse("server = 'http://h'\n[serve]\nlisten = '[::1]:80'\nworkers = 3").expect("good");
+        assert_eq!(file.server.as_deref(), Some("http://h"));
+        assert_eq!(file.serve.listen, Some(SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 80))));
+        assert_eq!(file.serve.workers, NonZeroUsize::new(3));
+        for text in ["colour = 1", "[serve]\nport = 1", "[serve]\nworkers = 0", "[serve]\nlisten = 'x'", "="] {
+            assert!(ConfigFile::parse(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn only_a_named_file_must_be_there() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let missing = folder.path().join("none.toml");
+        let refused = ConfigFile::load(Some(&missing)).expect_err("it is missing");
+        assert_eq!(refused.exit, Exit::Usage);
+        assert!(refused.message.contains("none.toml"), "{}", refused.message);
+    }
+}

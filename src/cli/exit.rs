@@ -1,0 +1,140 @@
+//! Exit codes, and what becomes of each error.
+
+use std::{fmt::Write as _, io};
+
+use crate::client::{ClientError, LockFileError, PullError};
+
+/// What the process tells its caller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Exit {
+    /// Done.
+    Ok = 0,
+    /// It could not be done.
+    Failed = 1,
+    /// The command line, a recipe or a configuration is wrong.
+    Usage = 2,
+    /// Bytes are not those of their digest.
+    Mismatch = 3,
+    /// No server answers.
+    Unavailable = 4,
+    /// The job ended without a table.
+    JobFailed = 5,
+    /// The user stopped it.
+    Interrupted = 130,
+}
+
+/// Why a command did not succeed. Its message goes to standard error; an empty one says nothing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// The exit code.
+    pub exit: Exit,
+    /// One or more lines for people.
+    pub message: String,
+}
+
+impl From<Exit> for std::process::ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+impl Failure {
+    /// A failure with its message.
+    #[must_use]
+    pub fn new(exit: Exit, message: impl Into<String>) -> Self {
+        Self { exit, message: message.into() }
+    }
+
+    /// The user stopped it.
+    #[must_use]
+    pub fn interrupted() -> Self {
+        Self::new(Exit::Interrupted, "interrupted")
+    }
+
+    /// Standard output cannot be written. A reader that has seen enough, such as `head`, is no failure.
+    #[must_use]
+    pub fn stdout(error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::new(Exit::Ok, ""),
+            _ => Self::new(Exit::Failed, format!("standard output: {error}")),
+        }
+    }
+}
+
+impl From<ClientError> for Failure {
+    fn from(error: ClientError) -> Self {
+        let mut message = error.to_string();
+        let exit = match error {
+            ClientError::Unavailable { .. } => Exit::Unavailable,
+            ClientError::Mismatch { .. } => Exit::Mismatch,
+            ClientError::Refused { faults, .. } if !faults.is_empty() => {
+                for fault in faults {
+                    // Writing to a String cannot fail.
+                    let _ = write!(message, "\n{}: {}", fault.pointer, fault.detail);
+                }
+                Exit::Usage
+            }
+            ClientError::Refused { .. } | ClientError::Unexpected { .. } => Exit::Failed,
+        };
+        Self::new(exit, message)
+    }
+}
+
+impl From<PullError> for Failure {
+    fn from(error: PullError) -> Self {
+        match error {
+            PullError::Client(error) => error.into(),
+            PullError::File { .. } => Self::new(Exit::Failed, error.to_string()),
+        }
+    }
+}
+
+impl From<LockFileError> for Failure {
+    fn from(error: LockFileError) -> Self {
+        let exit = match error {
+            LockFileError::Read { .. } => Exit::Failed,
+            _ => Exit::Usage,
+        };
+        Self::new(exit, error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{digest::Digest, recipe::Fault};
+
+    #[test]
+    fn each_client_error_has_its_exit_code() {
+        let url = || "http://h".to_owned();
+        let fault = Fault { pointer: "/x".into(), detail: "unknown field".into() };
+        let refused = |status, faults| ClientError::Refused { url: url(), status, detail: "no".into(), faults };
+        let digest = Digest::of(b"");
+        let cases = [
+            (ClientError::Unavailable { url: url(), reason: "x".into() }, 4),
+            (ClientError::Mismatch { url: url(), expected: digest, actual: digest }, 3),
+            (refused(422, vec![fault]), 2),
+            (refused(404, vec![]), 1),
+            (ClientError::Unexpected { url: url(), reason: "x".into() }, 1),
+        ];
+        for (error, code) in cases {
+            let shown = error.to_string();
+            assert_eq!(Failure::from(error).exit as u8, code, "{shown}");
+        }
+    }
+
+    #[test]
+    fn every_fault_stands_on_its_line() {
+        let fault = |pointer: &str| Fault { pointer: pointer.into(), detail: "bad".into() };
+        let faults = vec![fault("/a"), fault("/b")];
+        let error = ClientError::Refused { url: "u".into(), status: 422, detail: "2 faults".into(), faults };
+        assert_eq!(Failure::from(error).message, "u: 2 faults (422)\n/a: bad\n/b: bad");
+    }
+
+    #[test]
+    fn a_reader_that_leaves_is_no_failure() {
+        assert_eq!(Failure::stdout(&io::ErrorKind::BrokenPipe.into()).exit, Exit::Ok);
+        assert_eq!(Failure::stdout(&io::ErrorKind::StorageFull.into()).exit, Exit::Failed);
+    }
+}

@@ -1,0 +1,29 @@
+//! Word that the user wants to stop.
+
+use tokio::sync::watch;
+
+/// Tells a running command that the user wants to stop. Made by `main`, which owns the signals.
+#[derive(Debug, Clone)]
+pub struct Interrupt(watch::Receiver<bool>);
+
+impl Interrupt {
+    /// A pair: sending `true` interrupts.
+    #[must_use]
+    pub fn channel() -> (watch::Sender<bool>, Self) {
+        let (sender, receiver) = watch::channel(false);
+        (sender, Self(receiver))
+    }
+
+    /// Whether the command should stop.
+    #[must_use]
+    pub fn is_set(&self) -> bool {
+        *self.0.borrow()
+    }
+
+    /// Resolves when the command should stop; never, if nobody is left to say so.
+    pub async fn wait(mut self) {
+        if self.0.wait_for(|interrupted| *interrupted).await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    }
+}

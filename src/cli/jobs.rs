@@ -1,0 +1,100 @@
+//! `jobs`: a server's jobs.
+
+use super::{
+    Context, Exit, Failure,
+    args::{JobsAction, JobsArgs},
+    input, print, progress,
+};
+use crate::{
+    client::{Client, JobDocument, JobStatus},
+    queue::{JobId, StateName},
+};
+
+/// Runs an action on jobs.
+pub(super) fn run(args: &JobsArgs, json: bool, client: &Client, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    match &args.action {
+        JobsAction::Submit { recipe, watch } => {
+            let job = client.submit(&input::recipe_document(recipe)?)?;
+            if *watch { follow(job.status.id, json, client, context) } else { show(&job, json, context) }
+        }
+        JobsAction::List { state, limit } => {
+            for job in client.jobs(*state, *limit)? {
+                show(&job, json, context)?;
+            }
+            Ok(Exit::Ok)
+        }
+        JobsAction::Show { id } => show(&client.job(*id)?, json, context),
+        JobsAction::Watch { id } => follow(*id, json, client, context),
+        JobsAction::Cancel { id } => show(&client.cancel(*id)?, json, context),
+    }
+}
+
+fn show(job: &JobDocument, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    print(context.stdout, json, &job.json, &line(&job.status))?;
+    Ok(Exit::Ok)
+}
+
+/// Follows a job; prints each news as JSON, or the digest at the end.
+fn follow(id: JobId, json: bool, client: &Client, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    let bar = progress::bar(context.draws_progress, 0);
+    let mut printed = Ok(());
+    let job = client.follow(id, &mut |news| {
+        bar.set_length(news.status.progress.entries_total);
+        bar.set_position(news.status.progress.entries_done);
+        if json && printed.is_ok() {
+            printed = print(context.stdout, true, &news.json, "");
+        }
+    })?;
+    bar.finish_and_clear();
+    printed?;
+    let Some(table) = job.status.table else {
+        return Err(Failure::new(Exit::JobFailed, line(&job.status)));
+    };
+    if !json {
+        print(context.stdout, false, &job.json, &table.to_string())?;
+    }
+    Ok(Exit::Ok)
+}
+
+/// A job on one line: id, state, and what matters in that state.
+fn line(job: &JobStatus) -> String {
+    let done = format!("{}/{}", job.progress.entries_done, job.progress.entries_total);
+    let (state, matter) = match job.state {
+        StateName::Queued => ("queued", done),
+        StateName::Running => match job.progress.seconds_left {
+            Some(seconds) => ("running", format!("{done}, {seconds:.0} s left")),
+            None => ("running", done),
+        },
+        StateName::Done => ("done", job.table.map(|table| table.to_string()).unwrap_or_default()),
+        StateName::Failed => ("failed", job.error.clone().unwrap_or_default()),
+        StateName::Cancelled => ("cancelled", done),
+    };
+    format!("{} {state} {matter}", job.id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{client::Progress, digest::Digest};
+
+    fn job(state: StateName) -> JobStatus {
+        JobStatus {
+            id: JobId::of_recipe(&Digest::from_bytes([0xab; 32])),
+            state,
+            progress: Progress { entries_done: 3, entries_total: 16, seconds_left: Some(1.6) },
+            attempts: 1,
+            table: None,
+            error: Some("no room".into()),
+        }
+    }
+
+    #[test]
+    fn a_line_says_what_matters_in_each_state() {
+        let id = "ab".repeat(16);
+        assert_eq!(line(&job(StateName::Queued)), format!("{id} queued 3/16"));
+        assert_eq!(line(&job(StateName::Running)), format!("{id} running 3/16, 2 s left"));
+        assert_eq!(line(&job(StateName::Failed)), format!("{id} failed no room"));
+        let done = JobStatus { table: Some(Digest::of(b"")), ..job(StateName::Done) };
+        assert_eq!(line(&done), format!("{id} done {}", Digest::of(b"")));
+    }
+}

@@ -1,0 +1,114 @@
+//! `lookup`: what a shader would fetch from a table.
+
+use std::{
+    fs::{self, File},
+    io::{self, BufRead, BufReader, BufWriter, Write},
+    path::Path,
+};
+
+use serde_json::json;
+
+use super::{
+    Context, Exit, Failure,
+    args::LookupArgs,
+    file_failure, input,
+    points::{self, COLUMNS, Point},
+};
+use crate::{
+    export,
+    ltc::{LookedUp, Table},
+};
+
+/// Prints a matrix for each point, as it is read.
+pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    let path = input::table_path(&args.table, &args.tables)?;
+    let bytes = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+    let table = export::decode(&bytes).map_err(|error| file_failure(&path, &error))?.table;
+    let (name, points): (&str, Box<dyn BufRead>) = if args.points == "-" {
+        ("standard input", Box::new(io::stdin().lock()))
+    } else {
+        let file = File::open(&args.points).map_err(|error| file_failure(Path::new(&args.points), &error))?;
+        (&args.points, Box::new(BufReader::new(file)))
+    };
+    let mut out = BufWriter::new(&mut *context.stdout);
+    look_up(&table, name, points, json, &mut out)?;
+    out.flush().map_err(|error| Failure::stdout(&error))?;
+    Ok(Exit::Ok)
+}
+
+fn look_up(table: &Table, name: &str, points: impl BufRead, json: bool, out: &mut dyn Write) -> Result<(), Failure> {
+    if !json {
+        writeln!(out, "{}", header()).map_err(|error| Failure::stdout(&error))?;
+    }
+    for (index, line) in points.lines().enumerate() {
+        let refuse = |reason: String| Failure::new(Exit::Usage, format!("{name}, line {}: {reason}", index + 1));
+        let line = line.map_err(|error| refuse(error.to_string()))?;
+        if index == 0 && points::is_header(&line) {
+            continue;
+        }
+        if let Some(point) = points::parse(&line).map_err(refuse)? {
+            let found = table.lookup(&point.configuration);
+            let written = if json { write_json(out, &point, &found) } else { write_row(out, &point, &found) };
+            written.map_err(|error| Failure::stdout(&error))?;
+        }
+    }
+    Ok(())
+}
+
+fn header() -> String {
+    let matrix = (0..3).flat_map(|row| (0..3).map(move |column| format!("m{row}{column}")));
+    let columns: Vec<String> = COLUMNS.map(str::to_owned).into_iter().chain(matrix).collect();
+    columns.join(",") + ",amplitude,fresnel"
+}
+
+/// One line of CSV. Numbers are the shortest that read back as the same f64; terms that the table lacks are empty.
+fn write_row(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Result<()> {
+    write!(out, "{}", point.written.join(","))?;
+    for element in found.matrix {
+        write!(out, ",{element}")?;
+    }
+    for term in [found.amplitude, found.fresnel] {
+        match term {
+            Some(term) => write!(out, ",{term}")?,
+            None => write!(out, ",")?,
+        }
+    }
+    writeln!(out)
+}
+
+fn write_json(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Result<()> {
+    let at = &point.configuration;
+    let line = json!({
+        "alpha_x": at.alpha_x, "alpha_y": at.alpha_y, "theta": at.theta, "phi": at.phi,
+        "matrix": found.matrix, "amplitude": found.amplitude, "fresnel": found.fresnel,
+    });
+    writeln!(out, "{line}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(found: &LookedUp) -> String {
+        let point = points::parse("0.10,1,0,7").expect("a point").expect("not empty");
+        let mut out = Vec::new();
+        write_row(&mut out, &point, found).expect("a line in memory");
+        String::from_utf8(out).expect("text")
+    }
+
+    #[test]
+    fn a_row_echoes_the_point_and_rounds_nothing() {
+        let matrix = [1.0, 0.0, 0.1 + 0.2, 1e-17, -2.5, 0.0, 0.0, 0.0, 1.0];
+        let found = LookedUp { matrix, amplitude: Some(0.1), fresnel: Some(0.25) };
+        assert_eq!(row(&found), "0.10,1,0,7,1,0,0.30000000000000004,0.00000000000000001,-2.5,0,0,0,1,0.1,0.25\n");
+        let bare = LookedUp { amplitude: None, fresnel: None, ..found };
+        assert!(row(&bare).ends_with(",1,,\n"), "{}", row(&bare));
+        assert_eq!(row(&bare).matches(',').count(), header().matches(',').count());
+    }
+
+    #[test]
+    fn the_header_names_the_matrix_row_by_row() {
+        let expected = "alpha_x,alpha_y,theta,phi,m00,m01,m02,m10,m11,m12,m20,m21,m22,amplitude,fresnel";
+        assert_eq!(header(), expected);
+    }
+}

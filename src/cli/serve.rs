@@ -1,0 +1,101 @@
+//! `serve`: open the store, listen, stop gracefully.
+
+use std::{
+    io,
+    net::SocketAddr,
+    num::{NonZeroU64, NonZeroUsize},
+    sync::Arc,
+    thread,
+    time::Duration,
+};
+
+use tokio::net::TcpListener;
+
+use super::{Context, Exit, Failure, args::ServeArgs, config_file::ServeSection};
+use crate::{
+    http,
+    recipe::DEFAULT_ENTRY_LIMIT,
+    service::{Config, Service},
+};
+
+const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 8317);
+const DEFAULT_DATA: &str = "ltcforge-data";
+const DEFAULT_QUEUE_LIMIT: usize = 64;
+/// A worker renews its lease every few entries, which take milliseconds each.
+const LEASE_TTL: Duration = Duration::from_secs(60);
+const MAX_ATTEMPTS: u32 = 3;
+
+/// Runs the service until it is interrupted.
+pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    let (listen, config) = settle(args, file);
+    let runtime = context.runtime.clone();
+    runtime.block_on(async {
+        let listener = TcpListener::bind(listen).await.map_err(|error| cannot_listen(listen, &error))?;
+        let address = listener.local_addr().map_err(|error| cannot_listen(listen, &error))?;
+        let opened = tokio::task::spawn_blocking(|| Service::open(config)).await;
+        let service = opened.map_err(failed)?.map_err(failed)?;
+        writeln!(context.stdout, "listening on http://{address}")
+            .and_then(|()| context.stdout.flush())
+            .map_err(|error| Failure::stdout(&error))?;
+        let served = http::serve(listener, Arc::clone(&service), context.interrupt.clone().wait()).await;
+        // Whatever ended the server, what was acknowledged is put away.
+        tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
+        served.map_err(failed)?;
+        Ok(Exit::Ok)
+    })
+}
+
+/// Flags and environment over file over defaults.
+fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
+    let config = Config {
+        data_dir: args.data.or(file.data).unwrap_or_else(|| DEFAULT_DATA.into()),
+        workers: args.workers.or(file.workers).unwrap_or_else(cores),
+        queue_limit: args.queue_limit.or(file.queue_limit).map_or(DEFAULT_QUEUE_LIMIT, NonZeroUsize::get),
+        entry_limit: args.entry_limit.or(file.entry_limit).map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get),
+        lease_ttl: LEASE_TTL,
+        max_attempts: MAX_ATTEMPTS,
+    };
+    (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
+}
+
+/// Cores that the process may use.
+pub(super) fn cores() -> NonZeroUsize {
+    thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+}
+
+fn cannot_listen(listen: SocketAddr, error: &io::Error) -> Failure {
+    let reason = match error.kind() {
+        io::ErrorKind::AddrInUse => "the port is taken".to_owned(),
+        _ => error.to_string(),
+    };
+    Failure::new(Exit::Failed, format!("cannot listen on {listen}: {reason}"))
+}
+
+fn failed(error: impl std::fmt::Display) -> Failure {
+    Failure::new(Exit::Failed, error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOTHING: ServeArgs =
+        ServeArgs { listen: None, data: None, workers: None, queue_limit: None, entry_limit: None };
+
+    #[test]
+    fn a_flag_goes_before_the_file_and_that_before_the_default() {
+        let file = ServeSection { queue_limit: NonZeroUsize::new(5), data: Some("file".into()), ..Default::default() };
+        let flags = ServeArgs { data: Some("flag".into()), ..NOTHING };
+        let (listen, config) = settle(flags, file);
+        assert_eq!(config.data_dir.to_str(), Some("flag"));
+        assert_eq!(config.queue_limit, 5);
+        assert_eq!(config.entry_limit, DEFAULT_ENTRY_LIMIT);
+        assert_eq!(listen, DEFAULT_LISTEN);
+    }
+
+    #[test]
+    fn a_taken_port_is_named() {
+        let refused = cannot_listen(DEFAULT_LISTEN, &io::ErrorKind::AddrInUse.into());
+        assert_eq!(refused.message, "cannot listen on 127.0.0.1:8317: the port is taken");
+    }
+}

@@ -1,0 +1,78 @@
+//! Entity tags and conditional requests [RFC 9110, sections 8.8 and 13].
+
+use axum::http::{HeaderMap, header};
+
+/// A strong entity tag with its quotes, such as `"sha256:…"`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct EntityTag(String);
+
+impl EntityTag {
+    /// The tag of a representation that `name` identifies. `name` holds no quotes.
+    pub(super) fn strong(name: impl std::fmt::Display) -> Self {
+        Self(format!("\"{name}\""))
+    }
+
+    /// The tag as it stands in a header field.
+    pub(super) fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether `If-None-Match` says that the client has this representation: weak comparison.
+    pub(super) fn is_known_to(&self, headers: &HeaderMap) -> bool {
+        let fields = headers.get_all(header::IF_NONE_MATCH).iter();
+        fields.filter_map(|field| field.to_str().ok()).flat_map(tags).any(|tag| {
+            let tag = tag.strip_prefix("W/").unwrap_or(tag);
+            tag == "*" || tag == self.0
+        })
+    }
+
+    /// Whether `If-Range` lets a range be served: strong comparison; a date never matches, for there is none.
+    pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {
+        headers.get(header::IF_RANGE).is_none_or(|field| field.as_bytes() == self.0.as_bytes())
+    }
+}
+
+/// The members of a list of entity tags. No tag of ours holds a comma, so splitting inside a foreign tag's quotes
+/// yields pieces that match nothing.
+fn tags(field: &str) -> impl Iterator<Item = &str> {
+    field.split(',').map(str::trim)
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::http::{HeaderName, HeaderValue};
+
+    use super::*;
+
+    fn headers(fields: &[(HeaderName, &'static str)]) -> HeaderMap {
+        let mut headers = HeaderMap::new();
+        for (name, value) in fields {
+            headers.append(name, HeaderValue::from_static(value));
+        }
+        headers
+    }
+
+    #[test]
+    fn if_none_match_compares_weakly_over_all_members() {
+        let tag = EntityTag::strong("sha256:ab");
+        for known in [r#""sha256:ab""#, r#"W/"sha256:ab""#, r#""x" , "sha256:ab""#, "*"] {
+            assert!(tag.is_known_to(&headers(&[(header::IF_NONE_MATCH, known)])), "{known}");
+        }
+        for other in [r#""sha256:cd""#, "sha256:ab", "", r#""*""#] {
+            assert!(!tag.is_known_to(&headers(&[(header::IF_NONE_MATCH, other)])), "{other}");
+        }
+        let two_fields = [(header::IF_NONE_MATCH, r#""x""#), (header::IF_NONE_MATCH, r#""sha256:ab""#)];
+        assert!(tag.is_known_to(&headers(&two_fields)));
+        assert!(!tag.is_known_to(&HeaderMap::new()));
+    }
+
+    #[test]
+    fn if_range_compares_strongly() {
+        let tag = EntityTag::strong("sha256:ab");
+        assert!(tag.allows_range(&HeaderMap::new()));
+        assert!(tag.allows_range(&headers(&[(header::IF_RANGE, r#""sha256:ab""#)])));
+        for other in [r#"W/"sha256:ab""#, r#""sha256:cd""#, "Thu, 01 Jan 1970 00:00:00 GMT"] {
+            assert!(!tag.allows_range(&headers(&[(header::IF_RANGE, other)])), "{other}");
+        }
+    }
+}

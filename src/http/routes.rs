@@ -1,0 +1,110 @@
+//! Which method on which path does what: one table that the router is built from and that a test holds
+//! `openapi.yaml` to.
+
+use axum::{
+    Router,
+    http::{HeaderValue, Method, Uri, header},
+    response::{IntoResponse, Response},
+    routing::MethodRouter,
+};
+
+use super::{Api, error::Kind, events, jobs, operations, problem::Problem, tables};
+
+/// One call of the interface. A `GET` answers `HEAD` as well; `HEAD` stands here where clients depend on it.
+#[derive(Debug)]
+pub struct Route {
+    /// Request method.
+    pub method: Method,
+    /// Path with `{parameters}`, as in `openapi.yaml`.
+    pub path: &'static str,
+    add: fn(MethodRouter<Api>) -> MethodRouter<Api>,
+}
+
+const fn route(method: Method, path: &'static str, add: fn(MethodRouter<Api>) -> MethodRouter<Api>) -> Route {
+    Route { method, path, add }
+}
+
+/// Every call. The lines of one path stand together.
+pub static ROUTES: &[Route] = &[
+    route(Method::POST, "/v1/jobs", |on| on.post(jobs::submit)),
+    route(Method::GET, "/v1/jobs", |on| on.get(jobs::list)),
+    route(Method::GET, "/v1/jobs/{id}", |on| on.get(jobs::show)),
+    route(Method::DELETE, "/v1/jobs/{id}", |on| on.delete(jobs::cancel)),
+    route(Method::GET, "/v1/jobs/{id}/events", |on| on.get(events::follow)),
+    route(Method::GET, "/v1/tables", |on| on.get(tables::list)),
+    route(Method::GET, "/v1/tables/{digest}", |on| on.get(tables::download)),
+    route(Method::HEAD, "/v1/tables/{digest}", |on| on.head(tables::download)),
+    route(Method::GET, "/v1/tables/{digest}/manifest", |on| on.get(tables::manifest)),
+    route(Method::GET, "/v1/recipes/{digest}", |on| on.get(tables::recipe)),
+    route(Method::GET, "/healthz", |on| on.get(operations::healthz)),
+    route(Method::GET, "/readyz", |on| on.get(operations::readyz)),
+    route(Method::GET, "/metrics", |on| on.get(operations::metrics)),
+    route(Method::GET, "/version", |on| on.get(operations::version)),
+    route(Method::GET, "/openapi.yaml", |on| on.get(operations::openapi)),
+];
+
+/// The router of [`ROUTES`]; any other method on a known path is a 405 that names the allowed ones.
+pub(super) fn router() -> Router<Api> {
+    ROUTES.chunk_by(|a, b| a.path == b.path).fold(Router::new(), |router, lines| {
+        let allowed = allowed_methods(lines);
+        let refuse = move |method: Method, uri: Uri| {
+            let allowed = allowed.clone();
+            async move { method_not_allowed(&method, &uri, &allowed) }
+        };
+        let methods = lines.iter().fold(MethodRouter::new(), |methods, line| (line.add)(methods));
+        router.route(lines[0].path, methods.fallback(refuse))
+    })
+}
+
+/// The answer on paths that are in no line of the table.
+pub(super) async fn no_such_path(uri: Uri) -> Problem {
+    Problem::new(Kind::NoSuchPath, format!("«{}» is no path of this service; /openapi.yaml lists them", uri.path()))
+}
+
+/// The methods of a path's lines, `HEAD` beside every `GET`, as the `Allow` field lists them.
+fn allowed_methods(lines: &[Route]) -> String {
+    let mut names: Vec<&str> = lines.iter().map(|line| line.method.as_str()).collect();
+    if names.contains(&"GET") && !names.contains(&"HEAD") {
+        names.push("HEAD");
+    }
+    names.join(", ")
+}
+
+fn method_not_allowed(method: &Method, uri: &Uri, allowed: &str) -> Response {
+    let detail = format!("{method} is not allowed on «{}»; allowed: {allowed}", uri.path());
+    let mut response = Problem::new(Kind::MethodNotAllowed, detail).into_response();
+    if let Ok(allowed) = HeaderValue::from_str(allowed) {
+        response.headers_mut().insert(header::ALLOW, allowed);
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn the_lines_of_a_path_stand_together_and_none_stands_twice() {
+        let runs = ROUTES.chunk_by(|a, b| a.path == b.path).count();
+        let paths: BTreeSet<&str> = ROUTES.iter().map(|route| route.path).collect();
+        assert_eq!(runs, paths.len());
+        let calls: BTreeSet<String> = ROUTES.iter().map(|route| format!("{} {}", route.method, route.path)).collect();
+        assert_eq!(calls.len(), ROUTES.len());
+    }
+
+    #[test]
+    fn the_router_can_be_built() {
+        // axum panics on paths that clash.
+        let _ = router();
+    }
+
+    #[tokio::test]
+    async fn a_wrong_method_is_told_the_allowed_ones() {
+        let response = method_not_allowed(&Method::PUT, &Uri::from_static("/v1/jobs"), &allowed_methods(&ROUTES[..2]));
+        assert_eq!(response.status(), 405);
+        assert_eq!(response.headers()[header::ALLOW], "POST, GET, HEAD");
+        assert_eq!(response.headers()[header::CONTENT_TYPE], "application/problem+json");
+    }
+}

@@ -1,0 +1,173 @@
+//! Bad input gets a clear answer, and nothing is lost.
+
+mod common;
+
+use common::{
+    SMALL,
+    command::run,
+    server::{Answer, Server},
+};
+
+/// The pointers of a refused recipe.
+#[track_caller]
+fn pointers(answer: &Answer) -> Vec<String> {
+    let problem = answer.json();
+    let errors = problem["errors"].as_array().unwrap_or_else(|| panic!("no errors in {problem:#}"));
+    errors.iter().map(|error| error["pointer"].as_str().expect("a pointer").to_owned()).collect()
+}
+
+#[test]
+fn each_fault_of_a_recipe_is_pointed_at() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let cases = [
+        (r#"{"preset":"draft","colour":"red"}"#, "/colour"),
+        (r#"{"preset":"draft","fit":{"sample":64}}"#, "/fit/sample"),
+        (r#"{"preset":"draft","resolution":{"alpha":"8"}}"#, "/resolution/alpha"),
+        (r#"{"preset":"draft","resolution":{"alpha":2.5}}"#, "/resolution/alpha"),
+        (r#"{"preset":"draft","resolution":{"theta":0}}"#, "/resolution/theta"),
+        (r#"{"preset":"draft","resolution":{"theta":1}}"#, "/resolution/theta"),
+        (r#"{"preset":"draft","resolution":{"phi":-1}}"#, "/resolution/phi"),
+        (r#"{"preset":"draft","resolution":{"alpha":1000,"ratio":1000}}"#, "/resolution"),
+        (r#"{"preset":"draft","range":{"alpha":[0.9,0.1]}}"#, "/range/alpha"),
+        (r#"{"preset":"draft","range":{"theta":[0,3]}}"#, "/range/theta"),
+        (r#"{"preset":"draft","range":{"phi":[0]}}"#, "/range/phi"),
+        (r#"{"preset":"draft","range":{"ratio":[0,null]}}"#, "/range/ratio"),
+        (r#"{"preset":"draft","fit":{"samples":0}}"#, "/fit/samples"),
+        (r#"{"preset":"draft","fit":{"samples":4000000000}}"#, "/fit/samples"),
+        (r#"{"preset":"draft","fit":{"directions":0}}"#, "/fit/directions"),
+        (r#"{"preset":"draft","fit":{"solver":"magic"}}"#, "/fit/solver"),
+        (r#"{"preset":"draft","terms":"yes"}"#, "/terms"),
+        (r#"{"preset":"finest"}"#, "/preset"),
+        (r#"{"preset":7}"#, "/preset"),
+        ("{}", ""),
+        ("[]", ""),
+        ("\"draft\"", ""),
+    ];
+    for (recipe, pointer) in cases {
+        let refused = server.submit(recipe).with_status(422);
+        let pointed = pointers(&refused);
+        assert!(pointed.iter().any(|found| found.starts_with(pointer)), "{recipe}: {pointed:?}");
+    }
+    let jobs = server.get("/v1/jobs").with_status(200).json();
+    assert_eq!(jobs["items"].as_array().map(Vec::len), Some(0), "a refused recipe leaves no job");
+}
+
+#[test]
+fn all_faults_are_told_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let recipe =
+        r#"{"preset":"draft","colour":1,"resolution":{"alpha":0},"range":{"theta":[1,0]},"fit":{"samples":0}}"#;
+    let pointed = pointers(&server.submit(recipe).with_status(422));
+    for pointer in ["/colour", "/resolution/alpha", "/range/theta", "/fit/samples"] {
+        assert!(pointed.iter().any(|found| found.starts_with(pointer)), "{pointer} is missing in {pointed:?}");
+    }
+}
+
+#[test]
+fn what_is_not_json_or_too_long_or_of_another_type_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    for text in ["", "{", "preset: draft", r#"{"preset":"draft","range":{"alpha":[NaN,1]}}"#, "{} {}", "\u{0}"] {
+        assert_eq!(server.submit(text).with_status(400).json()["type"], "/problems/not-json", "{text:?}");
+    }
+    let deep = "[".repeat(60_000);
+    assert_eq!(server.submit(&deep).with_status(400).json()["type"], "/problems/not-json");
+
+    let padded = |length: usize| format!("{SMALL}{}", " ".repeat(length - SMALL.len()));
+    server.submit(&padded(64 * 1024)).with_status(202);
+    assert_eq!(server.submit(&padded(64 * 1024 + 1)).with_status(413).json()["type"], "/problems/body-too-large");
+
+    let post = |fields: &[(&str, &str)]| server.request("POST", "/v1/jobs", fields, Some(SMALL.as_bytes()));
+    assert_eq!(post(&[("content-type", "text/plain")]).with_status(415).json()["type"], "/problems/not-json-type");
+    assert!(post(&[("content-type", "application/recipe+json")]).status < 300);
+    assert!(post(&[]).status < 300, "a missing content type is JSON");
+}
+
+#[test]
+fn ids_and_parameters_are_refused_by_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let (id, digest) = ("0".repeat(32), "0".repeat(64));
+    let unknown = [
+        (format!("/v1/jobs/{id}"), "/problems/unknown-job"),
+        (format!("/v1/jobs/{id}/events"), "/problems/unknown-job"),
+        (format!("/v1/tables/{digest}"), "/problems/unknown-table"),
+        (format!("/v1/tables/sha256:{digest}/manifest"), "/problems/unknown-table"),
+        (format!("/v1/recipes/{digest}"), "/problems/unknown-recipe"),
+    ];
+    for (path, kind) in unknown {
+        assert_eq!(server.get(&path).with_status(404).json()["type"], kind, "{path}");
+    }
+    assert_eq!(server.request("DELETE", &format!("/v1/jobs/{id}"), &[], None).status, 404);
+
+    let malformed = [
+        ("/v1/jobs/xyz", "«xyz»"),
+        ("/v1/jobs/%FF", "UTF-8"),
+        ("/v1/tables/sha256:12", "«sha256:12»"),
+        ("/v1/recipes/..%2F..%2Fetc", "«../../etc»"),
+        ("/v1/jobs?sate=done", "sate"),
+        ("/v1/jobs?state=finished", "finished"),
+        ("/v1/jobs?limit=0", "«0»"),
+        ("/v1/jobs?limit=ten", "«ten»"),
+        ("/v1/tables?state=done", "state"),
+        ("/v1/tables/0000000000000000000000000000000000000000000000000000000000000000?x=1", "x"),
+    ];
+    for (path, named) in malformed {
+        let problem = server.get(path).with_status(400).json();
+        let detail = problem["detail"].as_str().unwrap_or_default();
+        assert!(detail.contains(named), "{path}: {detail}");
+    }
+    // A cursor that is not known starts from the newest.
+    server.get("/v1/jobs?cursor=%00%2Fxyz").with_status(200);
+}
+
+#[test]
+fn a_full_queue_asks_to_come_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--queue-limit", "1"]);
+    let id = server.submit(common::ENDLESS).with_status(202).json()["id"].clone();
+    let refused = server.submit(SMALL).with_status(429);
+    assert!(refused.header("retry-after").is_some());
+    let joined = server.submit(common::ENDLESS).with_status(202).json();
+    assert_eq!(joined["id"], id, "an equal recipe takes no second place");
+}
+
+#[test]
+fn a_limit_on_entries_is_the_operators() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--entry-limit", "15"]);
+    assert_eq!(server.submit(SMALL).with_status(422).json()["type"], "/problems/bad-recipe");
+}
+
+/// The one line in which a service that does not start says why.
+#[track_caller]
+fn complaint(data: &std::path::Path, listen: &str) -> String {
+    let data = data.to_str().expect("a path in UTF-8");
+    let ended = run(&std::env::temp_dir(), ["serve", "--listen", listen, "--data", data]).exited(1);
+    assert_eq!(ended.complaints().len(), 1, "{ended:#?}");
+    assert_eq!(ended.stdout, "", "a service that does not start announces nothing");
+    ended.complaints()[0].to_owned()
+}
+
+#[test]
+fn a_service_that_cannot_start_says_which_thing_it_lacks() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (one, other) = (folder.path().join("one"), folder.path().join("other"));
+    let server = Server::start(&one, &[]);
+    let address = server.url.strip_prefix("http://").expect("an http URL");
+
+    let taken = complaint(&other, address);
+    assert!(taken.contains(address) && taken.contains("the port is taken"), "{taken}");
+    let locked = complaint(&one, "127.0.0.1:0");
+    assert!(locked.contains("in use by another process") && locked.contains(one.to_str().expect("UTF-8")), "{locked}");
+
+    // Root may write anywhere, but nobody makes a folder below a file.
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").expect("a file");
+    let unusable = complaint(&file.join("data"), "127.0.0.1:0");
+    assert!(unusable.contains("cannot be used") && unusable.contains("file/data"), "{unusable}");
+
+    assert_eq!(server.get("/healthz").status, 200, "the first service goes on");
+}

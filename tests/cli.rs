@@ -1,0 +1,189 @@
+//! The command line, by its output and its exit codes.
+
+mod common;
+
+use std::fs;
+
+use common::{
+    ENDLESS, SMALL,
+    command::{ltcforge, run, run_with_stdin, signal},
+    eventually,
+    server::{Server, text},
+};
+use ltcforge::digest::Digest;
+use serde_json::Value;
+
+#[test]
+fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("small.json"), SMALL).expect("a recipe");
+    let fitted = run(folder.path(), ["fit", "small.json", "-o", "one", "--threads", "1"]).exited(0);
+    let digest: Digest = fitted.last_line().parse().expect("a digest in the last line");
+    assert!(fitted.last_line().starts_with("sha256:"));
+    assert_eq!(fitted.stderr, "", "no bar without a terminal");
+    let file = fs::read(folder.path().join(format!("one/{}.safetensors", digest.hex()))).expect("the table");
+    assert_eq!(Digest::of(&file), digest);
+    let manifest = fs::read(folder.path().join(format!("one/{}.manifest.json", digest.hex()))).expect("the manifest");
+    assert!(serde_json::from_slice::<Value>(&manifest).expect("JSON").is_object());
+    assert_eq!(fs::read_dir(folder.path().join("one")).expect("the folder").count(), 2, "nothing else is left");
+
+    let again = run_with_stdin(folder.path(), ["fit", "-", "-o", "two", "--threads", "2", "--json"], SMALL).exited(0);
+    let told: Value = serde_json::from_str(again.last_line()).expect("JSON");
+    assert_eq!(told["table"], digest.to_string());
+
+    // The service gives the same bytes.
+    let server = Server::start(&folder.path().join("data"), &[]);
+    assert_eq!(server.fit(SMALL), digest.to_string());
+}
+
+#[test]
+fn fit_tells_every_fault_on_its_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bad = r#"{"preset":"draft","colour":1,"fit":{"samples":0}}"#;
+    let refused = run_with_stdin(folder.path(), ["fit", "-"], bad).exited(2);
+    let lines = refused.complaints();
+    assert_eq!(lines.len(), 2, "{refused:#?}");
+    assert!(lines.iter().any(|line| line.contains("/colour")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.contains("/fit/samples")), "{lines:?}");
+    assert!(run(folder.path(), ["fit", "finest"]).exited(2).stderr.contains("finest"));
+    assert!(run_with_stdin(folder.path(), ["fit", "-"], "{").exited(2).stderr.contains("not JSON"));
+    assert!(run(folder.path(), ["fit", "./none.json"]).exited(1).stderr.contains("./none.json"));
+    run(folder.path(), ["fit", "draft", "--entry-limit", "5"]).exited(2);
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 0);
+}
+
+#[test]
+fn an_interrupted_fit_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("r.json"), ENDLESS).expect("a recipe");
+    let child = ltcforge(folder.path(), ["fit", "r.json", "-o", "out"]).spawn().expect("the binary runs");
+    // Once the signal is caught the process sleeps no more in its start: the mask is in /proc.
+    let status = format!("/proc/{}/status", child.id());
+    eventually("the signal to be caught", || {
+        let text = fs::read_to_string(&status).ok()?;
+        let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"))?.trim();
+        // SIGINT is signal 2.
+        (u64::from_str_radix(caught, 16).ok()? & 0b10 != 0).then_some(())
+    });
+    signal(&child, "INT");
+    let ended = child.wait_with_output().expect("its end");
+    assert_eq!(ended.status.code(), Some(130), "{}", String::from_utf8_lossy(&ended.stderr));
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn lookup_prints_a_matrix_for_each_point() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
+    let points = "alpha_x,alpha_y,theta,phi\n0.50,0.25,0.7,0.3\n\n0.25,0.5,0.7,-9.1\n";
+    let beginning = &digest[..20];
+    let printed = run_with_stdin(folder.path(), ["lookup", beginning, "--points", "-"], points).exited(0);
+    let lines: Vec<&str> = printed.stdout.lines().collect();
+    assert_eq!(lines[0], "alpha_x,alpha_y,theta,phi,m00,m01,m02,m10,m11,m12,m20,m21,m22,amplitude,fresnel");
+    assert!(lines[1].starts_with("0.50,0.25,0.7,0.3,") && lines[2].starts_with("0.25,0.5,0.7,-9.1,"), "{lines:?}");
+    assert_eq!(lines.len(), 3);
+    for line in &lines[1..] {
+        let numbers: Vec<f64> = line.split(',').map(|field| field.parse().expect("a number")).collect();
+        assert_eq!(numbers.len(), 15);
+        assert!(numbers.iter().all(|number| number.is_finite()));
+    }
+
+    fs::write(folder.path().join("p.csv"), "0.5,0.5,0,0\n0.5,1.5,0,0\n").expect("points");
+    let file = format!("{}.safetensors", &digest["sha256:".len()..]);
+    let refused = run(folder.path(), ["lookup", &file, "--points", "p.csv"]).exited(2);
+    assert_eq!(refused.complaints().len(), 1);
+    assert!(refused.complaints()[0].contains("p.csv, line 2: alpha_y is «1.5»"), "{}", refused.stderr);
+    let json = run_with_stdin(folder.path(), ["lookup", &file, "--points", "-", "--json"], "0.5,0.5,0,0").exited(0);
+    let told: Value = serde_json::from_str(json.last_line()).expect("JSON");
+    assert_eq!(told["matrix"].as_array().map(Vec::len), Some(9));
+}
+
+#[test]
+fn verify_holds_files_to_their_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
+    let name = format!("{}.safetensors", &digest["sha256:".len()..]);
+    let good = fs::read(folder.path().join(&name)).expect("the table");
+    assert!(run(folder.path(), ["verify", &name]).exited(0).stdout.contains(&digest));
+
+    let other = Digest::of(b"").to_string();
+    run(folder.path(), ["verify", &name, "--digest", &other]).exited(3);
+    fs::write(folder.path().join("plain.safetensors"), &good[..good.len() - 1]).expect("a cut table");
+    run(folder.path(), ["verify", "plain.safetensors"]).exited(3);
+    let mut bad = good.clone();
+    *bad.last_mut().expect("bytes") ^= 1;
+    fs::write(folder.path().join(&name), &bad).expect("a damaged table");
+    run(folder.path(), ["verify", &name]).exited(3);
+    run(folder.path(), ["verify", "none"]).exited(1);
+}
+
+#[test]
+fn jobs_are_worked_with_from_the_command_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(&folder.path().join("data"), &[]);
+    let jobs = |args: &[&str], input: &str| {
+        run_with_stdin(folder.path(), ["jobs", "--server", server.url.as_str()].iter().chain(args), input)
+    };
+    let watched = jobs(&["submit", "-", "--watch"], SMALL).exited(0);
+    let digest = watched.last_line().to_owned();
+    assert!(digest.starts_with("sha256:"), "{watched:#?}");
+    let submitted = jobs(&["submit", "-"], SMALL).exited(0);
+    assert!(submitted.stdout.ends_with(&format!("done {digest}\n")), "{}", submitted.stdout);
+    let id = submitted.stdout.split(' ').next().expect("an id");
+    let shown: Value = serde_json::from_str(&jobs(&["show", id, "--json"], "").exited(0).stdout).expect("JSON");
+    assert_eq!(shown["table"], digest);
+    assert_eq!(jobs(&["watch", id], "").exited(0).last_line(), digest);
+    assert_eq!(jobs(&["list", "--state", "done"], "").exited(0).stdout, submitted.stdout);
+
+    let running: Value =
+        serde_json::from_str(&jobs(&["submit", "-", "--json"], ENDLESS).exited(0).stdout).expect("JSON");
+    let id = text(&running["id"]);
+    assert!(jobs(&["cancel", id], "").exited(0).stdout.contains(" cancelled "));
+    assert!(jobs(&["watch", id], "").exited(5).stderr.contains("cancelled"));
+
+    assert!(jobs(&["show", &"0".repeat(32)], "").exited(1).stderr.contains("404"));
+    let refused = jobs(&["submit", "-"], r#"{"preset":"draft","colour":1}"#).exited(2);
+    assert!(refused.stderr.contains("/colour"), "{}", refused.stderr);
+}
+
+#[test]
+fn a_missing_server_is_told_from_a_refusal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ended = run(folder.path(), ["jobs", "list", "--server", "http://127.0.0.1:9"]).exited(4);
+    assert!(ended.stderr.contains("http://127.0.0.1:9/v1/jobs"), "{}", ended.stderr);
+}
+
+#[test]
+fn settings_come_from_flag_environment_file_and_default_in_this_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("ltcforge.toml"), "server = 'http://127.0.0.1:1'").expect("a file");
+    let asked = |flag: Option<&str>, variable: Option<&str>| {
+        let mut command = ltcforge(folder.path(), ["jobs", "list"]);
+        command.args(flag.map(|flag| ["--server", flag]).into_iter().flatten());
+        command.envs(variable.map(|value| ("LTCFORGE_SERVER", value)));
+        String::from_utf8(command.output().expect("the binary runs").stderr).expect("UTF-8")
+    };
+    let (flag, variable) = ("http://127.0.0.1:3", "http://127.0.0.1:2");
+    assert!(asked(Some(flag), Some(variable)).contains(flag));
+    assert!(asked(None, Some(variable)).contains(variable));
+    assert!(asked(None, None).contains("http://127.0.0.1:1/"));
+    fs::write(folder.path().join("ltcforge.toml"), "colour = 1").expect("a file");
+    run(folder.path(), ["jobs", "list"]).exited(2);
+    run(folder.path(), ["jobs", "list", "--config", "none.toml"]).exited(2);
+}
+
+#[test]
+fn wrong_lines_end_with_2_and_completions_are_printed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    run(folder.path(), ["fit"]).exited(2);
+    run(folder.path(), ["serve", "--listen", "nowhere"]).exited(2);
+    assert!(run(folder.path(), ["completions", "bash"]).exited(0).stdout.contains("ltcforge"));
+}
+
+#[test]
+fn a_server_ends_with_0_on_either_signal() {
+    for name in ["TERM", "INT"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        Server::start(folder.path(), &[]).stop(name).exited(0);
+    }
+}

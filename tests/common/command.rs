@@ -1,0 +1,72 @@
+//! Running the binary to its end.
+
+use std::{
+    ffi::OsStr,
+    io::Write as _,
+    path::Path,
+    process::{Child, Command, ExitStatus, Output, Stdio},
+};
+
+/// How a run of the binary ended.
+#[derive(Debug)]
+pub(crate) struct Run {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Run {
+    /// The last line of stdout.
+    pub(crate) fn last_line(&self) -> &str {
+        self.stdout.lines().last().unwrap_or_default()
+    }
+
+    /// The lines by which the command says why it failed; logs do not count.
+    pub(crate) fn complaints(&self) -> Vec<&str> {
+        self.stderr.lines().filter_map(|line| line.strip_prefix("ltcforge: ")).collect()
+    }
+
+    /// The run, if it ended with `code`.
+    #[track_caller]
+    pub(crate) fn exited(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{self:#?}");
+        self
+    }
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the binary prints UTF-8");
+        Self { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+}
+
+/// The binary in `folder`, with nothing of ours in its environment.
+pub(crate) fn ltcforge<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ltcforge"));
+    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("LTCFORGE_")) {
+        command.env_remove(name);
+    }
+    command.current_dir(folder).args(args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Runs the binary in `folder` to its end.
+pub(crate) fn run<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>) -> Run {
+    ltcforge(folder, args).output().expect("the binary runs").into()
+}
+
+/// Runs it with `input` on stdin.
+pub(crate) fn run_with_stdin<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>, input: &str) -> Run {
+    let mut child = ltcforge(folder, args).stdin(Stdio::piped()).spawn().expect("the binary runs");
+    // A command that refuses its arguments reads nothing.
+    let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
+    child.wait_with_output().expect("the binary ends").into()
+}
+
+/// Sends `child` a signal by name, such as `TERM`.
+pub(crate) fn signal(child: &Child, name: &str) {
+    let sent: ExitStatus =
+        Command::new("sh").args(["-c", &format!("kill -{name} {}", child.id())]).status().expect("a shell");
+    assert!(sent.success(), "kill -{name}");
+}

@@ -1,0 +1,34 @@
+//! What the end-to-end tests share: the real binary, real HTTP, and every answer held to `openapi.yaml`.
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+pub(crate) mod command;
+pub(crate) mod openapi;
+pub(crate) mod server;
+
+use std::time::{Duration, Instant};
+
+/// Sixteen entries that take milliseconds.
+pub(crate) const SMALL: &str = r#"{"preset":"draft","resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},
+    "fit":{"samples":64,"directions":4,"steps":5}}"#;
+
+/// Enough entries for several shards and a few seconds.
+pub(crate) const LARGE: &str =
+    r#"{"preset":"draft","resolution":{"alpha":8,"ratio":8,"theta":8,"phi":4},"fit":{"steps":40}}"#;
+
+/// Far more entries than any test waits for.
+pub(crate) const ENDLESS: &str = r#"{"preset":"best","resolution":{"alpha":16,"ratio":16,"theta":16,"phi":16}}"#;
+
+/// How long a condition may take to come true. No test measures time: this only ends one that hangs.
+const DEADLINE: Duration = Duration::from_secs(120);
+
+/// What `look` finds once it finds something.
+pub(crate) fn eventually<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(start.elapsed() < DEADLINE, "in vain waited for {what}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}

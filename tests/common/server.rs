@@ -1,0 +1,174 @@
+//! A running service.
+
+use std::{
+    io::{BufRead as _, BufReader, Read as _},
+    path::Path,
+    process::Child,
+    thread::{self, JoinHandle},
+};
+
+use serde_json::Value;
+use ureq::Agent;
+
+use super::{
+    command::{Run, ltcforge, signal},
+    eventually, openapi,
+};
+
+/// A service on a free port. Killed when dropped.
+#[derive(Debug)]
+pub(crate) struct Server {
+    child: Child,
+    /// Such as `http://127.0.0.1:40000`.
+    pub(crate) url: String,
+    stderr: Option<JoinHandle<String>>,
+    agent: Agent,
+}
+
+/// An answer that has been held to `openapi.yaml`.
+#[derive(Debug, Clone)]
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    /// Names in lower case.
+    pub(crate) headers: Vec<(String, String)>,
+    pub(crate) body: Vec<u8>,
+}
+
+impl Answer {
+    /// The value of a header field.
+    pub(crate) fn header(&self, name: &str) -> Option<&str> {
+        self.headers.iter().find(|(other, _)| other == name).map(|(_, value)| value.as_str())
+    }
+
+    /// The body as JSON.
+    #[track_caller]
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+    }
+
+    /// The answer, if it has `status`.
+    #[track_caller]
+    pub(crate) fn with_status(self, status: u16) -> Self {
+        assert_eq!(self.status, status, "{}", String::from_utf8_lossy(&self.body));
+        self
+    }
+}
+
+impl Server {
+    /// Starts a service on the store in `data` with further arguments.
+    pub(crate) fn start(data: &Path, args: &[&str]) -> Self {
+        let data = data.to_str().expect("a path in UTF-8");
+        let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data, "--workers", "2"];
+        let folder = std::env::temp_dir();
+        let mut child = ltcforge(&folder, fixed.iter().chain(args)).spawn().expect("the binary runs");
+        let mut pipe = child.stderr.take().expect("a pipe");
+        let stderr = thread::spawn(move || {
+            let mut text = String::new();
+            // A log that is not UTF-8 to its end is read as far as it goes.
+            let _ = pipe.read_to_string(&mut text);
+            text
+        });
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line on stdout");
+        let Some(url) = line.trim().strip_prefix("listening on ") else {
+            panic!("the service did not start: {line:?}; {}", stderr.join().expect("its stderr"));
+        };
+        let agent: Agent = Agent::config_builder().http_status_as_error(false).build().into();
+        Self { url: url.to_owned(), child, stderr: Some(stderr), agent }
+    }
+
+    /// `GET` of a path.
+    #[track_caller]
+    pub(crate) fn get(&self, path: &str) -> Answer {
+        self.request("GET", path, &[], None)
+    }
+
+    /// Submits a recipe document.
+    #[track_caller]
+    pub(crate) fn submit(&self, recipe: &str) -> Answer {
+        self.request("POST", "/v1/jobs", &[("content-type", "application/json")], Some(recipe.as_bytes()))
+    }
+
+    /// A request; the answer is held to `openapi.yaml`.
+    #[track_caller]
+    pub(crate) fn request(&self, method: &str, path: &str, fields: &[(&str, &str)], body: Option<&[u8]>) -> Answer {
+        let mut request = ureq::http::Request::builder().method(method).uri(format!("{}{path}", self.url));
+        for (name, value) in fields {
+            request = request.header(*name, *value);
+        }
+        let sent = match body {
+            Some(body) => self.agent.run(request.body(body).expect("a request")),
+            None => self.agent.run(request.body(()).expect("a request")),
+        };
+        let mut response = sent.unwrap_or_else(|error| panic!("{method} {path}: {error}"));
+        let field = |(name, value): (&ureq::http::HeaderName, &ureq::http::HeaderValue)| {
+            (name.as_str().to_owned(), value.to_str().expect("a field in ASCII").to_owned())
+        };
+        let answer = Answer {
+            status: response.status().as_u16(),
+            headers: response.headers().iter().map(field).collect(),
+            body: response.body_mut().read_to_vec().expect("a whole body"),
+        };
+        openapi::check(method, path, &answer);
+        answer
+    }
+
+    /// The job `id` once `is_there` says so.
+    pub(crate) fn job_when(&self, id: &str, is_there: impl Fn(&Value) -> bool) -> Value {
+        eventually("the job's state", || {
+            let job = self.get(&format!("/v1/jobs/{id}")).with_status(200).json();
+            is_there(&job).then_some(job)
+        })
+    }
+
+    /// The job `id` in its final state.
+    pub(crate) fn finished(&self, id: &str) -> Value {
+        self.job_when(id, |job| job["state"] != "queued" && job["state"] != "running")
+    }
+
+    /// Submits a recipe and returns the digest of its table.
+    #[track_caller]
+    pub(crate) fn fit(&self, recipe: &str) -> String {
+        let job = self.submit(recipe).json();
+        let job = self.finished(text(&job["id"]));
+        assert_eq!(job["state"], "done", "{job:#}");
+        text(&job["table"]).to_owned()
+    }
+
+    /// A figure of `/metrics`.
+    #[track_caller]
+    pub(crate) fn metric(&self, name: &str) -> u64 {
+        let body = self.get("/metrics").with_status(200).body;
+        let text = String::from_utf8(body).expect("metrics in UTF-8");
+        let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        value.unwrap_or_else(|| panic!("no {name} in\n{text}")).parse().expect("a count")
+    }
+
+    /// Takes the power away.
+    pub(crate) fn kill(mut self) {
+        self.child.kill().expect("a running service");
+        self.child.wait().expect("its end");
+    }
+
+    /// Asks it to stop by a signal and waits for its end.
+    pub(crate) fn stop(mut self, by: &str) -> Run {
+        signal(&self.child, by);
+        let status = self.child.wait().expect("its end");
+        let stderr = self.stderr.take().map(|thread| thread.join().expect("its stderr")).unwrap_or_default();
+        Run { code: status.code(), stdout: String::new(), stderr }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A JSON string.
+#[track_caller]
+pub(crate) fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or_else(|| panic!("no string: {value}"))
+}

@@ -1,0 +1,45 @@
+//! A service that is killed in the middle of a job goes on where it was.
+
+mod common;
+
+use common::{
+    LARGE,
+    command::run_with_stdin,
+    server::{Server, text},
+};
+
+#[test]
+fn a_job_interrupted_by_kill_9_gives_the_same_table_and_fits_no_finished_shard_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
+    let data = folder.path().join("data");
+
+    let server = Server::start(&data, &[]);
+    let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    let half = |job: &serde_json::Value| {
+        job["progress"]["entries_done"].as_u64() >= job["progress"]["entries_total"].as_u64().map(|total| total / 2)
+    };
+    let job = server.job_when(&id, half);
+    assert_eq!(job["state"], "running", "the job was over before it could be interrupted");
+    let total = job["progress"]["entries_total"].as_u64().expect("a count");
+    server.kill();
+
+    let server = Server::start(&data, &[]);
+    let job = server.finished(&id);
+    assert_eq!(job["table"], expected.last_line(), "{job:#}");
+    let fitted = server.metric("ltcforge_entries_fitted_total");
+    assert!(0 < fitted && fitted < total, "{fitted} of {total} entries were fitted after the crash");
+}
+
+#[test]
+fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let data = folder.path().join("data");
+    let server = Server::start(&data, &[]);
+    let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    server.job_when(&id, |job| job["progress"]["entries_done"].as_u64() > Some(0));
+    assert_eq!(server.stop("INT").code, Some(0));
+
+    let server = Server::start(&data, &[]);
+    assert_eq!(server.finished(&id)["state"], "done");
+}

@@ -1,0 +1,50 @@
+//! A table that was damaged on the disk is never served.
+
+mod common;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use common::{SMALL, server::Server};
+
+/// Every file below `folder`.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+}
+
+/// The files below `folder` that hold exactly `bytes`.
+fn holding(folder: &Path, bytes: &[u8]) -> Vec<PathBuf> {
+    files(folder).into_iter().filter(|path| fs::read(path).is_ok_and(|found| found == bytes)).collect()
+}
+
+#[test]
+fn a_damaged_table_is_moved_aside_told_and_fitted_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let digest = server.fit(SMALL);
+    let path = format!("/v1/tables/{digest}");
+    let good = server.get(&path).with_status(200).body;
+    assert_eq!(server.stop("TERM").code, Some(0));
+
+    let blobs = holding(folder.path(), &good);
+    assert_eq!(blobs.len(), 1, "{blobs:?}");
+    let mut bad = good.clone();
+    let middle = bad.len() / 2;
+    bad[middle] ^= 1;
+    fs::write(&blobs[0], &bad).expect("a damaged blob");
+
+    let server = Server::start(folder.path(), &[]);
+    assert_eq!(server.get(&path).with_status(500).json()["type"], "/problems/damaged-blob");
+    assert_eq!(server.metric("ltcforge_blobs_corrupt_total"), 1);
+    let aside = holding(folder.path(), &bad);
+    assert_eq!(aside.len(), 1, "the damaged bytes are kept");
+    assert_ne!(aside, blobs, "and are moved aside");
+    server.get(&path).with_status(404);
+
+    server.submit(SMALL).with_status(202);
+    assert_eq!(server.fit(SMALL), digest);
+    assert_eq!(server.get(&path).with_status(200).body, good);
+}

@@ -1,0 +1,118 @@
+//! `openapi.yaml` and the router say the same, and the file is sound in itself.
+
+mod common;
+
+use std::collections::BTreeSet;
+
+use common::{
+    openapi::{DOCUMENT, METHODS, faults, resolve},
+    server::Server,
+};
+use serde_json::Value;
+
+fn documented() -> BTreeSet<String> {
+    let items = DOCUMENT["paths"].as_object().expect("paths");
+    let calls = items.iter().flat_map(|(path, item)| {
+        let methods = METHODS.into_iter().filter(|method| item.get(method).is_some());
+        methods.map(move |method| format!("{} {path}", method.to_uppercase()))
+    });
+    calls.collect()
+}
+
+#[test]
+fn router_and_file_name_the_same_calls() {
+    let routed: BTreeSet<String> =
+        ltcforge::http::ROUTES.iter().map(|route| format!("{} {}", route.method, route.path)).collect();
+    assert_eq!(routed, documented());
+}
+
+#[test]
+fn every_documented_call_is_answered_by_its_own_handler() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    for call in documented() {
+        let (method, path) = call.split_once(' ').expect("a method and a path");
+        // Well-formed, and of nothing that exists.
+        let path = path.replace("{id}", &"0".repeat(32)).replace("{digest}", &"0".repeat(64));
+        let answer = server.request(method, &path, &[], (method == "POST").then_some(b"[]"));
+        assert_ne!(answer.status, 405, "{call}");
+        let problem: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
+        assert_ne!(problem["type"], "/problems/no-such-path", "{call}");
+    }
+    for path in ["/", "/v1", "/v1/previews", "/v1/jobs/", "/healthz/x"] {
+        assert_eq!(server.get(path).with_status(404).json()["type"], "/problems/no-such-path", "{path}");
+    }
+    let served = server.get("/openapi.yaml").with_status(200).body;
+    assert_eq!(served, include_bytes!("../openapi.yaml"));
+}
+
+#[test]
+fn a_wrong_method_is_told_the_right_ones() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let cases = [
+        ("PUT", "/v1/jobs", "POST, GET, HEAD"),
+        ("DELETE", "/v1/tables", "GET, HEAD"),
+        ("POST", "/healthz", "GET, HEAD"),
+    ];
+    for (method, path, allowed) in cases {
+        let answer = server.request(method, path, &[], None).with_status(405);
+        assert_eq!(answer.header("allow"), Some(allowed), "{method} {path}");
+    }
+}
+
+/// Calls `visit` with every object in `value` and the key that it stands under.
+fn visit(key: &str, value: &'static Value, see: &mut dyn FnMut(&str, &'static Value)) {
+    match value {
+        Value::Object(members) => {
+            see(key, value);
+            for (key, member) in members {
+                visit(key, member, see);
+            }
+        }
+        Value::Array(items) => items.iter().for_each(|item| visit(key, item, see)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_reference_leads_somewhere() {
+    let mut references = 0;
+    visit("", &DOCUMENT, &mut |_, object| {
+        if object.get("$ref").is_some() {
+            references += 1;
+            assert!(resolve(object).is_object(), "{object}");
+        }
+    });
+    assert!(references > 50, "{references} references were found");
+}
+
+#[test]
+fn every_example_is_valid_under_its_schema() {
+    let mut checked = 0;
+    visit("", &DOCUMENT, &mut |_, object| {
+        let Some(schema) = object.get("schema") else { return };
+        let named = object.get("examples").and_then(Value::as_object).into_iter().flatten();
+        let examples = object.get("example").into_iter().chain(named.map(|(_, example)| &example["value"]));
+        for example in examples {
+            checked += 1;
+            assert_eq!(faults(schema, example), [""; 0], "{example:#}");
+        }
+    });
+    assert!(checked > 15, "{checked} examples were found");
+}
+
+#[test]
+fn a_schema_that_is_broken_would_be_seen() {
+    // The judge itself: an answer that lacks a field, and one that has one too many, are both refused.
+    let job = &DOCUMENT["paths"]["/v1/jobs"]["post"]["responses"]["202"]["content"]["application/json"];
+    let mut lacking = job["example"].clone();
+    lacking.as_object_mut().expect("a job").remove("attempts");
+    assert_ne!(faults(&job["schema"], &lacking), [""; 0]);
+    let mut more = job["example"].clone();
+    more["colour"] = "red".into();
+    assert_ne!(faults(&job["schema"], &more), [""; 0]);
+    let mut early = job["example"].clone();
+    early["table"] = early["recipe_digest"].clone();
+    assert_ne!(faults(&job["schema"], &early), [""; 0], "a queued job has no table");
+}
