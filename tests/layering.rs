@@ -15,7 +15,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("ltc", &["brdf", "math"]),
     ("fit", &["ltc", "brdf", "math"]),
     ("recipe", &["fit", "ltc"]),
-    ("export", &["recipe", "fit", "ltc"]),
+    ("export", &["recipe", "fit", "ltc", "math"]),
     ("store", &[]),
     ("queue", &["store"]),
     ("service", &["export", "recipe", "fit", "ltc", "queue", "store"]),

@@ -175,7 +175,7 @@ mod tests {
             let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
             let cell = |w: DVec3| {
                 let azimuth = (libm::atan2(w.y, w.x) / (2.0 * PI)).rem_euclid(1.0);
-                let row = ((w.z + 1.0) / 2.0 * ROWS as f64) as usize;
+                let row = ((w.z + 1.0) * 0.5 * ROWS as f64) as usize;
                 row.min(ROWS - 1) * COLUMNS + ((azimuth * COLUMNS as f64) as usize).min(COLUMNS - 1)
             };
             let expected = std::cell::RefCell::new(vec![0.0; ROWS * COLUMNS]);

@@ -9,7 +9,7 @@ use super::{
     recipe::{FitSettings, Solver},
     sgd::{self, Schedule},
     solve::refine,
-    target::{Mirrors, Target},
+    target::{LobeTerms, Mirrors, Target},
 };
 use crate::{
     brdf::{Brdf, Ggx},
@@ -100,26 +100,37 @@ impl Fitter {
         }
     }
 
-    /// Fits the lobe of `ggx` for `wo`. `stream` picks the random numbers of solver `sgd`.
+    /// Fits the lobe of `ggx` for `wo` and measures the fit. `stream` picks the random numbers of solver `sgd`.
     ///
     /// Domain: roughness at least 1e-8, `wo` of unit length above the horizon.
     pub fn fit(&mut self, ggx: &Ggx, wo: DVec3, stream: u64) -> FittedEntry {
         let target = self.seen.target(ggx, wo);
         let matrix = match self.settings.solver {
-            Solver::Bfgs => {
-                let loss = Loss::new(&target, &self.seen.samples, &self.seen.directions);
-                let limits = Limits { steps: self.settings.steps, relative_decrease: RELATIVE_DECREASE };
-                let guess = Guess::of(&target.core);
-                target.frame * refine(&loss, &guess, target.mirrors, limits, &mut self.work)
-            }
-            Solver::Sgd => sgd::descend(ggx, wo, &Schedule::of(&self.settings), stream),
+            Solver::Bfgs => self.refined(&target),
+            Solver::Sgd => self.descended(ggx, wo, stream),
         };
-        FittedEntry {
-            matrix: row_major(&matrix),
-            amplitude: target.terms.amplitude,
-            fresnel: target.terms.fresnel,
-            error: self.error(ggx, wo, &matrix),
-        }
+        let LobeTerms { amplitude, fresnel } = target.terms;
+        FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error: self.error(ggx, wo, &matrix) }
+    }
+
+    fn refined(&mut self, target: &Target) -> DMat3 {
+        let loss = Loss::new(target, &self.seen.samples, &self.seen.directions);
+        let limits = Limits { steps: self.settings.steps, relative_decrease: RELATIVE_DECREASE };
+        target.frame * refine(&loss, &Guess::of(&target.core), target.mirrors, limits, &mut self.work)
+    }
+
+    /// The matrix of solver `sgd`, whatever the settings' solver.
+    #[must_use]
+    pub fn descended(&self, ggx: &Ggx, wo: DVec3, stream: u64) -> DMat3 {
+        sgd::descend(ggx, wo, &Schedule::of(&self.settings), stream)
+    }
+
+    /// Hands `measure` one evaluation of loss and gradient, at the lobe's first guess, to be repeated as it likes.
+    pub fn with_evaluation(&mut self, ggx: &Ggx, wo: DVec3, measure: impl FnOnce(&mut dyn FnMut() -> f64)) {
+        let target = self.seen.target(ggx, wo);
+        let loss = Loss::new(&target, &self.seen.samples, &self.seen.directions);
+        let matrix = Guess::of(&target.core).matrix();
+        measure(&mut || loss.value_and_gradient(&matrix, &mut self.work).0);
     }
 
     /// Sliced Wasserstein distance between the lobe and the LTC of `matrix` on the held-out samples.

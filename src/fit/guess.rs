@@ -1,6 +1,6 @@
 //! The first guess for the matrix of a lobe.
 
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DMat3, DVec2};
 
 use super::target::Core;
 use crate::math::symmetric_sqrt;
@@ -21,5 +21,11 @@ impl Guess {
     pub(super) fn of(core: &Core) -> Self {
         let trace = core.scatter.x_axis.x + core.scatter.y_axis.y;
         Self { root: symmetric_sqrt(symmetric_sqrt(core.scatter * (2.0 + 7.5 * trace))), centre: core.centre }
+    }
+
+    /// `M`.
+    pub(super) fn matrix(&self) -> DMat3 {
+        let block = self.root * self.root;
+        DMat3::from_cols(block.x_axis.extend(0.0), block.y_axis.extend(0.0), self.centre.extend(1.0))
     }
 }

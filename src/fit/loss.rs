@@ -57,18 +57,18 @@ struct Slice {
 
 impl Slice {
     /// Projection of an offset on the direction.
-    #[inline(always)]
+    #[inline]
     fn project(&self, x: f32, y: f32, z: f32) -> f32 {
         self.direction[0] * x + self.direction[1] * y + self.direction[2] * z
     }
 
     /// Fixed-point position of a projection. Monotonic; projections off the end are put just before the last node.
-    #[inline(always)]
+    #[inline]
     fn locate(&self, x: f32) -> i32 {
         let y = (x - self.centre) * self.inv_width;
-        let from_middle = ((1.0 + y.abs()).to_bits() as i32 - ONE_BITS).min(self.middle - 1);
+        let from_middle = ((1.0 + y.abs()).to_bits().cast_signed() - ONE_BITS).min(self.middle - 1);
         // All ones for a negative y, else zero: negates without a branch.
-        let sign = (y.to_bits() as i32) >> 31;
+        let sign = y.to_bits().cast_signed() >> 31;
         ((from_middle ^ sign) - sign) + self.middle
     }
 
@@ -89,7 +89,7 @@ impl Slice {
         let distance = |p: &DVec3| (project(&slice, p) - slice.centre).abs();
         let farthest = target.points.iter().map(distance).fold(0.0, f32::max) * slice.inv_width;
         // One octave more than the target needs: an LTC may be wider.
-        let octaves = (((1.0 + farthest).to_bits() as i32 - ONE_BITS) >> (FRACTION_BITS + CELL_BITS)) + 2;
+        let octaves = (((1.0 + farthest).to_bits().cast_signed() - ONE_BITS) >> (FRACTION_BITS + CELL_BITS)) + 2;
         let side = octaves.min(MOST_OCTAVES) << CELL_BITS;
         slice.middle = side * CELL;
         let node = |c: i32| {
@@ -114,7 +114,7 @@ impl Slice {
 }
 
 /// Cell of a fixed-point position, and where in the cell it is, in [0, 1).
-#[inline(always)]
+#[inline]
 fn split(position: i32) -> (usize, f32) {
     ((position >> FRACTION_BITS) as usize, (position & (CELL - 1)) as f32 * (1.0 / CELL as f32))
 }

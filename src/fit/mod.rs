@@ -1,6 +1,6 @@
 //! Recipe to table: the fitting core.
 //!
-//! A configuration's path: [`nodes`] says where it lies, `target` samples its lobe, `guess` and `solve` find the
+//! A configuration's path: [`nodes()`] says where it lies, `target` samples its lobe, `guess` and `solve` find the
 //! matrix whose LTC is nearest to it by the distance of `loss`, `align` picks the representative that is stored.
 //!
 //! Invariant: `fit` knows no clock, file, environment, JSON value or thread count; equal recipes give equal bytes.

@@ -81,8 +81,12 @@ pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64) ->
     let (mut lobe, mut cosine, mut ltc) = (vec![DVec3::ZERO; n], vec![DVec3::ZERO; n], vec![DVec3::ZERO; n]);
     let (mut gradient, mut wanted, mut order) = (vec![DVec3::ZERO; n], vec![0.0; n], vec![(0.0, 0_usize); n]);
     for _ in 0..schedule.steps {
-        lobe.iter_mut().for_each(|wi| *wi = random.lobe(ggx, wo));
-        cosine.iter_mut().for_each(|c| *c = cosine_hemisphere(random.pair()));
+        for wi in &mut lobe {
+            *wi = random.lobe(ggx, wo);
+        }
+        for c in &mut cosine {
+            *c = cosine_hemisphere(random.pair());
+        }
         for (f, c) in ltc.iter_mut().zip(&cosine) {
             *f = (m * *c).normalize();
         }

@@ -78,7 +78,9 @@ impl Target {
         let frame = rotation_from_z(axis.normalize());
         let to_lobe = frame.transpose();
         let points: Vec<DVec3> = directions.iter().map(|wi| offset_from_z(to_lobe * *wi)).collect();
-        weights.iter_mut().for_each(|weight| *weight /= total);
+        for weight in &mut weights {
+            *weight /= total;
+        }
         let core = Core::of(&points, &weights, mirrors);
         Self { frame, mirrors, points, weights, core, terms }
     }

@@ -54,7 +54,7 @@ impl Ltc {
     pub fn invert(&self, wi: DVec3) -> Option<[f64; 2]> {
         let c = (self.inverse * wi).normalize();
         let turn = libm::atan2(c.y, c.x) / (2.0 * PI);
-        (c.z > 0.0).then(|| [c.x * c.x + c.y * c.y, if turn < 0.0 { turn + 1.0 } else { turn }])
+        (c.z > 0.0).then_some([c.x * c.x + c.y * c.y, if turn < 0.0 { turn + 1.0 } else { turn }])
     }
 }
 

@@ -98,7 +98,7 @@ mod tests {
         /// The lobe of the folded configuration, mapped by `F`, is the lobe of the original one.
         #[test]
         fn unfolding_maps_the_folded_lobe_onto_the_lobe(
-            alpha_x in 0.05..1.0, alpha_y in 0.05..1.0, theta in 0.0..1.5, phi in any_phi(), wi_theta in 0.0..1.5, wi_phi in 0.0..6.28,
+            alpha_x in 0.05..1.0, alpha_y in 0.05..1.0, theta in 0.0..1.5, phi in any_phi(), wi_theta in 0.0..1.5, wi_phi in 0.0..6.0,
         ) {
             let c = Configuration { alpha_x, alpha_y, theta, phi };
             let folded = Folded::of(&c);

@@ -61,17 +61,12 @@ impl<'a> Object<'a> {
 
     /// A whole number in `low..=high`.
     pub(super) fn integer(&self, field: &str, low: u64, high: u64, default: u64, faults: &mut Faults) -> u64 {
-        match self.get(field) {
-            None => default,
-            Some(value) => match value.as_u64().filter(|number| (low..=high).contains(number)) {
-                Some(number) => number,
-                None => {
-                    let detail = format!("{} is not a whole number from {low} to {high}", echo(value));
-                    faults.note(self.pointer(field), detail);
-                    default
-                }
-            },
+        let Some(value) = self.get(field) else { return default };
+        if let Some(number) = value.as_u64().filter(|number| (low..=high).contains(number)) {
+            return number;
         }
+        faults.note(self.pointer(field), format!("{} is not a whole number from {low} to {high}", echo(value)));
+        default
     }
 
     /// Like [`Object::integer`], for numbers that fit 32 bits.

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
-use super::{DEFAULT_ENTRY_LIMIT, Preset, RecipeError, canonical_json, digest, parse};
-use crate::fit::{Recipe, Solver};
+use super::*;
+use crate::fit::Solver;
 
 fn recipe(json: &str) -> Result<Recipe, RecipeError> {
     parse(json.as_bytes(), DEFAULT_ENTRY_LIMIT)

@@ -58,7 +58,7 @@ impl Server {
     /// Starts a service on the store in `data` with further arguments.
     pub(crate) fn start(data: &Path, args: &[&str]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
-        let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data, "--workers", "2"];
+        let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data];
         let folder = std::env::temp_dir();
         let mut child = ltcforge(&folder, fixed.iter().chain(args)).spawn().expect("the binary runs");
         let mut pipe = child.stderr.take().expect("a pipe");

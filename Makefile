@@ -1,0 +1,52 @@
+# `make demo` and `make test` need a Rust toolchain and nothing else: what they lack of Debian's packages they install.
+
+CARGO ?= cargo
+# As root apt-get runs as it is, otherwise through sudo.
+SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
+# The linker for crates, and what the demo and the tests call.
+PACKAGES := gcc libc6-dev make curl jq ca-certificates
+NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
+
+.PHONY: help demo test test-native lint fmt bench packages clean
+
+help:
+	@echo 'make demo    build, serve, fit the 8 x 8 x 8 x 8 table over HTTP, download it by its hash'
+	@echo 'make test    run all tests'
+	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
+	@echo 'make bench   measure an evaluation, an entry, and the speed-up over the published algorithm'
+
+# Asks apt only for what is missing, so that a machine without network or root works once it has everything.
+packages:
+	@missing=; for p in $(PACKAGES); do dpkg -s $$p >/dev/null 2>&1 || missing="$$missing $$p"; done; \
+	if [ -n "$$missing" ]; then \
+		$(SUDO) apt-get update -q && \
+		DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -qy --no-install-recommends $$missing; \
+	fi
+
+demo: packages
+	$(CARGO) build --release --locked
+	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
+
+test: packages
+	$(CARGO) test --locked
+	@$(MAKE) --no-print-directory test-native
+
+# The pinned bytes again, from a build for this machine's own processor.
+test-native:
+	CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS='-C target-cpu=native' \
+		$(CARGO) test --locked --test same_bytes -- pinned
+
+lint: packages
+	$(CARGO) fmt --all -- --check
+	$(CARGO) clippy --locked --all-targets -- -D warnings
+	RUSTDOCFLAGS='-D warnings' $(CARGO) doc --locked --no-deps --document-private-items
+
+fmt:
+	$(CARGO) fmt --all
+
+bench: packages
+	$(CARGO) bench --locked --bench fit
+
+clean:
+	$(CARGO) clean
+	rm -rf demo

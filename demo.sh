@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Runs the service on an empty store, submits the paper's recipe, and downloads the table by its hash.
+set -euo pipefail
+shopt -s inherit_errexit
+
+ltcforge=$(realpath "${LTCFORGE:?the path of the ltcforge binary}")
+mkdir -p demo
+cd demo
+rm -rf data
+started=$(date +%s%N)
+
+# Port 0 takes a free one; the first line on stdout says which.
+coproc SERVER { exec "$ltcforge" serve --listen 127.0.0.1:0 --data data 2>serve.log; }
+server_pid=$SERVER_PID
+trap 'kill -TERM "$server_pid" 2>/dev/null || true' EXIT
+read -r _ _ url <&"${SERVER[0]}" || { echo 'the service did not start:' >&2; cat serve.log >&2; exit 1; }
+echo "The service runs on $url."
+
+job=$(curl -sS --fail-with-body -H 'content-type: application/json' -d '{"preset":"paper"}' "$url/v1/jobs")
+id=$(jq -r .id <<<"$job")
+echo "Job $id fits $(jq -r .progress.entries_total <<<"$job") lobes."
+digest=$("$ltcforge" --server "$url" jobs watch "$id" | tail -n 1)
+echo "Done after $((($(date +%s%N) - started) / 1000000)) ms: $digest"
+
+hex=${digest#sha256:}
+curl -sS --fail-with-body -o "$hex.safetensors" "$url/v1/tables/$hex"
+curl -sS --fail-with-body -o "$hex.manifest.json" "$url/v1/tables/$hex/manifest"
+echo "$hex  $hex.safetensors" | sha256sum --check
+
+kill -TERM "$server_pid"
+trap - EXIT
+wait "$server_pid"
+
+echo "The table:    demo/$hex.safetensors ($(stat -c %s "$hex.safetensors") bytes)"
+echo "Its manifest: demo/$hex.manifest.json"
+jq -r '.report.nodes | "How good it is: the sliced Wasserstein distance to the GGX lobe is \(.mean * 1e5 | round / 1e5) on average over its nodes, at most \(.max * 1e5 | round / 1e5).\nThe worst: \(.worst[0] | "alpha \(.alpha), ratio \(.ratio), theta \(.theta), phi \(.phi)")"' "$hex.manifest.json"
