@@ -16,10 +16,14 @@ trap 'kill -TERM "$server_pid" 2>/dev/null || true' EXIT
 read -r _ _ url <&"${SERVER[0]}" || { echo 'the service did not start:' >&2; cat serve.log >&2; exit 1; }
 echo "The service runs on $url."
 
-job=$(curl -sS --fail-with-body -H 'content-type: application/json' -d '{"preset":"paper"}' "$url/v1/jobs")
+job=$(curl -sS --fail-with-body -d '{"preset":"paper"}' "$url/v1/jobs")
 id=$(jq -r .id <<<"$job")
 echo "Job $id fits $(jq -r .progress.entries_total <<<"$job") lobes."
-digest=$("$ltcforge" --server "$url" jobs watch "$id" | tail -n 1)
+# Server-Sent Events: each `data:` line is the job as it is now; the stream ends with the job.
+curl -sSN "$url/v1/jobs/$id/events" | sed -un 's/^data: *//p' |
+  jq -r --unbuffered '"  \(.state): \(.progress | "\(.entries_done) of \(.entries_total), \(.seconds_left // "?" | if type == "number" then ceil else . end) s left")"' |
+  uniq
+digest=$(curl -sS --fail-with-body "$url/v1/jobs/$id" | jq -er .table)
 echo "Done after $((($(date +%s%N) - started) / 1000000)) ms: $digest"
 
 hex=${digest#sha256:}

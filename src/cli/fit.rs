@@ -56,7 +56,7 @@ fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
             if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
     };
-    let shards: Option<Vec<_>> = (0..plan.shards()).into_par_iter().map(fit_one).collect();
+    let shards: Option<Vec<_>> = (0..plan.shards()).into_par_iter().with_max_len(1).map(fit_one).collect();
     let entries = shards?.concat();
     if interrupt.is_set() { None } else { Some(assemble(plan, &entries)) }
 }

@@ -16,7 +16,10 @@ use axum::{
     },
 };
 use futures_util::{Stream, stream};
-use tokio::sync::watch;
+use tokio::{
+    sync::watch,
+    time::{Instant, sleep_until},
+};
 
 use super::{
     Api,
@@ -33,6 +36,9 @@ use crate::{
 /// How often a comment tells proxies that the stream is alive.
 const HEARTBEAT: Duration = Duration::from_secs(15);
 
+/// The shortest time between two events of one stream: news that come faster are told as one, the latest.
+const PACE: Duration = Duration::from_millis(100);
+
 /// `GET /v1/jobs/{id}/events`.
 pub(super) async fn follow(
     State(api): State<Api>,
@@ -43,7 +49,7 @@ pub(super) async fn follow(
     let news = api.call(move |service| service.watch(id)).await?.ok_or_else(|| jobs::unknown(id))?;
     // The HTML standard lets a server ignore an id that it cannot read.
     let seen = headers.get("last-event-id").and_then(|value| value.to_str().ok()?.parse().ok());
-    let follower = Follower { news, stopping: api.stopping.clone(), seen, state: None };
+    let follower = Follower { news, stopping: api.stopping.clone(), seen, state: None, told: None };
     if follower.is_over() {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
@@ -59,6 +65,8 @@ struct Follower {
     seen: Option<u64>,
     /// State in the last news that was sent on this connection.
     state: Option<StateName>,
+    /// When that was.
+    told: Option<Instant>,
 }
 
 impl Follower {
@@ -78,6 +86,9 @@ impl Follower {
 
     /// The next news that the client has not seen; `None` when there will be none.
     async fn next(&mut self) -> Option<JobNews> {
+        if let Some(told) = self.told {
+            sleep_until(told + PACE).await;
+        }
         loop {
             if *self.stopping.borrow() || self.is_over() {
                 return None;
@@ -86,6 +97,7 @@ impl Follower {
             // Another sequence, not only a later one: after a restart of the service the count starts anew.
             if self.seen != Some(news.sequence) {
                 self.seen = Some(news.sequence);
+                self.told = Some(Instant::now());
                 return Some(news);
             }
             tokio::select! {
@@ -115,7 +127,7 @@ mod tests {
     fn follower(first: JobNews, seen: Option<u64>) -> (watch::Sender<JobNews>, watch::Sender<bool>, Follower) {
         let (tell, news) = watch::channel(first);
         let (stop, stopping) = watch::channel(false);
-        (tell, stop, Follower { news, stopping, seen, state: None })
+        (tell, stop, Follower { news, stopping, seen, state: None, told: None })
     }
 
     #[tokio::test]

@@ -100,7 +100,9 @@ fn unreadable(rejection: &BytesRejection) -> Problem {
     }
 }
 
-/// Takes `application/json`, `application/*+json` and a missing content type.
+/// Takes `application/json`, `application/*+json` and a missing content type, and what `curl -d` says unless it is
+/// told otherwise. A page in a browser can send that too, without asking first, so what comes from a page, as `Origin`
+/// tells, must say JSON.
 fn check_content_type(headers: &HeaderMap) -> Result<(), Problem> {
     let Some(value) = headers.get(header::CONTENT_TYPE) else {
         return Ok(());
@@ -109,6 +111,7 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), Problem> {
     let subtype = media_type.to_ascii_lowercase();
     match subtype.strip_prefix("application/") {
         Some(subtype) if subtype == "json" || subtype.ends_with("+json") => Ok(()),
+        Some("x-www-form-urlencoded") if !headers.contains_key(header::ORIGIN) => Ok(()),
         _ => {
             let detail = format!("{value:?} is not JSON; send application/json, application/*+json or no content type");
             Err(Problem::new(Kind::NotJsonType, detail))
@@ -169,7 +172,12 @@ mod tests {
         for good in ["application/json", "Application/JSON; charset=utf-8", "application/vnd.ltc+json"] {
             assert!(check(good).is_ok(), "{good}");
         }
-        for bad in ["text/plain", "application/x-www-form-urlencoded", "application/jsonl", "json", ""] {
+        assert!(check("application/x-www-form-urlencoded").is_ok(), "the default of curl -d");
+        let from_page =
+            [(header::CONTENT_TYPE, "application/x-www-form-urlencoded"), (header::ORIGIN, "http://a.example")];
+        let from_page = from_page.map(|(name, value)| (name, HeaderValue::from_static(value)));
+        assert!(check_content_type(&HeaderMap::from_iter(from_page)).is_err(), "a form of another site's page");
+        for bad in ["text/plain", "application/jsonl", "json", ""] {
             let status = check(bad).expect_err(bad).into_response().status();
             assert_eq!(status, 415, "{bad}");
         }
