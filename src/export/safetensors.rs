@@ -188,3 +188,6 @@ fn finite(file: &SafeTensors, name: &str, shape: &[usize]) -> Result<Vec<f32>, T
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -93,3 +93,6 @@ impl Table {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,8 +8,6 @@ use super::sin_cos;
 
 /// 1 / golden ratio: the most irrational step on a circle.
 const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
-/// Steps of the R2 sequence: powers of the inverse plastic number [Roberts 2018].
-const R2_STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
 /// Point `i` of the golden lattice of `n` points in the unit square, shifted cyclically by `shift`.
 ///
@@ -18,13 +16,6 @@ const R2_STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 #[must_use]
 pub fn lattice2(i: usize, n: usize, shift: [f64; 2]) -> [f64; 2] {
     [fract((i as f64 + 0.5) / n as f64 + shift[0]), fract(i as f64 * GOLDEN_STEP + shift[1])]
-}
-
-/// Point `i` of the R2 sequence [Roberts 2018], shifted cyclically by `shift`.
-#[must_use]
-pub fn r2(i: usize, shift: [f64; 2]) -> [f64; 2] {
-    let k = i as f64 + 1.0;
-    [fract(k * R2_STEPS[0] + shift[0]), fract(k * R2_STEPS[1] + shift[1])]
 }
 
 /// A direction with density `cos(theta) / pi` from a point of the unit square.
@@ -49,4 +40,58 @@ pub fn fibonacci_hemisphere(i: usize, n: usize, shift: f64) -> DVec3 {
 /// The part of a non-negative number behind the point.
 fn fract(x: f64) -> f64 {
     x - x.floor()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every elementary interval of a good set of 144 points holds its share, give or take one.
+    #[test]
+    fn the_lattice_is_even_in_strips_and_in_squares() {
+        let n = 144;
+        let points: Vec<[f64; 2]> = (0..n).map(|i| lattice2(i, n, [0.3, 0.9])).collect();
+        let inside = |low: [f64; 2], size: [f64; 2]| {
+            points.iter().filter(|p| (0..2).all(|k| p[k] >= low[k] && p[k] < low[k] + size[k])).count()
+        };
+        for i in 0..12 {
+            let start = f64::from(i) / 12.0;
+            assert!((11..=13).contains(&inside([start, 0.0], [1.0 / 12.0, 1.0])), "column {i}");
+            assert!((11..=13).contains(&inside([0.0, start], [1.0, 1.0 / 12.0])), "row {i}");
+        }
+        for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (f64::from(i) / 4.0, f64::from(j) / 4.0))) {
+            assert!((7..=11).contains(&inside([i, j], [0.25, 0.25])), "square {i} {j}");
+        }
+    }
+
+    /// `E[z] = 2/3` and `E[x^2] = E[y^2] = 1/4` for the density `cos / pi`.
+    #[test]
+    fn cosine_samples_have_the_moments_of_the_cosine() {
+        let n = 4096;
+        let points: Vec<DVec3> = (0..n).map(|i| cosine_hemisphere(lattice2(i, n, [0.0; 2]))).collect();
+        let mean = |f: fn(&DVec3) -> f64| points.iter().map(f).sum::<f64>() / n as f64;
+        assert!(points.iter().all(|p| (p.length() - 1.0).abs() < 1e-12));
+        for (moment, expected) in [
+            (mean(|p| p.x), 0.0),
+            (mean(|p| p.y), 0.0),
+            (mean(|p| p.z), 2.0 / 3.0),
+            (mean(|p| p.x * p.x), 0.25),
+            (mean(|p| p.y * p.y), 0.25),
+            (mean(|p| p.x * p.y), 0.0),
+        ] {
+            assert!((moment - expected).abs() < 1e-3, "{moment} {expected}");
+        }
+    }
+
+    /// Of directions spread evenly over the hemisphere, the mean of `d d^T` is a third of the identity.
+    #[test]
+    fn directions_weigh_all_axes_alike() {
+        let n = 256;
+        let directions: Vec<DVec3> = (0..n).map(|i| fibonacci_hemisphere(i, n, 0.1)).collect();
+        for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+            let moment = directions.iter().map(|d| d[a] * d[b]).sum::<f64>() / n as f64;
+            let expected = if a == b { 1.0 / 3.0 } else { 0.0 };
+            assert!((moment - expected).abs() < 5e-3, "{a} {b}: {moment}");
+        }
+    }
 }
