@@ -31,10 +31,10 @@ test: packages
 	$(CARGO) test --locked
 	@$(MAKE) --no-print-directory test-native
 
-# The pinned bytes again, from a build for this machine's own processor.
+# The pinned bytes again, from a binary for this machine's own processor.
 test-native:
-	CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS='-C target-cpu=native' \
-		$(CARGO) test --locked --test same_bytes -- pinned
+	CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS='-C target-cpu=native' $(CARGO) build --locked
+	LTCFORGE_TEST_BINARY=$(abspath $(NATIVE_TARGET))/debug/ltcforge $(CARGO) test --locked --test same_bytes -- pinned
 
 lint: packages
 	$(CARGO) fmt --all -- --check

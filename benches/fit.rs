@@ -6,6 +6,7 @@
 
 use std::{
     hint::black_box,
+    ops::ControlFlow,
     time::{Duration, Instant},
 };
 
@@ -48,6 +49,11 @@ fn view(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
+/// A pulse that stops nothing.
+fn go_on() -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
 fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSettings {
     FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0 }
 }
@@ -55,7 +61,7 @@ fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSet
 /// Fits every lobe once.
 fn fit_all(fitter: &mut Fitter) {
     for (alpha_x, alpha_y, theta, phi) in LOBES {
-        black_box(fitter.fit(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0));
+        black_box(fitter.fit(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut go_on));
     }
 }
 
@@ -90,7 +96,7 @@ fn paper_step(criterion: &mut Criterion) {
     group.bench_function("2048 x 64", |bencher| {
         bencher.iter(|| {
             for (alpha_x, alpha_y, theta, phi) in LOBES {
-                black_box(descend.descended(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0));
+                black_box(descend.descended(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut go_on));
             }
         });
     });
@@ -114,7 +120,7 @@ fn speed_up(_: &mut Criterion) {
         steps.push(
             timed(&mut || {
                 for (alpha_x, alpha_y, theta, phi) in LOBES {
-                    black_box(theirs.descended(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0));
+                    black_box(theirs.descended(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut go_on));
                 }
             }) / (LOBES.len() as u32 * STEPS),
         );

@@ -56,10 +56,9 @@ fn each_fault_of_a_recipe_is_pointed_at() {
 fn all_faults_are_told_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
-    let recipe =
-        r#"{"preset":"draft","colour":1,"resolution":{"alpha":0},"range":{"theta":[1,0]},"fit":{"samples":0}}"#;
+    let recipe = r#"{"preset":"draft","colour":1,"resolution":{"alpha":0},"range":{"theta":[1,0],"ratio":[0,0.00001]},"fit":{"samples":0}}"#;
     let pointed = pointers(&server.submit(recipe).with_status(422));
-    for pointer in ["/colour", "/resolution/alpha", "/range/theta", "/fit/samples"] {
+    for pointer in ["/colour", "/resolution/alpha", "/range/theta", "/range/ratio", "/fit/samples"] {
         assert!(pointed.iter().any(|found| found.starts_with(pointer)), "{pointer} is missing in {pointed:?}");
     }
 }

@@ -96,6 +96,13 @@ fn lookup_prints_a_matrix_for_each_point() {
     let json = run_with_stdin(folder.path(), ["lookup", &file, "--points", "-", "--json"], "0.5,0.5,0,0").exited(0);
     let told: Value = serde_json::from_str(json.last_line()).expect("JSON");
     assert_eq!(told["matrix"].as_array().map(Vec::len), Some(9));
+
+    let mut damaged = fs::read(folder.path().join(&file)).expect("the table");
+    let last = damaged.len() - 1;
+    damaged[last] ^= 1;
+    fs::write(folder.path().join(&file), damaged).expect("a damaged table");
+    let refused = run_with_stdin(folder.path(), ["lookup", &file, "--points", "-"], points).exited(3);
+    assert!(refused.stderr.contains("hashes to"), "{}", refused.stderr);
 }
 
 #[test]

@@ -40,6 +40,7 @@ fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     server.job_when(&id, |job| job["progress"]["entries_done"].as_u64() > Some(0));
     assert_eq!(server.stop("INT").code, Some(0));
 
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let server = Server::start(&data, &[]);
-    assert_eq!(server.finished(&id)["state"], "done");
+    assert_eq!(server.finished(&id)["table"], expected.last_line());
 }

@@ -1,7 +1,7 @@
 //! `lookup`: what a shader would fetch from a table.
 
 use std::{
-    fs::{self, File},
+    fs::File,
     io::{self, BufRead, BufReader, BufWriter, Write},
     path::Path,
 };
@@ -13,17 +13,17 @@ use super::{
     args::LookupArgs,
     file_failure, input,
     points::{self, COLUMNS, Point},
+    verify,
 };
 use crate::{
-    export,
+    export::TableFile,
     ltc::{LookedUp, Table},
 };
 
 /// Prints a matrix for each point, as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
     let path = input::table_path(&args.table, &args.tables)?;
-    let bytes = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-    let table = export::decode(&bytes).map_err(|error| file_failure(&path, &error))?.table;
+    let (_, TableFile { table, .. }) = verify::read(&path, None)?;
     let (name, points): (&str, Box<dyn BufRead>) = if args.points == "-" {
         ("standard input", Box::new(io::stdin().lock()))
     } else {

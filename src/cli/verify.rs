@@ -5,14 +5,17 @@ use std::{fs, path::Path};
 use serde_json::json;
 
 use super::{Context, Exit, Failure, args::VerifyArgs, file_failure, print};
-use crate::{digest::Digest, export};
+use crate::{
+    digest::Digest,
+    export::{self, TableFile},
+};
 
 /// Checks every file; the first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
     let mut failures: Vec<Failure> = Vec::new();
     for path in &args.files {
-        match verify(path, args.digest) {
-            Ok(digest) => {
+        match read(path, args.digest) {
+            Ok((digest, _)) => {
                 let value = json!({ "file": path, "digest": digest, "ok": true });
                 print(context.stdout, json, &value, &format!("{}: ok, {digest}", path.display()))?;
             }
@@ -34,8 +37,9 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
     }
 }
 
-/// The digest of a file that is what it says it is.
-fn verify(path: &Path, expected: Option<Digest>) -> Result<Digest, Failure> {
+/// A table's file that is what it says it is: it hashes to `expected`, or else to the digest in its name if there is
+/// one, and is well formed.
+pub(super) fn read(path: &Path, expected: Option<Digest>) -> Result<(Digest, TableFile), Failure> {
     let bytes = fs::read(path).map_err(|error| file_failure(path, &error))?;
     let actual = Digest::of(&bytes);
     let mismatch = |reason: String| Failure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
@@ -44,8 +48,8 @@ fn verify(path: &Path, expected: Option<Digest>) -> Result<Digest, Failure> {
     {
         return Err(mismatch(format!("the file hashes to {actual}, not to {expected}")));
     }
-    export::decode(&bytes).map_err(|error| mismatch(error.to_string()))?;
-    Ok(actual)
+    let file = export::decode(&bytes).map_err(|error| mismatch(error.to_string()))?;
+    Ok((actual, file))
 }
 
 /// The digest that a file is named after.
@@ -66,9 +70,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join(format!("{hex}.safetensors"));
         fs::write(&path, "other").expect("a file");
-        let refused = verify(&path, None).expect_err("other bytes");
+        let refused = read(&path, None).expect_err("other bytes");
         assert_eq!(refused.exit, Exit::Mismatch);
         assert!(refused.message.contains(&Digest::of(b"other").to_string()), "{}", refused.message);
-        assert_eq!(verify(&folder.path().join("none"), None).expect_err("no file").exit, Exit::Failed);
+        assert_eq!(read(&folder.path().join("none"), None).expect_err("no file").exit, Exit::Failed);
     }
 }

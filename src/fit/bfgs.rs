@@ -73,26 +73,27 @@ impl InverseHessian {
     }
 }
 
-/// Minimises `function`, which gives value and gradient, from `start`. Variables that are not `free` stay put.
+/// Minimises `function`, which gives value and gradient, from `start`. Variables that are not `free` stay put. Where
+/// `function` gives nothing the search is given up, and so is its result.
 ///
 /// Returns the lowest point that was found. A value that is not finite counts as too high.
 pub(super) fn minimise(
     start: Vector,
     free: [bool; VARIABLES],
     limits: Limits,
-    mut function: impl FnMut(&Vector) -> (f64, Vector),
-) -> Vector {
+    mut function: impl FnMut(&Vector) -> Option<(f64, Vector)>,
+) -> Option<Vector> {
     let mut masked = |point: &Vector| {
-        let (value, mut gradient) = function(point);
+        let (value, mut gradient) = function(point)?;
         for (slope, free) in gradient.iter_mut().zip(free) {
             if !free {
                 *slope = 0.0;
             }
         }
-        (value, gradient)
+        Some((value, gradient))
     };
     let mut point = start;
-    let (mut value, mut gradient) = masked(&point);
+    let (mut value, mut gradient) = masked(&point)?;
     let mut hessian = InverseHessian::identity();
     let mut small_steps = 0;
     for _ in 0..limits.steps {
@@ -113,7 +114,7 @@ pub(super) fn minimise(
         for _ in 0..MOST_HALVINGS {
             let mut trial = point;
             trial.iter_mut().zip(&direction).for_each(|(x, d)| *x += step * d);
-            let (trial_value, trial_gradient) = masked(&trial);
+            let (trial_value, trial_gradient) = masked(&trial)?;
             if trial_value <= value + SUFFICIENT_DECREASE * step * slope {
                 next = Some((trial, trial_value, trial_gradient));
                 break;
@@ -140,7 +141,7 @@ pub(super) fn minimise(
             break;
         }
     }
-    point
+    Some(point)
 }
 
 #[cfg(test)]
@@ -164,10 +165,21 @@ mod tests {
     #[test]
     fn finds_the_bottom_of_a_bowl() {
         let limits = Limits { steps: 100, relative_decrease: 0.0 };
-        let minimum = minimise([0.0; VARIABLES], ALL, limits, bowl);
+        let minimum = minimise([0.0; VARIABLES], ALL, limits, |x| Some(bowl(x))).expect("nothing stops it");
         for (i, x) in minimum.iter().enumerate() {
             assert!((x - (i + 1) as f64 / 10.0).abs() < 1e-5, "{minimum:?}");
         }
+    }
+
+    #[test]
+    fn gives_up_when_told_to() {
+        let mut left = 3;
+        let limits = Limits { steps: 100, relative_decrease: 0.0 };
+        let stopped = minimise([0.0; VARIABLES], ALL, limits, |x| {
+            left -= 1;
+            (left > 0).then(|| bowl(x))
+        });
+        assert_eq!((stopped, left), (None, 0));
     }
 
     #[test]
@@ -175,7 +187,7 @@ mod tests {
         let mut free = ALL;
         free[3] = false;
         let limits = Limits { steps: 100, relative_decrease: 0.0 };
-        let minimum = minimise([0.0; VARIABLES], free, limits, bowl);
+        let minimum = minimise([0.0; VARIABLES], free, limits, |x| Some(bowl(x))).expect("nothing stops it");
         assert_eq!(minimum[3], 0.0);
         assert!((minimum[4] - 0.5).abs() < 1e-5);
     }
@@ -184,7 +196,7 @@ mod tests {
     fn survives_values_that_are_not_finite() {
         let limits = Limits { steps: 50, relative_decrease: 0.0 };
         let wall = |x: &Vector| if x[0] > 0.05 { (f64::NAN, [f64::NAN; VARIABLES]) } else { bowl(x) };
-        let minimum = minimise([0.0; VARIABLES], ALL, limits, wall);
+        let minimum = minimise([0.0; VARIABLES], ALL, limits, |x| Some(wall(x))).expect("nothing stops it");
         assert!(bowl(&minimum).0 < bowl(&[0.0; VARIABLES]).0 && minimum[0] <= 0.05, "{minimum:?}");
     }
 }

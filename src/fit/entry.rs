@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{
+    Pulse,
     bfgs::Limits,
     guess::Guess,
     loss::{CosineSamples, Loss, Workspace},
@@ -100,29 +101,31 @@ impl Fitter {
         }
     }
 
-    /// Fits the lobe of `ggx` for `wo` and measures the fit. `stream` picks the random numbers of solver `sgd`.
+    /// Fits the lobe of `ggx` for `wo` and measures the fit. `stream` picks the random numbers of solver `sgd`. `None`
+    /// when `pulse` stops it.
     ///
     /// Domain: roughness at least 1e-8, `wo` of unit length above the horizon.
-    pub fn fit(&mut self, ggx: &Ggx, wo: DVec3, stream: u64) -> FittedEntry {
+    pub fn fit(&mut self, ggx: &Ggx, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<FittedEntry> {
         let target = self.seen.target(ggx, wo);
         let matrix = match self.settings.solver {
-            Solver::Bfgs => self.refined(&target),
-            Solver::Sgd => self.descended(ggx, wo, stream),
+            Solver::Bfgs => self.refined(&target, pulse)?,
+            Solver::Sgd => self.descended(ggx, wo, stream, pulse)?,
         };
         let LobeTerms { amplitude, fresnel } = target.terms;
-        FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error: self.error(ggx, wo, &matrix) }
+        Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error: self.error(ggx, wo, &matrix) })
     }
 
-    fn refined(&mut self, target: &Target) -> DMat3 {
+    fn refined(&mut self, target: &Target, pulse: &mut Pulse) -> Option<DMat3> {
         let loss = Loss::new(target, &self.seen.samples, &self.seen.directions);
         let limits = Limits { steps: self.settings.steps, relative_decrease: RELATIVE_DECREASE };
-        target.frame * refine(&loss, &Guess::of(&target.core), target.mirrors, limits, &mut self.work)
+        let guess = Guess::of(&target.core);
+        refine(&loss, &guess, target.mirrors, limits, &mut self.work, pulse).map(|matrix| target.frame * matrix)
     }
 
-    /// The matrix of solver `sgd`, whatever the settings' solver.
+    /// The matrix of solver `sgd`, whatever the settings' solver; `None` when `pulse` stops it.
     #[must_use]
-    pub fn descended(&self, ggx: &Ggx, wo: DVec3, stream: u64) -> DMat3 {
-        sgd::descend(ggx, wo, &Schedule::of(&self.settings), stream)
+    pub fn descended(&self, ggx: &Ggx, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
+        sgd::descend(ggx, wo, &Schedule::of(&self.settings), stream, pulse)
     }
 
     /// Hands `measure` one evaluation of loss and gradient, at the lobe's first guess, to be repeated as it likes.
@@ -143,7 +146,7 @@ impl Fitter {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::FRAC_PI_2;
+    use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
     use proptest::prelude::*;
 
@@ -152,6 +155,11 @@ mod tests {
         fit::{ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING},
         math::from_row_major,
     };
+
+    fn fit(settings: FitSettings, ggx: &Ggx, wo: DVec3, stream: u64) -> FittedEntry {
+        let fitted = Fitter::new(&settings).fit(ggx, wo, stream, &mut || ControlFlow::Continue(()));
+        fitted.expect("nothing stops it")
+    }
 
     fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSettings {
         FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0 }
@@ -175,9 +183,8 @@ mod tests {
             phi in hard(&[0.0, 1e-12, FRAC_PI_2], 0.0, FRAC_PI_2),
         ) {
             let ggx = Ggx { alpha_x: alpha, alpha_y: alpha * ratio };
-            let mut fitter = Fitter::new(&settings(Solver::Bfgs, 64, 6, 20));
             let wo = view_direction(theta, phi);
-            let entry = fitter.fit(&ggx, wo, 0);
+            let entry = fit(settings(Solver::Bfgs, 64, 6, 20), &ggx, wo, 0);
             prop_assert!(entry.matrix.iter().all(|x| x.is_finite()), "{entry:?}");
             prop_assert!(from_row_major(&entry.matrix).determinant() > 0.0, "{entry:?}");
             prop_assert!(entry.error.is_finite() && entry.error < 0.2, "{entry:?}");
@@ -189,7 +196,7 @@ mod tests {
     #[test]
     fn a_sharp_lobe_from_above_has_the_limit_s_matrix() {
         let ggx = Ggx { alpha_x: 1e-3, alpha_y: 4e-4 };
-        let entry = Fitter::new(&settings(Solver::Bfgs, 512, 16, 60)).fit(&ggx, DVec3::Z, 0);
+        let entry = fit(settings(Solver::Bfgs, 512, 16, 60), &ggx, DVec3::Z, 0);
         let [xx, _, _, _, yy, _, _, _, zz] = entry.matrix;
         assert!((xx / zz / 2e-3 - 1.0).abs() < 0.01 && (yy / zz / 8e-4 - 1.0).abs() < 0.01, "{entry:?}");
         assert!((entry.amplitude - 1.0).abs() < 1e-4 && entry.fresnel < 1e-9, "{entry:?}");
@@ -199,8 +206,7 @@ mod tests {
     fn more_samples_fit_better() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
         let wo = view_direction(1.0, 0.6);
-        let [coarse, fine] =
-            [32, 1024].map(|n| Fitter::new(&settings(Solver::Bfgs, n, 16, 60)).fit(&ggx, wo, 0).matrix);
+        let [coarse, fine] = [32, 1024].map(|n| fit(settings(Solver::Bfgs, n, 16, 60), &ggx, wo, 0).matrix);
         let mut judge = Fitter::new(&settings(Solver::Bfgs, 2048, 48, 1));
         let [coarse, fine] = [coarse, fine].map(|m| judge.error(&ggx, wo, &from_row_major(&m)));
         assert!(fine < coarse, "{fine} {coarse}");
@@ -211,10 +217,10 @@ mod tests {
     fn the_paper_s_descent_comes_near_the_same_error() {
         let ggx = Ggx { alpha_x: 0.8, alpha_y: 0.5 };
         let wo = view_direction(0.7, 0.4);
-        let ours = Fitter::new(&settings(Solver::Bfgs, 1024, 32, 60)).fit(&ggx, wo, 0).matrix;
+        let ours = fit(settings(Solver::Bfgs, 1024, 32, 60), &ggx, wo, 0).matrix;
         let descended = |seed| {
             let settings = FitSettings { seed, ..settings(Solver::Sgd, 256, 8, 600) };
-            Fitter::new(&settings).fit(&ggx, wo, 7).matrix
+            fit(settings, &ggx, wo, 7).matrix
         };
         let mut judge = Fitter::new(&settings(Solver::Bfgs, 1024, 32, 1));
         let [ours, theirs, identity] = [ours, descended(0), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]]
@@ -222,5 +228,19 @@ mod tests {
         assert!(ours <= theirs && theirs < 3.0 * ours && theirs < 0.2 * identity, "{ours} {theirs} {identity}");
         assert_eq!(descended(0), descended(0));
         assert_ne!(descended(0), descended(1));
+    }
+
+    /// A fit of hours must hear within moments that it is to stop.
+    #[test]
+    fn a_long_fit_stops_in_the_middle_of_an_entry() {
+        let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
+        for solver in [Solver::Bfgs, Solver::Sgd] {
+            let mut fitter = Fitter::new(&settings(solver, 256, 8, 100_000));
+            assert_eq!(
+                fitter.fit(&ggx, view_direction(1.0, 0.6), 0, &mut || ControlFlow::Break(())),
+                None,
+                "{solver:?}"
+            );
+        }
     }
 }

@@ -17,6 +17,9 @@ mod shard;
 mod solve;
 mod target;
 
+/// Called now and then in a long fit, so that its caller can tell that it is alive, and stop it.
+pub type Pulse<'a> = dyn FnMut() -> std::ops::ControlFlow<()> + 'a;
+
 pub use entry::{FittedEntry, Fitter};
 pub use nodes::{ALPHA_FLOOR, ALPHA_Y_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};

@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::recipe::FitSettings;
+use super::{Pulse, recipe::FitSettings};
 use crate::{
     brdf::{Brdf, Ggx},
     math::{cosine_hemisphere, sin_cos},
@@ -71,8 +71,12 @@ impl Uniform {
     }
 }
 
-/// The matrix after all steps, from the identity, in the tangent frame. Its determinant may have either sign.
-pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64) -> DMat3 {
+/// Steps between two pulses.
+const STEPS_PER_PULSE: u32 = 8;
+
+/// The matrix after all steps, from the identity, in the tangent frame; `None` when `pulse` stops the descent. Its
+/// determinant may have either sign.
+pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
     // Streams of one seed are told apart by a multiplier that mixes every bit of the entry's number.
     let seed = schedule.seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(seed));
@@ -80,7 +84,10 @@ pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64) ->
     let mut m = DMat3::IDENTITY;
     let (mut lobe, mut cosine, mut ltc) = (vec![DVec3::ZERO; n], vec![DVec3::ZERO; n], vec![DVec3::ZERO; n]);
     let (mut gradient, mut wanted, mut order) = (vec![DVec3::ZERO; n], vec![0.0; n], vec![(0.0, 0_usize); n]);
-    for _ in 0..schedule.steps {
+    for step in 0..schedule.steps {
+        if step % STEPS_PER_PULSE == 0 && pulse().is_break() {
+            return None;
+        }
         for wi in &mut lobe {
             *wi = random.lobe(ggx, wo);
         }
@@ -109,5 +116,5 @@ pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64) ->
         }
         m -= by_m * (RATE / (n * schedule.directions) as f64);
     }
-    m
+    Some(m)
 }

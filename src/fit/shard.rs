@@ -80,40 +80,47 @@ impl Plan {
 
 /// Fits the entries of `shard` in storage order.
 ///
-/// `after_row` is told after every few entries how many of the shard's entries are done, and may stop the fit:
-/// then the result is `None` and nothing of the shard is kept.
-pub fn fit_shard(
-    plan: &Plan,
-    shard: u32,
-    after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
-) -> Option<Vec<FittedEntry>> {
+/// `pulse` is told how many of the shard's entries are done, after every entry and now and then within a long one. It
+/// may stop the fit: then the result is `None` and nothing of the shard is kept.
+pub fn fit_shard(plan: &Plan, shard: u32, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<FittedEntry>> {
     let range = plan.shard_entries(shard);
     let mut fitter = Fitter::new(&plan.recipe.fit);
     let mut entries = Vec::with_capacity((range.end - range.start) as usize);
     for row in range.start / plan.row_length()..range.end / plan.row_length() {
-        fit_row(plan, row, &mut fitter, &mut entries);
-        if after_row(entries.len() as u64).is_break() {
-            return None;
-        }
+        fit_row(plan, row, &mut fitter, &mut entries, pulse)?;
     }
     Some(entries)
 }
 
 /// Fits the entries of one row, each lobe once: seen from above, phi changes nothing; an isotropic surface turns
 /// its lobe with phi.
-fn fit_row(plan: &Plan, row: u64, fitter: &mut Fitter, entries: &mut Vec<FittedEntry>) {
+fn fit_row(
+    plan: &Plan,
+    row: u64,
+    fitter: &mut Fitter,
+    entries: &mut Vec<FittedEntry>,
+    pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Option<()> {
     let (alpha, ratio, theta) = plan.row(row);
     let ggx = Ggx { alpha_x: alpha, alpha_y: (alpha * ratio).max(ALPHA_Y_FLOOR) };
     let first = row * plan.row_length();
     let (from_above, isotropic) = (theta == 0.0, ratio == 1.0);
-    let shared = (from_above || isotropic).then(|| fitter.fit(&ggx, view_direction(theta, 0.0), first));
+    let mut fit = |phi: f64, index: u64, done: u64, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>| {
+        fitter.fit(&ggx, view_direction(theta, phi), index, &mut || pulse(done))
+    };
+    let done = entries.len() as u64;
+    let shared = if from_above || isotropic { Some(fit(0.0, first, done, pulse)?) } else { None };
     for (index, phi) in (first..).zip(&plan.nodes.phi) {
         entries.push(match shared {
             Some(entry) if from_above => entry,
             Some(entry) => turned(&entry, *phi),
-            None => fitter.fit(&ggx, view_direction(theta, *phi), index),
+            None => fit(*phi, index, done + (index - first), pulse)?,
         });
+        if pulse(entries.len() as u64).is_break() {
+            return None;
+        }
     }
+    Some(())
 }
 
 /// The entry of an isotropic lobe that has turned with the view.

@@ -16,6 +16,7 @@
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use super::{
+    Pulse,
     bfgs::{Limits, VARIABLES, Vector, minimise},
     guess::Guess,
     loss::{Loss, Workspace},
@@ -96,29 +97,47 @@ fn free_variables(mirrors: Mirrors) -> [bool; VARIABLES] {
     [true, !(x || y), true, !x, !y, !x, !y]
 }
 
-/// The matrix near `guess` with the lowest loss. It maps cosine space to the lobe's frame.
-pub(super) fn refine(loss: &Loss, guess: &Guess, mirrors: Mirrors, limits: Limits, work: &mut Workspace) -> DMat3 {
+/// Evaluations between two pulses: a pulse costs nothing beside them, and the largest allowed ones take seconds.
+const EVALUATIONS_PER_PULSE: u32 = 32;
+
+/// The matrix near `guess` with the lowest loss; `None` when `pulse` stops the search. It maps cosine space to the
+/// lobe's frame.
+pub(super) fn refine(
+    loss: &Loss,
+    guess: &Guess,
+    mirrors: Mirrors,
+    limits: Limits,
+    work: &mut Workspace,
+    pulse: &mut Pulse,
+) -> Option<DMat3> {
+    let mut evaluations = 0;
     // In units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
     let inv_spread = 1.0 / loss.spread();
     let lowest = minimise([0.0; VARIABLES], free_variables(mirrors), limits, |v| {
+        evaluations += 1;
+        if evaluations % EVALUATIONS_PER_PULSE == 0 && pulse().is_break() {
+            return None;
+        }
         let parts = Parts::of(v);
         // The upright side: a mirrored `M` is the same distribution as an upright one, a flat one is none.
         if parts.shape.determinant() <= 0.0 || parts.shape.x_axis.x <= 0.0 {
-            return (f64::INFINITY, [0.0; VARIABLES]);
+            return Some((f64::INFINITY, [0.0; VARIABLES]));
         }
         let flat = parts.flat(guess);
         let (value, by_m) = loss.value_and_gradient(&parts.tilted(flat), work);
         let mut gradient = parts.pull_back(guess, &flat, &(by_m * inv_spread));
         let (cost, by_cost) = parts.cost();
         gradient.iter_mut().zip(by_cost).for_each(|(slope, cost)| *slope += cost);
-        (value * inv_spread + cost, gradient)
-    });
+        Some((value * inv_spread + cost, gradient))
+    })?;
     let parts = Parts::of(&lowest);
-    parts.tilted(parts.flat(guess))
+    Some(parts.tilted(parts.flat(guess)))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::{
         fit::{align::align, loss::CosineSamples, target::tests::planted},
@@ -133,7 +152,9 @@ mod tests {
         let directions: Vec<DVec3> = (0..24).map(|i| fibonacci_hemisphere(i, 24, 0.0)).collect();
         let loss = Loss::new(&target, &samples, &directions);
         let guess = Guess::of(&target.core);
-        target.frame * refine(&loss, &guess, mirrors, LIMITS, &mut Workspace::default())
+        let mut go_on = || ControlFlow::Continue(());
+        let found = refine(&loss, &guess, mirrors, LIMITS, &mut Workspace::default(), &mut go_on);
+        target.frame * found.expect("nothing stops it")
     }
 
     /// The representative that scale and gauge do not change.

@@ -55,9 +55,7 @@ pub(super) fn read(document: &Value, entry_limit: u64) -> Result<Recipe, Vec<Fau
     let resolution = read_resolution(&root, &range, &mut faults);
     let recipe = Recipe { fitter: FITTER_VERSION, brdf, layout, resolution, range, fit, terms, precision };
     check_entries(&recipe, entry_limit, &mut faults);
-    if faults.0.is_empty() {
-        check_nodes(&recipe, &mut faults);
-    }
+    check_nodes(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
 }
 

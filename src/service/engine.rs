@@ -18,13 +18,13 @@ pub(super) trait Engine: Send + Sync {
     /// Reads a recipe document and plans its job.
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
 
-    /// Fits one shard of a planned recipe. `after_row` hears how many of its entries are done and may stop it; the
+    /// Fits one shard of a planned recipe. `pulse` hears how many of its entries are done and may stop it; the
     /// result is `None` then.
     fn fit_shard(
         &self,
         recipe: &str,
         shard: u32,
-        after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
+        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<u8>>, String>;
 
     /// The canonical file of the table of all shards' results, in order.
@@ -78,10 +78,10 @@ impl Engine for Fitter {
         &self,
         recipe: &str,
         shard: u32,
-        after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
+        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<u8>>, String> {
         let plan = self.plan_of(recipe)?;
-        Ok(fit::fit_shard(&plan, shard, after_row).map(|entries| fit::shard_to_bytes(&entries)))
+        Ok(fit::fit_shard(&plan, shard, pulse).map(|entries| fit::shard_to_bytes(&entries)))
     }
 
     fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
@@ -91,7 +91,10 @@ impl Engine for Fitter {
             let fitted = fit::shard_from_bytes(&bytes, entries(&plan, shard));
             all.extend(fitted.map_err(|error| format!("shard {shard}: {error}"))?);
         }
-        export::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())
+        let file = export::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())?;
+        // What no reader would take is not stored.
+        export::decode(&file).map_err(|error| error.to_string())?;
+        Ok(file)
     }
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {

@@ -69,7 +69,7 @@ impl Engine for FakeEngine {
         &self,
         recipe: &str,
         shard: u32,
-        after_row: &mut dyn FnMut(u64) -> ControlFlow<()>,
+        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<u8>>, String> {
         let panics = {
             let mut behaviour = self.0.behaviour.lock().unwrap();
@@ -80,7 +80,7 @@ impl Engine for FakeEngine {
         self.0.changed.notify_all();
         assert!(!panics, "the lobe fell over");
         for done in 1..=u64::from(ENTRIES) {
-            if after_row(done).is_break() {
+            if pulse(done).is_break() {
                 return Ok(None);
             }
             let behaviour = self.0.behaviour.lock().unwrap();
@@ -348,49 +348,4 @@ fn followers_of_finished_jobs_cost_nothing() {
     assert!(matches!(receiver.borrow().job.state, JobState::Done { .. }));
     assert!(!service.core.hub.is_watched(id));
     assert!(service.watch(JobId::of_recipe(&Digest::of(b"unknown"))).unwrap().is_none());
-}
-
-/// A job of many shards that take no time: what is left is the service's own time.
-#[test]
-fn a_shard_costs_the_service_little() {
-    let dir = tempfile::tempdir().unwrap();
-    let service = start(dir.path(), &Arc::new(Shared::default()));
-    let shards = 256;
-    let begin = std::time::Instant::now();
-    fitted(&service, &format!("gold {shards}"));
-    let per_shard = begin.elapsed() / shards;
-    println!("{per_shard:?} a shard");
-    assert!(per_shard < Duration::from_millis(50), "{per_shard:?} a shard");
-}
-
-/// On a real disk of a few MiB, named by `LTCFORGE_SMALL_DISK` (`mount -t tmpfs -o size=6m tmpfs DIR`).
-#[test]
-#[ignore = "needs a small disk of its own in LTCFORGE_SMALL_DISK"]
-fn a_disk_that_is_really_full_fails_the_job_and_room_brings_it_back() {
-    let disk = std::path::PathBuf::from(std::env::var_os("LTCFORGE_SMALL_DISK").expect("LTCFORGE_SMALL_DISK"));
-    let (data, filler) = (disk.join("data"), disk.join("filler"));
-    let shared = Arc::new(Shared::default());
-    let service = start(&data, &shared);
-    for round in 0..3 {
-        let recipe = format!("gold{round} 40");
-        shared.set(|b| {
-            b.begun.clear();
-            b.held = true;
-        });
-        let (id, _) = submit(&service, &recipe);
-        shared.wait_for_begun(2);
-        let mut file = fs::File::create(&filler).unwrap();
-        while std::io::Write::write_all(&mut file, &[0; 4096]).is_ok() {}
-        drop(file);
-        shared.set(|b| b.held = false);
-        match end_of(&service, id) {
-            JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
-            other => panic!("{other:?}"),
-        }
-        assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
-        fs::remove_file(&filler).unwrap();
-        fitted(&service, &recipe);
-    }
-    drop(service);
-    assert_eq!(start(&data, &shared).tables(None, 10).unwrap().items.len(), 3);
 }

@@ -81,7 +81,7 @@ impl Core {
 
     fn fit(&self, work: &Work, shard: u32) -> Result<(), Trouble> {
         let mut fitted = 0;
-        let mut after_row = |done: u64| {
+        let mut pulse = |done: u64| {
             self.entries_fitted.fetch_add(done.saturating_sub(fitted), Ordering::Relaxed);
             fitted = done;
             if self.is_stopping() || self.queue.progress(&work.lease, done).is_err() {
@@ -92,7 +92,7 @@ impl Core {
             }
             ControlFlow::Continue(())
         };
-        match self.engine.fit_shard(&work.recipe, shard, &mut after_row).map_err(Trouble::Step)? {
+        match self.engine.fit_shard(&work.recipe, shard, &mut pulse).map_err(Trouble::Step)? {
             Some(result) => self.queue.complete(&work.lease, &result)?,
             None => self.queue.give_back(&work.lease)?,
         }

@@ -41,9 +41,11 @@ impl From<Output> for Run {
     }
 }
 
-/// The binary in `folder`, with nothing of ours in its environment.
+/// The binary in `folder`, with nothing of ours in its environment. `LTCFORGE_TEST_BINARY` puts another build to the
+/// same tests.
 pub(crate) fn ltcforge<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ltcforge"));
+    let binary = std::env::var_os("LTCFORGE_TEST_BINARY");
+    let mut command = Command::new(binary.unwrap_or_else(|| env!("CARGO_BIN_EXE_ltcforge").into()));
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("LTCFORGE_")) {
         command.env_remove(name);
     }
