@@ -3,7 +3,9 @@
 mod document;
 mod preset;
 mod reader;
+mod strict;
 
+use self::strict::Strict;
 use crate::{digest::Digest, fit::Recipe};
 
 pub use document::DEFAULT_ENTRY_LIMIT;
@@ -21,7 +23,7 @@ pub struct Fault {
 /// Why a document is not a recipe.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RecipeError {
-    /// Not JSON at all.
+    /// Not JSON, or JSON that names a field twice.
     #[error("not JSON: {0}")]
     Json(String),
     /// JSON, but not a recipe: every fault, in the order of the fields' reading.
@@ -38,7 +40,7 @@ fn list(faults: &[Fault]) -> String {
 /// # Errors
 /// Every fault of the document at once.
 pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
-    let document = serde_json::from_slice(json).map_err(|error| RecipeError::Json(error.to_string()))?;
+    let Strict(document) = serde_json::from_slice(json).map_err(|error| RecipeError::Json(error.to_string()))?;
     document::read(&document, entry_limit).map_err(RecipeError::Faults)
 }
 

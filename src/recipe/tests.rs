@@ -104,6 +104,16 @@ fn what_is_not_json_is_told_apart() {
     assert_eq!(pointers("[]"), [""]);
 }
 
+#[test]
+fn a_field_that_stands_twice_is_refused() {
+    for text in [r#"{"preset": "draft", "preset": "paper"}"#, r#"{"fit": {"seed": 1, "steps": 2, "seed": 1}}"#] {
+        match recipe(text) {
+            Err(RecipeError::Json(detail)) => assert!(detail.contains("stands twice"), "{detail}"),
+            other => panic!("{text} gave {other:?}"),
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn any_bytes_give_an_answer(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
