@@ -21,7 +21,8 @@ id=$(jq -r .id <<<"$job")
 echo "Job $id fits $(jq -r .progress.entries_total <<<"$job") lobes."
 # Server-Sent Events: each `data:` line is the job as it is now; the stream ends with the job.
 curl -sSN "$url/v1/jobs/$id/events" | sed -un 's/^data: *//p' |
-  jq -r --unbuffered '"  \(.state): \(.progress | "\(.entries_done) of \(.entries_total), \(.seconds_left // "?" | if type == "number" then ceil else . end) s left")"' |
+  jq -r --unbuffered '"  \(.state): " + (.progress | "\(.entries_done) of \(.entries_total)" +
+    if .seconds_left then ", \(.seconds_left | ceil) s left" else "" end)' |
   uniq
 digest=$(curl -sS --fail-with-body "$url/v1/jobs/$id" | jq -er .table)
 echo "Done after $((($(date +%s%N) - started) / 1000000)) ms: $digest"
