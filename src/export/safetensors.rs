@@ -14,7 +14,7 @@ use safetensors::{Dtype, SafeTensors, View, serialize};
 
 use crate::{
     fit::{self, Recipe},
-    ltc::{PerAxis, Table, Terms},
+    ltc::{Table, Terms},
     math::from_row_major,
     recipe,
 };
@@ -153,7 +153,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         None
     };
     let node_error = finite(&file, "node_error", &shape)?;
-    let table = Table { layout: recipe.layout, axes: PerAxis { ..axes }, matrix: matrix.to_vec(), terms, node_error };
+    let table = Table { layout: recipe.layout, axes, matrix: matrix.to_vec(), terms, node_error };
     if encode(&recipe, &table)? != bytes {
         return Err(TableFileError::NotCanonical);
     }

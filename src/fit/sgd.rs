@@ -15,8 +15,8 @@ use crate::{
     math::{cosine_hemisphere, sin_cos},
 };
 
-/// Length of a step in units of the gradient. The paper gives none; at 0.1 broad lobes converge within a tenth of
-/// its 10,000 steps, and at 1 they never settle.
+/// Length of a step in units of the gradient. The paper gives none; at 0.1 a broad lobe is within three times its best
+/// fit's error after some hundred steps.
 const RATE: f64 = 0.1;
 
 /// How long and how finely to descend.
