@@ -95,7 +95,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
-    use crate::math::lattice2;
+    use crate::math::Lattice;
 
     /// Configurations from broad to needle, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
     const CONFIGURATIONS: [(f64, f64, f64, f64); 5] = [
@@ -141,7 +141,7 @@ mod tests {
             let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
             let albedo = integrate(600, |wi| ggx.eval_cos(wo, wi));
             let n = 1 << 14;
-            let mean = (0..n).map(|i| ggx.sample(wo, lattice2(i, n, [0.0; 2])).weight).sum::<f64>() / n as f64;
+            let mean = Lattice::new(n, [0.0; 2]).points().map(|u| ggx.sample(wo, u).weight).sum::<f64>() / n as f64;
             assert!((mean - albedo).abs() < 2e-3, "{ggx:?} {theta} {phi}: {mean} {albedo}");
             assert!(albedo <= 1.0 + 1e-3);
         }
@@ -150,10 +150,9 @@ mod tests {
     #[test]
     fn eval_is_pdf_times_weight_and_reciprocal() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
-        for i in 0..64 {
-            let u = lattice2(i, 64, [0.0; 2]);
+        for (u, other) in Lattice::new(64, [0.0; 2]).points().zip(Lattice::new(64, [0.3, 0.1]).points()) {
             let wo = view(1.5 * u[0], 6.0 * u[1]);
-            let sample = ggx.sample(wo, lattice2(63 - i, 64, [0.3, 0.1]));
+            let sample = ggx.sample(wo, other);
             if sample.weight == 0.0 {
                 assert!(sample.wi.z <= 0.0);
                 continue;

@@ -2,18 +2,19 @@
 //!
 //! | tensor | type | shape |
 //! |---|---|---|
-//! | `matrix` | f32 | alpha, ratio, theta, phi, 3, 3 |
-//! | `amplitude`, `fresnel` (when the recipe has terms), `node_error` | f32 | alpha, ratio, theta, phi |
+//! | `matrix` | f32, or f16 where that is the recipe's precision | alpha, ratio, theta, phi, 3, 3 |
+//! | `amplitude`, `fresnel` (when the recipe has terms), `node_error` | as `matrix` | alpha, ratio, theta, phi |
 //! | `axis_alpha`, `axis_ratio`, `axis_theta`, `axis_phi` | f64 | nodes |
 //!
 //! Equal recipe and table give equal bytes, and no other bytes decode to them.
 
 use std::{borrow::Cow, collections::HashMap};
 
+use half::f16;
 use safetensors::{Dtype, SafeTensors, View, serialize};
 
 use crate::{
-    fit::{self, Recipe},
+    fit::{self, Precision, Recipe},
     ltc::{Table, Terms},
     math::from_row_major,
     recipe,
@@ -78,9 +79,14 @@ impl View for Tensor {
     }
 }
 
-fn f32_tensor<'a>(shape: &[usize], values: impl IntoIterator<Item = &'a f32>) -> Tensor {
-    let bytes = values.into_iter().flat_map(|x| x.to_le_bytes()).collect();
-    Tensor { dtype: Dtype::F32, shape: shape.to_vec(), bytes }
+/// Numbers in a precision that holds them exactly.
+fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<Item = &'a f32>) -> Tensor {
+    let values = values.into_iter();
+    let (dtype, bytes) = match precision {
+        Precision::F32 => (Dtype::F32, values.flat_map(|x| x.to_le_bytes()).collect()),
+        Precision::F16 => (Dtype::F16, values.flat_map(|x| f16::from_f32_const(*x).to_le_bytes()).collect()),
+    };
+    Tensor { dtype, shape: shape.to_vec(), bytes }
 }
 
 /// The canonical file of a table.
@@ -90,21 +96,21 @@ fn f32_tensor<'a>(shape: &[usize], values: impl IntoIterator<Item = &'a f32>) ->
 pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError> {
     let shape = table.axes.lengths().named().map(|(_, n)| *n);
     let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();
+    let precision = recipe.precision;
     let mut tensors = vec![
-        ("matrix".to_owned(), f32_tensor(&matrix_shape, table.matrix.iter().flatten())),
-        ("node_error".to_owned(), f32_tensor(&shape, &table.node_error)),
+        ("matrix".to_owned(), tensor(precision, &matrix_shape, table.matrix.iter().flatten())),
+        ("node_error".to_owned(), tensor(precision, &shape, &table.node_error)),
     ];
     if let Some(terms) = &table.terms {
-        tensors.push(("amplitude".to_owned(), f32_tensor(&shape, &terms.amplitude)));
-        tensors.push(("fresnel".to_owned(), f32_tensor(&shape, &terms.fresnel)));
+        tensors.push(("amplitude".to_owned(), tensor(precision, &shape, &terms.amplitude)));
+        tensors.push(("fresnel".to_owned(), tensor(precision, &shape, &terms.fresnel)));
     }
     for (name, nodes) in table.axes.named() {
         let bytes = nodes.iter().flat_map(|x| x.to_le_bytes()).collect();
         tensors.push((format!("axis_{name}"), Tensor { dtype: Dtype::F64, shape: vec![nodes.len()], bytes }));
     }
     for (name, tensor) in &tensors {
-        let element = if tensor.dtype == Dtype::F64 { 8 } else { 4 };
-        if tensor.shape.iter().product::<usize>() * element != tensor.bytes.len() {
+        if tensor.shape.iter().product::<usize>() * tensor.dtype.bitsize() != tensor.bytes.len() * 8 {
             let detail = format!("{} bytes do not make the shape {:?}", tensor.bytes.len(), tensor.shape);
             return Err(TableFileError::Tensor { name: name.clone(), detail });
         }
@@ -126,7 +132,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         .as_ref()
         .and_then(|metadata| metadata.get(RECIPE_KEY))
         .ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;
-    let recipe = recipe::parse(text.as_bytes(), u64::MAX).map_err(|error| TableFileError::Recipe(error.to_string()))?;
+    let recipe = recipe::parse_stored(text.as_bytes()).map_err(|error| TableFileError::Recipe(error.to_string()))?;
 
     let axes = fit::nodes(&recipe);
     let shape = axes.lengths().named().map(|(_, n)| *n);
@@ -140,19 +146,20 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
             return Err(TableFileError::Tensor { name: format!("axis_{name}"), detail });
         }
     }
-    let numbers: Vec<f32> = finite(&file, "matrix", &matrix_shape)?;
+    let finite = |name: &str, shape: &[usize]| finite(&file, name, recipe.precision, shape);
+    let numbers = finite("matrix", &matrix_shape)?;
     let (matrix, _) = numbers.as_chunks::<9>();
     if let Some(index) = matrix.iter().position(|m| from_row_major(&m.map(f64::from)).determinant() <= 0.0) {
         let detail = format!("the matrix of entry {index} has no positive determinant");
         return Err(TableFileError::Tensor { name: "matrix".to_owned(), detail });
     }
     let terms = if recipe.terms {
-        let (amplitude, fresnel) = (finite(&file, "amplitude", &shape)?, finite(&file, "fresnel", &shape)?);
+        let (amplitude, fresnel) = (finite("amplitude", &shape)?, finite("fresnel", &shape)?);
         Some(Terms { amplitude, fresnel })
     } else {
         None
     };
-    let node_error = finite(&file, "node_error", &shape)?;
+    let node_error = finite("node_error", &shape)?;
     let table = Table { layout: recipe.layout, axes, matrix: matrix.to_vec(), terms, node_error };
     if encode(&recipe, &table)? != bytes {
         return Err(TableFileError::NotCanonical);
@@ -177,9 +184,14 @@ fn numbers<'a, const BYTES: usize>(
     Ok(elements.iter().copied())
 }
 
-/// The elements of an f32 tensor of this shape, all of them finite.
-fn finite(file: &SafeTensors, name: &str, shape: &[usize]) -> Result<Vec<f32>, TableFileError> {
-    let values: Vec<f32> = numbers::<4>(file, name, Dtype::F32, shape)?.map(f32::from_le_bytes).collect();
+/// The elements of a tensor of this precision and shape, all of them finite.
+fn finite(file: &SafeTensors, name: &str, precision: Precision, shape: &[usize]) -> Result<Vec<f32>, TableFileError> {
+    let values: Vec<f32> = match precision {
+        Precision::F32 => numbers::<4>(file, name, Dtype::F32, shape)?.map(f32::from_le_bytes).collect(),
+        Precision::F16 => {
+            numbers::<2>(file, name, Dtype::F16, shape)?.map(|bytes| f16::from_le_bytes(bytes).to_f32_const()).collect()
+        }
+    };
     match values.iter().position(|x| !x.is_finite()) {
         None => Ok(values),
         Some(index) => {

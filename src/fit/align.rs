@@ -5,10 +5,6 @@ use glam::DMat3;
 use super::target::Mirrors;
 use crate::math::rotation_from_z;
 
-/// The least ratio of a stored block's eigenvalues. A lobe that is a curved line, at grazing angles, fits best with none;
-/// f32 numbers hold a determinant to some 1e-7 of the larger one squared, a hundredth of what this leaves.
-const FLATTEST: f64 = 1e-5;
-
 /// The matrix of the same distribution whose first two columns are turned so that, seen along the third, their
 /// block is symmetric and positive definite.
 ///
@@ -18,12 +14,28 @@ const FLATTEST: f64 = 1e-5;
 /// has a positive determinant where M has, and exactly one rotation, its polar factor, makes it symmetric and
 /// positive definite. It is continuous in M. The paper's choice, nearest to the identity, jumps where a lobe is far
 /// from the pole. Domain: `M` regular, its third column not along -z.
-pub(super) fn align(m: &DMat3, mirrors: Mirrors) -> DMat3 {
+///
+/// The block is opened until its eigenvalues have at least the ratio `flattest`.
+pub(super) fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     let frame = rotation_from_z(m.z_axis.normalize());
     let mut local = frame.transpose() * *m;
     if local.determinant() < 0.0 {
         local.y_axis = -local.y_axis;
     }
+    symmetrised(frame * opened(turned(local), flattest), mirrors)
+}
+
+/// What lies between a lobe's reflection `K` and its matrix `M`: `K^-1 M`, opened like an aligned matrix, its first two
+/// columns turned so that their upper block is symmetric.
+///
+/// `K` is smooth, so this gauge is as continuous as that of [`align`].
+pub(super) fn align_to(reflection: &DMat3, m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
+    symmetrised(turned(align(&(reflection.inverse() * *m), mirrors, flattest)), mirrors)
+}
+
+/// Turns the first two columns so that their upper block is symmetric and, where its determinant is positive, positive
+/// definite: its polar factor.
+fn turned(mut local: DMat3) -> DMat3 {
     let (x, y) = (local.x_axis, local.y_axis);
     let (cos, sin) = (x.x + y.y, x.y - y.x);
     // Zero only for a block without positive determinant.
@@ -33,16 +45,16 @@ pub(super) fn align(m: &DMat3, mirrors: Mirrors) -> DMat3 {
         local.x_axis = x * cos - y * sin;
         local.y_axis = x * sin + y * cos;
     }
-    symmetrised(frame * opened(local), mirrors)
+    local
 }
 
-/// Opens a block that is nearly a line: to its smaller eigenvalue goes what it lacks of [`FLATTEST`] times the larger.
-fn opened(mut m: DMat3) -> DMat3 {
+/// Opens a block that is nearly a line: to its smaller eigenvalue goes what it lacks of `flattest` times the larger.
+fn opened(mut m: DMat3, flattest: f64) -> DMat3 {
     let (xx, xy, yy) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);
     let (half_trace, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let larger = half_trace + (half_difference * half_difference + xy * xy).sqrt();
     let smaller = (xx * yy - xy * xy) / larger;
-    let lacking = (FLATTEST * larger - smaller).max(0.0);
+    let lacking = (flattest * larger - smaller).max(0.0);
     m.x_axis.x += lacking;
     m.y_axis.y += lacking;
     m
@@ -81,12 +93,12 @@ mod tests {
         fn every_matrix_of_a_distribution_aligns_to_the_same_one(m in regular(), angle in 0.0..6.3, flip in any::<bool>()) {
             let flip = DMat3::from_diagonal(DVec3::new(1.0, if flip { -1.0 } else { 1.0 }, 1.0));
             let other = m * flip * DMat3::from_rotation_z(angle);
-            prop_assert!(align(&m, NO_MIRRORS).abs_diff_eq(align(&other, NO_MIRRORS), 1e-9));
+            prop_assert!(align(&m, NO_MIRRORS, 1e-9).abs_diff_eq(align(&other, NO_MIRRORS, 1e-9), 1e-9));
         }
 
         #[test]
         fn aligned_blocks_are_symmetric_and_positive_definite(m in regular()) {
-            let aligned = align(&m, NO_MIRRORS);
+            let aligned = align(&m, NO_MIRRORS, 1e-9);
             prop_assert!(aligned.determinant() > 0.0);
             let local = rotation_from_z(aligned.z_axis.normalize()).transpose() * aligned;
             prop_assert!((local.x_axis.y - local.y_axis.x).abs() < 1e-12);
@@ -97,7 +109,7 @@ mod tests {
     #[test]
     fn mirrors_leave_exact_zeros() {
         let m = DMat3::from_cols(DVec3::new(0.4, 1e-9, 0.1), DVec3::new(1e-9, 0.3, 1e-9), DVec3::new(-0.5, 1e-9, 0.8));
-        let aligned = align(&m, Mirrors { x: false, y: true });
+        let aligned = align(&m, Mirrors { x: false, y: true }, 1e-9);
         assert_eq!([aligned.x_axis.y, aligned.y_axis.x, aligned.y_axis.z, aligned.z_axis.y], [0.0; 4]);
         assert!(aligned.x_axis.z != 0.0 && aligned.z_axis.x != 0.0);
     }

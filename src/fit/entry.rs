@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     brdf::{Brdf, Ggx},
-    math::{fibonacci_hemisphere, lattice2, row_major, sin_cos},
+    math::{Lattice, fibonacci_hemisphere, row_major},
 };
 
 /// Samples of the lobe for each sample of the LTC: they are projected once, the LTC's in every evaluation.
@@ -38,13 +38,6 @@ pub struct FittedEntry {
     pub error: f64,
 }
 
-/// The view direction of a node: unit length, exactly in a coordinate plane at `phi` of zero or pi/2.
-pub(super) fn view_direction(theta: f64, phi: f64) -> DVec3 {
-    let (sin_theta, cos_theta) = sin_cos(theta);
-    let (sin_phi, cos_phi) = sin_cos(phi);
-    DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
-}
-
 /// Symmetries of the lobe of an anisotropic, axis-aligned surface seen from `wo`.
 pub(super) fn mirrors(wo: DVec3) -> Mirrors {
     Mirrors { x: wo.x == 0.0, y: wo.y == 0.0 }
@@ -55,21 +48,21 @@ pub(super) fn mirrors(wo: DVec3) -> Mirrors {
 struct Sampling {
     samples: CosineSamples,
     directions: Vec<DVec3>,
-    shift: [f64; 2],
+    target: Lattice,
 }
 
 impl Sampling {
     fn new(settings: &FitSettings, shift: [f64; 2]) -> Self {
         let (samples, directions) = (settings.samples as usize, settings.directions as usize);
         Self {
-            samples: CosineSamples::new(samples, |i| lattice2(i, samples, shift)),
+            samples: CosineSamples::new(Lattice::new(samples, shift)),
             directions: (0..directions).map(|i| fibonacci_hemisphere(i, directions, shift[1])).collect(),
-            shift,
+            target: Lattice::new(samples * TARGET_SAMPLES_PER_SAMPLE, shift),
         }
     }
 
     fn target(&self, brdf: &impl Brdf, wo: DVec3) -> Target {
-        Target::sample(brdf, wo, mirrors(wo), self.samples.len() * TARGET_SAMPLES_PER_SAMPLE, self.shift)
+        Target::sample(brdf, wo, mirrors(wo), self.target)
     }
 }
 
@@ -153,7 +146,7 @@ mod tests {
     use super::*;
     use crate::{
         fit::{ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING},
-        math::from_row_major,
+        math::{direction, from_row_major},
     };
 
     fn fit(settings: FitSettings, ggx: &Ggx, wo: DVec3, stream: u64) -> FittedEntry {
@@ -183,7 +176,7 @@ mod tests {
             phi in hard(&[0.0, 1e-12, FRAC_PI_2], 0.0, FRAC_PI_2),
         ) {
             let ggx = Ggx { alpha_x: alpha, alpha_y: alpha * ratio };
-            let wo = view_direction(theta, phi);
+            let wo = direction(theta, phi);
             let entry = fit(settings(Solver::Bfgs, 64, 6, 20), &ggx, wo, 0);
             prop_assert!(entry.matrix.iter().all(|x| x.is_finite()), "{entry:?}");
             prop_assert!(from_row_major(&entry.matrix).determinant() > 0.0, "{entry:?}");
@@ -205,7 +198,7 @@ mod tests {
     #[test]
     fn more_samples_fit_better() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
-        let wo = view_direction(1.0, 0.6);
+        let wo = direction(1.0, 0.6);
         let [coarse, fine] = [32, 1024].map(|n| fit(settings(Solver::Bfgs, n, 16, 60), &ggx, wo, 0).matrix);
         let mut judge = Fitter::new(&settings(Solver::Bfgs, 2048, 48, 1));
         let [coarse, fine] = [coarse, fine].map(|m| judge.error(&ggx, wo, &from_row_major(&m)));
@@ -216,7 +209,7 @@ mod tests {
     #[test]
     fn the_paper_s_descent_comes_near_the_same_error() {
         let ggx = Ggx { alpha_x: 0.8, alpha_y: 0.5 };
-        let wo = view_direction(0.7, 0.4);
+        let wo = direction(0.7, 0.4);
         let ours = fit(settings(Solver::Bfgs, 1024, 32, 60), &ggx, wo, 0).matrix;
         let descended = |seed| {
             let settings = FitSettings { seed, ..settings(Solver::Sgd, 256, 8, 600) };
@@ -236,11 +229,7 @@ mod tests {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
         for solver in [Solver::Bfgs, Solver::Sgd] {
             let mut fitter = Fitter::new(&settings(solver, 256, 8, 100_000));
-            assert_eq!(
-                fitter.fit(&ggx, view_direction(1.0, 0.6), 0, &mut || ControlFlow::Break(())),
-                None,
-                "{solver:?}"
-            );
+            assert_eq!(fitter.fit(&ggx, direction(1.0, 0.6), 0, &mut || ControlFlow::Break(())), None, "{solver:?}");
         }
     }
 }

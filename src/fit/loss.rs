@@ -12,7 +12,7 @@
 use glam::{DMat3, DVec3};
 
 use super::target::Target;
-use crate::math::cosine_hemisphere;
+use crate::math::{Lattice, cosine_hemisphere};
 
 /// Mantissa bits that number the cells of an octave: 32 cells, a core cell is 1/32 of the lobe's width.
 const CELL_BITS: u32 = 5;
@@ -32,12 +32,9 @@ pub(super) struct CosineSamples {
 }
 
 impl CosineSamples {
-    pub(super) fn len(&self) -> usize {
-        self.points.len()
-    }
-    /// The images of `count` points of the unit square under [`cosine_hemisphere`].
-    pub(super) fn new(count: usize, point: impl Fn(usize) -> [f64; 2]) -> Self {
-        Self { points: (0..count).map(|i| cosine_hemisphere(point(i))).collect() }
+    /// The images of a lattice's points under [`cosine_hemisphere`].
+    pub(super) fn new(lattice: Lattice) -> Self {
+        Self { points: lattice.points().map(cosine_hemisphere).collect() }
     }
 }
 
@@ -267,16 +264,18 @@ fn slice_loss<const GRADIENT: bool>(slice: &Slice, work: &mut Workspace) -> f64 
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::{
         fit::target::{Mirrors, tests::planted},
-        math::{fibonacci_hemisphere, lattice2},
+        math::fibonacci_hemisphere,
     };
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
     fn samples(n: usize) -> CosineSamples {
-        CosineSamples::new(n, |i| lattice2(i, n, [0.0, 0.0]))
+        CosineSamples::new(Lattice::new(n, [0.0; 2]))
     }
 
     fn directions(n: usize) -> Vec<DVec3> {
@@ -294,7 +293,13 @@ mod tests {
     /// A neighbour of the lobe in its own frame.
     fn near(target: &Target, scale: f64) -> DMat3 {
         let m = target.frame.transpose() * lobe(scale);
-        m * DMat3::from_cols(DVec3::new(1.1, 0.05, 0.02), DVec3::new(0.05, 0.9, -0.03), DVec3::new(0.1, -0.05, 1.0))
+        // With a slope that a sharp lobe does not have, a sample or two would fall behind it.
+        let slope = scale * DVec2::new(0.02, -0.03);
+        m * DMat3::from_cols(
+            DVec3::new(1.1, 0.05, slope.x),
+            DVec3::new(0.05, 0.9, slope.y),
+            DVec3::new(0.1, -0.05, 1.0),
+        )
     }
 
     /// Equation 10 of KT et al. 2022 on the loss's own samples: sorted projections, quantile by quantile.

@@ -6,6 +6,7 @@
 //! Invariant: `fit` knows no clock, file, environment, JSON value or thread count; equal recipes give equal bytes.
 
 mod align;
+mod assemble;
 mod bfgs;
 mod entry;
 mod guess;
@@ -20,7 +21,8 @@ mod target;
 /// Called now and then in a long fit, so that its caller can tell that it is alive, and stop it.
 pub type Pulse<'a> = dyn FnMut() -> std::ops::ControlFlow<()> + 'a;
 
+pub use assemble::assemble;
 pub use entry::{FittedEntry, Fitter};
-pub use nodes::{ALPHA_FLOOR, ALPHA_Y_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
+pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
-pub use shard::{Plan, ShardBytesError, assemble, fit_shard, shard_from_bytes, shard_to_bytes};
+pub use shard::{Plan, ShardBytesError, fit_shard, shard_from_bytes, shard_to_bytes};

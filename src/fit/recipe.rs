@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::ltc::{Layout, PerAxis};
 
 /// Version of the fitter. Raised whenever the same recipe gives other bytes.
-pub const FITTER_VERSION: u32 = 1;
+pub const FITTER_VERSION: u32 = 2;
 
 /// The scattering model that is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,6 +41,8 @@ pub enum Solver {
 pub enum Precision {
     /// IEEE 754 binary32.
     F32,
+    /// IEEE 754 binary16, what textures of half floats hold.
+    F16,
 }
 
 /// How hard each entry is fitted.

@@ -3,14 +3,12 @@
 use std::ops::{ControlFlow, Range};
 
 use super::{
-    ALPHA_Y_FLOOR, Recipe,
-    align::align,
-    entry::{FittedEntry, Fitter, mirrors, view_direction},
+    Recipe,
+    entry::{FittedEntry, Fitter},
     nodes,
 };
 use crate::{
-    brdf::Ggx,
-    ltc::{Layout, PerAxis, Table, Terms},
+    ltc::PerAxis,
     math::{from_row_major, row_major, turned_about_z},
 };
 
@@ -69,12 +67,25 @@ impl Plan {
         u64::from(self.recipe.resolution.phi.max(1))
     }
 
-    /// Alpha, ratio and theta of a row.
-    fn row(&self, row: u64) -> (f64, f64, f64) {
-        let PerAxis { alpha, ratio, theta, .. } = &self.nodes;
-        let (ratios, thetas) = (ratio.len() as u64, theta.len() as u64);
+    /// Ascending nodes of each axis.
+    #[must_use]
+    pub fn nodes(&self) -> &PerAxis<Vec<f64>> {
+        &self.nodes
+    }
+
+    /// Where the entry at `index` in storage order lies. Domain: `index < entries()`.
+    #[must_use]
+    pub fn place(&self, index: u64) -> PerAxis<f64> {
+        let PerAxis { alpha, ratio, theta, phi } = &self.nodes;
+        let (phis, thetas, ratios) = (phi.len() as u64, theta.len() as u64, ratio.len() as u64);
+        let row = index / phis;
         let at = |axis: &[f64], index: u64| axis[index as usize];
-        (at(alpha, row / (ratios * thetas)), at(ratio, row / thetas % ratios), at(theta, row % thetas))
+        PerAxis {
+            alpha: at(alpha, row / thetas / ratios),
+            ratio: at(ratio, row / thetas % ratios),
+            theta: at(theta, row % thetas),
+            phi: at(phi, index % phis),
+        }
     }
 }
 
@@ -101,12 +112,12 @@ fn fit_row(
     entries: &mut Vec<FittedEntry>,
     pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Option<()> {
-    let (alpha, ratio, theta) = plan.row(row);
-    let ggx = Ggx { alpha_x: alpha, alpha_y: (alpha * ratio).max(ALPHA_Y_FLOOR) };
     let first = row * plan.row_length();
-    let (from_above, isotropic) = (theta == 0.0, ratio == 1.0);
+    let place = plan.place(first);
+    let (from_above, isotropic) = (place.theta == 0.0, place.ratio == 1.0);
     let mut fit = |phi: f64, index: u64, done: u64, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>| {
-        fitter.fit(&ggx, view_direction(theta, phi), index, &mut || pulse(done))
+        let place = PerAxis { phi, ..place };
+        fitter.fit(&place.surface(), place.view(), index, &mut || pulse(done))
     };
     let done = entries.len() as u64;
     let shared = if from_above || isotropic { Some(fit(0.0, first, done, pulse)?) } else { None };
@@ -126,31 +137,6 @@ fn fit_row(
 /// The entry of an isotropic lobe that has turned with the view.
 fn turned(entry: &FittedEntry, phi: f64) -> FittedEntry {
     FittedEntry { matrix: row_major(&turned_about_z(from_row_major(&entry.matrix), phi)), ..*entry }
-}
-
-/// Aligns, normalises and rounds all entries of a plan, given in storage order, into its table.
-#[must_use]
-pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
-    let stored = |index: usize, entry: &FittedEntry| {
-        let index = index as u64;
-        let (_, _, theta) = plan.row(index / plan.row_length());
-        let wo = view_direction(theta, plan.nodes.phi[(index % plan.row_length()) as usize]);
-        let m = align(&from_row_major(&entry.matrix), mirrors(wo));
-        match plan.recipe.layout {
-            Layout::Kt2022 => row_major(&(m * (1.0 / m.z_axis.length()))).map(|x| x as f32),
-        }
-    };
-    let column = |value: fn(&FittedEntry) -> f64| entries.iter().map(|entry| value(entry) as f32).collect();
-    Table {
-        layout: plan.recipe.layout,
-        axes: plan.nodes.clone(),
-        matrix: entries.iter().enumerate().map(|(index, entry)| stored(index, entry)).collect(),
-        terms: plan
-            .recipe
-            .terms
-            .then(|| Terms { amplitude: column(|entry| entry.amplitude), fresnel: column(|entry| entry.fresnel) }),
-        node_error: column(|entry| entry.error),
-    }
 }
 
 /// Numbers of an entry in a shard's bytes.

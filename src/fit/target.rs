@@ -4,7 +4,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use crate::{
     brdf::Brdf,
-    math::{lattice2, rotation_from_z},
+    math::{Lattice, rotation_from_z},
 };
 
 /// Mirror symmetries of a lobe, which its LTC shares.
@@ -46,15 +46,15 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Samples the lobe of `brdf` for `wo` at `count` points of the golden lattice shifted by `shift`.
+    /// Samples the lobe of `brdf` for `wo` at the points of `lattice`.
     ///
     /// Domain: `wo.z > 0`, so that some light is reflected above the horizon.
-    pub(super) fn sample(brdf: &impl Brdf, wo: DVec3, mirrors: Mirrors, count: usize, shift: [f64; 2]) -> Self {
-        let mut directions = Vec::with_capacity(count);
-        let mut weights = Vec::with_capacity(count);
+    pub(super) fn sample(brdf: &impl Brdf, wo: DVec3, mirrors: Mirrors, lattice: Lattice) -> Self {
+        let mut directions = Vec::with_capacity(lattice.len());
+        let mut weights = Vec::with_capacity(lattice.len());
         let (mut total, mut fresnel) = (0.0, 0.0);
-        for i in 0..count {
-            let sample = brdf.sample(wo, lattice2(i, count, shift));
+        for u in lattice.points() {
+            let sample = brdf.sample(wo, u);
             if sample.weight > 0.0 {
                 total += sample.weight;
                 let grazing = (1.0 - sample.cos_theta_d).max(0.0);
@@ -64,7 +64,8 @@ impl Target {
                 weights.push(sample.weight);
             }
         }
-        let terms = LobeTerms { amplitude: total / count as f64, fresnel: fresnel / count as f64 };
+        let count = lattice.len() as f64;
+        let terms = LobeTerms { amplitude: total / count, fresnel: fresnel / count };
 
         Self::of_directions(&directions, weights, mirrors, terms)
     }
@@ -165,7 +166,7 @@ pub(super) mod tests {
     pub(in super::super) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let n = 8192;
-        let directions: Vec<DVec3> = (0..n).map(|i| ltc.sample(lattice2(i, n, [0.37, 0.81]))).collect();
+        let directions: Vec<DVec3> = Lattice::new(n, [0.37, 0.81]).points().map(|u| ltc.sample(u)).collect();
         Target::of_directions(&directions, vec![1.0; n], mirrors, LobeTerms { amplitude: 1.0, fresnel: 0.0 })
     }
 

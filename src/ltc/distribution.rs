@@ -61,7 +61,7 @@ impl Ltc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::lattice2;
+    use crate::math::Lattice;
 
     fn skewed() -> DMat3 {
         DMat3::from_cols(DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8))
@@ -77,8 +77,7 @@ mod tests {
     #[test]
     fn sample_and_invert_round_trip_where_the_density_is_positive() {
         let ltc = Ltc::new(skewed()).expect("regular");
-        for i in 0..100 {
-            let u = lattice2(i, 100, [0.0, 0.2]);
+        for u in Lattice::new(100, [0.0, 0.2]).points() {
             let wi = ltc.sample(u);
             assert!(ltc.pdf(wi) > 0.0);
             let back = ltc.invert(wi).expect("above the horizon of cosine space");
@@ -93,8 +92,9 @@ mod tests {
         let ltc = Ltc::new(skewed()).expect("regular");
         let axis = ltc.sample([0.2, 0.6]);
         let n = 1 << 16;
-        let cap: f64 = (0..n)
-            .map(|i| ltc.sample(lattice2(i, n, [0.0; 2])))
+        let cap: f64 = Lattice::new(n, [0.0; 2])
+            .points()
+            .map(|u| ltc.sample(u))
             .filter(|w| w.dot(axis) > 0.95)
             .map(|w| 1.0 / (ltc.pdf(w) * n as f64))
             .sum();
@@ -109,8 +109,8 @@ mod tests {
         let ltc = Ltc::new(m).expect("regular");
         for other in [m * turn, m * flip, m * 3.0] {
             let other = Ltc::new(other).expect("regular");
-            for i in 0..20 {
-                let w = ltc.sample(lattice2(i, 20, [0.0; 2]));
+            for u in Lattice::new(20, [0.0; 2]).points() {
+                let w = ltc.sample(u);
                 assert!((ltc.pdf(w) / other.pdf(w) - 1.0).abs() < 1e-12);
             }
         }

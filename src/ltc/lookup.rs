@@ -1,6 +1,8 @@
 //! Reading a table at any configuration, as a shader would.
 
-use super::{Configuration, Layout, PerAxis, Table, fold::Folded};
+use glam::DMat3;
+
+use super::{Configuration, Layout, PerAxis, Reflection, Table, Terms, fold::Folded};
 use crate::math::{from_row_major, row_major, turned_about_z};
 
 /// What a table says of a configuration.
@@ -39,6 +41,15 @@ impl Between {
     }
 }
 
+/// The value within an axis's nodes that is nearest to `x`.
+fn clamped(x: f64, nodes: &[f64]) -> f64 {
+    match nodes {
+        [first, .., last] => x.clamp(*first, *last),
+        [only] => *only,
+        [] => x,
+    }
+}
+
 impl Table {
     /// The table at a configuration: all four quadrants of phi, either roughness larger; outside the table's ranges
     /// the nearest configuration inside. Between nodes, weights are linear along each axis.
@@ -50,33 +61,46 @@ impl Table {
         let axes = &self.axes;
         // A table of isotropic surfaces with one phi serves every phi: the lobe turns with the view.
         let turn = (axes.ratio == [1.0] && axes.phi.len() == 1).then(|| folded.phi - axes.phi[0]);
-        let place = PerAxis {
-            alpha: Between::find(&axes.alpha, folded.alpha),
-            ratio: Between::find(&axes.ratio, folded.ratio),
-            theta: Between::find(&axes.theta, configuration.theta),
-            phi: Between::find(&axes.phi, folded.phi),
+        let nearest = PerAxis {
+            alpha: clamped(folded.alpha, &axes.alpha),
+            ratio: clamped(folded.ratio, &axes.ratio),
+            theta: clamped(configuration.theta, &axes.theta),
+            phi: clamped(folded.phi, &axes.phi),
         };
-        let mut matrix = [0.0; 9];
-        let (mut amplitude, mut fresnel) = (0.0, 0.0);
+        let between = self.interpolate(&nearest);
+        let (m, terms) = match self.layout {
+            Layout::Kt2022 => between,
+            Layout::Reflected => {
+                let reflection = Reflection::of(&nearest.surface(), nearest.view());
+                (reflection.matrix * between.0, reflection.terms(between.1))
+            }
+        };
+        let m = turn.map_or(m, |angle| turned_about_z(m, angle));
+        let [amplitude, fresnel] = terms.map(|term| self.terms.as_ref().map(|_| term));
+        LookedUp { matrix: row_major(&folded.unfold(m)), amplitude, fresnel }
+    }
+
+    /// The stored matrix and terms between the entries around a place within the nodes; terms of zero where there are
+    /// none.
+    fn interpolate(&self, place: &PerAxis<f64>) -> (DMat3, [f64; 2]) {
+        let axes = &self.axes;
+        let place = PerAxis {
+            alpha: Between::find(&axes.alpha, place.alpha),
+            ratio: Between::find(&axes.ratio, place.ratio),
+            theta: Between::find(&axes.theta, place.theta),
+            phi: Between::find(&axes.phi, place.phi),
+        };
+        let (mut matrix, mut terms) = ([0.0; 9], [0.0; 2]);
         for (index, weight) in self.corners(&place) {
             for (sum, stored) in matrix.iter_mut().zip(&self.matrix[index]) {
                 *sum += weight * f64::from(*stored);
             }
-            if let Some(terms) = &self.terms {
-                amplitude += weight * f64::from(terms.amplitude[index]);
-                fresnel += weight * f64::from(terms.fresnel[index]);
+            if let Some(Terms { amplitude, fresnel }) = &self.terms {
+                terms[0] += weight * f64::from(amplitude[index]);
+                terms[1] += weight * f64::from(fresnel[index]);
             }
         }
-        let m = from_row_major(&matrix);
-        let m = match self.layout {
-            Layout::Kt2022 => m,
-        };
-        let m = turn.map_or(m, |angle| turned_about_z(m, angle));
-        LookedUp {
-            matrix: row_major(&folded.unfold(m)),
-            amplitude: self.terms.as_ref().map(|_| amplitude),
-            fresnel: self.terms.as_ref().map(|_| fresnel),
-        }
+        (from_row_major(&matrix), terms)
     }
 
     /// The entries around a place, with weights whose sum is one.

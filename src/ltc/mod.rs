@@ -7,11 +7,13 @@ mod distribution;
 mod fold;
 mod layout;
 mod lookup;
+mod reflection;
 mod table;
 
-pub use axes::PerAxis;
+pub use axes::{ALPHA_Y_FLOOR, PerAxis};
 pub use distribution::Ltc;
 pub use fold::Configuration;
 pub use layout::Layout;
 pub use lookup::LookedUp;
+pub use reflection::Reflection;
 pub use table::{Table, Terms};

@@ -4,6 +4,13 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use super::sin_cos;
 
+/// The unit vector at polar angle `theta` and azimuth `phi`, exactly in a coordinate plane at quarter turns of `phi`.
+#[must_use]
+pub fn direction(theta: f64, phi: f64) -> DVec3 {
+    let ((sin_theta, cos_theta), (sin_phi, cos_phi)) = (sin_cos(theta), sin_cos(phi));
+    DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
+}
+
 /// The smallest rotation that takes +z to the unit vector `axis`.
 ///
 /// With `c = axis.z`: columns `(1 - x^2/(1+c), -xy/(1+c), -x)`, `(-xy/(1+c), 1 - y^2/(1+c), -y)`, `axis`. Where

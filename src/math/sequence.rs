@@ -9,13 +9,55 @@ use super::sin_cos;
 /// 1 / golden ratio: the most irrational step on a circle.
 const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 
-/// Point `i` of the golden lattice of `n` points in the unit square, shifted cyclically by `shift`.
+/// A lattice of points spread evenly over the unit square, which repeats without a seam when either side is joined to
+/// its opposite.
 ///
-/// `u = ((i + 1/2) / n + shift_0 mod 1, i / golden ratio + shift_1 mod 1)`: stratified exactly in its first number.
-/// Domain: `i < n`, shifts in [0, 1).
-#[must_use]
-pub fn lattice2(i: usize, n: usize, shift: [f64; 2]) -> [f64; 2] {
-    [fract((i as f64 + 0.5) / n as f64 + shift[0]), fract(i as f64 * GOLDEN_STEP + shift[1])]
+/// Point `i` of `n` is `((i + 1/2) / n + shift_0 mod 1, ((g i mod n) + 1/2) / n + shift_1 mod 1)`: both numbers are
+/// stratified exactly. `g` is the number without a common factor with `n`, near `n` over the golden ratio, whose
+/// continued fraction `g / n` has the smallest sum of quotients, which bounds the discrepancy [Niederreiter 1992,
+/// theorem 5.17]. For a Fibonacci number `n` that is the one before it, and the lattice is Fibonacci's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lattice {
+    count: usize,
+    generator: usize,
+    shift: [f64; 2],
+}
+
+impl Lattice {
+    /// Candidates for the generator on each side of `n` over the golden ratio.
+    const SEARCH: usize = 32;
+
+    /// `count` points, shifted cyclically. Domain: `1 <= count < 2^32`, shifts in [0, 1).
+    #[must_use]
+    pub fn new(count: usize, shift: [f64; 2]) -> Self {
+        let golden = (count as f64 * GOLDEN_STEP) as usize;
+        let candidates = golden.saturating_sub(Self::SEARCH).max(1)..=(golden + Self::SEARCH).min(count.max(1));
+        let quality = |g: &usize| quotient_sum(*g, count).map_or((usize::MAX, 0), |sum| (sum, g.abs_diff(golden)));
+        Self { count, generator: candidates.min_by_key(quality).unwrap_or(1), shift }
+    }
+
+    /// Number of points.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "a lattice is never empty")]
+    pub fn len(self) -> usize {
+        self.count
+    }
+
+    /// The points, in the order of their first number before the shift.
+    pub fn points(self) -> impl Iterator<Item = [f64; 2]> {
+        let at = move |i: usize, shift: f64| fract((i as f64 + 0.5) / self.count as f64 + shift);
+        (0..self.count).map(move |i| [at(i, self.shift[0]), at(i * self.generator % self.count, self.shift[1])])
+    }
+}
+
+/// Sum of the quotients of the continued fraction of `g / n`; `None` where the two have a common factor.
+fn quotient_sum(g: usize, n: usize) -> Option<usize> {
+    let (mut larger, mut smaller, mut sum) = (n, g, 0);
+    while smaller > 0 {
+        sum += larger / smaller;
+        (larger, smaller) = (smaller, larger % smaller);
+    }
+    (larger == 1).then_some(sum)
 }
 
 /// A direction with density `cos(theta) / pi` from a point of the unit square.
@@ -50,7 +92,7 @@ mod tests {
     #[test]
     fn the_lattice_is_even_in_strips_and_in_squares() {
         let n = 144;
-        let points: Vec<[f64; 2]> = (0..n).map(|i| lattice2(i, n, [0.3, 0.9])).collect();
+        let points: Vec<[f64; 2]> = Lattice::new(n, [0.3, 0.9]).points().collect();
         let inside = |low: [f64; 2], size: [f64; 2]| {
             points.iter().filter(|p| (0..2).all(|k| p[k] >= low[k] && p[k] < low[k] + size[k])).count()
         };
@@ -64,11 +106,30 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_lattice_of_a_fibonacci_number_is_fibonacci_s() {
+        for (n, before) in [(144, 89), (610, 377), (2584, 1597)] {
+            assert_eq!(Lattice::new(n, [0.0; 2]).generator, before);
+        }
+    }
+
+    #[test]
+    fn both_numbers_are_stratified_for_every_count() {
+        for n in (1..200).chain([512, 1000, 1024, 65_536]) {
+            for k in 0..2 {
+                let mut strata: Vec<usize> =
+                    Lattice::new(n, [0.0; 2]).points().map(|point| (point[k] * n as f64) as usize).collect();
+                strata.sort_unstable();
+                assert!(strata.into_iter().eq(0..n), "{n}");
+            }
+        }
+    }
+
     /// `E[z] = 2/3` and `E[x^2] = E[y^2] = 1/4` for the density `cos / pi`.
     #[test]
     fn cosine_samples_have_the_moments_of_the_cosine() {
         let n = 4096;
-        let points: Vec<DVec3> = (0..n).map(|i| cosine_hemisphere(lattice2(i, n, [0.0; 2]))).collect();
+        let points: Vec<DVec3> = Lattice::new(n, [0.0; 2]).points().map(cosine_hemisphere).collect();
         let mean = |f: fn(&DVec3) -> f64| points.iter().map(f).sum::<f64>() / n as f64;
         assert!(points.iter().all(|p| (p.length() - 1.0).abs() < 1e-12));
         for (moment, expected) in [

@@ -1,6 +1,6 @@
 //! The fields of a recipe document: their defaults, bounds, and what must agree between them.
 
-use std::f64::consts::FRAC_PI_2;
+use std::{f64::consts::FRAC_PI_2, ops::RangeInclusive};
 
 use serde_json::Value;
 
@@ -21,8 +21,15 @@ const FIELDS: [&str; 9] = ["preset", "fitter", "brdf", "layout", "resolution", "
 const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 const FIT_FIELDS: [&str; 6] = ["metric", "solver", "samples", "directions", "steps", "seed"];
 
-/// Nodes on each axis unless the recipe says otherwise: the paper's 8^4.
-const RESOLUTION: u32 = 8;
+/// Nodes on each axis unless the recipe says otherwise: the paper's 8^4, or at most as many spread where they lower
+/// the error most.
+fn default_resolution(layout: Layout) -> PerAxis<u32> {
+    match layout {
+        Layout::Kt2022 => PerAxis { alpha: 8, ratio: 8, theta: 8, phi: 8 },
+        Layout::Reflected => PerAxis { alpha: 10, ratio: 6, theta: 9, phi: 7 },
+    }
+}
+
 /// Most nodes on an axis: more than any texture has texels along a side.
 const MOST_NODES: u32 = 16_384;
 /// Bounds of the number of samples: fewer do not tell a lobe's width, and past the upper bound their f32 counts
@@ -40,32 +47,36 @@ const DOMAIN: PerAxis<[f64; 2]> =
     PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
 
 /// Reads a document into a complete recipe.
-pub(super) fn read(document: &Value, entry_limit: u64) -> Result<Recipe, Vec<Fault>> {
+pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u32>) -> Result<Recipe, Vec<Fault>> {
     let mut faults = Faults::default();
     let root = Object::root(document, &FIELDS, &mut faults);
     let presets = Preset::ALL.map(|preset| (preset.name(), preset));
     let preset = root.choice("preset", &presets, Preset::Standard, &mut faults);
     let brdf = root.choice("brdf", &[("ggx", BrdfKind::Ggx)], BrdfKind::Ggx, &mut faults);
-    let layout = root.choice("layout", &[("kt2022", Layout::Kt2022)], Layout::Kt2022, &mut faults);
-    let precision = root.choice("precision", &[("f32", Precision::F32)], Precision::F32, &mut faults);
+    let layouts = [("reflected", Layout::Reflected), ("kt2022", Layout::Kt2022)];
+    let layout = root.choice("layout", &layouts, Layout::Reflected, &mut faults);
+    let precisions = [("f32", Precision::F32), ("f16", Precision::F16)];
+    let precision = root.choice("precision", &precisions, Precision::F32, &mut faults);
     let terms = root.boolean("terms", true, &mut faults);
-    check_fitter(&root, &mut faults);
+    let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
     let range = read_range(&root, &mut faults);
-    let resolution = read_resolution(&root, &range, &mut faults);
-    let recipe = Recipe { fitter: FITTER_VERSION, brdf, layout, resolution, range, fit, terms, precision };
+    let resolution = read_resolution(&root, layout, &range, &mut faults);
+    let recipe = Recipe { fitter, brdf, layout, resolution, range, fit, terms, precision };
     check_entries(&recipe, entry_limit, &mut faults);
     check_nodes(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
 }
 
-/// A recipe may name the fitter it was made for; another one's bytes cannot be had from this one.
-fn check_fitter(root: &Object, faults: &mut Faults) {
-    if let Some(value) = root.get("fitter")
-        && value.as_u64() != Some(FITTER_VERSION.into())
-    {
-        faults.note(root.pointer("fitter"), format!("{} is not this fitter's version, {FITTER_VERSION}", echo(value)));
-    }
+/// A recipe may name the fitter it was made for; that of an older one tells what is in its table.
+fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults) -> u32 {
+    let Some(value) = root.get("fitter") else { return FITTER_VERSION };
+    let version = value.as_u64().and_then(|version| u32::try_from(version).ok());
+    version.filter(|version| allowed.contains(version)).unwrap_or_else(|| {
+        let detail = format!("{} is not this fitter's version, {FITTER_VERSION}", echo(value));
+        faults.note(root.pointer("fitter"), detail);
+        FITTER_VERSION
+    })
 }
 
 fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
@@ -94,11 +105,12 @@ fn read_range(root: &Object, faults: &mut Faults) -> PerAxis<[f64; 2]> {
 }
 
 /// A range that is a single value takes one node, any other at least two.
-fn read_resolution(root: &Object, range: &PerAxis<[f64; 2]>, faults: &mut Faults) -> PerAxis<u32> {
+fn read_resolution(root: &Object, layout: Layout, range: &PerAxis<[f64; 2]>, faults: &mut Faults) -> PerAxis<u32> {
     let object = root.object("resolution", &AXES, faults);
-    let mut axis = |name: &str, [low, high]: [f64; 2]| {
+    let default = default_resolution(layout);
+    let mut axis = |name: &str, default: u32, [low, high]: [f64; 2]| {
         if low < high {
-            return object.integer32(name, 2, MOST_NODES, RESOLUTION, faults);
+            return object.integer32(name, 2, MOST_NODES, default, faults);
         }
         if let Some(value) = object.get(name)
             && value.as_u64() != Some(1)
@@ -109,10 +121,10 @@ fn read_resolution(root: &Object, range: &PerAxis<[f64; 2]>, faults: &mut Faults
         1
     };
     PerAxis {
-        alpha: axis("alpha", range.alpha),
-        ratio: axis("ratio", range.ratio),
-        theta: axis("theta", range.theta),
-        phi: axis("phi", range.phi),
+        alpha: axis("alpha", default.alpha, range.alpha),
+        ratio: axis("ratio", default.ratio, range.ratio),
+        theta: axis("theta", default.theta, range.theta),
+        phi: axis("phi", default.phi, range.phi),
     }
 }
 

@@ -5,8 +5,13 @@ mod preset;
 mod reader;
 mod strict;
 
+use std::ops::RangeInclusive;
+
 use self::strict::Strict;
-use crate::{digest::Digest, fit::Recipe};
+use crate::{
+    digest::Digest,
+    fit::{FITTER_VERSION, Recipe},
+};
 
 pub use document::DEFAULT_ENTRY_LIMIT;
 pub use preset::Preset;
@@ -35,13 +40,25 @@ fn list(faults: &[Fault]) -> String {
     faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("; ")
 }
 
-/// Reads a recipe document, fills in its preset and the defaults, and checks it.
+/// Reads a recipe document that is to be fitted, fills in its preset and the defaults, and checks it.
 ///
 /// # Errors
-/// Every fault of the document at once.
+/// Every fault of the document at once; another fitter's version is one.
 pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
+    read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION)
+}
+
+/// Reads the recipe that a stored table carries, which may be an older fitter's.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_stored(json: &[u8]) -> Result<Recipe, RecipeError> {
+    read(json, u64::MAX, 1..=FITTER_VERSION)
+}
+
+fn read(json: &[u8], entry_limit: u64, fitters: RangeInclusive<u32>) -> Result<Recipe, RecipeError> {
     let Strict(document) = serde_json::from_slice(json).map_err(|error| RecipeError::Json(error.to_string()))?;
-    document::read(&document, entry_limit).map_err(RecipeError::Faults)
+    document::read(&document, entry_limit, fitters).map_err(RecipeError::Faults)
 }
 
 /// The canonical JSON (RFC 8785) of a complete recipe.

@@ -8,7 +8,7 @@ use std::{
 use crate::{
     digest::Digest,
     export::{self, TableFileError},
-    fit::{self, Plan, Recipe},
+    fit::{self, FITTER_VERSION, Plan, Recipe},
     queue::NewJob,
     recipe::{self, RecipeError},
 };
@@ -54,6 +54,13 @@ impl Fitter {
         }
         // It was checked when it was submitted.
         let parsed: Recipe = serde_json::from_str(recipe).map_err(|error| format!("the stored recipe: {error}"))?;
+        if parsed.fitter != FITTER_VERSION {
+            // Its finished shards are another fitter's; together they would be no table of either.
+            return Err(format!(
+                "made for fitter {}, this is {FITTER_VERSION}: submit the recipe again",
+                parsed.fitter
+            ));
+        }
         let plan = Arc::new(Plan::new(&parsed));
         *latest = Some((recipe.to_owned(), Arc::clone(&plan)));
         Ok(plan)
@@ -106,5 +113,20 @@ impl Engine for Fitter {
 
     fn manifest(&self, file: &[u8]) -> Result<Vec<u8>, TableFileError> {
         super::manifest_json(file)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_of_another_fitter_is_not_mixed_with_this_one_s() {
+        let engine = Fitter::default();
+        let job = engine.plan(br#"{"range": {"phi": [0, 0]}}"#, 10_000).expect("a recipe");
+        let older = job.recipe.replace(&format!("\"fitter\":{FITTER_VERSION}"), "\"fitter\":1");
+        assert_ne!(older, job.recipe);
+        let error = engine.fit_shard(&older, 0, &mut |_| ControlFlow::Continue(())).expect_err("another fitter's");
+        assert!(error.contains("submit the recipe again"), "{error}");
     }
 }

@@ -14,7 +14,7 @@ fn example(terms: bool) -> (Recipe, Table) {
     let recipe = recipe::parse(text.as_bytes(), 24).expect("a recipe");
     let column = |scale: f32| (0..24_u8).map(|i| scale * f32::from(i)).collect::<Vec<f32>>();
     let table = Table {
-        layout: Layout::Kt2022,
+        layout: Layout::Reflected,
         axes: fit::nodes(&recipe),
         matrix: column(0.01).into_iter().map(|x| [0.5, x, 0.0, 0.0, 0.3, 0.0, x, 0.0, 1.0]).collect(),
         terms: terms.then(|| Terms { amplitude: column(0.04), fresnel: column(0.02) }),
@@ -41,6 +41,31 @@ fn a_file_reads_back_as_it_was_written() {
         let (recipe, table) = example(terms);
         assert_eq!(decode(&file(terms)), Ok(TableFile { recipe, table }));
     }
+}
+
+/// Half floats are written as such, and numbers that they hold read back exactly.
+#[test]
+fn a_file_of_half_floats_takes_half_the_bytes() {
+    let (mut recipe, mut table) = example(true);
+    recipe.precision = Precision::F16;
+    let halves = |values: &mut [f32]| values.iter_mut().for_each(|x| *x = f16::from_f32_const(*x).to_f32_const());
+    halves(table.matrix.as_flattened_mut());
+    halves(&mut table.node_error);
+    let terms = table.terms.as_mut().expect("terms");
+    halves(&mut terms.amplitude);
+    halves(&mut terms.fresnel);
+    let file_of_halves = encode(&recipe, &table).expect("a consistent table");
+    assert_eq!(file(true).len() - file_of_halves.len(), 24 * (9 + 3) * 2);
+    assert_eq!(decode(&file_of_halves), Ok(TableFile { recipe, table }));
+}
+
+/// A fitter reads what older ones made, under their version; a newer one's it cannot know.
+#[test]
+fn tables_of_older_fitters_can_be_read() {
+    let (mut recipe, table) = example(true);
+    recipe.fitter = 1;
+    let older = encode(&recipe, &table).expect("a consistent table");
+    assert_eq!(decode(&older), Ok(TableFile { recipe, table }));
 }
 
 #[test]

@@ -1,15 +1,22 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Solver};
+use crate::{
+    fit::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Solver, assemble},
+    ltc::{Layout, Table},
+};
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
-fn plan([alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
+fn plan(resolution: [u32; 4]) -> Plan {
+    plan_of(Layout::Kt2022, resolution)
+}
+
+fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
     let quarter = [0.0, std::f64::consts::FRAC_PI_2];
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
         brdf: BrdfKind::Ggx,
-        layout: Layout::Kt2022,
+        layout,
         resolution: PerAxis { alpha, ratio, theta, phi },
         range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter },
         fit: FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples: 128, directions: 8, steps: 30, seed: 0 },
@@ -23,10 +30,12 @@ fn fit_all(plan: &Plan) -> Vec<FittedEntry> {
     (0..plan.shards()).flat_map(fit).collect()
 }
 
-fn table(resolution: [u32; 4]) -> Table {
-    let plan = plan(resolution);
+fn table(layout: Layout, resolution: [u32; 4]) -> Table {
+    let plan = plan_of(layout, resolution);
     assemble(&plan, &fit_all(&plan))
 }
+
+const LAYOUTS: [Layout; 2] = [Layout::Kt2022, Layout::Reflected];
 
 const SMALL: [u32; 4] = [3, 3, 4, 3];
 
@@ -69,10 +78,11 @@ fn bytes_round_trip_and_other_lengths_are_refused() {
 
 #[test]
 fn stored_matrices_are_upright_with_a_third_column_of_unit_length() {
-    let table = table(SMALL);
-    for m in &table.matrix {
-        let m = from_row_major(&m.map(f64::from));
-        assert!(m.determinant() > 0.0 && (m.z_axis.length() - 1.0).abs() < 1e-6, "{m}");
+    for layout in LAYOUTS {
+        for m in &table(layout, SMALL).matrix {
+            let m = from_row_major(&m.map(f64::from));
+            assert!(m.determinant() > 0.0 && (m.z_axis.length() - 1.0).abs() < 1e-6, "{layout:?} {m}");
+        }
     }
 }
 
@@ -80,16 +90,19 @@ fn stored_matrices_are_upright_with_a_third_column_of_unit_length() {
 /// still upright.
 #[test]
 fn f32_matrices_of_the_sharpest_lobes_are_upright() {
-    for seed in 0..3 {
+    for (seed, layout) in (0..3).flat_map(|seed| LAYOUTS.map(|layout| (seed, layout))) {
         for top in [1e-3, 1e-2] {
-            let mut recipe = plan([8, 4, 4, 8]).recipe;
+            let mut recipe = plan_of(layout, [8, 4, 4, 6]).recipe;
             recipe.range.alpha = [0.0, top];
             recipe.range.theta[0] = 1.5;
             recipe.fit.seed = seed;
             let plan = Plan::new(&recipe);
             let table = assemble(&plan, &fit_all(&plan));
             for (index, m) in table.matrix.iter().enumerate() {
-                assert!(from_row_major(&m.map(f64::from)).determinant() > 0.0, "{top} {seed} {index}: {m:?}");
+                assert!(
+                    from_row_major(&m.map(f64::from)).determinant() > 0.0,
+                    "{layout:?} {top} {seed} {index}: {m:?}"
+                );
             }
         }
     }
@@ -98,7 +111,12 @@ fn f32_matrices_of_the_sharpest_lobes_are_upright() {
 /// Equation 16 of KT et al. 2022, exactly.
 #[test]
 fn symmetric_entries_have_exact_zeros() {
-    let table = table(SMALL);
+    for layout in LAYOUTS {
+        check_zeros(&table(layout, SMALL));
+    }
+}
+
+fn check_zeros(table: &Table) {
     let at = |a: usize, r: usize, t: usize, p: usize| table.matrix[((a * 3 + r) * 4 + t) * 3 + p];
     for (a, r, t) in (0..3).flat_map(|a| (0..3).flat_map(move |r| (0..4).map(move |t| (a, r, t)))) {
         let [_, m01, _, m10, _, m12, _, m21, _] = at(a, r, t, 0);
@@ -114,7 +132,12 @@ fn symmetric_entries_have_exact_zeros() {
 /// of the gauge the halfway matrix would collapse.
 #[test]
 fn halfway_between_neighbours_no_determinant_collapses() {
-    let table = table([4, 4, 8, 5]);
+    for layout in LAYOUTS {
+        check_halfway(&table(layout, [4, 4, 8, 5]));
+    }
+}
+
+fn check_halfway(table: &Table) {
     let lengths = [4, 4, 8, 5];
     let determinant = |m: &[f32; 9]| from_row_major(&m.map(f64::from)).determinant();
     let strides = [160, 40, 5, 1];

@@ -122,3 +122,52 @@ fn an_isotropic_table_turns_with_the_view() {
         assert!(square(found).abs_diff_eq(square(wanted), 1e-6), "{phi}: {found} {wanted}");
     }
 }
+
+/// A table of layout `reflected` that adds nothing to the reflection: what it answers is the reflection's own.
+fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
+    let entries = axes.named().iter().map(|(_, nodes)| nodes.len()).product();
+    Table {
+        layout: Layout::Reflected,
+        axes,
+        matrix: vec![matrix; entries],
+        terms: Some(Terms { amplitude: vec![1.0; entries], fresnel: vec![0.0; entries] }),
+        node_error: vec![0.0; entries],
+    }
+}
+
+const IDENTITY: [f32; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+proptest! {
+    #[test]
+    fn a_reflected_table_starts_from_the_reflection_at_the_very_place(
+        a in 0.1..1.0, r in 0.2..1.0, t in 0.0..1.5, p in 0.0..FRAC_PI_2,
+    ) {
+        let found = reflections(linear().axes, IDENTITY).lookup(&Configuration { alpha_x: a, alpha_y: a * r, theta: t, phi: p });
+        let place = PerAxis { alpha: a, ratio: r, theta: t, phi: p };
+        let reflection = Reflection::of(&place.surface(), place.view());
+        prop_assert!(close(found.matrix, row_major(&reflection.matrix)), "{:?}", found);
+        prop_assert!((found.amplitude.expect("terms") - reflection.amplitude).abs() < F32);
+        prop_assert!((found.fresnel.expect("terms") - reflection.amplitude * reflection.grazing.powi(5)).abs() < F32);
+    }
+
+    /// Outside its ranges a table answers as at the nearest configuration inside, its reflection included.
+    #[test]
+    fn outside_its_nodes_a_reflected_table_answers_as_at_their_end(a in 0.0..0.1, r in 0.0..0.2, t in 1.5..FRAC_PI_2) {
+        let table = reflections(linear().axes, IDENTITY);
+        let at = |a: f64, r: f64, t: f64| table.lookup(&Configuration { alpha_x: a, alpha_y: a * r, theta: t, phi: 0.3 });
+        prop_assert!(close(at(a, r, t).matrix, at(0.1, 0.2, 1.5).matrix));
+    }
+}
+
+#[test]
+fn a_reflected_isotropic_table_turns_with_the_view() {
+    let axes = PerAxis { alpha: vec![0.5], ratio: vec![1.0], theta: vec![0.7], phi: vec![0.0] };
+    let table = reflections(axes, [0.9, 0.0, 0.1, 0.0, 1.1, 0.0, 0.2, 0.0, 1.0]);
+    let at = |phi: f64| table.lookup(&Configuration { alpha_x: 0.5, alpha_y: 0.5, theta: 0.7, phi });
+    let m = from_row_major(&at(0.0).matrix);
+    for phi in [0.4, FRAC_PI_2, 2.0, 5.5] {
+        let square = |m: DMat3| m * m.transpose();
+        let found = from_row_major(&at(phi).matrix);
+        assert!(square(found).abs_diff_eq(square(turned_about_z(m, phi)), 1e-12), "{phi}: {found}");
+    }
+}
