@@ -8,5 +8,5 @@ mod portable;
 mod sequence;
 
 pub use frame::{from_row_major, rotation_from_z, row_major, symmetric_sqrt, turned_about_z};
-pub use portable::{cos, ln, sin, sin_cos};
-pub use sequence::{cosine_hemisphere, fibonacci_hemisphere, lattice2};
+pub use portable::{atan2, cos, ln, sin, sin_cos};
+pub use sequence::{cosine_hemisphere, fibonacci_hemisphere, lattice2, recurrence4};

@@ -18,6 +18,19 @@ pub fn lattice2(i: usize, n: usize, shift: [f64; 2]) -> [f64; 2] {
     [fract((i as f64 + 0.5) / n as f64 + shift[0]), fract(i as f64 * GOLDEN_STEP + shift[1])]
 }
 
+/// Steps of the additive recurrence in four dimensions: `g^-k` for the positive root g of `g^5 = g + 1`
+/// [Roberts 2018, the R sequence].
+const RECURRENCE4_STEPS: [f64; 4] =
+    [0.856_674_883_854_502_9, 0.733_891_856_627_126_2, 0.628_706_721_037_808_6, 0.538_597_257_223_61];
+
+/// Point `i` of an endless sequence that fills the unit hypercube evenly from its first points on, shifted cyclically.
+///
+/// Domain: shifts in [0, 1).
+#[must_use]
+pub fn recurrence4(i: usize, shift: [f64; 4]) -> [f64; 4] {
+    std::array::from_fn(|k| fract((i as f64 + 0.5) * RECURRENCE4_STEPS[k] + shift[k]))
+}
+
 /// A direction with density `cos(theta) / pi` from a point of the unit square.
 #[must_use]
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
@@ -61,6 +74,20 @@ mod tests {
         }
         for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (f64::from(i) / 4.0, f64::from(j) / 4.0))) {
             assert!((7..=11).contains(&inside([i, j], [0.25, 0.25])), "square {i} {j}");
+        }
+    }
+
+    /// Four dimensions: each half of each axis, and each quadrant of each pair of axes, holds its share.
+    #[test]
+    fn the_recurrence_fills_its_hypercube_evenly() {
+        let n = 256;
+        let points: Vec<[f64; 4]> = (0..n).map(|i| recurrence4(i, [0.1, 0.2, 0.3, 0.4])).collect();
+        for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+            for (low_a, low_b) in [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)] {
+                let inside = |x: f64, low: f64| x >= low && x < low + 0.5;
+                let count = points.iter().filter(|p| inside(p[a], low_a) && inside(p[b], low_b)).count();
+                assert!((54..=74).contains(&count), "axes {a} {b}, quadrant {low_a} {low_b}: {count}");
+            }
         }
     }
 
