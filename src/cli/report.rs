@@ -83,7 +83,7 @@ fn write_text(out: &mut String, path: &Path, subject: &Subject) -> std::fmt::Res
             let (sw1, width) = (w.sw1, 100.0 * w.width);
             writeln!(
                 out,
-                "{:24}{:>10.5}{:>10.5}{:>8.4}{:>8.4}{sw1:>10.5}{width:>10.2}",
+                "{:24}{:>10.6}{:>10.6}{:>8.4}{:>8.4}{sw1:>10.5}{width:>10.2}",
                 "", w.alpha_x, w.alpha_y, w.theta, w.phi
             )?;
         }
@@ -106,13 +106,13 @@ fn write_text(out: &mut String, path: &Path, subject: &Subject) -> std::fmt::Res
         [("alpha", floors.alpha), ("ratio", floors.ratio), ("alpha_y", floors.alpha_y), ("theta, rad", floors.theta)]
     {
         let Moved { floor, nodes, entries } = moved;
-        writeln!(out, "  {name:22}{floor:<10.7} {nodes} nodes, {entries} entries")?;
+        writeln!(out, "  {name:22}{floor:<10.7} nodes moved: {nodes}, entries: {entries}")?;
     }
     writeln!(out, "\n{HOW_TO_READ}")
 }
 
 const HOW_TO_READ: &str = "\
-Each row is an error, nothing is 0. The columns between nodes are what a renderer meets. Of the lobe's width,
+Each row is an error: 0 is perfect. The columns between nodes are what a renderer meets. Of the lobe's width,
 2 % is hardly seen and 20 % is a highlight a fifth too wide or as far from its place; even the best LTC of a lobe
 is some percent from it. Light is the part of the lobe's energy that square lights lose or gain. A negative
 determinant turns a light's winding over in a shader. docs/report.md tells more.";
@@ -137,5 +137,5 @@ fn term_cells(term: Option<TermError>) -> String {
 }
 
 fn row(out: &mut String, name: &str, nodes: &str, between: &str) -> std::fmt::Result {
-    writeln!(out, "{name:24}{nodes}   {between}")
+    writeln!(out, "{}", format!("{name:24}{nodes}   {between}").trim_end())
 }
