@@ -118,8 +118,14 @@ mod tests {
             let target = planted(m, NO_MIRRORS);
             let ltc = Ltc::new(m).expect("regular");
             let mut seen = 0.0;
-            for k in 0..LIGHTS {
-                let light = SquareLight::new(&target, k);
+            // Besides those of the report, two that lie half behind the lobe, across the horizon of cosine space.
+            let across = [DVec3::X, DVec3::Y].map(|edge| SquareLight {
+                x: rotation_from_z((m * edge).normalize()).x_axis,
+                y: rotation_from_z((m * edge).normalize()).y_axis,
+                centre: (m * edge).normalize(),
+                tan: 0.5,
+            });
+            for (k, light) in (0..LIGHTS).map(|k| SquareLight::new(&target, k)).chain(across).enumerate() {
                 let n = 1 << 16;
                 let inside = (0..n).map(|i| ltc.sample(lattice2(i, n, [0.2, 0.7]))).filter(|w| {
                     let reach = light.tan * w.dot(light.centre);
