@@ -24,16 +24,19 @@ fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
     let file = fs::read(folder.path().join(format!("one/{}.safetensors", digest.hex()))).expect("the table");
     assert_eq!(Digest::of(&file), digest);
     let manifest = fs::read(folder.path().join(format!("one/{}.manifest.json", digest.hex()))).expect("the manifest");
-    assert!(serde_json::from_slice::<Value>(&manifest).expect("JSON").is_object());
+    assert!(serde_json::from_slice::<Value>(&manifest).expect("JSON")["report"].is_object());
     assert_eq!(fs::read_dir(folder.path().join("one")).expect("the folder").count(), 2, "nothing else is left");
 
     let again = run_with_stdin(folder.path(), ["fit", "-", "-o", "two", "--threads", "2", "--json"], SMALL).exited(0);
     let told: Value = serde_json::from_str(again.last_line()).expect("JSON");
     assert_eq!(told["table"], digest.to_string());
+    let other = fs::read(folder.path().join(format!("two/{}.manifest.json", digest.hex()))).expect("the manifest");
+    assert_eq!(other, manifest);
 
     // The service gives the same bytes.
     let server = Server::start(&folder.path().join("data"), &[]);
     assert_eq!(server.fit(SMALL), digest.to_string());
+    assert_eq!(server.get(&format!("/v1/tables/{digest}/manifest")).with_status(200).body, manifest);
 }
 
 #[test]
@@ -103,6 +106,54 @@ fn lookup_prints_a_matrix_for_each_point() {
     fs::write(folder.path().join(&file), damaged).expect("a damaged table");
     let refused = run_with_stdin(folder.path(), ["lookup", &file, "--points", "-"], points).exited(3);
     assert!(refused.stderr.contains("hashes to"), "{}", refused.stderr);
+}
+
+/// The bytes of a `.npy` file of 2 x 2 x 2 x 2 clamped cosines, one of them mirrored.
+fn npy() -> Vec<u8> {
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2, 2, 2, 3, 3), }\n";
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend(u16::try_from(header.len()).expect("a short header").to_le_bytes());
+    bytes.extend(header.bytes());
+    for entry in 0..16 {
+        let yy = if entry == 5 { -1.0 } else { 1.0 };
+        bytes.extend([1.0, 0.0, 0.0, 0.0, yy, 0.0, 0.0, 0.0, 1.0_f32].iter().flat_map(|x| x.to_le_bytes()));
+    }
+    bytes
+}
+
+#[test]
+fn report_tells_of_tables_what_their_manifests_do_and_of_npy_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
+    let hex = &digest["sha256:".len()..];
+    let json = |args: &[&str]| -> Value {
+        let printed = run(folder.path(), ["report", "--json"].iter().chain(args)).exited(0);
+        serde_json::from_str(printed.stdout.trim()).expect("one line of JSON")
+    };
+    let told = json(&[&hex[..12], "--threads", "1"]);
+    let manifest = fs::read(folder.path().join(format!("{hex}.manifest.json"))).expect("the manifest");
+    let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+    assert_eq!((&told["report"], &told["digest"]), (&manifest["report"], &manifest["table"]));
+    assert_eq!(told["resolution"]["theta"], 2);
+    let people = run(folder.path(), ["report", &hex[..12]]).exited(0).stdout;
+    for said in [&digest, "at 16 nodes", "at 32 places between", "worst at nodes", "0 negative", "alpha_y"] {
+        assert!(people.contains(said), "{said} is not in\n{people}");
+    }
+
+    fs::write(folder.path().join("other.npy"), npy()).expect("a file");
+    let other = json(&["other.npy"]);
+    assert_eq!(other["report"]["matrices"]["negative_determinants"], 1);
+    assert_eq!(other["report"]["nodes"]["amplitude"], Value::Null);
+    assert_eq!(other["report"]["between"]["points"], 1024);
+    let cosine = other["report"]["nodes"]["sw1"]["mean"].as_f64().expect("a number");
+    assert!(cosine > 0.1, "no lobe is a cosine: {cosine}");
+
+    let cut = npy();
+    fs::write(folder.path().join("cut.npy"), &cut[..cut.len() - 1]).expect("a file");
+    let refused = run(folder.path(), ["report", "cut.npy"]).exited(3);
+    assert!(refused.stderr.contains("575 bytes of data; the shape takes 576"), "{}", refused.stderr);
+    run(folder.path(), ["report", "none.npy"]).exited(1);
+    run(folder.path(), ["report", "ffff"]).exited(1);
 }
 
 #[test]

@@ -45,6 +45,8 @@ pub enum Command {
     Fit(FitArgs),
     /// Print the matrices that a shader would fetch from a table, as CSV
     Lookup(LookupArgs),
+    /// Measure how good a table is
+    Report(ReportArgs),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
     /// Download the tables pinned in ltcforge.lock, and leave right ones alone
@@ -76,7 +78,9 @@ impl Command {
         match self {
             Self::Serve(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Pull(_) => OnInterrupt::Told,
-            Self::Lookup(_) | Self::Jobs(_) | Self::Verify(_) | Self::Completions { .. } => OnInterrupt::Ends,
+            Self::Lookup(_) | Self::Report(_) | Self::Jobs(_) | Self::Verify(_) | Self::Completions { .. } => {
+                OnInterrupt::Ends
+            }
         }
     }
 }
@@ -128,6 +132,20 @@ pub struct LookupArgs {
     /// Folder of `<digest>.safetensors` files
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub tables: PathBuf,
+}
+
+/// `report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or the digest (its beginning
+    /// suffices) of a table in the folder of `--tables`
+    pub table: String,
+    /// Folder of `<digest>.safetensors` files
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub tables: PathBuf,
+    /// Threads that measure [default: one for each core]
+    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
 }
 
 /// `jobs`.

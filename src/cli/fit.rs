@@ -32,11 +32,11 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let failed = |error: TableFileError| Failure::new(Exit::Failed, error.to_string());
     let file = export::encode(&recipe, &fitted.ok_or_else(Failure::interrupted)?).map_err(failed)?;
     let digest = Digest::of(&file);
-    let manifest = service::manifest_json(&file).map_err(failed)?;
+    let manifest = pool.install(|| service::manifest_json(&file)).map_err(failed)?;
 
     // The table comes last: who finds it finds its manifest.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));
-    replace_file(&manifest_path, &manifest).map_err(|error| file_failure(&manifest_path, &error))?;
+    replace_file(&manifest_path, manifest.as_bytes()).map_err(|error| file_failure(&manifest_path, &error))?;
     let table_path = args.out.join(format!("{}.safetensors", digest.hex()));
     replace_file(&table_path, &file).map_err(|error| file_failure(&table_path, &error))?;
 

@@ -14,6 +14,7 @@ mod lookup;
 mod points;
 mod progress;
 mod pull;
+mod report;
 mod serve;
 mod verify;
 
@@ -56,6 +57,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
         Command::Serve(args) => serve::run(args, file.serve, context),
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),
+        Command::Report(args) => report::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
         Command::Pull(args) => {
             let servers = pull::Servers { chosen: server.as_deref(), usual: file.server.as_deref() };

@@ -1,5 +1,9 @@
 //! Tables as files.
 
+mod npy;
 mod safetensors;
 
-pub use self::safetensors::{TableFile, TableFileError, decode, encode};
+pub use self::{
+    npy::{NPY_MAGIC, NpyError, NpyTable, decode_npy},
+    safetensors::{TableFile, TableFileError, decode, encode},
+};

@@ -13,6 +13,7 @@ mod guess;
 mod loss;
 mod nodes;
 mod recipe;
+mod report;
 mod sgd;
 mod shard;
 mod solve;
@@ -25,4 +26,8 @@ pub use assemble::assemble;
 pub use entry::{FittedEntry, Fitter};
 pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
+pub use report::{
+    Accuracy, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread, TermError, Worst, report,
+    report_points,
+};
 pub use shard::{Plan, ShardBytesError, fit_shard, shard_from_bytes, shard_to_bytes};

@@ -8,5 +8,5 @@ mod portable;
 mod sequence;
 
 pub use frame::{direction, from_row_major, rotation_from_z, row_major, symmetric_sqrt, turned_about_z};
-pub use portable::{cos, ln, pow, sin, sin_cos};
-pub use sequence::{Lattice, cosine_hemisphere, fibonacci_hemisphere};
+pub use portable::{atan2, cos, ln, pow, sin, sin_cos};
+pub use sequence::{Lattice, cosine_hemisphere, fibonacci_hemisphere, recurrence4};

@@ -44,6 +44,12 @@ pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
 
+/// Angle of the point `(x, y)` from the x axis, in (-pi, pi].
+#[must_use]
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,5 +69,6 @@ mod tests {
         assert_eq!(cos(1.0).to_bits(), 0x3fe1_4a28_0fb5_068c);
         assert_eq!(ln(10.0).to_bits(), 0x4002_6bb1_bbb5_5516);
         assert_eq!(pow(0.5, 1.6).to_bits(), 0x3fd5_1cb4_53b9_536c);
+        assert_eq!(atan2(1.0, 2.0).to_bits(), 0x3fdd_ac67_0561_bb4f);
     }
 }

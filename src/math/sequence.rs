@@ -60,6 +60,19 @@ fn quotient_sum(g: usize, n: usize) -> Option<usize> {
     (larger == 1).then_some(sum)
 }
 
+/// Steps of the additive recurrence in four dimensions: `g^-k` for the positive root g of `g^5 = g + 1`
+/// [Roberts 2018, the R sequence].
+const RECURRENCE4_STEPS: [f64; 4] =
+    [0.856_674_883_854_502_9, 0.733_891_856_627_126_2, 0.628_706_721_037_808_6, 0.538_597_257_223_61];
+
+/// Point `i` of an endless sequence that fills the unit hypercube evenly from its first points on, shifted cyclically.
+///
+/// Domain: shifts in [0, 1).
+#[must_use]
+pub fn recurrence4(i: usize, shift: [f64; 4]) -> [f64; 4] {
+    std::array::from_fn(|k| fract((i as f64 + 0.5) * RECURRENCE4_STEPS[k] + shift[k]))
+}
+
 /// A direction with density `cos(theta) / pi` from a point of the unit square.
 #[must_use]
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
@@ -121,6 +134,20 @@ mod tests {
                     Lattice::new(n, [0.0; 2]).points().map(|point| (point[k] * n as f64) as usize).collect();
                 strata.sort_unstable();
                 assert!(strata.into_iter().eq(0..n), "{n}");
+            }
+        }
+    }
+
+    /// Four dimensions: each half of each axis, and each quadrant of each pair of axes, holds its share.
+    #[test]
+    fn the_recurrence_fills_its_hypercube_evenly() {
+        let n = 256;
+        let points: Vec<[f64; 4]> = (0..n).map(|i| recurrence4(i, [0.1, 0.2, 0.3, 0.4])).collect();
+        for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+            for (low_a, low_b) in [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)] {
+                let inside = |x: f64, low: f64| x >= low && x < low + 0.5;
+                let count = points.iter().filter(|p| inside(p[a], low_a) && inside(p[b], low_b)).count();
+                assert!((54..=74).contains(&count), "axes {a} {b}, quadrant {low_a} {low_b}: {count}");
             }
         }
     }

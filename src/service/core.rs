@@ -28,6 +28,9 @@ pub(super) struct Core {
     pub(super) catalogue: Catalogue,
     pub(super) queue: Queue,
     pub(super) hub: Hub,
+    /// Measures tables. The workers hold their pool's threads for good; these stand still until a table is there, and
+    /// then make short work of it.
+    pub(super) measuring: rayon::ThreadPool,
     pub(super) clock: Clock,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,

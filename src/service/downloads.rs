@@ -1,9 +1,18 @@
 //! Tables, manifests and recipes as their users fetch them.
 
-use std::sync::{Arc, atomic::Ordering};
+use std::{
+    panic::resume_unwind,
+    sync::{Arc, atomic::Ordering},
+    thread,
+};
 
-use super::{Page, Service, ServiceError, TableRow};
-use crate::{digest::Digest, queue::JobId, store::StoreError};
+use super::{Page, Service, ServiceError, TableRow, core::Core, manifest::MANIFEST_VERSION};
+use crate::{
+    digest::Digest,
+    export::TableFileError,
+    queue::JobId,
+    store::{Catalogue, ManifestRow, StoreError},
+};
 
 impl Service {
     /// The canonical file of a table, checked against its digest.
@@ -24,16 +33,24 @@ impl Service {
         }
     }
 
-    /// The manifest of a table (see [`super::manifest_json`]) as JSON bytes.
+    /// The manifest of a table (see [`super::manifest_json`]) as JSON. It was made with the table; of one that was
+    /// stored by an earlier version, or whose catalogue was lost, it is made now and kept.
     ///
     /// # Errors
     /// When the blob is damaged or unreadable.
-    pub fn manifest(&self, digest: Digest) -> Result<Option<Vec<u8>>, ServiceError> {
-        let Some(file) = self.table(digest)? else { return Ok(None) };
-        match self.core.engine.manifest(&file) {
-            Ok(manifest) => Ok(Some(manifest)),
-            Err(error) => Err(ServiceError::Storage(format!("the blob {digest}: {error}"))),
+    pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
+        let core = &self.core;
+        if !core.store.blobs.contains(digest) {
+            return Ok(None);
         }
+        if let Some(manifest) = core.catalogue.manifest(digest)?.filter(|row| row.version == MANIFEST_VERSION) {
+            return Ok(Some(manifest.text));
+        }
+        let Some(file) = self.table(digest)? else { return Ok(None) };
+        let made = core.make_manifest(&file);
+        let manifest = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        core.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
+        Ok(Some(manifest.text))
     }
 
     /// Tables, newest first.
@@ -57,6 +74,18 @@ impl Service {
         }
         let job = self.core.queue.job(JobId::of_recipe(&digest))?;
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))
+    }
+}
+
+impl Core {
+    /// Measures a table and writes its manifest.
+    pub(super) fn make_manifest(&self, file: &[u8]) -> Result<ManifestRow, TableFileError> {
+        let measure = || self.measuring.install(|| self.engine.manifest(file));
+        // The caller may be a thread of the fitting pool. If it waited for the other pool itself, rayon would have it
+        // do other work of its own pool meanwhile: another worker's endless loop. So a thread of no pool waits.
+        let made = thread::scope(|scope| scope.spawn(measure).join());
+        let text = made.unwrap_or_else(|panic| resume_unwind(panic))?;
+        Ok(ManifestRow { version: MANIFEST_VERSION, text })
     }
 }
 

@@ -33,8 +33,8 @@ pub(super) trait Engine: Send + Sync {
     /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
 
-    /// The manifest of a canonical file.
-    fn manifest(&self, file: &[u8]) -> Result<Vec<u8>, TableFileError>;
+    /// The manifest of a canonical file. It measures the table, on the current rayon pool.
+    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError>;
 }
 
 /// The fitting core of this crate.
@@ -111,7 +111,7 @@ impl Engine for Fitter {
         Some((text, digest))
     }
 
-    fn manifest(&self, file: &[u8]) -> Result<Vec<u8>, TableFileError> {
+    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError> {
         super::manifest_json(file)
     }
 }

@@ -17,4 +17,4 @@ mod work;
 pub use self::core::Service;
 pub use crate::store::TableRow;
 pub use api::{Config, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
-pub use manifest::manifest_json;
+pub use manifest::{manifest_json, table_report};

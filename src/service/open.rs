@@ -47,17 +47,14 @@ impl Service {
             Queue::open(Arc::clone(&store.rows), limits, Arc::clone(&clock))
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(config.workers.get())
-            .thread_name(|n| format!("fit-{n}"))
-            .build()
-            .map_err(|error| refusal(&config, StoreOpenError::Unusable(std::io::Error::other(error))))?;
+        let (fitting, measuring) = (pool(&config, "fit")?, pool(&config, "measure")?);
         let core = Arc::new(Core {
             engine,
             catalogue: opened,
             store,
             queue,
             hub: Hub::new(Arc::clone(&clock)),
+            measuring,
             clock,
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
@@ -68,15 +65,24 @@ impl Service {
         for worker in 0..u32::try_from(core.config.workers.get()).unwrap_or(u32::MAX) {
             workers.begin();
             let (core, workers) = (Arc::clone(&core), Arc::clone(&workers));
-            pool.spawn(move || {
+            fitting.spawn(move || {
                 core.work(worker);
                 // Who waits for the end of all workers may open the folder again at once.
                 drop(core);
                 workers.end();
             });
         }
-        Ok(Arc::new(Self { core, workers, _pool: pool }))
+        Ok(Arc::new(Self { core, workers, _pool: fitting }))
     }
+}
+
+/// A pool of as many threads as there are workers.
+fn pool(config: &Config, name: &'static str) -> Result<rayon::ThreadPool, OpenError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(config.workers.get())
+        .thread_name(move |n| format!("{name}-{n}"))
+        .build()
+        .map_err(|error| refusal(config, StoreOpenError::Unusable(std::io::Error::other(error))))
 }
 
 /// Enters every blob that is a table.

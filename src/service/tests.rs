@@ -10,13 +10,13 @@ use std::{
     time::Duration,
 };
 
-use super::{engine::Engine, *};
+use super::{engine::Engine, manifest::MANIFEST_VERSION, *};
 use crate::{
     digest::Digest,
     export::TableFileError,
     queue::{FailureKind, JobId, JobState, NewJob, StateName},
     recipe::RecipeError,
-    store::{Store, Tree, memory::MemoryRows},
+    store::{Batch, Catalogue, ManifestRow, Store, Tree, memory::MemoryRows},
 };
 
 const ENTRIES: u32 = 4;
@@ -26,6 +26,8 @@ const ENTRIES: u32 = 4;
 struct Behaviour {
     /// Fits begun, by recipe and shard.
     begun: HashMap<(String, u32), u32>,
+    /// Manifests made.
+    manifests: u32,
     /// Fits that end in a panic, from the first of each shard.
     panics: u32,
     /// While set, each fit stands still after its first entry.
@@ -101,8 +103,9 @@ impl Engine for FakeEngine {
         Some((recipe, digest))
     }
 
-    fn manifest(&self, _file: &[u8]) -> Result<Vec<u8>, TableFileError> {
-        Ok(b"{}".to_vec())
+    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError> {
+        self.0.behaviour.lock().unwrap().manifests += 1;
+        Ok(format!("of {} bytes", file.len()))
     }
 }
 
@@ -163,7 +166,6 @@ fn a_recipe_becomes_a_table_once() {
     assert!(matches!(service.submit(b"nonsense"), Err(SubmitError::Recipe(_))));
     let table = fitted(&service, "gold 5");
     assert_eq!(service.table(table).unwrap().unwrap().as_slice(), b"TABLE gold 5 0 1 2 3 4");
-    assert_eq!(service.manifest(table).unwrap().unwrap(), b"{}");
     assert!(service.table(Digest::of(b"unknown")).unwrap().is_none());
     match service.submit(b"gold 5").unwrap() {
         Submission::Ready { job, table: again } => {
@@ -334,6 +336,44 @@ fn a_lost_database_leaves_the_tables() {
     assert_eq!(again, table);
     assert_eq!(service.job(job.id).unwrap().unwrap().job, job, "the job can be looked up");
     assert_eq!(shared.begun(), 2);
+}
+
+#[test]
+fn a_manifest_is_made_once_with_the_table() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 2");
+    let made = || shared.behaviour.lock().unwrap().manifests;
+    assert_eq!(made(), 1);
+    assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
+    assert_eq!(made(), 1, "it was stored with the table");
+    assert!(service.manifest(Digest::of(b"unknown")).unwrap().is_none());
+    drop(service);
+    let service = start(dir.path(), &shared);
+    assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
+    assert_eq!(made(), 1, "it outlives the process");
+}
+
+#[test]
+fn a_table_from_before_gets_its_manifest_when_it_is_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 2");
+    let rows = &service.core.store.rows;
+    let made = || shared.behaviour.lock().unwrap().manifests;
+    let mut none = Batch::default();
+    none.remove(Tree::Manifests, *table.as_bytes());
+    let other = ManifestRow { version: MANIFEST_VERSION + 1, text: "of another version".to_owned() };
+    for (made_before, stored) in [(1, none), (2, Catalogue::manifest_entry(table, &other).unwrap())] {
+        assert_eq!(made(), made_before);
+        rows.commit(&stored).unwrap();
+        for _ in 0..2 {
+            assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
+            assert_eq!(made(), made_before + 1);
+        }
+    }
 }
 
 #[test]

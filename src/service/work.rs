@@ -102,6 +102,7 @@ impl Core {
     fn assemble(&self, work: &Work) -> Result<(), Trouble> {
         let Some(results) = self.queue.results(&work.lease)? else { return Ok(()) };
         let file = self.engine.assemble(&work.recipe, results).map_err(Trouble::Step)?;
+        let manifest = self.make_manifest(&file).map_err(|error| Trouble::Step(error.to_string()))?;
         let digest = self.store.blobs.put(&file)?;
         let row = TableRow {
             digest,
@@ -109,7 +110,9 @@ impl Core {
             bytes: file.len() as u64,
             created_at: (self.clock)(),
         };
-        self.queue.finish(&work.lease, digest, Catalogue::entry(&row, &work.recipe)?)?;
+        let mut batch = Catalogue::entry(&row, &work.recipe)?;
+        batch.extend(Catalogue::manifest_entry(digest, &manifest)?);
+        self.queue.finish(&work.lease, digest, batch)?;
         tracing::info!(job = %work.job, table = %digest, bytes = row.bytes, "the table is stored");
         Ok(())
     }

@@ -21,6 +21,15 @@ pub struct TableRow {
     pub created_at: Timestamp,
 }
 
+/// A table's manifest, opaque here.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ManifestRow {
+    /// Which version of manifests it is: one of another is to be made again.
+    pub version: u32,
+    /// The document, as it is handed out.
+    pub text: String,
+}
+
 #[derive(Debug, Serialize, Deserialize)]
 struct RecipeRow {
     recipe: String,
@@ -51,6 +60,24 @@ impl Catalogue {
         let recipe = RecipeRow { recipe: recipe.to_owned(), table: row.digest };
         batch.put(Tree::Recipes, *row.recipe_digest.as_bytes(), encode(&recipe)?);
         Ok(batch)
+    }
+
+    /// The change that enters a table's manifest: commit it.
+    ///
+    /// # Errors
+    /// When the row cannot be encoded.
+    pub fn manifest_entry(table: Digest, manifest: &ManifestRow) -> Result<Batch, StoreError> {
+        let mut batch = Batch::default();
+        batch.put(Tree::Manifests, *table.as_bytes(), encode(manifest)?);
+        Ok(batch)
+    }
+
+    /// The manifest of a table, if it has been made.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn manifest(&self, table: Digest) -> Result<Option<ManifestRow>, StoreError> {
+        self.read(Tree::Manifests, table.as_bytes())
     }
 
     /// The canonical recipe and the table of a recipe digest.
@@ -105,6 +132,7 @@ impl Catalogue {
         batch.remove(Tree::Tables, *digest.as_bytes());
         batch.remove(Tree::TablesByAge, age_key(&row));
         batch.remove(Tree::Recipes, *row.recipe_digest.as_bytes());
+        batch.remove(Tree::Manifests, *digest.as_bytes());
         self.rows.commit(&batch)?;
         Ok(true)
     }
@@ -166,12 +194,16 @@ mod tests {
         let rows = Arc::new(MemoryRows::default());
         let catalogue = Catalogue::new(rows.clone());
         rows.commit(&Catalogue::entry(&row(1), "{}").unwrap()).unwrap();
+        let manifest = ManifestRow { version: 3, text: "{}\n".to_owned() };
+        assert_eq!(catalogue.manifest(row(1).digest).unwrap(), None);
+        rows.commit(&Catalogue::manifest_entry(row(1).digest, &manifest).unwrap()).unwrap();
+        assert_eq!(catalogue.manifest(row(1).digest).unwrap(), Some(manifest));
         assert_eq!(catalogue.recipe(row(1).recipe_digest).unwrap(), Some(("{}".to_owned(), row(1).digest)));
         assert!(catalogue.forget(row(1).digest).unwrap());
         assert!(!catalogue.forget(row(1).digest).unwrap());
         assert_eq!(catalogue.recipe(row(1).recipe_digest).unwrap(), None);
         assert_eq!(catalogue.page(None, 9).unwrap().0, []);
-        for tree in [Tree::Tables, Tree::TablesByAge, Tree::Recipes] {
+        for tree in [Tree::Tables, Tree::TablesByAge, Tree::Recipes, Tree::Manifests] {
             assert_eq!(rows.len(tree), 0);
         }
     }

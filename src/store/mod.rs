@@ -24,7 +24,7 @@ mod sled_rows;
 pub(crate) use files::copy_folder;
 
 pub use blob::{BlobInfo, Blobs, FileBlobs};
-pub use catalogue::{Catalogue, TableRow};
+pub use catalogue::{Catalogue, ManifestRow, TableRow};
 pub use error::StoreError;
 pub use open::{Store, StoreOpenError};
 pub use rows::{Batch, Row, Rows, Tree};

@@ -174,7 +174,7 @@ mod tests {
         let db = sled::open(dir.path().join("db")).unwrap();
         db.open_tree("migrations").unwrap().insert(99_u32.to_be_bytes(), b"").unwrap();
         drop(db);
-        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 1 })));
+        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 2 })));
         assert!(!dir.path().join("quarantine").exists());
     }
 

@@ -21,12 +21,22 @@ pub enum Tree {
     TablesByAge,
     /// Recipe digest: the recipe and its table.
     Recipes,
+    /// Table digest: the version of its manifest, and the manifest.
+    Manifests,
 }
 
 impl Tree {
     /// Every tree.
-    pub const ALL: [Self; 7] =
-        [Self::Jobs, Self::JobOrder, Self::Shards, Self::Results, Self::Tables, Self::TablesByAge, Self::Recipes];
+    pub const ALL: [Self; 8] = [
+        Self::Jobs,
+        Self::JobOrder,
+        Self::Shards,
+        Self::Results,
+        Self::Tables,
+        Self::TablesByAge,
+        Self::Recipes,
+        Self::Manifests,
+    ];
 
     /// The tree's name in the database.
     #[must_use]
@@ -39,6 +49,7 @@ impl Tree {
             Self::Tables => "tables",
             Self::TablesByAge => "tables_by_age",
             Self::Recipes => "recipes",
+            Self::Manifests => "manifests",
         }
     }
 }

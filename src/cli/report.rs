@@ -1,0 +1,141 @@
+//! `report`: how good a table is, ours or another's.
+
+use std::{fmt::Write as _, fs, path::Path};
+
+use serde_json::json;
+
+use super::{Context, Exit, Failure, args::ReportArgs, file_failure, input, print, serve::cores, verify};
+use crate::{
+    digest::Digest,
+    export::{NPY_MAGIC, NpyTable, decode_npy},
+    fit::{Accuracy, MOST_POINTS, Moved, Report, Spread, TermError, report},
+    ltc::PerAxis,
+    service,
+};
+
+/// What was measured, beside the figures.
+struct Subject {
+    digest: Digest,
+    resolution: PerAxis<usize>,
+    report: Report,
+}
+
+/// Measures a table and prints the figures.
+pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    let path = input::table_path(&args.table, &args.tables)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or_else(cores).get()).build();
+    let pool = pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    let subject = pool.install(|| measure(&path))?;
+    let value = json!({
+        "file": path,
+        "digest": subject.digest,
+        "resolution": subject.resolution,
+        "report": subject.report,
+    });
+    print(context.stdout, json, &value, text(&path, &subject).trim_end())?;
+    Ok(Exit::Ok)
+}
+
+/// Tells the two kinds of file apart by their first bytes.
+fn measure(path: &Path) -> Result<Subject, Failure> {
+    let bytes = fs::read(path).map_err(|error| file_failure(path, &error))?;
+    if bytes.starts_with(NPY_MAGIC) {
+        let read = decode_npy(&bytes);
+        let NpyTable { table, range } =
+            read.map_err(|error| Failure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
+        let report = report(&table, &range, MOST_POINTS);
+        return Ok(Subject { digest: Digest::of(&bytes), resolution: table.axes.lengths(), report });
+    }
+    let (digest, file) = verify::read(path, None)?;
+    Ok(Subject { digest, resolution: file.table.axes.lengths(), report: service::table_report(&file) })
+}
+
+/// The figures for people.
+fn text(path: &Path, subject: &Subject) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_text(&mut out, path, subject);
+    out
+}
+
+fn write_text(out: &mut String, path: &Path, subject: &Subject) -> std::fmt::Result {
+    let Subject { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report } = subject;
+    let Report { nodes, between, matrices, floors, .. } = report;
+    writeln!(out, "{}\n{digest}", path.display())?;
+    writeln!(out, "{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi\n")?;
+
+    writeln!(out, "{:24}{:>28}   {:>28}", "", at(nodes, "nodes"), at(between, "places between"))?;
+    let columns = format!("{:>10}{:>9}{:>9}", "mean", "p95", "max");
+    writeln!(out, "{:24}{columns}   {columns}", "")?;
+    row(out, "distance sw1, rad", &cells(nodes.sw1, 5), &cells(between.sw1, 5))?;
+    row(out, "of the lobe's width, %", &cells(percent(nodes.width), 2), &cells(percent(between.width), 2))?;
+    row(out, "light, % of the lobe", &cells(percent(nodes.light), 2), &cells(percent(between.light), 2))?;
+    row(out, "amplitude, absolute", &term_cells(nodes.amplitude), &term_cells(between.amplitude))?;
+    row(out, "Fresnel term, absolute", &term_cells(nodes.fresnel), &term_cells(between.fresnel))?;
+
+    for (name, accuracy) in [("at nodes", nodes), ("between nodes", between)] {
+        writeln!(
+            out,
+            "\nworst {name:18}{:>10}{:>10}{:>8}{:>8}{:>10}{:>10}",
+            "alpha_x", "alpha_y", "theta", "phi", "sw1", "width, %"
+        )?;
+        for w in &accuracy.worst {
+            let (sw1, width) = (w.sw1, 100.0 * w.width);
+            writeln!(
+                out,
+                "{:24}{:>10.6}{:>10.6}{:>8.4}{:>8.4}{sw1:>10.5}{width:>10.2}",
+                "", w.alpha_x, w.alpha_y, w.theta, w.phi
+            )?;
+        }
+    }
+
+    let (determinant, condition) = (matrices.determinant, matrices.condition);
+    writeln!(out, "\nmatrices                {} entries", matrices.entries)?;
+    writeln!(
+        out,
+        "  determinant           {:.3e} to {:.3e}, {} negative",
+        determinant.min, determinant.max, matrices.negative_determinants
+    )?;
+    writeln!(
+        out,
+        "  condition number      {:.3e} to {:.3e}, {} without an inverse",
+        condition.min, condition.max, matrices.singular
+    )?;
+    writeln!(out, "floors")?;
+    for (name, moved) in
+        [("alpha", floors.alpha), ("ratio", floors.ratio), ("alpha_y", floors.alpha_y), ("theta, rad", floors.theta)]
+    {
+        let Moved { floor, nodes, entries } = moved;
+        writeln!(out, "  {name:22}{floor:<10.7} nodes moved: {nodes}, entries: {entries}")?;
+    }
+    writeln!(out, "\n{HOW_TO_READ}")
+}
+
+const HOW_TO_READ: &str = "\
+Each row is an error: 0 is perfect. The columns between nodes are what a renderer meets. Of the lobe's width,
+2 % is hardly seen and 20 % is a highlight a fifth too wide or as far from its place; even the best LTC of a lobe
+is some percent from it. Light is the part of the lobe's energy that square lights lose or gain. A negative
+determinant turns a light's winding over in a shader. docs/report.md tells more.";
+
+fn at(accuracy: &Accuracy, what: &str) -> String {
+    format!("at {} {what}", accuracy.points)
+}
+
+fn percent(spread: Spread) -> Spread {
+    Spread { mean: 100.0 * spread.mean, p95: 100.0 * spread.p95, max: 100.0 * spread.max }
+}
+
+fn cells(Spread { mean, p95, max }: Spread, digits: usize) -> String {
+    format!("{mean:>10.digits$}{p95:>9.digits$}{max:>9.digits$}")
+}
+
+fn term_cells(term: Option<TermError>) -> String {
+    match term {
+        Some(TermError { mean, max }) => format!("{mean:>10.5}{:>9}{max:>9.5}", ""),
+        None => format!("{:>10}{:>9}{:>9}", "none", "", ""),
+    }
+}
+
+fn row(out: &mut String, name: &str, nodes: &str, between: &str) -> std::fmt::Result {
+    writeln!(out, "{}", format!("{name:24}{nodes}   {between}").trim_end())
+}

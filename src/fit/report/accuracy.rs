@@ -1,0 +1,127 @@
+//! Many measurements in a few numbers.
+
+use serde::Serialize;
+
+use super::measure::Figures;
+
+/// Worst configurations that are named.
+const WORST: usize = 5;
+
+/// How far a table is from the lobes over a set of configurations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Accuracy {
+    /// Configurations measured.
+    pub points: usize,
+    /// Sliced Wasserstein-1 distance between lobe and LTC, radians of small angles.
+    pub sw1: Spread,
+    /// The same as a part of the lobe's own width, the mean absolute deviation of its projections from their median.
+    pub width: Spread,
+    /// Mean absolute error, for each configuration, of the part of the lobe's energy in a few square lights.
+    pub light: Spread,
+    /// Absolute error of the amplitude; none in a table without terms.
+    pub amplitude: Option<TermError>,
+    /// Absolute error of the Fresnel term; none in a table without terms.
+    pub fresnel: Option<TermError>,
+    /// The worst configurations by `width`, worst first.
+    pub worst: Vec<Worst>,
+}
+
+/// Mean, 95th percentile (nearest rank) and maximum.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// What one configuration in twenty exceeds.
+    pub p95: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Absolute error of a term.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TermError {
+    /// Mean.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// A configuration and its error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Worst {
+    /// GGX roughness along x.
+    pub alpha_x: f64,
+    /// GGX roughness along y.
+    pub alpha_y: f64,
+    /// Polar angle of the view direction, radians.
+    pub theta: f64,
+    /// Azimuth of the view direction, radians.
+    pub phi: f64,
+    /// Sliced Wasserstein-1 distance.
+    pub sw1: f64,
+    /// The same as a part of the lobe's width.
+    pub width: f64,
+}
+
+impl Accuracy {
+    /// Domain: at least one measurement.
+    pub(super) fn of(figures: &[Figures]) -> Self {
+        let mut by_width: Vec<&Figures> = figures.iter().collect();
+        // Stable: equal errors stay in the order in which they were measured.
+        by_width.sort_by(|a, b| b.width.total_cmp(&a.width));
+        let term = |k: usize| {
+            let errors: Option<Vec<f64>> = figures.iter().map(|f| f.terms.map(|terms| terms[k])).collect();
+            errors.map(Spread::of).map(|Spread { mean, max, .. }| TermError { mean, max })
+        };
+        let spread = |value: fn(&Figures) -> f64| Spread::of(figures.iter().map(value).collect());
+        Self {
+            points: figures.len(),
+            sw1: spread(|f| f.sw1),
+            width: spread(|f| f.width),
+            light: spread(|f| f.light),
+            amplitude: term(0),
+            fresnel: term(1),
+            worst: by_width.into_iter().take(WORST).map(worst).collect(),
+        }
+    }
+}
+
+fn worst(figures: &Figures) -> Worst {
+    let Figures { at, sw1, width, .. } = *figures;
+    Worst { alpha_x: at.alpha_x, alpha_y: at.alpha_y, theta: at.theta, phi: at.phi, sw1, width }
+}
+
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Self {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.sort_by(|a, b| b.total_cmp(a));
+        // The nearest rank from below is ceil(0.95 n); counted from the largest, that leaves floor(0.05 n) above it.
+        Self { mean, p95: values[values.len() / 20], max: values[0] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ltc::Configuration;
+
+    #[test]
+    fn the_worst_are_named_by_width_and_ranks_are_the_nearest() {
+        let figures: Vec<Figures> = (0..40_u32)
+            .map(|i| {
+                let (rank, i) = (f64::from(i * 7 % 40), f64::from(i));
+                let at = Configuration { alpha_x: 0.5, alpha_y: 0.25, theta: i, phi: 0.0 };
+                Figures { at, sw1: i, width: rank, light: 0.5, terms: Some([i, 0.0]) }
+            })
+            .collect();
+        let found = Accuracy::of(&figures);
+        assert_eq!(found.points, 40);
+        assert_eq!(found.sw1, Spread { mean: 19.5, p95: 37.0, max: 39.0 });
+        assert_eq!(found.amplitude, Some(TermError { mean: 19.5, max: 39.0 }));
+        assert_eq!(found.worst.iter().map(|w| w.width).collect::<Vec<_>>(), [39.0, 38.0, 37.0, 36.0, 35.0]);
+        // 7 times 17 is 119, 39 of 40.
+        assert_eq!((found.worst[0].theta, found.worst[0].sw1), (17.0, 17.0));
+        let bare: Vec<Figures> = figures.iter().map(|f| Figures { terms: None, ..*f }).collect();
+        assert_eq!(Accuracy::of(&bare).fresnel, None);
+    }
+}

@@ -1,0 +1,99 @@
+//! Where a node was asked for beyond what can be fitted, and what was fitted instead.
+
+use serde::Serialize;
+
+use crate::{
+    fit::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING},
+    ltc::{ALPHA_Y_FLOOR, PerAxis},
+};
+
+/// The floors of a table and what they moved.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Floors {
+    /// [`ALPHA_FLOOR`].
+    pub alpha: Moved,
+    /// [`RATIO_FLOOR`].
+    pub ratio: Moved,
+    /// [`ALPHA_Y_FLOOR`]: pairs of an alpha and a ratio node whose lobe is fitted with a larger smaller roughness.
+    pub alpha_y: Moved,
+    /// [`THETA_CEILING`], radians.
+    pub theta: Moved,
+}
+
+/// What a floor moved.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Moved {
+    /// The floor's value.
+    pub floor: f64,
+    /// Nodes of the axis that lie on it and were asked for beyond it.
+    pub nodes: usize,
+    /// Entries at these nodes.
+    pub entries: usize,
+}
+
+impl Floors {
+    /// The floors of a table with these axes, of a recipe that asked for `range`.
+    pub(super) fn of(axes: &PerAxis<Vec<f64>>, range: &PerAxis<[f64; 2]>) -> Self {
+        let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+        let moved =
+            |floor: f64, nodes: usize, entries_each: usize| Moved { floor, nodes, entries: nodes * entries_each };
+        // A range that reaches past the limit has its last node on it.
+        let at_limit = |nodes: &[f64], limit: f64, reaches_past: bool| {
+            if reaches_past { nodes.iter().filter(|node| **node == limit).count() } else { 0 }
+        };
+        let pairs = axes.alpha.iter().flat_map(|a| axes.ratio.iter().map(move |r| a * r));
+        Self {
+            alpha: moved(
+                ALPHA_FLOOR,
+                at_limit(&axes.alpha, ALPHA_FLOOR, range.alpha[0] < ALPHA_FLOOR),
+                ratio * theta * phi,
+            ),
+            ratio: moved(
+                RATIO_FLOOR,
+                at_limit(&axes.ratio, RATIO_FLOOR, range.ratio[0] < RATIO_FLOOR),
+                alpha * theta * phi,
+            ),
+            alpha_y: moved(ALPHA_Y_FLOOR, pairs.filter(|alpha_y| *alpha_y < ALPHA_Y_FLOOR).count(), theta * phi),
+            theta: moved(
+                THETA_CEILING,
+                at_limit(&axes.theta, THETA_CEILING, range.theta[1] > THETA_CEILING),
+                alpha * ratio * phi,
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+
+    #[test]
+    fn moved_nodes_and_their_entries_are_counted() {
+        let axes = PerAxis {
+            alpha: vec![ALPHA_FLOOR, 0.5, 1.0],
+            ratio: vec![RATIO_FLOOR, 1.0],
+            theta: vec![0.0, 0.4, 0.8, THETA_CEILING],
+            phi: vec![0.0, 0.3, 0.6, 0.9, 1.2],
+        };
+        let whole = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, 1.2] };
+        let found = Floors::of(&axes, &whole);
+        let counts = |moved: Moved| (moved.nodes, moved.entries);
+        assert_eq!(counts(found.alpha), (1, 40));
+        assert_eq!(counts(found.ratio), (1, 60));
+        // Only 1e-4 times 1e-4 is below 1e-5.
+        assert_eq!(counts(found.alpha_y), (1, 20));
+        assert_eq!(counts(found.theta), (1, 30));
+
+        // Nodes that were asked for right there have not moved.
+        let exact = PerAxis {
+            alpha: [ALPHA_FLOOR, 1.0],
+            ratio: [RATIO_FLOOR, 1.0],
+            theta: [0.0, THETA_CEILING],
+            phi: [0.0, 1.2],
+        };
+        let found = Floors::of(&axes, &exact);
+        assert_eq!([found.alpha, found.ratio, found.theta].map(|moved| moved.nodes), [0; 3]);
+    }
+}

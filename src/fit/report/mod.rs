@@ -1,0 +1,64 @@
+//! How good a table is: measured as a renderer meets it, through its lookup, on samples that no fit saw.
+//!
+//! Invariant: the report follows from the table, the ranges that were asked for and a number of points; it uses
+//! nothing of the fit's own loss, so a fault of that shows here.
+
+mod accuracy;
+mod distance;
+mod effort;
+mod floors;
+mod light;
+mod matrices;
+mod measure;
+mod places;
+
+use serde::Serialize;
+
+pub use accuracy::{Accuracy, Spread, TermError, Worst};
+pub use effort::{MOST_POINTS, report_points};
+pub use floors::{Floors, Moved};
+pub use matrices::{Extent, Matrices};
+
+use crate::ltc::{PerAxis, Table};
+
+/// Version of the report. Raised whenever the same table gets another one.
+pub const REPORT_VERSION: u32 = 1;
+
+/// How good a table is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// [`REPORT_VERSION`].
+    pub version: u32,
+    /// Errors at nodes: what the fit and the number format leave.
+    pub nodes: Accuracy,
+    /// Errors between nodes: what a renderer meets, interpolation included.
+    pub between: Accuracy,
+    /// The stored matrices as such.
+    pub matrices: Matrices,
+    /// Where a node was asked for beyond what can be fitted.
+    pub floors: Floors,
+}
+
+/// Measures a table at up to `points` nodes and at `points` configurations between them.
+///
+/// `range` is what was asked for on each axis, from which floors may have moved the table's nodes. Runs on the current
+/// rayon pool; its size changes nothing. Domain: a table with at least one node on each axis, finite numbers.
+#[must_use]
+pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: usize) -> Report {
+    let mut at_nodes = places::nodes(&table.axes, points);
+    let nodes = at_nodes.len();
+    at_nodes.extend(places::between(&table.axes, points));
+    // One run for both, so that threads are busy to the end.
+    let measured = measure::all(table, &at_nodes);
+    let (at_nodes, between) = measured.split_at(nodes);
+    Report {
+        version: REPORT_VERSION,
+        nodes: Accuracy::of(at_nodes),
+        between: Accuracy::of(between),
+        matrices: Matrices::of(table),
+        floors: Floors::of(&table.axes, range),
+    }
+}
+
+#[cfg(test)]
+mod tests;

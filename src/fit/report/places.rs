@@ -1,0 +1,123 @@
+//! Where a table is measured.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::{
+    ltc::{Configuration, PerAxis},
+    math::recurrence4,
+};
+
+/// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond, a lobe lies for the most
+/// part below the horizon, and a picture shows nothing of it.
+const STEEPEST: f64 = 0.99 * FRAC_PI_2;
+/// Where the sequence between the nodes begins.
+const SHIFT: [f64; 4] = [0.449_489_742_783_178, 0.316_624_790_355_4, 0.872_983_346_207_417, 0.123_105_625_617_661];
+/// 1 / golden ratio: multiples of it fill a circle most evenly.
+const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
+
+/// Up to `most` nodes: all of them, or as many spread evenly.
+///
+/// Index `k stride mod n` for a stride near n / golden ratio that shares no divisor with n: no node comes twice, and
+/// each axis is met at all its nodes.
+pub(super) fn nodes(axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration> {
+    let entries = axes.lengths().named().iter().map(|(_, n)| **n).product::<usize>();
+    if entries <= most {
+        return (0..entries).map(|index| node(axes, index)).collect();
+    }
+    let mut stride = ((entries as f64 * GOLDEN_STEP) as usize).max(1);
+    while common_divisor(stride, entries) > 1 {
+        stride += 1;
+    }
+    let mut index = 0;
+    (0..most)
+        .map(|_| {
+            index = (index + stride) % entries;
+            node(axes, index)
+        })
+        .collect()
+}
+
+fn common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}
+
+/// The configuration of the entry `index` in storage order: phi varies fastest.
+pub(super) fn node(axes: &PerAxis<Vec<f64>>, index: usize) -> Configuration {
+    let (rest, phi) = (index / axes.phi.len(), index % axes.phi.len());
+    let (rest, theta) = (rest / axes.theta.len(), rest % axes.theta.len());
+    let (alpha, ratio) = (rest / axes.ratio.len(), rest % axes.ratio.len());
+    configuration(axes.alpha[alpha], axes.ratio[ratio], axes.theta[theta], axes.phi[phi])
+}
+
+/// `count` configurations within the axes as artists set them: evenly in perceptual roughness, the square root of
+/// alpha, and in ratio, theta and phi.
+pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configuration> {
+    let ends = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
+    let roughness = ends(&axes.alpha).map(f64::sqrt);
+    let (ratio, theta, phi) = (ends(&axes.ratio), ends(&axes.theta), ends(&axes.phi));
+    let theta = [theta[0], theta[1].min(STEEPEST).max(theta[0])];
+    let at = |[low, high]: [f64; 2], u: f64| low + (high - low) * u;
+    (0..count)
+        .map(|i| {
+            let [a, r, t, p] = recurrence4(i, SHIFT);
+            let roughness = at(roughness, a);
+            configuration(roughness * roughness, at(ratio, r), at(theta, t), at(phi, p))
+        })
+        .collect()
+}
+
+fn configuration(alpha: f64, ratio: f64, theta: f64, phi: f64) -> Configuration {
+    Configuration { alpha_x: alpha, alpha_y: alpha * ratio, theta, phi }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axes() -> PerAxis<Vec<f64>> {
+        PerAxis {
+            alpha: vec![0.04, 0.1, 0.5, 1.0],
+            ratio: vec![0.25, 0.5, 1.0],
+            theta: vec![0.0, 0.5, 1.0, 1.5, 1.570_639],
+            phi: vec![0.0, 0.7, FRAC_PI_2],
+        }
+    }
+
+    #[test]
+    fn a_few_nodes_are_spread_over_every_axis_and_none_comes_twice() {
+        let (all, some) = (nodes(&axes(), 180), nodes(&axes(), 40));
+        assert_eq!((all.len(), some.len()), (180, 40));
+        assert_eq!(all[179], configuration(1.0, 1.0, 1.570_639, FRAC_PI_2));
+        for (i, place) in some.iter().enumerate() {
+            assert!(all.contains(place) && !some[..i].contains(place), "{place:?}");
+        }
+        let met = |wanted: fn(&Configuration, f64) -> bool, nodes: &[f64]| {
+            nodes.iter().all(|node| some.iter().filter(|place| wanted(place, *node)).count() >= 6)
+        };
+        assert!(met(|place, node| place.alpha_x == node, &axes().alpha));
+        assert!(met(|place, node| place.alpha_y == place.alpha_x * node, &axes().ratio));
+        assert!(met(|place, node| place.theta == node, &axes().theta));
+        assert!(met(|place, node| place.phi == node, &axes().phi));
+    }
+
+    #[test]
+    fn between_lies_within_the_ranges_and_roughness_is_perceptual() {
+        let places = between(&axes(), 512);
+        for place in &places {
+            assert!((0.04..=1.0).contains(&place.alpha_x) && (0.25..=1.0).contains(&(place.alpha_y / place.alpha_x)));
+            assert!((0.0..=STEEPEST).contains(&place.theta) && (0.0..=FRAC_PI_2).contains(&place.phi));
+        }
+        // Perceptual roughness runs from 0.2 to 1; its middle is 0.6.
+        let smoother = places.iter().filter(|place| place.alpha_x < 0.36).count();
+        assert!((246..=266).contains(&smoother), "{smoother}");
+    }
+
+    #[test]
+    fn a_single_node_is_the_only_value() {
+        let single = PerAxis { alpha: vec![0.3], ratio: vec![1.0], theta: vec![1.57], phi: vec![0.0] };
+        let only = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 1.57, phi: 0.0 };
+        let places = between(&single, 3);
+        assert!(places.iter().all(|place| (place.alpha_x - 0.3).abs() < 1e-15 && place.theta == 1.57), "{places:?}");
+        assert_eq!(nodes(&single, 32), [only]);
+    }
+}

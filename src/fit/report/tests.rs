@@ -1,0 +1,122 @@
+use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
+
+use super::*;
+use crate::{
+    brdf::Ggx,
+    fit::{
+        BrdfKind, FITTER_VERSION, FitSettings, Fitter, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
+    },
+    ltc::{Configuration, Layout},
+};
+
+fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {
+    let quarter = [0.0, FRAC_PI_2];
+    Recipe {
+        fitter: FITTER_VERSION,
+        brdf: BrdfKind::Ggx,
+        layout: Layout::Kt2022,
+        resolution: PerAxis { alpha, ratio, theta, phi },
+        range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter },
+        fit: FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 60, seed: 0 },
+        terms: true,
+        precision: Precision::F32,
+    }
+}
+
+/// A table of rough and smooth surfaces, and its recipe.
+fn small() -> (Recipe, Table) {
+    let recipe = Recipe {
+        range: PerAxis { alpha: [0.2, 1.0], ratio: [0.3, 1.0], theta: [0.0, 1.4], phi: [0.0, FRAC_PI_2] },
+        ..recipe([2, 2, 3, 2], 256, 16, Solver::Bfgs)
+    };
+    let plan = Plan::new(&recipe);
+    let entries = (0..plan.shards())
+        .flat_map(|shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it"));
+    let table = assemble(&plan, &entries.collect::<Vec<_>>());
+    (recipe, table)
+}
+
+fn report_of(recipe: &Recipe, table: &Table) -> Report {
+    report(table, &recipe.range, 32)
+}
+
+#[test]
+fn a_good_table_is_good_at_its_nodes_and_worse_between() {
+    let (recipe, table) = small();
+    let Report { nodes, between, matrices, floors, .. } = report_of(&recipe, &table);
+    assert_eq!((nodes.points, between.points, matrices.entries), (24, 32, 24));
+    assert!(nodes.sw1.mean < 0.03 && nodes.width.max < 0.2, "{nodes:?}");
+    assert!(between.width.mean > 2.0 * nodes.width.mean, "{between:?}");
+    let (amplitude, fresnel) = (nodes.amplitude.expect("terms"), nodes.fresnel.expect("terms"));
+    assert!(amplitude.max < 0.01 && fresnel.max < 0.01, "{nodes:?}");
+    assert!(between.amplitude.expect("terms").max > amplitude.max);
+    assert_eq!((matrices.negative_determinants, matrices.singular), (0, 0));
+    assert!(matrices.determinant.min > 0.0 && matrices.condition.min >= 3.0 - 1e-9, "{matrices:?}");
+    assert_eq!([floors.alpha, floors.ratio, floors.alpha_y, floors.theta].map(|moved| moved.entries), [0; 4]);
+    assert_eq!(nodes.worst.len(), 5);
+}
+
+/// The report's distance and the fit's own, measured on other samples by other code, agree on what the fit made.
+#[test]
+fn the_error_at_nodes_is_that_of_a_finer_fitter() {
+    let (recipe, table) = small();
+    let mut finer = Fitter::new(&FitSettings { samples: 2048, directions: 48, ..recipe.fit });
+    let places = places::nodes(&table.axes, 24);
+    let errors = places.iter().map(|at| {
+        let m = crate::math::from_row_major(&table.lookup(at).matrix);
+        let wo = crate::math::direction(at.theta, at.phi);
+        finer.error(&Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, wo, &m)
+    });
+    let mean = errors.sum::<f64>() / places.len() as f64;
+    let found = report_of(&recipe, &table).nodes.sw1.mean;
+    assert!((found / mean - 1.0).abs() < 0.04, "{found} {mean}");
+}
+
+#[test]
+fn a_spoiled_entry_is_named_as_the_worst() {
+    let (recipe, mut table) = small();
+    // Alpha 0.2, ratio 0.3, theta 0.7, phi pi/2.
+    let spoiled = 3;
+    let at = places::node(&table.axes, spoiled);
+    assert_eq!(at, Configuration { alpha_x: 0.2, alpha_y: 0.06, theta: 0.7, phi: FRAC_PI_2 });
+    for (matrix, farthest) in [([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], false), ([0.0; 9], true)] {
+        table.matrix[spoiled] = matrix;
+        let found = report_of(&recipe, &table);
+        let worst = found.nodes.worst[0];
+        assert_eq!((worst.alpha_x, worst.alpha_y, worst.theta, worst.phi), (0.2, 0.06, 0.7, FRAC_PI_2));
+        assert!(worst.width > 1.0 && worst.sw1 > 0.3, "{worst:?}");
+        // What makes no distribution is as far as can be, and no number that JSON lacks.
+        assert_eq!((worst.sw1 == 2.0, found.matrices.singular), (farthest, usize::from(farthest)));
+        assert!(worst.width.is_finite() && found.nodes.light.max > 0.1);
+    }
+}
+
+#[test]
+fn a_table_without_terms_has_no_error_of_terms() {
+    let (recipe, table) = small();
+    let found = report_of(&recipe, &Table { terms: None, ..table });
+    assert_eq!((found.nodes.amplitude, found.between.fresnel), (None, None));
+}
+
+#[test]
+fn points_grow_with_the_fit_between_their_bounds() {
+    let points =
+        |resolution, samples, directions| report_points(&recipe(resolution, samples, directions, Solver::Bfgs));
+    assert_eq!(points([2; 4], 64, 4), 32);
+    assert_eq!(points([64, 64, 64, 7], 2048, 48), MOST_POINTS);
+    let (draft, paper) = (points([8; 4], 128, 8), points([8; 4], 512, 24));
+    assert!(32 < draft && draft < paper && paper < MOST_POINTS, "{draft} {paper}");
+    // Solver sgd takes every step.
+    let sgd = report_points(&Recipe {
+        fit: FitSettings { steps: 10_000, ..recipe([8; 4], 128, 8, Solver::Sgd).fit },
+        ..recipe([8; 4], 128, 8, Solver::Sgd)
+    });
+    assert_eq!(sgd, MOST_POINTS);
+    // All phi of an isotropic surface share one fit.
+    let isotropic = Recipe {
+        range: PerAxis { ratio: [1.0, 1.0], ..recipe([8; 4], 512, 24, Solver::Bfgs).range },
+        ..recipe([64, 1, 64, 8], 512, 24, Solver::Bfgs)
+    };
+    let shared = report_points(&isotropic);
+    assert!(shared.abs_diff(points([64, 2, 32, 1], 512, 24)) <= shared / 20, "{shared}");
+}
