@@ -143,6 +143,9 @@ pub struct ReportArgs {
     /// Folder of `<digest>.safetensors` files
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub tables: PathBuf,
+    /// Look at the corners of the domain as well: mirrors, needles, the horizon, every fold
+    #[arg(long)]
+    pub extremes: bool,
     /// Threads that measure [default: one for each core]
     #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
     pub threads: Option<NonZeroUsize>,

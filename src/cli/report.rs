@@ -1,6 +1,6 @@
 //! `report`: how good a table is, ours or another's.
 
-use std::{fmt::Write as _, fs, path::Path};
+use std::{f64::consts::FRAC_PI_2, fmt::Write as _, fs, path::Path};
 
 use serde_json::json;
 
@@ -8,8 +8,8 @@ use super::{Context, Exit, Failure, args::ReportArgs, file_failure, input, print
 use crate::{
     digest::Digest,
     export::{NPY_MAGIC, NpyTable, decode_npy},
-    fit::{Accuracy, MOST_POINTS, Moved, Report, Spread, TermError, report},
-    ltc::PerAxis,
+    fit::{Accuracy, Corner, MOST_POINTS, Moved, Report, Spread, TermError, extremes, report},
+    ltc::{PerAxis, Table},
     service,
 };
 
@@ -18,6 +18,7 @@ struct Subject {
     digest: Digest,
     resolution: PerAxis<usize>,
     report: Report,
+    corners: Option<Vec<Corner>>,
 }
 
 /// Measures a table and prints the figures.
@@ -25,29 +26,35 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
     let path = input::table_path(&args.table, &args.tables)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or_else(cores).get()).build();
     let pool = pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
-    let subject = pool.install(|| measure(&path))?;
-    let value = json!({
+    let subject = pool.install(|| measure(&path, args.extremes))?;
+    let mut value = json!({
         "file": path,
         "digest": subject.digest,
         "resolution": subject.resolution,
         "report": subject.report,
     });
+    if let Some(corners) = &subject.corners {
+        value["extremes"] = json!(corners);
+    }
     print(context.stdout, json, &value, text(&path, &subject).trim_end())?;
     Ok(Exit::Ok)
 }
 
 /// Tells the two kinds of file apart by their first bytes.
-fn measure(path: &Path) -> Result<Subject, Failure> {
+fn measure(path: &Path, with_extremes: bool) -> Result<Subject, Failure> {
+    let corners = |table: &Table| with_extremes.then(|| extremes(table));
     let bytes = fs::read(path).map_err(|error| file_failure(path, &error))?;
     if bytes.starts_with(NPY_MAGIC) {
         let read = decode_npy(&bytes);
         let NpyTable { table, range } =
             read.map_err(|error| Failure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
         let report = report(&table, &range, MOST_POINTS);
-        return Ok(Subject { digest: Digest::of(&bytes), resolution: table.axes.lengths(), report });
+        let (digest, resolution) = (Digest::of(&bytes), table.axes.lengths());
+        return Ok(Subject { digest, resolution, report, corners: corners(&table) });
     }
     let (digest, file) = verify::read(path, None)?;
-    Ok(Subject { digest, resolution: file.table.axes.lengths(), report: service::table_report(&file) })
+    let (resolution, report) = (file.table.axes.lengths(), service::table_report(&file));
+    Ok(Subject { digest, resolution, report, corners: corners(&file.table) })
 }
 
 /// The figures for people.
@@ -59,7 +66,7 @@ fn text(path: &Path, subject: &Subject) -> String {
 }
 
 fn write_text(out: &mut String, path: &Path, subject: &Subject) -> std::fmt::Result {
-    let Subject { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report } = subject;
+    let Subject { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners } = subject;
     let Report { nodes, between, matrices, floors, .. } = report;
     writeln!(out, "{}\n{digest}", path.display())?;
     writeln!(out, "{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi\n")?;
@@ -108,7 +115,28 @@ fn write_text(out: &mut String, path: &Path, subject: &Subject) -> std::fmt::Res
         let Moved { floor, nodes, entries } = moved;
         writeln!(out, "  {name:22}{floor:<10.7} nodes moved: {nodes}, entries: {entries}")?;
     }
+    if let Some(corners) = corners {
+        write_corners(out, corners)?;
+    }
     writeln!(out, "\n{HOW_TO_READ}")
+}
+
+fn write_corners(out: &mut String, corners: &[Corner]) -> std::fmt::Result {
+    writeln!(
+        out,
+        "\ncorners     alpha   ratio pi/2-theta  broken  sw1, rad  jump, widths  f32 inverse, rad  in widths"
+    )?;
+    for corner in corners {
+        let Corner { alpha, ratio, theta, lookups, broken, sw1, jump, inversion, inversion_width } = corner;
+        let up = FRAC_PI_2 - theta;
+        writeln!(
+            out,
+            "{:>17.0e}{ratio:>8.0e}{up:>11.1e}{:>8}{sw1:>10.1e}{jump:>14.1e}{inversion:>18.1e}{inversion_width:>11.1e}",
+            alpha,
+            format!("{broken}/{lookups}")
+        )?;
+    }
+    Ok(())
 }
 
 const HOW_TO_READ: &str = "\

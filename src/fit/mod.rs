@@ -27,7 +27,7 @@ pub use entry::{FittedEntry, Fitter};
 pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
 pub use report::{
-    Accuracy, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread, TermError, Worst, report,
-    report_points,
+    Accuracy, Corner, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread, TermError, Worst,
+    extremes, report, report_points,
 };
 pub use shard::{Plan, ShardBytesError, fit_shard, shard_from_bytes, shard_to_bytes};

@@ -121,6 +121,7 @@ fn fit_row(
     };
     let done = entries.len() as u64;
     let shared = if from_above || isotropic { Some(fit(0.0, first, done, pulse)?) } else { None };
+    let shared = shared.map(|entry| if from_above && isotropic { round(&entry) } else { entry });
     for (index, phi) in (first..).zip(&plan.nodes.phi) {
         entries.push(match shared {
             Some(entry) if from_above => entry,
@@ -132,6 +133,14 @@ fn fit_row(
         }
     }
     Some(())
+}
+
+/// The entry of a lobe that is round, without what its samples are not: x and y are alike, also where a lookup swaps
+/// them.
+fn round(entry: &FittedEntry) -> FittedEntry {
+    let [xx, _, _, _, yy, _, _, _, zz] = entry.matrix;
+    let radius = 0.5 * (xx + yy);
+    FittedEntry { matrix: [radius, 0.0, 0.0, 0.0, radius, 0.0, 0.0, 0.0, zz], ..*entry }
 }
 
 /// The entry of an isotropic lobe that has turned with the view.

@@ -29,7 +29,7 @@ pub(super) struct Figures {
 
 /// The farthest that two distributions of directions can be from each other. A matrix that makes no distribution
 /// counts as that far.
-const FARTHEST: f64 = 2.0;
+pub(super) const FARTHEST: f64 = 2.0;
 
 /// The figures at each place, in order.
 pub(super) fn all(table: &Table, places: &[Configuration]) -> Vec<Figures> {

@@ -6,6 +6,7 @@
 mod accuracy;
 mod distance;
 mod effort;
+mod extremes;
 mod floors;
 mod light;
 mod matrices;
@@ -16,6 +17,7 @@ use serde::Serialize;
 
 pub use accuracy::{Accuracy, Spread, TermError, Worst};
 pub use effort::{MOST_POINTS, report_points};
+pub use extremes::{Corner, extremes};
 pub use floors::{Floors, Moved};
 pub use matrices::{Extent, Matrices};
 

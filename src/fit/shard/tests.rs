@@ -126,6 +126,8 @@ fn check_zeros(table: &Table) {
     }
     assert_eq!(at(1, 1, 0, 0), at(1, 1, 0, 1));
     assert_eq!(at(1, 1, 0, 0), at(1, 1, 0, 2));
+    let [xx, _, _, _, yy, ..] = at(1, 2, 0, 0);
+    assert_eq!(xx, yy, "a round lobe");
 }
 
 /// Between two neighbours in any axis no aligned matrix turns by more than its neighbourhood asks for: with a jump

@@ -1,0 +1,215 @@
+//! What a table answers at the corners of its domain, where lobes degenerate and renderers divide by zero.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DMat3, DVec3, Mat3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{
+    distance::{Distance, LOBE_SAMPLES, Probe, SHIFT, Workspace},
+    measure::FARTHEST,
+};
+use crate::{
+    brdf::Ggx,
+    fit::{THETA_CEILING, entry::mirrors, target::Target},
+    ltc::{Configuration, Table},
+    math::{Lattice, cosine_hemisphere, direction, from_row_major},
+};
+
+/// Roughness along the rougher axis: a mirror, below and at the floor, and the roughest.
+const ALPHAS: [f64; 6] = [0.0, 1e-8, 1e-5, 1e-4, 1e-3, 1.0];
+/// Smaller over larger roughness: a line, needles, isotropic.
+const RATIOS: [f64; 4] = [0.0, 1e-6, 1e-3, 1.0];
+/// Polar angles of the view: from above, and down to the horizon.
+const THETAS: [f64; 5] = [0.0, 1e-9, FRAC_PI_2 - 1e-3, FRAC_PI_2 - 1e-9, FRAC_PI_2];
+/// Where a lookup mirrors or swaps, and where it does not.
+const FOLDS: [f64; 5] = [0.0, FRAC_PI_2, PI, 1.5 * PI, 2.0 * PI];
+const BETWEEN: [f64; 2] = [0.4, 2.5];
+/// Units in the last place around a fold that are looked up as well.
+const ULPS: std::ops::RangeInclusive<i64> = -2..=2;
+/// A step of a configuration, radians: across a fold it may move a lobe no farther than beside it.
+const STEP: f64 = 1e-6;
+/// Samples on which two LTCs are compared, each with its like.
+const SAMPLES: usize = 256;
+/// The sharpest lobe that can be sampled; sharper ones differ from it by less than their distance is told to.
+const SHARPEST: f64 = 1e-8;
+
+/// What a table answers at one corner, over all azimuths of the view on and around the folds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Corner {
+    /// Larger roughness.
+    pub alpha: f64,
+    /// Smaller over larger roughness.
+    pub ratio: f64,
+    /// Polar angle of the view, radians.
+    pub theta: f64,
+    /// Lookups.
+    pub lookups: usize,
+    /// Of them, those that are not finite or have no positive determinant.
+    pub broken: usize,
+    /// Largest sliced Wasserstein-1 distance to the lobe of this very configuration, not of the floor's.
+    pub sw1: f64,
+    /// How much farther a step of 1e-6 moves the LTC across a fold than beside it, at most; in widths of the LTC.
+    pub jump: f64,
+    /// How far an LTC moves when its matrix is inverted in f32, at most; radians.
+    pub inversion: f64,
+    /// The same in widths of the LTC.
+    pub inversion_width: f64,
+}
+
+/// What a table answers at every corner. Runs on the current rayon pool; its size changes nothing.
+#[must_use]
+pub fn extremes(table: &Table) -> Vec<Corner> {
+    let probe = Probe::new();
+    let cosines: Vec<DVec3> = Lattice::new(SAMPLES, SHIFT).points().map(cosine_hemisphere).collect();
+    let places: Vec<(f64, f64, f64)> = ALPHAS
+        .into_iter()
+        .flat_map(|alpha| RATIOS.into_iter().flat_map(move |ratio| THETAS.map(|theta| (alpha, ratio, theta))))
+        .collect();
+    let corner = |work: &mut Workspace, place: &(f64, f64, f64)| corner(table, *place, &probe, &cosines, work);
+    places.par_iter().map_init(Workspace::default, corner).collect()
+}
+
+fn corner(
+    table: &Table,
+    (alpha, ratio, theta): (f64, f64, f64),
+    probe: &Probe,
+    cosines: &[DVec3],
+    work: &mut Workspace,
+) -> Corner {
+    let at = |phi: f64| Configuration { alpha_x: alpha, alpha_y: alpha * ratio, theta, phi };
+    let look = |configuration: Configuration| from_row_major(&table.lookup(&configuration).matrix);
+    let mut corner = Corner {
+        alpha,
+        ratio,
+        theta,
+        lookups: 0,
+        broken: 0,
+        sw1: 0.0,
+        jump: 0.0,
+        inversion: 0.0,
+        inversion_width: 0.0,
+    };
+    let around = FOLDS.into_iter().flat_map(|fold| ULPS.map(move |ulps| next(fold, ulps)));
+    for phi in around.chain(BETWEEN) {
+        for configuration in [at(phi), swapped(at(phi))] {
+            let m = look(configuration);
+            corner.lookups += 1;
+            if !(m.is_finite() && m.determinant() > 0.0) {
+                corner.broken += 1;
+                corner.sw1 = FARTHEST;
+                corner.inversion = FARTHEST;
+                continue;
+            }
+            let moved = distance(&m, &inverted_in_f32(&m), cosines);
+            corner.inversion = corner.inversion.max(moved);
+            corner.inversion_width = corner.inversion_width.max(moved / width(&m, cosines));
+        }
+    }
+    for phi in BETWEEN.into_iter().chain([0.0, FRAC_PI_2]) {
+        let m = look(at(phi));
+        if m.is_finite() && m.determinant() != 0.0 {
+            corner.sw1 = corner.sw1.max(error(&at(phi), &m, probe, work));
+        }
+    }
+    for fold in FOLDS {
+        let walk = [-1.5, -0.5, 0.5, 1.5].map(|steps| look(at(fold + steps * STEP)));
+        corner.jump = corner.jump.max(jump(&walk, cosines));
+    }
+    if ratio == 1.0 {
+        // Across equal roughness, where the axes swap.
+        let walk = [-1.5, -0.5, 0.5, 1.5].map(|steps: f64| {
+            let by = steps * STEP;
+            let (x, y) = (alpha * (1.0 + by.min(0.0)), alpha * (1.0 - by.max(0.0)));
+            look(Configuration { alpha_x: x, alpha_y: y, theta, phi: BETWEEN[0] })
+        });
+        corner.jump = corner.jump.max(jump(&walk, cosines));
+    }
+    corner
+}
+
+/// The configuration whose surface is turned by a quarter: the same lobe, turned.
+fn swapped(c: Configuration) -> Configuration {
+    Configuration { alpha_x: c.alpha_y, alpha_y: c.alpha_x, phi: c.phi + FRAC_PI_2, ..c }
+}
+
+/// The number `ulps` steps after `x`. At zero, steps back are negative numbers.
+fn next(x: f64, ulps: i64) -> f64 {
+    if x == 0.0 {
+        return f64::from_bits(ulps.unsigned_abs()) * if ulps < 0 { -1.0 } else { 1.0 };
+    }
+    f64::from_bits(x.to_bits().saturating_add_signed(ulps))
+}
+
+/// Distance between an LTC and the lobe it stands for. At the horizon the lobe of the ceiling stands in: at the
+/// horizon itself no light is reflected.
+fn error(at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
+    let ggx = Ggx { alpha_x: at.alpha_x.max(SHARPEST), alpha_y: at.alpha_y.max(SHARPEST) };
+    let wo = direction(at.theta.min(THETA_CEILING), at.phi);
+    let target = Target::sample(&ggx, wo, mirrors(wo), Lattice::new(LOBE_SAMPLES, SHIFT));
+    let Distance { sw1, .. } = probe.distance(&target, m, work);
+    sw1
+}
+
+/// How much farther the middle one of three steps goes than the farther one of its neighbours, in widths.
+fn jump(walk: &[DMat3; 4], cosines: &[DVec3]) -> f64 {
+    let [before, across, after] = [0, 1, 2].map(|k| distance(&walk[k], &walk[k + 1], cosines));
+    (across - before.max(after)).max(0.0) / width(&walk[1], cosines)
+}
+
+/// Mean distance between the directions that two matrices make of the same samples: an upper bound of the Wasserstein
+/// distance between their LTCs. The farthest possible for a matrix that makes none.
+fn distance(a: &DMat3, b: &DMat3, cosines: &[DVec3]) -> f64 {
+    let sum: f64 = cosines.iter().map(|c| ((*a * *c).normalize() - (*b * *c).normalize()).length()).sum();
+    let mean = sum / cosines.len() as f64;
+    if mean.is_finite() { mean } else { FARTHEST }
+}
+
+/// Mean distance of an LTC's directions from their mean: a positive number.
+fn width(m: &DMat3, cosines: &[DVec3]) -> f64 {
+    let directions = || cosines.iter().map(|c| (*m * *c).normalize());
+    let mean = directions().sum::<DVec3>() / cosines.len() as f64;
+    let width = directions().map(|w| (w - mean).length()).sum::<f64>() / cosines.len() as f64;
+    width.max(f64::MIN_POSITIVE)
+}
+
+/// The matrix whose inverse is what a shader computes: that of the nearest f32 matrix, by cofactors, in f32.
+fn inverted_in_f32(m: &DMat3) -> DMat3 {
+    let inverse: Mat3 = m.as_mat3().inverse();
+    inverse.as_dmat3().inverse()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ltc::{Layout, PerAxis};
+
+    fn table(matrix: [f32; 9]) -> Table {
+        Table {
+            layout: Layout::Kt2022,
+            axes: PerAxis { alpha: vec![1e-4], ratio: vec![1e-4, 1.0], theta: vec![0.0], phi: vec![0.0] },
+            matrix: vec![matrix; 2],
+            terms: None,
+            node_error: vec![0.0; 2],
+        }
+    }
+
+    #[test]
+    fn broken_matrices_and_jumps_at_folds_are_told() {
+        let good = extremes(&table([0.1, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0]));
+        assert_eq!(good.len(), ALPHAS.len() * RATIOS.len() * THETAS.len());
+        assert!(good.iter().all(|c| c.broken == 0 && c.inversion < 1e-6), "{good:?}");
+        // A lobe that leans along x: a fold at phi = pi/2 throws it to the other side.
+        let leaning = extremes(&table([0.1, 0.0, 0.5, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0]));
+        assert!(leaning.iter().all(|c| c.broken == 0 && c.jump > 1.0), "{leaning:?}");
+        let turned_over = extremes(&table([0.1, 0.0, 0.0, 0.0, -0.1, 0.0, 0.0, 0.0, 1.0]));
+        assert!(turned_over.iter().all(|c| c.broken == c.lookups), "{turned_over:?}");
+    }
+
+    #[test]
+    fn an_inversion_that_f32_cannot_do_is_told() {
+        let corner = extremes(&table([1e-4, 1e-4, 0.6, 1e-4, 1.000_01e-4, 0.0, 0.0, 0.0, 0.8]))[0];
+        assert!(corner.inversion > 1e-6 && corner.inversion_width > 1e-3, "{corner:?}");
+    }
+}

@@ -1,0 +1,80 @@
+//! The example recipes of `docs/recipes` buy what `docs/recipe.md` says.
+
+use std::{fs, ops::ControlFlow, path::Path};
+
+use ltcforge::{
+    brdf::Ggx,
+    export,
+    fit::{Fitter, Plan, Recipe, assemble, fit_shard},
+    ltc::{Configuration, Table},
+    math::{direction, from_row_major, recurrence4},
+    recipe,
+};
+use rayon::prelude::*;
+
+/// An example, fitted at a preset that a test has the time for.
+fn example(name: &str) -> Recipe {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/recipes").join(name);
+    let text = fs::read_to_string(path).expect("an example");
+    assert!(text.contains(r#""preset": "paper""#), "{text}");
+    parse(&text.replace("paper", "standard"))
+}
+
+fn parse(text: &str) -> Recipe {
+    recipe::parse(text.as_bytes(), 10_000).expect("a recipe")
+}
+
+fn fitted(recipe: &Recipe) -> Table {
+    let plan = Plan::new(recipe);
+    let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+    let entries: Vec<_> = (0..plan.shards()).into_par_iter().flat_map_iter(fit).collect();
+    assemble(&plan, &entries)
+}
+
+fn bytes(recipe: &Recipe, table: &Table) -> usize {
+    export::encode(recipe, table).expect("a file").len()
+}
+
+#[test]
+fn a_range_costs_a_part_of_the_whole_and_loses_nothing() {
+    let whole = parse("{}");
+    let whole_table = fitted(&whole);
+    let brushed = example("brushed-metal.json");
+    let brushed_table = fitted(&brushed);
+    assert!(4 * bytes(&brushed, &brushed_table) < bytes(&whole, &whole_table));
+
+    let range = &brushed.range;
+    let error = |table: &Table| mean_error(table, [range.alpha, range.ratio, range.theta, range.phi]);
+    let (part, all) = (error(&brushed_table), error(&whole_table));
+    assert!(part < all, "{part} {all}");
+}
+
+#[test]
+fn isotropic_surfaces_alone_take_a_hundredth() {
+    let (whole, isotropic) = (parse("{}"), example("isotropic.json"));
+    let table = fitted(&isotropic);
+    // The numbers; the recipe in the header is as long as in any table.
+    let numbers = |recipe: &Recipe, bytes_each: u64| recipe.entries() * 11 * bytes_each;
+    assert!(100 * numbers(&isotropic, 2) < numbers(&whole, 4));
+    let error = mean_error(&table, [[0.01, 1.0], [1.0, 1.0], [0.0, 1.55], [0.0, 6.2]]);
+    assert!(error < 0.05, "{error}");
+}
+
+/// Mean error as a part of alpha, which a lobe's width is in proportion to, over 200 places in the ranges of alpha, ratio, theta and phi.
+fn mean_error(table: &Table, ranges: [[f64; 2]; 4]) -> f64 {
+    let settings = parse(r#"{"preset": "paper"}"#).fit;
+    let errors = (0..200).into_par_iter().map_init(
+        || Fitter::new(&settings),
+        |fitter, i| {
+            let u = recurrence4(i, [0.1, 0.3, 0.6, 0.8]);
+            let [alpha, ratio, theta, phi]: [f64; 4] =
+                std::array::from_fn(|k| ranges[k][0] + (ranges[k][1] - ranges[k][0]) * u[k]);
+            let (alpha_x, alpha_y) = (alpha, alpha * ratio);
+            let found = table.lookup(&Configuration { alpha_x, alpha_y, theta, phi });
+            let m = from_row_major(&found.matrix);
+            fitter.error(&Ggx { alpha_x, alpha_y }, direction(theta, phi), &m) / alpha
+        },
+    );
+    let errors: Vec<f64> = errors.collect();
+    errors.iter().sum::<f64>() / errors.len() as f64
+}
