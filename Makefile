@@ -10,7 +10,7 @@ NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 .PHONY: help demo test test-native lint fmt bench packages clean
 
 help:
-	@echo 'make demo    build, serve, fit the 8 x 8 x 8 x 8 table over HTTP, download it by its hash'
+	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
 	@echo 'make test    run all tests'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
 	@echo 'make bench   measure an evaluation, an entry, and the speed-up over the published algorithm'
