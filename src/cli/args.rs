@@ -10,6 +10,7 @@ use std::{
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use super::preview_names::{AdapterName, LightName, ModeName, PrecisionName, SceneName};
 use crate::{
     digest::Digest,
     queue::{JobId, StateName},
@@ -45,6 +46,8 @@ pub enum Command {
     Fit(FitArgs),
     /// Print the matrices that a shader would fetch from a table, as CSV
     Lookup(LookupArgs),
+    /// Render what a table does: metal under an area light, beside the truth, as PNG
+    Preview(Box<PreviewArgs>),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
     /// Download the tables pinned in ltcforge.lock, and leave right ones alone
@@ -76,7 +79,9 @@ impl Command {
         match self {
             Self::Serve(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Pull(_) => OnInterrupt::Told,
-            Self::Lookup(_) | Self::Jobs(_) | Self::Verify(_) | Self::Completions { .. } => OnInterrupt::Ends,
+            Self::Lookup(_) | Self::Preview(_) | Self::Jobs(_) | Self::Verify(_) | Self::Completions { .. } => {
+                OnInterrupt::Ends
+            }
         }
     }
 }
@@ -128,6 +133,91 @@ pub struct LookupArgs {
     /// Folder of `<digest>.safetensors` files
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub tables: PathBuf,
+}
+
+/// `preview`. What is not given is the named scene's.
+#[derive(Debug, Args)]
+pub struct PreviewArgs {
+    /// A table's file, or the digest (its beginning suffices) of one in the folder of `--tables`
+    pub table: String,
+    /// The picture
+    #[arg(short, long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// Folder of `<digest>.safetensors` files
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub tables: PathBuf,
+    /// Named set-up
+    #[arg(long, value_enum, default_value = "sphere")]
+    pub scene: SceneName,
+    /// What to show of it
+    #[arg(long, value_enum, default_value = "ltc")]
+    pub mode: ModeName,
+    /// Pixels a side of each panel, 64 to 2048 [default: 512]
+    #[arg(long, value_name = "N")]
+    pub size: Option<u32>,
+    /// Samples a pixel of the reference, 1 to 4096 [default: 64]
+    #[arg(long, value_name = "N")]
+    pub spp: Option<u32>,
+    /// GGX roughness along the tangent, 0 to 1; one material takes the place of the scene's
+    #[arg(long, value_name = "X")]
+    pub alpha_x: Option<f64>,
+    /// GGX roughness across it, 0 to 1; likewise
+    #[arg(long, value_name = "X")]
+    pub alpha_y: Option<f64>,
+    /// Angle by which tangents are turned, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub rotation: Option<f64>,
+    /// Reflectance at normal incidence, linear sRGB
+    #[arg(long, value_name = "R,G,B", value_delimiter = ',', num_args = 3)]
+    pub f0: Option<Vec<f64>>,
+    /// Outline of the light
+    #[arg(long, value_enum)]
+    pub light: Option<LightName>,
+    /// Middle of the light, in radii of the sphere, y upwards
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_negative_numbers = true)]
+    pub light_centre: Option<Vec<f64>>,
+    /// Half its width and height
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 2)]
+    pub light_half_size: Option<Vec<f64>>,
+    /// Yaw, pitch and roll from facing the sphere, radians
+    #[arg(long, value_name = "YAW,PITCH,ROLL", value_delimiter = ',', num_args = 3, allow_negative_numbers = true)]
+    pub light_rotation: Option<Vec<f64>>,
+    /// Its radiance
+    #[arg(long, value_name = "X")]
+    pub light_intensity: Option<f64>,
+    /// Whether its back emits too
+    #[arg(long, value_name = "BOOL")]
+    pub light_two_sided: Option<bool>,
+    /// Distance of the camera
+    #[arg(long, value_name = "X")]
+    pub camera_distance: Option<f64>,
+    /// Its angle about the vertical, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub camera_azimuth: Option<f64>,
+    /// Its angle above the horizontal, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub camera_elevation: Option<f64>,
+    /// Its angle of view, radians
+    #[arg(long, value_name = "ANGLE")]
+    pub field_of_view: Option<f64>,
+    /// Polar angle of the view of mode `lobe`, radians
+    #[arg(long, value_name = "ANGLE")]
+    pub theta: Option<f64>,
+    /// Its azimuth
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub phi: Option<f64>,
+    /// Factor on radiance before it is displayed
+    #[arg(long, value_name = "X")]
+    pub exposure: Option<f64>,
+    /// Difference in radiance at the end of the colour bar
+    #[arg(long, value_name = "X")]
+    pub difference_scale: Option<f64>,
+    /// Bits of the table's numbers
+    #[arg(long, value_enum, default_value = "f32")]
+    pub precision: PrecisionName,
+    /// What renders
+    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: AdapterName,
 }
 
 /// `jobs`.

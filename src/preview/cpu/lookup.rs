@@ -1,0 +1,102 @@
+//! Twin of `ltc_table.wgsl`.
+
+use std::f32::consts::FRAC_PI_2;
+
+use glam::{Mat3, Vec3};
+
+use crate::{
+    math::{atan2_upper, sin_cos_turns},
+    preview::ShaderTable,
+};
+
+pub(super) const ALPHA_FLOOR: f32 = 1e-4;
+
+pub(super) struct Lobe {
+    pub(super) m: Mat3,
+    pub(super) amplitude: f32,
+    pub(super) fresnel: f32,
+}
+
+struct Fold {
+    alpha: f32,
+    ratio: f32,
+    theta: f32,
+    phi: f32,
+    mirror: Vec3,
+    swap: bool,
+}
+
+impl Fold {
+    fn of(alpha_x: f32, alpha_y: f32, wo: Vec3) -> Self {
+        let (x, y) = (alpha_x.max(ALPHA_FLOOR), alpha_y.max(ALPHA_FLOOR));
+        let swap = y > x;
+        let alpha = x.max(y);
+        let flat = (wo.x.abs(), wo.y.abs());
+        let (phi_y, phi_x) = if swap { flat } else { (flat.1, flat.0) };
+        let mirrored = |x: f32| if x < 0.0 { -1.0 } else { 1.0 };
+        Self {
+            alpha,
+            ratio: x.min(y) / alpha,
+            theta: atan2_upper((flat.0 * flat.0 + flat.1 * flat.1).sqrt(), wo.z).min(FRAC_PI_2),
+            phi: atan2_upper(phi_y, phi_x),
+            mirror: Vec3::new(mirrored(wo.x), mirrored(wo.y), 1.0),
+            swap,
+        }
+    }
+
+    fn unfold(&self, folded: Mat3) -> Mat3 {
+        let m = if self.swap {
+            let yxz = |v: Vec3| Vec3::new(v.y, v.x, v.z);
+            Mat3::from_cols(yxz(folded.y_axis), yxz(folded.x_axis), yxz(folded.z_axis))
+        } else {
+            folded
+        };
+        let mirror = self.mirror;
+        Mat3::from_cols(m.x_axis * mirror * mirror.x, m.y_axis * mirror * mirror.y, m.z_axis * mirror)
+    }
+}
+
+fn between(nodes: &[f32], x: f32) -> (usize, f32) {
+    let upper = nodes.partition_point(|node| *node <= x);
+    if upper == 0 || upper == nodes.len() {
+        return (upper.max(1) - 1, 0.0);
+    }
+    let below = nodes[upper - 1];
+    (upper - 1, (x - below) / (nodes[upper] - below))
+}
+
+fn turned(m: Mat3, angle: f32) -> Mat3 {
+    let (sin, cos) = sin_cos_turns(angle * 0.159_154_94);
+    let r = Mat3::from_cols(Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0), Vec3::Z);
+    r * m * r.transpose()
+}
+
+pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> Lobe {
+    let fold = Fold::of(alpha_x, alpha_y, wo);
+    let nodes = &table.nodes;
+    let counts = nodes.lengths();
+    let places = [
+        between(&nodes.alpha, fold.alpha),
+        between(&nodes.ratio, fold.ratio),
+        between(&nodes.theta, fold.theta),
+        between(&nodes.phi, fold.phi),
+    ];
+    let lasts = [counts.alpha - 1, counts.ratio - 1, counts.theta - 1, counts.phi - 1];
+    let mut sum = [[0.0_f32; 4]; 3];
+    for corner in 0..16_usize {
+        let step = |axis: usize| (corner >> (3 - axis)) & 1;
+        let weight = |axis: usize| if step(axis) == 1 { places[axis].1 } else { 1.0 - places[axis].1 };
+        let entry = |axis: usize| (places[axis].0 + step(axis)).min(lasts[axis]);
+        let weight = weight(0) * weight(1) * weight(2) * weight(3);
+        let index = ((entry(0) * counts.ratio + entry(1)) * counts.theta + entry(2)) * counts.phi + entry(3);
+        for (sum, texels) in sum.iter_mut().zip(&table.texels) {
+            for (sum, number) in sum.iter_mut().zip(texels[index]) {
+                *sum += weight * number;
+            }
+        }
+    }
+    let [a, b, terms] = sum;
+    let m = Mat3::from_cols(Vec3::new(a[0], a[3], b[2]), Vec3::new(a[1], b[0], b[3]), Vec3::new(a[2], b[1], terms[0]));
+    let m = if table.turns_with_view { turned(m, fold.phi - nodes.phi[0]) } else { m };
+    Lobe { m: fold.unfold(m), amplitude: terms[1], fresnel: terms[2] }
+}
