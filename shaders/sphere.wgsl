@@ -179,7 +179,11 @@ fn direction_of(place: vec3<f32>) -> vec4<f32> {
     return vec4(wi, select(0.0, 1.0, height2 > 0.0));
 }
 
-/// Density of the table's lobe over directions, per steradian; -1 beside the sphere.
+/// What is written beside the sphere of directions, and where nothing is below its horizon.
+const BESIDE: f32 = -1.0;
+const BELOW: f32 = -0.5;
+
+/// Density of the table's lobe over directions, per steradian.
 @compute @workgroup_size(8, 8)
 fn lobe_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
     if (any(id.xy >= scene.tile.zw)) {
@@ -187,7 +191,7 @@ fn lobe_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let pixel = scene.tile.xy + id.xy;
     let wi = direction_of(place_of(pixel));
-    var density = -1.0;
+    var density = BESIDE;
     if (wi.w > 0.0) {
         let lobe = ltc_lookup(scene.materials[0].x, scene.materials[0].y, scene.lobe_wo.xyz);
         // c^3 z |det M^-1| / (pi |M^-1 wi|^4) with the inverse up to a factor f: f^4 falls out but for det's f^3.
@@ -195,6 +199,7 @@ fn lobe_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
         let c = inverse.m * wi.xyz;
         let length2 = dot(c, c);
         density = max(c.z, 0.0) * abs(determinant(inverse.m)) / (3.14159265 * max(length2 * length2, 1e-36)) * lobe.amplitude;
+        density = select(density, BELOW, wi.z < 0.0 && density <= 0.0);
     }
     write(pixel, vec3(density));
 }
@@ -207,9 +212,9 @@ fn lobe_by_reference(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let pixel = scene.tile.xy + id.xy;
     let wi = direction_of(place_of(pixel));
-    var density = -1.0;
+    var density = BESIDE;
     if (wi.w > 0.0) {
-        density = 0.0;
+        density = select(0.0, BELOW, wi.z < 0.0);
         if (wi.z > GGX_HORIZON) {
             let alpha = max(scene.materials[0].xy, vec2(LTC_ALPHA_FLOOR));
             let wo = scene.lobe_wo.xyz;

@@ -3,15 +3,16 @@
 use super::{
     Mode, Picture, Scene,
     colours::colour,
-    image::Radiances,
+    image::{BELOW, BESIDE, Radiances},
     text::{self, Anchor, LINE},
     tone,
 };
 
 /// What is behind labels.
 const GROUND: [u8; 3] = [24, 24, 24];
-/// What is beside a sphere of directions.
-const BESIDE: [u8; 3] = [48, 48, 48];
+/// What is beside a sphere of directions, and on it where nothing is below the horizon.
+const BESIDE_COLOUR: [u8; 3] = [48, 48, 48];
+const BELOW_COLOUR: [u8; 3] = [30, 34, 44];
 /// Between panels.
 const GAP: u32 = 4;
 /// A colour bar's height and its distance from the panel's sides.
@@ -25,9 +26,15 @@ fn difference(a: [f32; 3], b: [f32; 3]) -> f32 {
     ((a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs()) / 3.0
 }
 
-/// Linear values from zero to `scale` in false colours; below zero there is nothing.
+/// Linear values from zero to `scale` in false colours.
 fn false_colours(width: u32, values: impl Iterator<Item = f32>, scale: f32) -> Picture {
-    let rgb: Vec<[u8; 3]> = values.map(|value| if value < 0.0 { BESIDE } else { colour(value / scale) }).collect();
+    let rgb: Vec<[u8; 3]> = values
+        .map(|value| match value {
+            BESIDE => BESIDE_COLOUR,
+            BELOW => BELOW_COLOUR,
+            _ => colour(value / scale),
+        })
+        .collect();
     Picture { width, height: rgb.len() as u32 / width, rgb }
 }
 

@@ -49,18 +49,13 @@ impl NamedScene {
                 surface: Surface::Floor,
                 materials: vec![Material { alpha_x: 0.05, alpha_y: 0.4, rotation: 0.0 }],
                 light: Light { centre: [0.0, 0.8, -3.0], half_size: [1.2, 0.6], ..usual.light },
-                camera: Camera {
-                    distance: 4.0,
-                    elevation: 0.1,
-                    field_of_view: 0.8,
-                    target: [0.0, 0.2, 0.0],
-                    ..usual.camera
-                },
+                camera: Camera { distance: 4.0, elevation: 0.1, field_of_view: 0.8, target: [0.0; 3], ..usual.camera },
                 ..usual
             },
             Self::TinyLight => Scene {
                 materials: vec![Material { alpha_x: 0.02, alpha_y: 0.02, rotation: 0.0 }],
                 light: Light { kind: LightKind::Disk, half_size: [0.1, 0.1], intensity: 30.0, ..usual.light },
+                camera: Camera { field_of_view: 0.25, target: [-0.3, 0.25, 0.0], ..usual.camera },
                 ..usual
             },
             Self::Horizon => Scene {

@@ -154,7 +154,7 @@ impl Default for Scene {
             spp: 64,
             mode: Mode::Ltc,
             exposure: 1.0,
-            difference_scale: 0.5,
+            difference_scale: 0.2,
         }
     }
 }

@@ -10,12 +10,11 @@ use super::{
 use crate::preview::{
     ShaderTable, Surface,
     frame::{Frame, LOWEST_VIEW},
+    image::{BELOW, BESIDE},
     renderer::Estimator,
 };
 
 const POLE: f32 = 1e-4;
-/// What is written beside a lobe's sphere of directions.
-const BESIDE: f32 = -1.0;
 
 pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at: [u32; 2]) -> [f32; 3] {
     let (place, cell) = place_of(frame, at);
@@ -111,10 +110,11 @@ fn lobe(frame: &Frame, table: &ShaderTable, estimator: Estimator, wi: Vec3) -> f
     let wo = frame.lobe_wo;
     if estimator == Estimator::TableLobe {
         let lobe = lookup(table, alpha_x, alpha_y, wo);
-        return Inverse::of(lobe.m).density(wi) * lobe.amplitude;
+        let density = Inverse::of(lobe.m).density(wi) * lobe.amplitude;
+        return if wi.z < 0.0 && density <= 0.0 { BELOW } else { density };
     }
     if wi.z <= ggx::HORIZON {
-        return 0.0;
+        return if wi.z < 0.0 { BELOW } else { 0.0 };
     }
     let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(ALPHA_FLOOR));
     let g2 = 1.0 / (1.0 + ggx::smith_lambda(alpha, wo) + ggx::smith_lambda(alpha, wi));
