@@ -32,6 +32,7 @@ const ABSENT: &[(&[&str], &[&str])] = &[
         &["serde_json", "tokio", "std::fs", "std::env", "std::time", "std::thread", "std::net", "num_threads"],
     ),
     (&["queue", "store"], &["axum", "tower_http", "ureq"]),
+    (&["preview"], &["axum", "tokio", "sled", "serde_json"]),
     (&["client"], &["axum", "tokio", "sled"]),
     (&["http", "cli"], &["sled"]),
 ];

@@ -168,20 +168,20 @@ pub struct PreviewArgs {
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub rotation: Option<f64>,
     /// Reflectance at normal incidence, linear sRGB
-    #[arg(long, value_name = "R,G,B", value_delimiter = ',', num_args = 3)]
-    pub f0: Option<Vec<f64>>,
+    #[arg(long, value_name = "R,G,B", value_parser = numbers::<3>)]
+    pub f0: Option<[f64; 3]>,
     /// Outline of the light
     #[arg(long, value_enum)]
     pub light: Option<LightName>,
     /// Middle of the light, in radii of the sphere, y upwards
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_negative_numbers = true)]
-    pub light_centre: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub light_centre: Option<[f64; 3]>,
     /// Half its width and height
-    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 2)]
-    pub light_half_size: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>)]
+    pub light_half_size: Option<[f64; 2]>,
     /// Yaw, pitch and roll from facing the sphere, radians
-    #[arg(long, value_name = "YAW,PITCH,ROLL", value_delimiter = ',', num_args = 3, allow_negative_numbers = true)]
-    pub light_rotation: Option<Vec<f64>>,
+    #[arg(long, value_name = "YAW,PITCH,ROLL", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub light_rotation: Option<[f64; 3]>,
     /// Its radiance
     #[arg(long, value_name = "X")]
     pub light_intensity: Option<f64>,
@@ -291,6 +291,12 @@ pub struct VerifyArgs {
     /// The digest that the file must hash to, whatever its name
     #[arg(long)]
     pub digest: Option<Digest>,
+}
+
+/// Numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("not {N} numbers between commas"))
 }
 
 fn parse_state(text: &str) -> Result<StateName, String> {

@@ -16,8 +16,9 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     let path = input::table_path(&args.table, &args.tables)?;
     let (digest, TableFile { table, .. }) = verify::read(&path, None)?;
     let table = Arc::new(ShaderTable::new(&table, args.precision.0));
-    let rendered = Preview::new(args.adapter.0).render(&table, &scene(args), &|| false).map_err(failure)?;
-    let png = rendered.picture.png().map_err(failure)?;
+    let rendered =
+        Preview::new(args.adapter.0).render(&table, &scene(args), &|| false).map_err(|error| failure(&error))?;
+    let png = rendered.picture.png().map_err(|error| failure(&error))?;
     fs::write(&args.out, png).map_err(|error| file_failure(&args.out, &error))?;
     let Rendered { picture, adapter, errors } = rendered;
     let errors_json: Vec<_> = errors
@@ -45,7 +46,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     Ok(Exit::Ok)
 }
 
-fn failure(error: PreviewError) -> Failure {
+fn failure(error: &PreviewError) -> Failure {
     let exit = if matches!(error, PreviewError::Scene(_)) { Exit::Usage } else { Exit::Failed };
     Failure::new(exit, error.to_string())
 }
@@ -55,12 +56,6 @@ fn scene(args: &PreviewArgs) -> Scene {
     fn set<T>(place: &mut T, value: Option<T>) {
         if let Some(value) = value {
             *place = value;
-        }
-    }
-    /// As many numbers as clap has counted.
-    fn set_all<const N: usize>(place: &mut [f64; N], values: Option<&Vec<f64>>) {
-        if let Some(values) = values {
-            place.iter_mut().zip(values).for_each(|(place, value)| *place = *value);
         }
     }
     let mut scene = args.scene.0.scene();
@@ -76,11 +71,11 @@ fn scene(args: &PreviewArgs) -> Scene {
     for material in &mut scene.materials {
         set(&mut material.rotation, args.rotation);
     }
-    set_all(&mut scene.f0, args.f0.as_ref());
+    set(&mut scene.f0, args.f0);
     set(&mut scene.light.kind, args.light.map(|name| name.0));
-    set_all(&mut scene.light.centre, args.light_centre.as_ref());
-    set_all(&mut scene.light.half_size, args.light_half_size.as_ref());
-    set_all(&mut scene.light.rotation, args.light_rotation.as_ref());
+    set(&mut scene.light.centre, args.light_centre);
+    set(&mut scene.light.half_size, args.light_half_size);
+    set(&mut scene.light.rotation, args.light_rotation);
     set(&mut scene.light.intensity, args.light_intensity);
     set(&mut scene.light.two_sided, args.light_two_sided);
     set(&mut scene.camera.distance, args.camera_distance);

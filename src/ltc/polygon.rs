@@ -37,8 +37,10 @@ pub trait Scalar:
     /// The shortest length that a vector has a direction for.
     const SHORTEST: Self;
     /// The square root.
+    #[must_use]
     fn sqrt(self) -> Self;
     /// The angle of `(x, y)` from +x, in [0, pi]. Domain: `y >= 0`.
+    #[must_use]
     fn atan2_upper(y: Self, x: Self) -> Self;
 }
 

@@ -81,7 +81,9 @@ impl Check {
     }
 
     fn each(&mut self, field: &str, values: &[f64], low: f64, high: f64) {
-        values.iter().for_each(|value| self.within(field, *value, low, high));
+        for value in values {
+            self.within(field, *value, low, high);
+        }
     }
 }
 

@@ -52,9 +52,13 @@ fn bar(width: u32, scale: f32, unit: &str) -> Picture {
         picture.put(&part, MARGIN + x, 4);
     }
     let y = 4 + BAR + LINE / 2;
+    let most = number(scale);
     text::write(&mut picture, "0", MARGIN, y, Anchor::Left, width);
-    text::write(&mut picture, unit, width / 2, y, Anchor::Middle, width);
-    text::write(&mut picture, &number(scale), width - MARGIN, y, Anchor::Right, width);
+    text::write(&mut picture, &most, width - MARGIN, y, Anchor::Right, width);
+    // Where the unit does not fit between the ends, it is left to the reader.
+    if !text::fitting(&[&format!("0 {most}{most} {unit}")], length).is_empty() {
+        text::write(&mut picture, unit, width / 2, y, Anchor::Middle, width);
+    }
     picture
 }
 
@@ -82,9 +86,10 @@ fn side_by_side(panels: &[(&str, &Picture, Option<Picture>)]) -> Picture {
     whole
 }
 
-/// A line of text on the ground, as wide as a panel.
-fn caption(width: u32, line: &str) -> Picture {
+/// A line of text on the ground, as wide as a panel, in the first wording that fits.
+fn caption(width: u32, wordings: &[&str]) -> Picture {
     let mut picture = Picture::filled(width, FOOT, GROUND);
+    let line = text::fitting(wordings, width);
     text::write(&mut picture, line, width / 2, 4 + LINE / 2, Anchor::Middle, width);
     picture
 }
@@ -95,18 +100,20 @@ pub(super) fn compared(scene: &Scene, ltc: &Radiances, reference: &Radiances, me
     let scale = scene.difference_scale as f32;
     let apart = differences(ltc, reference, scale);
     let foot = bar(apart.width, scale, "radiance");
-    if scene.mode == Mode::Difference {
-        return side_by_side(&[("|LTC - reference|", &apart, Some(foot))]);
-    }
     let width = apart.width;
+    let difference = text::fitting(&["|LTC - reference|", "difference"], width);
+    if scene.mode == Mode::Difference {
+        return side_by_side(&[(difference, &apart, Some(foot))]);
+    }
     let ltc = tone::displayed(exposure, ltc);
     let reference = tone::displayed(exposure, reference);
-    let samples = caption(width, &format!("{} samples a pixel", scene.spp));
-    let mean = caption(width, &format!("mean error {}", number(mean as f32)));
+    let samples = caption(width, &[&format!("{} samples a pixel", scene.spp), &format!("{} spp", scene.spp)]);
+    let mean = number(mean as f32);
+    let mean = caption(width, &[&format!("mean error {mean}"), &mean]);
     side_by_side(&[
-        ("GGX reference", &reference, Some(samples)),
+        (text::fitting(&["GGX reference", "reference"], width), &reference, Some(samples)),
         ("LTC", &ltc, Some(mean)),
-        ("|LTC - reference|", &apart, Some(foot)),
+        (difference, &apart, Some(foot)),
     ])
 }
 

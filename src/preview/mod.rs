@@ -24,7 +24,7 @@ mod tone;
 
 pub use bounds::SceneFault;
 pub use error::PreviewError;
-pub use gpu::{SHADERS, Shader, Variant};
+pub use gpu::{SHADERS, Shader, Variant, Weights};
 pub use image::{Picture, Radiances};
 pub use named::NamedScene;
 pub use renderer::{Adapter, Estimator, PanelError, Preview, Rendered, Stop};

@@ -47,6 +47,12 @@ pub(super) enum Anchor {
     Right,
 }
 
+/// The first of some wordings that a panel of `width` has room for, or else nothing.
+pub(super) fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
+    let letter = if width < NARROW { FONT_6X10 } else { FONT_9X15 }.character_size.width;
+    wordings.iter().find(|text| text.len() as u32 * letter <= width).copied().unwrap_or_default()
+}
+
 /// Writes a line whose vertical middle is at `y`, for a panel of `width`.
 pub(super) fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, width: u32) {
     let font = if width < NARROW { &FONT_6X10 } else { &FONT_9X15 };
@@ -58,4 +64,18 @@ pub(super) fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: A
     let style = TextStyleBuilder::new().alignment(alignment).baseline(Baseline::Middle).build();
     let at = Point::new(i32::try_from(x).unwrap_or(i32::MAX), i32::try_from(y).unwrap_or(i32::MAX));
     let Ok(_) = Text::with_text_style(text, at, MonoTextStyle::new(font, Rgb888::WHITE), style).draw(picture);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_wording_that_fits_is_taken() {
+        let wordings = ["|LTC - reference|", "difference", "d"];
+        assert_eq!(
+            [512, 153, 64, 59, 5].map(|width| fitting(&wordings, width)),
+            ["|LTC - reference|", "|LTC - reference|", "difference", "d", ""]
+        );
+    }
 }

@@ -166,7 +166,9 @@ fn in_f32(m: DMat3, polygon: &[DVec3]) -> f32 {
     let scale = inverse.to_cols_array().into_iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     let single = |v: &DVec3| (inverse * (1.0 / scale) * *v).as_vec3().to_array();
     let mut clip = Clip::begin(single(&polygon[polygon.len() - 1]));
-    polygon.iter().for_each(|v| clip.edge_to(single(v)));
+    for vertex in polygon {
+        clip.edge_to(single(vertex));
+    }
     clip.finish()
 }
 

@@ -31,7 +31,9 @@ impl Inverse {
         let vertex = |v: &Vec3| (to_cosine * (*v - position)).to_array();
         let Some(last) = light.vertices.last() else { return 0.0 };
         let mut clip = Clip::begin(vertex(last));
-        light.vertices.iter().for_each(|v| clip.edge_to(vertex(v)));
+        for v in &light.vertices {
+            clip.edge_to(vertex(v));
+        }
         let covered = clip.finish() * self.side;
         (if light.two_sided { covered.abs() } else { covered }).clamp(0.0, 1.0)
     }

@@ -2,13 +2,13 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{GpuFailure, Variant, shaders};
+use super::{GpuFailure, Variant, Weights, shaders};
 use crate::preview::renderer::Estimator;
 
 /// A device of the first adapter that Vulkan has: a GPU, or lavapipe in its place.
 #[derive(Debug)]
 pub(super) struct Device {
-    pub(super) device: wgpu::Device,
+    pub(super) wgpu: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     pub(super) table_layout: wgpu::BindGroupLayout,
     pub(super) frame_layout: wgpu::BindGroupLayout,
@@ -16,7 +16,9 @@ pub(super) struct Device {
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
     pipelines: [Option<wgpu::ComputePipeline>; Estimator::ALL.len()],
-    variant: Variant,
+    /// The sampler weighs entries, not the shader.
+    pub(super) samples_weighed: bool,
+    lookup_is_constant: bool,
     fault: Fault,
 }
 
@@ -47,9 +49,15 @@ impl Device {
         let adapter =
             request(false).or_else(|_| request(true)).map_err(|error| GpuFailure::Absent(error.to_string()))?;
         let filters = adapter.features() & wgpu::Features::FLOAT32_FILTERABLE;
-        if variant.hardware_filter && filters.is_empty() {
-            return Err(GpuFailure::Absent("the adapter filters no 32-bit textures".to_owned()));
-        }
+        let info = adapter.get_info();
+        let samples_weighed = match variant.weights {
+            Weights::Exact => info.device_type == wgpu::DeviceType::Cpu && !filters.is_empty(),
+            Weights::Shader => false,
+            Weights::Sampler if filters.is_empty() => {
+                return Err(GpuFailure::Absent("the adapter filters no 32-bit textures".to_owned()));
+            }
+            Weights::Sampler => true,
+        };
         let descriptor = wgpu::DeviceDescriptor { required_features: filters, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuFailure::Absent(error.to_string()))?;
@@ -57,14 +65,14 @@ impl Device {
         let (uncaptured, lost) = (fault.clone(), fault.clone());
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| uncaptured.record(error.to_string())));
         device.set_device_lost_callback(move |reason, message| {
-            lost.record(format!("device lost, {reason:?}: {message}"))
+            lost.record(format!("device lost, {reason:?}: {message}"));
         });
 
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("preview"),
             source: wgpu::ShaderSource::Wgsl(shaders::module().into()),
         });
-        let table_layout = layout(&device, "table", &table_bindings(variant));
+        let table_layout = layout(&device, "table", &table_bindings(samples_weighed));
         let uniform = buffer(wgpu::BufferBindingType::Uniform);
         let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
         let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels]);
@@ -73,10 +81,9 @@ impl Device {
             bind_group_layouts: &[Some(&table_layout), Some(&frame_layout)],
             immediate_size: 0,
         });
-        let info = adapter.get_info();
         let name = format!("{} ({})", info.name, info.driver_info);
         let device = Self {
-            device,
+            wgpu: device,
             queue,
             table_layout,
             frame_layout,
@@ -84,7 +91,8 @@ impl Device {
             pipeline_layout,
             module,
             pipelines: [const { None }; Estimator::ALL.len()],
-            variant,
+            samples_weighed,
+            lookup_is_constant: variant.lookup_is_constant,
             fault,
         };
         device.check()?;
@@ -93,11 +101,11 @@ impl Device {
 
     /// The pipeline of an estimator, compiled when it is first asked for.
     pub(super) fn pipeline(&mut self, estimator: Estimator) -> wgpu::ComputePipeline {
-        let Self { device, pipeline_layout, module, variant, .. } = self;
+        let Self { wgpu: device, pipeline_layout, module, .. } = self;
         let flag = f64::from;
         let constants = [
-            ("ltc_hardware_filter", flag(u8::from(variant.hardware_filter))),
-            ("lookup_is_constant", flag(u8::from(variant.lookup_is_constant))),
+            ("ltc_hardware_filter", flag(u8::from(self.samples_weighed))),
+            ("lookup_is_constant", flag(u8::from(self.lookup_is_constant))),
         ];
         let build = || {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -135,16 +143,14 @@ fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
 }
 
 /// Those of `ltc_table.wgsl`.
-fn table_bindings(variant: Variant) -> [wgpu::BindingType; 6] {
+fn table_bindings(samples_weighed: bool) -> [wgpu::BindingType; 6] {
     let texture = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: variant.hardware_filter },
+        sample_type: wgpu::TextureSampleType::Float { filterable: samples_weighed },
         view_dimension: wgpu::TextureViewDimension::D3,
         multisampled: false,
     };
-    let sampler = match variant.hardware_filter {
-        true => wgpu::SamplerBindingType::Filtering,
-        false => wgpu::SamplerBindingType::NonFiltering,
-    };
+    let sampler =
+        if samples_weighed { wgpu::SamplerBindingType::Filtering } else { wgpu::SamplerBindingType::NonFiltering };
     let nodes = buffer(wgpu::BufferBindingType::Storage { read_only: true });
     let table = buffer(wgpu::BufferBindingType::Uniform);
     [table, nodes, texture, texture, texture, wgpu::BindingType::Sampler(sampler)]
@@ -167,6 +173,6 @@ fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::BindingType]) ->
 impl Drop for Device {
     fn drop(&mut self) {
         // Being told of the loss of a device that is given up is no news.
-        self.device.set_device_lost_callback(|_, _| {});
+        self.wgpu.set_device_lost_callback(|_, _| {});
     }
 }

@@ -17,10 +17,23 @@ use super::{ShaderTable, renderer::Stop};
 /// Other ways to compile the shaders, to be measured against the usual one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Variant {
-    /// The sampler weighs entries, not the shader.
-    pub hardware_filter: bool,
+    /// Who weighs the entries around a configuration.
+    pub weights: Weights,
     /// A constant stands for the table.
     pub lookup_is_constant: bool,
+}
+
+/// Who weighs the entries around a configuration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weights {
+    /// The sampler of a software rasteriser, which is faster there and weighs in f32; else the shader, since GPUs'
+    /// samplers have weights of 8 bits.
+    #[default]
+    Exact,
+    /// The shader.
+    Shader,
+    /// The sampler.
+    Sampler,
 }
 
 /// Why a GPU did not render.
@@ -96,11 +109,10 @@ impl Gpu {
     }
 
     fn attempt(&mut self, table: &Arc<ShaderTable>, job: &Job<'_>, stop: Stop<'_>) -> Result<Vec<u32>, GpuFailure> {
-        let filters = self.variant.hardware_filter;
         let Open { device, table: kept_table, target: kept_target } = self.device()?;
         let bound = match kept_table.take() {
             Some((last, bound)) if Arc::ptr_eq(&last, table) => bound,
-            _ => table::upload(device, table, filters)?,
+            _ => table::upload(device, table)?,
         };
         *kept_table = Some((Arc::clone(table), bound.clone()));
         let target = match kept_target.take() {
@@ -121,7 +133,7 @@ impl Gpu {
     #[cfg(test)]
     pub(super) fn lose(&mut self) {
         if let Some(open) = &self.open {
-            open.device.device.destroy();
+            open.device.wgpu.destroy();
         }
     }
 }

@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_head_of_a_file_needs_is_all_there_is() {
+    fn every_file_of_the_folder_is_listed() {
         let files = SHADERS.map(|shader| shader.name);
         assert_eq!(
             files.len(),

@@ -34,7 +34,7 @@ impl Target {
         let words = if as_bytes { 1 } else { 3 };
         let bytes = u64::from(frame.size) * u64::from(frame.size) * u64::from(words) * 4;
         let buffer = |size: u64, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            gpu.wgpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("frame"),
                 size,
                 usage,
@@ -73,7 +73,7 @@ impl Target {
             }
             let words = job.frame.scene_words(&part);
             gpu.queue.write_buffer(&self.scene, 0, bytemuck::cast_slice(&words));
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                 pass.set_pipeline(&pipeline);
@@ -87,7 +87,7 @@ impl Target {
     }
 
     fn read(&self, gpu: &Device) -> Result<Vec<u32>, GpuFailure> {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.readback, 0, self.readback.size());
         let submission = gpu.queue.submit([encoder.finish()]);
         let slice = self.readback.slice(..);
@@ -105,7 +105,7 @@ impl Target {
 
 fn wait(gpu: &Device, submission: wgpu::SubmissionIndex) -> Result<(), GpuFailure> {
     let until = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(PATIENCE) };
-    match gpu.device.poll(until) {
+    match gpu.wgpu.poll(until) {
         Ok(_) => gpu.check(),
         Err(wgpu::PollError::Timeout) => Err(GpuFailure::Hangs(format!("no answer within {PATIENCE:?}"))),
         // What was submitted to a lost device is unknown to it.
