@@ -3,8 +3,10 @@
 CARGO ?= cargo
 # As root apt-get runs as it is, otherwise through sudo.
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
-# The linker for crates, and what the demo and the tests call.
-PACKAGES := gcc libc6-dev make curl jq ca-certificates
+# The linker for crates, what the demo and the tests call, and a Vulkan driver that needs no GPU.
+PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
+# A layer of Mesa's looks for a display to choose a device by, and complains where there is none.
+export NODEVICE_SELECT := 1
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
 .PHONY: help demo test test-native lint fmt bench packages clean
@@ -13,7 +15,7 @@ help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
 	@echo 'make test    run all tests'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
-	@echo 'make bench   measure an evaluation, an entry, and the speed-up over the published algorithm'
+	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, and a picture'
 
 # Asks apt only for what is missing, so that a machine without network or root works once it has everything.
 packages:
@@ -46,6 +48,7 @@ fmt:
 
 bench: packages
 	$(CARGO) bench --locked --bench fit
+	$(CARGO) bench --locked --bench preview
 
 clean:
 	$(CARGO) clean

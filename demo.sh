@@ -36,6 +36,9 @@ kill -TERM "$server_pid"
 trap - EXIT
 wait "$server_pid"
 
+"$ltcforge" preview "$hex.safetensors" -o strip.png --scene figure14 --mode strip
+
+echo "The picture:  demo/strip.png"
 echo "The table:    demo/$hex.safetensors ($(stat -c %s "$hex.safetensors") bytes)"
 echo "Its manifest: demo/$hex.manifest.json"
 jq -r '.report | "How good it is: the sliced Wasserstein distance to the GGX lobe is \(.nodes.sw1.mean * 1e5 | round / 1e5) on average at its nodes, \(.between.sw1.mean * 1e5 | round / 1e5) between them.\nThe worst node: \(.nodes.worst[0] | "alpha_x \(.alpha_x), alpha_y \(.alpha_y), theta \(.theta), phi \(.phi)")"' "$hex.manifest.json"

@@ -9,6 +9,7 @@ pub mod fit;
 pub mod http;
 pub mod ltc;
 pub mod math;
+pub mod preview;
 pub mod queue;
 pub mod recipe;
 pub mod service;

@@ -245,3 +245,46 @@ fn a_server_ends_with_0_on_either_signal() {
         Server::start(folder.path(), &[]).stop(name).exited(0);
     }
 }
+
+#[test]
+fn preview_writes_a_picture_and_says_what_rendered_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
+    let beginning = &fitted.last_line()[..16];
+    let arguments = ["preview", beginning, "-o", "p.png", "--size", "64", "--spp", "2", "--adapter", "cpu"];
+    let told = run(folder.path(), arguments.iter().chain(&["--mode", "strip", "--scene", "figure14"])).exited(0);
+    assert!(told.stderr.starts_with("adapter: cpu\n"), "{told:#?}");
+    assert_eq!(told.stderr.matches("mean absolute error").count(), 4);
+    let file = fs::read(folder.path().join("p.png")).expect("the picture");
+    assert!(file.starts_with(b"\x89PNG\r\n"));
+
+    // One material takes the place of the scene's four.
+    let one = ["--mode", "difference", "--scene", "figure14", "--alpha-x", "0.2", "--json"];
+    let told = run(folder.path(), arguments.iter().chain(&one)).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    assert_eq!(told["errors"].as_array().map(Vec::len), Some(1));
+    assert_eq!((&told["adapter"], &told["errors"][0]["alpha_x"]), (&"cpu".into(), &0.2.into()));
+
+    let refused =
+        run(folder.path(), arguments.iter().chain(&["--alpha-y", "2", "--light-centre", "-1,0,200"])).exited(2);
+    assert_eq!(
+        refused.complaints(),
+        ["alpha_y is 2, not within 0 to 1", "light.centre is 200, not within -100 to 100"]
+    );
+}
+
+/// No driver, no difference but who renders.
+#[test]
+fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
+    let hide = |adapter: &str| {
+        let arguments = ["preview", &fitted.last_line()[..16], "-o", "p.png", "--size", "64", "--adapter", adapter];
+        let mut command = ltcforge(folder.path(), arguments);
+        command.envs(["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/nowhere.json")));
+        common::command::Run::from(command.output().expect("the binary runs"))
+    };
+    let told = hide("any").exited(0);
+    assert!(told.stderr.contains("adapter: cpu\n"), "{told:#?}");
+    assert!(hide("gpu").exited(1).stderr.contains("no adapter"));
+}

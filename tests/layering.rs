@@ -15,13 +15,14 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("ltc", &["brdf", "math"]),
     ("fit", &["ltc", "brdf", "math"]),
     ("recipe", &["fit", "ltc"]),
+    ("preview", &["ltc", "brdf", "math"]),
     ("export", &["recipe", "fit", "ltc", "math"]),
     ("store", &[]),
     ("queue", &["store"]),
     ("service", &["export", "recipe", "fit", "ltc", "queue", "store"]),
     ("http", &["service", "recipe", "fit", "queue"]),
     ("client", &["recipe", "queue"]),
-    ("cli", &["http", "client", "service", "export", "recipe", "fit", "ltc", "queue"]),
+    ("cli", &["http", "client", "service", "export", "preview", "recipe", "fit", "ltc", "queue"]),
 ];
 
 /// What a module must not name, beyond other modules.
@@ -31,6 +32,7 @@ const ABSENT: &[(&[&str], &[&str])] = &[
         &["serde_json", "tokio", "std::fs", "std::env", "std::time", "std::thread", "std::net", "num_threads"],
     ),
     (&["queue", "store"], &["axum", "tower_http", "ureq"]),
+    (&["preview"], &["axum", "tokio", "sled", "serde_json"]),
     (&["client"], &["axum", "tokio", "sled"]),
     (&["http", "cli"], &["sled"]),
 ];

@@ -10,6 +10,7 @@ use std::{
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use super::preview_names::{AdapterName, LightName, ModeName, PrecisionName, SceneName};
 use crate::{
     digest::Digest,
     queue::{JobId, StateName},
@@ -47,6 +48,8 @@ pub enum Command {
     Lookup(LookupArgs),
     /// Measure how good a table is
     Report(ReportArgs),
+    /// Render what a table does: metal under an area light, beside the truth, as PNG
+    Preview(Box<PreviewArgs>),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
     /// Download the tables pinned in ltcforge.lock, and leave right ones alone
@@ -78,9 +81,12 @@ impl Command {
         match self {
             Self::Serve(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Pull(_) => OnInterrupt::Told,
-            Self::Lookup(_) | Self::Report(_) | Self::Jobs(_) | Self::Verify(_) | Self::Completions { .. } => {
-                OnInterrupt::Ends
-            }
+            Self::Lookup(_)
+            | Self::Report(_)
+            | Self::Preview(_)
+            | Self::Jobs(_)
+            | Self::Verify(_)
+            | Self::Completions { .. } => OnInterrupt::Ends,
         }
     }
 }
@@ -149,6 +155,91 @@ pub struct ReportArgs {
     /// Threads that measure [default: one for each core]
     #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+}
+
+/// `preview`. What is not given is the named scene's.
+#[derive(Debug, Args)]
+pub struct PreviewArgs {
+    /// A table's file, or the digest (its beginning suffices) of one in the folder of `--tables`
+    pub table: String,
+    /// The picture
+    #[arg(short, long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// Folder of `<digest>.safetensors` files
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub tables: PathBuf,
+    /// Named set-up
+    #[arg(long, value_enum, default_value = "sphere")]
+    pub scene: SceneName,
+    /// What to show of it
+    #[arg(long, value_enum, default_value = "ltc")]
+    pub mode: ModeName,
+    /// Pixels a side of each panel, 64 to 2048 [default: 512]
+    #[arg(long, value_name = "N")]
+    pub size: Option<u32>,
+    /// Samples a pixel of the reference, 1 to 4096 [default: 64]
+    #[arg(long, value_name = "N")]
+    pub spp: Option<u32>,
+    /// GGX roughness along the tangent, 0 to 1; one material takes the place of the scene's
+    #[arg(long, value_name = "X")]
+    pub alpha_x: Option<f64>,
+    /// GGX roughness across it, 0 to 1; likewise
+    #[arg(long, value_name = "X")]
+    pub alpha_y: Option<f64>,
+    /// Angle by which tangents are turned, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub rotation: Option<f64>,
+    /// Reflectance at normal incidence, linear sRGB
+    #[arg(long, value_name = "R,G,B", value_parser = numbers::<3>)]
+    pub f0: Option<[f64; 3]>,
+    /// Outline of the light
+    #[arg(long, value_enum)]
+    pub light: Option<LightName>,
+    /// Middle of the light, in radii of the sphere, y upwards
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub light_centre: Option<[f64; 3]>,
+    /// Half its width and height
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>)]
+    pub light_half_size: Option<[f64; 2]>,
+    /// Yaw, pitch and roll from facing the sphere, radians
+    #[arg(long, value_name = "YAW,PITCH,ROLL", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub light_rotation: Option<[f64; 3]>,
+    /// Its radiance
+    #[arg(long, value_name = "X")]
+    pub light_intensity: Option<f64>,
+    /// Whether its back emits too
+    #[arg(long, value_name = "BOOL")]
+    pub light_two_sided: Option<bool>,
+    /// Distance of the camera
+    #[arg(long, value_name = "X")]
+    pub camera_distance: Option<f64>,
+    /// Its angle about the vertical, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub camera_azimuth: Option<f64>,
+    /// Its angle above the horizontal, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub camera_elevation: Option<f64>,
+    /// Its angle of view, radians
+    #[arg(long, value_name = "ANGLE")]
+    pub field_of_view: Option<f64>,
+    /// Polar angle of the view of mode `lobe`, radians
+    #[arg(long, value_name = "ANGLE")]
+    pub theta: Option<f64>,
+    /// Its azimuth
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub phi: Option<f64>,
+    /// Factor on radiance before it is displayed
+    #[arg(long, value_name = "X")]
+    pub exposure: Option<f64>,
+    /// Difference in radiance at the end of the colour bar
+    #[arg(long, value_name = "X")]
+    pub difference_scale: Option<f64>,
+    /// Bits of the table's numbers
+    #[arg(long, value_enum, default_value = "f32")]
+    pub precision: PrecisionName,
+    /// What renders
+    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: AdapterName,
 }
 
 /// `jobs`.
@@ -222,6 +313,12 @@ pub struct VerifyArgs {
     /// The digest that the file must hash to, whatever its name
     #[arg(long)]
     pub digest: Option<Digest>,
+}
+
+/// Numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("not {N} numbers between commas"))
 }
 
 fn parse_state(text: &str) -> Result<StateName, String> {

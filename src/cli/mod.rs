@@ -12,6 +12,8 @@ mod interrupt;
 mod jobs;
 mod lookup;
 mod points;
+mod preview;
+mod preview_names;
 mod progress;
 mod pull;
 mod report;
@@ -58,6 +60,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),
         Command::Report(args) => report::run(&args, json, context),
+        Command::Preview(args) => preview::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
         Command::Pull(args) => {
             let servers = pull::Servers { chosen: server.as_deref(), usual: file.server.as_deref() };

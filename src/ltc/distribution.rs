@@ -34,6 +34,12 @@ impl Ltc {
         self.matrix
     }
 
+    /// The inverse of the matrix.
+    #[must_use]
+    pub fn inverse(&self) -> DMat3 {
+        self.inverse
+    }
+
     /// Density at the unit vector `wi`, per steradian: `D_o(M^-1 wi / |M^-1 wi|) |det M^-1| / |M^-1 wi|^3`
     /// [KT et al. 2022, equation 7].
     #[must_use]

@@ -7,6 +7,7 @@ mod distribution;
 mod fold;
 mod layout;
 mod lookup;
+mod polygon;
 mod reflection;
 mod table;
 
@@ -15,5 +16,6 @@ pub use distribution::Ltc;
 pub use fold::Configuration;
 pub use layout::Layout;
 pub use lookup::LookedUp;
+pub use polygon::{Clip, MAX_VERTICES, Scalar, Sides};
 pub use reflection::Reflection;
 pub use table::{Table, Terms};

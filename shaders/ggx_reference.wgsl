@@ -1,0 +1,159 @@
+// What a table approximates: anisotropic GGX with height-correlated Smith masking [KT et al. 2022, section 3.1] under
+// a polygon light, by Monte Carlo integration with multiple importance sampling [Veach and Guibas 1995, balance
+// heuristic]: visible normals [Dupuy and Benyoub 2023] and points on the light, one each a sample. Needs ltc_math.wgsl.
+
+/// A convex polygon in the scene's coordinates.
+struct Light {
+    /// xyz: a vertex; clockwise as seen from the lit side. w: area of the triangles (0, 1, 2) up to (0, i - 1, i) over
+    /// that of all.
+    vertices: array<vec4<f32>, 8>,
+    /// xyz: unit normal towards the lit side. w: area.
+    normal: vec4<f32>,
+    /// x: radiance.
+    radiance: vec4<f32>,
+    /// x: vertices. y: 1 when both sides are lit.
+    options: vec4<u32>,
+}
+
+@group(1) @binding(0) var<uniform> light: Light;
+
+/// A point of the surface with its tangent frame, and what is seen from where.
+struct Shaded {
+    position: vec3<f32>,
+    x: vec3<f32>,
+    y: vec3<f32>,
+    z: vec3<f32>,
+    /// View direction in that frame.
+    wo: vec3<f32>,
+    alpha: vec2<f32>,
+}
+
+/// Directions closer to the horizon than this, as cosines, are as good as below it.
+const GGX_HORIZON: f32 = 1e-6;
+
+fn reference_hash(key: u32) -> u32 {
+    var x = key;
+    x = (x ^ (x >> 16u)) * 0x7feb352du;
+    x = (x ^ (x >> 15u)) * 0x846ca68bu;
+    return x ^ (x >> 16u);
+}
+
+/// Point i of the R2 sequence [Roberts 2018], shifted by seed; in [0, 1), in fixed point so that no digit is lost.
+fn reference_point(i: u32, seed: vec2<u32>) -> vec2<f32> {
+    let u = vec2(i * 0xc13fa9a9u, i * 0x91e10da5u) + seed;
+    return vec2<f32>(u >> vec2(8u)) * (1.0 / 16777216.0);
+}
+
+/// Smith's Lambda.
+fn ggx_lambda(alpha: vec2<f32>, w: vec3<f32>) -> f32 {
+    let t = alpha * w.xy / w.z;
+    return 0.5 * (sqrt(1.0 + dot(t, t)) - 1.0);
+}
+
+/// Density of microfacet normals.
+fn ggx_distribution(alpha: vec2<f32>, wm: vec3<f32>) -> f32 {
+    let t = wm.xy / alpha;
+    let q = dot(t, t) + wm.z * wm.z;
+    return 1.0 / (3.14159265 * alpha.x * alpha.y * q * q);
+}
+
+/// A normal visible from wo, by spherical caps.
+fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+    let standard = normalize(vec3(alpha * wo.xy, wo.z));
+    let z = (1.0 - u.y) * (1.0 + standard.z) - standard.z;
+    let radius = sqrt(max(1.0 - z * z, 0.0));
+    let turn = ltc_sin_cos(u.x);
+    let wm = vec3(radius * turn.y, radius * turn.x, z) + standard;
+    return normalize(vec3(alpha * wm.xy, max(wm.z, 0.0)));
+}
+
+/// Whether the light sends anything along wi, a direction away from the shaded point.
+fn light_faces(cosine: f32) -> bool {
+    let towards = select(-cosine, abs(cosine), light.options.y == 1u);
+    return towards > GGX_HORIZON;
+}
+
+/// Density per steradian with which points of the light are drawn towards wi; zero where wi misses it.
+fn light_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
+    let cosine = dot(light.normal.xyz, wi);
+    if (!light_faces(cosine)) {
+        return 0.0;
+    }
+    let away = dot(light.normal.xyz, light.vertices[0].xyz - position) / cosine;
+    if (away <= 0.0) {
+        return 0.0;
+    }
+    let hit = position + away * wi;
+    var is_hit = true;
+    var a = light.vertices[light.options.x - 1u].xyz;
+    for (var i = 0u; i < light.options.x; i++) {
+        let b = light.vertices[i].xyz;
+        is_hit = is_hit && dot(cross(b - a, hit - a), light.normal.xyz) <= 0.0;
+        a = b;
+    }
+    return select(0.0, away * away / (light.normal.w * abs(cosine)), is_hit);
+}
+
+/// A point of the light, uniform over its area.
+fn light_point(u: vec2<f32>) -> vec3<f32> {
+    // Which triangle: every lane takes as many steps.
+    var i = 2u;
+    for (var k = 2u; k + 1u < light.options.x; k++) {
+        i += select(0u, 1u, u.x >= light.vertices[k].w);
+    }
+    let before = light.vertices[i - 1u].w;
+    let share = clamp((u.x - before) / (light.vertices[i].w - before), 0.0, 1.0);
+    let root = sqrt(share);
+    let origin = light.vertices[0].xyz;
+    let first = light.vertices[i - 1u].xyz - origin;
+    let second = light.vertices[i].xyz - origin;
+    return origin + root * ((1.0 - u.y) * first + u.y * second);
+}
+
+/// Reflected light for a Fresnel factor of one (x), and its part weighed by Schlick's (1 - wo . wm)^5 (y): the sum over
+/// `samples` samples from `first` on. Some drivers end loops after 65535 steps, those within them counted in: take
+/// no more than 1024 at a time.
+fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> vec2<f32> {
+    let a = reference_hash(key);
+    let b = reference_hash(a ^ 0x9e3779b9u);
+    let c = reference_hash(b ^ 0x9e3779b9u);
+    let d = reference_hash(c ^ 0x9e3779b9u);
+    let lambda_o = ggx_lambda(at.alpha, at.wo);
+    let to_pdf = 1.0 / (4.0 * at.wo.z * (1.0 + lambda_o));
+    var sum = vec2(0.0);
+    for (var i = first; i < first + samples; i++) {
+        // A visible normal, and the light if it is there.
+        var wm = ggx_visible_normal(at.alpha, at.wo, reference_point(i, vec2(a, b)));
+        let cosine = dot(at.wo, wm);
+        var wi = 2.0 * cosine * wm - at.wo;
+        if (wi.z > GGX_HORIZON) {
+            let of_light = light_pdf(at.position, at.x * wi.x + at.y * wi.y + at.z * wi.z);
+            if (of_light > 0.0) {
+                let of_brdf = ggx_distribution(at.alpha, wm) * to_pdf;
+                let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + ggx_lambda(at.alpha, wi));
+                sum += ggx_fresnel(cosine) * (g2_over_g1 * (of_brdf / (of_brdf + of_light)));
+            }
+        }
+        // A point of the light.
+        let to_light = light_point(reference_point(i, vec2(c, d))) - at.position;
+        let distance2 = dot(to_light, to_light);
+        let direction = to_light / sqrt(max(distance2, 1e-36));
+        let facing = dot(light.normal.xyz, direction);
+        wi = vec3(dot(direction, at.x), dot(direction, at.y), dot(direction, at.z));
+        if (wi.z > GGX_HORIZON && light_faces(facing)) {
+            wm = normalize(at.wo + wi);
+            let of_light = distance2 / (light.normal.w * abs(facing));
+            let of_brdf = ggx_distribution(at.alpha, wm) * to_pdf;
+            let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + ggx_lambda(at.alpha, wi));
+            sum += ggx_fresnel(dot(at.wo, wm)) * (g2_over_g1 * (of_brdf / (of_brdf + of_light)));
+        }
+    }
+    return sum;
+}
+
+/// One and Schlick's fifth power.
+fn ggx_fresnel(cosine: f32) -> vec2<f32> {
+    let m = clamp(1.0 - cosine, 0.0, 1.0);
+    let m2 = m * m;
+    return vec2(1.0, m2 * m2 * m);
+}

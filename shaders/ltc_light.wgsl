@@ -1,0 +1,114 @@
+// Integrates a Linearly Transformed Cosine over a polygon. Needs ltc_math.wgsl.
+//
+// Vertices are given relative to the shaded point in its tangent frame, normal +z. The lit side is the one from which
+// they run clockwise. The outline has to be convex; a disk is lit as a polygon of its area.
+
+/// The inverse of M up to a positive factor, which changes no direction.
+struct LtcInverse {
+    m: mat3x3<f32>,
+    /// -1 where M mirrors and so turns polygons over; 0 where it has no inverse: nothing is lit then.
+    side: f32,
+}
+
+/// Of sharp lobes the inverse's numbers grow as 1 / alpha: the adjugate over its largest element does not divide by a
+/// determinant that may underflow, and leaves vertices of any size in range.
+fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
+    let x = cross(m[1], m[2]);
+    let y = cross(m[2], m[0]);
+    let z = cross(m[0], m[1]);
+    let most = max(max(abs(x), abs(y)), abs(z));
+    let largest = max(max(most.x, most.y), most.z);
+    let side = sign(dot(m[2], z));
+    if (!(largest > 1e-30 && largest < 1e30)) {
+        return LtcInverse(mat3x3<f32>(), 0.0);
+    }
+    let scale = side / largest;
+    return LtcInverse(transpose(mat3x3(x * scale, y * scale, z * scale)), side);
+}
+
+/// The integral over a convex polygon, added up edge by edge; what lies below the horizon is left out.
+struct LtcClip {
+    sum: f32,
+    previous: vec3<f32>,
+    previous_unit: vec3<f32>,
+    /// Where the outline dips below the horizon and where it comes back.
+    leaves: vec3<f32>,
+    enters: vec3<f32>,
+}
+
+/// The vector at length one; zero for one without direction.
+fn ltc_unit(v: vec3<f32>) -> vec3<f32> {
+    let length2 = dot(v, v);
+    return select(vec3(0.0), v / sqrt(max(length2, 1e-36)), length2 > 1e-36);
+}
+
+/// acos(a . b) (a x b).z / |a x b|, by the angle's sine and cosine: acos alone is inaccurate for short arcs.
+fn ltc_arc(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let c = cross(a, b);
+    let s = sqrt(dot(c, c));
+    return select(0.0, c.z * (ltc_atan2(s, dot(a, b)) / max(s, 1e-18)), s > 1e-18);
+}
+
+/// Begins at a vertex in cosine space; ltc_clip_edge then takes each of the others in turn, and this one last.
+fn ltc_clip_begin(vertex: vec3<f32>) -> LtcClip {
+    return LtcClip(0.0, vertex, ltc_unit(vertex), vec3(0.0), vec3(0.0));
+}
+
+fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
+    var next = clip;
+    let a = clip.previous;
+    next.previous = b;
+    next.previous_unit = ltc_unit(b);
+    var from_point = clip.previous_unit;
+    var to_point = next.previous_unit;
+    if (a.z > 0.0 && b.z <= 0.0) {
+        next.leaves = ltc_unit(vec3(b.xy * a.z - a.xy * b.z, 0.0));
+        to_point = next.leaves;
+    }
+    if (a.z <= 0.0 && b.z > 0.0) {
+        next.enters = ltc_unit(vec3(a.xy * b.z - b.xy * a.z, 0.0));
+        from_point = next.enters;
+    }
+    if (a.z > 0.0 || b.z > 0.0) {
+        next.sum += ltc_arc(from_point, to_point);
+    }
+    return next;
+}
+
+/// The part of the distribution that the polygon covers, in [0, 1]. An arc along the horizon closes a cut outline.
+fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
+    let sum = (clip.sum + ltc_arc(clip.leaves, clip.enters)) * 0.15915494 * side;
+    return clamp(select(sum, abs(sum), two_sided), 0.0, 1.0);
+}
+
+/// A rectangle by its corners in order.
+fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: bool) -> f32 {
+    var clip = ltc_clip_begin(inverse.m * corners[3]);
+    clip = ltc_clip_edge(clip, inverse.m * corners[0]);
+    clip = ltc_clip_edge(clip, inverse.m * corners[1]);
+    clip = ltc_clip_edge(clip, inverse.m * corners[2]);
+    clip = ltc_clip_edge(clip, inverse.m * corners[3]);
+    return ltc_clip_finish(clip, inverse.side, two_sided);
+}
+
+/// A convex polygon of 3 to 8 vertices in order.
+fn ltc_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> f32 {
+    var outline = vertices;
+    var clip = ltc_clip_begin(inverse.m * outline[count - 1u]);
+    for (var i = 0u; i < count; i++) {
+        clip = ltc_clip_edge(clip, inverse.m * outline[i]);
+    }
+    return ltc_clip_finish(clip, inverse.side, two_sided);
+}
+
+/// A disk: the regular octagon of its area. Its half axes are perpendicular; the lit side is towards their cross
+/// product, half_x x half_y.
+fn ltc_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> f32 {
+    // sqrt(pi / (4 sin(pi / 4))) times the radius gives the octagon its area.
+    var vertices: array<vec3<f32>, 8>;
+    for (var i = 0u; i < 8u; i++) {
+        let turn = ltc_sin_cos((0.5 - f32(i)) * 0.125) * 1.0539074;
+        vertices[i] = centre + half_x * turn.y + half_y * turn.x;
+    }
+    return ltc_polygon(inverse, vertices, 8u, two_sided);
+}

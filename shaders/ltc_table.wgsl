@@ -1,0 +1,233 @@
+// Reads a table: fold, fetch, unfactor, unfold. Needs ltc_math.wgsl.
+//
+// The table is three 3D textures, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a
+// file stores its entries:
+//     ltc_matrix_a  m00 m01 m02 m10
+//     ltc_matrix_b  m11 m12 m20 m21
+//     ltc_terms     m22 amplitude fresnel 0
+// 32 or 16 bits a number. Nodes need not be uniform: they come as one list, alpha's first, then ratio's, theta's and
+// phi's. A table without terms has amplitude 1 and fresnel 0 in their place.
+
+struct LtcTable {
+    /// How many nodes alpha, ratio, theta and phi have.
+    nodes: vec4<u32>,
+    /// x: layout, how a stored matrix maps to M, see ltc_unfactor. y: 1 for a table of isotropic surfaces with one
+    /// phi, whose lobes turn with the view.
+    reading: vec4<u32>,
+}
+
+@group(0) @binding(0) var<uniform> ltc_table: LtcTable;
+@group(0) @binding(1) var<storage, read> ltc_nodes: array<f32>;
+@group(0) @binding(2) var ltc_matrix_a: texture_3d<f32>;
+@group(0) @binding(3) var ltc_matrix_b: texture_3d<f32>;
+@group(0) @binding(4) var ltc_terms: texture_3d<f32>;
+@group(0) @binding(5) var ltc_sampler: sampler;
+
+/// Lets the sampler weigh phi, theta and alpha: 2 fetches a texture in place of 16. Textures then have to be
+/// filterable and the sampler linear. Many GPUs have weights of 8 bits only, which shows on sharp lobes.
+override ltc_hardware_filter: bool = false;
+
+const LTC_LAYOUT_KT2022: u32 = 0u;
+const LTC_LAYOUT_REFLECTED: u32 = 1u;
+
+/// Roughness below this is a mirror's for every light a scene can hold, and GGX of it overflows.
+const LTC_ALPHA_FLOOR: f32 = 1e-4;
+/// The smaller roughness is fitted as if it were at least this.
+const LTC_ALPHA_Y_FLOOR: f32 = 1e-5;
+
+/// What a table says of a surface seen from one direction.
+struct LtcLobe {
+    /// Maps the clamped cosine to the lobe, in the surface's tangent frame.
+    m: mat3x3<f32>,
+    /// Reflectance is f0 (amplitude - fresnel) + f90 fresnel.
+    amplitude: f32,
+    fresnel: f32,
+}
+
+/// A configuration with the larger roughness along x and phi in the first quadrant.
+struct LtcFold {
+    alpha: f32,
+    ratio: f32,
+    theta: f32,
+    phi: f32,
+    /// -1 where x or y was mirrored.
+    mirror: vec2<f32>,
+    swap: bool,
+}
+
+/// wo: view direction in the tangent frame, normal +z, of unit length.
+fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
+    let a = max(vec2(alpha_x, alpha_y), vec2(LTC_ALPHA_FLOOR));
+    let swap = a.y > a.x;
+    let flat = abs(wo.xy);
+    var fold: LtcFold;
+    fold.alpha = max(a.x, a.y);
+    fold.ratio = min(a.x, a.y) / fold.alpha;
+    fold.theta = min(ltc_atan2(sqrt(dot(flat, flat)), wo.z), 1.57079633);
+    fold.phi = ltc_atan2(select(flat.y, flat.x, swap), select(flat.x, flat.y, swap));
+    fold.mirror = select(vec2(1.0), vec2(-1.0), wo.xy < vec2(0.0));
+    fold.swap = swap;
+    return fold;
+}
+
+/// A place between the nodes lower and lower + 1 of an axis; the latter's weight.
+struct LtcPlace {
+    lower: u32,
+    weight: f32,
+}
+
+/// Where x lies among `count` ascending nodes from `first` on; outside them, at the nearest.
+fn ltc_between(first: u32, count: u32, x: f32) -> LtcPlace {
+    // The last node that is not beyond x, in as many steps for every x.
+    var lower = 0u;
+    var span = count;
+    while (span > 1u) {
+        let part = span / 2u;
+        lower = select(lower, lower + part, ltc_nodes[first + lower + part] <= x);
+        span -= part;
+    }
+    let upper = min(lower + 1u, count - 1u);
+    let below = ltc_nodes[first + lower];
+    let width = ltc_nodes[first + upper] - below;
+    return LtcPlace(lower, select(0.0, clamp((x - below) / width, 0.0, 1.0), width > 0.0));
+}
+
+struct LtcTexels {
+    a: vec4<f32>,
+    b: vec4<f32>,
+    terms: vec4<f32>,
+}
+
+/// The 16 entries around a place, weighed by hand: exact weights, any texture format.
+fn ltc_fetch_weighed(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: LtcPlace) -> LtcTexels {
+    var sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
+    let last = ltc_table.nodes - vec4(1u);
+    let lower = vec4(alpha.lower, ratio.lower, theta.lower, phi.lower);
+    let upper = vec4(alpha.weight, ratio.weight, theta.weight, phi.weight);
+    for (var corner = 0u; corner < 16u; corner++) {
+        let step = (vec4(corner) >> vec4(3u, 2u, 1u, 0u)) & vec4(1u);
+        let weights = select(vec4(1.0) - upper, upper, step == vec4(1u));
+        let weight = weights.x * weights.y * weights.z * weights.w;
+        // Beyond the last node there is no entry; its weight is zero.
+        let entry = min(lower + step, last);
+        let texel = vec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x);
+        sum.a += weight * textureLoad(ltc_matrix_a, texel, 0);
+        sum.b += weight * textureLoad(ltc_matrix_b, texel, 0);
+        sum.terms += weight * textureLoad(ltc_terms, texel, 0);
+    }
+    return sum;
+}
+
+/// The same with the sampler's weights for all axes but ratio.
+fn ltc_fetch_filtered(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: LtcPlace) -> LtcTexels {
+    let n = vec4<f32>(ltc_table.nodes);
+    let rows = vec2(ratio.lower, min(ratio.lower + 1u, ltc_table.nodes.y - 1u)) * ltc_table.nodes.z;
+    let y = (vec2<f32>(rows) + vec2(f32(theta.lower) + theta.weight + 0.5)) / (n.y * n.z);
+    let x = (f32(phi.lower) + phi.weight + 0.5) / n.w;
+    let z = (f32(alpha.lower) + alpha.weight + 0.5) / n.x;
+    let low = vec3(x, y.x, z);
+    let high = vec3(x, y.y, z);
+    return LtcTexels(
+        mix(textureSampleLevel(ltc_matrix_a, ltc_sampler, low, 0.0), textureSampleLevel(ltc_matrix_a, ltc_sampler, high, 0.0), ratio.weight),
+        mix(textureSampleLevel(ltc_matrix_b, ltc_sampler, low, 0.0), textureSampleLevel(ltc_matrix_b, ltc_sampler, high, 0.0), ratio.weight),
+        mix(textureSampleLevel(ltc_terms, ltc_sampler, low, 0.0), textureSampleLevel(ltc_terms, ltc_sampler, high, 0.0), ratio.weight),
+    );
+}
+
+/// x, or the nearest end of the axis of `count` nodes from `first` on.
+fn ltc_nearest(first: u32, count: u32, x: f32) -> f32 {
+    return clamp(x, ltc_nodes[first], ltc_nodes[first + count - 1u]);
+}
+
+/// Smith's Lambda of GGX.
+fn ltc_smith_lambda(alpha_x: f32, alpha_y: f32, w: vec3<f32>) -> f32 {
+    let slope = vec2(alpha_x * w.x, alpha_y * w.y) / w.z;
+    return 0.5 * (sqrt(1.0 + dot(slope, slope)) - 1.0);
+}
+
+/// How a reflected direction moves when the normal wm tilts along a tangent; d = dot(wo, wm).
+fn ltc_reflected_tangent(wo: vec3<f32>, wm: vec3<f32>, d: f32, tangent: vec3<f32>) -> vec3<f32> {
+    let tilt = tangent - dot(wm, tangent) * wm;
+    return 2.0 * (dot(wo, tilt) * wm + d * tilt);
+}
+
+/// What the interpolated numbers stand for, at a place within the table's ranges seen from wo in the first quadrant.
+fn ltc_unfactor(kind: u32, stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
+    if (kind == LTC_LAYOUT_KT2022) {
+        return stored;
+    }
+    // LTC_LAYOUT_REFLECTED: the reflection at the normal in the middle of those seen. The table has what is left.
+    let alpha_y = max(alpha_x * ratio, LTC_ALPHA_Y_FLOOR);
+    let halfway = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z)) + vec3(0.0, 0.0, 1.0);
+    let wm = normalize(vec3(alpha_x * halfway.x, alpha_y * halfway.y, halfway.z));
+    let d = dot(wo, wm);
+    let reflected = 2.0 * d * wm - wo;
+    let k = mat3x3(
+        alpha_x * ltc_reflected_tangent(wo, wm, d, vec3(1.0, 0.0, 0.0)),
+        alpha_x * ltc_reflected_tangent(wo, wm, d, vec3(0.0, 1.0, 0.0)),
+        reflected,
+    );
+    let seen = 1.0 + ltc_smith_lambda(alpha_x, alpha_y, wo);
+    let g2_over_g1 = seen / (seen + ltc_smith_lambda(alpha_x, alpha_y, reflected));
+    let amplitude = stored.amplitude * g2_over_g1 * g2_over_g1;
+    let grazing = max(stored.fresnel + 1.0 - d, 0.0);
+    let grazing2 = grazing * grazing;
+    return LtcLobe(k * stored.m, amplitude, amplitude * (grazing2 * grazing2 * grazing));
+}
+
+/// R_z(angle) M R_z(-angle): surface and view turn about z together.
+fn ltc_turned(m: mat3x3<f32>, angle: f32) -> mat3x3<f32> {
+    let turn = ltc_sin_cos(angle * 0.15915494);
+    let r = mat3x3(vec3(turn.y, turn.x, 0.0), vec3(-turn.x, turn.y, 0.0), vec3(0.0, 0.0, 1.0));
+    return r * m * transpose(r);
+}
+
+/// M of the configuration from that of the folded one: each mirror or swap F on both sides, F M F, which leaves the
+/// determinant's sign and so a light's winding as they are.
+fn ltc_unfold(fold: LtcFold, folded: mat3x3<f32>) -> mat3x3<f32> {
+    var m = folded;
+    if (fold.swap) {
+        m = mat3x3(folded[1].yxz, folded[0].yxz, folded[2].yxz);
+    }
+    let mirror = vec3(fold.mirror, 1.0);
+    return mat3x3(m[0] * mirror * mirror.x, m[1] * mirror * mirror.y, m[2] * mirror);
+}
+
+/// The table at a surface and a view direction, wo as in ltc_fold.
+fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
+    let fold = ltc_fold(alpha_x, alpha_y, wo);
+    let n = ltc_table.nodes;
+    let alpha = ltc_between(0u, n.x, fold.alpha);
+    let ratio = ltc_between(n.x, n.y, fold.ratio);
+    let theta = ltc_between(n.x + n.y, n.z, fold.theta);
+    let phi = ltc_between(n.x + n.y + n.z, n.w, fold.phi);
+    var texels: LtcTexels;
+    if (ltc_hardware_filter) {
+        texels = ltc_fetch_filtered(alpha, ratio, theta, phi);
+    } else {
+        texels = ltc_fetch_weighed(alpha, ratio, theta, phi);
+    }
+    let stored = transpose(mat3x3(
+        texels.a.xyz,
+        vec3(texels.a.w, texels.b.xy),
+        vec3(texels.b.zw, texels.terms.x),
+    ));
+    // Outside the table's ranges all of it answers as at their nearest end.
+    let near_theta = ltc_nearest(n.x + n.y, n.z, fold.theta);
+    let near_phi = ltc_nearest(n.x + n.y + n.z, n.w, fold.phi);
+    var view = vec3(select(abs(wo.xy), abs(wo.yx), fold.swap), wo.z);
+    if (near_theta != fold.theta || near_phi != fold.phi) {
+        let polar = ltc_sin_cos(near_theta * 0.15915494);
+        let azimuth = ltc_sin_cos(near_phi * 0.15915494);
+        view = vec3(polar.x * azimuth.y, polar.x * azimuth.x, polar.y);
+    }
+    let near_alpha = ltc_nearest(0u, n.x, fold.alpha);
+    let near_ratio = ltc_nearest(n.x, n.y, fold.ratio);
+    let between = LtcLobe(stored, texels.terms.y, texels.terms.z);
+    var lobe = ltc_unfactor(ltc_table.reading.x, between, near_alpha, near_ratio, view);
+    if (ltc_table.reading.y == 1u) {
+        lobe.m = ltc_turned(lobe.m, fold.phi - ltc_nodes[n.x + n.y + n.z]);
+    }
+    lobe.m = ltc_unfold(fold, lobe.m);
+    return lobe;
+}

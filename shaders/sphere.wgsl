@@ -1,0 +1,227 @@
+// The preview: spheres or a floor of anisotropic metal under a polygon light. Needs all the other files.
+
+struct Scene {
+    /// xyz: position. w: width of a pixel at distance one.
+    eye: vec4<f32>,
+    /// The image plane at distance one: from its middle to its right and upper edges, and the way to it.
+    right: vec4<f32>,
+    up: vec4<f32>,
+    forward: vec4<f32>,
+    /// xyz: reflectance at normal incidence. w: exposure.
+    f0: vec4<f32>,
+    /// xyz: background. w: how far a floor is seen.
+    background: vec4<f32>,
+    /// A lobe's view direction.
+    lobe_wo: vec4<f32>,
+    /// alpha_x, alpha_y, cosine and sine of the tangent frame's rotation; alpha_x < 0: nothing is there.
+    materials: array<vec4<f32>, 4>,
+    /// Pixels a side; cells a side; what is seen, see SURFACE_; samples.
+    options: vec4<u32>,
+    /// Part of the picture: left, top, width, height.
+    tile: vec4<u32>,
+    /// x: 1 for bytes to display, 0 for radiance. y, z: first sample and samples of this pass, one of several that
+    /// add up.
+    output: vec4<u32>,
+}
+
+@group(1) @binding(1) var<uniform> scene: Scene;
+/// A pixel: red, green and blue as f32, or one word R, G, B, 255 from the lowest byte on.
+@group(1) @binding(2) var<storage, read_write> pixels: array<u32>;
+
+/// With a constant in place of the table, to tell what looking it up costs.
+override lookup_is_constant: bool = false;
+
+const SURFACE_SPHERE: u32 = 0u;
+const SURFACE_FLOOR: u32 = 1u;
+
+/// View directions below this are raised to it, as cosines: the horizon itself reflects nothing.
+const LOWEST_VIEW: f32 = 1e-3;
+/// Nearer to a pole than this, circles of latitude have no direction.
+const POLE: f32 = 1e-4;
+
+struct Seen {
+    at: Shaded,
+    /// How much of the pixel it fills.
+    coverage: f32,
+}
+
+/// Middle of a pixel within its cell, from -1 to 1, y upwards; z: which cell.
+fn place_of(pixel: vec2<u32>) -> vec3<f32> {
+    let side = scene.options.x / scene.options.y;
+    let cell = min(pixel / side, vec2(scene.options.y - 1u));
+    let within = (vec2<f32>(pixel - cell * side) + 0.5) / f32(side) * 2.0 - 1.0;
+    return vec3(within.x, -within.y, f32(cell.y * scene.options.y + cell.x));
+}
+
+/// The sphere of radius one around the origin, or the floor y = 0.
+fn see(place: vec3<f32>) -> Seen {
+    let ray = normalize(scene.forward.xyz + scene.right.xyz * place.x + scene.up.xyz * place.y);
+    let eye = scene.eye.xyz;
+    var seen: Seen;
+    var position: vec3<f32>;
+    var normal: vec3<f32>;
+    var along: vec3<f32>;
+    if (scene.options.z == SURFACE_FLOOR) {
+        let t = -eye.y / min(ray.y, -1e-6);
+        position = eye + t * ray;
+        position.y = 0.0;
+        normal = vec3(0.0, 1.0, 0.0);
+        along = vec3(1.0, 0.0, 0.0);
+        let fades = 1.0 - t / scene.background.w;
+        seen.coverage = select(0.0, clamp(2.0 * fades, 0.0, 1.0), ray.y < -1e-6);
+    } else {
+        // Beside the sphere, its nearest point: the pixels at the rim are covered in part.
+        let closest = -dot(eye, ray);
+        let nearest = eye + closest * ray;
+        let distance2 = dot(nearest, nearest);
+        let rim = (1.0 - sqrt(distance2)) / (scene.eye.w * closest);
+        seen.coverage = select(0.0, clamp(rim + 0.5, 0.0, 1.0), closest > 0.0);
+        position = normalize(nearest - sqrt(max(1.0 - distance2, 0.0)) * ray);
+        normal = position;
+        let circle = vec3(normal.z, 0.0, -normal.x);
+        let length2 = dot(circle, circle);
+        along = select(vec3(1.0, 0.0, 0.0), circle / sqrt(max(length2, 1e-12)), length2 > POLE * POLE);
+    }
+    let material = scene.materials[u32(place.z)];
+    seen.coverage = select(seen.coverage, 0.0, material.x < 0.0);
+    let across = cross(normal, along);
+    seen.at.position = position;
+    seen.at.x = material.z * along + material.w * across;
+    seen.at.y = material.z * across - material.w * along;
+    seen.at.z = normal;
+    let view = normalize(eye - position);
+    let wo = vec3(dot(view, seen.at.x), dot(view, seen.at.y), max(dot(view, normal), LOWEST_VIEW));
+    seen.at.wo = normalize(wo);
+    seen.at.alpha = max(material.xy, vec2(LTC_ALPHA_FLOOR));
+    return seen;
+}
+
+/// Radiance towards the eye, by the table.
+fn shade_by_table(at: Shaded) -> vec3<f32> {
+    var lobe = LtcLobe(mat3x3(at.alpha.x, 0.0, 0.0, 0.0, at.alpha.y, 0.0, -at.wo.x, -at.wo.y, at.wo.z), 1.0, 0.0);
+    if (!lookup_is_constant) {
+        lobe = ltc_lookup(at.alpha.x, at.alpha.y, at.wo);
+    }
+    let inverse = ltc_inverse(lobe.m);
+    // World to cosine space in one matrix.
+    let to_cosine = inverse.m * transpose(mat3x3(at.x, at.y, at.z));
+    var clip = ltc_clip_begin(to_cosine * (light.vertices[light.options.x - 1u].xyz - at.position));
+    for (var i = 0u; i < light.options.x; i++) {
+        clip = ltc_clip_edge(clip, to_cosine * (light.vertices[i].xyz - at.position));
+    }
+    let covered = ltc_clip_finish(clip, inverse.side, light.options.y == 1u);
+    return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered);
+}
+
+/// Radiance from the two parts of what is reflected of white light, f90 = 1.
+fn reflected(parts: vec2<f32>) -> vec3<f32> {
+    return (scene.f0.xyz * (parts.x - parts.y) + vec3(parts.y)) * light.radiance.x;
+}
+
+/// Exposure, 1 - exp(-x), the sRGB curve, eight bits.
+fn display(radiance: vec3<f32>) -> u32 {
+    let y = vec3(1.0) - exp(-scene.f0.w * max(radiance, vec3(0.0)));
+    let curved = select(1.055 * pow(max(y, vec3(0.003)), vec3(1.0 / 2.4)) - 0.055, 12.92 * y, y <= vec3(0.0031308));
+    let byte = vec3<u32>(clamp(curved, vec3(0.0), vec3(1.0)) * 255.0 + 0.5);
+    return byte.x | (byte.y << 8u) | (byte.z << 16u) | (255u << 24u);
+}
+
+fn write(pixel: vec2<u32>, radiance: vec3<f32>) {
+    let index = pixel.y * scene.options.x + pixel.x;
+    if (scene.output.x == 1u) {
+        pixels[index] = display(radiance);
+        return;
+    }
+    for (var i = 0u; i < 3u; i++) {
+        let before = select(0.0, bitcast<f32>(pixels[3u * index + i]), scene.output.y > 0u);
+        pixels[3u * index + i] = bitcast<u32>(before + radiance[i]);
+    }
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (any(id.xy >= scene.tile.zw)) {
+        return;
+    }
+    let pixel = scene.tile.xy + id.xy;
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_table(seen.at), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_reference(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (any(id.xy >= scene.tile.zw)) {
+        return;
+    }
+    let pixel = scene.tile.xy + id.xy;
+    let seen = see(place_of(pixel));
+    let all = f32(scene.options.w);
+    var radiance = scene.background.xyz * (f32(scene.output.z) / all);
+    if (seen.coverage > 0.0) {
+        let key = pixel.y * scene.options.x + pixel.x;
+        let parts = ggx_reference(seen.at, scene.output.y, scene.output.z, key) / all;
+        radiance = mix(radiance, reflected(parts), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+/// A direction of the sphere that the lobes are drawn on, seen from far away; w: 0 beside it. Its outer pixels are
+/// not smoothed: what is written is a density.
+fn direction_of(place: vec3<f32>) -> vec4<f32> {
+    let flat = place.xy * 1.05;
+    let height2 = 1.0 - dot(flat, flat);
+    let towards = sqrt(max(height2, 0.0));
+    let wi = scene.right.xyz * flat.x + scene.up.xyz * flat.y - scene.forward.xyz * towards;
+    return vec4(wi, select(0.0, 1.0, height2 > 0.0));
+}
+
+/// What is written beside the sphere of directions, and where nothing is below its horizon.
+const BESIDE: f32 = -1.0;
+const BELOW: f32 = -0.5;
+
+/// Density of the table's lobe over directions, per steradian.
+@compute @workgroup_size(8, 8)
+fn lobe_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (any(id.xy >= scene.tile.zw)) {
+        return;
+    }
+    let pixel = scene.tile.xy + id.xy;
+    let wi = direction_of(place_of(pixel));
+    var density = BESIDE;
+    if (wi.w > 0.0) {
+        let lobe = ltc_lookup(scene.materials[0].x, scene.materials[0].y, scene.lobe_wo.xyz);
+        // c^3 z |det M^-1| / (pi |M^-1 wi|^4) with the inverse up to a factor f: f^4 falls out but for det's f^3.
+        let inverse = ltc_inverse(lobe.m);
+        let c = inverse.m * wi.xyz;
+        let length2 = dot(c, c);
+        density = max(c.z, 0.0) * abs(determinant(inverse.m)) / (3.14159265 * max(length2 * length2, 1e-36)) * lobe.amplitude;
+        density = select(density, BELOW, wi.z < 0.0 && density <= 0.0);
+    }
+    write(pixel, vec3(density));
+}
+
+/// The same of GGX times the cosine.
+@compute @workgroup_size(8, 8)
+fn lobe_by_reference(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (any(id.xy >= scene.tile.zw)) {
+        return;
+    }
+    let pixel = scene.tile.xy + id.xy;
+    let wi = direction_of(place_of(pixel));
+    var density = BESIDE;
+    if (wi.w > 0.0) {
+        density = select(0.0, BELOW, wi.z < 0.0);
+        if (wi.z > GGX_HORIZON) {
+            let alpha = max(scene.materials[0].xy, vec2(LTC_ALPHA_FLOOR));
+            let wo = scene.lobe_wo.xyz;
+            let wm = normalize(wo + wi.xyz);
+            let g2 = 1.0 / (1.0 + ggx_lambda(alpha, wo) + ggx_lambda(alpha, wi.xyz));
+            density = ggx_distribution(alpha, wm) * g2 / (4.0 * wo.z);
+        }
+    }
+    write(pixel, vec3(density));
+}

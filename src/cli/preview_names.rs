@@ -1,0 +1,81 @@
+//! Names that the command line has for a preview's choices.
+
+use clap::{ValueEnum, builder::PossibleValue};
+
+use crate::preview::{Adapter, LightKind, Mode, NamedScene, Precision};
+
+/// A choice under its name on the command line.
+macro_rules! names {
+    ($($(#[$doc:meta])* $name:ident($choice:ty) { $($text:literal => $value:expr),* $(,)? })*) => {$(
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub struct $name(pub $choice);
+
+        impl ValueEnum for $name {
+            fn value_variants<'a>() -> &'a [Self] {
+                &[$(Self($value)),*]
+            }
+
+            fn to_possible_value(&self) -> Option<PossibleValue> {
+                $(if self.0 == $value {
+                    return Some(PossibleValue::new($text));
+                })*
+                None
+            }
+        }
+    )*};
+}
+
+names! {
+    /// A named scene.
+    SceneName(NamedScene) {
+        "sphere" => NamedScene::Sphere,
+        "figure14" => NamedScene::Figure14,
+        "brushed_floor" => NamedScene::BrushedFloor,
+        "tiny_light" => NamedScene::TinyLight,
+        "horizon" => NamedScene::Horizon,
+    }
+    /// What is shown.
+    ModeName(Mode) {
+        "ltc" => Mode::Ltc,
+        "reference" => Mode::Reference,
+        "difference" => Mode::Difference,
+        "strip" => Mode::Strip,
+        "lobe" => Mode::Lobe,
+    }
+    /// A light's outline.
+    LightName(LightKind) {
+        "rectangle" => LightKind::Rectangle,
+        "disk" => LightKind::Disk,
+        "triangle" => LightKind::Polygon(3),
+        "pentagon" => LightKind::Polygon(5),
+        "hexagon" => LightKind::Polygon(6),
+        "octagon" => LightKind::Polygon(8),
+    }
+    /// Bits of a table's numbers.
+    PrecisionName(Precision) {
+        "f32" => Precision::F32,
+        "f16" => Precision::F16,
+    }
+    /// What renders.
+    AdapterName(Adapter) {
+        "any" => Adapter::Any,
+        "gpu" => Adapter::Gpu,
+        "cpu" => Adapter::Cpu,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_and_modes_have_one_name_everywhere() {
+        let named: Vec<&str> = NamedScene::ALL.map(NamedScene::name).into();
+        let listed = |value: Option<PossibleValue>| value.map(|value| value.get_name().to_owned());
+        let scenes: Vec<_> = SceneName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
+        assert_eq!(scenes, named);
+        let modes: Vec<_> = ModeName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
+        assert_eq!(modes, Mode::ALL.map(Mode::name));
+    }
+}

@@ -1,0 +1,68 @@
+//! Angles in f32, in plain arithmetic: what a shader computes, bit for bit on any processor.
+//!
+//! Graphics drivers may be off by thousands of ulps in `atan2`, and in `sin` by 2^-11. The shaders write these
+//! polynomials out instead; here they stand for the CPU. Coefficients: Cephes, `atanf`, `sinf` and `cosf`.
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+/// tan(pi / 8): beyond it the polynomial's argument is taken from pi/4.
+const TAN_EIGHTH: f32 = 0.414_213_56;
+/// Stands for the length of the zero vector, whose angle is zero.
+const TINY: f32 = 1e-37;
+
+/// The angle of `(x, y)` from +x, in [0, pi]. Error below 4e-7. Domain: `y >= 0`; zero for the zero vector.
+#[must_use]
+pub fn atan2_upper(y: f32, x: f32) -> f32 {
+    let (low, high) = (y.min(x.abs()), y.max(x.abs()));
+    let is_far = low > TAN_EIGHTH * high;
+    let (top, bottom) = if is_far { (low - high, low + high) } else { (low, high) };
+    let t = top / bottom.max(TINY);
+    let z = t * t;
+    let near = (((0.080_537_44 * z - 0.138_776_85) * z + 0.199_777_1) * z - 0.333_329_5) * z * t + t;
+    let eighth = if is_far { near + FRAC_PI_4 } else { near };
+    let quarter = if y > x.abs() { FRAC_PI_2 - eighth } else { eighth };
+    if x < 0.0 { PI - quarter } else { quarter }
+}
+
+/// Sine and cosine of `turns` whole turns. Error below 2e-7. Domain: |turns| up to a few thousand.
+#[must_use]
+pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
+    let quarter = (4.0 * turns + 0.5).floor();
+    let x = (turns - 0.25 * quarter) * TAU;
+    let z = x * x;
+    let sin = ((-1.951_529_6e-4 * z + 8.332_161e-3) * z - 0.166_666_55) * z * x + x;
+    let cos = ((2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - 0.5 * z + 1.0;
+    match quarter as i32 & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_those_of_the_library() {
+        for i in 0..=20_000_u32 {
+            let angle = f64::from(i) / 20_000.0 * std::f64::consts::PI;
+            let (y, x) = (angle.sin().max(0.0) as f32, angle.cos() as f32);
+            let wanted = f64::from(y).atan2(f64::from(x));
+            assert!((f64::from(atan2_upper(y * 3.0, x * 3.0)) - wanted).abs() < 4e-7, "{angle}");
+        }
+        assert_eq!(atan2_upper(0.0, 0.0), 0.0);
+        assert_eq!(atan2_upper(0.0, -1.0), PI);
+    }
+
+    #[test]
+    fn turns_are_those_of_the_library() {
+        for i in -20_000..20_000_i32 {
+            let turns = i as f32 / 8192.0;
+            let (sin, cos) = (f64::from(turns) * std::f64::consts::TAU).sin_cos();
+            let found = sin_cos_turns(turns);
+            assert!((f64::from(found.0) - sin).abs() < 2e-7 && (f64::from(found.1) - cos).abs() < 2e-7, "{turns}");
+        }
+    }
+}

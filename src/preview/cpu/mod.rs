@@ -1,0 +1,32 @@
+//! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
+//!
+//! Each file stands beside a shader's and has its functions, with their names: `lookup` is `ltc_table.wgsl`, `light`
+//! is `ltc_light.wgsl`, `ggx` is `ggx_reference.wgsl`, `surface` is `sphere.wgsl`. Comments stand there.
+
+mod ggx;
+mod light;
+mod lookup;
+mod surface;
+
+use rayon::prelude::*;
+
+use super::{ShaderTable, frame::Frame, image::Radiances, renderer::Estimator};
+
+/// A part of the picture, as radiance: that of the `extent` pixels from `corner`.
+pub(super) fn render(
+    frame: &Frame,
+    table: &ShaderTable,
+    estimator: Estimator,
+    corner: [u32; 2],
+    extent: [u32; 2],
+) -> Radiances {
+    let rows = (0..extent[1]).into_par_iter().flat_map_iter(|y| {
+        (0..extent[0]).map(move |x| surface::pixel(frame, table, estimator, [corner[0] + x, corner[1] + y]))
+    });
+    Radiances { width: extent[0], pixels: rows.collect() }
+}
+
+/// The cell whose surface covers a pixel, in part at least.
+pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
+    surface::covering(frame, pixel)
+}

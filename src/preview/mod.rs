@@ -1,0 +1,35 @@
+//! Pictures of what a table does: metal under a polygon light, by the table and by Monte Carlo integration.
+//!
+//! The GPU runs the very shaders that users put into their own renderers; `cpu` is their twin in Rust, which renders
+//! where there is no adapter and which tests hold the GPU to. Both read a frame of numbers, and everything after
+//! radiance, from the difference to labels, is common to both.
+//!
+//! Invariant: `preview` knows no file, HTTP or recipe; equal scenes and tables give equal bytes on the same adapter.
+
+mod bounds;
+mod colours;
+mod compose;
+mod cpu;
+mod error;
+mod frame;
+mod gpu;
+mod image;
+mod light;
+mod named;
+mod renderer;
+mod scene;
+mod table;
+mod text;
+mod tone;
+
+pub use bounds::SceneFault;
+pub use error::PreviewError;
+pub use gpu::{SHADERS, Shader, Variant, Weights};
+pub use image::{Picture, Radiances};
+pub use named::NamedScene;
+pub use renderer::{Adapter, Estimator, PanelError, Preview, Rendered, Stop};
+pub use scene::{Camera, Light, LightKind, LobeView, Material, Mode, Scene, Surface};
+pub use table::{Precision, ShaderTable};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,74 @@
+//! Named set-ups.
+
+use super::{Camera, Light, LightKind, Material, Scene, Surface};
+
+/// A named set-up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NamedScene {
+    /// One sphere under a rectangle.
+    Sphere,
+    /// The four materials of KT et al. 2022, figure 14.
+    Figure14,
+    /// A brushed metal floor seen at a grazing angle, a light standing on its far side.
+    BrushedFloor,
+    /// A light of a few degrees, mirrored by metal of roughness 0.02.
+    TinyLight,
+    /// A light as large as the sphere beside it, which every point's horizon cuts.
+    Horizon,
+}
+
+impl NamedScene {
+    /// Every one.
+    pub const ALL: [Self; 5] = [Self::Sphere, Self::Figure14, Self::BrushedFloor, Self::TinyLight, Self::Horizon];
+
+    /// Its name in parameters.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Figure14 => "figure14",
+            Self::BrushedFloor => "brushed_floor",
+            Self::TinyLight => "tiny_light",
+            Self::Horizon => "horizon",
+        }
+    }
+
+    /// Its parameters.
+    #[must_use]
+    pub fn scene(self) -> Scene {
+        let usual = Scene::default();
+        match self {
+            Self::Sphere => usual,
+            Self::Figure14 => Scene {
+                materials: [(0.05, 0.25), (0.5, 0.02), (0.5, 0.25), (0.5, 1.0)]
+                    .map(|(alpha_x, alpha_y)| Material { alpha_x, alpha_y, rotation: 0.0 })
+                    .into(),
+                ..usual
+            },
+            Self::BrushedFloor => Scene {
+                surface: Surface::Floor,
+                materials: vec![Material { alpha_x: 0.05, alpha_y: 0.4, rotation: 0.0 }],
+                light: Light { centre: [0.0, 0.8, -3.0], half_size: [1.2, 0.6], ..usual.light },
+                camera: Camera { distance: 4.0, elevation: 0.1, field_of_view: 0.8, target: [0.0; 3], ..usual.camera },
+                ..usual
+            },
+            Self::TinyLight => Scene {
+                materials: vec![Material { alpha_x: 0.02, alpha_y: 0.02, rotation: 0.0 }],
+                light: Light { kind: LightKind::Disk, half_size: [0.1, 0.1], intensity: 30.0, ..usual.light },
+                camera: Camera { field_of_view: 0.25, target: [-0.3, 0.25, 0.0], ..usual.camera },
+                ..usual
+            },
+            Self::Horizon => Scene {
+                materials: vec![Material { alpha_x: 0.4, alpha_y: 0.15, rotation: 0.5 }],
+                light: Light {
+                    centre: [-1.5, 0.0, 0.0],
+                    half_size: [1.5, 1.5],
+                    intensity: 2.0,
+                    two_sided: true,
+                    ..usual.light
+                },
+                ..usual
+            },
+        }
+    }
+}

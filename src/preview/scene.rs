@@ -1,0 +1,191 @@
+//! What a preview shows, with defaults. Bounds stand in [`super::bounds`].
+
+use serde::{Deserialize, Serialize};
+
+/// A preview's parameters. Lengths are in radii of the sphere, angles in radians, y points up.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scene {
+    /// What is seen.
+    pub surface: Surface,
+    /// One material, or up to four that share the picture, two a row.
+    pub materials: Vec<Material>,
+    /// Reflectance at normal incidence, linear sRGB; at grazing incidence it is one.
+    pub f0: [f64; 3],
+    /// The light.
+    pub light: Light,
+    /// The camera.
+    pub camera: Camera,
+    /// The configuration whose lobe mode `lobe` draws; its roughness is the first material's.
+    pub lobe: LobeView,
+    /// Pixels a side of each panel.
+    pub size: u32,
+    /// Samples a pixel of the reference: each a visible normal and a point of the light.
+    pub spp: u32,
+    /// What is shown of it.
+    pub mode: Mode,
+    /// Radiance is multiplied by this before it is displayed.
+    pub exposure: f64,
+    /// The difference, in radiance, at the end of the colour bar.
+    pub difference_scale: f64,
+}
+
+/// What is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Surface {
+    /// A sphere of radius one around the origin, its tangents along circles of latitude.
+    Sphere,
+    /// The plane y = 0, its tangents along x.
+    Floor,
+}
+
+/// An anisotropic metal's surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Material {
+    /// GGX roughness along the tangent.
+    pub alpha_x: f64,
+    /// GGX roughness across it.
+    pub alpha_y: f64,
+    /// Angle by which the tangent frame is turned about the normal.
+    pub rotation: f64,
+}
+
+/// A polygon that emits evenly.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Light {
+    /// Its outline.
+    pub kind: LightKind,
+    /// Its middle.
+    pub centre: [f64; 3],
+    /// Half its width and half its height.
+    pub half_size: [f64; 2],
+    /// Yaw, pitch and roll by which it is turned from facing the origin upright, applied in reverse order.
+    pub rotation: [f64; 3],
+    /// Radiance.
+    pub intensity: f64,
+    /// Whether its back emits too.
+    pub two_sided: bool,
+}
+
+/// A light's outline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LightKind {
+    /// A rectangle.
+    Rectangle,
+    /// An ellipse, as the octagon of its area: by the table and by the reference alike.
+    Disk,
+    /// A regular polygon, stretched to the half sizes, its first vertex upwards.
+    Polygon(u32),
+}
+
+/// A pinhole camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Camera {
+    /// From what it looks at.
+    pub distance: f64,
+    /// Angle about +y from +z towards +x.
+    pub azimuth: f64,
+    /// Angle above the horizontal.
+    pub elevation: f64,
+    /// Whole angle of view.
+    pub field_of_view: f64,
+    /// What it looks at.
+    pub target: [f64; 3],
+}
+
+/// A view direction in the tangent frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LobeView {
+    /// Polar angle.
+    pub theta: f64,
+    /// Azimuth.
+    pub phi: f64,
+}
+
+/// What is shown of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Light by the table.
+    Ltc,
+    /// Light by Monte Carlo integration of the BRDF itself.
+    Reference,
+    /// How far the two are apart, in false colours, with their scale.
+    Difference,
+    /// The three side by side.
+    Strip,
+    /// The BRDF's lobe beside the fitted one, over the directions.
+    Lobe,
+}
+
+impl Mode {
+    /// Every mode.
+    pub const ALL: [Self; 5] = [Self::Ltc, Self::Reference, Self::Difference, Self::Strip, Self::Lobe];
+
+    /// Its name in parameters.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ltc => "ltc",
+            Self::Reference => "reference",
+            Self::Difference => "difference",
+            Self::Strip => "strip",
+            Self::Lobe => "lobe",
+        }
+    }
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            surface: Surface::Sphere,
+            materials: vec![Material::default()],
+            f0: [0.91, 0.92, 0.92],
+            light: Light::default(),
+            camera: Camera::default(),
+            lobe: LobeView::default(),
+            size: 512,
+            spp: 64,
+            mode: Mode::Ltc,
+            exposure: 1.0,
+            difference_scale: 0.2,
+        }
+    }
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self { alpha_x: 0.5, alpha_y: 0.1, rotation: 0.0 }
+    }
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self {
+            kind: LightKind::Rectangle,
+            centre: [-1.6, 1.8, 2.2],
+            half_size: [1.0, 0.6],
+            rotation: [0.0; 3],
+            intensity: 3.0,
+            two_sided: false,
+        }
+    }
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self { distance: 4.5, azimuth: 0.0, elevation: 0.2, field_of_view: 0.5, target: [0.0; 3] }
+    }
+}
+
+impl Default for LobeView {
+    fn default() -> Self {
+        Self { theta: 1.0, phi: 0.6 }
+    }
+}

@@ -1,0 +1,45 @@
+//! The two renderers against each other and against the truth.
+
+mod planted;
+mod truth;
+mod twins;
+
+use std::{
+    io::{Write as _, stderr},
+    sync::Arc,
+};
+
+pub(super) use planted::{planted, reflected};
+
+use super::{Adapter, Precision, Preview, PreviewError, ShaderTable};
+
+/// A table as shaders have it.
+fn shader_table(precision: Precision) -> Arc<ShaderTable> {
+    Arc::new(ShaderTable::new(&planted(), precision))
+}
+
+/// Tables of both layouts and both widths, as shaders have them.
+fn shader_tables() -> [Arc<ShaderTable>; 3] {
+    let tables = [(planted(), Precision::F32), (planted(), Precision::F16), (reflected(), Precision::F32)];
+    tables.map(|(table, precision)| Arc::new(ShaderTable::new(&table, precision)))
+}
+
+/// The renderers that there are. Without a Vulkan adapter the CPU alone is tested, and the test says so past the
+/// harness, which would keep it to itself.
+fn renderers() -> Vec<Preview> {
+    let mut gpu = Preview::new(Adapter::Gpu);
+    let cpu = Preview::new(Adapter::Cpu);
+    match gpu.adapter_name() {
+        Ok(_) => vec![gpu, cpu],
+        Err(PreviewError::NoAdapter(reason)) => {
+            let name = std::thread::current().name().unwrap_or_default().to_owned();
+            let line = format!(
+                "\n*** SKIPPED ON THE GPU: {name}: {reason}\n*** Install a Vulkan driver (Debian: mesa-vulkan-drivers).\n\n"
+            );
+            // A line that cannot be printed is no failure of what is tested.
+            let _ = stderr().write_all(line.as_bytes());
+            vec![cpu]
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
