@@ -16,12 +16,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("fit", &["ltc", "brdf", "math"]),
     ("recipe", &["fit", "ltc"]),
     ("export", &["recipe", "fit", "ltc", "math"]),
+    ("tradeoff", &["recipe", "fit", "ltc"]),
     ("store", &[]),
     ("queue", &["store"]),
     ("service", &["export", "recipe", "fit", "ltc", "queue", "store"]),
     ("http", &["service", "recipe", "fit", "queue"]),
     ("client", &["recipe", "queue"]),
-    ("cli", &["http", "client", "service", "export", "recipe", "fit", "ltc", "queue"]),
+    ("cli", &["http", "client", "service", "tradeoff", "export", "recipe", "fit", "ltc", "queue"]),
 ];
 
 /// What a module must not name, beyond other modules.
@@ -30,6 +31,7 @@ const ABSENT: &[(&[&str], &[&str])] = &[
         &["math", "brdf", "ltc", "fit"],
         &["serde_json", "tokio", "std::fs", "std::env", "std::time", "std::thread", "std::net", "num_threads"],
     ),
+    (&["tradeoff"], &["std::fs", "std::env", "std::time", "std::thread", "rustix"]),
     (&["queue", "store"], &["axum", "tower_http", "ureq"]),
     (&["client"], &["axum", "tokio", "sled"]),
     (&["http", "cli"], &["sled"]),

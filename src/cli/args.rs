@@ -47,6 +47,8 @@ pub enum Command {
     Lookup(LookupArgs),
     /// Measure how good a table is
     Report(ReportArgs),
+    /// Fit a family of recipes and show what speed and size cost in accuracy
+    Tradeoff(TradeoffArgs),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
     /// Download the tables pinned in ltcforge.lock, and leave right ones alone
@@ -77,7 +79,7 @@ impl Command {
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
             Self::Serve(_) => OnInterrupt::Finishes,
-            Self::Fit(_) | Self::Pull(_) => OnInterrupt::Told,
+            Self::Fit(_) | Self::Tradeoff(_) | Self::Pull(_) => OnInterrupt::Told,
             Self::Lookup(_) | Self::Report(_) | Self::Jobs(_) | Self::Verify(_) | Self::Completions { .. } => {
                 OnInterrupt::Ends
             }
@@ -144,6 +146,24 @@ pub struct ReportArgs {
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub tables: PathBuf,
     /// Threads that measure [default: one for each core]
+    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// `tradeoff`.
+#[derive(Debug, Args)]
+pub struct TradeoffArgs {
+    /// A recipe's file, `-` for stdin, or the name of a preset: the family keeps its ranges, terms, seed and solver,
+    /// and is laid around its layout, resolution and precision [default: paper]
+    #[arg(long, value_name = "RECIPE")]
+    pub recipe: Option<String>,
+    /// A small family: the presets and a few recipes around them
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder that `tradeoff.csv`, `tradeoff.json` and `tradeoff.svg` go to
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// Threads that fit [default: one for each core]
     #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 }
@@ -261,6 +281,8 @@ mod tests {
             "ltcforge jobs list --state finished",
             "ltcforge serve --workers 0",
             "ltcforge verify",
+            "ltcforge tradeoff paper",
+            "ltcforge tradeoff --threads 0",
             "ltcforge verify --digest 12 file",
         ];
         for line in lines {
