@@ -14,3 +14,4 @@ pub mod queue;
 pub mod recipe;
 pub mod service;
 pub mod store;
+pub mod tradeoff;

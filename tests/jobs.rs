@@ -21,11 +21,17 @@ fn a_recipe_becomes_a_table_under_its_hash() {
     let id = text(&job["id"]);
     assert_eq!(accepted.header("location"), Some(format!("/v1/jobs/{id}").as_str()));
     assert_eq!(job["progress"]["entries_total"], 16);
+    for figure in ["seconds", "error"] {
+        assert!(job["expected"][figure].as_f64().is_some_and(|figure| figure > 0.0), "{job:#}");
+    }
     assert_eq!(&text(&job["recipe_digest"])["sha256:".len()..][..32], id);
 
     let done = server.finished(id);
     assert_eq!(done["state"], "done", "{done:#}");
     assert_eq!(done["progress"]["entries_done"], 16);
+    assert_eq!(done["expected"]["error"], job["expected"]["error"]);
+    // What it learns from its own jobs changes what it expects.
+    assert_ne!(done["expected"]["seconds"], job["expected"]["seconds"]);
     let digest = text(&done["table"]);
 
     let file = server.get(&format!("/v1/tables/{digest}")).with_status(200);

@@ -17,12 +17,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("recipe", &["fit", "ltc"]),
     ("preview", &["ltc", "brdf", "math"]),
     ("export", &["recipe", "fit", "ltc", "math"]),
+    ("tradeoff", &["recipe", "fit", "ltc"]),
     ("store", &[]),
     ("queue", &["store"]),
     ("service", &["export", "recipe", "fit", "ltc", "queue", "store"]),
     ("http", &["service", "recipe", "fit", "queue"]),
     ("client", &["recipe", "queue"]),
-    ("cli", &["http", "client", "service", "export", "preview", "recipe", "fit", "ltc", "queue"]),
+    ("cli", &["http", "client", "service", "tradeoff", "export", "preview", "recipe", "fit", "ltc", "queue"]),
 ];
 
 /// What a module must not name, beyond other modules.
@@ -31,6 +32,7 @@ const ABSENT: &[(&[&str], &[&str])] = &[
         &["math", "brdf", "ltc", "fit"],
         &["serde_json", "tokio", "std::fs", "std::env", "std::time", "std::thread", "std::net", "num_threads"],
     ),
+    (&["tradeoff"], &["std::fs", "std::env", "std::time", "std::thread", "rustix"]),
     (&["queue", "store"], &["axum", "tower_http", "ureq"]),
     (&["preview"], &["axum", "tokio", "sled", "serde_json"]),
     (&["client"], &["axum", "tokio", "sled"]),

@@ -50,6 +50,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Render what a table does: metal under an area light, beside the truth, as PNG
     Preview(Box<PreviewArgs>),
+    /// Fit a family of recipes and show what speed and size cost in accuracy
+    Tradeoff(TradeoffArgs),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
     /// Download the tables pinned in ltcforge.lock, and leave right ones alone
@@ -80,7 +82,7 @@ impl Command {
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
             Self::Serve(_) => OnInterrupt::Finishes,
-            Self::Fit(_) | Self::Pull(_) => OnInterrupt::Told,
+            Self::Fit(_) | Self::Tradeoff(_) | Self::Pull(_) => OnInterrupt::Told,
             Self::Lookup(_)
             | Self::Report(_)
             | Self::Preview(_)
@@ -242,6 +244,24 @@ pub struct PreviewArgs {
     pub adapter: AdapterName,
 }
 
+/// `tradeoff`.
+#[derive(Debug, Args)]
+pub struct TradeoffArgs {
+    /// A recipe's file, `-` for stdin, or the name of a preset: the family keeps its ranges, terms, seed and solver,
+    /// and is laid around its layout, resolution and precision [default: paper]
+    #[arg(long, value_name = "RECIPE")]
+    pub recipe: Option<String>,
+    /// A small family: the presets and a few recipes around them
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder that `tradeoff.csv`, `tradeoff.json` and `tradeoff.svg` go to
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// Threads that fit [default: one for each core]
+    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
 /// `jobs`.
 #[derive(Debug, Args)]
 pub struct JobsArgs {
@@ -361,6 +381,8 @@ mod tests {
             "ltcforge jobs list --state finished",
             "ltcforge serve --workers 0",
             "ltcforge verify",
+            "ltcforge tradeoff paper",
+            "ltcforge tradeoff --threads 0",
             "ltcforge verify --digest 12 file",
         ];
         for line in lines {

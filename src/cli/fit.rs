@@ -47,7 +47,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
 
 /// The table of a plan, or `None` when the user stops the fit. Shards are put together in their order, so the number
 /// of threads changes nothing.
-fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
+pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
     let fit_one = |shard: u32| {
         let mut told = 0;
         fit_shard(plan, shard, &mut |done| {
@@ -62,7 +62,7 @@ fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
 }
 
 /// Every fault on its line.
-fn bad_recipe(name: &str, error: RecipeError) -> Failure {
+pub(super) fn bad_recipe(name: &str, error: RecipeError) -> Failure {
     let message = match error {
         RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
         RecipeError::Faults(faults) => {

@@ -18,6 +18,7 @@ mod progress;
 mod pull;
 mod report;
 mod serve;
+mod tradeoff;
 mod verify;
 
 use std::{io::Write, path::Path};
@@ -61,6 +62,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
         Command::Lookup(args) => lookup::run(&args, json, context),
         Command::Report(args) => report::run(&args, json, context),
         Command::Preview(args) => preview::run(&args, json, context),
+        Command::Tradeoff(args) => tradeoff::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
         Command::Pull(args) => {
             let servers = pull::Servers { chosen: server.as_deref(), usual: file.server.as_deref() };

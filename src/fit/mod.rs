@@ -8,7 +8,9 @@
 mod align;
 mod assemble;
 mod bfgs;
+mod cost;
 mod entry;
+mod expectation;
 mod guess;
 mod loss;
 mod nodes;
@@ -23,7 +25,9 @@ mod target;
 pub type Pulse<'a> = dyn FnMut() -> std::ops::ControlFlow<()> + 'a;
 
 pub use assemble::assemble;
+pub use cost::fit_seconds;
 pub use entry::{FittedEntry, Fitter};
+pub use expectation::{Expectation, expectation};
 pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
 pub use report::{

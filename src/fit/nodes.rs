@@ -45,6 +45,23 @@ pub fn nodes(recipe: &Recipe) -> PerAxis<Vec<f64>> {
     }
 }
 
+/// The step between neighbouring nodes of each axis where they are even, as a part of the whole domain there: 1 for the
+/// two ends alone, 0 for a single node.
+pub(super) fn steps(recipe: &Recipe) -> PerAxis<f64> {
+    let (range, n) = (&recipe.range, &recipe.resolution);
+    let theta = range.theta.map(|theta| theta.min(THETA_CEILING));
+    let [alpha, ratio, grazing] = match recipe.layout {
+        Layout::Kt2022 => [Spacing::Even; 3],
+        Layout::Reflected => [Spacing::Power(1.6), Spacing::Power(1.3), Spacing::Grazing],
+    };
+    PerAxis {
+        alpha: alpha.step(range.alpha, n.alpha, 1.0),
+        ratio: ratio.step(range.ratio, n.ratio, 1.0),
+        theta: grazing.step(theta, n.theta, THETA_CEILING),
+        phi: Spacing::Even.step(range.phi, n.phi, FRAC_PI_2),
+    }
+}
+
 /// Where nodes lie, as an ascending function of even steps.
 #[derive(Debug, Clone, Copy)]
 enum Spacing {
@@ -71,6 +88,11 @@ impl Spacing {
             Self::Power(p) => pow(x, 1.0 / p),
             Self::Grazing => 1.0 - (1.0 - x / THETA_CEILING).max(0.0).sqrt(),
         }
+    }
+
+    /// The step of `n` values over a range, where they are even, as a part of that from 0 to `whole`.
+    fn step(self, [low, high]: [f64; 2], n: u32, whole: f64) -> f64 {
+        (self.invert(high) - self.invert(low)) / self.invert(whole) / f64::from(n.saturating_sub(1).max(1))
     }
 
     /// `n` values from one end of a range to the other, both met exactly; its beginning for `n` of one.

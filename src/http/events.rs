@@ -121,7 +121,7 @@ mod tests {
     use crate::{digest::Digest, http::views::samples, queue::JobState};
 
     fn news(sequence: u64, state: JobState) -> JobNews {
-        JobNews { sequence, job: samples::job(state), seconds_left: None }
+        JobNews { sequence, job: samples::job(state), seconds_left: None, expected: None }
     }
 
     fn follower(first: JobNews, seen: Option<u64>) -> (watch::Sender<JobNews>, watch::Sender<bool>, Follower) {

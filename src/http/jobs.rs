@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     queue::{JobId, StateName},
-    service::{JobNews, Submission},
+    service::{JobNews, Service, Submission, SubmitError},
 };
 
 /// Longest time that a client is asked to wait before it looks at a job again.
@@ -40,12 +40,16 @@ pub(super) async fn submit(
     _: QueryOf<NoParameters>,
     RecipeBody(document): RecipeBody,
 ) -> Result<Response, Problem> {
-    let submission = api.call(move |service| service.submit(&document)).await?;
-    let (status, job) = match &submission {
-        Submission::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
-        Submission::Ready { job, .. } => (StatusCode::OK, job),
+    let submit = move |service: &Service| {
+        let (status, job) = match service.submit(&document)? {
+            Submission::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
+            Submission::Ready { job, .. } => (StatusCode::OK, job),
+        };
+        let expected = service.expected(&job.recipe);
+        Ok::<_, SubmitError>((status, job, expected))
     };
-    let mut response = (status, Json(JobView::new(job, None)?)).into_response();
+    let (status, job, expected) = api.call(submit).await?;
+    let mut response = (status, Json(JobView::new(&job, None, expected)?)).into_response();
     let headers = response.headers_mut();
     if let Ok(location) = HeaderValue::from_str(&format!("/v1/jobs/{}", job.id)) {
         headers.insert(header::LOCATION, location);
@@ -122,7 +126,7 @@ mod tests {
     #[test]
     fn only_a_job_that_may_change_says_when_to_look_again() {
         let retry_after = |state| {
-            let news = JobNews { sequence: 1, job: samples::job(state), seconds_left: Some(2.0) };
+            let news = JobNews { sequence: 1, job: samples::job(state), seconds_left: Some(2.0), expected: None };
             answer(&news).expect("the recipe is JSON").headers().get(header::RETRY_AFTER).cloned()
         };
         assert_eq!(retry_after(JobState::Running), Some(HeaderValue::from(2)));

@@ -8,7 +8,7 @@ use super::problem::{Problem, ProblemView};
 use crate::{
     digest::Digest,
     queue::{Job, JobId, JobState, StateName},
-    service::{JobNews, Page},
+    service::{Expected, JobNews, Page},
 };
 
 /// A job.
@@ -20,6 +20,7 @@ pub(super) struct JobView {
     recipe: Box<RawValue>,
     recipe_digest: Digest,
     progress: ProgressView,
+    expected: Option<ExpectedView>,
     attempts: u32,
     table: Option<Digest>,
     error: Option<ProblemView>,
@@ -33,6 +34,13 @@ struct ProgressView {
     entries_done: u64,
     entries_total: u64,
     seconds_left: Option<f64>,
+}
+
+/// What was to be expected of the job's fit.
+#[derive(Debug, Serialize)]
+struct ExpectedView {
+    seconds: f64,
+    error: f64,
 }
 
 /// A known recipe and the table it led to.
@@ -56,7 +64,7 @@ impl JobView {
     ///
     /// # Errors
     /// When the stored recipe is not JSON.
-    pub(super) fn new(job: &Job, seconds_left: Option<f64>) -> Result<Self, Problem> {
+    pub(super) fn new(job: &Job, seconds_left: Option<f64>, expected: Option<Expected>) -> Result<Self, Problem> {
         Ok(Self {
             id: job.id,
             state: state_name(&job.state),
@@ -67,6 +75,7 @@ impl JobView {
                 entries_total: job.entries_total,
                 seconds_left: seconds_left.filter(|seconds| seconds.is_finite()),
             },
+            expected: expected.map(|Expected { seconds, error }| ExpectedView { seconds, error }),
             attempts: job.attempts,
             table: match job.state {
                 JobState::Done { table } => Some(table),
@@ -87,7 +96,7 @@ impl JobView {
     /// # Errors
     /// As [`Self::new`].
     pub(super) fn of_news(news: &JobNews) -> Result<Self, Problem> {
-        Self::new(&news.job, news.seconds_left)
+        Self::new(&news.job, news.seconds_left, news.expected)
     }
 }
 
@@ -161,7 +170,7 @@ mod tests {
     use crate::queue::{Failure, FailureKind};
 
     fn json(state: JobState) -> serde_json::Value {
-        let view = JobView::new(&samples::job(state), Some(f64::INFINITY)).expect("the recipe is JSON");
+        let view = JobView::new(&samples::job(state), Some(f64::INFINITY), None).expect("the recipe is JSON");
         serde_json::to_value(view).expect("a job serialises")
     }
 
@@ -181,7 +190,8 @@ mod tests {
 
     #[test]
     fn a_job_keeps_every_digit_of_its_recipe_and_no_infinity() {
-        let view = JobView::new(&samples::job(JobState::Queued), Some(f64::INFINITY)).expect("the recipe is JSON");
+        let view =
+            JobView::new(&samples::job(JobState::Queued), Some(f64::INFINITY), None).expect("the recipe is JSON");
         let text = serde_json::to_string(&view).expect("a job serialises");
         assert!(text.contains("1.5707963267948966"), "{text}");
         assert!(text.contains(r#""seconds_left":null"#), "{text}");
@@ -191,6 +201,6 @@ mod tests {
     #[test]
     fn a_recipe_that_is_not_json_is_a_problem_not_a_panic() {
         let job = Job { recipe: "{".into(), ..samples::job(JobState::Queued) };
-        assert!(JobView::new(&job, None).is_err());
+        assert!(JobView::new(&job, None, None).is_err());
     }
 }

@@ -125,6 +125,15 @@ pub struct Page<T> {
     pub next: Option<String>,
 }
 
+/// What was to be expected of a job's fit before it began.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Expected {
+    /// Seconds of fitting with this service's workers and no other job.
+    pub seconds: f64,
+    /// Mean error between nodes, as a part of the lobe's width.
+    pub error: f64,
+}
+
 /// A running job's news. `sequence` grows by at least one with each change.
 #[derive(Debug, Clone)]
 pub struct JobNews {
@@ -134,6 +143,8 @@ pub struct JobNews {
     pub job: Job,
     /// Expected time to the end, once it can be told.
     pub seconds_left: Option<f64>,
+    /// What the whole fit is expected to take and to give; none of another fitter's recipe.
+    pub expected: Option<Expected>,
 }
 
 /// Figures for `/metrics`.

@@ -5,7 +5,7 @@ use std::sync::{
     atomic::{AtomicBool, AtomicU64, Ordering},
 };
 
-use super::{Config, Metrics, ServiceError, engine::Engine, watch::Hub};
+use super::{Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, watch::Hub};
 use crate::{
     queue::{Clock, JobId, Queue},
     store::{Batch, Catalogue, Store},
@@ -23,7 +23,8 @@ pub struct Service {
 /// What callers and workers share.
 pub(super) struct Core {
     pub(super) config: Config,
-    pub(super) engine: Box<dyn Engine>,
+    pub(super) engine: Arc<dyn Engine>,
+    pub(super) forecast: Arc<Forecast>,
     pub(super) store: Store,
     pub(super) catalogue: Catalogue,
     pub(super) queue: Queue,

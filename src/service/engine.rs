@@ -8,7 +8,7 @@ use std::{
 use crate::{
     digest::Digest,
     export::{self, TableFileError},
-    fit::{self, FITTER_VERSION, Plan, Recipe},
+    fit::{self, Expectation, FITTER_VERSION, Plan, Recipe},
     queue::NewJob,
     recipe::{self, RecipeError},
 };
@@ -17,6 +17,10 @@ use crate::{
 pub(super) trait Engine: Send + Sync {
     /// Reads a recipe document and plans its job.
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
+
+    /// What fitting a planned recipe is expected to take, on one thread of the model's machine, and to give; `None`
+    /// for a recipe that this engine does not fit.
+    fn expect(&self, recipe: &str) -> Option<Expectation>;
 
     /// Fits one shard of a planned recipe. `pulse` hears how many of its entries are done and may stop it; the
     /// result is `None` then.
@@ -81,6 +85,10 @@ impl Engine for Fitter {
         Ok(NewJob { recipe_digest: Digest::of(text.as_bytes()), recipe: text, shard_entries })
     }
 
+    fn expect(&self, recipe: &str) -> Option<Expectation> {
+        self.plan_of(recipe).ok().map(|plan| fit::expectation(plan.recipe()))
+    }
+
     fn fit_shard(
         &self,
         recipe: &str,
@@ -126,6 +134,8 @@ mod tests {
         let job = engine.plan(br#"{"range": {"phi": [0, 0]}}"#, 10_000).expect("a recipe");
         let older = job.recipe.replace(&format!("\"fitter\":{FITTER_VERSION}"), "\"fitter\":1");
         assert_ne!(older, job.recipe);
+        assert!(engine.expect(&job.recipe).is_some_and(|expected| expected.seconds > 0.0 && expected.error > 0.0));
+        assert_eq!(engine.expect(&older), None);
         let error = engine.fit_shard(&older, 0, &mut |_| ControlFlow::Continue(())).expect_err("another fitter's");
         assert!(error.contains("submit the recipe again"), "{error}");
     }

@@ -6,8 +6,10 @@ mod api;
 mod core;
 mod downloads;
 mod engine;
+mod forecast;
 mod manifest;
 mod open;
+mod speed;
 mod submit;
 #[cfg(test)]
 mod tests;
@@ -16,5 +18,5 @@ mod work;
 
 pub use self::core::Service;
 pub use crate::store::TableRow;
-pub use api::{Config, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
+pub use api::{Config, Expected, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
 pub use manifest::{manifest_json, table_report};

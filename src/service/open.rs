@@ -14,6 +14,7 @@ use super::{
     Config, OpenError, Service, TableRow,
     core::{Core, Workers},
     engine::{Engine, Fitter},
+    forecast::Forecast,
     watch::Hub,
 };
 use crate::{
@@ -48,12 +49,15 @@ impl Service {
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
         let (fitting, measuring) = (pool(&config, "fit")?, pool(&config, "measure")?);
+        let engine: Arc<dyn Engine> = Arc::from(engine);
+        let forecast = Arc::new(Forecast::new(Arc::clone(&engine), config.workers));
         let core = Arc::new(Core {
             engine,
             catalogue: opened,
             store,
             queue,
-            hub: Hub::new(Arc::clone(&clock)),
+            hub: Hub::new(Arc::clone(&clock), Arc::clone(&forecast)),
+            forecast,
             measuring,
             clock,
             stopping: AtomicBool::new(false),

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::{JobNews, Page, Service, ServiceError, Submission, SubmitError, core::Core};
+use super::{Expected, JobNews, Page, Service, ServiceError, Submission, SubmitError, core::Core};
 use crate::{
     digest::Digest,
     queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted},
@@ -30,6 +30,12 @@ impl Service {
         let submission = self.core.submit(new);
         self.core.publish_changes();
         submission
+    }
+
+    /// What the fit of a stored recipe is expected to take and to give here; `None` for another fitter's.
+    #[must_use]
+    pub fn expected(&self, recipe: &str) -> Option<Expected> {
+        self.core.forecast.of(recipe)
     }
 
     /// A job by its id, with the expected seconds to its end.

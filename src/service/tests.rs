@@ -14,6 +14,7 @@ use super::{engine::Engine, manifest::MANIFEST_VERSION, *};
 use crate::{
     digest::Digest,
     export::TableFileError,
+    fit::Expectation,
     queue::{FailureKind, JobId, JobState, NewJob, StateName},
     recipe::RecipeError,
     store::{Batch, Catalogue, ManifestRow, Store, Tree, memory::MemoryRows},
@@ -65,6 +66,10 @@ impl Engine for FakeEngine {
         let recipe = String::from_utf8(document.to_vec()).map_err(|_| refuse())?;
         let shards = recipe.split_once(' ').and_then(|(_, n)| n.parse().ok()).ok_or_else(refuse)?;
         Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards] })
+    }
+
+    fn expect(&self, _recipe: &str) -> Option<Expectation> {
+        Some(Expectation { seconds: 8.0, error: 0.25 })
     }
 
     fn fit_shard(
@@ -197,6 +202,9 @@ fn equal_recipes_share_a_job_and_the_queue_has_a_limit() {
     shared.wait_for_begun(2);
     let running = service.job(id).unwrap().unwrap().job;
     assert_eq!(running.state, JobState::Running);
+    let expected = service.job(id).unwrap().unwrap().expected.unwrap();
+    // Eight seconds of one thread, on two.
+    assert_eq!((expected.seconds, expected.error), (4.0, 0.25));
     shared.set(|b| b.held = false);
     assert!(matches!(end_of(&service, id), JobState::Done { .. }));
     assert_eq!(shared.behaviour.lock().unwrap().begun[&("gold 3".to_owned(), 0)], 1);

@@ -2,13 +2,13 @@
 
 use std::{
     collections::HashMap,
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
 use jiff::Timestamp;
 use tokio::sync::watch;
 
-use super::JobNews;
+use super::{JobNews, forecast::Forecast};
 use crate::{
     queue::{Clock, Job, JobId, StateName},
     store::StoreError,
@@ -23,6 +23,7 @@ const FINAL_AFTER: u64 = 1000;
 /// Invariant: a job in a final state has neither, so memory does not grow with the jobs that have been.
 pub(super) struct Hub {
     clock: Clock,
+    forecast: Arc<Forecast>,
     inner: Mutex<Inner>,
 }
 
@@ -40,14 +41,14 @@ struct Pace {
 }
 
 impl Hub {
-    pub(super) fn new(clock: Clock) -> Self {
-        Self { clock, inner: Mutex::new(Inner::default()) }
+    pub(super) fn new(clock: Clock, forecast: Arc<Forecast>) -> Self {
+        Self { clock, forecast, inner: Mutex::new(Inner::default()) }
     }
 
     /// The news of `job` as it is.
     pub(super) fn news(&self, job: Job) -> JobNews {
         let now = (self.clock)();
-        self.lock().news(job, now)
+        self.lock().news(job, &self.forecast, now)
     }
 
     /// Whether anyone follows the job.
@@ -64,7 +65,7 @@ impl Hub {
         let mut inner = self.lock();
         let Some(job) = read()? else { return Ok(()) };
         let is_final = job.state.name().is_final();
-        let news = inner.news(job, (self.clock)());
+        let news = inner.news(job, &self.forecast, (self.clock)());
         let followed = inner.channels.get(&id).is_some_and(|channel| channel.send(news).is_ok());
         if is_final || !followed {
             inner.channels.remove(&id);
@@ -84,7 +85,7 @@ impl Hub {
         if let Some(channel) = inner.channels.get(&id).filter(|_| !is_final) {
             return Ok(Some(channel.subscribe()));
         }
-        let news = inner.news(job, (self.clock)());
+        let news = inner.news(job, &self.forecast, (self.clock)());
         let (sender, receiver) = watch::channel(news);
         if !is_final {
             inner.channels.insert(id, sender);
@@ -98,7 +99,7 @@ impl Hub {
 }
 
 impl Inner {
-    fn news(&mut self, job: Job, now: Timestamp) -> JobNews {
+    fn news(&mut self, job: Job, forecast: &Forecast, now: Timestamp) -> JobNews {
         let seconds_left = if job.state.name() == StateName::Running {
             let start = Pace { since: now, entries_done: job.entries_done };
             self.paces.entry(job.id).or_insert(start).seconds_left(&job, now)
@@ -106,7 +107,8 @@ impl Inner {
             self.paces.remove(&job.id);
             None
         };
-        JobNews { sequence: self.sequence(&job, now), job, seconds_left }
+        let expected = forecast.of(&job.recipe);
+        JobNews { sequence: self.sequence(&job, now), job, seconds_left, expected }
     }
 
     /// Microseconds since 1970, or one more than the last: it grows over restarts too. A final state's is the time

@@ -5,6 +5,7 @@ use std::{
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::atomic::Ordering,
+    time::Instant,
 };
 
 use super::{TableRow, core::Core};
@@ -92,8 +93,15 @@ impl Core {
             }
             ControlFlow::Continue(())
         };
+        let started = Instant::now();
         match self.engine.fit_shard(&work.recipe, shard, &mut pulse).map_err(Trouble::Step)? {
-            Some(result) => self.queue.complete(&work.lease, &result)?,
+            Some(result) => {
+                let seconds = started.elapsed().as_secs_f64();
+                if let Some(job) = self.queue.job(work.job)? {
+                    self.forecast.learn(&work.recipe, fitted as f64 / job.entries_total as f64, seconds);
+                }
+                self.queue.complete(&work.lease, &result)?;
+            }
             None => self.queue.give_back(&work.lease)?,
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! How many configurations are measured: as many as a fixed part of the fit's own time allows.
 
-use crate::fit::{FitSettings, Recipe, Solver, nodes};
+use crate::fit::{Recipe, fit_seconds};
 
 /// Least and most configurations at nodes, and again between them.
 const LEAST_POINTS: usize = 32;
@@ -8,45 +8,12 @@ const LEAST_POINTS: usize = 32;
 pub const MOST_POINTS: usize = 1024;
 /// The part of the fit's time that the report may take.
 const SHARE: f64 = 0.15;
-
-/// What a measurement takes, seconds of one thread. Like all below it was measured on one machine; only their
-/// proportions count.
+/// What a measurement takes, on the scale of [`fit_seconds`].
 const POINT_SECONDS: f64 = 0.6e-3;
-/// An evaluation of loss and gradient, for each sample and direction.
-const EVALUATION_SECONDS: f64 = 3.5e-9;
-/// Evaluations that `bfgs` needs until it has converged; `sgd` takes one a step.
-const EVALUATIONS: u32 = 25;
-/// What else an entry takes for each sample and direction: tabulating the lobe, and the error on held-out samples.
-const TABULATING_SECONDS: f64 = 42e-9;
-/// And for each sample: sampling the lobe, twice, four samples each.
-const SAMPLING_SECONDS: f64 = 0.7e-6;
-/// And in any case.
-const ENTRY_SECONDS: f64 = 0.1e-3;
 
 /// How many nodes, and how many configurations between nodes, the table of a recipe is measured at.
 #[must_use]
 pub fn report_points(recipe: &Recipe) -> usize {
-    let points = SHARE * lobes(recipe) * entry_seconds(&recipe.fit) / POINT_SECONDS;
+    let points = SHARE * fit_seconds(recipe) / POINT_SECONDS;
     ((0.5 * points) as usize).clamp(LEAST_POINTS, MOST_POINTS)
-}
-
-/// What one entry's fit takes.
-fn entry_seconds(fit: &FitSettings) -> f64 {
-    let evaluations = match fit.solver {
-        Solver::Bfgs => fit.steps.min(EVALUATIONS),
-        Solver::Sgd => fit.steps,
-    };
-    let samples = f64::from(fit.samples);
-    let projections = samples * f64::from(fit.directions);
-    let solving = EVALUATION_SECONDS * f64::from(evaluations) * projections;
-    solving + TABULATING_SECONDS * projections + SAMPLING_SECONDS * samples + ENTRY_SECONDS
-}
-
-/// Entries that are fitted: where the surface is isotropic or seen from above, those of all phi share one fit.
-fn lobes(recipe: &Recipe) -> f64 {
-    let nodes = nodes(recipe);
-    let phi = nodes.phi.len();
-    let of_row = |ratio: f64, theta: f64| if ratio == 1.0 || theta == 0.0 { 1 } else { phi };
-    let rows = nodes.ratio.iter().flat_map(|ratio| nodes.theta.iter().map(move |theta| (*ratio, *theta)));
-    nodes.alpha.len() as f64 * rows.map(|(ratio, theta)| of_row(ratio, theta)).sum::<usize>() as f64
 }

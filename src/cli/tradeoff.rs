@@ -1,0 +1,103 @@
+//! `tradeoff`: what speed and size cost in accuracy, measured here.
+
+use std::{fmt::Write as _, time::Instant};
+
+use indicatif::ProgressBar;
+use rustix::time::{ClockId, clock_gettime};
+use serde_json::json;
+
+use super::{
+    Context, Exit, Failure, Interrupt, args::TradeoffArgs, file_failure, fit, input, print, progress, serve::cores,
+};
+use crate::{
+    client::replace_file,
+    fit::{Plan, Recipe, report},
+    recipe::{self, DEFAULT_ENTRY_LIMIT},
+    tradeoff::{Measurement, POINTS, Row, Size, csv, family, json as rows_json, off_by, picture, rows},
+};
+
+/// What the family varies when no recipe is given.
+const DEFAULT_RECIPE: &str = "paper";
+
+/// Fits a family of recipes one after the other, measures each table and writes the three files.
+pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    let name = args.recipe.as_deref().unwrap_or(DEFAULT_RECIPE);
+    let document = input::recipe_document(name)?;
+    let base = recipe::parse(&document, DEFAULT_ENTRY_LIMIT).map_err(|error| fit::bad_recipe(name, error))?;
+    let threads = args.threads.unwrap_or_else(cores).get();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+
+    let size = if args.quick { Size::Quick } else { Size::Full };
+    let recipes = family(&base, size, DEFAULT_ENTRY_LIMIT);
+    let interrupt = context.interrupt.clone();
+    let bar = progress::bar(context.draws_progress, recipes.iter().map(Recipe::entries).sum());
+    let mut fitted = Vec::with_capacity(recipes.len());
+    for recipe in recipes {
+        let measured = pool.install(|| measure(&recipe, &bar, &interrupt)).ok_or_else(Failure::interrupted)?;
+        fitted.push((recipe, measured));
+    }
+    bar.finish_and_clear();
+
+    let rows = rows(&base, &fitted, threads);
+    let files =
+        [("tradeoff.csv", csv(&rows)), ("tradeoff.json", rows_json(&rows, threads)), ("tradeoff.svg", picture(&rows))];
+    let mut paths = Vec::new();
+    for (name, text) in files {
+        let path = args.out.join(name);
+        replace_file(&path, text.as_bytes()).map_err(|error| file_failure(&path, &error))?;
+        paths.push(path);
+    }
+    let value = json!({ "files": paths, "recipes": rows.len(), "predicted": off_by(&rows) });
+    let mut text = summary(&rows);
+    for path in &paths {
+        text.push('\n');
+        text.push_str(&path.display().to_string());
+    }
+    print(context.stdout, json, &value, &text)?;
+    Ok(Exit::Ok)
+}
+
+/// Fits and measures one table; `None` when the user stops it.
+fn measure(recipe: &Recipe, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Measurement> {
+    let (started, processor_started) = (Instant::now(), processor_seconds());
+    let table = fit::fit(&Plan::new(recipe), bar, interrupt)?;
+    let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
+    let between = report(&table, &recipe.range, POINTS).between;
+    Some(Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1 })
+}
+
+/// Processor time of this process, all its threads together: other processes do not count, however busy they are.
+fn processor_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// The presets, how far each is above the front, and how far predictions were off.
+fn summary(rows: &[Row]) -> String {
+    let mut out = format!("{:10}{:>20}{:>10}{:>10}{:>10}  on the front\n", "preset", "fit", "seconds", "error", "p95");
+    for row in rows {
+        let Some(preset) = row.preset else { continue };
+        let fit = format!("{} x {} x {}", row.samples, row.directions, row.steps);
+        let on_front = if row.on_front.base { "yes" } else { "no" };
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            out,
+            "{preset:10}{fit:>20}{:>10.2}{:>10.4}{:>10.4}  {on_front}",
+            row.seconds, row.error_mean, row.error_p95
+        );
+    }
+    let off = off_by(rows);
+    let _ = write!(
+        out,
+        "measured over predicted, {} recipes (least, median, greatest): seconds {:.2} {:.2} {:.2}, error {:.2} {:.2} {:.2}",
+        rows.len(),
+        off.seconds[0],
+        off.seconds[1],
+        off.seconds[2],
+        off.error[0],
+        off.error[1],
+        off.error[2]
+    );
+    out
+}

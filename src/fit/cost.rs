@@ -1,0 +1,42 @@
+//! What a fit costs, as the recipe tells it before anything is fitted.
+
+use super::{FitSettings, Recipe, Solver, nodes};
+
+/// An evaluation of loss and gradient, for each sample and direction. Like all below it was measured on one machine,
+/// in seconds of one thread; on others their proportions count.
+const EVALUATION_SECONDS: f64 = 3.5e-9;
+/// Evaluations that `bfgs` needs until it has converged; `sgd` takes one a step.
+const EVALUATIONS: u32 = 25;
+/// What else an entry takes for each sample and direction: tabulating the lobe, and the error on held-out samples.
+const TABULATING_SECONDS: f64 = 42e-9;
+/// And for each sample: sampling the lobe, twice, four samples each.
+const SAMPLING_SECONDS: f64 = 0.7e-6;
+/// And in any case.
+const ENTRY_SECONDS: f64 = 0.1e-3;
+
+/// What the fit of a whole recipe takes, seconds of one thread on the machine of the constants.
+#[must_use]
+pub fn fit_seconds(recipe: &Recipe) -> f64 {
+    lobes(recipe) * entry_seconds(&recipe.fit)
+}
+
+/// What one entry's fit takes.
+fn entry_seconds(fit: &FitSettings) -> f64 {
+    let evaluations = match fit.solver {
+        Solver::Bfgs => fit.steps.min(EVALUATIONS),
+        Solver::Sgd => fit.steps,
+    };
+    let samples = f64::from(fit.samples);
+    let projections = samples * f64::from(fit.directions);
+    let solving = EVALUATION_SECONDS * f64::from(evaluations) * projections;
+    solving + TABULATING_SECONDS * projections + SAMPLING_SECONDS * samples + ENTRY_SECONDS
+}
+
+/// Entries that are fitted: where the surface is isotropic or seen from above, those of all phi share one fit.
+fn lobes(recipe: &Recipe) -> f64 {
+    let nodes = nodes(recipe);
+    let phi = nodes.phi.len();
+    let of_row = |ratio: f64, theta: f64| if ratio == 1.0 || theta == 0.0 { 1 } else { phi };
+    let rows = nodes.ratio.iter().flat_map(|ratio| nodes.theta.iter().map(move |theta| (*ratio, *theta)));
+    nodes.alpha.len() as f64 * rows.map(|(ratio, theta)| of_row(ratio, theta)).sum::<usize>() as f64
+}

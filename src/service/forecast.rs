@@ -1,0 +1,32 @@
+//! What a job is expected to take and to give.
+
+use std::{num::NonZeroUsize, sync::Arc};
+
+use super::{Expected, engine::Engine, speed::Speed};
+
+/// Forecasts by the engine's model, at the speed that this service has shown.
+pub(super) struct Forecast {
+    engine: Arc<dyn Engine>,
+    workers: NonZeroUsize,
+    speed: Speed,
+}
+
+impl Forecast {
+    pub(super) fn new(engine: Arc<dyn Engine>, workers: NonZeroUsize) -> Self {
+        Self { engine, workers, speed: Speed::default() }
+    }
+
+    /// What the fit of a stored recipe is expected to take with all workers on it, and to give; `None` for another
+    /// fitter's.
+    pub(super) fn of(&self, recipe: &str) -> Option<Expected> {
+        let model = self.engine.expect(recipe)?;
+        Some(Expected { seconds: model.seconds * self.speed.ratio() / self.workers.get() as f64, error: model.error })
+    }
+
+    /// Learns from the `part` of a recipe's entries that took a worker `seconds`.
+    pub(super) fn learn(&self, recipe: &str, part: f64, seconds: f64) {
+        if let Some(model) = self.engine.expect(recipe) {
+            self.speed.learn(part * model.seconds, seconds);
+        }
+    }
+}

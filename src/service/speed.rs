@@ -1,0 +1,68 @@
+//! How fast this machine fits, learnt from the shards that it has fitted.
+
+use std::sync::{Mutex, PoisonError};
+
+/// Measured over predicted seconds of a thread, of the work of late.
+///
+/// The cost model's constants are one machine's; a single factor carries them to another.
+#[derive(Debug)]
+pub(super) struct Speed(Mutex<Sums>);
+
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    predicted: f64,
+    measured: f64,
+}
+
+/// Seconds of work for which the model itself counts before anything was measured: some shards.
+const PRIOR_SECONDS: f64 = 0.5;
+/// Seconds of work that are remembered; what is older fades.
+const MEMORY_SECONDS: f64 = 60.0;
+
+impl Default for Speed {
+    fn default() -> Self {
+        Self(Mutex::new(Sums { predicted: PRIOR_SECONDS, measured: PRIOR_SECONDS }))
+    }
+}
+
+impl Speed {
+    /// Takes in a piece of work: seconds of one thread. What is not positive and finite tells nothing.
+    pub(super) fn learn(&self, predicted: f64, measured: f64) {
+        if !(predicted > 0.0 && measured > 0.0 && predicted.is_finite() && measured.is_finite()) {
+            return;
+        }
+        let mut sums = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let fade = (MEMORY_SECONDS / (sums.predicted + predicted)).min(1.0);
+        sums.predicted = fade * (sums.predicted + predicted);
+        sums.measured = fade * (sums.measured + measured);
+    }
+
+    /// What a predicted second takes here.
+    pub(super) fn ratio(&self) -> f64 {
+        let sums = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        sums.measured / sums.predicted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ratio_goes_from_one_to_what_is_measured_and_forgets() {
+        let speed = Speed::default();
+        assert_eq!(speed.ratio(), 1.0);
+        for (predicted, measured) in [(0.0, 1.0), (1.0, f64::NAN), (f64::INFINITY, 1.0), (1.0, -1.0)] {
+            speed.learn(predicted, measured);
+        }
+        assert_eq!(speed.ratio(), 1.0);
+        for _ in 0..100 {
+            speed.learn(1.0, 3.0);
+        }
+        assert!((speed.ratio() - 3.0).abs() < 0.05, "{}", speed.ratio());
+        for _ in 0..300 {
+            speed.learn(1.0, 0.5);
+        }
+        assert!((speed.ratio() - 0.5).abs() < 0.05, "{}", speed.ratio());
+    }
+}

@@ -1,0 +1,72 @@
+//! A logarithmic axis of a picture.
+
+/// Maps values to a picture's coordinate by their logarithm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LogAxis {
+    low: f64,
+    high: f64,
+    /// Coordinates of `low` and `high`.
+    ends: [f64; 2],
+}
+
+/// What is left free at both ends, as a part of the axis.
+const MARGIN: f64 = 0.05;
+
+impl LogAxis {
+    /// An axis that shows all positive `values`, between the coordinates `ends`. Without any, from 1 to 10.
+    pub(super) fn over(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        for value in values.filter(|value| *value > 0.0 && value.is_finite()) {
+            (low, high) = (low.min(value), high.max(value));
+        }
+        if low > high {
+            (low, high) = (1.0, 10.0);
+        }
+        // A lone value stands in the middle of a factor of two.
+        let span = (high / low).ln().max(std::f64::consts::LN_2 * 0.5);
+        let margin = (MARGIN * span).exp();
+        Self { low: low / margin, high: (low * span.exp()).max(high) * margin, ends }
+    }
+
+    /// Where `value` is drawn; what is not positive lies on the lower end.
+    pub(super) fn at(&self, value: f64) -> f64 {
+        let part = (value.max(self.low) / self.low).ln() / (self.high / self.low).ln();
+        self.ends[0] + (self.ends[1] - self.ends[0]) * part.min(1.0)
+    }
+
+    /// Values to mark: of each decade 1, 2 and 5, or all nine where the axis spans less than one.
+    pub(super) fn ticks(&self) -> Vec<f64> {
+        let steps: &[f64] = match self.high / self.low {
+            span if span < 6.0 => &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+            span if span < 2e3 => &[1.0, 2.0, 5.0],
+            _ => &[1.0],
+        };
+        let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
+        let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10_f64.powi(decade)));
+        all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_lie_inside_in_order_and_factors_are_lengths() {
+        let axis = LogAxis::over([0.02, 0.2, 2.0].into_iter(), [100.0, 500.0]);
+        let [a, b, c] = [0.02, 0.2, 2.0].map(|value| axis.at(value));
+        assert!(100.0 < a && a < b && b < c && c < 500.0, "{a} {b} {c}");
+        assert!(((b - a) - (c - b)).abs() < 1e-9);
+        assert_eq!(axis.at(0.0), 100.0);
+    }
+
+    #[test]
+    fn every_axis_has_ticks_within_it() {
+        for values in [vec![], vec![3.0], vec![0.11, 0.12], vec![0.05, 0.3], vec![0.1, 90.0], vec![1e-3, 1e6]] {
+            let axis = LogAxis::over(values.iter().copied(), [0.0, 1.0]);
+            let ticks = axis.ticks();
+            assert!(!ticks.is_empty() && ticks.len() < 14, "{values:?}: {ticks:?}");
+            assert!(ticks.iter().all(|tick| (0.0..=1.0).contains(&axis.at(*tick))));
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What is worth its price.
+
+/// Which of several `[price, error]` pairs are on the Pareto front: no other is as good in both and better in one.
+///
+/// Domain: finite numbers.
+#[must_use]
+pub fn front(pairs: &[[f64; 2]]) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..pairs.len()).collect();
+    order.sort_by(|a, b| {
+        let ([price_a, error_a], [price_b, error_b]) = (pairs[*a], pairs[*b]);
+        price_a.total_cmp(&price_b).then(error_a.total_cmp(&error_b))
+    });
+    let mut on_front = vec![false; pairs.len()];
+    // The lowest error so far, and the price of who has it: an equal pair is as good.
+    let mut best = [f64::NEG_INFINITY, f64::INFINITY];
+    for index in order {
+        let [price, error] = pairs[index];
+        if error < best[1] || [price, error] == best {
+            on_front[index] = true;
+            best = [price, error];
+        }
+    }
+    on_front
+}
+
+/// The fronts that a row of the trade is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Fronts {
+    /// Error against seconds, of all rows.
+    pub seconds: bool,
+    /// Error against bytes, of all rows.
+    pub bytes: bool,
+    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision: where presets
+    /// are chosen.
+    pub base: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Few different values, so that equal prices, equal errors and equal pairs come up.
+    fn pairs() -> impl Strategy<Value = Vec<[f64; 2]>> {
+        let value = || (0_u32..12).prop_map(f64::from);
+        prop::collection::vec((value(), value()).prop_map(|(price, error)| [price, error]), 0..40)
+    }
+
+    proptest! {
+        #[test]
+        fn the_front_is_what_nothing_dominates(pairs in pairs()) {
+            let dominates = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[0] && a[1] <= b[1] && a != b;
+            let expected: Vec<bool> =
+                pairs.iter().map(|pair| !pairs.iter().any(|other| dominates(other, pair))).collect();
+            prop_assert_eq!(front(&pairs), expected);
+        }
+    }
+}

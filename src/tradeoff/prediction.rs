@@ -1,0 +1,28 @@
+//! How far expectations were off.
+
+use serde::Serialize;
+
+use super::Row;
+
+/// Measured over predicted: least, median and greatest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OffBy {
+    /// Of the seconds. A factor common to all three is the machine's speed.
+    pub seconds: [f64; 3],
+    /// Of the mean error.
+    pub error: [f64; 3],
+}
+
+/// How far the expectations of `rows` were off. Domain: at least one row.
+#[must_use]
+pub fn off_by(rows: &[Row]) -> OffBy {
+    let spread = |ratio: fn(&Row) -> f64| {
+        let mut ratios: Vec<f64> = rows.iter().map(ratio).collect();
+        ratios.sort_by(f64::total_cmp);
+        [ratios[0], ratios[ratios.len() / 2], ratios[ratios.len() - 1]]
+    };
+    OffBy {
+        seconds: spread(|row| row.seconds / row.predicted_seconds),
+        error: spread(|row| row.error_mean / row.predicted_error),
+    }
+}
