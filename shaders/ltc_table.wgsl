@@ -1,4 +1,4 @@
-// Reads a table: fold, fetch, unfactor, unfold. Needs ltc_math.wgsl.
+// Reads a table: fold, fetch, what the layout stands for, unfold. Needs ltc_math.wgsl.
 //
 // The table is three 3D textures, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a
 // file stores its entries:
@@ -11,7 +11,7 @@
 struct LtcTable {
     /// How many nodes alpha, ratio, theta and phi have.
     nodes: vec4<u32>,
-    /// x: layout, how a stored matrix maps to M, see ltc_unfactor. y: 1 for a table of isotropic surfaces with one
+    /// x: layout, how a stored matrix maps to M, unless ltc_layout fixes it. y: 1 for a table of isotropic surfaces with one
     /// phi, whose lobes turn with the view.
     reading: vec4<u32>,
 }
@@ -27,8 +27,15 @@ struct LtcTable {
 /// filterable and the sampler linear. Many GPUs have weights of 8 bits only, which shows on sharp lobes.
 override ltc_hardware_filter: bool = false;
 
+/// The stored matrix is M, the stored terms are the terms.
 const LTC_LAYOUT_KT2022: u32 = 0u;
+/// They are what is left between the lobe and its reflection, see ltc_reflected.
 const LTC_LAYOUT_REFLECTED: u32 = 1u;
+/// Whichever ltc_table.reading.x says.
+const LTC_LAYOUT_OF_TABLE: u32 = 2u;
+
+/// The layout of all tables that this shader is to read.
+override ltc_layout: u32 = LTC_LAYOUT_OF_TABLE;
 
 /// Roughness below this is a mirror's for every light a scene can hold, and GGX of it overflows.
 const LTC_ALPHA_FLOOR: f32 = 1e-4;
@@ -151,12 +158,9 @@ fn ltc_reflected_tangent(wo: vec3<f32>, wm: vec3<f32>, d: f32, tangent: vec3<f32
     return 2.0 * (dot(wo, tilt) * wm + d * tilt);
 }
 
-/// What the interpolated numbers stand for, at a place within the table's ranges seen from wo in the first quadrant.
-fn ltc_unfactor(kind: u32, stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
-    if (kind == LTC_LAYOUT_KT2022) {
-        return stored;
-    }
-    // LTC_LAYOUT_REFLECTED: the reflection at the normal in the middle of those seen. The table has what is left.
+/// What the interpolated numbers of layout reflected stand for, at a place within the table's ranges seen from wo in
+/// the first quadrant: they are what is left of the lobe beside the reflection at the normal in the middle of those seen.
+fn ltc_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
     let alpha_y = max(alpha_x * ratio, LTC_ALPHA_Y_FLOOR);
     let halfway = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z)) + vec3(0.0, 0.0, 1.0);
     let wm = normalize(vec3(alpha_x * halfway.x, alpha_y * halfway.y, halfway.z));
@@ -223,8 +227,13 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     }
     let near_alpha = ltc_nearest(0u, n.x, fold.alpha);
     let near_ratio = ltc_nearest(n.x, n.y, fold.ratio);
-    let between = LtcLobe(stored, texels.terms.y, texels.terms.z);
-    var lobe = ltc_unfactor(ltc_table.reading.x, between, near_alpha, near_ratio, view);
+    var lobe = LtcLobe(stored, texels.terms.y, texels.terms.z);
+    // Two conditions: the first is known once ltc_layout is.
+    if (ltc_layout != LTC_LAYOUT_KT2022) {
+        if ((ltc_layout == LTC_LAYOUT_REFLECTED) | (ltc_table.reading.x == LTC_LAYOUT_REFLECTED)) {
+            lobe = ltc_reflected(lobe, near_alpha, near_ratio, view);
+        }
+    }
     if (ltc_table.reading.y == 1u) {
         lobe.m = ltc_turned(lobe.m, fold.phi - ltc_nodes[n.x + n.y + n.z]);
     }

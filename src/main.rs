@@ -32,6 +32,7 @@ fn main() -> ExitCode {
     }
     let mut context = Context {
         stdout: &mut io::stdout(),
+        stdout_is_terminal: io::stdout().is_terminal(),
         draws_progress: io::stderr().is_terminal(),
         interrupt,
         runtime: runtime.handle().clone(),

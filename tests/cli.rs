@@ -288,3 +288,43 @@ fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
     assert!(told.stderr.contains("adapter: cpu\n"), "{told:#?}");
     assert!(hide("gpu").exited(1).stderr.contains("no adapter"));
 }
+
+#[test]
+fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for language in ["wgsl", "glsl", "hlsl", "msl", "spirv"] {
+        for layout in ["reflected", "kt2022"] {
+            let arguments = ["shader", "--language", language, "--layout", layout];
+            let told = run(folder.path(), arguments.iter().chain(&["-o", "s", "--json"])).exited(0);
+            let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+            let file = fs::read(folder.path().join("s")).expect("the shader");
+            assert_eq!((&told["language"], &told["layout"]), (&language.into(), &layout.into()));
+            assert_eq!(told["bytes"], file.len());
+            let start: &[u8] = if language == "spirv" { b"\x03\x02\x23\x07" } else { b"// Linearly Transformed" };
+            assert!(file.starts_with(start), "{language}");
+            let output = ltcforge(folder.path(), arguments).output().expect("the binary runs");
+            assert!(output.status.success() && output.stdout == file, "{language}");
+        }
+    }
+    let wgsl = ["shader", "--language", "wgsl", "--layout", "kt2022", "--json"];
+    let told: Value = serde_json::from_str(&run(folder.path(), wgsl).exited(0).stdout).expect("JSON");
+    assert!(told["source"].as_str().expect("text").contains("fn ltc_lookup("));
+}
+
+#[test]
+fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases: [&[&str]; 5] = [
+        &["--language", "cg", "--layout", "kt2022"],
+        &["--language", "wgsl", "--layout", "square"],
+        &["--language", "wgsl"],
+        &["--layout", "kt2022"],
+        &["--language", "spirv", "--layout", "kt2022", "--json"],
+    ];
+    for case in cases {
+        let refused = run(folder.path(), ["shader"].iter().chain(case)).exited(2);
+        assert!(refused.stdout.is_empty() && !refused.stderr.is_empty(), "{case:?}");
+    }
+    let nowhere = ["shader", "--language", "glsl", "--layout", "kt2022", "-o", "none/s.glsl"];
+    assert!(run(folder.path(), nowhere).exited(1).stderr.contains("none/s.glsl"));
+}

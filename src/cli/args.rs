@@ -10,7 +10,7 @@ use std::{
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
-use super::preview_names::{AdapterName, LightName, ModeName, PrecisionName, SceneName};
+use super::preview_names::{AdapterName, LanguageName, LayoutName, LightName, ModeName, PrecisionName, SceneName};
 use crate::{
     digest::Digest,
     queue::{JobId, StateName},
@@ -52,6 +52,8 @@ pub enum Command {
     Preview(Box<PreviewArgs>),
     /// Fit a family of recipes and show what speed and size cost in accuracy
     Tradeoff(TradeoffArgs),
+    /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
+    Shader(ShaderArgs),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
     /// Download the tables pinned in ltcforge.lock, and leave right ones alone
@@ -86,6 +88,7 @@ impl Command {
             Self::Lookup(_)
             | Self::Report(_)
             | Self::Preview(_)
+            | Self::Shader(_)
             | Self::Jobs(_)
             | Self::Verify(_)
             | Self::Completions { .. } => OnInterrupt::Ends,
@@ -260,6 +263,20 @@ pub struct TradeoffArgs {
     /// Threads that fit [default: one for each core]
     #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+}
+
+/// `shader`.
+#[derive(Debug, Args)]
+pub struct ShaderArgs {
+    /// Language to write
+    #[arg(long, value_enum)]
+    pub language: LanguageName,
+    /// Layout of the tables that it is to read; a table's recipe names it
+    #[arg(long, value_enum)]
+    pub layout: LayoutName,
+    /// The file [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// `jobs`.

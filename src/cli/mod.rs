@@ -18,6 +18,7 @@ mod progress;
 mod pull;
 mod report;
 mod serve;
+mod shader;
 mod tradeoff;
 mod verify;
 
@@ -40,6 +41,8 @@ const DEFAULT_SERVER: &str = "http://127.0.0.1:8317";
 pub struct Context<'a> {
     /// Standard output.
     pub stdout: &'a mut dyn Write,
+    /// Whether that is a terminal: then nothing binary goes there.
+    pub stdout_is_terminal: bool,
     /// Whether standard error is a terminal: then progress is drawn there.
     pub draws_progress: bool,
     /// Told when the user wants to stop.
@@ -63,6 +66,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
         Command::Report(args) => report::run(&args, json, context),
         Command::Preview(args) => preview::run(&args, json, context),
         Command::Tradeoff(args) => tradeoff::run(&args, json, context),
+        Command::Shader(args) => shader::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
         Command::Pull(args) => {
             let servers = pull::Servers { chosen: server.as_deref(), usual: file.server.as_deref() };

@@ -1,8 +1,11 @@
-//! Names that the command line has for a preview's choices.
+//! Names that the command line has for the choices of a preview and of a shader.
 
 use clap::{ValueEnum, builder::PossibleValue};
 
-use crate::preview::{Adapter, LightKind, Mode, NamedScene, Precision};
+use crate::{
+    ltc::Layout,
+    preview::{Adapter, Language, LightKind, Mode, NamedScene, Precision},
+};
 
 /// A choice under its name on the command line.
 macro_rules! names {
@@ -57,6 +60,19 @@ names! {
         "f32" => Precision::F32,
         "f16" => Precision::F16,
     }
+    /// A shader's language.
+    LanguageName(Language) {
+        "wgsl" => Language::Wgsl,
+        "glsl" => Language::Glsl,
+        "hlsl" => Language::Hlsl,
+        "msl" => Language::Msl,
+        "spirv" => Language::Spirv,
+    }
+    /// A table's layout.
+    LayoutName(Layout) {
+        "reflected" => Layout::Reflected,
+        "kt2022" => Layout::Kt2022,
+    }
     /// What renders.
     AdapterName(Adapter) {
         "any" => Adapter::Any,
@@ -70,12 +86,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_and_modes_have_one_name_everywhere() {
+    fn scenes_modes_and_languages_have_one_name_everywhere() {
         let named: Vec<&str> = NamedScene::ALL.map(NamedScene::name).into();
         let listed = |value: Option<PossibleValue>| value.map(|value| value.get_name().to_owned());
         let scenes: Vec<_> = SceneName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
         assert_eq!(scenes, named);
         let modes: Vec<_> = ModeName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
         assert_eq!(modes, Mode::ALL.map(Mode::name));
+        let languages: Vec<_> =
+            LanguageName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
+        assert_eq!(languages, Language::ALL.map(Language::name));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The GPU runs the very shaders that users put into their own renderers; `cpu` is their twin in Rust, which renders
 //! where there is no adapter and which tests hold the GPU to. Both read a frame of numbers, and everything after
-//! radiance, from the difference to labels, is common to both.
+//! radiance, from the difference to labels, is common to both. `port` hands those shaders out in other languages.
 //!
 //! Invariant: `preview` knows no file, HTTP or recipe; equal scenes and tables give equal bytes on the same adapter.
 
@@ -16,6 +16,7 @@ mod gpu;
 mod image;
 mod light;
 mod named;
+mod port;
 mod renderer;
 mod scene;
 mod table;
@@ -27,6 +28,7 @@ pub use error::PreviewError;
 pub use gpu::{SHADERS, Shader, Variant, Weights};
 pub use image::{Picture, Radiances};
 pub use named::NamedScene;
+pub use port::{Language, PortError, port};
 pub use renderer::{Adapter, Estimator, PanelError, Preview, Rendered, Stop};
 pub use scene::{Camera, Light, LightKind, LobeView, Material, Mode, Scene, Surface};
 pub use table::{Precision, ShaderTable};

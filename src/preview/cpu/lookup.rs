@@ -83,7 +83,7 @@ fn smith_lambda(alpha_x: f32, alpha_y: f32, w: Vec3) -> f32 {
     0.5 * ((1.0 + (x * x + y * y)).sqrt() - 1.0)
 }
 
-/// `ltc_unfactor` for the layout of that name.
+/// `ltc_reflected`.
 fn reflected(stored: &Lobe, alpha_x: f32, ratio: f32, wo: Vec3) -> Lobe {
     let alpha_y = (alpha_x * ratio).max(ALPHA_Y_FLOOR);
     let halfway = Vec3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalize() + Vec3::Z;

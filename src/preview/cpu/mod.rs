@@ -26,6 +26,29 @@ pub(super) fn render(
     Radiances { width: extent[0], pixels: rows.collect() }
 }
 
+/// `ltc_example`: the table looked up, and the part of the lobe that a one-sided polygon covers: M, then amplitude,
+/// Fresnel term and that.
+#[cfg(test)]
+pub(super) fn lit(
+    table: &ShaderTable,
+    alpha_x: f32,
+    alpha_y: f32,
+    wo: glam::Vec3,
+    vertices: &[glam::Vec3],
+) -> (glam::Mat3, [f32; 3]) {
+    let lobe = lookup::lookup(table, alpha_x, alpha_y, wo);
+    let light = super::frame::FrameLight {
+        vertices: vertices.to_vec(),
+        area_up_to: Vec::new(),
+        normal: glam::Vec3::Z,
+        area: 0.0,
+        radiance: 1.0,
+        two_sided: false,
+    };
+    let covered = light::Inverse::of(lobe.m).covered(&light, glam::Vec3::ZERO, glam::Mat3::IDENTITY);
+    (lobe.m, [lobe.amplitude, lobe.fresnel, covered])
+}
+
 /// The cell whose surface covers a pixel, in part at least.
 pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     surface::covering(frame, pixel)

@@ -10,17 +10,19 @@ pub struct Shader {
 }
 
 /// Every shader, each after those it needs. `ltc_math`, `ltc_table` and `ltc_light` are all that a renderer takes.
-pub const SHADERS: [Shader; 5] = [
+pub const SHADERS: [Shader; 6] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
     Shader { name: "ltc_light", source: include_str!("../../../shaders/ltc_light.wgsl") },
+    Shader { name: "ltc_example", source: include_str!("../../../shaders/ltc_example.wgsl") },
     Shader { name: "ggx_reference", source: include_str!("../../../shaders/ggx_reference.wgsl") },
     Shader { name: "sphere", source: include_str!("../../../shaders/sphere.wgsl") },
 ];
 
-/// All of them as one module.
+/// The preview's as one module: all but the example of what others would write in its place.
 pub(super) fn module() -> String {
-    SHADERS.map(|shader| shader.source).join("\n")
+    let sources: Vec<&str> = SHADERS.iter().filter(|s| s.name != "ltc_example").map(|shader| shader.source).collect();
+    sources.join("\n")
 }
 
 #[cfg(test)]
@@ -47,6 +49,7 @@ mod tests {
         validate(&["ltc_math", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
         validate(&["ltc_math", "ltc_table", "ltc_light"]);
+        validate(&["ltc_math", "ltc_table", "ltc_light", "ltc_example"]);
         validate(&["ltc_math", "ggx_reference"]);
         validate(&["ltc_math", "ltc_table", "ltc_light", "ggx_reference", "sphere"]);
     }

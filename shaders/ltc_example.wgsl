@@ -1,0 +1,47 @@
+// Lights one surface by one light: how the other files are called, and where a port is checked. Needs ltc_math.wgsl,
+// ltc_table.wgsl and ltc_light.wgsl. Replace it by your own; group 1 and LtcExample* go with it.
+
+struct LtcExampleCase {
+    /// View direction in the tangent frame, of unit length. w: alpha_x.
+    wo: vec4<f32>,
+    /// x: alpha_y. y: how many vertices the light has, 3 to 8; 0 for a disk. z: 1 if it is lit from both sides.
+    light: vec4<f32>,
+    /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes.
+    vertices: array<vec4<f32>, 8>,
+}
+
+struct LtcExampleResult {
+    /// The columns of M.
+    m: array<vec4<f32>, 3>,
+    /// amplitude, fresnel, the part of the lobe that the light covers, 0.
+    terms: vec4<f32>,
+}
+
+@group(1) @binding(0) var<uniform> ltc_case: LtcExampleCase;
+@group(1) @binding(1) var<storage, read_write> ltc_result: LtcExampleResult;
+
+@compute @workgroup_size(1)
+fn ltc_example() {
+    let lobe = ltc_lookup(ltc_case.wo.w, ltc_case.light.x, ltc_case.wo.xyz);
+    let inverse = ltc_inverse(lobe.m);
+    let count = u32(ltc_case.light.y);
+    let two_sided = ltc_case.light.z == 1.0;
+    var vertices: array<vec3<f32>, 8>;
+    for (var i = 0u; i < 8u; i++) {
+        vertices[i] = ltc_case.vertices[i].xyz;
+    }
+    var covered: f32;
+    if (count == 0u) {
+        covered = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], two_sided);
+    } else if (count == 4u) {
+        let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+        covered = ltc_rectangle(inverse, corners, two_sided);
+    } else {
+        covered = ltc_polygon(inverse, vertices, clamp(count, 3u, 8u), two_sided);
+    }
+    // Light of radiance L: L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+    ltc_result.m[0] = vec4(lobe.m[0], 0.0);
+    ltc_result.m[1] = vec4(lobe.m[1], 0.0);
+    ltc_result.m[2] = vec4(lobe.m[2], 0.0);
+    ltc_result.terms = vec4(lobe.amplitude, lobe.fresnel, covered, 0.0);
+}

@@ -1,0 +1,35 @@
+//! `shader`: what a renderer takes home.
+
+use std::fs;
+
+use serde_json::json;
+
+use super::{Context, Exit, Failure, args::ShaderArgs, file_failure, print};
+use crate::preview::{Language, port};
+
+/// Writes the shader to the file, or to standard output. With `--json` a line tells of the file, or holds the text.
+pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    let (language, layout) = (args.language.0, args.layout.0);
+    if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
+        return Err(Failure::new(Exit::Usage, "SPIR-V is binary: name a file with -o, or redirect standard output"));
+    }
+    let shader = port(language, layout).map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    if let Some(path) = &args.out {
+        fs::write(path, &shader).map_err(|error| file_failure(path, &error))?;
+        if json {
+            let value = json!({ "file": path, "language": language.name(), "layout": layout, "bytes": shader.len() });
+            print(context.stdout, true, &value, "")?;
+        }
+    } else if json {
+        let source = String::from_utf8_lossy(&shader);
+        let value = json!({ "language": language.name(), "layout": layout, "source": source });
+        print(context.stdout, true, &value, "")?;
+    } else {
+        context
+            .stdout
+            .write_all(&shader)
+            .and_then(|()| context.stdout.flush())
+            .map_err(|error| Failure::stdout(&error))?;
+    }
+    Ok(Exit::Ok)
+}
