@@ -71,6 +71,7 @@ fn bindings(language: Language) -> &'static str {
             "\
   here      buffers: uniform 0, nodes 1; textures: matrix_a 0, matrix_b 1, terms 2
             of the example: buffers 2 and 3
+            buffer 4: one u32, the bytes of nodes; handed through, but nothing here depends on it
   No sampler: the entries are weighed here."
         }
     }
