@@ -81,7 +81,7 @@ fn bindings(language: Language) -> &'static str {
 pub(super) fn header(language: Language, layout: Layout) -> String {
     let (name, _) = layout_names(layout);
     let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", name);
-    let text = format!("{about}\n{TABLE}{}\n\n{}", bindings(language), check(layout));
+    let text = format!("{about}\n{TABLE}  {}\n\n{}", bindings(language), check(layout));
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }
 
