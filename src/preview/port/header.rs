@@ -71,6 +71,7 @@ fn bindings(language: Language) -> &'static str {
             "\
   here      buffers: uniform 0, nodes 1; textures: matrix_a 0, matrix_b 1, terms 2
             of the example: buffers 2 and 3
+            buffer 4: one u32, the bytes of nodes; handed through, but nothing here depends on it
   No sampler: the entries are weighed here."
         }
     }
@@ -80,7 +81,7 @@ fn bindings(language: Language) -> &'static str {
 pub(super) fn header(language: Language, layout: Layout) -> String {
     let (name, _) = layout_names(layout);
     let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", name);
-    let text = format!("{about}\n{TABLE}{}\n\n{}", bindings(language), check(layout));
+    let text = format!("{about}\n{TABLE}  {}\n\n{}", bindings(language), check(layout));
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }
 

@@ -41,7 +41,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
             let name = language.name();
             let header = header::header(language, layout);
             assert!(
-                header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 120),
+                header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 124),
                 "{name}"
             );
             assert!(text.starts_with(&header), "{name}");
@@ -49,7 +49,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
                 assert!(header.contains(line), "{name}: {line}");
             }
             let code = code(&text);
-            for function in ["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk", "ltc_example"] {
+            for function in ["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk"] {
                 assert!(code.contains(&format!("{function}(")), "{name}: {function}");
             }
         }
@@ -58,12 +58,15 @@ fn every_language_has_header_and_functions_of_either_layout() {
 
 #[test]
 fn languages_look_like_themselves() {
+    // GLSL has one name for an entry point.
+    let entries =
+        [(Language::Glsl, "void main()"), (Language::Hlsl, "void ltc_example()"), (Language::Msl, "void ltc_example(")];
     let signs = [
         (Language::Glsl, "#version 450"),
         (Language::Hlsl, "[numthreads(1, 1, 1)]"),
         (Language::Msl, "#include <metal_stdlib>"),
     ];
-    for (language, sign) in signs {
+    for (language, sign) in signs.into_iter().chain(entries) {
         assert!(code(&text(language, Layout::Reflected)).contains(sign), "{}", language.name());
     }
 }

@@ -32,6 +32,9 @@ pub(super) const SLOTS: [(ResourceBinding, u8, Kind); 7] = [
     (ResourceBinding { group: 1, binding: 1 }, 3, Kind::WrittenBuffer),
 ];
 
+/// Metal's buffer of the lengths of arrays.
+const SIZES_SLOT: u8 = 4;
+
 /// What a slot is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -118,6 +121,8 @@ fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
     };
     let resources = msl::EntryPointResources {
         resources: SLOTS.iter().map(|(binding, slot, kind)| (*binding, target(*slot, *kind))).collect(),
+        // Metal does not tell how long an array is; naga wants to be told wherever one has no fixed length.
+        sizes_buffer: Some(SIZES_SLOT),
         ..Default::default()
     };
     let options = msl::Options {
