@@ -70,12 +70,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_and_modes_have_one_name_everywhere() {
+    fn scenes_modes_and_lights_have_one_name_everywhere() {
         let named: Vec<&str> = NamedScene::ALL.map(NamedScene::name).into();
         let listed = |value: Option<PossibleValue>| value.map(|value| value.get_name().to_owned());
         let scenes: Vec<_> = SceneName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
         assert_eq!(scenes, named);
         let modes: Vec<_> = ModeName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
         assert_eq!(modes, Mode::ALL.map(Mode::name));
+        let lights: Vec<_> = LightName::value_variants().iter().map(|v| (listed(v.to_possible_value()), v.0)).collect();
+        assert_eq!(lights, LightKind::NAMED.map(|(name, kind)| (Some(name.to_owned()), kind)));
     }
 }
