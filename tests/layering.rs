@@ -19,8 +19,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("export", &["recipe", "fit", "ltc", "math"]),
     ("store", &[]),
     ("queue", &["store"]),
-    ("service", &["export", "recipe", "fit", "ltc", "queue", "store"]),
-    ("http", &["service", "recipe", "fit", "queue"]),
+    ("service", &["export", "preview", "recipe", "fit", "ltc", "queue", "store"]),
+    ("http", &["service", "preview", "recipe", "fit", "queue"]),
     ("client", &["recipe", "queue"]),
     ("cli", &["http", "client", "service", "export", "preview", "recipe", "fit", "ltc", "queue"]),
 ];

@@ -110,6 +110,9 @@ pub struct ServeArgs {
     /// Entries a table may have [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: Option<NonZeroU64>,
+    /// What renders previews
+    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: AdapterName,
 }
 
 /// `fit`.

@@ -1,6 +1,7 @@
-//! The use cases: submit, work, download.
+//! The use cases: submit, work, download, preview.
 //!
 //! Invariant: nothing is fitted on a caller's thread; fitting runs on the one rayon pool that the service owns.
+//! Nothing is rendered there either.
 
 mod api;
 mod core;
@@ -8,6 +9,7 @@ mod downloads;
 mod engine;
 mod manifest;
 mod open;
+mod pictures;
 mod submit;
 #[cfg(test)]
 mod tests;
@@ -18,3 +20,4 @@ pub use self::core::Service;
 pub use crate::store::TableRow;
 pub use api::{Config, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
 pub use manifest::{manifest_json, table_report};
+pub use pictures::{Ordered, PictureError, PictureFile, PictureWait};

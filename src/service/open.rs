@@ -14,6 +14,7 @@ use super::{
     Config, OpenError, Service, TableRow,
     core::{Core, Workers},
     engine::{Engine, Fitter},
+    pictures::{Desk, MeanErrors},
     watch::Hub,
 };
 use crate::{
@@ -56,6 +57,8 @@ impl Service {
             hub: Hub::new(Arc::clone(&clock)),
             measuring,
             clock,
+            desk: Arc::new(Desk::new(config.adapter)),
+            mean_errors: MeanErrors::default(),
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
             blobs_corrupt: AtomicU64::new(0),
