@@ -70,7 +70,7 @@ pub struct PictureWait {
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// Parameters are not taken.
-    #[error("{} of the parameters {}", .0.len(), if .0.len() == 1 { "is not taken" } else { "are not taken" })]
+    #[error("{} in the parameters", if .0.len() == 1 { "1 fault".to_owned() } else { format!("{} faults", .0.len()) })]
     Parameters(Vec<ParameterFault>),
     /// There is no such table.
     #[error("no table with the digest {0} is stored")]
