@@ -269,7 +269,7 @@ fn preview_writes_a_picture_and_says_what_rendered_it() {
         run(folder.path(), arguments.iter().chain(&["--alpha-y", "2", "--light-centre", "-1,0,200"])).exited(2);
     assert_eq!(
         refused.complaints(),
-        ["alpha_y is 2, not within 0 to 1", "light.centre is 200, not within -100 to 100"]
+        ["alpha_y is 2, not within 0 to 1", "light_centre is 200, not within -100 to 100"]
     );
 }
 

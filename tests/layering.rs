@@ -20,8 +20,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("tradeoff", &["recipe", "fit", "ltc"]),
     ("store", &[]),
     ("queue", &["store"]),
-    ("service", &["export", "recipe", "fit", "ltc", "queue", "store"]),
-    ("http", &["service", "recipe", "fit", "queue"]),
+    ("service", &["export", "preview", "recipe", "fit", "ltc", "queue", "store"]),
+    ("http", &["service", "preview", "recipe", "fit", "queue"]),
     ("client", &["recipe", "queue"]),
     ("cli", &["http", "client", "service", "tradeoff", "export", "preview", "recipe", "fit", "ltc", "queue"]),
 ];

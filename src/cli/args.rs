@@ -13,6 +13,7 @@ use clap_complete::Shell;
 use super::preview_names::{AdapterName, LanguageName, LayoutName, LightName, ModeName, PrecisionName, SceneName};
 use crate::{
     digest::Digest,
+    preview::numbers,
     queue::{JobId, StateName},
 };
 
@@ -114,6 +115,9 @@ pub struct ServeArgs {
     /// Entries a table may have [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: Option<NonZeroU64>,
+    /// What renders previews
+    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: AdapterName,
 }
 
 /// `fit`.
@@ -350,12 +354,6 @@ pub struct VerifyArgs {
     /// The digest that the file must hash to, whatever its name
     #[arg(long)]
     pub digest: Option<Digest>,
-}
-
-/// Numbers between commas.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("not {N} numbers between commas"))
 }
 
 fn parse_state(text: &str) -> Result<StateName, String> {

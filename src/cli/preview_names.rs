@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_modes_and_languages_have_one_name_everywhere() {
+    fn scenes_modes_lights_and_languages_have_one_name_everywhere() {
         let named: Vec<&str> = NamedScene::ALL.map(NamedScene::name).into();
         let listed = |value: Option<PossibleValue>| value.map(|value| value.get_name().to_owned());
         let scenes: Vec<_> = SceneName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
@@ -96,5 +96,7 @@ mod tests {
         let languages: Vec<_> =
             LanguageName::value_variants().iter().filter_map(|v| listed(v.to_possible_value())).collect();
         assert_eq!(languages, Language::ALL.map(Language::name));
+        let lights: Vec<_> = LightName::value_variants().iter().map(|v| (listed(v.to_possible_value()), v.0)).collect();
+        assert_eq!(lights, LightKind::NAMED.map(|(name, kind)| (Some(name.to_owned()), kind)));
     }
 }

@@ -54,6 +54,7 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
         entry_limit: args.entry_limit.or(file.entry_limit).map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get),
         lease_ttl: LEASE_TTL,
         max_attempts: MAX_ATTEMPTS,
+        adapter: args.adapter.0,
     };
     (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
 }
@@ -78,9 +79,16 @@ fn failed(error: impl std::fmt::Display) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{cli::preview_names::AdapterName, preview::Adapter};
 
-    const NOTHING: ServeArgs =
-        ServeArgs { listen: None, data: None, workers: None, queue_limit: None, entry_limit: None };
+    const NOTHING: ServeArgs = ServeArgs {
+        listen: None,
+        data: None,
+        workers: None,
+        queue_limit: None,
+        entry_limit: None,
+        adapter: AdapterName(Adapter::Any),
+    };
 
     #[test]
     fn a_flag_goes_before_the_file_and_that_before_the_default() {

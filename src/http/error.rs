@@ -8,7 +8,7 @@ use super::problem::Problem;
 use crate::{
     queue::{Failure, FailureKind},
     recipe::RecipeError,
-    service::{ServiceError, SubmitError},
+    service::{PictureError, ServiceError, SubmitError},
 };
 
 /// When a client that met a stopping service may try its successor.
@@ -23,6 +23,7 @@ pub(super) enum Kind {
     BadBody,
     NotJsonType,
     BadParameter,
+    BadScene,
     NoSuchPath,
     UnknownJob,
     UnknownTable,
@@ -30,6 +31,8 @@ pub(super) enum Kind {
     MethodNotAllowed,
     RangeNotSatisfiable,
     QueueFull,
+    TooSlow,
+    RenderFailed,
     Stopping,
     DamagedBlob,
     DiskFull,
@@ -57,6 +60,7 @@ impl Kind {
             Self::NotJson => row(StatusCode::BAD_REQUEST, "not-json", "The body is not JSON"),
             Self::BadBody => row(StatusCode::BAD_REQUEST, "bad-body", "The body could not be read"),
             Self::BadParameter => row(StatusCode::BAD_REQUEST, "bad-parameter", "A parameter is malformed"),
+            Self::BadScene => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-scene", "The scene has faults"),
             Self::NoSuchPath => row(StatusCode::NOT_FOUND, "no-such-path", "There is no such path"),
             Self::UnknownJob => row(StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
             Self::UnknownTable => row(StatusCode::NOT_FOUND, "unknown-table", "There is no such table"),
@@ -71,6 +75,8 @@ impl Kind {
             }
             Self::BadRecipe => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-recipe", "The recipe has faults"),
             Self::QueueFull => row(StatusCode::TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
+            Self::TooSlow => row(StatusCode::SERVICE_UNAVAILABLE, "too-slow", "The picture took too long"),
+            Self::RenderFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed"),
             Self::Stopping => row(StatusCode::SERVICE_UNAVAILABLE, "stopping", "The service is stopping"),
             Self::DamagedBlob => row(StatusCode::INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged"),
             Self::DiskFull => row(StatusCode::INSUFFICIENT_STORAGE, "disk-full", "The disk is full"),
@@ -121,6 +127,26 @@ impl From<SubmitError> for Problem {
     }
 }
 
+impl From<PictureError> for Problem {
+    fn from(error: PictureError) -> Self {
+        let detail = error.to_string();
+        match error {
+            PictureError::Parameters(faults) => Self::new(Kind::BadScene, detail).with_errors(faults),
+            PictureError::UnknownTable(_) | PictureError::NoTable => Self::new(Kind::UnknownTable, detail),
+            PictureError::QueueFull { retry_after, .. } => {
+                Self::new(Kind::QueueFull, detail).with_retry_after(retry_after)
+            }
+            PictureError::TooSlow { retry_after, .. } => Self::new(Kind::TooSlow, detail).with_retry_after(retry_after),
+            PictureError::Stopping => stopping(),
+            PictureError::Failed(_) => {
+                tracing::error!("{detail}");
+                Self::new(Kind::RenderFailed, detail)
+            }
+            PictureError::Store(error) => error.into(),
+        }
+    }
+}
+
 impl From<ServiceError> for Problem {
     fn from(error: ServiceError) -> Self {
         tracing::error!("{error}");
@@ -154,11 +180,15 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 8] = [
+        let cases: [(Problem, u16); 12] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
             (SubmitError::Stopping.into(), 503),
+            (PictureError::NoTable.into(), 404),
+            (PictureError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
+            (PictureError::TooSlow { limit: RESTART, retry_after: RESTART }.into(), 503),
+            (PictureError::Failed("x".into()).into(), 500),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),
             (ServiceError::Storage("x".into()).into(), 500),
             ((&Failure { kind: FailureKind::DiskFull, detail: "x".into() }).into(), 507),

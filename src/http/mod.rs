@@ -9,6 +9,7 @@ mod events;
 mod extract;
 mod jobs;
 mod operations;
+mod preview;
 mod problem;
 mod range;
 mod routes;

@@ -10,14 +10,14 @@ use axum::{
 use serde::Serialize;
 
 use super::error::Kind;
-use crate::recipe::Fault;
+use crate::{preview::ParameterFault, recipe::Fault};
 
 /// An error on its way to a client.
 #[derive(Debug)]
 pub(super) struct Problem {
     kind: Kind,
     detail: String,
-    errors: Vec<Fault>,
+    errors: Vec<FaultView>,
     retry_after: Option<Duration>,
 }
 
@@ -29,7 +29,29 @@ pub(super) struct ProblemView {
     status: u16,
     detail: String,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    errors: Vec<Fault>,
+    errors: Vec<FaultView>,
+}
+
+/// One of several faults: where it is, and what is wrong there.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum FaultView {
+    /// In a submitted document.
+    Field(Fault),
+    /// In a query string.
+    Parameter(ParameterFault),
+}
+
+impl From<Fault> for FaultView {
+    fn from(fault: Fault) -> Self {
+        Self::Field(fault)
+    }
+}
+
+impl From<ParameterFault> for FaultView {
+    fn from(fault: ParameterFault) -> Self {
+        Self::Parameter(fault)
+    }
 }
 
 impl Problem {
@@ -38,9 +60,9 @@ impl Problem {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
     }
 
-    /// The same with a list of faults in the submitted document.
-    pub(super) fn with_errors(self, errors: Vec<Fault>) -> Self {
-        Self { errors, ..self }
+    /// The same with a list of faults in what was submitted.
+    pub(super) fn with_errors<F: Into<FaultView>>(self, errors: Vec<F>) -> Self {
+        Self { errors: errors.into_iter().map(Into::into).collect(), ..self }
     }
 
     /// The same with a `Retry-After` field.

@@ -20,7 +20,7 @@ const NEAREST: f64 = 1.5;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} is {value}, not within {low} to {high}")]
 pub struct SceneFault {
-    /// The parameter, such as `light.intensity`.
+    /// The parameter, such as `light_intensity`.
     pub field: String,
     /// What it is.
     pub value: f64,
@@ -44,21 +44,21 @@ impl Scene {
         check.each("f0", &self.f0, 0.0, 1.0);
         let light = &self.light;
         if let LightKind::Polygon(sides) = light.kind {
-            check.within("light.kind", f64::from(sides), 3.0, MAX_VERTICES as f64);
+            check.within("light", f64::from(sides), 3.0, MAX_VERTICES as f64);
         }
-        check.each("light.centre", &light.centre, -PLACE, PLACE);
-        check.each("light.half_size", &light.half_size, 1e-3, PLACE);
-        check.each("light.rotation", &light.rotation, -TAU, TAU);
-        check.within("light.intensity", light.intensity, 0.0, 1e4);
+        check.each("light_centre", &light.centre, -PLACE, PLACE);
+        check.each("light_half_size", &light.half_size, 1e-3, PLACE);
+        check.each("light_rotation", &light.rotation, -TAU, TAU);
+        check.within("light_intensity", light.intensity, 0.0, 1e4);
         let camera = &self.camera;
-        check.within("camera.distance", camera.distance, NEAREST, PLACE);
-        check.within("camera.azimuth", camera.azimuth, -TAU, TAU);
-        check.within("camera.elevation", camera.elevation, -TAU / 4.0, TAU / 4.0);
-        check.within("camera.field_of_view", camera.field_of_view, 0.01, 2.5);
+        check.within("camera_distance", camera.distance, NEAREST, PLACE);
+        check.within("camera_azimuth", camera.azimuth, -TAU, TAU);
+        check.within("camera_elevation", camera.elevation, -TAU / 4.0, TAU / 4.0);
+        check.within("field_of_view", camera.field_of_view, 0.01, 2.5);
         // Nowhere near enough to bring the camera into the sphere.
-        check.each("camera.target", &camera.target, -0.4, 0.4);
-        check.within("lobe.theta", self.lobe.theta, 0.0, TAU / 4.0);
-        check.within("lobe.phi", self.lobe.phi, -TAU, TAU);
+        check.each("camera_target", &camera.target, -0.4, 0.4);
+        check.within("theta", self.lobe.theta, 0.0, TAU / 4.0);
+        check.within("phi", self.lobe.phi, -TAU, TAU);
         check.within("size", f64::from(self.size), f64::from(*SIZE.start()), f64::from(*SIZE.end()));
         check.within("spp", f64::from(self.spp), f64::from(*SPP.start()), f64::from(*SPP.end()));
         check.within("exposure", self.exposure, 1e-4, 1e4);
@@ -107,7 +107,7 @@ mod tests {
         scene.light.kind = LightKind::Polygon(9);
         let faults = scene.faults();
         let fields: Vec<&str> = faults.iter().map(|fault| fault.field.as_str()).collect();
-        assert_eq!(fields, ["alpha_x", "light.kind", "size", "spp"]);
+        assert_eq!(fields, ["alpha_x", "light", "size", "spp"]);
         assert_eq!(faults[2].to_string(), "size is 63, not within 64 to 2048");
     }
 }

@@ -7,6 +7,7 @@
 //! Invariant: `preview` knows no file, HTTP or recipe; equal scenes and tables give equal bytes on the same adapter.
 
 mod bounds;
+mod choices;
 mod colours;
 mod compose;
 mod cpu;
@@ -24,6 +25,7 @@ mod text;
 mod tone;
 
 pub use bounds::SceneFault;
+pub use choices::{Choices, ParameterFault, numbers};
 pub use error::PreviewError;
 pub use gpu::{SHADERS, Shader, Variant, Weights};
 pub use image::{Picture, Radiances};

@@ -10,11 +10,15 @@ use super::{
     tone,
 };
 
+/// The name of the CPU as an adapter.
+const CPU: &str = "cpu";
+
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
 
-/// Rows that the CPU renders between asking whether to stop.
+/// Most rows, and samples, that the CPU renders between asking whether to stop.
 const ROWS: u32 = 32;
+const SAMPLES: u32 = 1 << 20;
 
 /// What renders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +80,8 @@ pub struct Preview {
     gpu: Gpu,
     /// Why there is no GPU, once that is known.
     absent: Option<String>,
+    /// The CPU has rendered part of the picture.
+    cpu_rendered: bool,
 }
 
 impl Preview {
@@ -88,7 +94,7 @@ impl Preview {
     /// One whose shaders are compiled in another way. The CPU does not know variants.
     #[must_use]
     pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
-        Self { adapter, gpu: Gpu::new(variant), absent: None }
+        Self { adapter, gpu: Gpu::new(variant), absent: None, cpu_rendered: false }
     }
 
     /// Renders a scene.
@@ -105,6 +111,7 @@ impl Preview {
         if !faults.is_empty() {
             return Err(PreviewError::Scene(faults));
         }
+        self.cpu_rendered = false;
         let frame = Frame::new(scene, scene.mode == Mode::Lobe);
         let mut errors = Vec::new();
         let picture = match scene.mode {
@@ -123,7 +130,8 @@ impl Preview {
                 compose::lobes(&ltc, &reference)
             }
         };
-        Ok(Rendered { picture, adapter: self.adapter_name()?, errors })
+        let adapter = if self.cpu_rendered { CPU.to_owned() } else { self.adapter_name()? };
+        Ok(Rendered { picture, adapter, errors })
     }
 
     /// What renders: an adapter's name, or `cpu`.
@@ -132,7 +140,7 @@ impl Preview {
     /// No GPU where one was asked for.
     pub fn adapter_name(&mut self) -> Result<String, PreviewError> {
         let name = self.on_gpu(Gpu::name)?;
-        Ok(name.unwrap_or_else(|| "cpu".to_owned()))
+        Ok(name.unwrap_or_else(|| CPU.to_owned()))
     }
 
     /// Radiances of the part of the picture from `corner` of `extent`.
@@ -177,7 +185,7 @@ impl Preview {
                 let rgb = words.into_iter().map(|word| [word as u8, (word >> 8) as u8, (word >> 16) as u8]).collect();
                 Ok(Picture { width: frame.size, height: frame.size, rgb })
             }
-            None => Ok(tone::displayed(frame.exposure, &on_cpu(table, frame, estimator, stop)?)),
+            None => Ok(tone::displayed(frame.exposure, &self.on_cpu(table, frame, estimator, stop)?)),
         }
     }
 
@@ -192,8 +200,30 @@ impl Preview {
         let job = Job::whole(frame, estimator, false);
         match self.on_gpu(|gpu| gpu.render(table, &job, stop))? {
             Some(words) => Ok(radiances(frame, &words)),
-            None => on_cpu(table, frame, estimator, stop),
+            None => self.on_cpu(table, frame, estimator, stop),
         }
+    }
+
+    /// All of a frame, as radiance, on the CPU.
+    fn on_cpu(
+        &mut self,
+        table: &ShaderTable,
+        frame: &Frame,
+        estimator: Estimator,
+        stop: Stop<'_>,
+    ) -> Result<Radiances, PreviewError> {
+        self.cpu_rendered = true;
+        let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
+        let samples = if estimator == Estimator::Reference { frame.spp } else { 1 };
+        let rows = (SAMPLES / (frame.size * samples)).clamp(1, ROWS);
+        for top in (0..frame.size).step_by(rows as usize) {
+            if stop() {
+                return Err(PreviewError::Stopped);
+            }
+            let extent = [frame.size, rows.min(frame.size - top)];
+            pixels.extend(cpu::render(frame, table, estimator, [0, top], extent).pixels);
+        }
+        Ok(Radiances { width: frame.size, pixels })
     }
 
     /// What the GPU makes of `work`; `None` where the CPU has to do it.
@@ -229,18 +259,6 @@ impl Preview {
 fn radiances(frame: &Frame, words: &[u32]) -> Radiances {
     let (pixels, _) = words.as_chunks::<3>();
     Radiances { width: frame.size, pixels: pixels.iter().map(|words| words.map(f32::from_bits)).collect() }
-}
-
-fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
-    let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
-    for top in (0..frame.size).step_by(ROWS as usize) {
-        if stop() {
-            return Err(PreviewError::Stopped);
-        }
-        let extent = [frame.size, ROWS.min(frame.size - top)];
-        pixels.extend(cpu::render(frame, table, estimator, [0, top], extent).pixels);
-    }
-    Ok(Radiances { width: frame.size, pixels })
 }
 
 /// The error of each material over the pixels that it covers.

@@ -141,6 +141,18 @@ impl Mode {
     }
 }
 
+impl LightKind {
+    /// Those that have a name, with their names in parameters.
+    pub const NAMED: [(&str, Self); 6] = [
+        ("rectangle", Self::Rectangle),
+        ("disk", Self::Disk),
+        ("triangle", Self::Polygon(3)),
+        ("pentagon", Self::Polygon(5)),
+        ("hexagon", Self::Polygon(6)),
+        ("octagon", Self::Polygon(8)),
+    ];
+}
+
 impl Default for Scene {
     fn default() -> Self {
         Self {

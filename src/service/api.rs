@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     digest::Digest,
+    preview::Adapter,
     queue::{Job, StateName},
     recipe::RecipeError,
     store::StoreError,
@@ -26,6 +27,8 @@ pub struct Config {
     pub lease_ttl: Duration,
     /// How often a shard is tried.
     pub max_attempts: u32,
+    /// What renders previews.
+    pub adapter: Adapter,
 }
 
 /// Why the service does not start.

@@ -5,7 +5,13 @@ use std::sync::{
     atomic::{AtomicBool, AtomicU64, Ordering},
 };
 
-use super::{Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, watch::Hub};
+use super::{
+    Config, Metrics, ServiceError,
+    engine::Engine,
+    forecast::Forecast,
+    pictures::{Desk, MeanErrors},
+    watch::Hub,
+};
 use crate::{
     queue::{Clock, JobId, Queue},
     store::{Batch, Catalogue, Store},
@@ -33,6 +39,8 @@ pub(super) struct Core {
     /// then make short work of it.
     pub(super) measuring: rayon::ThreadPool,
     pub(super) clock: Clock,
+    pub(super) desk: Arc<Desk>,
+    pub(super) mean_errors: MeanErrors,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
     pub(super) blobs_corrupt: AtomicU64,
@@ -68,10 +76,12 @@ impl Workers {
 }
 
 impl Service {
-    /// Stops leasing, lets running shards finish their entry and gives them back, and flushes.
+    /// Stops leasing, lets running shards finish their entry and gives them back, renders no more,
+    /// and flushes.
     pub fn stop(&self) {
         self.core.stopping.store(true, Ordering::SeqCst);
         self.core.queue.close();
+        self.core.desk.close();
         self.workers.wait();
         // Whatever was acknowledged is durable; this adds the leases that were given back.
         if let Err(error) = self.core.store.rows.commit(&Batch::default()) {

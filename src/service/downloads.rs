@@ -21,16 +21,7 @@ impl Service {
     /// When the blob is damaged or unreadable. A damaged one is struck out of the catalogue: the next equal job fits
     /// it again.
     pub fn table(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        match self.core.store.blobs.get(digest) {
-            Ok(bytes) => Ok(bytes.map(Arc::new)),
-            Err(error) => {
-                if matches!(error, StoreError::Corrupt { .. }) {
-                    self.core.blobs_corrupt.fetch_add(1, Ordering::Relaxed);
-                    self.core.catalogue.forget(digest)?;
-                }
-                Err(error.into())
-            }
-        }
+        self.core.table(digest)
     }
 
     /// The manifest of a table (see [`super::manifest_json`]) as JSON. It was made with the table; of one that was
@@ -78,6 +69,20 @@ impl Service {
 }
 
 impl Core {
+    /// See [`Service::table`].
+    pub(super) fn table(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
+        match self.store.blobs.get(digest) {
+            Ok(bytes) => Ok(bytes.map(Arc::new)),
+            Err(error) => {
+                if matches!(error, StoreError::Corrupt { .. }) {
+                    self.blobs_corrupt.fetch_add(1, Ordering::Relaxed);
+                    self.catalogue.forget(digest)?;
+                }
+                Err(error.into())
+            }
+        }
+    }
+
     /// Measures a table and writes its manifest.
     pub(super) fn make_manifest(&self, file: &[u8]) -> Result<ManifestRow, TableFileError> {
         let measure = || self.measuring.install(|| self.engine.manifest(file));

@@ -1,6 +1,7 @@
-//! The use cases: submit, work, download.
+//! The use cases: submit, work, download, preview.
 //!
 //! Invariant: nothing is fitted on a caller's thread; fitting runs on the one rayon pool that the service owns.
+//! Nothing is rendered there either.
 
 mod api;
 mod core;
@@ -9,6 +10,7 @@ mod engine;
 mod forecast;
 mod manifest;
 mod open;
+mod pictures;
 mod speed;
 mod submit;
 #[cfg(test)]
@@ -20,3 +22,4 @@ pub use self::core::Service;
 pub use crate::store::TableRow;
 pub use api::{Config, Expected, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
 pub use manifest::{manifest_json, table_report};
+pub use pictures::{Ordered, PictureError, PictureFile, PictureWait};

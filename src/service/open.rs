@@ -15,6 +15,7 @@ use super::{
     core::{Core, Workers},
     engine::{Engine, Fitter},
     forecast::Forecast,
+    pictures::{Desk, MeanErrors},
     watch::Hub,
 };
 use crate::{
@@ -60,6 +61,8 @@ impl Service {
             forecast,
             measuring,
             clock,
+            desk: Arc::new(Desk::new(config.adapter)),
+            mean_errors: MeanErrors::default(),
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
             blobs_corrupt: AtomicU64::new(0),

@@ -121,6 +121,7 @@ fn config(dir: &Path) -> Config {
         queue_limit: 2,
         entry_limit: 100,
         lease_ttl: Duration::from_secs(60),
+        adapter: crate::preview::Adapter::Cpu,
         max_attempts: 3,
     }
 }

@@ -1,0 +1,159 @@
+//! Where pictures are ordered: a short queue before the one thread that renders.
+
+use std::{
+    collections::VecDeque,
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    thread,
+    time::{Duration, Instant},
+};
+
+use tokio::sync::oneshot;
+
+use super::{PictureError, PictureFile, RETRY_FULL, cache::Cache, studio::Studio};
+use crate::{
+    digest::Digest,
+    preview::{Adapter, Scene},
+    service::core::Core,
+};
+
+/// Pictures that wait or are rendered at the same time: one, and eight behind it.
+const LIMIT: usize = 9;
+/// Bytes of finished pictures that are kept.
+const KEPT_BYTES: usize = 64 << 20;
+/// How long the end of the service waits for a renderer that does not come back.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A picture to render.
+#[derive(Debug)]
+pub(super) struct Order {
+    /// The digest of what is asked for.
+    pub(super) key: Digest,
+    pub(super) table: Digest,
+    pub(super) scene: Scene,
+    /// When it is of no more use.
+    pub(super) until: Instant,
+    /// Closed when nobody waits.
+    pub(super) reply: oneshot::Sender<Result<PictureFile, PictureError>>,
+}
+
+/// The queue and what was rendered.
+#[derive(Debug)]
+pub(in crate::service) struct Desk {
+    adapter: Adapter,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Debug)]
+struct State {
+    waiting: VecDeque<Order>,
+    is_rendering: bool,
+    /// The thread runs.
+    is_open: bool,
+    is_closed: bool,
+    kept: Cache,
+    /// What rendered last.
+    adapter: Option<Arc<str>>,
+}
+
+impl Desk {
+    pub(in crate::service) fn new(adapter: Adapter) -> Self {
+        let state = State {
+            waiting: VecDeque::new(),
+            is_rendering: false,
+            is_open: false,
+            is_closed: false,
+            kept: Cache::new(KEPT_BYTES),
+            adapter: None,
+        };
+        Self { adapter, state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A picture that was rendered before.
+    pub(super) fn kept(&self, key: Digest) -> Option<PictureFile> {
+        self.state().kept.get(key)
+    }
+
+    /// What rendered last.
+    pub(super) fn adapter(&self) -> Option<Arc<str>> {
+        self.state().adapter.clone()
+    }
+
+    /// Puts an order into the queue. The first one starts the thread.
+    pub(super) fn order(self: &Arc<Self>, core: &Arc<Core>, order: Order) -> Result<(), PictureError> {
+        let mut state = self.state();
+        if state.is_closed {
+            return Err(PictureError::Stopping);
+        }
+        state.waiting.retain(|order| !order.reply.is_closed());
+        if state.waiting.len() + usize::from(state.is_rendering) >= LIMIT {
+            return Err(PictureError::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
+        }
+        if !state.is_open {
+            // It holds the service's parts only while it reads a table: the store closes with the service.
+            let (desk, core) = (Arc::clone(self), Arc::downgrade(core));
+            let run = move || {
+                Studio::new(desk.adapter, core).work(&desk);
+                desk.state().is_open = false;
+                desk.changed.notify_all();
+            };
+            let spawned = thread::Builder::new().name("preview".to_owned()).spawn(run);
+            spawned.map_err(|error| PictureError::Failed(format!("no thread: {error}")))?;
+            state.is_open = true;
+        }
+        state.waiting.push_back(order);
+        self.changed.notify_all();
+        Ok(())
+    }
+
+    /// The next order that somebody waits for; `None` at the end of the service. It counts as being rendered until
+    /// [`Desk::finish`].
+    pub(super) fn next(&self) -> Option<Order> {
+        let mut state = self.state();
+        loop {
+            if state.is_closed {
+                return None;
+            }
+            match state.waiting.pop_front() {
+                Some(order) if order.reply.is_closed() => {}
+                Some(order) => {
+                    state.is_rendering = true;
+                    return Some(order);
+                }
+                None => state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
+    /// Keeps a picture.
+    pub(super) fn keep(&self, key: Digest, file: PictureFile) {
+        let mut state = self.state();
+        state.adapter = Some(Arc::clone(&file.adapter));
+        state.kept.keep(key, file);
+    }
+
+    /// Nothing is rendered any more.
+    pub(super) fn finish(&self) {
+        self.state().is_rendering = false;
+    }
+
+    pub(super) fn is_closed(&self) -> bool {
+        self.state().is_closed
+    }
+
+    /// Takes no more orders, drops those that wait and ends the thread.
+    pub(in crate::service) fn close(&self) {
+        let mut state = self.state();
+        state.is_closed = true;
+        state.waiting.clear();
+        self.changed.notify_all();
+        let waited = self.changed.wait_timeout_while(state, PATIENCE, |state| state.is_open);
+        if waited.unwrap_or_else(PoisonError::into_inner).1.timed_out() {
+            tracing::warn!("the renderer does not come back; the service ends without it");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Pictures over HTTP.
+
+mod common;
+
+use std::{
+    io::{Read as _, Write as _},
+    net::TcpStream,
+    time::Duration,
+};
+
+use common::{
+    SMALL, eventually,
+    server::{Answer, Server, text},
+};
+
+/// A service whose previews the CPU renders, the same on every machine.
+fn start() -> (tempfile::TempDir, Server) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--adapter", "cpu"]);
+    (folder, server)
+}
+
+/// Width and height of a PNG whose every row decodes.
+fn size(png: &[u8]) -> (u32, u32) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a picture")];
+    let info = reader.next_frame(&mut pixels).expect("its pixels");
+    assert!(pixels.iter().any(|byte| *byte != pixels[0]), "one colour");
+    (info.width, info.height)
+}
+
+fn tag(answer: &Answer) -> String {
+    answer.header("etag").expect("a tag").to_owned()
+}
+
+#[test]
+fn a_picture_has_its_size_and_its_name() {
+    let (folder, server) = start();
+    let digest = server.fit(SMALL);
+    let query = format!("size=64&spp=2&mode=strip&table={digest}");
+    let first = server.get(&format!("/v1/preview?{query}")).with_status(200);
+    assert_eq!(first.header("preview-adapter"), Some("cpu"));
+    assert_eq!(first.header("cache-control"), Some("public, max-age=86400"));
+    let (width, height) = size(&first.body);
+    assert!(width > 3 * 64 && height > 64, "{width} x {height}");
+
+    // Order, defaults and the digest's prefix make no other picture.
+    let hex = digest.trim_start_matches("sha256:");
+    let same = format!("/v1/preview?table={hex}&mode=strip&spp=2&scene=sphere&exposure=1.0&size=64");
+    let again = server.get(&same).with_status(200);
+    assert_eq!((tag(&again), &again.body), (tag(&first), &first.body));
+    let other = server.get(&format!("/v1/preview?{query}&rotation=0.5")).with_status(200);
+    assert_ne!(tag(&other), tag(&first));
+    assert_ne!(other.body, first.body);
+
+    // Another process renders the same bytes under the same name.
+    let known = [("if-none-match", tag(&first))];
+    let known = known.each_ref().map(|(name, value)| (*name, value.as_str()));
+    let path = format!("/v1/preview?{query}");
+    assert!(server.request("GET", &path, &known, None).with_status(304).body.is_empty());
+    assert_eq!(server.stop("TERM").code, Some(0));
+    let server = Server::start(folder.path(), &["--adapter", "cpu"]);
+    server.request("GET", &path, &known, None).with_status(304);
+    let rendered = server.get(&path).with_status(200);
+    assert_eq!((tag(&rendered), &rendered.body), (tag(&first), &first.body));
+}
+
+#[test]
+fn without_a_digest_the_best_stored_table_is_shown() {
+    let (_folder, server) = start();
+    assert_eq!(server.get("/v1/preview").with_status(404).json()["detail"], "no table is stored");
+    let mut tables = [server.fit(SMALL), server.fit(&SMALL.replace("\"steps\":5", "\"steps\":1"))];
+    let error = |table: &String| {
+        let manifest = server.get(&format!("/v1/tables/{table}/manifest")).with_status(200).json();
+        manifest["report"]["between"]["sw1"]["mean"].as_f64().expect("an error")
+    };
+    tables.sort_by(|a, b| error(a).total_cmp(&error(b)));
+    assert!(error(&tables[0]) < error(&tables[1]));
+    let best = server.get("/v1/preview?size=64").with_status(200);
+    assert_eq!(best.header("cache-control"), Some("no-cache"));
+    let named = |table: &String| tag(&server.get(&format!("/v1/preview?size=64&table={table}")).with_status(200));
+    assert_eq!(tag(&best), named(&tables[0]));
+    assert_ne!(tag(&best), named(&tables[1]));
+}
+
+#[test]
+fn every_fault_of_a_query_is_told() {
+    let (_folder, server) = start();
+    let query = "table=xyz&size=63&colour=red&f0=1,2&spp=4&spp=4&light=cube&phi=NaN";
+    let problem = server.get(&format!("/v1/preview?{query}")).with_status(422).json();
+    assert_eq!(problem["type"], "/problems/bad-scene");
+    assert_eq!(problem["detail"], "7 faults in the parameters");
+    let faults = problem["errors"].as_array().expect("faults");
+    let mut parameters: Vec<&str> = faults.iter().map(|fault| text(&fault["parameter"])).collect();
+    parameters.sort_unstable();
+    assert_eq!(parameters, ["colour", "f0", "light", "phi", "size", "spp", "table"]);
+    let unknown = format!("/v1/preview?table={}", "0".repeat(64));
+    assert_eq!(server.get(&unknown).with_status(404).json()["type"], "/problems/unknown-table");
+}
+
+#[test]
+fn a_full_queue_refuses_and_clients_that_go_make_room() {
+    let (_folder, server) = start();
+    let table = server.fit(SMALL);
+    let address = server.url.strip_prefix("http://").expect("an address").to_owned();
+    // Nine hold whatever comes first: one is rendered and eight wait. None ends soon.
+    let mut asked: Vec<TcpStream> = (0..10)
+        .map(|n| {
+            let mut stream = TcpStream::connect(&address).expect("a connection");
+            let query = format!("mode=reference&size=2048&spp=4096&rotation={n}e-3&table={table}");
+            write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: x\r\n\r\n").expect("a request");
+            stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a limit");
+            stream
+        })
+        .collect();
+    let refused = eventually("a refusal", || {
+        asked.iter_mut().find_map(|stream| {
+            let mut head = [0; 1024];
+            let length = stream.read(&mut head).ok()?;
+            Some(String::from_utf8_lossy(&head[..length]).to_ascii_lowercase())
+        })
+    });
+    assert!(refused.starts_with("http/1.1 429"), "{refused}");
+    assert!(refused.contains("\r\nretry-after: 2\r\n"), "{refused}");
+
+    drop(asked);
+    eventually("room", || {
+        let answer = server.get(&format!("/v1/preview?size=64&table={table}"));
+        (answer.status == 200).then_some(())
+    });
+    assert_eq!(server.stop("TERM").code, Some(0));
+}
