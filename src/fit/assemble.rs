@@ -13,11 +13,13 @@ use crate::{
 };
 
 /// The least ratio of a stored block's eigenvalues. A lobe that is a curved line, at grazing angles, fits best with none;
-/// numbers of 24 or 11 bits hold a matrix upright whose block is some 100 or 8 times wider than their last bit.
-fn flattest(precision: Precision) -> f64 {
-    match precision {
-        Precision::F32 => 1e-5,
-        Precision::F16 => 1.0 / 256.0,
+/// numbers of 24 or 11 bits hold a matrix upright whose block is some 100 or 8 times wider than their last bit. Where
+/// the block is the lobe's own, ten times wider keeps a shader's inverse of a needle at the horizon within 1e-3.
+fn flattest(precision: Precision, layout: Layout) -> f64 {
+    match (precision, layout) {
+        (Precision::F32, Layout::Reflected) => 1e-5,
+        (Precision::F32, Layout::Kt2022) => 1e-4,
+        (Precision::F16, _) => 1.0 / 256.0,
     }
 }
 
@@ -54,7 +56,8 @@ fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> Stored {
     let place = plan.place(index);
     let wo = place.view();
     let FittedEntry { matrix, amplitude, fresnel, .. } = *entry;
-    let (m, mirrors, flattest) = (from_row_major(&matrix), mirrors(wo), flattest(plan.recipe().precision));
+    let (m, mirrors, flattest) =
+        (from_row_major(&matrix), mirrors(wo), flattest(plan.recipe().precision, plan.recipe().layout));
     let (m, amplitude, fresnel) = match plan.recipe().layout {
         Layout::Kt2022 => (align(&m, mirrors, flattest), amplitude, fresnel),
         Layout::Reflected => {
