@@ -88,7 +88,7 @@ pub(super) fn header(language: Language, layout: Layout) -> String {
 /// The values to check a port against.
 fn check(layout: Layout) -> String {
     let axes = table(layout).axes;
-    let nodes: String = axes.named().into_iter().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).collect();
+    let nodes = axes.named().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).concat();
     let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
     let goldens: String = CASES.iter().map(|case| shown(case, &case.golden(layout))).collect();
     format!(
