@@ -5,46 +5,26 @@
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]
 
 use std::{
+    ops::ControlFlow,
     sync::Arc,
     time::{Duration, Instant},
 };
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use glam::{DMat3, DVec3};
 use ltcforge::{
-    ltc::{Layout, PerAxis, Table, Terms},
-    math::{row_major, sin_cos},
+    fit::{Plan, assemble, fit_shard},
+    ltc::Table,
     preview::{Adapter, Material, Mode, Precision, Preview, Scene, ShaderTable, Variant, Weights},
+    recipe::{self, DEFAULT_ENTRY_LIMIT},
 };
 
-/// Nodes on each axis, as in the paper.
-const NODES: u32 = 8;
-
-/// A table of the limit of sharp lobes: what it holds does not change what it costs.
-fn table() -> Table {
-    let uniform = |high: f64| (0..NODES).map(|i| (high * f64::from(i) / f64::from(NODES - 1)).max(1e-4)).collect();
-    let axes: PerAxis<Vec<f64>> =
-        PerAxis { alpha: uniform(1.0), ratio: uniform(1.0), theta: uniform(1.57), phi: uniform(1.57) };
-    let mut matrix = Vec::new();
-    for alpha in &axes.alpha {
-        for ratio in &axes.ratio {
-            for theta in &axes.theta {
-                for phi in &axes.phi {
-                    let ((sin_t, cos_t), (sin_p, cos_p)) = (sin_cos(*theta), sin_cos(*phi));
-                    let v = DVec3::new(sin_t * cos_p, sin_t * sin_p, cos_t.max(1e-4));
-                    let m = DMat3::from_cols(
-                        2.0 * alpha * DVec3::new(v.z, 0.0, v.x),
-                        2.0 * alpha * ratio * DVec3::new(0.0, v.z, v.y),
-                        DVec3::new(-v.x, -v.y, v.z),
-                    );
-                    matrix.push(row_major(&m).map(|x| x as f32));
-                }
-            }
-        }
-    }
-    let entries = matrix.len();
-    let terms = Some(Terms { amplitude: vec![1.0; entries], fresnel: vec![0.0; entries] });
-    Table { layout: Layout::Kt2022, axes, matrix, terms, node_error: vec![0.0; entries] }
+/// The table of a layout at its default resolution. How well it is fitted does not change what it costs.
+fn table(layout: &str) -> Table {
+    let document = format!(r#"{{"preset": "draft", "layout": "{layout}"}}"#);
+    let plan = Plan::new(&recipe::parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe"));
+    let go_on = &mut |_: u64| ControlFlow::Continue(());
+    let shards = (0..plan.shards()).map(|shard| fit_shard(&plan, shard, go_on).expect("not interrupted"));
+    assemble(&plan, &shards.collect::<Vec<_>>().concat())
 }
 
 fn scene(mode: Mode) -> Scene {
@@ -66,8 +46,10 @@ fn summary(mut times: Vec<Duration>) -> String {
 
 fn frames(_: &mut Criterion) {
     const RUNS: usize = 21;
-    let table = |precision| Arc::new(ShaderTable::new(&table(), precision));
-    let (single, half) = (table(Precision::F32), table(Precision::F16));
+    let (reflected, kt2022) = (table("reflected"), table("kt2022"));
+    let single = Arc::new(ShaderTable::new(&reflected, Precision::F32));
+    let half = Arc::new(ShaderTable::new(&reflected, Precision::F16));
+    let kt2022 = Arc::new(ShaderTable::new(&kt2022, Precision::F32));
     let ltc = scene(Mode::Ltc);
     let mut gpu = Preview::new(Adapter::Any);
     let first = timed(&mut gpu, &single, &ltc);
@@ -79,13 +61,14 @@ fn frames(_: &mut Criterion) {
     let weights = |weights| variant(Variant { weights, ..Variant::default() });
     let mut candidates = [
         ("ltc", gpu, &single),
+        ("ltc, layout kt2022", variant(Variant::default()), &kt2022),
         ("ltc, f16 table", variant(Variant::default()), &half),
         ("ltc, weights by the shader", weights(Weights::Shader), &single),
         ("ltc, weights by the sampler", weights(Weights::Sampler), &single),
         ("ltc, lookup replaced by a constant", variant(constant), &single),
         ("ltc, CPU twin", Preview::new(Adapter::Cpu), &single),
     ];
-    let mut times = [const { Vec::new() }; 6];
+    let mut times = [const { Vec::new() }; 7];
     for _ in 0..RUNS {
         for (times, (_, preview, table)) in times.iter_mut().zip(&mut candidates) {
             times.push(timed(preview, table, &ltc));

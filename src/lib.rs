@@ -9,6 +9,8 @@ pub mod fit;
 pub mod http;
 pub mod ltc;
 pub mod math;
+pub mod picture;
+pub mod plots;
 pub mod preview;
 pub mod queue;
 pub mod recipe;

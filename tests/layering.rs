@@ -15,15 +15,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("ltc", &["brdf", "math"]),
     ("fit", &["ltc", "brdf", "math"]),
     ("recipe", &["fit", "ltc"]),
-    ("preview", &["ltc", "brdf", "math"]),
+    ("picture", &[]),
+    ("plots", &["picture", "fit", "ltc"]),
+    ("preview", &["picture", "ltc", "brdf", "math"]),
     ("export", &["recipe", "fit", "ltc", "math"]),
     ("tradeoff", &["recipe", "fit", "ltc"]),
     ("store", &[]),
     ("queue", &["store"]),
-    ("service", &["export", "preview", "recipe", "fit", "ltc", "queue", "store"]),
-    ("http", &["service", "preview", "recipe", "fit", "queue"]),
+    ("service", &["export", "picture", "plots", "preview", "recipe", "fit", "ltc", "queue", "store"]),
+    ("http", &["service", "plots", "preview", "recipe", "fit", "queue"]),
     ("client", &["recipe", "queue"]),
-    ("cli", &["http", "client", "service", "tradeoff", "export", "preview", "recipe", "fit", "ltc", "queue"]),
+    ("cli", &["http", "client", "service", "tradeoff", "export", "plots", "preview", "recipe", "fit", "ltc", "queue"]),
 ];
 
 /// What a module must not name, beyond other modules.
@@ -34,7 +36,7 @@ const ABSENT: &[(&[&str], &[&str])] = &[
     ),
     (&["tradeoff"], &["std::fs", "std::env", "std::time", "std::thread", "rustix"]),
     (&["queue", "store"], &["axum", "tower_http", "ureq"]),
-    (&["preview"], &["axum", "tokio", "sled", "serde_json"]),
+    (&["picture", "plots", "preview"], &["axum", "tokio", "sled", "serde_json"]),
     (&["client"], &["axum", "tokio", "sled"]),
     (&["http", "cli"], &["sled"]),
 ];

@@ -84,6 +84,38 @@ fn without_a_digest_the_best_stored_table_is_shown() {
 }
 
 #[test]
+fn a_table_s_plots_are_pictures_under_their_own_names() {
+    let (_folder, server) = start();
+    let digest = server.fit(SMALL);
+    let plot = |rest: &str| server.get(&format!("/v1/tables/{digest}/plots/{rest}"));
+    let (matrix, errors) = (plot("matrix.png").with_status(200), plot("error.png").with_status(200));
+    for answer in [&matrix, &errors] {
+        assert_eq!(answer.header("preview-adapter"), Some("cpu"));
+        assert_eq!(answer.header("cache-control"), Some("public, max-age=86400"));
+        let (width, height) = size(&answer.body);
+        assert!(width > 400 && height > 400, "{width} x {height}");
+    }
+    let usual = plot("error.png?phi=0.7&ratio=0.25").with_status(200);
+    assert_eq!((tag(&usual), &usual.body), (tag(&errors), &errors.body));
+    let other = plot("error.png?ratio=1").with_status(200);
+    assert_ne!((tag(&other), &other.body), (tag(&errors), &errors.body));
+    // Known before it is drawn again.
+    let known = tag(&matrix);
+    let path = format!("/v1/tables/{digest}/plots/matrix.png");
+    assert!(server.request("GET", &path, &[("if-none-match", &known)], None).with_status(304).body.is_empty());
+
+    for (rest, named) in [("error.png?ratio=1.5", "«1.5»"), ("error.png?phi=x", "«x»"), ("matrix.png?phi=0", "phi")]
+    {
+        let problem = plot(rest).with_status(400).json();
+        assert_eq!(problem["type"], "/problems/bad-parameter", "{rest}");
+        assert!(text(&problem["detail"]).contains(named), "{problem}");
+    }
+    assert_eq!(plot("colours.png").with_status(404).json()["type"], "/problems/no-such-path");
+    let unknown = format!("/v1/tables/{}/plots/matrix.png", "0".repeat(64));
+    assert_eq!(server.get(&unknown).with_status(404).json()["type"], "/problems/unknown-table");
+}
+
+#[test]
 fn every_fault_of_a_query_is_told() {
     let (_folder, server) = start();
     let query = "table=xyz&size=63&colour=red&f0=1,2&spp=4&spp=4&light=cube&phi=NaN";

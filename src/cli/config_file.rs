@@ -9,6 +9,7 @@
 //! workers = 8
 //! queue_limit = 64
 //! entry_limit = 2000000
+//! adapter = "cpu"
 //! ```
 
 use std::{
@@ -20,7 +21,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{Exit, Failure};
+use super::{Exit, Failure, preview_names::AdapterName};
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -43,6 +44,7 @@ pub(super) struct ServeSection {
     pub(super) workers: Option<NonZeroUsize>,
     pub(super) queue_limit: Option<NonZeroUsize>,
     pub(super) entry_limit: Option<NonZeroU64>,
+    pub(super) adapter: Option<AdapterName>,
 }
 
 impl ConfigFile {
@@ -68,14 +70,24 @@ impl ConfigFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::preview::Adapter;
 
     #[test]
     fn settings_are_read_and_unknown_ones_refused() {
-        let file = ConfigFile::parse("server = 'http://h'\n[serve]\nlisten = '[::1]:80'\nworkers = 3").expect("good");
+        let file = ConfigFile::parse("server = 'http://h'\n[serve]\nlisten = '[::1]:80'\nworkers = 3\nadapter = 'gpu'")
+            .expect("good");
         assert_eq!(file.server.as_deref(), Some("http://h"));
         assert_eq!(file.serve.listen, Some(SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 80))));
         assert_eq!(file.serve.workers, NonZeroUsize::new(3));
-        for text in ["colour = 1", "[serve]\nport = 1", "[serve]\nworkers = 0", "[serve]\nlisten = 'x'", "="] {
+        assert_eq!(file.serve.adapter, Some(AdapterName(Adapter::Gpu)));
+        for text in [
+            "colour = 1",
+            "[serve]\nport = 1",
+            "[serve]\nworkers = 0",
+            "[serve]\nlisten = 'x'",
+            "[serve]\nadapter = 'x'",
+            "=",
+        ] {
             assert!(ConfigFile::parse(text).is_err(), "{text}");
         }
     }

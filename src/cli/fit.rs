@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::{Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress, serve::cores};
+use super::{Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress};
 use crate::{
     client::replace_file,
     digest::Digest,
@@ -22,8 +22,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let document = input::recipe_document(&args.recipe)?;
     let entry_limit = args.entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
     let recipe = recipe::parse(&document, entry_limit).map_err(|error| bad_recipe(&args.recipe, error))?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or_else(cores).get()).build();
-    let pool = pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    let pool = args.threads.pool()?;
 
     let plan = Plan::new(&recipe);
     let bar = progress::bar(context.draws_progress, recipe.entries());

@@ -6,7 +6,48 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Exit, Failure, file_failure};
+use super::{Exit, Failure, args::TableChoice, file_failure, verify};
+use crate::{
+    digest::Digest,
+    export::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
+    fit::Recipe,
+    ltc::{PerAxis, Table},
+};
+
+/// A table that was read, ours or another's.
+pub(super) struct AnyTable {
+    pub(super) path: PathBuf,
+    /// Of the file.
+    pub(super) digest: Digest,
+    pub(super) table: Table,
+    pub(super) origin: Origin,
+}
+
+/// What is known of how a table came to be.
+pub(super) enum Origin {
+    /// Its recipe.
+    Recipe(Recipe),
+    /// Of a `.npy` file: what its axes cover.
+    Range(PerAxis<[f64; 2]>),
+}
+
+impl AnyTable {
+    /// Reads a table; the file's first bytes tell of which kind it is.
+    ///
+    /// # Errors
+    /// No such file, or one that is no table.
+    pub(super) fn read(choice: &TableChoice) -> Result<Self, Failure> {
+        let path = table_path(&choice.table, &choice.tables)?;
+        let bytes = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+        if !bytes.starts_with(NPY_MAGIC) {
+            let (digest, TableFile { table, recipe }) = verify::check(&path, &bytes, None)?;
+            return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });
+        }
+        let NpyTable { table, range } =
+            decode_npy(&bytes).map_err(|error| Failure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
+        Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) })
+    }
+}
 
 /// The document that `name` stands for: `-` is stdin, a bare word is a preset, anything else a file.
 ///
@@ -34,7 +75,7 @@ fn is_preset_name(name: &str) -> bool {
 ///
 /// # Errors
 /// When there is none, or more than one begins so.
-pub(super) fn table_path(name: &str, folder: &Path) -> Result<PathBuf, Failure> {
+fn table_path(name: &str, folder: &Path) -> Result<PathBuf, Failure> {
     let path = PathBuf::from(name);
     let beginning = name.strip_prefix("sha256:").unwrap_or(name).to_ascii_lowercase();
     let is_digest = !beginning.is_empty() && beginning.bytes().all(|byte| byte.is_ascii_hexdigit());

@@ -11,19 +11,15 @@ use serde_json::json;
 use super::{
     Context, Exit, Failure,
     args::LookupArgs,
-    file_failure, input,
+    file_failure,
+    input::AnyTable,
     points::{self, COLUMNS, Point},
-    verify,
 };
-use crate::{
-    export::TableFile,
-    ltc::{LookedUp, Table},
-};
+use crate::ltc::{LookedUp, Table};
 
 /// Prints a matrix for each point, as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
-    let path = input::table_path(&args.table, &args.tables)?;
-    let (_, TableFile { table, .. }) = verify::read(&path, None)?;
+    let table = AnyTable::read(&args.table)?.table;
     let (name, points): (&str, Box<dyn BufRead>) = if args.points == "-" {
         ("standard input", Box::new(io::stdin().lock()))
     } else {

@@ -11,6 +11,7 @@ mod input;
 mod interrupt;
 mod jobs;
 mod lookup;
+mod plot;
 mod points;
 mod preview;
 mod preview_names;
@@ -65,6 +66,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
         Command::Lookup(args) => lookup::run(&args, json, context),
         Command::Report(args) => report::run(&args, json, context),
         Command::Preview(args) => preview::run(&args, json, context),
+        Command::Plot(args) => plot::run(&args, json, context),
         Command::Tradeoff(args) => tradeoff::run(&args, json, context),
         Command::Shader(args) => shader::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),

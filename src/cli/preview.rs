@@ -4,22 +4,24 @@ use std::{fs, sync::Arc};
 
 use serde_json::json;
 
-use super::{Context, Exit, Failure, args::PreviewArgs, file_failure, input, print, verify};
+use super::{Context, Exit, Failure, args::PreviewArgs, file_failure, input::AnyTable, print};
 use crate::{
-    export::TableFile,
+    fit::ggx_terms,
     preview::{Choices, Preview, PreviewError, Rendered, ShaderTable},
 };
 
 /// Renders a picture and writes it. The adapter, and the errors of modes that compare, go to standard error, or as
 /// JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
-    let path = input::table_path(&args.table, &args.tables)?;
-    let (digest, TableFile { table, .. }) = verify::read(&path, None)?;
+    let AnyTable { digest, mut table, .. } = AnyTable::read(&args.table)?;
+    if args.ggx_terms {
+        table.terms = Some(ggx_terms(table.layout, &table.axes));
+    }
     let table = Arc::new(ShaderTable::new(&table, args.precision.0));
     let rendered = Preview::new(args.adapter.0)
         .render(&table, &choices(args).into_scene(), &|| false)
         .map_err(|error| failure(&error))?;
-    let png = rendered.picture.png().map_err(|error| failure(&error))?;
+    let png = rendered.picture.png().map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
     fs::write(&args.out, png).map_err(|error| file_failure(&args.out, &error))?;
     let Rendered { picture, adapter, errors } = rendered;
     let errors_json: Vec<_> = errors

@@ -1,6 +1,7 @@
 //! Names that the command line has for the choices of a preview and of a shader.
 
 use clap::{ValueEnum, builder::PossibleValue};
+use serde::{Deserialize, Deserializer, de::Error as _};
 
 use crate::{
     ltc::Layout,
@@ -78,6 +79,15 @@ names! {
         "any" => Adapter::Any,
         "gpu" => Adapter::Gpu,
         "cpu" => Adapter::Cpu,
+    }
+}
+
+/// In a configuration file, by the same name.
+impl<'de> Deserialize<'de> for AdapterName {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(from)?;
+        <Self as ValueEnum>::from_str(&name, false)
+            .map_err(|_| D::Error::custom(format!("«{name}» is no adapter; it is one of any, gpu, cpu")))
     }
 }
 

@@ -1,16 +1,20 @@
 //! `report`: how good a table is, ours or another's.
 
-use std::{f64::consts::FRAC_PI_2, fmt::Write as _, fs, path::Path};
+use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
 
 use serde_json::json;
 
-use super::{Context, Exit, Failure, args::ReportArgs, file_failure, input, print, serve::cores, verify};
+use super::{
+    Context, Exit, Failure,
+    args::ReportArgs,
+    input::{AnyTable, Origin},
+    print,
+};
 use crate::{
     digest::Digest,
-    export::{NPY_MAGIC, NpyTable, decode_npy},
     fit::{Accuracy, Corner, MOST_POINTS, Moved, Report, Spread, TermError, extremes, report},
-    ltc::{PerAxis, Table},
-    service,
+    ltc::PerAxis,
+    service::table_report,
 };
 
 /// What was measured, beside the figures.
@@ -23,12 +27,10 @@ struct Subject {
 
 /// Measures a table and prints the figures.
 pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
-    let path = input::table_path(&args.table, &args.tables)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or_else(cores).get()).build();
-    let pool = pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
-    let subject = pool.install(|| measure(&path, args.extremes))?;
+    let read = AnyTable::read(&args.table)?;
+    let subject = args.threads.pool()?.install(|| measure(&read, args.extremes));
     let mut value = json!({
-        "file": path,
+        "file": read.path,
         "digest": subject.digest,
         "resolution": subject.resolution,
         "report": subject.report,
@@ -36,25 +38,17 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
     if let Some(corners) = &subject.corners {
         value["extremes"] = json!(corners);
     }
-    print(context.stdout, json, &value, text(&path, &subject).trim_end())?;
+    print(context.stdout, json, &value, text(&read.path, &subject).trim_end())?;
     Ok(Exit::Ok)
 }
 
-/// Tells the two kinds of file apart by their first bytes.
-fn measure(path: &Path, with_extremes: bool) -> Result<Subject, Failure> {
-    let corners = |table: &Table| with_extremes.then(|| extremes(table));
-    let bytes = fs::read(path).map_err(|error| file_failure(path, &error))?;
-    if bytes.starts_with(NPY_MAGIC) {
-        let read = decode_npy(&bytes);
-        let NpyTable { table, range } =
-            read.map_err(|error| Failure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
-        let report = report(&table, &range, MOST_POINTS);
-        let (digest, resolution) = (Digest::of(&bytes), table.axes.lengths());
-        return Ok(Subject { digest, resolution, report, corners: corners(&table) });
-    }
-    let (digest, file) = verify::read(path, None)?;
-    let (resolution, report) = (file.table.axes.lengths(), service::table_report(&file));
-    Ok(Subject { digest, resolution, report, corners: corners(&file.table) })
+fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, with_extremes: bool) -> Subject {
+    let report = match origin {
+        Origin::Recipe(recipe) => table_report(table, recipe),
+        Origin::Range(range) => report(table, range, MOST_POINTS),
+    };
+    let corners = with_extremes.then(|| extremes(table));
+    Subject { digest: *digest, resolution: table.axes.lengths(), report, corners }
 }
 
 /// The figures for people.

@@ -5,15 +5,19 @@ use std::{
     net::SocketAddr,
     num::{NonZeroU64, NonZeroUsize},
     sync::Arc,
-    thread,
     time::Duration,
 };
 
 use tokio::net::TcpListener;
 
-use super::{Context, Exit, Failure, args::ServeArgs, config_file::ServeSection};
+use super::{
+    Context, Exit, Failure,
+    args::{ServeArgs, cores},
+    config_file::ServeSection,
+};
 use crate::{
     http,
+    preview::Adapter,
     recipe::DEFAULT_ENTRY_LIMIT,
     service::{Config, Service},
 };
@@ -54,14 +58,9 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
         entry_limit: args.entry_limit.or(file.entry_limit).map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get),
         lease_ttl: LEASE_TTL,
         max_attempts: MAX_ATTEMPTS,
-        adapter: args.adapter.0,
+        adapter: args.adapter.or(file.adapter).map_or(Adapter::Any, |name| name.0),
     };
     (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
-}
-
-/// Cores that the process may use.
-pub(super) fn cores() -> NonZeroUsize {
-    thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
 }
 
 fn cannot_listen(listen: SocketAddr, error: &io::Error) -> Failure {
@@ -79,24 +78,21 @@ fn failed(error: impl std::fmt::Display) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{cli::preview_names::AdapterName, preview::Adapter};
+    use crate::cli::preview_names::AdapterName;
 
-    const NOTHING: ServeArgs = ServeArgs {
-        listen: None,
-        data: None,
-        workers: None,
-        queue_limit: None,
-        entry_limit: None,
-        adapter: AdapterName(Adapter::Any),
-    };
+    const NOTHING: ServeArgs =
+        ServeArgs { listen: None, data: None, workers: None, queue_limit: None, entry_limit: None, adapter: None };
 
     #[test]
     fn a_flag_goes_before_the_file_and_that_before_the_default() {
-        let file = ServeSection { queue_limit: NonZeroUsize::new(5), data: Some("file".into()), ..Default::default() };
+        let adapter = Some(AdapterName(Adapter::Cpu));
+        let (data, queue_limit) = (Some("file".into()), NonZeroUsize::new(5));
+        let file = ServeSection { data, queue_limit, adapter, ..Default::default() };
         let flags = ServeArgs { data: Some("flag".into()), ..NOTHING };
         let (listen, config) = settle(flags, file);
         assert_eq!(config.data_dir.to_str(), Some("flag"));
         assert_eq!(config.queue_limit, 5);
+        assert_eq!(config.adapter, Adapter::Cpu);
         assert_eq!(config.entry_limit, DEFAULT_ENTRY_LIMIT);
         assert_eq!(listen, DEFAULT_LISTEN);
     }

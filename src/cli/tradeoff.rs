@@ -6,9 +6,7 @@ use indicatif::ProgressBar;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
-use super::{
-    Context, Exit, Failure, Interrupt, args::TradeoffArgs, file_failure, fit, input, print, progress, serve::cores,
-};
+use super::{Context, Exit, Failure, Interrupt, args::TradeoffArgs, file_failure, fit, input, print, progress};
 use crate::{
     client::replace_file,
     fit::{Plan, Recipe, report},
@@ -24,9 +22,7 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let name = args.recipe.as_deref().unwrap_or(DEFAULT_RECIPE);
     let document = input::recipe_document(name)?;
     let base = recipe::parse(&document, DEFAULT_ENTRY_LIMIT).map_err(|error| fit::bad_recipe(name, error))?;
-    let threads = args.threads.unwrap_or_else(cores).get();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
 
     let size = if args.quick { Size::Quick } else { Size::Full };
     let recipes = family(&base, size, DEFAULT_ENTRY_LIMIT);

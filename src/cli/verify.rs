@@ -37,18 +37,22 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
     }
 }
 
-/// A table's file that is what it says it is: it hashes to `expected`, or else to the digest in its name if there is
-/// one, and is well formed.
-pub(super) fn read(path: &Path, expected: Option<Digest>) -> Result<(Digest, TableFile), Failure> {
+fn read(path: &Path, expected: Option<Digest>) -> Result<(Digest, TableFile), Failure> {
     let bytes = fs::read(path).map_err(|error| file_failure(path, &error))?;
-    let actual = Digest::of(&bytes);
+    check(path, &bytes, expected)
+}
+
+/// The table of a file that is what it says it is: it hashes to `expected`, or else to the digest in its name if there
+/// is one, and is well formed.
+pub(super) fn check(path: &Path, bytes: &[u8], expected: Option<Digest>) -> Result<(Digest, TableFile), Failure> {
+    let actual = Digest::of(bytes);
     let mismatch = |reason: String| Failure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
     if let Some(expected) = expected.or_else(|| digest_in_name(path))
         && actual != expected
     {
         return Err(mismatch(format!("the file hashes to {actual}, not to {expected}")));
     }
-    let file = export::decode(&bytes).map_err(|error| mismatch(error.to_string()))?;
+    let file = export::decode(bytes).map_err(|error| mismatch(error.to_string()))?;
     Ok((actual, file))
 }
 

@@ -6,9 +6,10 @@ use super::{
     Plan, Precision,
     align::{align, align_to},
     entry::{FittedEntry, mirrors},
+    target::LobeTerms,
 };
 use crate::{
-    ltc::{Layout, Reflection, Table, Terms},
+    ltc::{Layout, PerAxis, Reflection, Table, Terms},
     math::{from_row_major, pow, row_major},
 };
 
@@ -58,15 +59,23 @@ fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> Stored {
     let FittedEntry { matrix, amplitude, fresnel, .. } = *entry;
     let (m, mirrors, flattest) =
         (from_row_major(&matrix), mirrors(wo), flattest(plan.recipe().precision, plan.recipe().layout));
-    let (m, amplitude, fresnel) = match plan.recipe().layout {
-        Layout::Kt2022 => (align(&m, mirrors, flattest), amplitude, fresnel),
-        Layout::Reflected => {
-            let reflection = Reflection::of(&place.surface(), wo);
-            // The inverse of `Reflection::terms`. The lobe of a view above the horizon has an amplitude.
-            let grazing = pow(fresnel / amplitude, 0.2);
-            let m = align_to(&reflection.matrix, &m, mirrors, flattest);
-            (m, amplitude / reflection.amplitude, grazing - reflection.grazing)
-        }
+    let m = match plan.recipe().layout {
+        Layout::Kt2022 => align(&m, mirrors, flattest),
+        Layout::Reflected => align_to(&Reflection::of(&place.surface(), wo).matrix, &m, mirrors, flattest),
     };
+    let LobeTerms { amplitude, fresnel } = stored_terms(plan.recipe().layout, &place, LobeTerms { amplitude, fresnel });
     Stored { matrix: row_major(&(m * (1.0 / m.z_axis.length()))), amplitude, fresnel }
+}
+
+/// A lobe's terms as a layout stores them.
+pub(super) fn stored_terms(layout: Layout, place: &PerAxis<f64>, terms: LobeTerms) -> LobeTerms {
+    match layout {
+        Layout::Kt2022 => terms,
+        Layout::Reflected => {
+            let reflection = Reflection::of(&place.surface(), place.view());
+            // The inverse of `Reflection::terms`. The lobe of a view above the horizon has an amplitude.
+            let grazing = pow(terms.fresnel / terms.amplitude, 0.2);
+            LobeTerms { amplitude: terms.amplitude / reflection.amplitude, fresnel: grazing - reflection.grazing }
+        }
+    }
 }

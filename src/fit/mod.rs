@@ -20,6 +20,7 @@ mod sgd;
 mod shard;
 mod solve;
 mod target;
+mod terms;
 
 /// Called now and then in a long fit, so that its caller can tell that it is alive, and stop it.
 pub type Pulse<'a> = dyn FnMut() -> std::ops::ControlFlow<()> + 'a;
@@ -31,7 +32,8 @@ pub use expectation::{Expectation, expectation};
 pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
 pub use report::{
-    Accuracy, Corner, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread, TermError, Worst,
-    extremes, report, report_points,
+    Accuracy, Corner, ErrorMap, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread,
+    TermError, Worst, error_map, extremes, report, report_points,
 };
 pub use shard::{Plan, ShardBytesError, fit_shard, shard_from_bytes, shard_to_bytes};
+pub use terms::ggx_terms;

@@ -9,7 +9,7 @@ mod events;
 mod extract;
 mod jobs;
 mod operations;
-mod preview;
+mod pictures;
 mod problem;
 mod range;
 mod routes;

@@ -8,7 +8,7 @@ use axum::{
     routing::MethodRouter,
 };
 
-use super::{Api, error::Kind, events, jobs, operations, preview, problem::Problem, tables};
+use super::{Api, error::Kind, events, jobs, operations, pictures, problem::Problem, tables};
 
 /// One call of the interface. A `GET` answers `HEAD` as well; `HEAD` stands here where clients depend on it.
 #[derive(Debug)]
@@ -35,7 +35,9 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/tables/{digest}", |on| on.get(tables::download)),
     route(Method::HEAD, "/v1/tables/{digest}", |on| on.head(tables::download)),
     route(Method::GET, "/v1/tables/{digest}/manifest", |on| on.get(tables::manifest)),
-    route(Method::GET, "/v1/preview", |on| on.get(preview::show)),
+    route(Method::GET, "/v1/tables/{digest}/plots/error.png", |on| on.get(pictures::error_plot)),
+    route(Method::GET, "/v1/tables/{digest}/plots/matrix.png", |on| on.get(pictures::matrix_plot)),
+    route(Method::GET, "/v1/preview", |on| on.get(pictures::preview)),
     route(Method::GET, "/v1/recipes/{digest}", |on| on.get(tables::recipe)),
     route(Method::GET, "/healthz", |on| on.get(operations::healthz)),
     route(Method::GET, "/readyz", |on| on.get(operations::readyz)),

@@ -17,7 +17,4 @@ pub enum PreviewError {
     /// The caller told the renderer to stop.
     #[error("stopped")]
     Stopped,
-    /// The picture could not be written as PNG.
-    #[error("PNG: {0}")]
-    Png(String),
 }

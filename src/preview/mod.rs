@@ -8,29 +8,27 @@
 
 mod bounds;
 mod choices;
-mod colours;
 mod compose;
 mod cpu;
 mod error;
 mod frame;
 mod gpu;
-mod image;
 mod light;
 mod named;
 mod port;
+mod radiances;
 mod renderer;
 mod scene;
 mod table;
-mod text;
 mod tone;
 
 pub use bounds::SceneFault;
 pub use choices::{Choices, ParameterFault, numbers};
 pub use error::PreviewError;
 pub use gpu::{SHADERS, Shader, Variant, Weights};
-pub use image::{Picture, Radiances};
 pub use named::NamedScene;
 pub use port::{Language, PortError, port};
+pub use radiances::Radiances;
 pub use renderer::{Adapter, Estimator, PanelError, Preview, Rendered, Stop};
 pub use scene::{Camera, Light, LightKind, LobeView, Material, Mode, Scene, Surface};
 pub use table::{Precision, ShaderTable};

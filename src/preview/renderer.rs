@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::{
-    Mode, Picture, PreviewError, Scene, ShaderTable, compose, cpu,
+    Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
     frame::Frame,
     gpu::{Gpu, GpuFailure, Job, Variant},
-    image::Radiances,
     tone,
 };
+use crate::picture::Picture;
 
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";

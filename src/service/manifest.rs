@@ -6,8 +6,9 @@ use serde::Serialize;
 
 use crate::{
     digest::Digest,
-    export::{self, TableFile, TableFileError},
-    fit::{REPORT_VERSION, Report, report, report_points},
+    export::{self, TableFileError},
+    fit::{REPORT_VERSION, Recipe, Report, report, report_points},
+    ltc::Table,
     recipe,
 };
 
@@ -33,10 +34,10 @@ struct Export {
     bytes: usize,
 }
 
-/// The report of a canonical file: that of its manifest. Runs on the current rayon pool.
+/// The report of a recipe's table: that of its manifest. Runs on the current rayon pool.
 #[must_use]
-pub fn table_report(file: &TableFile) -> Report {
-    report(&file.table, &file.recipe.range, report_points(&file.recipe))
+pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
+    report(table, &recipe.range, report_points(recipe))
 }
 
 /// The manifest of a canonical file as JSON, with a newline at its end. It measures the table, on the current rayon
@@ -54,7 +55,7 @@ pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
         recipe: serde_json::from_str(&text).map_err(not_json)?,
         bytes: file_bytes.len(),
         entries: file.table.matrix.len(),
-        report: table_report(&file),
+        report: table_report(&file.table, &file.recipe),
         exports: vec![],
     };
     let mut json = serde_json::to_string_pretty(&manifest).map_err(not_json)?;

@@ -22,4 +22,4 @@ pub use self::core::Service;
 pub use crate::store::TableRow;
 pub use api::{Config, Expected, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
 pub use manifest::{manifest_json, table_report};
-pub use pictures::{Ordered, PictureError, PictureFile, PictureWait};
+pub use pictures::{Ordered, PictureError, PictureFile, PictureWait, Subject};

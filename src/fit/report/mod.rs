@@ -9,6 +9,7 @@ mod effort;
 mod extremes;
 mod floors;
 mod light;
+mod map;
 mod matrices;
 mod measure;
 mod places;
@@ -19,6 +20,7 @@ pub use accuracy::{Accuracy, Spread, TermError, Worst};
 pub use effort::{MOST_POINTS, report_points};
 pub use extremes::{Corner, extremes};
 pub use floors::{Floors, Moved};
+pub use map::{ErrorMap, error_map};
 pub use matrices::{Extent, Matrices};
 
 use crate::ltc::{PerAxis, Table};

@@ -52,10 +52,8 @@ pub(super) fn node(axes: &PerAxis<Vec<f64>>, index: usize) -> Configuration {
 /// `count` configurations within the axes as artists set them: evenly in perceptual roughness, the square root of
 /// alpha, and in ratio, theta and phi.
 pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configuration> {
-    let ends = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
-    let roughness = ends(&axes.alpha).map(f64::sqrt);
-    let (ratio, theta, phi) = (ends(&axes.ratio), ends(&axes.theta), ends(&axes.phi));
-    let theta = [theta[0], theta[1].min(STEEPEST).max(theta[0])];
+    let (roughness, theta) = roughness_and_theta(axes);
+    let (ratio, phi) = (ends(&axes.ratio), ends(&axes.phi));
     let at = |[low, high]: [f64; 2], u: f64| low + (high - low) * u;
     (0..count)
         .map(|i| {
@@ -66,7 +64,17 @@ pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configurati
         .collect()
 }
 
-fn configuration(alpha: f64, ratio: f64, theta: f64, phi: f64) -> Configuration {
+/// Lowest and highest perceptual roughness and theta at which a table is measured between its nodes.
+pub(super) fn roughness_and_theta(axes: &PerAxis<Vec<f64>>) -> ([f64; 2], [f64; 2]) {
+    let [low, high] = ends(&axes.theta);
+    (ends(&axes.alpha).map(f64::sqrt), [low, high.min(STEEPEST).max(low)])
+}
+
+fn ends(nodes: &[f64]) -> [f64; 2] {
+    [nodes[0], nodes[nodes.len() - 1]]
+}
+
+pub(super) fn configuration(alpha: f64, ratio: f64, theta: f64, phi: f64) -> Configuration {
     Configuration { alpha_x: alpha, alpha_y: alpha * ratio, theta, phi }
 }
 

@@ -10,7 +10,7 @@ mod surface;
 
 use rayon::prelude::*;
 
-use super::{ShaderTable, frame::Frame, image::Radiances, renderer::Estimator};
+use super::{Radiances, ShaderTable, frame::Frame, renderer::Estimator};
 
 /// A part of the picture, as radiance: that of the `extent` pixels from `corner`.
 pub(super) fn render(

@@ -10,7 +10,7 @@ use super::{
 use crate::preview::{
     ShaderTable, Surface,
     frame::{Frame, LOWEST_VIEW},
-    image::{BELOW, BESIDE},
+    radiances::{BELOW, BESIDE},
     renderer::Estimator,
 };
 

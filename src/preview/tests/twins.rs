@@ -1,5 +1,8 @@
 use super::*;
-use crate::preview::{Material, Mode, NamedScene, Picture, Rendered, Scene, Variant, Weights};
+use crate::{
+    picture::Picture,
+    preview::{Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
+};
 
 const GO_ON: &dyn Fn() -> bool = &|| false;
 

@@ -9,12 +9,8 @@ use std::{
 
 use tokio::sync::oneshot;
 
-use super::{PictureError, PictureFile, RETRY_FULL, cache::Cache, studio::Studio};
-use crate::{
-    digest::Digest,
-    preview::{Adapter, Scene},
-    service::core::Core,
-};
+use super::{PictureError, PictureFile, RETRY_FULL, Subject, cache::Cache, studio::Studio};
+use crate::{digest::Digest, preview::Adapter, service::core::Core};
 
 /// Pictures that wait or are rendered at the same time: one, and eight behind it.
 const LIMIT: usize = 9;
@@ -29,7 +25,7 @@ pub(super) struct Order {
     /// The digest of what is asked for.
     pub(super) key: Digest,
     pub(super) table: Digest,
-    pub(super) scene: Scene,
+    pub(super) subject: Subject,
     /// When it is of no more use.
     pub(super) until: Instant,
     /// Closed when nobody waits.
@@ -52,7 +48,7 @@ struct State {
     is_open: bool,
     is_closed: bool,
     kept: Cache,
-    /// What rendered last.
+    /// What rendered the last scene.
     adapter: Option<Arc<str>>,
 }
 
@@ -78,7 +74,7 @@ impl Desk {
         self.state().kept.get(key)
     }
 
-    /// What rendered last.
+    /// What rendered the last scene.
     pub(super) fn adapter(&self) -> Option<Arc<str>> {
         self.state().adapter.clone()
     }
@@ -131,9 +127,12 @@ impl Desk {
 
     /// Keeps a picture.
     pub(super) fn keep(&self, key: Digest, file: PictureFile) {
-        let mut state = self.state();
-        state.adapter = Some(Arc::clone(&file.adapter));
-        state.kept.keep(key, file);
+        self.state().kept.keep(key, file);
+    }
+
+    /// A scene was rendered.
+    pub(super) fn was_rendered_by(&self, adapter: &Arc<str>) {
+        self.state().adapter = Some(Arc::clone(adapter));
     }
 
     /// Nothing is rendered any more.

@@ -1,4 +1,4 @@
-//! Previews: of which table, whether the picture is there already, and who renders it.
+//! Previews and plots: of which table, whether the picture is there already, and who renders it.
 //!
 //! Invariant: nothing is rendered on a caller's thread or on the fitting pool, and no adapter is opened before the
 //! first picture is rendered.
@@ -13,6 +13,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use serde::Serialize;
 use serde_json::json;
 use tokio::sync::oneshot;
 
@@ -22,6 +23,7 @@ pub(super) use desk::Desk;
 use super::{Service, ServiceError};
 use crate::{
     digest::Digest,
+    plots::Plot,
     preview::{ParameterFault, Scene},
 };
 
@@ -32,6 +34,19 @@ const RETRY_FULL: Duration = Duration::from_secs(2);
 /// And after one that took too long.
 const RETRY_SLOW: Duration = Duration::from_secs(30);
 
+/// What draws plots.
+const CPU: &str = "cpu";
+
+/// What is to be seen of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Subject {
+    /// What it does.
+    Scene(Box<Scene>),
+    /// The table as such.
+    Plot(Plot),
+}
+
 /// A picture and what goes with it.
 #[derive(Debug, Clone)]
 pub struct PictureFile {
@@ -39,7 +54,7 @@ pub struct PictureFile {
     pub png: Arc<Vec<u8>>,
     /// What rendered it: an adapter's name, or `cpu`.
     pub adapter: Arc<str>,
-    /// Its name: the digest of scene, table, adapter and version of the program.
+    /// Its name: the digest of subject, table, adapter and version of the program.
     pub tag: Digest,
 }
 
@@ -106,7 +121,7 @@ pub enum PictureError {
 }
 
 impl Service {
-    /// The picture of `scene` by a table, or by the best one stored. `is_known` says whether the caller has the picture
+    /// The picture of `subject` by a table, or by the best one stored. `is_known` says whether the caller has the picture
     /// of a name.
     ///
     /// # Errors
@@ -114,7 +129,7 @@ impl Service {
     pub fn picture(
         &self,
         table: Option<Digest>,
-        scene: Scene,
+        subject: Subject,
         is_known: impl Fn(Digest) -> bool,
     ) -> Result<Ordered, PictureError> {
         let core = &self.core;
@@ -123,7 +138,7 @@ impl Service {
             Some(table) => table,
             None => core.best_table()?.ok_or(PictureError::NoTable)?,
         };
-        let key = name(&scene, table, None)?;
+        let key = name(&subject, table, None)?;
         if let Some(file) = core.desk.kept(key) {
             return Ok(if is_known(file.tag) {
                 Ordered::Known { tag: file.tag, adapter: file.adapter }
@@ -131,15 +146,19 @@ impl Service {
                 Ordered::Ready(file)
             });
         }
-        if let Some(adapter) = core.desk.adapter() {
-            let tag = name(&scene, table, Some(&adapter))?;
+        let adapter = match &subject {
+            Subject::Scene(_) => core.desk.adapter(),
+            Subject::Plot(_) => Some(CPU.into()),
+        };
+        if let Some(adapter) = adapter {
+            let tag = name(&subject, table, Some(&adapter))?;
             if is_known(tag) {
                 return Ok(Ordered::Known { tag, adapter });
             }
         }
         let (reply, file) = oneshot::channel();
         let until = Instant::now() + LIMIT;
-        core.desk.order(core, desk::Order { key, table, scene, until, reply })?;
+        core.desk.order(core, desk::Order { key, table, subject, until, reply })?;
         Ok(Ordered::Waiting(PictureWait { file, until }))
     }
 }
@@ -163,9 +182,9 @@ fn too_slow() -> PictureError {
 }
 
 /// The digest of the canonical JSON of all that decides a picture's bytes. Without an adapter: of what is asked for.
-fn name(scene: &Scene, table: Digest, adapter: Option<&str>) -> Result<Digest, PictureError> {
+fn name(subject: &Subject, table: Digest, adapter: Option<&str>) -> Result<Digest, PictureError> {
     let version = env!("CARGO_PKG_VERSION");
-    let all = json!({ "scene": scene, "table": table, "adapter": adapter, "version": version });
+    let all = json!({ "subject": subject, "table": table, "adapter": adapter, "version": version });
     let text = serde_jcs::to_vec(&all).map_err(|error| PictureError::Failed(error.to_string()))?;
     Ok(Digest::of(&text))
 }

@@ -7,13 +7,15 @@ use std::{
 };
 
 use super::{
-    PictureError, PictureFile,
+    CPU, PictureError, PictureFile, Subject,
     desk::{Desk, Order},
     name, too_slow,
 };
 use crate::{
     digest::Digest,
     export,
+    ltc::Table,
+    picture::Picture,
     preview::{Adapter, Precision, Preview, PreviewError, ShaderTable},
     service::{ServiceError, core::Core},
 };
@@ -23,12 +25,12 @@ pub(super) struct Studio {
     adapter: Adapter,
     core: Weak<Core>,
     preview: Preview,
-    table: Option<(Digest, Arc<ShaderTable>)>,
+    shader_table: Option<(Digest, Arc<ShaderTable>)>,
 }
 
 impl Studio {
     pub(super) fn new(adapter: Adapter, core: Weak<Core>) -> Self {
-        Self { adapter, core, preview: Preview::new(adapter), table: None }
+        Self { adapter, core, preview: Preview::new(adapter), shader_table: None }
     }
 
     /// Renders what is ordered until the desk is closed.
@@ -55,32 +57,44 @@ impl Studio {
         if stop() {
             return Err(stopped(desk));
         }
-        let table = self.table(order.table)?;
-        let rendered = self.preview.render(&table, &order.scene, &stop).map_err(|error| match error {
-            PreviewError::Stopped => stopped(desk),
-            other => PictureError::Failed(other.to_string()),
-        })?;
-        let png = rendered.picture.png().map_err(|error| PictureError::Failed(error.to_string()))?;
-        let tag = name(&order.scene, order.table, Some(&rendered.adapter))?;
-        let file = PictureFile { png: Arc::new(png), adapter: rendered.adapter.into(), tag };
+        let (picture, adapter): (Picture, Arc<str>) = match &order.subject {
+            Subject::Scene(scene) => {
+                let table = self.shader_table(order.table)?;
+                let rendered = self.preview.render(&table, scene, &stop).map_err(|error| match error {
+                    PreviewError::Stopped => stopped(desk),
+                    other => PictureError::Failed(other.to_string()),
+                })?;
+                let adapter = rendered.adapter.into();
+                desk.was_rendered_by(&adapter);
+                (rendered.picture, adapter)
+            }
+            Subject::Plot(plot) => (plot.draw(&self.table(order.table)?), CPU.into()),
+        };
+        let png = picture.png().map_err(|error| PictureError::Failed(error.to_string()))?;
+        let tag = name(&order.subject, order.table, Some(&adapter))?;
+        let file = PictureFile { png: Arc::new(png), adapter, tag };
         desk.keep(order.key, file.clone());
         Ok(file)
     }
 
-    fn table(&mut self, digest: Digest) -> Result<Arc<ShaderTable>, PictureError> {
-        if let Some((_, table)) = self.table.as_ref().filter(|(kept, _)| *kept == digest) {
+    fn shader_table(&mut self, digest: Digest) -> Result<Arc<ShaderTable>, PictureError> {
+        if let Some((_, table)) = self.shader_table.as_ref().filter(|(kept, _)| *kept == digest) {
             return Ok(Arc::clone(table));
         }
         // The one before makes room first: tables may be large.
-        self.table = None;
+        self.shader_table = None;
+        let table = Arc::new(ShaderTable::new(&self.table(digest)?, Precision::F32));
+        self.shader_table = Some((digest, Arc::clone(&table)));
+        Ok(table)
+    }
+
+    fn table(&self, digest: Digest) -> Result<Table, PictureError> {
         let core = self.core.upgrade().ok_or(PictureError::Stopping)?;
         let bytes = core.table(digest)?.ok_or(PictureError::UnknownTable(digest))?;
         drop(core);
         let file = export::decode(&bytes);
         let file = file.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
-        let table = Arc::new(ShaderTable::new(&file.table, Precision::F32));
-        self.table = Some((digest, Arc::clone(&table)));
-        Ok(table)
+        Ok(file.table)
     }
 }
 

@@ -1,20 +1,9 @@
-//! Pictures: radiance, and bytes to display.
+//! Bytes to display, and PNG.
 
-use super::PreviewError;
-
-/// What a lobe's picture holds beside the sphere of directions, as in `sphere.wgsl`.
-pub(super) const BESIDE: f32 = -1.0;
-/// And where nothing is below its horizon.
-pub(super) const BELOW: f32 = -0.5;
-
-/// Linear values of a picture's pixels, row by row from the top.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Radiances {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Red, green and blue, linear sRGB; a lobe's density in all three.
-    pub pixels: Vec<[f32; 3]>,
-}
+/// The picture could not be written as PNG.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("PNG: {0}")]
+pub struct PngError(String);
 
 /// Bytes to display, sRGB.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,12 +18,13 @@ pub struct Picture {
 
 impl Picture {
     /// A picture of one colour.
-    pub(super) fn filled(width: u32, height: u32, colour: [u8; 3]) -> Self {
+    #[must_use]
+    pub fn filled(width: u32, height: u32, colour: [u8; 3]) -> Self {
         Self { width, height, rgb: vec![colour; (width * height) as usize] }
     }
 
     /// Copies `part` to where its left upper corner is `(left, top)`. What lies outside is left out.
-    pub(super) fn put(&mut self, part: &Self, left: u32, top: u32) {
+    pub fn put(&mut self, part: &Self, left: u32, top: u32) {
         for y in 0..part.height.min(self.height.saturating_sub(top)) {
             let width = part.width.min(self.width.saturating_sub(left)) as usize;
             let from = (y * part.width) as usize;
@@ -46,10 +36,10 @@ impl Picture {
     /// The picture as a PNG file. Equal pictures give equal bytes.
     ///
     /// # Errors
-    /// [`PreviewError::Png`] for a picture without pixels.
-    pub fn png(&self) -> Result<Vec<u8>, PreviewError> {
+    /// [`PngError`] for a picture without pixels.
+    pub fn png(&self) -> Result<Vec<u8>, PngError> {
         let mut bytes = Vec::new();
-        let failed = |error: png::EncodingError| PreviewError::Png(error.to_string());
+        let failed = |error: png::EncodingError| PngError(error.to_string());
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);

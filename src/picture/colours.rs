@@ -1,13 +1,14 @@
 //! False colours: black, purple, orange, pale yellow, each lighter than the one before.
 
-use super::tone::srgb;
+use super::srgb;
 
 /// Linear colours at even steps from 0 to 1; their luminance rises evenly.
 const STOPS: [[f32; 3]; 5] =
     [[0.0, 0.0, 0.004], [0.10, 0.004, 0.20], [0.50, 0.038, 0.12], [0.95, 0.26, 0.012], [0.98, 0.97, 0.45]];
 
 /// The colour of a value from 0 to 1; beyond, that of the nearest.
-pub(super) fn colour(value: f32) -> [u8; 3] {
+#[must_use]
+pub fn colour(value: f32) -> [u8; 3] {
     let last = STOPS.len() - 1;
     let place = value.clamp(0.0, 1.0) * last as f32;
     let lower = (place as usize).min(last - 1);

@@ -1,4 +1,4 @@
-//! `GET /v1/preview`.
+//! Pictures: `GET /v1/preview` and the plots of a table.
 
 use std::sync::Arc;
 
@@ -8,17 +8,20 @@ use axum::{
     http::{HeaderMap, HeaderValue, Response as HttpResponse, StatusCode, Uri, header, response::Builder},
     response::Response,
 };
+use serde::Deserialize;
 
 use super::{
     Api,
     conditional::EntityTag,
     error::{self, Kind},
+    extract::{NoParameters, PathOf, QueryOf},
     problem::Problem,
 };
 use crate::{
     digest::Digest,
+    plots::{Azimuth, Plot, Ratio, Slice},
     preview::{Choices, ParameterFault, Scene},
-    service::{Ordered, PictureError, PictureFile},
+    service::{Ordered, PictureError, PictureFile, Subject},
 };
 
 /// The picture of a named table changes with the adapter or the version of the service alone.
@@ -27,12 +30,45 @@ const A_DAY: &str = "public, max-age=86400";
 const ASK_AGAIN: &str = "no-cache";
 
 /// `GET /v1/preview`. A client that goes takes this future with it, and with it the order.
-pub(super) async fn show(State(api): State<Api>, uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn preview(State(api): State<Api>, uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
     let (table, scene) = read(&uri)?;
+    answer(&api, table, Subject::Scene(Box::new(scene)), headers).await
+}
+
+/// `GET /v1/tables/{digest}/plots/error.png`.
+pub(super) async fn error_plot(
+    State(api): State<Api>,
+    QueryOf(SliceParameters { ratio, phi }): QueryOf<SliceParameters>,
+    PathOf(digest): PathOf<Digest>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    answer(&api, Some(digest), Subject::Plot(Plot::Error(Slice::new(ratio, phi))), headers).await
+}
+
+/// `GET /v1/tables/{digest}/plots/matrix.png`.
+pub(super) async fn matrix_plot(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    PathOf(digest): PathOf<Digest>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    answer(&api, Some(digest), Subject::Plot(Plot::Matrix), headers).await
+}
+
+/// Where a plot cuts the domain.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SliceParameters {
+    ratio: Option<Ratio>,
+    phi: Option<Azimuth>,
+}
+
+/// The picture, or word that the client has it.
+async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: HeaderMap) -> Result<Response, Problem> {
     let caching = if table.is_some() { A_DAY } else { ASK_AGAIN };
     let asked = headers.clone();
     let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&asked);
-    let wait = match api.call(move |service| service.picture(table, scene, is_known)).await? {
+    let wait = match api.call(move |service| service.picture(table, subject, is_known)).await? {
         Ordered::Known { tag, adapter } => return unchanged(tag, &adapter, caching),
         Ordered::Ready(file) => return whole(file, caching),
         Ordered::Waiting(wait) => wait,

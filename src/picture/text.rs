@@ -14,7 +14,7 @@ use embedded_graphics::{
 use super::Picture;
 
 /// Height of a line of text beside which nothing else stands.
-pub(super) const LINE: u32 = 18;
+pub const LINE: u32 = 18;
 /// Panels narrower than this have the smaller font.
 const NARROW: u32 = 200;
 
@@ -41,20 +41,24 @@ impl DrawTarget for Picture {
 
 /// Where a text stands from its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub enum Anchor {
+    /// It begins there.
     Left,
+    /// Its middle is there.
     Middle,
+    /// It ends there.
     Right,
 }
 
 /// The first of some wordings that a panel of `width` has room for, or else nothing.
-pub(super) fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
+#[must_use]
+pub fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
     let letter = if width < NARROW { FONT_6X10 } else { FONT_9X15 }.character_size.width;
     wordings.iter().find(|text| text.len() as u32 * letter <= width).copied().unwrap_or_default()
 }
 
 /// Writes a line whose vertical middle is at `y`, for a panel of `width`.
-pub(super) fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, width: u32) {
+pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, width: u32) {
     let font = if width < NARROW { &FONT_6X10 } else { &FONT_9X15 };
     let alignment = match anchor {
         Anchor::Left => Alignment::Left,

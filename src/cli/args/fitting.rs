@@ -1,0 +1,98 @@
+//! `serve`, `fit` and `tradeoff`: what fits tables.
+
+use std::{
+    net::SocketAddr,
+    num::{NonZeroU64, NonZeroUsize},
+    path::PathBuf,
+    thread,
+};
+
+use clap::Args;
+
+use super::super::{Exit, Failure, preview_names::AdapterName};
+
+/// `serve`.
+#[derive(Debug, Args)]
+pub struct ServeArgs {
+    /// Address to listen on; port 0 takes a free one [default: 127.0.0.1:8317]
+    #[arg(long, env = "LTCFORGE_LISTEN", value_name = "ADDRESS")]
+    pub listen: Option<SocketAddr>,
+    /// Folder of jobs and tables, made when missing [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Shards fitted at the same time [default: one for each core]
+    #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
+    pub workers: Option<NonZeroUsize>,
+    /// Jobs that may wait or run at the same time [default: 64]
+    #[arg(long, env = "LTCFORGE_QUEUE_LIMIT", value_name = "N")]
+    pub queue_limit: Option<NonZeroUsize>,
+    /// Entries a table may have [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: Option<NonZeroU64>,
+    /// What renders previews [default: any]
+    #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
+    pub adapter: Option<AdapterName>,
+}
+
+/// `fit`.
+#[derive(Debug, Args)]
+pub struct FitArgs {
+    /// A recipe's file, `-` for stdin, or the name of a preset
+    pub recipe: String,
+    /// Folder that the table and its manifest go to
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// How many threads there are
+    #[command(flatten)]
+    pub threads: Threads,
+    /// Entries the table may have [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: Option<NonZeroU64>,
+}
+
+/// `tradeoff`.
+#[derive(Debug, Args)]
+pub struct TradeoffArgs {
+    /// A recipe's file, `-` for stdin, or the name of a preset: the family keeps its ranges, terms, seed and solver,
+    /// and is laid around its layout, resolution and precision [default: paper]
+    #[arg(long, value_name = "RECIPE")]
+    pub recipe: Option<String>,
+    /// A small family: the presets and a few recipes around them
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder that `tradeoff.csv`, `tradeoff.json` and `tradeoff.svg` go to
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    pub out: PathBuf,
+    /// How many threads there are
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// Threads of a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Args)]
+pub struct Threads {
+    /// Threads that work [default: one for each core]
+    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
+impl Threads {
+    /// How many there are to be.
+    pub(in crate::cli) fn count(self) -> NonZeroUsize {
+        self.threads.unwrap_or_else(cores)
+    }
+
+    /// A pool of them.
+    ///
+    /// # Errors
+    /// When the system has no more threads.
+    pub(in crate::cli) fn pool(self) -> Result<rayon::ThreadPool, Failure> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.count().get()).build();
+        pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+    }
+}
+
+/// Cores that the process may use.
+pub(in crate::cli) fn cores() -> NonZeroUsize {
+    thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+}

@@ -1,0 +1,149 @@
+//! What the command line can say. A flag goes before its environment variable, that before the configuration file,
+//! that before the default.
+
+mod fitting;
+mod jobs;
+mod pictures;
+mod tables;
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+use clap_complete::Shell;
+
+pub(super) use fitting::{FitArgs, ServeArgs, Threads, TradeoffArgs, cores};
+pub(super) use jobs::{JobsAction, JobsArgs};
+pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs};
+pub(super) use tables::{LookupArgs, PullArgs, ReportArgs, TableChoice, VerifyArgs};
+
+/// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// Configuration file; `ltcforge.toml` in the working folder if there is one
+    #[arg(long, global = true, env = "LTCFORGE_CONFIG", value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Server of the commands `jobs` and `pull` [default: <http://127.0.0.1:8317>]
+    #[arg(long, global = true, env = "LTCFORGE_SERVER", value_name = "URL")]
+    pub server: Option<String>,
+    /// Print JSON, one document a line
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// What to do
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failed, 2 usage, 3 verification mismatch, 4 server unavailable, \
+                          5 job failed, 130 interrupted.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run the HTTP service
+    Serve(ServeArgs),
+    /// Fit a table without a server; the last line of stdout is its digest
+    Fit(FitArgs),
+    /// Print the matrices that a shader would fetch from a table, as CSV
+    Lookup(LookupArgs),
+    /// Measure how good a table is
+    Report(ReportArgs),
+    /// Render what a table does: metal under an area light, beside the truth, as PNG
+    Preview(Box<PreviewArgs>),
+    /// Draw a table: how wrong it is where, or all its numbers, as PNG
+    Plot(PlotArgs),
+    /// Fit a family of recipes and show what speed and size cost in accuracy
+    Tradeoff(TradeoffArgs),
+    /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
+    Shader(ShaderArgs),
+    /// Work with the jobs of a server
+    Jobs(JobsArgs),
+    /// Download the tables pinned in ltcforge.lock, and leave right ones alone
+    Pull(PullArgs),
+    /// Check that files are tables and hash to their names
+    Verify(VerifyArgs),
+    /// Print a completion script
+    Completions {
+        /// For this shell
+        shell: Shell,
+    },
+}
+
+/// What an interrupt does to a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OnInterrupt {
+    /// The process ends at once.
+    Ends,
+    /// The command is told, and has a moment to put things away.
+    Told,
+    /// The command is told and takes as long as it needs.
+    Finishes,
+}
+
+impl Command {
+    /// What an interrupt does to this command.
+    #[must_use]
+    pub fn on_interrupt(&self) -> OnInterrupt {
+        match self {
+            Self::Serve(_) => OnInterrupt::Finishes,
+            Self::Fit(_) | Self::Tradeoff(_) | Self::Pull(_) => OnInterrupt::Told,
+            Self::Lookup(_)
+            | Self::Report(_)
+            | Self::Preview(_)
+            | Self::Plot(_)
+            | Self::Shader(_)
+            | Self::Jobs(_)
+            | Self::Verify(_)
+            | Self::Completions { .. } => OnInterrupt::Ends,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+    use crate::digest::Digest;
+
+    fn parse(line: &str) -> Result<Cli, clap::Error> {
+        Cli::try_parse_from(line.split(' '))
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_pin_is_added_with_two_values() {
+        let line = format!("ltcforge pull --add metal {} --to a/b", Digest::of(b""));
+        let Command::Pull(args) = parse(&line).expect("a good line").command else { panic!("not pull: {line}") };
+        assert_eq!(args.add, ["metal".to_owned(), Digest::of(b"").to_string()]);
+        assert_eq!(args.to, Some("a/b".into()));
+    }
+
+    #[test]
+    fn wrong_lines_are_usage_errors() {
+        let lines = [
+            "ltcforge",
+            "ltcforge fit",
+            "ltcforge pull --locked --add a b",
+            "ltcforge pull --add a",
+            "ltcforge pull --to a",
+            "ltcforge jobs show xyz",
+            "ltcforge jobs list --state finished",
+            "ltcforge serve --workers 0",
+            "ltcforge verify",
+            "ltcforge tradeoff paper",
+            "ltcforge plot table colours -o x.png",
+            "ltcforge plot table error -o x.png --ratio 1.5",
+            "ltcforge plot table error -o x.png --phi NaN",
+            "ltcforge tradeoff --threads 0",
+            "ltcforge verify --digest 12 file",
+        ];
+        for line in lines {
+            assert_eq!(parse(line).expect_err(line).exit_code(), 2, "{line}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! `preview`, `plot` and `shader`: what a table does on a screen, and the table itself.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{
+    super::preview_names::{AdapterName, LanguageName, LayoutName, LightName, ModeName, PrecisionName, SceneName},
+    TableChoice, Threads,
+};
+use crate::{
+    plots::{Azimuth, Ratio},
+    preview::numbers,
+};
+
+/// `preview`. What is not given is the named scene's.
+#[derive(Debug, Args)]
+pub struct PreviewArgs {
+    /// The table
+    #[command(flatten)]
+    pub table: TableChoice,
+    /// The picture
+    #[arg(short, long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// Named set-up
+    #[arg(long, value_enum, default_value = "sphere")]
+    pub scene: SceneName,
+    /// What to show of it
+    #[arg(long, value_enum, default_value = "ltc")]
+    pub mode: ModeName,
+    /// Pixels a side of each panel, 64 to 2048 [default: 512]
+    #[arg(long, value_name = "N")]
+    pub size: Option<u32>,
+    /// Samples a pixel of the reference, 1 to 4096 [default: 64]
+    #[arg(long, value_name = "N")]
+    pub spp: Option<u32>,
+    /// GGX roughness along the tangent, 0 to 1; one material takes the place of the scene's
+    #[arg(long, value_name = "X")]
+    pub alpha_x: Option<f64>,
+    /// GGX roughness across it, 0 to 1; likewise
+    #[arg(long, value_name = "X")]
+    pub alpha_y: Option<f64>,
+    /// Angle by which tangents are turned, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub rotation: Option<f64>,
+    /// Reflectance at normal incidence, linear sRGB
+    #[arg(long, value_name = "R,G,B", value_parser = numbers::<3>)]
+    pub f0: Option<[f64; 3]>,
+    /// Outline of the light
+    #[arg(long, value_enum)]
+    pub light: Option<LightName>,
+    /// Middle of the light, in radii of the sphere, y upwards
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub light_centre: Option<[f64; 3]>,
+    /// Half its width and height
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>)]
+    pub light_half_size: Option<[f64; 2]>,
+    /// Yaw, pitch and roll from facing the sphere, radians
+    #[arg(long, value_name = "YAW,PITCH,ROLL", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub light_rotation: Option<[f64; 3]>,
+    /// Its radiance
+    #[arg(long, value_name = "X")]
+    pub light_intensity: Option<f64>,
+    /// Whether its back emits too
+    #[arg(long, value_name = "BOOL")]
+    pub light_two_sided: Option<bool>,
+    /// Distance of the camera
+    #[arg(long, value_name = "X")]
+    pub camera_distance: Option<f64>,
+    /// Its angle about the vertical, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub camera_azimuth: Option<f64>,
+    /// Its angle above the horizontal, radians
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub camera_elevation: Option<f64>,
+    /// Its angle of view, radians
+    #[arg(long, value_name = "ANGLE")]
+    pub field_of_view: Option<f64>,
+    /// Polar angle of the view of mode `lobe`, radians
+    #[arg(long, value_name = "ANGLE")]
+    pub theta: Option<f64>,
+    /// Its azimuth
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub phi: Option<f64>,
+    /// Factor on radiance before it is displayed
+    #[arg(long, value_name = "X")]
+    pub exposure: Option<f64>,
+    /// Difference in radiance at the end of the colour bar
+    #[arg(long, value_name = "X")]
+    pub difference_scale: Option<f64>,
+    /// Bits of the table's numbers
+    #[arg(long, value_enum, default_value = "f32")]
+    pub precision: PrecisionName,
+    /// Take amplitude and Fresnel term of GGX itself at the table's nodes, for a table without them; without, such a
+    /// table reflects all light
+    #[arg(long)]
+    pub ggx_terms: bool,
+    /// What renders
+    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: AdapterName,
+}
+
+/// `plot`.
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// Which table
+    #[command(flatten)]
+    pub table: TableChoice,
+    /// What to draw
+    #[arg(value_enum)]
+    pub name: PlotName,
+    /// The picture
+    #[arg(short, long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// Smaller over larger roughness of the errors, moved into the table's range [default: 0.25]
+    #[arg(long, value_name = "X")]
+    pub ratio: Option<Ratio>,
+    /// Azimuth of their view direction, radians, likewise [default: 0.7]
+    #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
+    pub phi: Option<Azimuth>,
+    /// How many threads measure
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// The pictures of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PlotName {
+    /// Errors over theta and alpha at one ratio and phi
+    Error,
+    /// Every number of every entry
+    Matrix,
+}
+
+/// `shader`.
+#[derive(Debug, Args)]
+pub struct ShaderArgs {
+    /// Language to write
+    #[arg(long, value_enum)]
+    pub language: LanguageName,
+    /// Layout of the tables that it is to read; a table's recipe names it
+    #[arg(long, value_enum)]
+    pub layout: LayoutName,
+    /// The file [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}

@@ -1,0 +1,72 @@
+//! `lookup`, `report`, `pull` and `verify`: what works with tables that are there.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Threads;
+use crate::digest::Digest;
+
+/// Which table.
+#[derive(Debug, Args)]
+pub struct TableChoice {
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or the digest (its beginning
+    /// suffices) of a table in the folder of `--tables`
+    pub table: String,
+    /// Folder of `<digest>.safetensors` files
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub tables: PathBuf,
+}
+
+/// `lookup`.
+#[derive(Debug, Args)]
+pub struct LookupArgs {
+    /// The table
+    #[command(flatten)]
+    pub table: TableChoice,
+    /// CSV with `alpha_x,alpha_y,theta,phi` on each line, angles in radians; `-` for stdin
+    #[arg(long, value_name = "CSV")]
+    pub points: String,
+}
+
+/// `report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The table
+    #[command(flatten)]
+    pub table: TableChoice,
+    /// Look at the corners of the domain as well: mirrors, needles, the horizon, every fold
+    #[arg(long)]
+    pub extremes: bool,
+    /// How many threads there are
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// `pull`.
+#[derive(Debug, Args)]
+pub struct PullArgs {
+    /// The lock file; its folder is what paths are relative to
+    #[arg(long, value_name = "FILE", default_value = "ltcforge.lock")]
+    pub lock: PathBuf,
+    /// Download nothing; fail with exit code 3 when a file is missing or has other bytes
+    #[arg(long, conflicts_with = "add")]
+    pub locked: bool,
+    /// Pin a table under a name first; a pin of that name is replaced
+    #[arg(long, num_args = 2, value_names = ["NAME", "DIGEST"])]
+    pub add: Vec<String>,
+    /// Where the added table goes [default: NAME.safetensors]
+    #[arg(long, requires = "add", value_name = "PATH")]
+    pub to: Option<PathBuf>,
+}
+
+/// `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// Tables; a file named after a digest must hash to it
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The digest that the file must hash to, whatever its name
+    #[arg(long)]
+    pub digest: Option<Digest>,
+}

@@ -1,0 +1,50 @@
+//! Errors over roughness and view angle, between nodes and at them.
+
+use std::f64::consts::PI;
+
+use super::{measure, places};
+use crate::ltc::{Configuration, Table};
+
+/// Errors over a square of configurations, at the middles of its cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorMap {
+    /// Smaller over larger roughness, of all.
+    pub ratio: f64,
+    /// Azimuth of the view direction of all, radians, in [0, pi/2].
+    pub phi: f64,
+    /// Cells a side.
+    pub cells: usize,
+    /// What the rows cover, upwards: the square root of alpha.
+    pub roughness: [f64; 2],
+    /// What the columns cover: polar angle of the view direction, radians.
+    pub theta: [f64; 2],
+    /// Distance between lobe and LTC as a part of the lobe's width, row by row from the smoothest.
+    pub width: Vec<f64>,
+    /// Mean absolute error of the part of the lobe's energy in a few square lights, likewise.
+    pub light: Vec<f64>,
+}
+
+/// Measures a table over `cells` by `cells` configurations of one `ratio` and `phi`, which are moved into what the
+/// table's axes cover. Runs on the current rayon pool; its size changes nothing.
+///
+/// Domain: a table with at least one node on each axis, finite numbers.
+#[must_use]
+pub fn error_map(table: &Table, ratio: f64, phi: f64, cells: usize) -> ErrorMap {
+    let axes = &table.axes;
+    let within = |x: f64, nodes: &[f64]| x.clamp(nodes[0], nodes[nodes.len() - 1]);
+    let ratio = within(ratio, &axes.ratio);
+    // Lobes of phi, -phi and pi - phi are mirror images of each other.
+    let turned = phi.rem_euclid(PI);
+    let phi = within(turned.min(PI - turned), &axes.phi);
+    let (roughness, theta) = places::roughness_and_theta(axes);
+    let middle = |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / cells as f64;
+    let places: Vec<Configuration> = (0..cells * cells)
+        .map(|index| {
+            let roughness = middle(roughness, index / cells);
+            places::configuration(roughness * roughness, ratio, middle(theta, index % cells), phi)
+        })
+        .collect();
+    let figures = measure::all(table, &places);
+    let all = |error: fn(&measure::Figures) -> f64| figures.iter().map(error).collect();
+    ErrorMap { ratio, phi, cells, roughness, theta, width: all(|f| f.width), light: all(|f| f.light) }
+}

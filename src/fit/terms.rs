@@ -1,0 +1,83 @@
+//! Terms of a table that came without them.
+
+use rayon::prelude::*;
+
+use super::{assemble::stored_terms, entry::mirrors, target::Target};
+use crate::{
+    ltc::{Layout, PerAxis, Terms},
+    math::Lattice,
+};
+
+/// Samples of a lobe: its terms are within 1e-3 of their limit.
+const SAMPLES: usize = 4096;
+
+/// GGX's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on the current rayon
+/// pool; its size changes nothing.
+///
+/// Domain: nodes that a fit could have.
+#[must_use]
+pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
+    let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    let (amplitude, fresnel) = (0..alpha * ratio * theta * phi)
+        .into_par_iter()
+        .map(|index| {
+            let (rest, at_phi) = (index / phi, index % phi);
+            let (rest, at_theta) = (rest / theta, rest % theta);
+            let place = PerAxis {
+                alpha: axes.alpha[rest / ratio],
+                ratio: axes.ratio[rest % ratio],
+                theta: axes.theta[at_theta],
+                phi: axes.phi[at_phi],
+            };
+            let wo = place.view();
+            let lattice = Lattice::new(SAMPLES, [0.0; 2]);
+            let terms = Target::sample(&place.surface(), wo, mirrors(wo), lattice).terms;
+            let stored = stored_terms(layout, &place, terms);
+            (stored.amplitude as f32, stored.fresnel as f32)
+        })
+        .unzip();
+    Terms { amplitude, fresnel }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
+
+    use super::*;
+    use crate::{
+        fit::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard},
+        ltc::Layout,
+    };
+
+    #[test]
+    fn they_are_those_that_a_fit_finds() {
+        let (one, quarter) = ([0.0, 1.0], [0.0, FRAC_PI_2]);
+        for layout in [Layout::Kt2022, Layout::Reflected] {
+            let plan = Plan::new(&Recipe {
+                fitter: FITTER_VERSION,
+                brdf: BrdfKind::Ggx,
+                layout,
+                resolution: PerAxis { alpha: 3, ratio: 3, theta: 4, phi: 2 },
+                range: PerAxis { alpha: one, ratio: one, theta: quarter, phi: quarter },
+                fit: FitSettings {
+                    metric: Metric::Sw1,
+                    solver: Solver::Bfgs,
+                    samples: 512,
+                    directions: 2,
+                    steps: 1,
+                    seed: 0,
+                },
+                terms: true,
+                precision: Precision::F32,
+            });
+            let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+            let table = assemble(&plan, &(0..plan.shards()).flat_map(fit).collect::<Vec<_>>());
+            let (found, fitted) = (ggx_terms(layout, &table.axes), table.terms.expect("the recipe asks for them"));
+            assert_eq!(found.amplitude.len(), 72);
+            let pairs = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            // 2048 samples in the fit; the least amplitude, at the horizon, is 0.5.
+            assert!(pairs(&found.amplitude, &fitted.amplitude) < 4e-3, "{found:?} {fitted:?}");
+            assert!(pairs(&found.fresnel, &fitted.fresnel) < 4e-3, "{found:?} {fitted:?}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Panels with titles and colour bars.
+
+use super::{
+    Picture,
+    colours::colour,
+    text::{self, Anchor, LINE},
+};
+
+/// What is behind labels.
+pub const GROUND: [u8; 3] = [24, 24, 24];
+/// Between panels.
+const GAP: u32 = 4;
+/// A colour bar's height and its distance from the panel's sides.
+const BAR: u32 = 10;
+const MARGIN: u32 = 8;
+/// Under a panel: the bar, and a line for its ends.
+const FOOT: u32 = BAR + LINE + 8;
+
+/// The colours from one end to the other across `width` pixels, with both ends and the unit written under them.
+#[must_use]
+pub fn bar(width: u32, [low, high]: [&str; 2], unit: &str) -> Picture {
+    let mut picture = Picture::filled(width, FOOT, GROUND);
+    let length = width.saturating_sub(2 * MARGIN);
+    for x in 0..length {
+        let part = Picture::filled(1, BAR, colour((x as f32 + 0.5) / length as f32));
+        picture.put(&part, MARGIN + x, 4);
+    }
+    let y = 4 + BAR + LINE / 2;
+    text::write(&mut picture, low, MARGIN, y, Anchor::Left, width);
+    text::write(&mut picture, high, width - MARGIN, y, Anchor::Right, width);
+    // Where the unit does not fit between the ends, it is left to the reader.
+    let widest = if low.len() > high.len() { low } else { high };
+    if !text::fitting(&[&format!("{widest} {unit} {widest}")], length).is_empty() {
+        text::write(&mut picture, unit, width / 2, y, Anchor::Middle, width);
+    }
+    picture
+}
+
+/// Three digits, without zeros at the end; very small ones with an exponent.
+#[must_use]
+pub fn number(x: f32) -> String {
+    if x != 0.0 && x.abs() < 1e-4 {
+        return format!("{x:.1e}");
+    }
+    let digits = (2 - x.abs().max(1e-9).log10().floor() as i32).max(0) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A line of text on the ground, as wide as a panel, in the first wording that fits.
+#[must_use]
+pub fn caption(width: u32, wordings: &[&str]) -> Picture {
+    let mut picture = Picture::filled(width, FOOT, GROUND);
+    let line = text::fitting(wordings, width);
+    text::write(&mut picture, line, width / 2, 4 + LINE / 2, Anchor::Middle, width);
+    picture
+}
+
+/// A picture, its title above and what belongs under it.
+#[derive(Debug)]
+pub struct Panel<'a> {
+    /// Its title.
+    pub title: &'a str,
+    /// What it shows.
+    pub picture: &'a Picture,
+    /// What stands below, as wide as the picture.
+    pub foot: Option<Picture>,
+}
+
+/// Panels of equal size, row by row.
+#[must_use]
+pub fn grid(panels: &[Panel<'_>], columns: u32) -> Picture {
+    let (width, height) = panels.first().map_or((1, 1), |panel| (panel.picture.width, panel.picture.height));
+    let rows = (panels.len() as u32).div_ceil(columns);
+    let top = LINE + 4;
+    let (across, down) = (width + GAP, top + height + FOOT);
+    let mut whole = Picture::filled(columns * across - GAP, rows * down, GROUND);
+    for (i, panel) in (0_u32..).zip(panels) {
+        let (left, above) = (i % columns * across, i / columns * down);
+        whole.put(panel.picture, left, above + top);
+        text::write(&mut whole, panel.title, left + width / 2, above + top / 2, Anchor::Middle, width);
+        if let Some(foot) = &panel.foot {
+            whole.put(foot, left, above + top + height);
+        }
+    }
+    whole
+}
+
+/// A picture under lines of text, each in the first wording that fits.
+#[must_use]
+pub fn headed(lines: &[&[&str]], picture: &Picture) -> Picture {
+    let width = picture.width;
+    let top = lines.len() as u32 * LINE + 4;
+    let mut whole = Picture::filled(width, top + picture.height, GROUND);
+    for (i, wordings) in (0_u32..).zip(lines) {
+        let y = 2 + i * LINE + LINE / 2;
+        text::write(&mut whole, text::fitting(wordings, width), MARGIN, y, Anchor::Left, width);
+    }
+    whole.put(picture, 0, top);
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        let cases =
+            [(0.5, "0.5"), (0.012_345, "0.0123"), (12.0, "12"), (1234.0, "1234"), (0.0, "0"), (-2.5e-5, "-2.5e-5")];
+        for (x, text) in cases {
+            assert_eq!(number(x), text);
+        }
+    }
+
+    #[test]
+    fn the_bar_runs_from_zero_to_the_scale() {
+        let bar = bar(256, ["0", "0.5"], "radiance");
+        let at = |x: u32| bar.rgb[(6 * bar.width + x) as usize];
+        assert_eq!(at(MARGIN), colour(0.5 / 240.0));
+        assert_eq!(at(255 - MARGIN), colour(239.5 / 240.0));
+        assert!(bar.rgb[(14 * 256) as usize..].contains(&[255; 3]), "no text");
+    }
+}
