@@ -11,7 +11,7 @@ use crate::{
     client::replace_file,
     digest::Digest,
     export::{self, TableFileError},
-    fit::{Plan, assemble, fit_shard},
+    fit::{Plan, assemble, fit_rows},
     ltc::Table,
     recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
     service,
@@ -44,19 +44,20 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     Ok(Exit::Ok)
 }
 
-/// The table of a plan, or `None` when the user stops the fit. Shards are put together in their order, so the number
-/// of threads changes nothing.
+/// The table of a plan, or `None` when the user stops the fit. Rows are put together in their order, so the number of
+/// threads changes nothing.
 pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
-    let fit_one = |shard: u32| {
+    let fit_one = |row: u64| {
         let mut told = 0;
-        fit_shard(plan, shard, &mut |done| {
+        fit_rows(plan, row..row + 1, &mut |done| {
             bar.inc(done - told);
             told = done;
             if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
     };
-    let shards: Option<Vec<_>> = (0..plan.shards()).into_par_iter().with_max_len(1).map(fit_one).collect();
-    let entries = shards?.concat();
+    let rows: Vec<u64> = (0..plan.rows()).collect();
+    let fitted: Option<Vec<_>> = rows.into_par_iter().with_max_len(1).map(fit_one).collect();
+    let entries = fitted?.concat();
     if interrupt.is_set() { None } else { Some(assemble(plan, &entries)) }
 }
 

@@ -4,15 +4,15 @@ use super::{FitSettings, Recipe, Solver, nodes};
 
 /// An evaluation of loss and gradient, for each sample and direction. Like all below it was measured on one machine,
 /// in seconds of one thread; on others their proportions count.
-const EVALUATION_SECONDS: f64 = 3.5e-9;
+const EVALUATION_SECONDS: f64 = 4.5e-9;
+/// And for each direction: its histograms.
+const DIRECTION_SECONDS: f64 = 0.9e-6;
 /// Evaluations that `bfgs` needs until it has converged; `sgd` takes one a step.
 const EVALUATIONS: u32 = 25;
-/// What else an entry takes for each sample and direction: tabulating the lobe, and the error on held-out samples.
-const TABULATING_SECONDS: f64 = 42e-9;
-/// And for each sample: sampling the lobe, twice, four samples each.
-const SAMPLING_SECONDS: f64 = 0.7e-6;
+/// What else an entry takes for each sample: sampling the lobe, twice, four samples each.
+const SAMPLING_SECONDS: f64 = 1.25e-6;
 /// And in any case.
-const ENTRY_SECONDS: f64 = 0.1e-3;
+const ENTRY_SECONDS: f64 = 54e-6;
 
 /// What the fit of a whole recipe takes, seconds of one thread on the machine of the constants.
 #[must_use]
@@ -26,10 +26,9 @@ fn entry_seconds(fit: &FitSettings) -> f64 {
         Solver::Bfgs => fit.steps.min(EVALUATIONS),
         Solver::Sgd => fit.steps,
     };
-    let samples = f64::from(fit.samples);
-    let projections = samples * f64::from(fit.directions);
-    let solving = EVALUATION_SECONDS * f64::from(evaluations) * projections;
-    solving + TABULATING_SECONDS * projections + SAMPLING_SECONDS * samples + ENTRY_SECONDS
+    let (samples, directions) = (f64::from(fit.samples), f64::from(fit.directions));
+    let evaluation = directions * (EVALUATION_SECONDS * samples + DIRECTION_SECONDS);
+    f64::from(evaluations) * evaluation + SAMPLING_SECONDS * samples + ENTRY_SECONDS
 }
 
 /// Entries that are fitted: where the surface is isotropic or seen from above, those of all phi share one fit.

@@ -35,5 +35,5 @@ pub use report::{
     Accuracy, Corner, ErrorMap, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread,
     TermError, Worst, error_map, extremes, report, report_points,
 };
-pub use shard::{Plan, ShardBytesError, fit_shard, shard_from_bytes, shard_to_bytes};
+pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
 pub use terms::ggx_terms;

@@ -58,6 +58,12 @@ impl Plan {
         start.min(self.entries())..(start + self.entries_per_shard()).min(self.entries())
     }
 
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.entries() / self.row_length()
+    }
+
     fn entries_per_shard(&self) -> u64 {
         let row = self.row_length();
         SHARD_ENTRIES.div_ceil(row) * row
@@ -95,9 +101,19 @@ impl Plan {
 /// may stop the fit: then the result is `None` and nothing of the shard is kept.
 pub fn fit_shard(plan: &Plan, shard: u32, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<FittedEntry>> {
     let range = plan.shard_entries(shard);
+    fit_rows(plan, range.start / plan.row_length()..range.end / plan.row_length(), pulse)
+}
+
+/// Fits the entries of some rows in storage order: [`fit_shard`] for callers who need no leases and whose threads
+/// should end together.
+pub fn fit_rows(
+    plan: &Plan,
+    rows: Range<u64>,
+    pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Option<Vec<FittedEntry>> {
     let mut fitter = Fitter::new(&plan.recipe.fit);
-    let mut entries = Vec::with_capacity((range.end - range.start) as usize);
-    for row in range.start / plan.row_length()..range.end / plan.row_length() {
+    let mut entries = Vec::with_capacity(((rows.end - rows.start) * plan.row_length()) as usize);
+    for row in rows {
         fit_row(plan, row, &mut fitter, &mut entries, pulse)?;
     }
     Some(entries)

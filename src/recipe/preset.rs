@@ -43,7 +43,7 @@ impl Preset {
         let (samples, directions, steps) = match self {
             Self::Draft => (128, 8, 30),
             Self::Standard => (256, 16, 60),
-            Self::Paper => (1024, 16, 60),
+            Self::Paper => (512, 32, 60),
             Self::Best => (2048, 48, 120),
         };
         FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples, directions, steps, seed: 0 }

@@ -26,7 +26,7 @@ pub use matrices::{Extent, Matrices};
 use crate::ltc::{PerAxis, Table};
 
 /// Version of the report. Raised whenever the same table gets another one.
-pub const REPORT_VERSION: u32 = 1;
+pub const REPORT_VERSION: u32 = 2;
 
 /// How good a table is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
