@@ -81,22 +81,26 @@ fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
 struct LtcPlace {
     lower: u32,
     weight: f32,
+    /// Where that is: outside the nodes the nearest of them.
+    nearest: f32,
 }
 
 /// Where x lies among `count` ascending nodes from `first` on; outside them, at the nearest.
 fn ltc_between(first: u32, count: u32, x: f32) -> LtcPlace {
     // The last node that is not beyond x, in as many steps for every x.
     var lower = 0u;
+    var below = ltc_nodes[first];
     var span = count;
     while (span > 1u) {
         let part = span / 2u;
-        lower = select(lower, lower + part, ltc_nodes[first + lower + part] <= x);
+        let node = ltc_nodes[first + lower + part];
+        lower = select(lower, lower + part, node <= x);
+        below = select(below, node, node <= x);
         span -= part;
     }
-    let upper = min(lower + 1u, count - 1u);
-    let below = ltc_nodes[first + lower];
-    let width = ltc_nodes[first + upper] - below;
-    return LtcPlace(lower, select(0.0, clamp((x - below) / width, 0.0, 1.0), width > 0.0));
+    let above = ltc_nodes[first + min(lower + 1u, count - 1u)];
+    let nearest = clamp(x, below, above);
+    return LtcPlace(lower, select(0.0, (nearest - below) / (above - below), above > below), nearest);
 }
 
 struct LtcTexels {
@@ -139,11 +143,6 @@ fn ltc_fetch_filtered(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: Lt
         mix(textureSampleLevel(ltc_matrix_b, ltc_sampler, low, 0.0), textureSampleLevel(ltc_matrix_b, ltc_sampler, high, 0.0), ratio.weight),
         mix(textureSampleLevel(ltc_terms, ltc_sampler, low, 0.0), textureSampleLevel(ltc_terms, ltc_sampler, high, 0.0), ratio.weight),
     );
-}
-
-/// x, or the nearest end of the axis of `count` nodes from `first` on.
-fn ltc_nearest(first: u32, count: u32, x: f32) -> f32 {
-    return clamp(x, ltc_nodes[first], ltc_nodes[first + count - 1u]);
 }
 
 /// Smith's Lambda of GGX.
@@ -217,21 +216,17 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
         vec3(texels.b.zw, texels.terms.x),
     ));
     // Outside the table's ranges all of it answers as at their nearest end.
-    let near_theta = ltc_nearest(n.x + n.y, n.z, fold.theta);
-    let near_phi = ltc_nearest(n.x + n.y + n.z, n.w, fold.phi);
     var view = vec3(select(abs(wo.xy), abs(wo.yx), fold.swap), wo.z);
-    if (near_theta != fold.theta || near_phi != fold.phi) {
-        let polar = ltc_sin_cos(near_theta * 0.15915494);
-        let azimuth = ltc_sin_cos(near_phi * 0.15915494);
+    if (theta.nearest != fold.theta || phi.nearest != fold.phi) {
+        let polar = ltc_sin_cos(theta.nearest * 0.15915494);
+        let azimuth = ltc_sin_cos(phi.nearest * 0.15915494);
         view = vec3(polar.x * azimuth.y, polar.x * azimuth.x, polar.y);
     }
-    let near_alpha = ltc_nearest(0u, n.x, fold.alpha);
-    let near_ratio = ltc_nearest(n.x, n.y, fold.ratio);
     var lobe = LtcLobe(stored, texels.terms.y, texels.terms.z);
     // Two conditions: the first is known once ltc_layout is.
     if (ltc_layout != LTC_LAYOUT_KT2022) {
         if ((ltc_layout == LTC_LAYOUT_REFLECTED) | (ltc_table.reading.x == LTC_LAYOUT_REFLECTED)) {
-            lobe = ltc_reflected(lobe, near_alpha, near_ratio, view);
+            lobe = ltc_reflected(lobe, alpha.nearest, ratio.nearest, view);
         }
     }
     if (ltc_table.reading.y == 1u) {
