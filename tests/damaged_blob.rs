@@ -36,15 +36,18 @@ fn a_damaged_table_is_moved_aside_told_and_fitted_again() {
     bad[middle] ^= 1;
     fs::write(&blobs[0], &bad).expect("a damaged blob");
 
-    let server = Server::start(folder.path(), &[]);
-    assert_eq!(server.get(&path).with_status(500).json()["type"], "/problems/damaged-blob");
+    let server = Server::start(folder.path(), &["--adapter", "cpu"]);
+    let picture = format!("/v1/preview?size=64&table={digest}");
+    assert_eq!(server.get(&picture).with_status(500).json()["type"], "/problems/damaged-blob");
     assert_eq!(server.metric("ltcforge_blobs_corrupt_total"), 1);
     let aside = holding(folder.path(), &bad);
     assert_eq!(aside.len(), 1, "the damaged bytes are kept");
     assert_ne!(aside, blobs, "and are moved aside");
     server.get(&path).with_status(404);
+    server.get(&picture).with_status(404);
 
     server.submit(SMALL).with_status(202);
     assert_eq!(server.fit(SMALL), digest);
     assert_eq!(server.get(&path).with_status(200).body, good);
+    server.get(&picture).with_status(200);
 }

@@ -60,7 +60,8 @@ fn isotropic_surfaces_alone_take_a_hundredth() {
     assert!(error < 0.05, "{error}");
 }
 
-/// Mean error as a part of alpha, which a lobe's width is in proportion to, over 200 places in the ranges of alpha, ratio, theta and phi.
+/// Mean error as a part of alpha, which a lobe's width is in proportion to, over 200 places in the ranges of alpha,
+/// ratio, theta and phi.
 fn mean_error(table: &Table, ranges: [[f64; 2]; 4]) -> f64 {
     let settings = parse(r#"{"preset": "paper"}"#).fit;
     let errors = (0..200).into_par_iter().map_init(

@@ -28,6 +28,8 @@ const DEFAULT_QUEUE_LIMIT: usize = 64;
 /// A worker renews its lease with every entry and, in the largest ones, every 32 evaluations.
 const LEASE_TTL: Duration = Duration::from_secs(60);
 const MAX_ATTEMPTS: u32 = 3;
+/// Most pictures take less than a second; the largest references minutes.
+const PICTURE_LIMIT: Duration = Duration::from_secs(30);
 
 /// Runs the service until it is interrupted.
 pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>) -> Result<Exit, Failure> {
@@ -59,6 +61,7 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
         lease_ttl: LEASE_TTL,
         max_attempts: MAX_ATTEMPTS,
         adapter: args.adapter.or(file.adapter).map_or(Adapter::Any, |name| name.0),
+        picture_limit: PICTURE_LIMIT,
     };
     (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
 }

@@ -28,9 +28,9 @@ struct Interpolation {
 // Both are read off docs/tradeoff.md's full run, preset `draft` with one axis changed at a time: the added error over
 // the difference of the squared steps.
 const REFLECTED: Interpolation =
-    Interpolation { limit: 0.0515, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } };
+    Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } };
 const KT2022: Interpolation =
-    Interpolation { limit: 0.0664, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } };
+    Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } };
 
 /// What `samples` add: `2.56 samples^-1.3`, from 64 to 2048 samples of that run.
 const SAMPLES: [f64; 2] = [2.56, -1.3];

@@ -7,10 +7,10 @@ use crate::{
     picture::{Anchor, GROUND, LINE, Panel, Picture, bar, colour, grid, headed, number, write},
 };
 
-/// Configurations measured a side: about five to a cell of the default table.
-const CELLS: usize = 48;
+/// Configurations measured a side: about four to a cell of the default table.
+const CELLS: usize = 40;
 /// Pixels a configuration.
-const SCALE: u32 = 8;
+const SCALE: u32 = 10;
 /// Colours run from the one error to the other, evenly in its logarithm.
 const ENDS: [f64; 2] = [1e-3, 1.0];
 /// Room for the labels of alpha, and of theta.

@@ -29,6 +29,8 @@ pub struct Config {
     pub max_attempts: u32,
     /// What renders previews.
     pub adapter: Adapter,
+    /// How long a picture may take, waiting included.
+    pub picture_limit: Duration,
 }
 
 /// Why the service does not start.

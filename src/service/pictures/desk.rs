@@ -28,6 +28,8 @@ pub(super) struct Order {
     pub(super) subject: Subject,
     /// When it is of no more use.
     pub(super) until: Instant,
+    /// How long it may take in all.
+    pub(super) limit: Duration,
     /// Closed when nobody waits.
     pub(super) reply: oneshot::Sender<Result<PictureFile, PictureError>>,
 }

@@ -7,6 +7,8 @@ mod best;
 mod cache;
 mod desk;
 mod studio;
+#[cfg(test)]
+mod tests;
 
 use std::{
     sync::Arc,
@@ -27,8 +29,6 @@ use crate::{
     preview::{ParameterFault, Scene},
 };
 
-/// How long a picture may take, waiting included.
-const LIMIT: Duration = Duration::from_secs(30);
 /// When to come back to a full queue: most pictures take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
 /// And after one that took too long.
@@ -79,6 +79,7 @@ pub enum Ordered {
 pub struct PictureWait {
     file: oneshot::Receiver<Result<PictureFile, PictureError>>,
     until: Instant,
+    limit: Duration,
 }
 
 /// Why there is no picture.
@@ -102,7 +103,7 @@ pub enum PictureError {
         retry_after: Duration,
     },
     /// It was not there in time.
-    #[error("the picture was not there within {} s", .limit.as_secs())]
+    #[error("the picture was not there within {} s", .limit.as_secs_f64())]
     TooSlow {
         /// How long it may take.
         limit: Duration,
@@ -157,9 +158,10 @@ impl Service {
             }
         }
         let (reply, file) = oneshot::channel();
-        let until = Instant::now() + LIMIT;
-        core.desk.order(core, desk::Order { key, table, subject, until, reply })?;
-        Ok(Ordered::Waiting(PictureWait { file, until }))
+        let limit = core.config.picture_limit;
+        let until = Instant::now() + limit;
+        core.desk.order(core, desk::Order { key, table, subject, until, limit, reply })?;
+        Ok(Ordered::Waiting(PictureWait { file, until, limit }))
     }
 }
 
@@ -172,13 +174,13 @@ impl PictureWait {
         match tokio::time::timeout_at(self.until.into(), self.file).await {
             Ok(Ok(done)) => done,
             Ok(Err(_)) => Err(PictureError::Stopping),
-            Err(_) => Err(too_slow()),
+            Err(_) => Err(too_slow(self.limit)),
         }
     }
 }
 
-fn too_slow() -> PictureError {
-    PictureError::TooSlow { limit: LIMIT, retry_after: RETRY_SLOW }
+fn too_slow(limit: Duration) -> PictureError {
+    PictureError::TooSlow { limit, retry_after: RETRY_SLOW }
 }
 
 /// The digest of the canonical JSON of all that decides a picture's bytes. Without an adapter: of what is asked for.

@@ -55,13 +55,13 @@ impl Studio {
         }
         let stop = || Instant::now() >= order.until || order.reply.is_closed() || desk.is_closed();
         if stop() {
-            return Err(stopped(desk));
+            return Err(stopped(desk, order));
         }
         let (picture, adapter): (Picture, Arc<str>) = match &order.subject {
             Subject::Scene(scene) => {
                 let table = self.shader_table(order.table)?;
                 let rendered = self.preview.render(&table, scene, &stop).map_err(|error| match error {
-                    PreviewError::Stopped => stopped(desk),
+                    PreviewError::Stopped => stopped(desk, order),
                     other => PictureError::Failed(other.to_string()),
                 })?;
                 let adapter = rendered.adapter.into();
@@ -98,6 +98,6 @@ impl Studio {
     }
 }
 
-fn stopped(desk: &Desk) -> PictureError {
-    if desk.is_closed() { PictureError::Stopping } else { too_slow() }
+fn stopped(desk: &Desk, order: &Order) -> PictureError {
+    if desk.is_closed() { PictureError::Stopping } else { too_slow(order.limit) }
 }
