@@ -30,7 +30,7 @@ pub fn bar(width: u32, [low, high]: [&str; 2], unit: &str) -> Picture {
     text::write(&mut picture, high, width - MARGIN, y, Anchor::Right, width);
     // Where the unit does not fit between the ends, it is left to the reader.
     let widest = if low.len() > high.len() { low } else { high };
-    if !text::fitting(&[&format!("{widest} {unit} {widest}")], length).is_empty() {
+    if !text::fitting(&[&format!("-- {widest} {unit} {widest}")], width).is_empty() {
         text::write(&mut picture, unit, width / 2, y, Anchor::Middle, width);
     }
     picture

@@ -33,8 +33,8 @@ pub(super) fn draw(table: &Table, slice: Slice) -> Picture {
         picture,
         foot: Some(bar(picture.width, ["0.1 %", "100 %"], "logarithmic")),
     });
-    let at = format!("errors at ratio {}, phi {}", number(map.ratio as f32), number(map.phi as f32));
-    let how = "theta to the right, alpha upwards, evenly in its square root; ticks are nodes";
+    let at = format!("errors at ratio {}, phi {} rad", number(map.ratio as f32), number(map.phi as f32));
+    let how = "theta in degrees to the right, alpha upwards, evenly in its square root; ticks: nodes";
     headed(&[&[&at], &[how]], &grid(&panels, 2))
 }
 

@@ -12,6 +12,11 @@ const SIDE: usize = 240;
 const LARGEST_CELL: usize = 24;
 /// Cells along a panel's side at most: of a table with more, nodes are left out.
 const MOST_CELLS: usize = 512;
+/// The part of the numbers at each end that is beyond the colours: one outlier would leave the others none.
+const BEYOND: f64 = 0.01;
+/// What is below and above the colours.
+const BELOW: [u8; 3] = [40, 120, 255];
+const ABOVE: [u8; 3] = [60, 220, 120];
 /// Pixels between tiles.
 const GAP: usize = 2;
 /// What the panels show, row by row: the matrix, and beside it what else an entry holds.
@@ -41,7 +46,8 @@ pub(super) fn draw(table: &Table) -> Picture {
     let PerAxis { alpha, ratio, theta, phi } = tiling.nodes;
     let entries = format!("{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");
     let how = "in a tile theta to the right, alpha upwards; tiles: phi to the right, ratio upwards";
-    headed(&[&[&entries], &[how], &[&tiling.left_out()]], &grid(&panels, 4))
+    let beyond = "colours hold 98 % of the numbers; blue is below, green above";
+    headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, 4))
 }
 
 /// A number of each entry in storage order; `None` for what the table has not.
@@ -94,10 +100,13 @@ impl Tiling {
         length(self.down(), self.cell)
     }
 
-    /// One panel, `width` pixels wide, and the ends of its colours: the least and the greatest of all numbers.
+    /// One panel, `width` pixels wide, and the ends of its colours: all numbers but the few least and greatest lie
+    /// between them.
     fn panel(&self, width: u32, numbers: &[f32]) -> (Picture, [f32; 2]) {
-        let low = numbers.iter().copied().fold(f32::INFINITY, f32::min);
-        let high = numbers.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let mut sorted = numbers.to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let beyond = (sorted.len() as f64 * BEYOND) as usize;
+        let (low, high) = (sorted[beyond], sorted[sorted.len() - 1 - beyond]);
         let spread = if high > low { high - low } else { 1.0 };
         let mut picture = Picture::filled(width, self.height() as u32, GROUND);
         let (cell, step) = (self.cell as u32, &self.step);
@@ -111,7 +120,12 @@ impl Tiling {
             }
             let left = place(theta / step.theta, phi / step.phi, self.across()[0], self.cell);
             let up = place(alpha / step.alpha, ratio / step.ratio, self.down()[0], self.cell);
-            let entry = Picture::filled(cell, cell, colour((value - low) / spread));
+            let shown = match value {
+                _ if *value < low => BELOW,
+                _ if *value > high => ABOVE,
+                _ => colour((value - low) / spread),
+            };
+            let entry = Picture::filled(cell, cell, shown);
             picture.put(&entry, (margin + left) as u32, (self.height() - up - self.cell) as u32);
         }
         (picture, [low, high])
@@ -165,17 +179,18 @@ mod tests {
         let tiling = Tiling::new(PerAxis { alpha: 3, ratio: 2, theta: 4, phi: 5 });
         let numbers: Vec<f32> = (0..120_u8).map(f32::from).collect();
         let (picture, ends) = tiling.panel(tiling.width() as u32, &numbers);
-        assert_eq!(ends, [0.0, 119.0]);
+        // The least and the greatest of 120 numbers are beyond the colours.
+        assert_eq!(ends, [1.0, 118.0]);
         let cells = tiling.cell * tiling.cell;
         let covered = picture.rgb.iter().filter(|pixel| **pixel != GROUND).count();
         assert_eq!(covered, 120 * cells);
         // Entry (0, 0, 0, 0) is below on the left; the last is above on the right.
         let (width, height) = (picture.width as usize, picture.height as usize);
-        assert_eq!(picture.rgb[(height - 1) * width], colour(0.0));
-        assert_eq!(picture.rgb[width - 1], colour(1.0));
+        assert_eq!(picture.rgb[(height - 1) * width], BELOW);
+        assert_eq!(picture.rgb[width - 1], ABOVE);
         // (alpha 0, ratio 1, theta 2, phi 3) lies in the upper row of tiles, in the fourth tile from the left.
         let value = numbers[(4 + 2) * 5 + 3];
         let (left, up) = (3 * (4 * tiling.cell + GAP) + 2 * tiling.cell, 3 * tiling.cell + GAP);
-        assert_eq!(picture.rgb[(height - 1 - up) * width + left], colour(value / 119.0));
+        assert_eq!(picture.rgb[(height - 1 - up) * width + left], colour((value - 1.0) / 117.0));
     }
 }

@@ -16,6 +16,8 @@ const CPU: &str = "cpu";
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
 
+/// Pictures in a row at which a GPU may hang before it is left alone for good.
+const MOST_HANGS: u32 = 2;
 /// Most rows, and samples, that the CPU renders between asking whether to stop.
 const ROWS: u32 = 32;
 const SAMPLES: u32 = 1 << 20;
@@ -78,8 +80,12 @@ pub struct PanelError {
 pub struct Preview {
     adapter: Adapter,
     gpu: Gpu,
-    /// Why there is no GPU, once that is known.
-    absent: Option<String>,
+    /// There is no GPU, or none that works: the CPU renders from now on.
+    has_no_gpu: bool,
+    /// A GPU has been there.
+    has_rendered: bool,
+    /// Pictures in a row at which the GPU hung.
+    hangs: u32,
     /// The CPU has rendered part of the picture.
     cpu_rendered: bool,
 }
@@ -94,7 +100,7 @@ impl Preview {
     /// One whose shaders are compiled in another way. The CPU does not know variants.
     #[must_use]
     pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
-        Self { adapter, gpu: Gpu::new(variant), absent: None, cpu_rendered: false }
+        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, has_rendered: false, hangs: 0, cpu_rendered: false }
     }
 
     /// Renders a scene.
@@ -228,19 +234,23 @@ impl Preview {
 
     /// What the GPU makes of `work`; `None` where the CPU has to do it.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
-        if self.adapter == Adapter::Cpu || (self.adapter == Adapter::Any && self.absent.is_some()) {
+        if self.adapter == Adapter::Cpu || (self.adapter == Adapter::Any && self.has_no_gpu) {
             return Ok(None);
         }
         let failure = match work(&mut self.gpu) {
-            Ok(done) => return Ok(Some(done)),
+            Ok(done) => {
+                (self.has_rendered, self.hangs) = (true, 0);
+                return Ok(Some(done));
+            }
             Err(GpuFailure::Stopped) => return Err(PreviewError::Stopped),
             Err(failure) => failure,
         };
         if self.adapter == Adapter::Any {
             tracing::warn!("the CPU renders: {failure}");
-            if let GpuFailure::Absent(reason) = failure {
-                self.absent = Some(reason);
-            }
+            self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
+            // One that was lost may come back; each one that hangs is left to itself and costs its patience.
+            self.has_no_gpu =
+                self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.has_rendered);
             return Ok(None);
         }
         Err(match failure {

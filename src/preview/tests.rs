@@ -32,14 +32,19 @@ fn renderers() -> Vec<Preview> {
     match gpu.adapter_name() {
         Ok(_) => vec![gpu, cpu],
         Err(PreviewError::NoAdapter(reason)) => {
-            let name = std::thread::current().name().unwrap_or_default().to_owned();
-            let line = format!(
-                "\n*** SKIPPED ON THE GPU: {name}: {reason}\n*** Install a Vulkan driver (Debian: mesa-vulkan-drivers).\n\n"
-            );
-            // A line that cannot be printed is no failure of what is tested.
-            let _ = stderr().write_all(line.as_bytes());
+            tell_skipped(&reason);
             vec![cpu]
         }
         Err(error) => panic!("{error}"),
     }
+}
+
+/// Says that what runs now leaves out the GPU, and why.
+pub(super) fn tell_skipped(reason: &str) {
+    let name = std::thread::current().name().unwrap_or_default().to_owned();
+    let line = format!(
+        "\n*** SKIPPED ON THE GPU: {name}: {reason}\n*** Install a Vulkan driver (Debian: mesa-vulkan-drivers).\n\n"
+    );
+    // A line that cannot be printed is no failure of what is tested.
+    let _ = stderr().write_all(line.as_bytes());
 }

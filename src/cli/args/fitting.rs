@@ -20,8 +20,8 @@ pub struct ServeArgs {
     /// Folder of jobs and tables, made when missing [default: ltcforge-data]
     #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Shards fitted at the same time [default: one for each core]
-    #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
+    /// Shards fitted at the same time, 1 to 512 [default: one for each core]
+    #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N", value_parser = threads)]
     pub workers: Option<NonZeroUsize>,
     /// Jobs that may wait or run at the same time [default: 64]
     #[arg(long, env = "LTCFORGE_QUEUE_LIMIT", value_name = "N")]
@@ -71,8 +71,8 @@ pub struct TradeoffArgs {
 /// Threads of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Args)]
 pub struct Threads {
-    /// Threads that work [default: one for each core]
-    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
+    /// Threads that work, 1 to 512 [default: one for each core]
+    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
 }
 
@@ -90,6 +90,14 @@ impl Threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.count().get()).build();
         pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))
     }
+}
+
+/// Most threads of a command: more only get into each other's way, and thousands bring a machine to a stop.
+const MOST_THREADS: usize = 512;
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    let count = text.parse().ok().filter(|count: &NonZeroUsize| count.get() <= MOST_THREADS);
+    count.ok_or_else(|| format!("it is a number from 1 to {MOST_THREADS}"))
 }
 
 /// Cores that the process may use.

@@ -140,6 +140,8 @@ mod tests {
             "ltcforge plot table error -o x.png --ratio 1.5",
             "ltcforge plot table error -o x.png --phi NaN",
             "ltcforge tradeoff --threads 0",
+            "ltcforge fit draft --threads 513",
+            "ltcforge serve --workers 99999",
             "ltcforge verify --digest 12 file",
         ];
         for line in lines {

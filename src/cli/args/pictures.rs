@@ -91,8 +91,8 @@ pub struct PreviewArgs {
     /// Bits of the table's numbers
     #[arg(long, value_enum, default_value = "f32")]
     pub precision: PrecisionName,
-    /// Take amplitude and Fresnel term of GGX itself at the table's nodes, for a table without them; without, such a
-    /// table reflects all light
+    /// Take amplitude and Fresnel term of GGX itself at the table's nodes, in place of the table's if it has any; one
+    /// without them reflects all light
     #[arg(long)]
     pub ggx_terms: bool,
     /// What renders

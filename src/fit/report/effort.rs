@@ -3,7 +3,7 @@
 use crate::fit::{Recipe, fit_seconds};
 
 /// Least and most configurations at nodes, and again between them.
-const LEAST_POINTS: usize = 32;
+const LEAST_POINTS: usize = 8;
 /// Most configurations at nodes, and again between them.
 pub const MOST_POINTS: usize = 1024;
 /// The part of the fit's time that the report may take.

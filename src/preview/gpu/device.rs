@@ -138,7 +138,7 @@ fn entry_point(estimator: Estimator) -> &'static str {
     }
 }
 
-fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+pub(super) fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
@@ -157,7 +157,7 @@ fn table_bindings(samples_weighed: bool) -> [wgpu::BindingType; 6] {
 }
 
 /// Bindings from zero on, for compute shaders.
-fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
     let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
         .zip(bindings)
         .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {

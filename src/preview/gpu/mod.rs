@@ -1,6 +1,8 @@
 //! The renderer on a GPU, or on lavapipe, which is one to Vulkan.
 
 mod device;
+#[cfg(test)]
+pub(super) mod example;
 mod job;
 mod shaders;
 mod table;

@@ -13,8 +13,8 @@ use crate::preview::{
     renderer::Stop,
 };
 
-/// A tile that takes longer than this hangs.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// A tile takes some hundred milliseconds; one that takes longer than this hangs.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Buffers for frames of one size.
 #[derive(Debug)]

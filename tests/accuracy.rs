@@ -1,0 +1,63 @@
+//! How near a table is to the best fit there is, where renderers land: between its nodes.
+
+use std::ops::ControlFlow;
+
+use ltcforge::{
+    brdf::Ggx,
+    fit::{Fitter, Plan, assemble, fit_shard},
+    ltc::{Configuration, Table},
+    math::{direction, from_row_major, recurrence4},
+    recipe::{self, Preset},
+};
+use rayon::prelude::*;
+
+/// Materials and views as artists set them.
+const PLACES: usize = 48;
+
+fn table(document: &str) -> Table {
+    let plan = Plan::new(&recipe::parse(document.as_bytes(), 10_000).expect("a recipe"));
+    let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+    let entries: Vec<_> = (0..plan.shards()).into_par_iter().flat_map_iter(fit).collect();
+    assemble(&plan, &entries)
+}
+
+fn place(i: usize) -> Configuration {
+    let [roughness, ratio, theta, phi] = recurrence4(i, [0.7, 0.2, 0.4, 0.9]);
+    let alpha_x = (0.1 + 0.9 * roughness) * (0.1 + 0.9 * roughness);
+    Configuration { alpha_x, alpha_y: alpha_x * (0.1 + 0.9 * ratio), theta: 1.5 * theta, phi: 1.57 * phi }
+}
+
+/// The error of the table and that of a fit of its own, by the same held-out samples.
+fn errors(table: &Table, at: &Configuration) -> [f64; 2] {
+    let (ggx, wo) = (Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, direction(at.theta, at.phi));
+    let mut fitter = Fitter::new(&Preset::Paper.fit());
+    let looked_up = fitter.error(&ggx, wo, &from_row_major(&table.lookup(at).matrix));
+    let own = fitter.fit(&ggx, wo, 0, &mut || ControlFlow::Continue(())).expect("nothing stops it");
+    [looked_up, own.error]
+}
+
+/// Sum of errors over that of the fits, and the worst ratio of the two.
+fn excess(table: &Table) -> (f64, f64) {
+    let all: Vec<[f64; 2]> = (0..PLACES).into_par_iter().map(|i| errors(table, &place(i))).collect();
+    let [looked_up, own] = [0, 1].map(|k| all.iter().map(|pair| pair[k]).sum::<f64>());
+    (looked_up / own - 1.0, all.iter().map(|[looked_up, own]| looked_up / own).fold(0.0, f64::max))
+}
+
+#[test]
+fn draft_is_near_the_best_fit_between_its_nodes() {
+    let (mean, worst) = excess(&table(r#"{"preset": "draft"}"#));
+    assert!(mean < 0.18 && worst < 3.0, "{mean} {worst}");
+}
+
+#[test]
+fn standard_is_nearer() {
+    let (mean, worst) = excess(&table(r#"{"preset": "standard"}"#));
+    assert!(mean < 0.11 && worst < 2.4, "{mean} {worst}");
+}
+
+/// What the bounds are worth: interpolated as it is, without the reflection, the same fit is far off.
+#[test]
+fn the_layout_of_the_published_table_is_not_near() {
+    let (mean, worst) = excess(&table(r#"{"preset": "draft", "layout": "kt2022"}"#));
+    assert!(mean > 0.2 && worst > 3.0, "{mean} {worst}");
+}
