@@ -49,6 +49,11 @@ fn a_picture_has_its_size_and_its_name() {
     let same = format!("/v1/preview?table={hex}&mode=strip&spp=2&scene=sphere&exposure=1.0&size=64");
     let again = server.get(&same).with_status(200);
     assert_eq!((tag(&again), &again.body), (tag(&first), &first.body));
+    // What a mode does not show makes no other picture either.
+    let plain = |rest: &str| tag(&server.get(&format!("/v1/preview?size=64&table={digest}{rest}")).with_status(200));
+    assert_eq!(plain("&spp=2&theta=0.5&difference_scale=1"), plain(""));
+    assert_ne!(plain("&exposure=2"), plain(""));
+    assert_ne!(plain("&mode=reference&spp=2"), plain("&mode=reference&spp=3"));
     let other = server.get(&format!("/v1/preview?{query}&rotation=0.5")).with_status(200);
     assert_ne!(tag(&other), tag(&first));
     assert_ne!(other.body, first.body);
@@ -161,4 +166,18 @@ fn a_full_queue_refuses_and_clients_that_go_make_room() {
         (answer.status == 200).then_some(())
     });
     assert_eq!(server.stop("TERM").code, Some(0));
+}
+
+#[test]
+fn fitting_goes_on_while_a_picture_is_rendered() {
+    let (_folder, server) = start();
+    let table = server.fit(SMALL);
+    let address = server.url.strip_prefix("http://").expect("an address").to_owned();
+    let mut stream = TcpStream::connect(address).expect("a connection");
+    // Minutes of work.
+    let query = format!("mode=reference&size=2048&spp=4096&table={table}");
+    write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: x\r\n\r\n").expect("a request");
+    assert_ne!(server.fit(&SMALL.replace("\"steps\":5", "\"steps\":2")), table);
+    stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a limit");
+    assert!(stream.read(&mut [0; 16]).is_err(), "the picture was there before the table");
 }

@@ -54,6 +54,7 @@ names! {
         "triangle" => LightKind::Polygon(3),
         "pentagon" => LightKind::Polygon(5),
         "hexagon" => LightKind::Polygon(6),
+        "heptagon" => LightKind::Polygon(7),
         "octagon" => LightKind::Polygon(8),
     }
     /// Bits of a table's numbers.

@@ -213,7 +213,7 @@ mod tests {
             "spp: «-1» is not a whole number",
             "f0: not 3 numbers between commas",
             "exposure: stands twice",
-            "light: «cube» is none of rectangle, disk, triangle, pentagon, hexagon, octagon",
+            "light: «cube» is none of rectangle, disk, triangle, pentagon, hexagon, heptagon, octagon",
             "rotation: 7 is not within -6.283185307179586 to 6.283185307179586",
             "phi: NaN is not within -6.283185307179586 to 6.283185307179586",
             "size: 63 is not within 64 to 2048",

@@ -141,14 +141,31 @@ impl Mode {
     }
 }
 
+impl Scene {
+    /// The same picture with one value for each parameter that its mode does not show.
+    #[must_use]
+    pub fn canonical(self) -> Self {
+        let usual = Self::default();
+        let (compares, is_lobe) = (matches!(self.mode, Mode::Difference | Mode::Strip), self.mode == Mode::Lobe);
+        let samples = compares || self.mode == Mode::Reference;
+        Self {
+            spp: if samples { self.spp } else { usual.spp },
+            lobe: if is_lobe { self.lobe } else { usual.lobe },
+            difference_scale: if compares { self.difference_scale } else { usual.difference_scale },
+            ..self
+        }
+    }
+}
+
 impl LightKind {
     /// Those that have a name, with their names in parameters.
-    pub const NAMED: [(&str, Self); 6] = [
+    pub const NAMED: [(&str, Self); 7] = [
         ("rectangle", Self::Rectangle),
         ("disk", Self::Disk),
         ("triangle", Self::Polygon(3)),
         ("pentagon", Self::Polygon(5)),
         ("hexagon", Self::Polygon(6)),
+        ("heptagon", Self::Polygon(7)),
         ("octagon", Self::Polygon(8)),
     ];
 }

@@ -134,6 +134,10 @@ impl Service {
         is_known: impl Fn(Digest) -> bool,
     ) -> Result<Ordered, PictureError> {
         let core = &self.core;
+        let subject = match subject {
+            Subject::Scene(scene) => Subject::Scene(Box::new(scene.canonical())),
+            plot @ Subject::Plot(_) => plot,
+        };
         let table = match table {
             Some(table) if !core.store.blobs.contains(table) => return Err(PictureError::UnknownTable(table)),
             Some(table) => table,
