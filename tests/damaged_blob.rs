@@ -20,34 +20,49 @@ fn holding(folder: &Path, bytes: &[u8]) -> Vec<PathBuf> {
     files(folder).into_iter().filter(|path| fs::read(path).is_ok_and(|found| found == bytes)).collect()
 }
 
-#[test]
-fn a_damaged_table_is_moved_aside_told_and_fitted_again() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &[]);
+/// Fits a table, stops the service and flips a bit of the one file that holds it. The digest, the bytes as they were and
+/// as they are, and the file.
+fn damage(folder: &Path) -> (String, Vec<u8>, Vec<u8>, PathBuf) {
+    let server = Server::start(folder, &[]);
     let digest = server.fit(SMALL);
-    let path = format!("/v1/tables/{digest}");
-    let good = server.get(&path).with_status(200).body;
+    let good = server.get(&format!("/v1/tables/{digest}")).with_status(200).body;
     assert_eq!(server.stop("TERM").code, Some(0));
 
-    let blobs = holding(folder.path(), &good);
+    let blobs = holding(folder, &good);
     assert_eq!(blobs.len(), 1, "{blobs:?}");
     let mut bad = good.clone();
     let middle = bad.len() / 2;
     bad[middle] ^= 1;
     fs::write(&blobs[0], &bad).expect("a damaged blob");
+    (digest, good, bad, blobs[0].clone())
+}
 
-    let server = Server::start(folder.path(), &["--adapter", "cpu"]);
-    let picture = format!("/v1/preview?size=64&table={digest}");
-    assert_eq!(server.get(&picture).with_status(500).json()["type"], "/problems/damaged-blob");
+#[test]
+fn a_damaged_table_is_moved_aside_told_and_fitted_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, good, bad, blob) = damage(folder.path());
+    let path = format!("/v1/tables/{digest}");
+    let server = Server::start(folder.path(), &[]);
+    assert_eq!(server.get(&path).with_status(500).json()["type"], "/problems/damaged-blob");
     assert_eq!(server.metric("ltcforge_blobs_corrupt_total"), 1);
     let aside = holding(folder.path(), &bad);
     assert_eq!(aside.len(), 1, "the damaged bytes are kept");
-    assert_ne!(aside, blobs, "and are moved aside");
+    assert_ne!(aside, [blob], "and are moved aside");
     server.get(&path).with_status(404);
-    server.get(&picture).with_status(404);
 
     server.submit(SMALL).with_status(202);
     assert_eq!(server.fit(SMALL), digest);
     assert_eq!(server.get(&path).with_status(200).body, good);
+}
+
+#[test]
+fn a_damaged_table_has_no_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, ..) = damage(folder.path());
+    let server = Server::start(folder.path(), &["--adapter", "cpu"]);
+    let picture = format!("/v1/preview?size=64&table={digest}");
+    assert_eq!(server.get(&picture).with_status(500).json()["type"], "/problems/damaged-blob");
+    server.get(&picture).with_status(404);
+    assert_eq!(server.fit(SMALL), digest);
     server.get(&picture).with_status(200);
 }

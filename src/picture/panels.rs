@@ -42,7 +42,7 @@ pub fn number(x: f32) -> String {
     if x != 0.0 && x.abs() < 1e-4 {
         return format!("{x:.1e}");
     }
-    let digits = (2 - x.abs().max(1e-9).log10().floor() as i32).max(0) as usize;
+    let digits = (2 - libm::log10f(x.abs().max(1e-9)).floor() as i32).max(0) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -62,9 +62,9 @@ pub struct Panel<'a> {
     /// Its title.
     pub title: &'a str,
     /// What it shows.
-    pub picture: &'a Picture,
+    pub picture: Picture,
     /// What stands below, as wide as the picture.
-    pub foot: Option<Picture>,
+    pub foot: Picture,
 }
 
 /// Panels of equal size, row by row.
@@ -77,11 +77,9 @@ pub fn grid(panels: &[Panel<'_>], columns: u32) -> Picture {
     let mut whole = Picture::filled(columns * across - GAP, rows * down, GROUND);
     for (i, panel) in (0_u32..).zip(panels) {
         let (left, above) = (i % columns * across, i / columns * down);
-        whole.put(panel.picture, left, above + top);
+        whole.put(&panel.picture, left, above + top);
         text::write(&mut whole, panel.title, left + width / 2, above + top / 2, Anchor::Middle, width);
-        if let Some(foot) = &panel.foot {
-            whole.put(foot, left, above + top + height);
-        }
+        whole.put(&panel.foot, left, above + top + height);
     }
     whole
 }

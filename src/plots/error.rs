@@ -26,13 +26,13 @@ const DEGREES: [f64; 4] = [0.0, 30.0, 60.0, 85.0];
 /// Both errors side by side.
 pub(super) fn draw(table: &Table, slice: Slice) -> Picture {
     let map = error_map(table, slice.ratio, slice.phi, CELLS);
-    let panels = [("distance, % of the lobe's width", &map.width), ("light, % of the lobe", &map.light)]
-        .map(|(title, errors)| (title, panel(table, &map, errors)));
-    let panels = panels.each_ref().map(|(title, picture)| Panel {
-        title,
-        picture,
-        foot: Some(bar(picture.width, ["0.1 %", "100 %"], "logarithmic")),
-    });
+    let panels = [("distance, % of the lobe's width", &map.width), ("light, % of the lobe", &map.light)].map(
+        |(title, errors)| {
+            let picture = panel(table, &map, errors);
+            let foot = bar(picture.width, ["0.1 %", "100 %"], "logarithmic");
+            Panel { title, picture, foot }
+        },
+    );
     let at = format!("errors at ratio {}, phi {} rad", number(map.ratio as f32), number(map.phi as f32));
     let how = "theta in degrees to the right, alpha upwards, evenly in its square root; ticks: nodes";
     headed(&[&[&at], &[how]], &grid(&panels, 2))
@@ -80,5 +80,5 @@ fn panel(table: &Table, map: &ErrorMap, errors: &[f64]) -> Picture {
 /// The place of an error between the ends of the colours.
 fn logarithmic(error: f64) -> f32 {
     let [low, high] = ENDS;
-    ((error.max(low) / low).ln() / (high / low).ln()) as f32
+    (libm::log(error.max(low) / low) / libm::log(high / low)) as f32
 }

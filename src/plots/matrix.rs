@@ -27,21 +27,16 @@ const NAMES: [&str; 12] =
 pub(super) fn draw(table: &Table) -> Picture {
     let tiling = Tiling::new(table.axes.lengths());
     let width = tiling.width().max(SIDE) as u32;
-    let drawn: Vec<(Picture, Picture)> = (0..NAMES.len())
-        .map(|panel| match numbers(table, panel) {
-            Some(numbers) => {
+    let panels: Vec<Panel<'_>> = (0..)
+        .zip(NAMES)
+        .map(|(panel, title)| {
+            if let Some(numbers) = numbers(table, panel) {
                 let (picture, [low, high]) = tiling.panel(width, &numbers);
-                (picture, bar(width, [&number(low), &number(high)], ""))
+                return Panel { title, picture, foot: bar(width, [&number(low), &number(high)], "") };
             }
-            None => {
-                (Picture::filled(width, tiling.height() as u32, GROUND), caption(width, &["not in this table", "none"]))
-            }
+            let picture = Picture::filled(width, tiling.height() as u32, GROUND);
+            Panel { title, picture, foot: caption(width, &["not in this table", "none"]) }
         })
-        .collect();
-    let panels: Vec<Panel<'_>> = NAMES
-        .iter()
-        .zip(&drawn)
-        .map(|(title, (picture, foot))| Panel { title, picture, foot: Some(foot.clone()) })
         .collect();
     let PerAxis { alpha, ratio, theta, phi } = tiling.nodes;
     let entries = format!("{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");

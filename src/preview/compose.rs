@@ -39,10 +39,10 @@ pub(super) fn compared(scene: &Scene, ltc: &Radiances, reference: &Radiances, me
     let scale = scene.difference_scale as f32;
     let apart = differences(ltc, reference, scale);
     let width = apart.width;
-    let foot = Some(bar(width, ["0", &number(scale)], "radiance"));
+    let foot = bar(width, ["0", &number(scale)], "radiance");
     let difference = fitting(&["|LTC - reference|", "difference"], width);
     if scene.mode == Mode::Difference {
-        return grid(&[Panel { title: difference, picture: &apart, foot }], 1);
+        return grid(&[Panel { title: difference, picture: apart, foot }], 1);
     }
     let ltc = tone::displayed(exposure, ltc);
     let reference = tone::displayed(exposure, reference);
@@ -50,9 +50,9 @@ pub(super) fn compared(scene: &Scene, ltc: &Radiances, reference: &Radiances, me
     let mean = number(mean as f32);
     let mean = caption(width, &[&format!("mean error {mean}"), &mean]);
     let panels = [
-        Panel { title: fitting(&["GGX reference", "reference"], width), picture: &reference, foot: Some(samples) },
-        Panel { title: "LTC", picture: &ltc, foot: Some(mean) },
-        Panel { title: difference, picture: &apart, foot },
+        Panel { title: fitting(&["GGX reference", "reference"], width), picture: reference, foot: samples },
+        Panel { title: "LTC", picture: ltc, foot: mean },
+        Panel { title: difference, picture: apart, foot },
     ];
     grid(&panels, 3)
 }
@@ -62,7 +62,9 @@ pub(super) fn lobes(ltc: &Radiances, reference: &Radiances) -> Picture {
     let peak = reference.pixels.iter().map(|pixel| pixel[0]).fold(1e-9_f32, f32::max);
     let panel = |lobe: &Radiances| false_colours(lobe.width, lobe.pixels.iter().map(|pixel| pixel[0]), peak);
     let (ltc, reference) = (panel(ltc), panel(reference));
-    let foot = || Some(bar(ltc.width, ["0", &number(peak)], "per steradian"));
-    let panels = [("GGX", &reference), ("LTC", &ltc)].map(|(title, picture)| Panel { title, picture, foot: foot() });
+    let panels = [("GGX", reference), ("LTC", ltc)].map(|(title, picture)| {
+        let foot = bar(picture.width, ["0", &number(peak)], "per steradian");
+        Panel { title, picture, foot }
+    });
     grid(&panels, 2)
 }

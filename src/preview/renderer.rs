@@ -83,7 +83,7 @@ pub struct Preview {
     /// There is no GPU, or none that works: the CPU renders from now on.
     has_no_gpu: bool,
     /// A GPU has been there.
-    has_rendered: bool,
+    had_gpu: bool,
     /// Pictures in a row at which the GPU hung.
     hangs: u32,
     /// The CPU has rendered part of the picture.
@@ -100,7 +100,7 @@ impl Preview {
     /// One whose shaders are compiled in another way. The CPU does not know variants.
     #[must_use]
     pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
-        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, has_rendered: false, hangs: 0, cpu_rendered: false }
+        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, cpu_rendered: false }
     }
 
     /// Renders a scene.
@@ -239,7 +239,7 @@ impl Preview {
         }
         let failure = match work(&mut self.gpu) {
             Ok(done) => {
-                (self.has_rendered, self.hangs) = (true, 0);
+                (self.had_gpu, self.hangs) = (true, 0);
                 return Ok(Some(done));
             }
             Err(GpuFailure::Stopped) => return Err(PreviewError::Stopped),
@@ -249,8 +249,7 @@ impl Preview {
             tracing::warn!("the CPU renders: {failure}");
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
             // One that was lost may come back; each one that hangs is left to itself and costs its patience.
-            self.has_no_gpu =
-                self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.has_rendered);
+            self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
             return Ok(None);
         }
         Err(match failure {
@@ -290,4 +289,48 @@ fn panel_errors(scene: &Scene, frame: &Frame, ltc: &Radiances, reference: &Radia
         mean_radiance: radiance / pixels.max(1.0),
     };
     scene.materials.iter().zip(sums).map(error).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a GPU that answers so is asked at all.
+    fn is_asked(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
+        let mut asked = false;
+        let done = preview.on_gpu(|_| {
+            asked = true;
+            answer
+        });
+        assert!(done.is_ok(), "the CPU stands in: {done:?}");
+        asked
+    }
+
+    fn hangs() -> Result<(), GpuFailure> {
+        Err(GpuFailure::Hangs("no answer".to_owned()))
+    }
+
+    fn absent() -> Result<(), GpuFailure> {
+        Err(GpuFailure::Absent("none".to_owned()))
+    }
+
+    #[test]
+    fn a_gpu_that_hangs_twice_in_a_row_is_left_alone() {
+        let mut preview = Preview::new(Adapter::Any);
+        for answer in [hangs(), Ok(()), hangs(), hangs()] {
+            assert!(is_asked(&mut preview, answer));
+        }
+        assert!(!is_asked(&mut preview, Ok(())));
+    }
+
+    #[test]
+    fn a_gpu_that_never_was_there_is_not_asked_again_and_one_that_was_is() {
+        let mut preview = Preview::new(Adapter::Any);
+        assert!(is_asked(&mut preview, absent()));
+        assert!(!is_asked(&mut preview, Ok(())));
+        let mut preview = Preview::new(Adapter::Any);
+        for answer in [Ok(()), absent(), Ok(())] {
+            assert!(is_asked(&mut preview, answer));
+        }
+    }
 }
