@@ -17,16 +17,16 @@ struct Scene {
     materials: array<vec4<f32>, 4>,
     /// Pixels a side; cells a side; what is seen, see SURFACE_; samples.
     options: vec4<u32>,
-    /// Part of the picture: left, top, width, height.
-    tile: vec4<u32>,
     /// x: 1 for bytes to display, 0 for radiance. y, z: first sample and samples of this pass, one of several that
-    /// add up.
+    /// add up. w: the first workgroup's tile.
     output: vec4<u32>,
 }
 
 @group(1) @binding(1) var<uniform> scene: Scene;
 /// A pixel: red, green and blue as f32, or one word R, G, B, 255 from the lowest byte on.
 @group(1) @binding(2) var<storage, read_write> pixels: array<u32>;
+/// The tiles of 8 x 8 pixels that something is seen in, a workgroup each: the left upper pixel, x in the lower half.
+@group(1) @binding(3) var<storage, read> tiles: array<u32>;
 
 /// With a constant in place of the table, to tell what looking it up costs.
 override lookup_is_constant: bool = false;
@@ -43,6 +43,12 @@ struct Seen {
     at: Shaded,
     /// How much of the pixel it fills.
     coverage: f32,
+}
+
+/// A workgroup's pixel; at the picture's edge it may lie outside.
+fn pixel_of(group: vec3<u32>, local: vec3<u32>) -> vec2<u32> {
+    let corner = tiles[scene.output.w + group.x];
+    return vec2(corner & 0xffffu, corner >> 16u) + local.xy;
 }
 
 /// Middle of a pixel within its cell, from -1 to 1, y upwards; z: which cell.
@@ -139,11 +145,11 @@ fn write(pixel: vec2<u32>, radiance: vec3<f32>) {
 }
 
 @compute @workgroup_size(8, 8)
-fn surface_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (any(id.xy >= scene.tile.zw)) {
+fn surface_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let pixel = scene.tile.xy + id.xy;
     let seen = see(place_of(pixel));
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
@@ -153,11 +159,11 @@ fn surface_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 @compute @workgroup_size(8, 8)
-fn surface_by_reference(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (any(id.xy >= scene.tile.zw)) {
+fn surface_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let pixel = scene.tile.xy + id.xy;
     let seen = see(place_of(pixel));
     let all = f32(scene.options.w);
     var radiance = scene.background.xyz * (f32(scene.output.z) / all);
@@ -185,11 +191,11 @@ const BELOW: f32 = -0.5;
 
 /// Density of the table's lobe over directions, per steradian.
 @compute @workgroup_size(8, 8)
-fn lobe_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (any(id.xy >= scene.tile.zw)) {
+fn lobe_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let pixel = scene.tile.xy + id.xy;
     let wi = direction_of(place_of(pixel));
     var density = BESIDE;
     if (wi.w > 0.0) {
@@ -206,11 +212,11 @@ fn lobe_by_table(@builtin(global_invocation_id) id: vec3<u32>) {
 
 /// The same of GGX times the cosine.
 @compute @workgroup_size(8, 8)
-fn lobe_by_reference(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (any(id.xy >= scene.tile.zw)) {
+fn lobe_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
         return;
     }
-    let pixel = scene.tile.xy + id.xy;
     let wi = direction_of(place_of(pixel));
     var density = BESIDE;
     if (wi.w > 0.0) {

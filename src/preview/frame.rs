@@ -52,10 +52,9 @@ pub(super) struct FrameLight {
 /// A part of a picture, and of its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Part {
-    /// Left upper pixel.
-    pub(super) corner: [u32; 2],
-    /// Width and height.
-    pub(super) extent: [u32; 2],
+    /// The first of the tiles in a list of them, and how many.
+    pub(super) first_tile: u32,
+    pub(super) tiles: u32,
     pub(super) first_sample: u32,
     pub(super) samples: u32,
     /// To display, or as radiance.
@@ -131,8 +130,7 @@ impl Frame {
             Surface::Floor => 1,
         };
         words.0.extend([self.size, self.cells, surface, self.spp]);
-        words.0.extend([part.corner[0], part.corner[1], part.extent[0], part.extent[1]]);
-        words.0.extend([u32::from(part.as_bytes), part.first_sample, part.samples, 0]);
+        words.0.extend([u32::from(part.as_bytes), part.first_sample, part.samples, part.first_tile]);
         words.0
     }
 

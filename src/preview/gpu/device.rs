@@ -75,7 +75,8 @@ impl Device {
         let table_layout = layout(&device, "table", &table_bindings(samples_weighed));
         let uniform = buffer(wgpu::BufferBindingType::Uniform);
         let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
-        let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels]);
+        let tiles = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+        let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels, tiles]);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("preview"),
             bind_group_layouts: &[Some(&table_layout), Some(&frame_layout)],

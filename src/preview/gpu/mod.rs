@@ -7,6 +7,7 @@ mod job;
 mod shaders;
 mod table;
 mod target;
+mod tiles;
 
 use std::sync::Arc;
 

@@ -5,15 +5,17 @@ use std::time::Duration;
 use super::{
     GpuFailure,
     device::Device,
-    job::{GROUP, Job},
+    job::Job,
     table::bind,
+    tiles::{SIDE, Tiles},
 };
 use crate::preview::{
     frame::{Frame, Part},
     renderer::Stop,
+    tone,
 };
 
-/// A tile takes some hundred milliseconds; one that takes longer than this hangs.
+/// A part takes up to half a second on a slow machine; one that takes longer than this hangs.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Buffers for frames of one size.
@@ -25,6 +27,7 @@ pub(super) struct Target {
     light: wgpu::Buffer,
     scene: wgpu::Buffer,
     pixels: wgpu::Buffer,
+    tiles: wgpu::Buffer,
     readback: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -45,10 +48,12 @@ impl Target {
         let light = buffer(4 * frame.light_words().len() as u64, uniform);
         let scene = buffer(4 * frame.scene_words(&Part::default()).len() as u64, uniform);
         let pixels = buffer(bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let tiles = 4 * u64::from(frame.size.div_ceil(SIDE)).pow(2);
+        let tiles = buffer(tiles, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
         let readback = buffer(bytes, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-        let resources = [light.as_entire_binding(), scene.as_entire_binding(), pixels.as_entire_binding()];
+        let resources = [&light, &scene, &pixels, &tiles].map(wgpu::Buffer::as_entire_binding);
         let group = bind(gpu, &gpu.frame_layout, &resources);
-        Self { size: frame.size, words, light, scene, pixels, readback, group }
+        Self { size: frame.size, words, light, scene, pixels, tiles, readback, group }
     }
 
     /// Whether frames like this fit.
@@ -66,8 +71,11 @@ impl Target {
     ) -> Result<Vec<u32>, GpuFailure> {
         let pipeline = gpu.pipeline(job.estimator);
         gpu.check()?;
+        let tiles = Tiles::of(job.frame, job.estimator, job.corner, job.extent);
+        let packed: Vec<u32> = tiles.seen.iter().map(|[x, y]| x | (y << 16)).collect();
         gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&job.frame.light_words()));
-        for part in job.parts() {
+        gpu.queue.write_buffer(&self.tiles, 0, bytemuck::cast_slice(&packed));
+        for part in job.parts(packed.len() as u32) {
             if stop() {
                 return Err(GpuFailure::Stopped);
             }
@@ -79,11 +87,30 @@ impl Target {
                 pass.set_pipeline(&pipeline);
                 pass.set_bind_group(0, table, &[]);
                 pass.set_bind_group(1, &self.group, &[]);
-                pass.dispatch_workgroups(part.extent[0].div_ceil(GROUP), part.extent[1].div_ceil(GROUP), 1);
+                pass.dispatch_workgroups(part.tiles, 1, 1);
             }
             wait(gpu, gpu.queue.submit([encoder.finish()]))?;
         }
-        self.read(gpu)
+        let mut words = self.read(gpu)?;
+        self.fill(&mut words, &tiles.unseen, job.frame);
+        Ok(words)
+    }
+
+    /// Writes the background into tiles.
+    fn fill(&self, words: &mut [u32], tiles: &[[u32; 2]], frame: &Frame) {
+        let background = frame.background.to_array();
+        let [red, green, blue] = background.map(|channel| u32::from(tone::display(frame.exposure, channel)));
+        let radiance = background.map(f32::to_bits);
+        let displayed = [red | (green << 8) | (blue << 16) | (255 << 24)];
+        let pixel: &[u32] = if self.words == 1 { &displayed } else { &radiance };
+        for [left, top] in tiles {
+            let width = SIDE.min(self.size - left);
+            for y in *top..(top + SIDE).min(self.size) {
+                let first = ((y * self.size + left) * self.words) as usize;
+                let row = &mut words[first..first + (width * self.words) as usize];
+                row.chunks_exact_mut(pixel.len()).for_each(|word| word.copy_from_slice(pixel));
+            }
+        }
     }
 
     fn read(&self, gpu: &Device) -> Result<Vec<u32>, GpuFailure> {
