@@ -16,6 +16,8 @@ pub use distribution::Ltc;
 pub use fold::Configuration;
 pub use layout::Layout;
 pub use lookup::LookedUp;
+#[cfg(test)]
+pub(crate) use polygon::quadrature;
 pub use polygon::{Clip, MAX_VERTICES, Scalar, Sides};
 pub use reflection::Reflection;
 pub use table::{Table, Terms};

@@ -155,4 +155,6 @@ impl Ltc {
 }
 
 #[cfg(test)]
+pub(crate) mod quadrature;
+#[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! The two renderers against each other and against the truth.
 
 mod planted;
+mod polygons;
 mod truth;
 mod twins;
 

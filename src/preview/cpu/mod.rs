@@ -37,16 +37,21 @@ pub(super) fn lit(
     vertices: &[glam::Vec3],
 ) -> (glam::Mat3, [f32; 3]) {
     let lobe = lookup::lookup(table, alpha_x, alpha_y, wo);
+    (lobe.m, [lobe.amplitude, lobe.fresnel, covered(lobe.m, vertices, false)])
+}
+
+/// `ltc_polygon` with the inverse of `m`.
+#[cfg(test)]
+pub(super) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -> f32 {
     let light = super::frame::FrameLight {
         vertices: vertices.to_vec(),
         area_up_to: Vec::new(),
         normal: glam::Vec3::Z,
         area: 0.0,
         radiance: 1.0,
-        two_sided: false,
+        two_sided,
     };
-    let covered = light::Inverse::of(lobe.m).covered(&light, glam::Vec3::ZERO, glam::Mat3::IDENTITY);
-    (lobe.m, [lobe.amplitude, lobe.fresnel, covered])
+    light::Inverse::of(m).covered(&light, glam::Vec3::ZERO, glam::Mat3::IDENTITY)
 }
 
 /// The cell whose surface covers a pixel, in part at least.

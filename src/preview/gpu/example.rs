@@ -1,24 +1,25 @@
-//! Runs `ltc_example` of a shader as users take it home.
+//! Runs an entry point on one case after another, as `ltc_example` of a shader that users take home.
 
-use wgpu::util::DeviceExt as _;
+use bytemuck::Pod;
 
 use super::{
     GpuFailure, Variant,
     device::{Device, buffer, layout},
-    table,
+    table::{self, bind},
 };
 use crate::preview::ShaderTable;
 
-/// `LtcExampleCase`: ten vectors.
-pub(in crate::preview) type Case = [f32; 40];
-/// `LtcExampleResult`: the columns of `M`, then amplitude, Fresnel term and what is covered.
-pub(in crate::preview) type Found = [f32; 16];
-
-/// The results of `cases` by the WGSL of `source` with a table.
-pub(in crate::preview) fn run(source: &str, table: &ShaderTable, cases: &[Case]) -> Result<Vec<Found>, GpuFailure> {
+/// The results of `cases` by an entry point of the WGSL `source`: group 0 is the table, group 1 a uniform `Case` and a
+/// storage buffer of one `Found`.
+pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
+    source: &str,
+    entry_point: &str,
+    table: &ShaderTable,
+    cases: &[Case],
+) -> Result<Vec<Found>, GpuFailure> {
     let gpu = Device::open(Variant::default())?;
     let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("example"),
+        label: Some(entry_point),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
     let case_layout = layout(
@@ -35,32 +36,22 @@ pub(in crate::preview) fn run(source: &str, table: &ShaderTable, cases: &[Case])
         label: None,
         layout: Some(&pipeline_layout),
         module: &module,
-        entry_point: Some("ltc_example"),
+        entry_point: Some(entry_point),
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
     let bound = table::upload(&gpu, table)?;
-    let bytes = size_of::<Found>() as u64;
-    let made = |usage| {
-        gpu.wgpu.create_buffer(&wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false })
+    let made = |bytes: usize, usage| {
+        let size = bytes as u64;
+        gpu.wgpu.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     };
-    let found = made(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-    let readback = made(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-    let mut all = Vec::new();
-    for case in cases {
-        let case = gpu.wgpu.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: None,
-            contents: bytemuck::cast_slice(case),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
-        let group = gpu.wgpu.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &case_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: case.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: found.as_entire_binding() },
-            ],
-        });
+    let given = made(size_of::<Case>(), wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
+    let found = made(size_of::<Found>(), wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let all = made(size_of::<Found>() * cases.len(), wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let group = bind(&gpu, &case_layout, &[given.as_entire_binding(), found.as_entire_binding()]);
+    let failed = |error: &dyn std::fmt::Display| GpuFailure::Failed(error.to_string());
+    for (i, case) in cases.iter().enumerate() {
+        gpu.queue.write_buffer(&given, 0, bytemuck::bytes_of(case));
         let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -69,16 +60,14 @@ pub(in crate::preview) fn run(source: &str, table: &ShaderTable, cases: &[Case])
             pass.set_bind_group(1, &group, &[]);
             pass.dispatch_workgroups(1, 1, 1);
         }
-        encoder.copy_buffer_to_buffer(&found, 0, &readback, 0, bytes);
+        encoder.copy_buffer_to_buffer(&found, 0, &all, (size_of::<Found>() * i) as u64, found.size());
         gpu.queue.submit([encoder.finish()]);
-        readback.slice(..).map_async(wgpu::MapMode::Read, |_| {});
-        let failed = |error: &dyn std::fmt::Display| GpuFailure::Failed(error.to_string());
+        // Thousands in flight slow each other down.
         gpu.wgpu.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
-        gpu.check()?;
-        let view = readback.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
-        all.push(bytemuck::pod_read_unaligned(&view[..]));
-        drop(view);
-        readback.unmap();
     }
-    Ok(all)
+    all.slice(..).map_async(wgpu::MapMode::Read, |_| {});
+    gpu.wgpu.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
+    gpu.check()?;
+    let view = all.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
+    Ok(bytemuck::pod_collect_to_vec(&view[..]))
 }

@@ -231,7 +231,7 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
             .iter()
             .flat_map(|case| lights.iter().flat_map(move |l| [false, true].map(|two| (case, l, two))))
             .collect();
-        let words: Vec<example::Case> = tried
+        let words: Vec<[f32; 40]> = tried
             .iter()
             .map(|(case, light, two_sided)| {
                 let mut words = [0.0; 40];
@@ -249,7 +249,8 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
             })
             .collect();
         let shader = ShaderTable::new(&table, Precision::F32);
-        let found = match example::run(&text(Language::Wgsl, layout), &shader, &words) {
+        // The columns of M, then the terms and what is covered.
+        let found: Vec<[f32; 16]> = match example::run(&text(Language::Wgsl, layout), "ltc_example", &shader, &words) {
             Ok(found) => found,
             Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
             Err(error) => panic!("{error}"),
