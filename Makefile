@@ -5,6 +5,8 @@ CARGO ?= cargo
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 # The linker for crates, what the demo and the tests call, and a Vulkan driver that needs no GPU.
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
+# What checks translated shaders.
+TEST_PACKAGES := spirv-tools glslang-tools
 # A layer of Mesa's looks for a display to choose a device by, and complains where there is none.
 export NODEVICE_SELECT := 1
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
@@ -19,7 +21,7 @@ help:
 
 # Asks apt only for what is missing, so that a machine without network or root works once it has everything.
 packages:
-	@missing=; for p in $(PACKAGES); do dpkg -s $$p >/dev/null 2>&1 || missing="$$missing $$p"; done; \
+	@missing=; for p in $(PACKAGES) $(EXTRA_PACKAGES); do dpkg -s $$p >/dev/null 2>&1 || missing="$$missing $$p"; done; \
 	if [ -n "$$missing" ]; then \
 		$(SUDO) apt-get update -q && \
 		DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -qy --no-install-recommends $$missing; \
@@ -29,6 +31,7 @@ demo: packages
 	$(CARGO) build --release --locked
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
 
+test: EXTRA_PACKAGES := $(TEST_PACKAGES)
 test: packages
 	$(CARGO) test --locked
 	@$(MAKE) --no-print-directory test-native

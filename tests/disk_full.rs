@@ -9,7 +9,10 @@ use std::{
     process::Command,
 };
 
-use common::server::{Server, text};
+use common::{
+    server::{Server, text},
+    tell_skipped,
+};
 use serde_json::Value;
 
 /// A file system of its own, unmounted when dropped.
@@ -59,8 +62,7 @@ fn refusal(server: &Server, recipe: &str) -> Value {
 fn a_full_disk_fails_the_job_and_room_heals_the_service() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(disk) = SmallDisk::mount(&folder.path().join("disk")) else {
-        eprintln!("SKIPPED a_full_disk_fails_the_job_and_room_heals_the_service: no right to mount a tmpfs");
-        return;
+        return tell_skipped("no right to mount a tmpfs");
     };
     let server = Server::start(&disk.0.join("data"), &[]);
     let before = server.fit(&recipe(0));

@@ -5,7 +5,10 @@ pub(crate) mod command;
 pub(crate) mod openapi;
 pub(crate) mod server;
 
-use std::time::{Duration, Instant};
+use std::{
+    io::{Write as _, stderr},
+    time::{Duration, Instant},
+};
 
 /// Sixteen entries that take milliseconds.
 pub(crate) const SMALL: &str = r#"{"preset":"draft","resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},
@@ -20,6 +23,13 @@ pub(crate) const ENDLESS: &str = r#"{"preset":"best","resolution":{"alpha":16,"r
 
 /// How long a condition may take to come true. No test measures time: this only ends one that hangs.
 const DEADLINE: Duration = Duration::from_secs(120);
+
+/// Says past the harness, which would keep it to itself, that the running test leaves something out, and why.
+pub(crate) fn tell_skipped(reason: &str) {
+    let name = std::thread::current().name().unwrap_or_default().to_owned();
+    // A line that cannot be printed is no failure of what is tested.
+    let _ = stderr().write_all(format!("\n*** SKIPPED: {name}: {reason}\n\n").as_bytes());
+}
 
 /// What `look` finds once it finds something.
 pub(crate) fn eventually<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {

@@ -140,7 +140,9 @@ fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
 }
 
 fn spirv(module: &Module, info: &ModuleInfo, source: &str) -> Result<Vec<u8>, String> {
-    let debug_info = spv::DebugInfo { source_code: source, file_name: "ltc.wgsl", language: spv::SourceLanguage::WGSL };
+    // WGSL has a number among the source languages that many validators do not know yet.
+    let language = spv::SourceLanguage::Unknown;
+    let debug_info = spv::DebugInfo { source_code: source, file_name: "ltc.wgsl", language };
     let options = spv::Options {
         lang_version: (1, 3),
         flags: spv::WriterFlags::DEBUG,
