@@ -165,6 +165,12 @@ fn a_full_queue_refuses_and_clients_that_go_make_room() {
         let answer = server.get(&format!("/v1/preview?size=64&table={table}"));
         (answer.status == 200).then_some(())
     });
+    let metrics = String::from_utf8(server.get("/metrics").with_status(200).body).expect("text");
+    for (outcome, least) in [("done", 1), ("given_up", 1), ("refused", 1)] {
+        let name = format!("ltcforge_pictures_total{{outcome=\"{outcome}\"}} ");
+        let count = metrics.lines().find_map(|line| line.strip_prefix(&name)).expect("a line");
+        assert!(count.parse::<u64>().expect("a count") >= least, "{name}{count}");
+    }
     assert_eq!(server.stop("TERM").code, Some(0));
 }
 

@@ -14,7 +14,7 @@ use super::{Api, error, problem::Problem};
 use crate::{
     fit::FITTER_VERSION,
     queue::StateName,
-    service::{Metrics, ServiceError},
+    service::{Metrics, PictureCounts, ServiceError},
 };
 
 const OPENAPI: &str = include_str!("../../openapi.yaml");
@@ -66,6 +66,12 @@ fn exposition(metrics: &Metrics) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "ltcforge_jobs{{state=\"{}\"}} {count}", label(*state));
     }
+    text.push_str("# HELP ltcforge_pictures_total Pictures since the start, but for those kept from before.\n");
+    text.push_str("# TYPE ltcforge_pictures_total counter\n");
+    let PictureCounts { done, failed, given_up, refused } = metrics.pictures;
+    for (outcome, count) in [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)] {
+        let _ = writeln!(text, "ltcforge_pictures_total{{outcome=\"{outcome}\"}} {count}");
+    }
     let counters = [
         ("entries_fitted", "Entries fitted since the start.", metrics.entries_fitted),
         ("shard_failures", "Shards that failed since the start.", metrics.shard_failures),
@@ -106,6 +112,7 @@ mod tests {
             jobs: vec![(StateName::Done, 3), (StateName::Queued, 0)],
             entries_fitted: 41,
             table_bytes: 176_000,
+            pictures: PictureCounts { done: 5, refused: 2, ..PictureCounts::default() },
             ..Metrics::default()
         };
         let text = exposition(&metrics);
@@ -114,6 +121,9 @@ mod tests {
             r#"ltcforge_jobs{state="queued"} 0"#,
             "ltcforge_entries_fitted_total 41",
             "# TYPE ltcforge_entries_fitted_total counter",
+            r#"ltcforge_pictures_total{outcome="done"} 5"#,
+            r#"ltcforge_pictures_total{outcome="given_up"} 0"#,
+            r#"ltcforge_pictures_total{outcome="refused"} 2"#,
             "ltcforge_table_bytes 176000",
             "# TYPE ltcforge_table_bytes gauge",
         ] {

@@ -169,6 +169,21 @@ pub struct Metrics {
     pub table_bytes: u64,
     /// Blobs found damaged since the start.
     pub blobs_corrupt: u64,
+    /// Pictures that were not kept from before.
+    pub pictures: PictureCounts,
+}
+
+/// How many pictures ended how since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PictureCounts {
+    /// There they were.
+    pub done: u64,
+    /// They could not be made.
+    pub failed: u64,
+    /// Nobody waited any more, or not long enough.
+    pub given_up: u64,
+    /// Too many were asked for already.
+    pub refused: u64,
 }
 
 impl From<StoreError> for ServiceError {

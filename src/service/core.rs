@@ -111,6 +111,7 @@ impl Service {
             tables,
             table_bytes,
             blobs_corrupt: core.blobs_corrupt.load(Ordering::Relaxed),
+            pictures: core.desk.counts(),
         })
     }
 }

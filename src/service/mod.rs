@@ -20,6 +20,8 @@ mod work;
 
 pub use self::core::Service;
 pub use crate::store::TableRow;
-pub use api::{Config, Expected, JobNews, Metrics, OpenError, Page, ServiceError, Submission, SubmitError};
+pub use api::{
+    Config, Expected, JobNews, Metrics, OpenError, Page, PictureCounts, ServiceError, Submission, SubmitError,
+};
 pub use manifest::{manifest_json, table_report};
 pub use pictures::{Ordered, PictureError, PictureFile, PictureWait, Subject};

@@ -10,7 +10,11 @@ use std::{
 use tokio::sync::oneshot;
 
 use super::{PictureError, PictureFile, RETRY_FULL, Subject, cache::Cache, studio::Studio};
-use crate::{digest::Digest, preview::Adapter, service::core::Core};
+use crate::{
+    digest::Digest,
+    preview::Adapter,
+    service::{PictureCounts, core::Core},
+};
 
 /// Pictures that wait or are rendered at the same time: one, and eight behind it.
 const LIMIT: usize = 9;
@@ -52,6 +56,7 @@ struct State {
     kept: Cache,
     /// What rendered the last scene.
     adapter: Option<Arc<str>>,
+    counts: PictureCounts,
 }
 
 impl Desk {
@@ -63,6 +68,7 @@ impl Desk {
             is_closed: false,
             kept: Cache::new(KEPT_BYTES),
             adapter: None,
+            counts: PictureCounts::default(),
         };
         Self { adapter, state: Mutex::new(state), changed: Condvar::new() }
     }
@@ -87,8 +93,11 @@ impl Desk {
         if state.is_closed {
             return Err(PictureError::Stopping);
         }
+        let before = state.waiting.len();
         state.waiting.retain(|order| !order.reply.is_closed());
+        state.counts.given_up += (before - state.waiting.len()) as u64;
         if state.waiting.len() + usize::from(state.is_rendering) >= LIMIT {
+            state.counts.refused += 1;
             return Err(PictureError::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
         }
         if !state.is_open {
@@ -117,7 +126,7 @@ impl Desk {
                 return None;
             }
             match state.waiting.pop_front() {
-                Some(order) if order.reply.is_closed() => {}
+                Some(order) if order.reply.is_closed() => state.counts.given_up += 1,
                 Some(order) => {
                     state.is_rendering = true;
                     return Some(order);
@@ -137,9 +146,20 @@ impl Desk {
         self.state().adapter = Some(Arc::clone(adapter));
     }
 
-    /// Nothing is rendered any more.
-    pub(super) fn finish(&self) {
-        self.state().is_rendering = false;
+    /// Nothing is rendered any more: that is how it ended.
+    pub(super) fn finish(&self, done: &Result<PictureFile, PictureError>) {
+        let mut state = self.state();
+        state.is_rendering = false;
+        match done {
+            Ok(_) => state.counts.done += 1,
+            Err(PictureError::TooSlow { .. } | PictureError::Stopping) => state.counts.given_up += 1,
+            Err(_) => state.counts.failed += 1,
+        }
+    }
+
+    /// How many pictures ended how.
+    pub(in crate::service) fn counts(&self) -> PictureCounts {
+        self.state().counts
     }
 
     pub(super) fn is_closed(&self) -> bool {

@@ -42,7 +42,7 @@ impl Studio {
                 self.preview = Preview::new(self.adapter);
                 Err(PictureError::Failed("the renderer panicked".to_owned()))
             });
-            desk.finish();
+            desk.finish(&done);
             // Nobody may wait any more.
             let _ = order.reply.send(done);
         }
