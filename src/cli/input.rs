@@ -32,14 +32,15 @@ pub(super) enum Origin {
 }
 
 impl AnyTable {
-    /// Reads a table; the file's first bytes tell of which kind it is.
+    /// Reads a table; the file's first bytes or its name tell of which kind it is.
     ///
     /// # Errors
     /// No such file, or one that is no table.
     pub(super) fn read(choice: &TableChoice) -> Result<Self, Failure> {
         let path = table_path(&choice.table, &choice.tables)?;
         let bytes = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
-        if !bytes.starts_with(NPY_MAGIC) {
+        let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
+        if !is_npy {
             let (digest, TableFile { table, recipe }) = verify::check(&path, &bytes, None)?;
             return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });
         }

@@ -153,13 +153,24 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         let detail = format!("the matrix of entry {index} has no positive determinant");
         return Err(TableFileError::Tensor { name: "matrix".to_owned(), detail });
     }
+    let not_negative = |name: &str| {
+        let values = finite(name, &shape)?;
+        match values.iter().position(|x| *x < 0.0) {
+            None => Ok(values),
+            Some(index) => {
+                let detail = format!("element {index} is {}, which is negative", values[index]);
+                Err(TableFileError::Tensor { name: name.to_owned(), detail })
+            }
+        }
+    };
     let terms = if recipe.terms {
-        let (amplitude, fresnel) = (finite("amplitude", &shape)?, finite("fresnel", &shape)?);
+        // What layout reflected has in place of a Fresnel term may be negative.
+        let (amplitude, fresnel) = (not_negative("amplitude")?, finite("fresnel", &shape)?);
         Some(Terms { amplitude, fresnel })
     } else {
         None
     };
-    let node_error = finite("node_error", &shape)?;
+    let node_error = not_negative("node_error")?;
     let table = Table { layout: recipe.layout, axes, matrix: matrix.to_vec(), terms, node_error };
     if encode(&recipe, &table)? != bytes {
         return Err(TableFileError::NotCanonical);

@@ -96,6 +96,10 @@ fn numbers_that_make_no_table_are_named() {
     assert!(name == "matrix" && detail.contains("entry 7"), "{detail}");
     let (name, _) = tensor(broken(|_, table| table.node_error[0] = f32::INFINITY));
     assert_eq!(name, "node_error");
+    let (name, detail) = tensor(broken(|_, table| table.node_error[1] = -0.1));
+    assert!(name == "node_error" && detail.contains("element 1 is -0.1"), "{detail}");
+    let (name, _) = tensor(broken(|_, table| table.terms.as_mut().expect("terms").amplitude[0] = -1.0));
+    assert_eq!(name, "amplitude");
     let (name, _) = tensor(broken(|_, table| table.axes.theta[1] = 0.7));
     assert_eq!(name, "axis_theta");
     let (name, _) = tensor(broken(|_, table| table.terms = None));
