@@ -37,7 +37,7 @@ fn ltc_example() {
         let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
         covered = ltc_rectangle(inverse, corners, two_sided);
     } else {
-        covered = ltc_polygon(inverse, vertices, clamp(count, 3u, 8u), two_sided);
+        covered = ltc_polygon(inverse, vertices, count, two_sided);
     }
     // Light of radiance L: L (f0 (amplitude - fresnel) + f90 fresnel) covered.
     ltc_result.m[0] = vec4(lobe.m[0], 0.0);

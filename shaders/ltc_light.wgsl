@@ -91,11 +91,12 @@ fn ltc_rectangle(inverse: LtcInverse, corners: array<vec3<f32>, 4>, two_sided: b
     return ltc_clip_finish(clip, inverse.side, two_sided);
 }
 
-/// A convex polygon of 3 to 8 vertices in order.
+/// A convex polygon of 3 to 8 vertices in order; another count is taken as the nearest of these.
 fn ltc_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> f32 {
     var outline = vertices;
-    var clip = ltc_clip_begin(inverse.m * outline[count - 1u]);
-    for (var i = 0u; i < count; i++) {
+    let number = clamp(count, 3u, 8u);
+    var clip = ltc_clip_begin(inverse.m * outline[number - 1u]);
+    for (var i = 0u; i < number; i++) {
         clip = ltc_clip_edge(clip, inverse.m * outline[i]);
     }
     return ltc_clip_finish(clip, inverse.side, two_sided);

@@ -1,4 +1,4 @@
-// The preview: spheres or a floor of anisotropic metal under a polygon light. Needs all the other files.
+// The preview: spheres or a floor of anisotropic metal under a polygon light. Needs all the other files but the example.
 
 struct Scene {
     /// xyz: position. w: width of a pixel at distance one.
@@ -38,6 +38,8 @@ const SURFACE_FLOOR: u32 = 1u;
 const LOWEST_VIEW: f32 = 1e-3;
 /// Nearer to a pole than this, circles of latitude have no direction.
 const POLE: f32 = 1e-4;
+/// An eye below this height does not see the floor.
+const LOWEST_EYE: f32 = 1e-3;
 
 struct Seen {
     at: Shaded,
@@ -74,7 +76,7 @@ fn see(place: vec3<f32>) -> Seen {
         normal = vec3(0.0, 1.0, 0.0);
         along = vec3(1.0, 0.0, 0.0);
         let fades = 1.0 - t / scene.background.w;
-        seen.coverage = select(0.0, clamp(2.0 * fades, 0.0, 1.0), ray.y < -1e-6);
+        seen.coverage = select(0.0, clamp(2.0 * fades, 0.0, 1.0), ray.y < -1e-6 && eye.y > LOWEST_EYE);
     } else {
         // Beside the sphere, its nearest point: the pixels at the rim are covered in part.
         let closest = -dot(eye, ray);

@@ -64,12 +64,9 @@ pub(super) struct Part {
 impl Frame {
     /// The frame of mode `lobe`, or of all the others. Domain: a scene without faults.
     pub(super) fn new(scene: &Scene, of_lobe: bool) -> Self {
-        // Lobes are seen across the view direction's plane, from above it.
-        let lobe_camera = Camera { azimuth: 0.0, elevation: 0.0, ..scene.camera };
-        let camera = if of_lobe { &lobe_camera } else { &scene.camera };
         let cells = if of_lobe || scene.materials.len() == 1 { 1 } else { 2 };
-        let (eye, [right, up, forward]) = if of_lobe { lobe_view(scene.lobe.phi) } else { view(camera) };
-        let half = if of_lobe { 1.0 } else { libm::tan(0.5 * camera.field_of_view) };
+        let (eye, [right, up, forward]) = if of_lobe { lobe_view(scene.lobe.phi) } else { view(&scene.camera) };
+        let half = if of_lobe { 1.0 } else { libm::tan(0.5 * scene.camera.field_of_view) };
         let side = (scene.size / cells).max(1);
         let Outline { vertices, normal, area, area_up_to } = scene.light.outline();
         Self {

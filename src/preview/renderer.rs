@@ -86,8 +86,20 @@ pub struct Preview {
     had_gpu: bool,
     /// Pictures in a row at which the GPU hung.
     hangs: u32,
-    /// The CPU has rendered part of the picture.
-    cpu_rendered: bool,
+    progress: Progress,
+}
+
+/// Of a picture, which may take several passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Progress {
+    /// The GPU has not rendered any of it.
+    Begun,
+    /// It has.
+    OnGpu,
+    /// The GPU failed before it had rendered any: the CPU renders all.
+    OnCpu,
+    /// The GPU failed after it had rendered part.
+    Mixed,
 }
 
 impl Preview {
@@ -100,7 +112,7 @@ impl Preview {
     /// One whose shaders are compiled in another way. The CPU does not know variants.
     #[must_use]
     pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
-        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, cpu_rendered: false }
+        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, progress: Progress::Begun }
     }
 
     /// Renders a scene.
@@ -117,7 +129,24 @@ impl Preview {
         if !faults.is_empty() {
             return Err(PreviewError::Scene(faults));
         }
-        self.cpu_rendered = false;
+        self.progress = Progress::Begun;
+        let rendered = self.attempt(table, scene, stop)?;
+        if self.progress == Progress::Mixed {
+            // Now the CPU renders what the GPU had rendered too.
+            return self.attempt(table, scene, stop);
+        }
+        self.end();
+        Ok(rendered)
+    }
+
+    /// A picture that the GPU rendered all of ends a row of those at which it hung.
+    fn end(&mut self) {
+        if self.progress == Progress::OnGpu {
+            self.hangs = 0;
+        }
+    }
+
+    fn attempt(&mut self, table: &Arc<ShaderTable>, scene: &Scene, stop: Stop<'_>) -> Result<Rendered, PreviewError> {
         let frame = Frame::new(scene, scene.mode == Mode::Lobe);
         let mut errors = Vec::new();
         let picture = match scene.mode {
@@ -136,8 +165,7 @@ impl Preview {
                 compose::lobes(&ltc, &reference)
             }
         };
-        let adapter = if self.cpu_rendered { CPU.to_owned() } else { self.adapter_name()? };
-        Ok(Rendered { picture, adapter, errors })
+        Ok(Rendered { picture, adapter: self.adapter_name()?, errors })
     }
 
     /// What renders: an adapter's name, or `cpu`.
@@ -161,6 +189,7 @@ impl Preview {
         corner: [u32; 2],
         extent: [u32; 2],
     ) -> Result<Radiances, PreviewError> {
+        self.progress = Progress::Begun;
         let frame = Frame::new(scene, matches!(estimator, Estimator::TableLobe | Estimator::ReferenceLobe));
         let job = Job { frame: &frame, estimator, corner, extent, as_bytes: false };
         let Some(words) = self.on_gpu(|gpu| gpu.render(table, &job, &|| false))? else {
@@ -188,10 +217,11 @@ impl Preview {
         let job = Job::whole(frame, estimator, true);
         match self.on_gpu(|gpu| gpu.render(table, &job, stop))? {
             Some(words) => {
+                self.progress = Progress::OnGpu;
                 let rgb = words.into_iter().map(|word| [word as u8, (word >> 8) as u8, (word >> 16) as u8]).collect();
                 Ok(Picture { width: frame.size, height: frame.size, rgb })
             }
-            None => Ok(tone::displayed(frame.exposure, &self.on_cpu(table, frame, estimator, stop)?)),
+            None => Ok(tone::displayed(frame.exposure, &on_cpu(table, frame, estimator, stop)?)),
         }
     }
 
@@ -205,41 +235,25 @@ impl Preview {
     ) -> Result<Radiances, PreviewError> {
         let job = Job::whole(frame, estimator, false);
         match self.on_gpu(|gpu| gpu.render(table, &job, stop))? {
-            Some(words) => Ok(radiances(frame, &words)),
-            None => self.on_cpu(table, frame, estimator, stop),
-        }
-    }
-
-    /// All of a frame, as radiance, on the CPU.
-    fn on_cpu(
-        &mut self,
-        table: &ShaderTable,
-        frame: &Frame,
-        estimator: Estimator,
-        stop: Stop<'_>,
-    ) -> Result<Radiances, PreviewError> {
-        self.cpu_rendered = true;
-        let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
-        let samples = if estimator == Estimator::Reference { frame.spp } else { 1 };
-        let rows = (SAMPLES / (frame.size * samples)).clamp(1, ROWS);
-        for top in (0..frame.size).step_by(rows as usize) {
-            if stop() {
-                return Err(PreviewError::Stopped);
+            Some(words) => {
+                self.progress = Progress::OnGpu;
+                Ok(radiances(frame, &words))
             }
-            let extent = [frame.size, rows.min(frame.size - top)];
-            pixels.extend(cpu::render(frame, table, estimator, [0, top], extent).pixels);
+            None => on_cpu(table, frame, estimator, stop),
         }
-        Ok(Radiances { width: frame.size, pixels })
     }
 
     /// What the GPU makes of `work`; `None` where the CPU has to do it.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
-        if self.adapter == Adapter::Cpu || (self.adapter == Adapter::Any && self.has_no_gpu) {
+        if self.adapter == Adapter::Cpu
+            || matches!(self.progress, Progress::OnCpu | Progress::Mixed)
+            || (self.adapter == Adapter::Any && self.has_no_gpu)
+        {
             return Ok(None);
         }
         let failure = match work(&mut self.gpu) {
             Ok(done) => {
-                (self.had_gpu, self.hangs) = (true, 0);
+                self.had_gpu = true;
                 return Ok(Some(done));
             }
             Err(GpuFailure::Stopped) => return Err(PreviewError::Stopped),
@@ -247,6 +261,7 @@ impl Preview {
         };
         if self.adapter == Adapter::Any {
             tracing::warn!("the CPU renders: {failure}");
+            self.progress = if self.progress == Progress::OnGpu { Progress::Mixed } else { Progress::OnCpu };
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
             // One that was lost may come back; each one that hangs is left to itself and costs its patience.
             self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
@@ -262,6 +277,27 @@ impl Preview {
     pub(super) fn lose_device(&mut self) {
         self.gpu.lose();
     }
+
+    /// Has the GPU fail once it has rendered so many times more.
+    #[cfg(test)]
+    pub(super) fn fail_after(&mut self, times: u32) {
+        self.gpu.fail_after(times);
+    }
+}
+
+/// All of a frame, as radiance, on the CPU.
+fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
+    let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
+    let samples = if estimator == Estimator::Reference { frame.spp } else { 1 };
+    let rows = (SAMPLES / (frame.size * samples)).clamp(1, ROWS);
+    for top in (0..frame.size).step_by(rows as usize) {
+        if stop() {
+            return Err(PreviewError::Stopped);
+        }
+        let extent = [frame.size, rows.min(frame.size - top)];
+        pixels.extend(cpu::render(frame, table, estimator, [0, top], extent).pixels);
+    }
+    Ok(Radiances { width: frame.size, pixels })
 }
 
 /// Three words a pixel.
@@ -298,10 +334,15 @@ mod tests {
     /// Whether a GPU that answers so is asked at all.
     fn is_asked(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
         let mut asked = false;
+        preview.progress = Progress::Begun;
         let done = preview.on_gpu(|_| {
             asked = true;
             answer
         });
+        if done == Ok(Some(())) {
+            preview.progress = Progress::OnGpu;
+        }
+        preview.end();
         assert!(done.is_ok(), "the CPU stands in: {done:?}");
         asked
     }

@@ -145,14 +145,17 @@ impl Scene {
     /// The same picture with one value for each parameter that its mode does not show.
     #[must_use]
     pub fn canonical(self) -> Self {
-        let usual = Self::default();
-        let (compares, is_lobe) = (matches!(self.mode, Mode::Difference | Mode::Strip), self.mode == Mode::Lobe);
-        let samples = compares || self.mode == Mode::Reference;
-        Self {
-            spp: if samples { self.spp } else { usual.spp },
-            lobe: if is_lobe { self.lobe } else { usual.lobe },
-            difference_scale: if compares { self.difference_scale } else { usual.difference_scale },
-            ..self
+        let usual = Self { mode: self.mode, size: self.size, ..Self::default() };
+        match self.mode {
+            Mode::Ltc => Self { spp: usual.spp, lobe: usual.lobe, difference_scale: usual.difference_scale, ..self },
+            Mode::Reference => Self { lobe: usual.lobe, difference_scale: usual.difference_scale, ..self },
+            // False colours are of radiance, whatever it is displayed like.
+            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, ..self },
+            Mode::Strip => Self { lobe: usual.lobe, ..self },
+            Mode::Lobe => {
+                let roughness = |material: &Material| Material { rotation: 0.0, ..*material };
+                Self { materials: self.materials.iter().take(1).map(roughness).collect(), lobe: self.lobe, ..usual }
+            }
         }
     }
 }

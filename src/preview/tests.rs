@@ -10,7 +10,7 @@ use std::{
     sync::Arc,
 };
 
-pub(super) use planted::{planted, reflected};
+pub(super) use planted::{isotropic, planted, reflected};
 
 use super::{Adapter, Precision, Preview, PreviewError, ShaderTable};
 
@@ -19,9 +19,14 @@ fn shader_table(precision: Precision) -> Arc<ShaderTable> {
     Arc::new(ShaderTable::new(&planted(), precision))
 }
 
-/// Tables of both layouts and both widths, as shaders have them.
-fn shader_tables() -> [Arc<ShaderTable>; 3] {
-    let tables = [(planted(), Precision::F32), (planted(), Precision::F16), (reflected(), Precision::F32)];
+/// Tables of both layouts and both widths, and one of isotropic surfaces, as shaders have them.
+fn shader_tables() -> [Arc<ShaderTable>; 4] {
+    let tables = [
+        (planted(), Precision::F32),
+        (planted(), Precision::F16),
+        (reflected(), Precision::F32),
+        (isotropic(), Precision::F32),
+    ];
     tables.map(|(table, precision)| Arc::new(ShaderTable::new(&table, precision)))
 }
 

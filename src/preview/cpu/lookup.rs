@@ -160,7 +160,7 @@ mod tests {
         math::direction,
         preview::{
             Precision,
-            tests::{planted, reflected},
+            tests::{isotropic, planted, reflected},
         },
     };
 
@@ -188,6 +188,7 @@ mod tests {
         ) {
             check(&planted(), alpha_x, alpha_y, theta, phi)?;
             check(&reflected(), alpha_x, alpha_y, theta, phi)?;
+            check(&isotropic(), alpha_x, alpha_y, theta, phi)?;
         }
     }
 }

@@ -15,6 +15,7 @@ use crate::preview::{
 };
 
 const POLE: f32 = 1e-4;
+const LOWEST_EYE: f32 = 1e-3;
 
 pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at: [u32; 2]) -> [f32; 3] {
     let (place, cell) = place_of(frame, at);
@@ -59,7 +60,8 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
             let t = -eye.y / ray.y.min(-1e-6);
             let position = eye + t * ray;
             let fades = 1.0 - t / frame.floor_end;
-            let coverage = if ray.y < -1e-6 { (2.0 * fades).clamp(0.0, 1.0) } else { 0.0 };
+            let is_seen = ray.y < -1e-6 && eye.y > LOWEST_EYE;
+            let coverage = if is_seen { (2.0 * fades).clamp(0.0, 1.0) } else { 0.0 };
             (Vec3::new(position.x, 0.0, position.z), Vec3::Y, Vec3::X, coverage)
         }
         Surface::Sphere => {

@@ -69,6 +69,9 @@ pub(super) enum GpuFailure {
 pub(super) struct Gpu {
     variant: Variant,
     open: Option<Open>,
+    /// How often it renders before it fails.
+    #[cfg(test)]
+    fails_after: Option<u32>,
 }
 
 #[derive(Debug)]
@@ -81,7 +84,7 @@ struct Open {
 
 impl Gpu {
     pub(super) fn new(variant: Variant) -> Self {
-        Self { variant, open: None }
+        Self { variant, ..Self::default() }
     }
 
     /// Opens the device if it is not, and returns its name.
@@ -96,6 +99,10 @@ impl Gpu {
         job: &Job<'_>,
         stop: Stop<'_>,
     ) -> Result<Vec<u32>, GpuFailure> {
+        #[cfg(test)]
+        if let Some(times) = &mut self.fails_after {
+            *times = times.checked_sub(1).ok_or_else(|| GpuFailure::Failed("told to fail".to_owned()))?;
+        }
         match self.attempt(table, job, stop) {
             Err(GpuFailure::Failed(first)) => {
                 tracing::warn!("the GPU failed and is opened again: {first}");
@@ -130,6 +137,12 @@ impl Gpu {
             self.open = Some(Open { device: Device::open(self.variant)?, table: None, target: None });
         }
         self.open.as_mut().ok_or_else(|| GpuFailure::Absent("not open".to_owned()))
+    }
+
+    /// Has it fail once it has rendered so many times.
+    #[cfg(test)]
+    pub(super) fn fail_after(&mut self, times: u32) {
+        self.fails_after = Some(times);
     }
 
     /// Loses the device, as a driver's reset would.

@@ -8,12 +8,25 @@ use crate::{
 /// A table whose entries are the limit of sharp lobes, `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]` with
 /// `r` the mirror direction: not far from fitted ones, and made in no time. Its axes are not uniform.
 pub(in crate::preview) fn planted() -> Table {
-    let axes = PerAxis {
+    sharp(PerAxis {
         alpha: vec![1e-4, 0.02, 0.1, 0.4, 1.0],
         ratio: vec![1e-4, 0.1, 0.5, 1.0],
         theta: vec![0.0, 0.4, 0.8, 1.1, 1.4, 1.57],
         phi: vec![0.0, 0.5, 1.0, std::f64::consts::FRAC_PI_2],
-    };
+    })
+}
+
+/// The same of isotropic surfaces: one ratio and one phi, whose lobes turn with the view.
+pub(in crate::preview) fn isotropic() -> Table {
+    sharp(PerAxis {
+        alpha: vec![1e-4, 0.02, 0.1, 0.4, 1.0],
+        ratio: vec![1.0],
+        theta: vec![0.0, 0.4, 0.8, 1.1, 1.4, 1.57],
+        phi: vec![0.3],
+    })
+}
+
+fn sharp(axes: PerAxis<Vec<f64>>) -> Table {
     let mut entries = Vec::new();
     for alpha in &axes.alpha {
         for ratio in &axes.ratio {

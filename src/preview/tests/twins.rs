@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
     picture::Picture,
-    preview::{Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
+    preview::{Camera, Choices, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
 };
 
 const GO_ON: &dyn Fn() -> bool = &|| false;
@@ -48,6 +48,30 @@ fn gpu_and_cpu_agree_in_every_mode_and_scene() {
                 assert!((a.mean_absolute - b.mean_absolute).abs() < 1e-3 * (1.0 + b.mean_radiance), "{a:?} {b:?}");
             }
         }
+    }
+}
+
+/// From within a hair of the sphere, from straight above and below, on the floor and under it.
+fn cameras() -> impl Iterator<Item = Scene> {
+    let places =
+        [(1.5, 0.3, 2.5), (4.5, -1.57, 0.5), (4.5, 1.57, 0.5), (4.0, 0.0, 0.8), (4.0, 1e-4, 0.8), (4.0, -0.4, 2.0)];
+    NamedScene::ALL.into_iter().flat_map(move |named| {
+        places.map(|(distance, elevation, field_of_view)| {
+            let scene = named.scene();
+            let camera = Camera { distance, elevation, field_of_view, azimuth: 0.7, ..scene.camera };
+            Scene { camera, size: 64, spp: 2, ..scene }
+        })
+    })
+}
+
+#[test]
+fn gpu_and_cpu_agree_from_everywhere() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(Precision::F32);
+    for scene in cameras().flat_map(|scene| [Mode::Ltc, Mode::Reference].map(|mode| Scene { mode, ..scene.clone() })) {
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
     }
 }
 
@@ -147,6 +171,20 @@ fn a_lost_device_is_opened_again() {
 }
 
 #[test]
+fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
+    let table = shader_table(Precision::F32);
+    let mut any = Preview::new(Adapter::Any);
+    for mode in [Mode::Difference, Mode::Strip, Mode::Lobe] {
+        let scene = Scene { mode, size: 64, spp: 4, ..Scene::default() };
+        any.fail_after(1);
+        let rendered = render(&mut any, &table, &scene);
+        assert_eq!(rendered.adapter, "cpu");
+        let by_cpu = render(&mut Preview::new(Adapter::Cpu), &table, &scene);
+        assert!(rendered == by_cpu, "{}: not all is by the CPU", mode.name());
+    }
+}
+
+#[test]
 fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
     let table = shader_table(Precision::F32);
     for mut preview in renderers() {
@@ -155,6 +193,57 @@ fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
         let bad = Scene { size: 4096, ..scene };
         let Err(PreviewError::Scene(faults)) = preview.render(&table, &bad, GO_ON) else { panic!("taken") };
         assert_eq!(faults.len(), 1);
+    }
+}
+
+/// Two scenes have one canonical form just when they make the same picture.
+#[test]
+fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
+    let table = shader_table(Precision::F32);
+    let mut cpu = Preview::new(Adapter::Cpu);
+    let others = [
+        ("scene", "horizon"),
+        ("alpha_x", "0.3"),
+        ("alpha_y", "0.4"),
+        ("rotation", "1"),
+        ("f0", "1,0.5,0"),
+        ("light", "disk"),
+        ("light_centre", "1,2,2"),
+        ("light_half_size", "0.5,0.5"),
+        ("light_rotation", "1.5,0,0"),
+        ("light_intensity", "1"),
+        ("camera_distance", "6"),
+        ("camera_azimuth", "1"),
+        ("camera_elevation", "1"),
+        ("field_of_view", "1"),
+        ("theta", "0.5"),
+        ("phi", "1.5"),
+        ("exposure", "2"),
+        ("difference_scale", "0.1"),
+        ("spp", "3"),
+    ];
+    for mode in Mode::ALL {
+        let usual = [("mode", mode.name()), ("size", "64")];
+        let scene = Choices::read(usual).expect("a scene");
+        let picture = render(&mut cpu, &table, &scene).picture;
+        for other in others {
+            let changed = Choices::read(usual.into_iter().chain([other])).expect("a scene");
+            let is_same = render(&mut cpu, &table, &changed).picture == picture;
+            assert_eq!(scene.clone().canonical() == changed.canonical(), is_same, "{} {other:?}", mode.name());
+        }
+    }
+}
+
+#[test]
+fn a_floor_is_seen_from_above_alone() {
+    let table = shader_table(Precision::F32);
+    for mut preview in renderers() {
+        for elevation in ["0", "-0.3", "-1.5", "1e-9"] {
+            let scene = [("scene", "brushed_floor"), ("camera_elevation", elevation), ("size", "64")];
+            let scene = Choices::read(scene).expect("a scene");
+            let picture = render(&mut preview, &table, &scene).picture;
+            assert!(picture.rgb.iter().all(|pixel| *pixel == picture.rgb[0]), "{elevation}");
+        }
     }
 }
 
@@ -175,15 +264,14 @@ fn every_pixel_is_a_number() {
     }
     for table in [shader_table(Precision::F16), Arc::new(ShaderTable::new(&hostile, Precision::F32))] {
         for mut preview in renderers() {
-            for named in NamedScene::ALL {
-                let mut scene = Scene { size: 64, spp: 2, ..named.scene() };
+            for mut scene in cameras() {
                 scene.materials[0] = Material { alpha_x: 0.0, alpha_y: 1.0, rotation: 0.0 };
                 for estimator in Estimator::ALL {
                     let part = preview.part(&table, &scene, estimator, [0; 2], [64; 2]).expect("radiances");
                     assert_eq!(part.pixels.len(), 64 * 64);
                     let lowest = if matches!(estimator, Estimator::Table | Estimator::Reference) { 0.0 } else { -1.0 };
                     let bad = part.pixels.iter().flatten().find(|x| !(x.is_finite() && **x >= lowest));
-                    assert_eq!(bad, None, "{} {estimator:?}", named.name());
+                    assert_eq!(bad, None, "{estimator:?} {scene:?}");
                 }
             }
         }
