@@ -9,7 +9,7 @@ use super::{
     Config, Metrics, ServiceError,
     engine::Engine,
     forecast::Forecast,
-    pictures::{Desk, MeanErrors},
+    pictures::{Desk, Standings},
     watch::Hub,
 };
 use crate::{
@@ -40,7 +40,7 @@ pub(super) struct Core {
     pub(super) measuring: rayon::ThreadPool,
     pub(super) clock: Clock,
     pub(super) desk: Arc<Desk>,
-    pub(super) mean_errors: MeanErrors,
+    pub(super) standings: Standings,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
     pub(super) blobs_corrupt: AtomicU64,

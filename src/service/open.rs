@@ -15,7 +15,7 @@ use super::{
     core::{Core, Workers},
     engine::{Engine, Fitter},
     forecast::Forecast,
-    pictures::{Desk, MeanErrors},
+    pictures::{Desk, Standings},
     watch::Hub,
 };
 use crate::{
@@ -62,7 +62,7 @@ impl Service {
             measuring,
             clock,
             desk: Arc::new(Desk::new(config.adapter)),
-            mean_errors: MeanErrors::default(),
+            standings: Standings::default(),
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
             blobs_corrupt: AtomicU64::new(0),

@@ -20,6 +20,8 @@ use crate::{
 const LIMIT: usize = 9;
 /// Bytes of finished pictures that are kept.
 const KEPT_BYTES: usize = 64 << 20;
+/// How long past its time a picture may be rendered: a driver hangs for half as long before the CPU takes its place.
+const LOST: Duration = Duration::from_secs(20);
 /// How long the end of the service waits for a renderer that does not come back.
 const PATIENCE: Duration = Duration::from_secs(5);
 
@@ -49,9 +51,12 @@ pub(in crate::service) struct Desk {
 #[derive(Debug)]
 struct State {
     waiting: VecDeque<Order>,
-    is_rendering: bool,
+    /// When the picture that is being rendered is of no more use.
+    rendering: Option<Instant>,
     /// The thread runs.
     is_open: bool,
+    /// Threads that were left to themselves: the one that runs now has this number.
+    lost: u32,
     is_closed: bool,
     kept: Cache,
     /// What rendered the last scene.
@@ -63,8 +68,9 @@ impl Desk {
     pub(in crate::service) fn new(adapter: Adapter) -> Self {
         let state = State {
             waiting: VecDeque::new(),
-            is_rendering: false,
+            rendering: None,
             is_open: false,
+            lost: 0,
             is_closed: false,
             kept: Cache::new(KEPT_BYTES),
             adapter: None,
@@ -87,25 +93,36 @@ impl Desk {
         self.state().adapter.clone()
     }
 
-    /// Puts an order into the queue. The first one starts the thread.
+    /// Puts an order into the queue. The first one starts the thread, as does one that finds it lost.
     pub(super) fn order(self: &Arc<Self>, core: &Arc<Core>, order: Order) -> Result<(), PictureError> {
         let mut state = self.state();
         if state.is_closed {
             return Err(PictureError::Stopping);
         }
+        if state.rendering.is_some_and(|until| Instant::now() > until + LOST) {
+            tracing::warn!(
+                "what renders pictures does not come back; it is left to itself, and another takes its place"
+            );
+            state.lost += 1;
+            state.counts.given_up += 1;
+            (state.rendering, state.is_open) = (None, false);
+        }
         let before = state.waiting.len();
         state.waiting.retain(|order| !order.reply.is_closed());
         state.counts.given_up += (before - state.waiting.len()) as u64;
-        if state.waiting.len() + usize::from(state.is_rendering) >= LIMIT {
+        if state.waiting.len() + usize::from(state.rendering.is_some()) >= LIMIT {
             state.counts.refused += 1;
             return Err(PictureError::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
         }
         if !state.is_open {
             // It holds the service's parts only while it reads a table: the store closes with the service.
-            let (desk, core) = (Arc::clone(self), Arc::downgrade(core));
+            let (desk, core, number) = (Arc::clone(self), Arc::downgrade(core), state.lost);
+            // A driver in which a thread was lost is not asked again, unless nothing else may render.
+            let adapter = if self.adapter == Adapter::Any && number > 0 { Adapter::Cpu } else { self.adapter };
             let run = move || {
-                Studio::new(desk.adapter, core).work(&desk);
-                desk.state().is_open = false;
+                Studio::new(adapter, core).work(&desk, number);
+                let mut state = desk.state();
+                state.is_open &= state.lost != number;
                 desk.changed.notify_all();
             };
             let spawned = thread::Builder::new().name("preview".to_owned()).spawn(run);
@@ -117,18 +134,18 @@ impl Desk {
         Ok(())
     }
 
-    /// The next order that somebody waits for; `None` at the end of the service. It counts as being rendered until
-    /// [`Desk::finish`].
-    pub(super) fn next(&self) -> Option<Order> {
+    /// The next order that somebody waits for, for the thread of this number; `None` at the end of the service and to a
+    /// thread that is lost. It counts as being rendered until [`Desk::finish`].
+    pub(super) fn next(&self, number: u32) -> Option<Order> {
         let mut state = self.state();
         loop {
-            if state.is_closed {
+            if state.is_closed || state.lost != number {
                 return None;
             }
             match state.waiting.pop_front() {
                 Some(order) if order.reply.is_closed() => state.counts.given_up += 1,
                 Some(order) => {
-                    state.is_rendering = true;
+                    state.rendering = Some(order.until);
                     return Some(order);
                 }
                 None => state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
@@ -146,15 +163,32 @@ impl Desk {
         self.state().adapter = Some(Arc::clone(adapter));
     }
 
-    /// Nothing is rendered any more: that is how it ended.
-    pub(super) fn finish(&self, done: &Result<PictureFile, PictureError>) {
+    /// The thread of this number does not render any more: that is how it ended.
+    pub(super) fn finish(&self, number: u32, done: &Result<PictureFile, PictureError>) {
         let mut state = self.state();
-        state.is_rendering = false;
+        if state.lost != number {
+            return;
+        }
+        state.rendering = None;
         match done {
             Ok(_) => state.counts.done += 1,
             Err(PictureError::TooSlow { .. } | PictureError::Stopping) => state.counts.given_up += 1,
             Err(_) => state.counts.failed += 1,
         }
+    }
+
+    /// As if a thread had begun to render and had not come back for long.
+    #[cfg(test)]
+    pub(super) fn lose(&self) {
+        let mut state = self.state();
+        state.is_open = true;
+        state.rendering = Instant::now().checked_sub(LOST + Duration::from_secs(1));
+    }
+
+    /// Whether no thread renders or waits for orders.
+    #[cfg(test)]
+    pub(super) fn is_at_rest(&self) -> bool {
+        !self.state().is_open
     }
 
     /// How many pictures ended how.

@@ -19,7 +19,7 @@ use serde::Serialize;
 use serde_json::json;
 use tokio::sync::oneshot;
 
-pub(super) use best::MeanErrors;
+pub(super) use best::Standings;
 pub(super) use desk::Desk;
 
 use super::{Service, ServiceError};

@@ -33,16 +33,16 @@ impl Studio {
         Self { adapter, core, preview: Preview::new(adapter), shader_table: None }
     }
 
-    /// Renders what is ordered until the desk is closed.
-    pub(super) fn work(mut self, desk: &Desk) {
-        while let Some(order) = desk.next() {
+    /// Renders what is ordered until the desk is closed, or has given up this thread, which has a number.
+    pub(super) fn work(mut self, desk: &Desk, number: u32) {
+        while let Some(order) = desk.next(number) {
             let done = catch_unwind(AssertUnwindSafe(|| self.render(&order, desk)));
             let done = done.unwrap_or_else(|_| {
                 // What a panic leaves of a driver is not trusted.
                 self.preview = Preview::new(self.adapter);
                 Err(PictureError::Failed("the renderer panicked".to_owned()))
             });
-            desk.finish(&done);
+            desk.finish(number, &done);
             // Nobody may wait any more.
             let _ = order.reply.send(done);
         }

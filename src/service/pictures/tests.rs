@@ -1,9 +1,12 @@
-use std::{num::NonZeroUsize, path::Path};
+use std::{num::NonZeroUsize, ops::ControlFlow, path::Path};
 
 use super::*;
 use crate::{
+    export,
+    fit::{Plan, assemble, fit_shard},
     plots::Plot,
-    preview::Adapter,
+    preview::{Adapter, Scene},
+    recipe,
     service::{Config, ServiceError},
 };
 
@@ -22,6 +25,58 @@ fn start(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
     let service = service.expect("a service");
     let digest = service.core.store.blobs.put(b"no table").expect("a blob");
     (service, digest)
+}
+
+/// A service that has a table.
+fn start_with_table(folder: &Path) -> (Arc<Service>, Digest) {
+    let (service, _) = start(folder, Duration::from_secs(60));
+    let recipe = r#"{"preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2},
+        "fit": {"samples": 64, "directions": 4, "steps": 1}}"#;
+    let recipe = recipe::parse(recipe.as_bytes(), 100).expect("a recipe");
+    let plan = Plan::new(&recipe);
+    let go_on = &mut |_: u64| ControlFlow::Continue(());
+    let entries = fit_shard(&plan, 0, go_on).expect("not interrupted");
+    let file = export::encode(&recipe, &assemble(&plan, &entries)).expect("a file");
+    let digest = service.core.store.blobs.put(&file).expect("a blob");
+    (service, digest)
+}
+
+#[test]
+fn nothing_is_opened_before_the_first_picture_and_none_is_made_twice() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (service, table) = start_with_table(folder.path());
+    assert!(service.core.desk.is_at_rest(), "no picture was ordered");
+    let scene = || Subject::Scene(Box::new(Scene { size: 64, ..Scene::default() }));
+    let order = |is_known: bool| service.picture(Some(table), scene(), |_| is_known).expect("an order");
+
+    let Ordered::Waiting(wait) = order(false) else { panic!("it was never rendered") };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
+    let first = runtime.block_on(wait.file()).expect("a picture");
+    assert!(!service.core.desk.is_at_rest());
+    let Ordered::Ready(again) = order(false) else { panic!("it was kept") };
+    assert!(Arc::ptr_eq(&again.png, &first.png) && again.tag == first.tag);
+    let Ordered::Known { tag, .. } = order(true) else { panic!("the caller has it") };
+    assert_eq!(tag, first.tag);
+    // A picture that was not kept but that the caller has, too: what renders is known by now.
+    let other = Subject::Scene(Box::new(Scene { size: 65, ..Scene::default() }));
+    let other = service.picture(Some(table), other, |_| true).expect("an order");
+    assert!(matches!(other, Ordered::Known { .. }), "{other:?}");
+    assert_eq!(service.core.desk.counts().done, 1);
+}
+
+#[test]
+fn a_thread_that_does_not_come_back_is_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (service, table) = start_with_table(folder.path());
+    service.core.desk.lose();
+    let scene = Subject::Scene(Box::new(Scene { size: 64, ..Scene::default() }));
+    let Ordered::Waiting(wait) = service.picture(Some(table), scene, |_| false).expect("an order") else {
+        panic!("it was never rendered")
+    };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
+    runtime.block_on(wait.file()).expect("a picture");
+    let counts = service.core.desk.counts();
+    assert_eq!((counts.done, counts.given_up), (1, 1));
 }
 
 fn draw(service: &Service, table: Digest) -> PictureError {
