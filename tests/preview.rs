@@ -11,6 +11,7 @@ use std::{
 use common::{
     SMALL, eventually,
     server::{Answer, Server, text},
+    tell_skipped,
 };
 
 /// A service whose previews the CPU renders, the same on every machine.
@@ -186,4 +187,32 @@ fn fitting_goes_on_while_a_picture_is_rendered() {
     assert_ne!(server.fit(&SMALL.replace("\"steps\":5", "\"steps\":2")), table);
     stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a limit");
     assert!(stream.read(&mut [0; 16]).is_err(), "the picture was there before the table");
+}
+
+/// With what renders by default: a GPU, lavapipe, or without either the CPU.
+#[test]
+fn the_service_renders_with_the_adapter_that_there_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let table = server.fit(SMALL);
+    let path = format!("/v1/preview?mode=strip&size=64&spp=4&table={table}");
+    let first = server.get(&path).with_status(200);
+    let adapter = first.header("preview-adapter").expect("a name").to_owned();
+    if adapter == "cpu" {
+        tell_skipped("there is no Vulkan driver (Debian: mesa-vulkan-drivers), so the CPU rendered");
+    }
+    let known = tag(&first);
+    let known = [("if-none-match", known.as_str())];
+    server.request("GET", &path, &known, None).with_status(304);
+    assert_eq!(server.stop("TERM").code, Some(0));
+
+    // The same adapter, the same bytes under the same name, which is not that of the CPU's picture.
+    let server = Server::start(folder.path(), &[]);
+    let again = server.get(&path).with_status(200);
+    assert_eq!((tag(&again), &again.body), (tag(&first), &first.body));
+    assert_eq!(again.header("preview-adapter"), Some(adapter.as_str()));
+    assert_eq!(server.stop("TERM").code, Some(0));
+    let server = Server::start(folder.path(), &["--adapter", "cpu"]);
+    let by_cpu = server.get(&path).with_status(200);
+    assert_eq!(tag(&by_cpu) == tag(&first), adapter == "cpu");
 }

@@ -10,9 +10,9 @@ use crate::ltc::MAX_VERTICES;
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;
 /// Pixels a side.
-const SIZE: RangeInclusive<u32> = 64..=2048;
+pub(super) const SIZE: RangeInclusive<u32> = 64..=2048;
 /// Samples a pixel.
-const SPP: RangeInclusive<u32> = 1..=4096;
+pub(super) const SPP: RangeInclusive<u32> = 1..=4096;
 /// Where things may stand, in radii of the sphere.
 const PLACE: f64 = 100.0;
 /// The nearest that the camera comes to what it looks at: outside of the sphere.
@@ -92,7 +92,7 @@ impl Check {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preview::{Material, NamedScene};
+    use crate::preview::{Choices, Material, NamedScene};
 
     #[test]
     fn defaults_and_named_scenes_are_within_bounds() {
@@ -100,6 +100,39 @@ mod tests {
         for named in NamedScene::ALL {
             assert_eq!(named.scene().faults(), [], "{}", named.name());
         }
+    }
+
+    /// A number as `docs/preview.md` writes it.
+    fn number(text: &str) -> f64 {
+        let angle = [("-2 pi", -TAU), ("2 pi", TAU), ("-pi/2", -TAU / 4.0), ("pi/2", TAU / 4.0), ("0", 0.0)];
+        let found = angle.iter().find(|(name, _)| *name == text).map(|(_, angle)| *angle);
+        found.unwrap_or_else(|| text.parse().unwrap_or_else(|_| panic!("{text} is no number")))
+    }
+
+    #[test]
+    fn defaults_and_bounds_are_those_of_the_docs() {
+        let is_taken = |name: &str, text: &str| Choices::read([(name, text)]).is_ok();
+        let mut rows = 0;
+        for row in include_str!("../../docs/preview.md").lines() {
+            let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+            let ["", names, defaults, low, high, _, ""] = cells[..] else { continue };
+            let Some(names) = names.strip_prefix('`').and_then(|names| names.strip_suffix('`')) else { continue };
+            rows += 1;
+            for (name, default) in names.split("`, `").zip(defaults.split(", ")) {
+                assert_eq!(Choices::read([(name, default)]), Ok(Scene::default()), "{name}");
+                if low.is_empty() {
+                    continue;
+                }
+                let step = if ["size", "spp"].contains(&name) { 1.0 } else { 1e-7 };
+                let rest = default.split_once(',').map_or(String::new(), |(_, rest)| format!(",{rest}"));
+                for (bound, outwards) in [(number(low), -step), (number(high), step)] {
+                    assert!(is_taken(name, &format!("{bound}{rest}")), "{name} {bound}");
+                    let beyond = bound + outwards;
+                    assert!(!is_taken(name, &format!("{beyond}{rest}")), "{name} {beyond}");
+                }
+            }
+        }
+        assert_eq!(rows, 19);
     }
 
     #[test]

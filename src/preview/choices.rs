@@ -3,7 +3,10 @@
 
 use serde::Serialize;
 
-use super::{LightKind, Material, Mode, NamedScene, Scene};
+use super::{
+    LightKind, Material, Mode, NamedScene, Scene,
+    bounds::{SIZE, SPP},
+};
 
 /// What a caller chooses. What is left out is as in the named scene.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,6 +35,32 @@ pub struct Choices {
     pub exposure: Option<f64>,
     pub difference_scale: Option<f64>,
 }
+
+/// The parameters' names.
+const NAMES: [&str; 22] = [
+    "scene",
+    "mode",
+    "size",
+    "spp",
+    "alpha_x",
+    "alpha_y",
+    "rotation",
+    "f0",
+    "light",
+    "light_centre",
+    "light_half_size",
+    "light_rotation",
+    "light_intensity",
+    "light_two_sided",
+    "camera_distance",
+    "camera_azimuth",
+    "camera_elevation",
+    "field_of_view",
+    "theta",
+    "phi",
+    "exposure",
+    "difference_scale",
+];
 
 /// A parameter that is not taken.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -79,8 +108,8 @@ impl Choices {
         match name {
             "scene" => self.scene = Some(named(text, NamedScene::ALL.map(|scene| (scene.name(), scene)))?),
             "mode" => self.mode = Some(named(text, Mode::ALL.map(|mode| (mode.name(), mode)))?),
-            "size" => self.size = Some(one(text, "a whole number")?),
-            "spp" => self.spp = Some(one(text, "a whole number")?),
+            "size" => self.size = Some(pixels(text)?),
+            "spp" => self.spp = Some(samples(text)?),
             "alpha_x" => self.alpha_x = Some(number(text)?),
             "alpha_y" => self.alpha_y = Some(number(text)?),
             "rotation" => self.rotation = Some(number(text)?),
@@ -99,7 +128,7 @@ impl Choices {
             "phi" => self.phi = Some(number(text)?),
             "exposure" => self.exposure = Some(number(text)?),
             "difference_scale" => self.difference_scale = Some(number(text)?),
-            _ => return Err("is no parameter of a preview".to_owned()),
+            _ => return Err(format!("is no parameter of a preview, which are table, {}", NAMES.join(", "))),
         }
         Ok(())
     }
@@ -150,7 +179,24 @@ impl Choices {
 /// Another count of them, or what is no number.
 pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("not {N} numbers between commas"))
+    let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    numbers.ok_or_else(|| format!("«{text}» is not {N} numbers with commas between them"))
+}
+
+/// Pixels a side.
+///
+/// # Errors
+/// When `text` is no number of them. Bounds are checked with the scene.
+pub fn pixels(text: &str) -> Result<u32, String> {
+    one(text, &format!("a whole number from {} to {}", SIZE.start(), SIZE.end()))
+}
+
+/// Samples a pixel.
+///
+/// # Errors
+/// As [`pixels`].
+pub fn samples(text: &str) -> Result<u32, String> {
+    one(text, &format!("a whole number from {} to {}", SPP.start(), SPP.end()))
 }
 
 fn number(text: &str) -> Result<f64, String> {
@@ -187,6 +233,14 @@ mod tests {
     }
 
     #[test]
+    fn every_name_is_taken() {
+        for name in NAMES {
+            let told = Choices::read([(name, "?")]).expect_err("no value of any").remove(0).detail;
+            assert!(told.starts_with("«?» is"), "{name}: {told}");
+        }
+    }
+
+    #[test]
     fn one_material_takes_the_place_of_the_scene_s() {
         let scene = Choices::read([("scene", "figure14"), ("alpha_y", "0.75")]).expect("known parameters");
         assert_eq!(scene.materials, [Material { alpha_x: 0.05, alpha_y: 0.75, rotation: 0.0 }]);
@@ -197,7 +251,7 @@ mod tests {
         let pairs = [
             ("colour", "red"),
             ("size", "63"),
-            ("spp", "-1"),
+            ("spp", "99999999999"),
             ("f0", "1,2"),
             ("phi", "NaN"),
             ("exposure", "1"),
@@ -209,9 +263,9 @@ mod tests {
         let faults = Choices::read(pairs).expect_err("faults");
         let told: Vec<String> = faults.iter().map(|fault| format!("{}: {}", fault.parameter, fault.detail)).collect();
         let expected = [
-            "colour: is no parameter of a preview",
-            "spp: «-1» is not a whole number",
-            "f0: not 3 numbers between commas",
+            &format!("colour: is no parameter of a preview, which are table, {}", NAMES.join(", ")),
+            "spp: «99999999999» is not a whole number from 1 to 4096",
+            "f0: «1,2» is not 3 numbers with commas between them",
             "exposure: stands twice",
             "light: «cube» is none of rectangle, disk, triangle, pentagon, hexagon, heptagon, octagon",
             "rotation: 7 is not within -6.283185307179586 to 6.283185307179586",

@@ -36,8 +36,17 @@ BINDINGS OF A TABLE
   matrix_b  likewise: m11 m12 m20 m21
   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
   The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
-  of the file's tensors, so their bytes are in the order of the file's. Alpha is the larger roughness, ratio the smaller
-  over it, theta and phi the view direction's angles in radians.
+  of the file's tensors. Texels stand in the order of the file's entries, but their numbers have to be put together from
+  its tensors matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the
+  view direction's angles in radians.
+";
+
+/// How `ltc_example` is fed.
+const EXAMPLE: &str = "\
+EXAMPLE
+  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, or 0 for a disk), 1 if it is
+  lit from both sides, else 0, and 0; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
+  Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
 ";
 
 fn bindings(language: Language) -> &'static str {
@@ -81,7 +90,7 @@ fn bindings(language: Language) -> &'static str {
 pub(super) fn header(language: Language, layout: Layout) -> String {
     let (name, _) = layout_names(layout);
     let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", name);
-    let text = format!("{about}\n{TABLE}  {}\n\n{}", bindings(language), check(layout));
+    let text = format!("{about}\n{TABLE}  {}\n\n{EXAMPLE}\n{}", bindings(language), check(layout));
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }
 

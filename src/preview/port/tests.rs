@@ -55,7 +55,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
                 "{name}"
             );
             assert!(text.starts_with(&header), "{name}");
-            for line in ["MIT OR Apache-2.0", "BINDINGS", "FUNCTIONS", "CHECK", layout_names(layout).0] {
+            for line in ["MIT OR Apache-2.0", "BINDINGS", "EXAMPLE", "FUNCTIONS", "CHECK", layout_names(layout).0] {
                 assert!(header.contains(line), "{name}: {line}");
             }
             let code = code(&text);
