@@ -101,7 +101,7 @@ pub enum SubmitError {
 }
 
 /// Why a read or write of the store failed.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error)]
 pub enum ServiceError {
     /// A blob's bytes are not those of its digest; it was moved aside.
     #[error("the blob {expected} is damaged (its bytes hash to {actual}); it was moved to {}", .moved_to.display())]

@@ -36,8 +36,23 @@ pub(super) struct Order {
     pub(super) until: Instant,
     /// How long it may take in all.
     pub(super) limit: Duration,
-    /// Closed when nobody waits.
-    pub(super) reply: oneshot::Sender<Result<PictureFile, PictureError>>,
+    /// One for each who waits, closed when that one does not wait any more.
+    pub(super) replies: Vec<oneshot::Sender<Result<PictureFile, PictureError>>>,
+}
+
+impl Order {
+    /// Whether nobody waits any more.
+    pub(super) fn is_given_up(&self) -> bool {
+        self.replies.iter().all(oneshot::Sender::is_closed)
+    }
+
+    /// Tells everybody who waits how it ended.
+    pub(super) fn answer(self, done: &Result<PictureFile, PictureError>) {
+        for reply in self.replies {
+            // Whoever has gone need not be told.
+            let _ = reply.send(done.clone());
+        }
+    }
 }
 
 /// The queue and what was rendered.
@@ -93,7 +108,8 @@ impl Desk {
         self.state().adapter.clone()
     }
 
-    /// Puts an order into the queue. The first one starts the thread, as does one that finds it lost.
+    /// Puts an order into the queue; one for a picture that others wait for takes no place of its own. The first one
+    /// starts the thread, as does one that finds it lost.
     pub(super) fn order(self: &Arc<Self>, core: &Arc<Core>, order: Order) -> Result<(), PictureError> {
         let mut state = self.state();
         if state.is_closed {
@@ -108,8 +124,13 @@ impl Desk {
             (state.rendering, state.is_open) = (None, false);
         }
         let before = state.waiting.len();
-        state.waiting.retain(|order| !order.reply.is_closed());
+        state.waiting.retain(|order| !order.is_given_up());
         state.counts.given_up += (before - state.waiting.len()) as u64;
+        if let Some(same) = state.waiting.iter_mut().find(|other| other.key == order.key) {
+            same.until = same.until.max(order.until);
+            same.replies.extend(order.replies);
+            return Ok(());
+        }
         if state.waiting.len() + usize::from(state.rendering.is_some()) >= LIMIT {
             state.counts.refused += 1;
             return Err(PictureError::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
@@ -143,7 +164,7 @@ impl Desk {
                 return None;
             }
             match state.waiting.pop_front() {
-                Some(order) if order.reply.is_closed() => state.counts.given_up += 1,
+                Some(order) if order.is_given_up() => state.counts.given_up += 1,
                 Some(order) => {
                     state.rendering = Some(order.until);
                     return Some(order);
@@ -177,12 +198,11 @@ impl Desk {
         }
     }
 
-    /// As if a thread had begun to render and had not come back for long.
+    /// As if a thread had begun to render a picture that is of no more use after `until`.
     #[cfg(test)]
-    pub(super) fn lose(&self) {
+    pub(super) fn pretend_to_render(&self, until: Instant) {
         let mut state = self.state();
-        state.is_open = true;
-        state.rendering = Instant::now().checked_sub(LOST + Duration::from_secs(1));
+        (state.is_open, state.rendering) = (true, Some(until));
     }
 
     /// Whether no thread renders or waits for orders.

@@ -83,7 +83,7 @@ pub struct PictureWait {
 }
 
 /// Why there is no picture.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error)]
 pub enum PictureError {
     /// Parameters are not taken.
     #[error("{} in the parameters", if .0.len() == 1 { "1 fault".to_owned() } else { format!("{} faults", .0.len()) })]
@@ -164,7 +164,7 @@ impl Service {
         let (reply, file) = oneshot::channel();
         let limit = core.config.picture_limit;
         let until = Instant::now() + limit;
-        core.desk.order(core, desk::Order { key, table, subject, until, limit, reply })?;
+        core.desk.order(core, desk::Order { key, table, subject, until, limit, replies: vec![reply] })?;
         Ok(Ordered::Waiting(PictureWait { file, until, limit }))
     }
 }

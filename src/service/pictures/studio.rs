@@ -43,17 +43,16 @@ impl Studio {
                 Err(PictureError::Failed("the renderer panicked".to_owned()))
             });
             desk.finish(number, &done);
-            // Nobody may wait any more.
-            let _ = order.reply.send(done);
+            order.answer(&done);
         }
     }
 
     fn render(&mut self, order: &Order, desk: &Desk) -> Result<PictureFile, PictureError> {
-        // The same may have been ordered twice.
+        // The same may have been ordered while it was rendered.
         if let Some(file) = desk.kept(order.key) {
             return Ok(file);
         }
-        let stop = || Instant::now() >= order.until || order.reply.is_closed() || desk.is_closed();
+        let stop = || Instant::now() >= order.until || order.is_given_up() || desk.is_closed();
         if stop() {
             return Err(stopped(desk, order));
         }

@@ -68,7 +68,8 @@ fn nothing_is_opened_before_the_first_picture_and_none_is_made_twice() {
 fn a_thread_that_does_not_come_back_is_replaced() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, table) = start_with_table(folder.path());
-    service.core.desk.lose();
+    let long_ago = Instant::now().checked_sub(Duration::from_secs(60)).expect("a machine that is up for a minute");
+    service.core.desk.pretend_to_render(long_ago);
     let scene = Subject::Scene(Box::new(Scene { size: 64, ..Scene::default() }));
     let Ordered::Waiting(wait) = service.picture(Some(table), scene, |_| false).expect("an order") else {
         panic!("it was never rendered")
@@ -77,6 +78,30 @@ fn a_thread_that_does_not_come_back_is_replaced() {
     runtime.block_on(wait.file()).expect("a picture");
     let counts = service.core.desk.counts();
     assert_eq!((counts.done, counts.given_up), (1, 1));
+}
+
+#[test]
+fn those_who_wait_for_the_same_picture_take_one_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (service, table) = start_with_table(folder.path());
+    service.core.desk.pretend_to_render(Instant::now() + Duration::from_secs(60));
+    let order = |size: u32| {
+        let scene = Subject::Scene(Box::new(Scene { size, ..Scene::default() }));
+        service.picture(Some(table), scene, |_| false)
+    };
+    // One is rendered and eight may wait.
+    let same: Vec<_> = (0..20).map(|_| order(64)).collect();
+    assert!(same.iter().all(Result::is_ok), "{same:?}");
+    let others: Vec<_> = (65..72).map(order).collect();
+    assert!(others.iter().all(Result::is_ok), "{others:?}");
+    assert!(matches!(order(72), Err(PictureError::QueueFull { .. })));
+    assert!(order(64).is_ok());
+
+    // All but the last of them go: the picture is still waited for.
+    let last = same.into_iter().last();
+    assert!(matches!(order(73), Err(PictureError::QueueFull { .. })));
+    drop(last);
+    assert!(order(74).is_ok());
 }
 
 fn draw(service: &Service, table: Digest) -> PictureError {
