@@ -75,7 +75,7 @@ fn expected(scene: &Scene, point: &Point, reflects: impl Fn(DVec3, DVec3) -> (f6
 }
 
 /// Twenty materials, lights, cameras and pixels, from sharp to rough; lights near the mirror direction, some of them
-/// cut by the horizon.
+/// cut by the horizon. Then the roughest surface seen from above.
 fn configurations() -> Vec<(Scene, [u32; 2])> {
     const KINDS: [LightKind; 4] = [LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(6)];
     let mut random = Xoshiro256PlusPlus::seed_from_u64(20);
@@ -112,6 +112,9 @@ fn configurations() -> Vec<(Scene, [u32; 2])> {
         };
         found.push((scene, pixel));
     }
+    let rough = Material { alpha_x: 1.0, alpha_y: 1.0, rotation: 0.0 };
+    let from_above = Scene { materials: vec![rough], size: SIZE, spp: SAMPLES, ..Scene::default() };
+    found.push((from_above, [SIZE / 2; 2]));
     found
 }
 
@@ -119,7 +122,10 @@ fn configurations() -> Vec<(Scene, [u32; 2])> {
 fn assert_true(table: &Arc<ShaderTable>, estimator: Estimator, truth: impl Fn(&Scene, &Point) -> [f64; 3]) {
     let mut renderers = renderers();
     let mut lit = 0;
-    for (scene, pixel) in configurations() {
+    let configurations = configurations();
+    let (scene, pixel) = &configurations[20];
+    assert!(seen(scene, *pixel).expect("on the sphere").wo.z > 0.999);
+    for (scene, pixel) in configurations {
         let point = seen(&scene, pixel).expect("on the sphere");
         let wanted = truth(&scene, &point);
         lit += usize::from(wanted[1] > 4.0 * TOLERANCE * scene.light.intensity);
