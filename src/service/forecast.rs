@@ -30,3 +30,24 @@ impl Forecast {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{super::engine::Fitter, *};
+
+    #[test]
+    fn what_a_shard_took_changes_what_is_expected() {
+        let engine = Arc::new(Fitter::default());
+        let recipe = engine.plan(br#"{"preset": "best"}"#, 10_000).expect("a recipe").recipe;
+        let model = engine.expect(&recipe).expect("this fitter's");
+        let forecast = Forecast::new(engine, NonZeroUsize::new(2).expect("two"));
+        let before = forecast.of(&recipe).expect("this fitter's");
+        assert_eq!((before.seconds, before.error), (model.seconds / 2.0, model.error));
+        // Half of the entries, at a third of the speed.
+        forecast.learn(&recipe, 0.5, 3.0 * 0.5 * model.seconds);
+        let after = forecast.of(&recipe).expect("this fitter's");
+        assert!((after.seconds / before.seconds - 3.0).abs() < 0.2, "{before:?} {after:?}");
+        assert_eq!(after.error, before.error);
+        assert!(forecast.of("another fitter's").is_none());
+    }
+}
