@@ -198,11 +198,11 @@ impl Desk {
         }
     }
 
-    /// As if a thread had begun to render a picture that is of no more use after `until`.
+    /// As if a thread rendered a picture that is of no more use after `until`; without one, as if it had ended.
     #[cfg(test)]
-    pub(super) fn pretend_to_render(&self, until: Instant) {
+    pub(super) fn pretend_to_render(&self, until: Option<Instant>) {
         let mut state = self.state();
-        (state.is_open, state.rendering) = (true, Some(until));
+        (state.is_open, state.rendering) = (until.is_some(), until);
     }
 
     /// Whether no thread renders or waits for orders.

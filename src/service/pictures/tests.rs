@@ -69,7 +69,7 @@ fn a_thread_that_does_not_come_back_is_replaced() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, table) = start_with_table(folder.path());
     let long_ago = Instant::now().checked_sub(Duration::from_secs(60)).expect("a machine that is up for a minute");
-    service.core.desk.pretend_to_render(long_ago);
+    service.core.desk.pretend_to_render(Some(long_ago));
     let scene = Subject::Scene(Box::new(Scene { size: 64, ..Scene::default() }));
     let Ordered::Waiting(wait) = service.picture(Some(table), scene, |_| false).expect("an order") else {
         panic!("it was never rendered")
@@ -84,7 +84,7 @@ fn a_thread_that_does_not_come_back_is_replaced() {
 fn those_who_wait_for_the_same_picture_take_one_place() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, table) = start_with_table(folder.path());
-    service.core.desk.pretend_to_render(Instant::now() + Duration::from_secs(60));
+    service.core.desk.pretend_to_render(Some(Instant::now() + Duration::from_secs(60)));
     let order = |size: u32| {
         let scene = Subject::Scene(Box::new(Scene { size, ..Scene::default() }));
         service.picture(Some(table), scene, |_| false)
@@ -102,6 +102,8 @@ fn those_who_wait_for_the_same_picture_take_one_place() {
     assert!(matches!(order(73), Err(PictureError::QueueFull { .. })));
     drop(last);
     assert!(order(74).is_ok());
+    // The end of the service waits for a thread that runs.
+    service.core.desk.pretend_to_render(None);
 }
 
 fn draw(service: &Service, table: Digest) -> PictureError {
