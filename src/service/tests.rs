@@ -114,6 +114,8 @@ fn equal_recipes_share_a_job_and_the_queue_has_a_limit() {
     assert_eq!((expected.seconds, expected.error), (4.0, 0.25));
     shared.set(|b| b.held = false);
     assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    let learnt = service.job(id).unwrap().unwrap().expected.unwrap();
+    assert_ne!(learnt.seconds, expected.seconds);
     assert_eq!(shared.behaviour.lock().unwrap().begun[&("gold 3".to_owned(), 0)], 1);
     fitted(&service, "copper 1");
     let newest = service.jobs(None, None, 2).unwrap();
