@@ -74,6 +74,7 @@ fn choices(args: &PreviewArgs) -> Choices {
         camera_distance: args.camera_distance,
         camera_azimuth: args.camera_azimuth,
         camera_elevation: args.camera_elevation,
+        camera_target: args.camera_target,
         field_of_view: args.field_of_view,
         theta: args.theta,
         phi: args.phi,

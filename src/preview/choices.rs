@@ -29,6 +29,7 @@ pub struct Choices {
     pub camera_distance: Option<f64>,
     pub camera_azimuth: Option<f64>,
     pub camera_elevation: Option<f64>,
+    pub camera_target: Option<[f64; 3]>,
     pub field_of_view: Option<f64>,
     pub theta: Option<f64>,
     pub phi: Option<f64>,
@@ -37,7 +38,7 @@ pub struct Choices {
 }
 
 /// The parameters' names.
-const NAMES: [&str; 22] = [
+const NAMES: [&str; 23] = [
     "scene",
     "mode",
     "size",
@@ -55,6 +56,7 @@ const NAMES: [&str; 22] = [
     "camera_distance",
     "camera_azimuth",
     "camera_elevation",
+    "camera_target",
     "field_of_view",
     "theta",
     "phi",
@@ -123,6 +125,7 @@ impl Choices {
             "camera_distance" => self.camera_distance = Some(number(text)?),
             "camera_azimuth" => self.camera_azimuth = Some(number(text)?),
             "camera_elevation" => self.camera_elevation = Some(number(text)?),
+            "camera_target" => self.camera_target = Some(numbers(text)?),
             "field_of_view" => self.field_of_view = Some(number(text)?),
             "theta" => self.theta = Some(number(text)?),
             "phi" => self.phi = Some(number(text)?),
@@ -164,6 +167,7 @@ impl Choices {
         set(&mut scene.camera.distance, self.camera_distance);
         set(&mut scene.camera.azimuth, self.camera_azimuth);
         set(&mut scene.camera.elevation, self.camera_elevation);
+        set(&mut scene.camera.target, self.camera_target);
         set(&mut scene.camera.field_of_view, self.field_of_view);
         set(&mut scene.lobe.theta, self.theta);
         set(&mut scene.lobe.phi, self.phi);

@@ -73,6 +73,9 @@ pub struct PreviewArgs {
     /// Its angle above the horizontal, -pi/2 to pi/2; a floor is seen from above alone [sphere: 0.2]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub camera_elevation: Option<f64>,
+    /// What it looks at, at most 0.45 from the origin [sphere: 0,0,0]
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    pub camera_target: Option<[f64; 3]>,
     /// Its whole angle of view, 0.01 to 2.5 [sphere: 0.5]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub field_of_view: Option<f64>,

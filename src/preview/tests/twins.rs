@@ -217,6 +217,7 @@ fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
         ("camera_distance", "6"),
         ("camera_azimuth", "1"),
         ("camera_elevation", "1"),
+        ("camera_target", "0.2,0,0.1"),
         ("field_of_view", "1"),
         ("theta", "0.5"),
         ("phi", "1.5"),
