@@ -122,7 +122,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::Tree;
+    use crate::store::{Tree, sled_rows::open_sled};
 
     const CREATE: &str = r#"{"about": "one", "steps": [{"create": "old"}, {"create": "useless"}]}"#;
     const RENAME: &str =
@@ -139,10 +139,10 @@ mod tests {
     fn every_earlier_schema_is_brought_up_to_date() {
         for version in 0..=ALL.len() {
             let dir = tempfile::tempdir().unwrap();
-            let db = sled::open(dir.path()).unwrap();
+            let db = open_sled(dir.path()).unwrap();
             assert_eq!(apply(&db, &ALL[..version]).unwrap(), version);
             drop(db);
-            let db = sled::open(dir.path()).unwrap();
+            let db = open_sled(dir.path()).unwrap();
             assert_eq!(apply(&db, ALL).unwrap(), ALL.len() - version);
             assert_eq!(apply(&db, ALL).unwrap(), 0);
             let mut wanted: Vec<_> = Tree::ALL.iter().map(|tree| tree.name().to_owned()).collect();
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn rows_survive_a_rename_even_one_that_a_crash_cut_in_two() {
         let dir = tempfile::tempdir().unwrap();
-        let db = sled::open(dir.path()).unwrap();
+        let db = open_sled(dir.path()).unwrap();
         apply(&db, &[CREATE]).unwrap();
         let old = db.open_tree("old").unwrap();
         for key in [b"a", b"b"] {
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn a_newer_store_and_a_changed_migration_are_refused() {
         let dir = tempfile::tempdir().unwrap();
-        let db = sled::open(dir.path()).unwrap();
+        let db = open_sled(dir.path()).unwrap();
         apply(&db, &[CREATE, RENAME]).unwrap();
         assert!(matches!(apply(&db, &[CREATE]), Err(MigrationError::FromTheFuture { found: 2, known: 1 })));
         let edited = RENAME.replace("two", "2");

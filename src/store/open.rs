@@ -139,7 +139,7 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
-    use crate::store::{Batch, Tree};
+    use crate::store::{Batch, Tree, sled_rows::open_sled};
 
     fn one_job(store: &Store) {
         let mut batch = Batch::default();
@@ -171,7 +171,7 @@ mod tests {
     fn a_later_schema_is_refused_and_left_alone() {
         let dir = tempfile::tempdir().unwrap();
         drop(Store::open(dir.path()).unwrap());
-        let db = sled::open(dir.path().join("db")).unwrap();
+        let db = open_sled(&dir.path().join("db")).unwrap();
         db.open_tree("migrations").unwrap().insert(99_u32.to_be_bytes(), b"").unwrap();
         drop(db);
         assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 2 })));

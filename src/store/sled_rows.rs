@@ -3,14 +3,16 @@
 //! What sled 0.34.7 does not do by itself, and is done here: `flush` ends in `sync_file_range`, which a power cut
 //! undoes, so every commit ends in an fsync of the database file; truncated files can panic inside sled, so it is
 //! opened where a panic can be caught; after a write error (a full disk) an open database refuses everything for
-//! good, so it is closed then, and opened again by the next operation.
+//! good, so it is closed then, and opened again by the next operation; sled's own threads may keep the files locked
+//! for a moment after the database is dropped, so that moment is waited for.
 
 use std::{
-    fs::File,
+    fs::{File, TryLockError},
     io,
     path::{Path, PathBuf},
     sync::{PoisonError, RwLock, RwLockReadGuard},
     thread,
+    time::{Duration, Instant},
 };
 
 use sled::transaction::{TransactionError, Transactional as _};
@@ -27,6 +29,9 @@ const CACHE_BYTES: u64 = 16 << 20;
 /// Room that a commit leaves on the disk: sled's log grows by segments of 512 KiB, two may be open, and sled must
 /// never meet a full disk while it writes behind our back.
 const HEADROOM_BYTES: u64 = 2 << 20;
+
+/// How long a database that was closed may stay locked.
+const RELEASE: Duration = Duration::from_secs(2);
 
 /// Makes what was written to the file durable: `File::sync_all`, or a test's stand-in.
 pub(super) type SyncFn = Box<dyn Fn(&File) -> io::Result<()> + Send + Sync>;
@@ -207,7 +212,7 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
         sled::Error::Io(source) => SledOpenError::Unusable(source),
         other => SledOpenError::Damaged(other.to_string()),
     };
-    let db = sled::Config::new().path(folder).cache_capacity(CACHE_BYTES).open().map_err(refused)?;
+    let db = open_sled(folder).map_err(refused)?;
     let applied = migrations::apply(&db, migrations::ALL).map_err(|error| match error {
         MigrationError::Sled(error) => refused(error),
         other => SledOpenError::Schema(other),
@@ -221,6 +226,17 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     db.flush().map_err(refused)?;
     file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
     Ok(Handle { db, trees, file, was_empty: applied == migrations::ALL.len() })
+}
+
+/// The database in `folder` as sled opens it, once nobody has it locked.
+pub(super) fn open_sled(folder: &Path) -> Result<sled::Db, sled::Error> {
+    if let Ok(file) = File::options().write(true).open(folder.join("db")) {
+        let end = Instant::now() + RELEASE;
+        while matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && Instant::now() < end {
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+    sled::Config::new().path(folder).cache_capacity(CACHE_BYTES).open()
 }
 
 #[cfg(test)]

@@ -99,6 +99,22 @@ fn a_commit_whose_fsync_fails_is_not_acknowledged_and_the_next_one_works() {
 }
 
 #[test]
+fn a_lock_that_is_let_go_late_does_not_keep_the_database_shut() {
+    let dir = tempfile::tempdir().unwrap();
+    plain(dir.path()).commit(&put("key")).unwrap();
+    let file = File::options().write(true).open(dir.path().join("db")).unwrap();
+    file.lock().unwrap();
+    let again = thread::scope(|scope| {
+        let again = scope.spawn(|| plain(dir.path()));
+        // Long enough for a try without patience to fail; nothing here depends on it.
+        thread::sleep(Duration::from_millis(50));
+        drop(file);
+        again.join().unwrap()
+    });
+    assert!(again.get(Tree::Jobs, b"key").unwrap().is_some());
+}
+
+#[test]
 fn a_value_that_was_changed_on_the_disk_is_reported() {
     let dir = tempfile::tempdir().unwrap();
     let rows = plain(dir.path());
