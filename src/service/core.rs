@@ -79,8 +79,9 @@ impl Service {
     /// Stops leasing, lets running shards finish their entry and gives them back, renders no more,
     /// and flushes.
     pub fn stop(&self) {
-        self.core.stopping.store(true, Ordering::SeqCst);
+        // Closed first: a worker that saw the stop would otherwise give its shard back and lease it again.
         self.core.queue.close();
+        self.core.stopping.store(true, Ordering::SeqCst);
         self.core.desk.close();
         self.workers.wait();
         // Whatever was acknowledged is durable; this adds the leases that were given back.

@@ -133,9 +133,12 @@ fn a_cancelled_job_stops_and_can_be_submitted_again() {
     let service = start(dir.path(), &shared);
     let (id, _) = submit(&service, "gold 8");
     shared.wait_for_begun(2);
-    let receiver = service.watch(id).unwrap().unwrap();
+    let mut receiver = service.watch(id).unwrap().unwrap();
     assert_eq!(service.cancel(id).unwrap().unwrap().job.state, JobState::Cancelled);
-    assert_eq!(receiver.borrow().job.state, JobState::Cancelled);
+    let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+    let told = runtime.block_on(receiver.wait_for(|news| news.job.state == JobState::Cancelled));
+    assert!(told.is_ok(), "its followers hear of it");
+    drop(told);
     shared.set(|b| b.held = false);
     fitted(&service, "silver 1");
     assert_eq!(shared.begun(), 3, "no other shard of the cancelled job was begun");

@@ -63,9 +63,11 @@ impl Hub {
         read: impl FnOnce() -> Result<Option<Job>, StoreError>,
     ) -> Result<(), StoreError> {
         let mut inner = self.lock();
+        // Before the job is read: one that ends in between has a later number.
+        let now = (self.clock)();
         let Some(job) = read()? else { return Ok(()) };
         let is_final = job.state.name().is_final();
-        let news = inner.news(job, &self.forecast, (self.clock)());
+        let news = inner.news(job, &self.forecast, now);
         let followed = inner.channels.get(&id).is_some_and(|channel| channel.send(news).is_ok());
         if is_final || !followed {
             inner.channels.remove(&id);
@@ -80,12 +82,13 @@ impl Hub {
         read: impl FnOnce() -> Result<Option<Job>, StoreError>,
     ) -> Result<Option<watch::Receiver<JobNews>>, StoreError> {
         let mut inner = self.lock();
+        let now = (self.clock)();
         let Some(job) = read()? else { return Ok(None) };
         let is_final = job.state.name().is_final();
         if let Some(channel) = inner.channels.get(&id).filter(|_| !is_final) {
             return Ok(Some(channel.subscribe()));
         }
-        let news = inner.news(job, &self.forecast, (self.clock)());
+        let news = inner.news(job, &self.forecast, now);
         let (sender, receiver) = watch::channel(news);
         if !is_final {
             inner.channels.insert(id, sender);
