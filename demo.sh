@@ -15,6 +15,8 @@ server_pid=$SERVER_PID
 trap 'kill -TERM "$server_pid" 2>/dev/null || true' EXIT
 read -r _ _ url <&"${SERVER[0]}" || { echo 'the service did not start:' >&2; cat serve.log >&2; exit 1; }
 echo "The service runs on $url."
+# No proxy can reach it.
+export no_proxy='*'
 
 job=$(curl -sS --fail-with-body -d '{"preset":"paper"}' "$url/v1/jobs")
 id=$(jq -r .id <<<"$job")

@@ -2,11 +2,16 @@
 
 mod common;
 
-use std::fs;
+use std::{
+    fs,
+    io::{BufRead as _, BufReader},
+    net::TcpListener,
+    thread,
+};
 
 use common::{
     ENDLESS, SMALL,
-    command::{ltcforge, run, run_with_stdin, signal},
+    command::{Run, ltcforge, run, run_with_stdin, signal},
     eventually,
     server::{Server, text},
 };
@@ -212,6 +217,25 @@ fn a_missing_server_is_told_from_a_refusal() {
     let folder = tempfile::tempdir().expect("a folder");
     let ended = run(folder.path(), ["jobs", "list", "--server", "http://127.0.0.1:9"]).exited(4);
     assert!(ended.stderr.contains("http://127.0.0.1:9/v1/jobs"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_proxy_is_asked_for_other_machines_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let proxy = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let url = format!("http://{}", proxy.local_addr().expect("an address"));
+    let list = |server: &str| {
+        let mut command = ltcforge(folder.path(), ["jobs", "list", "--server", server]);
+        Run::from(command.env("ALL_PROXY", &url).output().expect("the binary runs"))
+    };
+    let asked = thread::spawn(move || {
+        let (stream, _) = proxy.accept().expect("a connection");
+        BufReader::new(stream).lines().next().expect("a line").expect("text")
+    });
+    list(&server.url).exited(0);
+    list("http://tables.invalid").exited(4);
+    assert!(asked.join().expect("a request").contains("tables.invalid"));
 }
 
 #[test]

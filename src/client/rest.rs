@@ -2,13 +2,14 @@
 
 use std::{
     io::BufReader,
+    net::IpAddr,
     time::{Duration, Instant},
 };
 
 use serde::Deserialize;
 use serde_json::Value;
 use ureq::{
-    Agent, Body,
+    Agent, Body, Proxy,
     http::{Response, Uri},
 };
 
@@ -36,6 +37,13 @@ pub struct Client {
     base: String,
 }
 
+/// Whether a server is reached without leaving the machine, where no proxy can reach it.
+fn is_this_machine(uri: &Uri) -> bool {
+    let host = uri.host().unwrap_or_default();
+    let address = host.trim_start_matches('[').trim_end_matches(']').parse();
+    host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address: IpAddr| address.is_loopback())
+}
+
 /// A page of a list, as far as the client reads it.
 #[derive(Debug, Deserialize)]
 struct Page {
@@ -50,15 +58,16 @@ impl Client {
     /// When `base` is no http or https URL.
     pub fn new(base: &str) -> Result<Self, ClientError> {
         let base = base.trim_end_matches('/').to_owned();
-        let is_url = base.parse::<Uri>().is_ok_and(|uri| {
+        let is_server = |uri: &Uri| {
             matches!(uri.scheme_str(), Some("http" | "https")) && uri.authority().is_some() && uri.query().is_none()
-        });
-        if !is_url {
+        };
+        let Some(uri) = base.parse().ok().filter(is_server) else {
             let reason = "this is no server's URL; one looks like http://127.0.0.1:8317".to_owned();
             return Err(ClientError::Unexpected { url: base, reason });
-        }
+        };
         let config = Agent::config_builder()
             .http_status_as_error(false)
+            .proxy(Proxy::try_from_env().filter(|_| !is_this_machine(&uri)))
             .timeout_connect(Some(CONNECT))
             .timeout_recv_response(Some(SILENCE))
             .timeout_per_read(Some(SILENCE))
@@ -296,9 +305,23 @@ mod tests {
 
     #[test]
     fn a_missing_server_is_unavailable_and_named() {
-        let port = TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).expect("a free port");
-        let error = Client::new(&format!("http://{port}/")).expect("a URL").submit(b"{}").expect_err("nobody listens");
-        assert!(matches!(&error, ClientError::Unavailable { url, .. } if *url == format!("http://{port}/v1/jobs")));
+        let error = Client::new("http://127.0.0.1:1/").expect("a URL").submit(b"{}").expect_err("nobody listens");
+        assert!(matches!(&error, ClientError::Unavailable { url, .. } if url == "http://127.0.0.1:1/v1/jobs"));
+    }
+
+    #[test]
+    fn the_machine_s_own_servers_are_known() {
+        for (base, expected) in [
+            ("http://127.0.0.1:8317", true),
+            ("http://127.9.0.1", true),
+            ("http://[::1]:80", true),
+            ("http://LocalHost:8317/ltc", true),
+            ("http://10.0.0.1:8317", false),
+            ("https://tables.example", false),
+            ("http://127.0.0.1.example", false),
+        ] {
+            assert_eq!(is_this_machine(&base.parse().expect("a URL")), expected, "{base}");
+        }
     }
 
     #[test]
