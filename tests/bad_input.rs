@@ -143,7 +143,8 @@ fn a_limit_on_entries_is_the_operators() {
 #[track_caller]
 fn complaint(data: &std::path::Path, listen: &str) -> String {
     let data = data.to_str().expect("a path in UTF-8");
-    let ended = run(&std::env::temp_dir(), ["serve", "--listen", listen, "--data", data]).exited(1);
+    let folder = tempfile::tempdir().expect("a folder");
+    let ended = run(folder.path(), ["serve", "--listen", listen, "--data", data]).exited(1);
     assert_eq!(ended.complaints().len(), 1, "{ended:#?}");
     assert_eq!(ended.stdout, "", "a service that does not start announces nothing");
     ended.complaints()[0].to_owned()

@@ -14,7 +14,8 @@ fn a_job_interrupted_by_kill_9_gives_the_same_table_and_fits_no_finished_shard_a
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let data = folder.path().join("data");
 
-    let server = Server::start(&data, &[]);
+    // One worker: with half of the entries done, some shards are finished and others are not begun.
+    let server = Server::start(&data, &["--workers", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
     let half = |job: &serde_json::Value| {
         job["progress"]["entries_done"].as_u64() >= job["progress"]["entries_total"].as_u64().map(|total| total / 2)
@@ -35,7 +36,7 @@ fn a_job_interrupted_by_kill_9_gives_the_same_table_and_fits_no_finished_shard_a
 fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     let folder = tempfile::tempdir().expect("a folder");
     let data = folder.path().join("data");
-    let server = Server::start(&data, &[]);
+    let server = Server::start(&data, &["--workers", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
     server.job_when(&id, |job| job["progress"]["entries_done"].as_u64() > Some(0));
     assert_eq!(server.stop("INT").code, Some(0));
@@ -43,4 +44,5 @@ fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let server = Server::start(&data, &[]);
     assert_eq!(server.finished(&id)["table"], expected.last_line());
+    assert_ne!(server.metric("ltcforge_entries_fitted_total"), 0, "the job was over before it could be stopped");
 }

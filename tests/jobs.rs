@@ -81,7 +81,7 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
 fn two_clients_with_the_same_recipe_share_a_job() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
-    let submit = || server.submit(LARGE).with_status(202).json()["id"].clone();
+    let submit = || server.submit(ENDLESS).with_status(202).json()["id"].clone();
     let (one, other) = std::thread::scope(|scope| {
         let (one, other) = (scope.spawn(submit), scope.spawn(submit));
         (one.join().expect("an answer"), other.join().expect("an answer"))
@@ -95,7 +95,7 @@ fn two_clients_with_the_same_recipe_share_a_job() {
 fn a_cancelled_job_stops_and_can_be_submitted_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
-    let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    let id = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();
     server.job_when(&id, |job| job["state"] == "running");
     let path = format!("/v1/jobs/{id}");
     let cancelled = server.request("DELETE", &path, &[], None).with_status(200).json();
@@ -107,7 +107,7 @@ fn a_cancelled_job_stops_and_can_be_submitted_again() {
     assert_eq!(by_state("cancelled")["items"][0]["id"], id);
     assert_eq!(by_state("running")["items"], Value::Array(vec![]));
 
-    assert_eq!(server.submit(LARGE).with_status(202).json()["id"], id);
+    assert_eq!(server.submit(ENDLESS).with_status(202).json()["id"], id);
     server.job_when(&id, |job| job["state"] == "running");
 }
 
@@ -150,11 +150,7 @@ fn pages_of_jobs_follow_each_other() {
 
 /// The events of a stream as (name, id, data).
 fn events(server: &Server, id: &str, last_event_id: Option<&str>) -> (u16, Vec<(String, String, Value)>) {
-    let mut request = ureq::get(format!("{}/v1/jobs/{id}/events", server.url));
-    if let Some(last) = last_event_id {
-        request = request.header("last-event-id", last);
-    }
-    let response = request.call().expect("a stream");
+    let response = server.events(id, last_event_id);
     let status = response.status().as_u16();
     let (mut found, mut name, mut number) = (Vec::new(), String::new(), String::new());
     for line in BufReader::new(response.into_body().into_reader()).lines() {
@@ -174,7 +170,8 @@ fn events(server: &Server, id: &str, last_event_id: Option<&str>) -> (u16, Vec<(
 #[test]
 fn events_lead_to_the_final_state_and_resume() {
     let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &[]);
+    // One worker takes long enough for more than one event.
+    let server = Server::start(folder.path(), &["--workers", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
 
     let (_, all) = events(&server, &id, None);
@@ -199,8 +196,7 @@ fn an_open_stream_does_not_hold_up_a_stop() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &[]);
     let id = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();
-    let response = ureq::get(format!("{}/v1/jobs/{id}/events", server.url)).call().expect("a stream");
-    let mut stream = BufReader::new(response.into_body().into_reader());
+    let mut stream = BufReader::new(server.events(&id, None).into_body().into_reader());
     let mut line = String::new();
     stream.read_line(&mut line).expect("a first line");
     let run = server.stop("TERM").exited(0);

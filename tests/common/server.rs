@@ -8,9 +8,11 @@ use std::{
 };
 
 use serde_json::Value;
-use ureq::Agent;
+use tempfile::TempDir;
+use ureq::{Agent, Body, http::Response};
 
 use super::{
+    DEADLINE,
     command::{Run, ltcforge, signal},
     eventually, openapi,
 };
@@ -23,6 +25,8 @@ pub(crate) struct Server {
     pub(crate) url: String,
     stderr: Option<JoinHandle<String>>,
     agent: Agent,
+    /// Where it runs: no `ltcforge.toml` lies there.
+    _folder: TempDir,
 }
 
 /// An answer that has been held to `openapi.yaml`.
@@ -59,8 +63,8 @@ impl Server {
     pub(crate) fn start(data: &Path, args: &[&str]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");
         let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data];
-        let folder = std::env::temp_dir();
-        let mut child = ltcforge(&folder, fixed.iter().chain(args)).spawn().expect("the binary runs");
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut child = ltcforge(folder.path(), fixed.iter().chain(args)).spawn().expect("the binary runs");
         let mut pipe = child.stderr.take().expect("a pipe");
         let stderr = thread::spawn(move || {
             let mut text = String::new();
@@ -73,8 +77,17 @@ impl Server {
         let Some(url) = line.trim().strip_prefix("listening on ") else {
             panic!("the service did not start: {line:?}; {}", stderr.join().expect("its stderr"));
         };
-        let agent: Agent = Agent::config_builder().http_status_as_error(false).build().into();
-        Self { url: url.to_owned(), child, stderr: Some(stderr), agent }
+        Self { url: url.to_owned(), child, stderr: Some(stderr), agent: agent(), _folder: folder }
+    }
+
+    /// The stream of a job's events.
+    #[track_caller]
+    pub(crate) fn events(&self, id: &str, last_event_id: Option<&str>) -> Response<Body> {
+        let mut request = self.agent.get(format!("{}/v1/jobs/{id}/events", self.url));
+        if let Some(last) = last_event_id {
+            request = request.header("last-event-id", last);
+        }
+        request.call().expect("a stream")
     }
 
     /// `GET` of a path.
@@ -165,6 +178,11 @@ impl Drop for Server {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// A client that takes each answer as it is, by no proxy, and does not wait for ever.
+fn agent() -> Agent {
+    Agent::config_builder().http_status_as_error(false).proxy(None).timeout_global(Some(DEADLINE)).build().into()
 }
 
 /// A JSON string.
