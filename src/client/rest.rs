@@ -37,13 +37,6 @@ pub struct Client {
     base: String,
 }
 
-/// Whether a server is reached without leaving the machine, where no proxy can reach it.
-fn is_this_machine(uri: &Uri) -> bool {
-    let host = uri.host().unwrap_or_default();
-    let address = host.trim_start_matches('[').trim_end_matches(']').parse();
-    host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address: IpAddr| address.is_loopback())
-}
-
 /// A page of a list, as far as the client reads it.
 #[derive(Debug, Deserialize)]
 struct Page {
@@ -236,6 +229,13 @@ fn parse_job(url: &str, body: &[u8]) -> Result<JobDocument, ClientError> {
 
 fn unexpected(url: &str, error: &serde_json::Error) -> ClientError {
     ClientError::Unexpected { url: url.to_owned(), reason: error.to_string() }
+}
+
+/// Whether a server is reached without leaving the machine, where no proxy can reach it.
+fn is_this_machine(uri: &Uri) -> bool {
+    let host = uri.host().unwrap_or_default();
+    let address = host.trim_start_matches('[').trim_end_matches(']').parse();
+    host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address: IpAddr| address.is_loopback())
 }
 
 #[cfg(test)]
