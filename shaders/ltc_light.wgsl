@@ -29,6 +29,8 @@ fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
 /// The integral over a convex polygon, added up edge by edge; what lies below the horizon is left out.
 struct LtcClip {
     sum: f32,
+    /// A place near the outline.
+    origin: vec2<f32>,
     previous: vec3<f32>,
     previous_unit: vec3<f32>,
     /// Where the outline dips below the horizon and where it comes back.
@@ -43,15 +45,22 @@ fn ltc_unit(v: vec3<f32>) -> vec3<f32> {
 }
 
 /// acos(a . b) (a x b).z / |a x b|, by the angle's sine and cosine: acos alone is inaccurate for short arcs.
-fn ltc_arc(a: vec3<f32>, b: vec3<f32>) -> f32 {
+///
+/// Of a closed outline the (a x b).z add up to those of a and b seen from any origin. From one near a small light they
+/// are of the size of their sum, which would otherwise be lost among their rounding errors.
+fn ltc_arc(a: vec3<f32>, b: vec3<f32>, origin: vec2<f32>) -> f32 {
     let c = cross(a, b);
     let s = sqrt(dot(c, c));
-    return select(0.0, c.z * (ltc_atan2(s, dot(a, b)) / max(s, 1e-18)), s > 1e-18);
+    let p = a.xy - origin;
+    let q = b.xy - origin;
+    let bend = select(0.0, ltc_atan2(s, dot(a, b)) / max(s, 1e-18) - 1.0, s > 1e-18);
+    return p.x * q.y - p.y * q.x + c.z * bend;
 }
 
 /// Begins at a vertex in cosine space; ltc_clip_edge then takes each of the others in turn, and this one last.
 fn ltc_clip_begin(vertex: vec3<f32>) -> LtcClip {
-    return LtcClip(0.0, vertex, ltc_unit(vertex), vec3(0.0), vec3(0.0));
+    let start = ltc_unit(vertex);
+    return LtcClip(0.0, start.xy, vertex, start, vec3(0.0), vec3(0.0));
 }
 
 fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
@@ -70,14 +79,16 @@ fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
         from_point = next.enters;
     }
     if (a.z > 0.0 || b.z > 0.0) {
-        next.sum += ltc_arc(from_point, to_point);
+        next.sum += ltc_arc(from_point, to_point, clip.origin);
     }
     return next;
 }
 
 /// The part of the distribution that the polygon covers, in [0, 1]. An arc along the horizon closes a cut outline.
 fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
-    let sum = (clip.sum + ltc_arc(clip.leaves, clip.enters)) * 0.15915494 * side;
+    let is_cut = any(clip.leaves != vec3(0.0));
+    let closing = select(0.0, ltc_arc(clip.leaves, clip.enters, clip.origin), is_cut);
+    let sum = (clip.sum + closing) * 0.15915494 * side;
     return clamp(select(sum, abs(sum), two_sided), 0.0, 1.0);
 }
 

@@ -4,6 +4,10 @@
 //! vector form factor, `1/(2 pi) sum acos(a . b) (a x b).z / |a x b|` over its edges from `a` to `b` on the unit
 //! sphere, once the part below the horizon is cut off [Lambert 1760; Heitz, Dupuy, Hill, Neubelt 2016, equation 11].
 //!
+//! Of a small polygon the `(a x b).z` cancel: they are of the size of its edges, their sum is of the size of its area.
+//! Around a closed outline they add up to `((a - o) x (b - o)).z` for any `o`, and with `o` on the polygon those are as
+//! small as their sum. So an edge adds this, and `(a x b).z (acos(a . b) / |a x b| - 1)` for its bend.
+//!
 //! A convex polygon crosses the horizon at most twice, so that edges can be cut and added one after another, and one
 //! arc along the horizon closes what is left: no list of clipped vertices is ever made.
 
@@ -32,6 +36,8 @@ pub trait Scalar:
 {
     /// Zero.
     const ZERO: Self;
+    /// One.
+    const ONE: Self;
     /// One turn.
     const TAU: Self;
     /// The shortest length that a vector has a direction for.
@@ -46,6 +52,7 @@ pub trait Scalar:
 
 impl Scalar for f64 {
     const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
     const TAU: Self = std::f64::consts::TAU;
     const SHORTEST: Self = 1e-150;
     fn sqrt(self) -> Self {
@@ -58,6 +65,7 @@ impl Scalar for f64 {
 
 impl Scalar for f32 {
     const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
     const TAU: Self = std::f32::consts::TAU;
     const SHORTEST: Self = 1e-18;
     fn sqrt(self) -> Self {
@@ -73,6 +81,8 @@ impl Scalar for f32 {
 pub struct Clip<T> {
     /// Twice pi times the integral so far.
     sum: T,
+    /// A vertex on the unit sphere.
+    origin: [T; 3],
     previous: [T; 3],
     /// `previous` on the unit sphere.
     previous_unit: [T; 3],
@@ -85,8 +95,8 @@ impl<T: Scalar> Clip<T> {
     /// Begins at a vertex: [`Clip::edge_to`] is then called for each of the others in turn, and for this one last.
     #[must_use]
     pub fn begin(vertex: [T; 3]) -> Self {
-        let nowhere = [T::ZERO; 3];
-        Self { sum: T::ZERO, previous: vertex, previous_unit: unit(vertex), leaves: nowhere, enters: nowhere }
+        let (origin, nowhere) = (unit(vertex), [T::ZERO; 3]);
+        Self { sum: T::ZERO, origin, previous: vertex, previous_unit: origin, leaves: nowhere, enters: nowhere }
     }
 
     /// Adds what lies above the horizon of the edge to the next vertex.
@@ -95,13 +105,13 @@ impl<T: Scalar> Clip<T> {
         let (a_unit, b_unit) = (self.previous_unit, unit(vertex));
         let (a_is_up, b_is_up) = (a[2] > T::ZERO, b[2] > T::ZERO);
         if a_is_up && b_is_up {
-            self.sum = self.sum + arc(a_unit, b_unit);
+            self.sum = self.sum + self.arc(a_unit, b_unit);
         } else if a_is_up {
             self.leaves = unit([b[0] * a[2] - a[0] * b[2], b[1] * a[2] - a[1] * b[2], T::ZERO]);
-            self.sum = self.sum + arc(a_unit, self.leaves);
+            self.sum = self.sum + self.arc(a_unit, self.leaves);
         } else if b_is_up {
             self.enters = unit([a[0] * b[2] - b[0] * a[2], a[1] * b[2] - b[1] * a[2], T::ZERO]);
-            self.sum = self.sum + arc(self.enters, b_unit);
+            self.sum = self.sum + self.arc(self.enters, b_unit);
         }
         (self.previous, self.previous_unit) = (b, b_unit);
     }
@@ -109,8 +119,18 @@ impl<T: Scalar> Clip<T> {
     /// The integral, in [-1, 1]; negative when the vertices, seen from the origin, run anticlockwise.
     #[must_use]
     pub fn finish(self) -> T {
-        // Without a crossing both are the zero vector, and so is the arc.
-        (self.sum + arc(self.leaves, self.enters)) / T::TAU
+        let is_cut = self.leaves != [T::ZERO; 3];
+        let closing = if is_cut { self.arc(self.leaves, self.enters) } else { T::ZERO };
+        (self.sum + closing) / T::TAU
+    }
+
+    /// An edge's part of the sum; its angle from sine and cosine, which is accurate for every length of arc where `acos`
+    /// is not.
+    fn arc(&self, a: [T; 3], b: [T; 3]) -> T {
+        let c = cross(a, b);
+        let sin = dot(c, c).sqrt();
+        let bend = if sin > T::SHORTEST { T::atan2_upper(sin, dot(a, b)) / sin - T::ONE } else { T::ZERO };
+        cross(minus(a, self.origin), minus(b, self.origin))[2] + c[2] * bend
     }
 }
 
@@ -124,12 +144,12 @@ fn dot<T: Scalar>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// An edge's part of the sum, `acos(a . b) (a x b).z / |a x b|`; the angle from sine and cosine, which is accurate for
-/// every length of arc where `acos` is not.
-fn arc<T: Scalar>(a: [T; 3], b: [T; 3]) -> T {
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    let sin = dot(cross, cross).sqrt();
-    if sin > T::SHORTEST { cross[2] * (T::atan2_upper(sin, dot(a, b)) / sin) } else { T::ZERO }
+fn cross<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn minus<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 impl Ltc {

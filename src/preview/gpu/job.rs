@@ -13,6 +13,8 @@ const SAMPLES_A_PART: u32 = 1 << 24;
 /// Samples of a pixel that one pass takes. Lavapipe ends a shader's loops after 65535 steps, those within them counted
 /// in, of which a sample takes up to 15.
 const SAMPLES_A_PASS: u32 = 1024;
+/// Workgroups that every GPU takes in one dispatch.
+const TILES_A_PART: u32 = 65_535;
 /// What light by the table costs, in samples of the reference.
 const TABLE_COST: u32 = 8;
 
@@ -45,7 +47,7 @@ impl<'a> Job<'a> {
         let is_sampled = self.estimator == Estimator::Reference;
         let all = if is_sampled { self.frame.spp } else { 1 };
         let cost = if is_sampled { all.min(SAMPLES_A_PASS) } else { TABLE_COST };
-        let most = SAMPLES_A_PART / cost / (tiles::SIDE * tiles::SIDE);
+        let most = (SAMPLES_A_PART / cost / (tiles::SIDE * tiles::SIDE)).min(TILES_A_PART);
         let as_bytes = self.as_bytes;
         (0..tiles).step_by(most as usize).flat_map(move |first_tile| {
             (0..all).step_by(SAMPLES_A_PASS as usize).map(move |first_sample| Part {
@@ -70,7 +72,7 @@ mod tests {
             let frame = Frame::new(&Scene { spp, ..Scene::default() }, false);
             let mut taken = vec![0_u32; tiles as usize];
             for part in Job::whole(&frame, Estimator::Reference, false).parts(tiles) {
-                assert!(part.tiles * 64 * part.samples <= SAMPLES_A_PART);
+                assert!(part.tiles * 64 * part.samples <= SAMPLES_A_PART && part.tiles <= TILES_A_PART);
                 for tile in part.first_tile..part.first_tile + part.tiles {
                     assert_eq!(taken[tile as usize], part.first_sample);
                     taken[tile as usize] += part.samples;

@@ -2,7 +2,10 @@ use glam::{DVec3, Mat3, Vec3};
 
 use super::{shader_table, tell_skipped};
 use crate::{
-    ltc::quadrature::{quadrature, random_cases},
+    ltc::{
+        Ltc, Sides,
+        quadrature::{quadrature, random_cases},
+    },
     preview::{
         Precision, cpu,
         gpu::{GpuFailure, SHADERS, example},
@@ -131,5 +134,32 @@ fn lights_that_end_within_a_lobe_are_right_but_for_its_sharpness() {
         let beyond = errors.iter().filter(|error| **error > 1e-4).count();
         let most = errors.iter().copied().fold(0.0, f64::max);
         assert!(most < 3e-3 && beyond <= 20, "{who}: at most {most:e}, {beyond} of {COUNT} beyond 1e-4");
+    }
+}
+
+/// Lights a thousandth as large.
+fn small_cases() -> Vec<Case> {
+    let case = |(polygon, m): (Vec<DVec3>, glam::DMat3)| {
+        let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+        let vertices: Vec<Vec3> = polygon.into_iter().map(|v| (centre + 1e-3 * (v - centre)).as_vec3()).collect();
+        let m = m.as_mat3();
+        let exact: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
+        let lobe = Ltc::new(m.as_dmat3()).expect("regular");
+        Case { m, wanted: lobe.polygon(&exact, Sides::Two), vertices }
+    };
+    random_cases(COUNT).map(case).collect()
+}
+
+/// Their integrals are a millionth, the size of the rounding errors of what cancels in the usual sum.
+#[test]
+fn small_lights_keep_their_digits() {
+    let cases = small_cases();
+    for (who, found) in by_all(&cases) {
+        let lit = cases.iter().zip(found).filter(|(case, _)| case.wanted > 1e-9);
+        let mut errors: Vec<f64> = lit.map(|(case, found)| error(case, who, found) / case.wanted).collect();
+        errors.sort_by(f64::total_cmp);
+        let part = |of_a_thousand: usize| errors[errors.len() * of_a_thousand / 1000];
+        assert!(errors.len() > 2000, "{who}: {}", errors.len());
+        assert!(part(500) < 1e-3 && part(990) < 0.05, "{who}: {:e}, {:e}", part(500), part(990));
     }
 }

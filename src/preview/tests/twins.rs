@@ -75,6 +75,31 @@ fn gpu_and_cpu_agree_from_everywhere() {
     }
 }
 
+/// Lights so small that their integrals are of the size of rounding errors, and so bright that these would be seen.
+#[test]
+fn gpu_and_cpu_agree_under_small_lights() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(Precision::F32);
+    for (half_size, centre, exposure) in
+        [("0.001,0.001", "-6,7,8", "10000"), ("0.02,0.02", "-36,42,48", "1000"), ("0.002,0.002", "-1.6,1.8,2.2", "100")]
+    {
+        let scene = [
+            ("alpha_x", "0.8"),
+            ("alpha_y", "0.5"),
+            ("light_half_size", half_size),
+            ("light_centre", centre),
+            ("light_intensity", "10000"),
+            ("exposure", exposure),
+            ("size", "128"),
+        ];
+        let scene = Choices::read(scene).expect("a scene");
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
+        assert!(b.picture.rgb.iter().any(|pixel| pixel[0] > 128), "{half_size} lights nothing");
+    }
+}
+
 #[test]
 fn gpu_and_cpu_agree_on_mirrors_and_needles() {
     let mut renderers = renderers();
