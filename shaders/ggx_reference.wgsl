@@ -1,17 +1,21 @@
 // What a table approximates: anisotropic GGX with height-correlated Smith masking [KT et al. 2022, section 3.1] under
-// a polygon light, by Monte Carlo integration with multiple importance sampling [Veach and Guibas 1995, balance
+// a polygon or a disk, by Monte Carlo integration with multiple importance sampling [Veach and Guibas 1995, balance
 // heuristic]: visible normals [Dupuy and Benyoub 2023] and points on the light, one each a sample. Needs ltc_math.wgsl.
 
-/// A convex polygon in the scene's coordinates.
+/// A convex polygon or an ellipse in the scene's coordinates.
 struct Light {
-    /// xyz: a vertex; clockwise as seen from the lit side. w: area of the triangles (0, 1, 2) up to (0, i - 1, i) over
+    /// xyz: a vertex of the polygon, or of the one by which tables light an ellipse; clockwise as seen from the lit side. w: area of the triangles (0, 1, 2) up to (0, i - 1, i) over
     /// that of all.
     vertices: array<vec4<f32>, 8>,
+    /// xyz: middle of the ellipse.
+    centre: vec4<f32>,
+    /// xyz: its half axes. w: one over their length squared.
+    half_axes: array<vec4<f32>, 2>,
     /// xyz: unit normal towards the lit side. w: area.
     normal: vec4<f32>,
     /// x: radiance.
     radiance: vec4<f32>,
-    /// x: vertices. y: 1 when both sides are lit.
+    /// x: vertices. y: 1 when both sides are lit. z: 1 when it is an ellipse.
     options: vec4<u32>,
 }
 
@@ -84,13 +88,17 @@ fn light_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
         return 0.0;
     }
     let hit = position + away * wi;
-    var is_hit = true;
+    let offset = hit - light.centre.xyz;
+    let across = vec2(dot(offset, light.half_axes[0].xyz), dot(offset, light.half_axes[1].xyz)) *
+        vec2(light.half_axes[0].w, light.half_axes[1].w);
+    var is_within = true;
     var a = light.vertices[light.options.x - 1u].xyz;
     for (var i = 0u; i < light.options.x; i++) {
         let b = light.vertices[i].xyz;
-        is_hit = is_hit && dot(cross(b - a, hit - a), light.normal.xyz) <= 0.0;
+        is_within = is_within && dot(cross(b - a, hit - a), light.normal.xyz) <= 0.0;
         a = b;
     }
+    let is_hit = select(is_within, dot(across, across) <= 1.0, light.options.z == 1u);
     return select(0.0, away * away / (light.normal.w * abs(cosine)), is_hit);
 }
 
@@ -107,7 +115,10 @@ fn light_point(u: vec2<f32>) -> vec3<f32> {
     let origin = light.vertices[0].xyz;
     let first = light.vertices[i - 1u].xyz - origin;
     let second = light.vertices[i].xyz - origin;
-    return origin + root * ((1.0 - u.y) * first + u.y * second);
+    let of_polygon = origin + root * ((1.0 - u.y) * first + u.y * second);
+    let turn = sqrt(u.x) * ltc_sin_cos(u.y);
+    let of_ellipse = light.centre.xyz + turn.y * light.half_axes[0].xyz + turn.x * light.half_axes[1].xyz;
+    return select(of_polygon, of_ellipse, light.options.z == 1u);
 }
 
 /// Reflected light for a Fresnel factor of one (x), and its part weighed by Schlick's (1 - wo . wm)^5 (y): the sum over

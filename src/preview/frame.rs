@@ -2,7 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Camera, Scene, Surface, bounds::MAX_MATERIALS, light::Outline};
+use super::{
+    Camera, Scene, Surface,
+    bounds::MAX_MATERIALS,
+    light::{Ellipse, Outline},
+};
 use crate::{ltc::MAX_VERTICES, math::sin_cos};
 
 /// Radiance of what is not covered.
@@ -43,10 +47,26 @@ pub(super) struct FrameLight {
     pub(super) vertices: Vec<Vec3>,
     /// Area of the fan's triangles up to each vertex over that of all.
     pub(super) area_up_to: Vec<f32>,
+    pub(super) ellipse: Option<FrameEllipse>,
     pub(super) normal: Vec3,
     pub(super) area: f32,
     pub(super) radiance: f32,
     pub(super) two_sided: bool,
+}
+
+/// An ellipse, as uniforms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FrameEllipse {
+    pub(super) centre: Vec3,
+    /// Half axes, and one over the square of their lengths.
+    pub(super) half_axes: [(Vec3, f32); 2],
+}
+
+impl From<Ellipse> for FrameEllipse {
+    fn from(ellipse: Ellipse) -> Self {
+        let half_axes = ellipse.half_axes.map(|axis| (axis.as_vec3(), (1.0 / axis.length_squared()) as f32));
+        Self { centre: ellipse.centre.as_vec3(), half_axes }
+    }
 }
 
 /// A part of a picture, and of its samples.
@@ -68,7 +88,7 @@ impl Frame {
         let (eye, [right, up, forward]) = if of_lobe { lobe_view(scene.lobe.phi) } else { view(&scene.camera) };
         let half = if of_lobe { 1.0 } else { libm::tan(0.5 * scene.camera.field_of_view) };
         let side = (scene.size / cells).max(1);
-        let Outline { vertices, normal, area, area_up_to } = scene.light.outline();
+        let Outline { vertices, normal, area, area_up_to, ellipse } = scene.light.outline();
         Self {
             surface: scene.surface,
             eye: eye.as_vec3(),
@@ -95,6 +115,7 @@ impl Frame {
             light: FrameLight {
                 vertices: vertices.into_iter().map(DVec3::as_vec3).collect(),
                 area_up_to: area_up_to.into_iter().map(|share| share as f32).collect(),
+                ellipse: ellipse.map(FrameEllipse::from),
                 normal: normal.as_vec3(),
                 area: area as f32,
                 radiance: scene.light.intensity as f32,
@@ -141,9 +162,19 @@ impl Frame {
                 None => words.vector(Vec3::ZERO, 1.0),
             }
         }
+        match light.ellipse {
+            Some(FrameEllipse { centre, half_axes: [(x, per_x2), (y, per_y2)] }) => {
+                words.vector(centre, 0.0);
+                words.vector(x, per_x2);
+                words.vector(y, per_y2);
+            }
+            None => words.floats([0.0; 12]),
+        }
         words.vector(light.normal, light.area);
         words.vector(Vec3::splat(light.radiance), 0.0);
-        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), 0, 0]);
+        let options = [light.two_sided, light.ellipse.is_some(), false].map(u32::from);
+        words.0.push(light.vertices.len() as u32);
+        words.0.extend(options);
         words.0
     }
 }
@@ -180,7 +211,7 @@ impl Words {
         self.floats([v.x, v.y, v.z, w]);
     }
 
-    fn floats(&mut self, numbers: [f32; 4]) {
+    fn floats<const N: usize>(&mut self, numbers: [f32; N]) {
         self.0.extend(numbers.map(f32::to_bits));
     }
 }

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::{Light, LightKind};
 
-/// A convex polygon in the scene.
+/// A convex polygon in the scene, or the one by which a table lights an ellipse.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outline {
     /// Clockwise as seen from the lit side.
@@ -16,6 +16,15 @@ pub(super) struct Outline {
     pub(super) area: f64,
     /// Area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all, for each vertex i.
     pub(super) area_up_to: Vec<f64>,
+    pub(super) ellipse: Option<Ellipse>,
+}
+
+/// What a disk becomes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ellipse {
+    pub(super) centre: DVec3,
+    /// Perpendicular to each other.
+    pub(super) half_axes: [DVec3; 2],
 }
 
 impl Light {
@@ -42,7 +51,9 @@ impl Light {
                 sum
             })
             .collect();
-        Outline { normal: frame.z_axis, area, area_up_to, vertices }
+        let half_axes = [frame.x_axis * width, frame.y_axis * height];
+        let ellipse = (self.kind == LightKind::Disk).then_some(Ellipse { centre, half_axes });
+        Outline { normal: frame.z_axis, area, area_up_to, vertices, ellipse }
     }
 
     fn turn(&self) -> DMat3 {

@@ -76,7 +76,7 @@ pub struct Light {
 pub enum LightKind {
     /// A rectangle.
     Rectangle,
-    /// An ellipse, as the octagon of its area: by the table and by the reference alike.
+    /// An ellipse; tables light it as the octagon of its area.
     Disk,
     /// A regular polygon, stretched to the half sizes, its first vertex upwards.
     Polygon(u32),

@@ -4,7 +4,10 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use crate::{math::sin_cos_turns, preview::frame::FrameLight};
+use crate::{
+    math::sin_cos_turns,
+    preview::frame::{FrameEllipse, FrameLight},
+};
 
 pub(super) const HORIZON: f32 = 1e-6;
 
@@ -64,17 +67,33 @@ impl FrameLight {
             return 0.0;
         }
         let hit = position + away * wi;
-        let mut a = self.vertices[self.vertices.len() - 1];
-        for b in &self.vertices {
-            if (*b - a).cross(hit - a).dot(self.normal) > 0.0 {
-                return 0.0;
-            }
-            a = *b;
+        if !self.holds(hit) {
+            return 0.0;
         }
         away * away / (self.area * cosine.abs())
     }
 
+    /// Whether a point of its plane is on it.
+    fn holds(&self, hit: Vec3) -> bool {
+        if let Some(FrameEllipse { centre, half_axes }) = self.ellipse {
+            let [x, y] = half_axes.map(|(axis, per_length2)| (hit - centre).dot(axis) * per_length2);
+            return x * x + y * y <= 1.0;
+        }
+        let mut a = self.vertices[self.vertices.len() - 1];
+        for b in &self.vertices {
+            if (*b - a).cross(hit - a).dot(self.normal) > 0.0 {
+                return false;
+            }
+            a = *b;
+        }
+        true
+    }
+
     fn point(&self, u: Vec2) -> Vec3 {
+        if let Some(FrameEllipse { centre, half_axes: [(x, _), (y, _)] }) = self.ellipse {
+            let (sin, cos) = sin_cos_turns(u.y);
+            return centre + u.x.sqrt() * (cos * x + sin * y);
+        }
         let last = self.vertices.len() - 1;
         let i = 2 + (2..last).filter(|k| u.x >= self.area_up_to[*k]).count();
         let before = self.area_up_to[i - 1];

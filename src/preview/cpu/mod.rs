@@ -46,6 +46,7 @@ pub(super) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -
     let light = super::frame::FrameLight {
         vertices: vertices.to_vec(),
         area_up_to: Vec::new(),
+        ellipse: None,
         normal: glam::Vec3::Z,
         area: 0.0,
         radiance: 1.0,
