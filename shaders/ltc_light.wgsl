@@ -26,7 +26,7 @@ fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
     return LtcInverse(transpose(mat3x3(x * scale, y * scale, z * scale)), side);
 }
 
-/// The integral over a convex polygon, added up edge by edge; what lies below the horizon is left out.
+/// The integral over a convex polygon, added up edge by edge; what lies below the lobe's horizon is left out.
 struct LtcClip {
     sum: f32,
     /// A place near the outline.

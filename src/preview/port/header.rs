@@ -72,6 +72,7 @@ fn bindings(language: Language) -> &'static str {
         }
         Language::Hlsl => {
             "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
   here      uniform b0, nodes t1, matrix_a t2, matrix_b t3, terms t4, all of space0
             of the example: b0 and u1 of space1
   No sampler: the entries are weighed here."

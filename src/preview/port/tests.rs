@@ -122,9 +122,16 @@ fn spirv_is_words_that_begin_with_the_magic_number_and_hold_the_header() {
 #[test]
 fn metal_and_opengl_bind_where_the_header_says() {
     let glsl = code(&text(Language::Glsl, Layout::Reflected));
-    for (binding, what) in [(0, "uniform"), (1, "readonly buffer"), (2, "uniform"), (3, "buffer")] {
-        let found = glsl.lines().any(|line| line.contains(&format!("binding = {binding})")) && line.contains(what));
-        assert!(found, "{binding} {what}:\n{glsl}");
+    for line in [
+        "layout(std140, binding = 0) uniform ",
+        "layout(std430, binding = 1) readonly buffer ",
+        "layout(std140, binding = 2) uniform ",
+        "layout(std430, binding = 3) buffer ",
+        "layout(binding = 0) uniform sampler3D ",
+        "layout(binding = 1) uniform sampler3D ",
+        "layout(binding = 2) uniform sampler3D ",
+    ] {
+        assert_eq!(glsl.matches(line).count(), 1, "{line}:\n{glsl}");
     }
     let msl = code(&text(Language::Msl, Layout::Reflected));
     for slot in ["buffer(0)", "buffer(1)", "buffer(2)", "buffer(3)", "texture(0)", "texture(1)", "texture(2)"] {
