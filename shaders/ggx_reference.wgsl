@@ -15,11 +15,14 @@ struct Light {
     normal: vec4<f32>,
     /// x: radiance.
     radiance: vec4<f32>,
-    /// x: vertices. y: 1 when both sides are lit. z: 1 when it is an ellipse.
+    /// x: vertices. y: 1 when both sides are lit.
     options: vec4<u32>,
 }
 
 @group(1) @binding(0) var<uniform> light: Light;
+
+/// Whether it is an ellipse. A constant of the pipeline: software drivers run both sides of a branch.
+override light_is_ellipse: bool = false;
 
 /// A point of the surface with its tangent frame, and what is seen from where.
 struct Shaded {
@@ -88,22 +91,29 @@ fn light_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
         return 0.0;
     }
     let hit = position + away * wi;
-    let offset = hit - light.centre.xyz;
-    let across = vec2(dot(offset, light.half_axes[0].xyz), dot(offset, light.half_axes[1].xyz)) *
-        vec2(light.half_axes[0].w, light.half_axes[1].w);
-    var is_within = true;
+    let density = away * away / (light.normal.w * abs(cosine));
+    if (light_is_ellipse) {
+        let offset = hit - light.centre.xyz;
+        let across = vec2(dot(offset, light.half_axes[0].xyz), dot(offset, light.half_axes[1].xyz)) *
+            vec2(light.half_axes[0].w, light.half_axes[1].w);
+        return select(0.0, density, dot(across, across) <= 1.0);
+    }
+    var is_hit = true;
     var a = light.vertices[light.options.x - 1u].xyz;
     for (var i = 0u; i < light.options.x; i++) {
         let b = light.vertices[i].xyz;
-        is_within = is_within && dot(cross(b - a, hit - a), light.normal.xyz) <= 0.0;
+        is_hit = is_hit && dot(cross(b - a, hit - a), light.normal.xyz) <= 0.0;
         a = b;
     }
-    let is_hit = select(is_within, dot(across, across) <= 1.0, light.options.z == 1u);
-    return select(0.0, away * away / (light.normal.w * abs(cosine)), is_hit);
+    return select(0.0, density, is_hit);
 }
 
 /// A point of the light, uniform over its area.
 fn light_point(u: vec2<f32>) -> vec3<f32> {
+    if (light_is_ellipse) {
+        let turn = sqrt(u.x) * ltc_sin_cos(u.y);
+        return light.centre.xyz + turn.y * light.half_axes[0].xyz + turn.x * light.half_axes[1].xyz;
+    }
     // Which triangle: every lane takes as many steps.
     var i = 2u;
     for (var k = 2u; k + 1u < light.options.x; k++) {
@@ -115,10 +125,7 @@ fn light_point(u: vec2<f32>) -> vec3<f32> {
     let origin = light.vertices[0].xyz;
     let first = light.vertices[i - 1u].xyz - origin;
     let second = light.vertices[i].xyz - origin;
-    let of_polygon = origin + root * ((1.0 - u.y) * first + u.y * second);
-    let turn = sqrt(u.x) * ltc_sin_cos(u.y);
-    let of_ellipse = light.centre.xyz + turn.y * light.half_axes[0].xyz + turn.x * light.half_axes[1].xyz;
-    return select(of_polygon, of_ellipse, light.options.z == 1u);
+    return origin + root * ((1.0 - u.y) * first + u.y * second);
 }
 
 /// Reflected light for a Fresnel factor of one (x), and its part weighed by Schlick's (1 - wo . wm)^5 (y): the sum over

@@ -172,9 +172,7 @@ impl Frame {
         }
         words.vector(light.normal, light.area);
         words.vector(Vec3::splat(light.radiance), 0.0);
-        let options = [light.two_sided, light.ellipse.is_some(), false].map(u32::from);
-        words.0.push(light.vertices.len() as u32);
-        words.0.extend(options);
+        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), 0, 0]);
         words.0
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{GpuFailure, Variant, Weights, shaders};
-use crate::preview::renderer::Estimator;
+use crate::preview::{frame::FrameLight, renderer::Estimator};
 
 /// A device of the first adapter that Vulkan has: a GPU, or lavapipe in its place.
 #[derive(Debug)]
@@ -15,7 +15,8 @@ pub(super) struct Device {
     pub(super) name: String,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
-    pipelines: [Option<wgpu::ComputePipeline>; Estimator::ALL.len()],
+    /// Of each estimator, for polygons and for ellipses.
+    pipelines: [[Option<wgpu::ComputePipeline>; 2]; Estimator::ALL.len()],
     /// The sampler weighs entries, not the shader.
     pub(super) samples_weighed: bool,
     lookup_is_constant: bool,
@@ -91,7 +92,7 @@ impl Device {
             name,
             pipeline_layout,
             module,
-            pipelines: [const { None }; Estimator::ALL.len()],
+            pipelines: [const { [const { None }; 2] }; Estimator::ALL.len()],
             samples_weighed,
             lookup_is_constant: variant.lookup_is_constant,
             fault,
@@ -100,13 +101,16 @@ impl Device {
         Ok(device)
     }
 
-    /// The pipeline of an estimator, compiled when it is first asked for.
-    pub(super) fn pipeline(&mut self, estimator: Estimator) -> wgpu::ComputePipeline {
+    /// The pipeline of an estimator, compiled when it is first asked for. Only the reference tells ellipses from
+    /// polygons.
+    pub(super) fn pipeline(&mut self, estimator: Estimator, light: &FrameLight) -> wgpu::ComputePipeline {
+        let is_ellipse = estimator == Estimator::Reference && light.ellipse.is_some();
         let Self { wgpu: device, pipeline_layout, module, .. } = self;
         let flag = f64::from;
         let constants = [
             ("ltc_hardware_filter", flag(u8::from(self.samples_weighed))),
             ("lookup_is_constant", flag(u8::from(self.lookup_is_constant))),
+            ("light_is_ellipse", flag(u8::from(is_ellipse))),
         ];
         let build = || {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -118,7 +122,7 @@ impl Device {
                 cache: None,
             })
         };
-        self.pipelines[estimator as usize].get_or_insert_with(build).clone()
+        self.pipelines[estimator as usize][usize::from(is_ellipse)].get_or_insert_with(build).clone()
     }
 
     /// Fails when anything has gone wrong since the device was opened.

@@ -69,7 +69,7 @@ impl Target {
         job: &Job<'_>,
         stop: Stop<'_>,
     ) -> Result<Vec<u32>, GpuFailure> {
-        let pipeline = gpu.pipeline(job.estimator);
+        let pipeline = gpu.pipeline(job.estimator, &job.frame.light);
         gpu.check()?;
         let tiles = Tiles::of(job.frame, job.estimator, job.corner, job.extent);
         let packed: Vec<u32> = tiles.seen.iter().map(|[x, y]| x | (y << 16)).collect();
