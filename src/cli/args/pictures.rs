@@ -88,7 +88,7 @@ pub struct PreviewArgs {
     /// Factor on radiance before it is displayed, 0.0001 to 10000 [default: 1]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub exposure: Option<f64>,
-    /// Difference in radiance at the end of the colour bar, 0.000001 to 10000 [default: 0.2]
+    /// Difference in radiance at the end of the colour bar, 0.000001 to 10000 [sphere: 0.2]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub difference_scale: Option<f64>,
     /// Bits of the table's numbers
