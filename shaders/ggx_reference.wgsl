@@ -4,8 +4,8 @@
 
 /// A convex polygon or an ellipse in the scene's coordinates.
 struct Light {
-    /// xyz: a vertex of the polygon, or of the one by which tables light an ellipse; clockwise as seen from the lit side. w: area of the triangles (0, 1, 2) up to (0, i - 1, i) over
-    /// that of all.
+    /// xyz: a vertex of the polygon, or of the one by which tables light an ellipse; clockwise as seen from the lit side.
+    /// w: area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all.
     vertices: array<vec4<f32>, 8>,
     /// xyz: middle of the ellipse.
     centre: vec4<f32>,

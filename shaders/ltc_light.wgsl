@@ -86,7 +86,7 @@ fn ltc_clip_edge(clip: LtcClip, b: vec3<f32>) -> LtcClip {
 
 /// The part of the distribution that the polygon covers, in [0, 1]. An arc along the horizon closes a cut outline.
 fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
-    let is_cut = any(clip.leaves != vec3(0.0));
+    let is_cut = any(clip.leaves != clip.enters);
     let closing = select(0.0, ltc_arc(clip.leaves, clip.enters, clip.origin), is_cut);
     let sum = (clip.sum + closing) * 0.15915494 * side;
     return clamp(select(sum, abs(sum), two_sided), 0.0, 1.0);

@@ -119,7 +119,8 @@ impl<T: Scalar> Clip<T> {
     /// The integral, in [-1, 1]; negative when the vertices, seen from the origin, run anticlockwise.
     #[must_use]
     pub fn finish(self) -> T {
-        let is_cut = self.leaves != [T::ZERO; 3];
+        // Without a crossing both are the zero vector.
+        let is_cut = self.leaves != self.enters;
         let closing = if is_cut { self.arc(self.leaves, self.enters) } else { T::ZERO };
         (self.sum + closing) / T::TAU
     }

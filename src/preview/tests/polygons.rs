@@ -1,4 +1,4 @@
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::{shader_table, tell_skipped};
 use crate::{
@@ -48,16 +48,19 @@ struct Case {
     wanted: f64,
 }
 
+impl Case {
+    /// What is wanted is `exact`, of the matrix and the polygon in 32 bits.
+    fn new(m: DMat3, polygon: impl Iterator<Item = DVec3>, exact: impl Fn(DMat3, &[DVec3]) -> f64) -> Self {
+        let (m, vertices) = (m.as_mat3(), polygon.map(DVec3::as_vec3).collect::<Vec<Vec3>>());
+        let polygon: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
+        Self { m, wanted: exact(m.as_dmat3(), &polygon), vertices }
+    }
+}
+
 /// `aimed`: around and through the lobe, as seen by it, wherever it points and however sharp it is.
 fn cases(aimed: bool) -> Vec<Case> {
-    let case = |(polygon, m): (Vec<DVec3>, glam::DMat3)| {
-        let place = |v: DVec3| if aimed { m * v } else { v };
-        let vertices: Vec<Vec3> = polygon.into_iter().map(|v| place(v).as_vec3()).collect();
-        let m = m.as_mat3();
-        let exact: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
-        Case { m, wanted: quadrature(m.as_dmat3(), &exact), vertices }
-    };
-    random_cases(COUNT).map(case).collect()
+    let place = |m: DMat3, v: DVec3| if aimed { m * v } else { v };
+    random_cases(COUNT).map(|(polygon, m)| Case::new(m, polygon.into_iter().map(|v| place(m, v)), quadrature)).collect()
 }
 
 /// What is covered seen from one side and from both, by the CPU twin and, where there is one, by the GPU.
@@ -139,15 +142,13 @@ fn lights_that_end_within_a_lobe_are_right_but_for_its_sharpness() {
 
 /// Lights a thousandth as large.
 fn small_cases() -> Vec<Case> {
-    let case = |(polygon, m): (Vec<DVec3>, glam::DMat3)| {
+    // Quadrature has no relative accuracy on these.
+    let exact = |m: DMat3, polygon: &[DVec3]| Ltc::new(m).expect("regular").polygon(polygon, Sides::Two);
+    let small = |(polygon, m): (Vec<DVec3>, DMat3)| {
         let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
-        let vertices: Vec<Vec3> = polygon.into_iter().map(|v| (centre + 1e-3 * (v - centre)).as_vec3()).collect();
-        let m = m.as_mat3();
-        let exact: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
-        let lobe = Ltc::new(m.as_dmat3()).expect("regular");
-        Case { m, wanted: lobe.polygon(&exact, Sides::Two), vertices }
+        Case::new(m, polygon.into_iter().map(|v| centre + 1e-3 * (v - centre)), exact)
     };
-    random_cases(COUNT).map(case).collect()
+    random_cases(COUNT).map(small).collect()
 }
 
 /// Their integrals are a millionth, the size of the rounding errors of what cancels in the usual sum.
