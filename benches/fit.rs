@@ -13,10 +13,8 @@ use std::{
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use ltcforge::{
-    brdf::Ggx,
-    fit::{FitSettings, Fitter, Metric, Solver},
-    math::sin_cos,
-    recipe::Preset,
+    files::recipe::Preset,
+    fit::{FitSettings, Fitter, Metric, Solver, brdf::Ggx, math::sin_cos},
 };
 
 /// The paper's schedule [KT et al. 2022, section 4].

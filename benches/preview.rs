@@ -12,10 +12,9 @@ use std::{
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use ltcforge::{
-    fit::{Plan, assemble, fit_shard},
-    ltc::Table,
-    preview::{Adapter, Material, Mode, Precision, Preview, Scene, ShaderTable, Variant, Weights},
-    recipe::{self, DEFAULT_ENTRY_LIMIT},
+    files::recipe::{self, DEFAULT_ENTRY_LIMIT},
+    fit::{Plan, Table, assemble, fit_shard},
+    view::preview::{Adapter, Material, Mode, Precision, Preview, Scene, ShaderTable, Variant, Weights},
 };
 
 /// The table of a layout at its default resolution. How well it is fitted does not change what it costs.

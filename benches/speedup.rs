@@ -13,10 +13,12 @@ use std::{
 
 use glam::DMat3;
 use ltcforge::{
-    brdf::Ggx,
-    fit::{FitSettings, Fitter, Metric, Solver},
-    math::{direction, from_row_major, recurrence4, row_major},
-    recipe::Preset,
+    files::recipe::Preset,
+    fit::{
+        FitSettings, Fitter, Metric, Solver,
+        brdf::Ggx,
+        math::{direction, from_row_major, recurrence4, row_major},
+    },
 };
 use rayon::prelude::*;
 

@@ -3,12 +3,14 @@
 use std::{ops::ControlFlow, sync::Arc};
 
 use ltcforge::{
-    brdf::Ggx,
-    fit::{Fitter, Plan, assemble, fit_shard},
-    ltc::{Configuration, Table},
-    math::{direction, from_row_major, recurrence4},
-    preview::{Adapter, Mode, NamedScene, Precision, Preview, Scene, ShaderTable},
-    recipe::{self, Preset},
+    files::recipe::{self, Preset},
+    fit::{
+        Configuration, Fitter, Plan, Table, assemble,
+        brdf::Ggx,
+        fit_shard,
+        math::{direction, from_row_major, recurrence4},
+    },
+    view::preview::{Adapter, Mode, NamedScene, Precision, Preview, Scene, ShaderTable},
 };
 use rayon::prelude::*;
 

@@ -15,7 +15,7 @@ use common::{
     eventually,
     server::{Server, text},
 };
-use ltcforge::digest::Digest;
+use ltcforge::files::digest::Digest;
 use serde_json::Value;
 
 #[test]

@@ -3,12 +3,13 @@
 use std::{fs, ops::ControlFlow, path::Path};
 
 use ltcforge::{
-    brdf::Ggx,
-    export,
-    fit::{Fitter, Plan, Recipe, assemble, fit_shard},
-    ltc::{Configuration, Table},
-    math::{direction, from_row_major, recurrence4},
-    recipe,
+    files::{export, recipe},
+    fit::{
+        Configuration, Fitter, Plan, Recipe, Table, assemble,
+        brdf::Ggx,
+        fit_shard,
+        math::{direction, from_row_major, recurrence4},
+    },
 };
 use rayon::prelude::*;
 

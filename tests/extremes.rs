@@ -4,9 +4,8 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow, sync::LazyLock};
 
 use glam::{DMat3, DVec3, Mat3};
 use ltcforge::{
-    fit::{Corner, Plan, assemble, extremes, fit_shard},
-    ltc::{Configuration, Table},
-    recipe,
+    files::recipe,
+    fit::{Configuration, Corner, Plan, Table, assemble, extremes, fit_shard},
 };
 use proptest::prelude::*;
 use rayon::prelude::*;

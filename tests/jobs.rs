@@ -8,7 +8,7 @@ use common::{
     ENDLESS, LARGE, SMALL,
     server::{Server, text},
 };
-use ltcforge::digest::Digest;
+use ltcforge::files::digest::Digest;
 use serde_json::Value;
 
 #[test]

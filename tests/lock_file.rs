@@ -9,7 +9,7 @@ use common::{
     command::{Run, run},
     server::Server,
 };
-use ltcforge::digest::Digest;
+use ltcforge::files::digest::Digest;
 
 fn pull(project: &Path, server: &str, args: &[&str]) -> Run {
     run(project, ["pull", "--server", server].iter().chain(args))

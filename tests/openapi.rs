@@ -22,7 +22,7 @@ fn documented() -> BTreeSet<String> {
 #[test]
 fn router_and_file_name_the_same_calls() {
     let routed: BTreeSet<String> =
-        ltcforge::http::ROUTES.iter().map(|route| format!("{} {}", route.method, route.path)).collect();
+        ltcforge::server::http::ROUTES.iter().map(|route| format!("{} {}", route.method, route.path)).collect();
     assert_eq!(routed, documented());
 }
 

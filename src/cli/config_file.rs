@@ -70,7 +70,7 @@ impl ConfigFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preview::Adapter;
+    use crate::view::preview::Adapter;
 
     #[test]
     fn settings_are_read_and_unknown_ones_refused() {

@@ -103,7 +103,7 @@ impl From<LockFileError> for Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{digest::Digest, recipe::Fault};
+    use crate::files::{digest::Digest, recipe::Fault};
 
     #[test]
     fn each_client_error_has_its_exit_code() {

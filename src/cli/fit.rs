@@ -9,12 +9,13 @@ use serde_json::json;
 use super::{Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress};
 use crate::{
     client::replace_file,
-    digest::Digest,
-    export::{self, TableFileError},
-    fit::{Plan, assemble, fit_rows},
-    ltc::Table,
-    recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
-    service,
+    files::{
+        digest::Digest,
+        export::{self, TableFileError},
+        recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
+    },
+    fit::{Plan, Table, assemble, fit_rows},
+    server::service,
 };
 
 /// Fits a recipe and writes the table and its manifest.
@@ -77,7 +78,7 @@ pub(super) fn bad_recipe(name: &str, error: RecipeError) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recipe::Fault;
+    use crate::files::recipe::Fault;
 
     #[test]
     fn all_faults_of_a_recipe_are_told() {

@@ -8,10 +8,11 @@ use std::{
 
 use super::{Exit, Failure, args::TableChoice, file_failure, verify};
 use crate::{
-    digest::Digest,
-    export::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
-    fit::Recipe,
-    ltc::{PerAxis, Table},
+    files::{
+        digest::Digest,
+        export::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
+    },
+    fit::{PerAxis, Recipe, Table},
 };
 
 /// A table that was read, ours or another's.

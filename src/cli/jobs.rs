@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     client::{Client, JobDocument, JobStatus},
-    queue::{JobId, StateName},
+    files::job::{JobId, StateName},
 };
 
 /// Runs an action on jobs.
@@ -75,7 +75,7 @@ fn line(job: &JobStatus) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{client::Progress, digest::Digest};
+    use crate::{client::Progress, files::digest::Digest};
 
     fn job(state: StateName) -> JobStatus {
         JobStatus {

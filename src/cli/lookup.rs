@@ -15,7 +15,7 @@ use super::{
     input::AnyTable,
     points::{self, COLUMNS, Point},
 };
-use crate::ltc::{LookedUp, Table};
+use crate::fit::{LookedUp, Table};
 
 /// Prints a matrix for each point, as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {

@@ -1,7 +1,7 @@
 //! The command line: parse, configure, run, exit code.
 //!
 //! Invariant: `cli` owns neither signals nor the environment; `main` hands both in. It holds no logic that
-//! [`crate::service`] could hold.
+//! [`crate::server::service`] could hold.
 
 mod args;
 mod config_file;

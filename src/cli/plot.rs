@@ -11,7 +11,7 @@ use super::{
     input::AnyTable,
     print,
 };
-use crate::plots::{Plot, Slice};
+use crate::view::plots::{Plot, Slice};
 
 /// Draws a table and writes the picture.
 pub(super) fn run(args: &PlotArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {

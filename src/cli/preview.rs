@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Context, Exit, Failure, args::PreviewArgs, file_failure, input::AnyTable, print};
 use crate::{
     fit::ggx_terms,
-    preview::{Choices, Preview, PreviewError, Rendered, ShaderTable},
+    view::preview::{Choices, Preview, PreviewError, Rendered, ShaderTable},
 };
 
 /// Renders a picture and writes it. The adapter, and the errors of modes that compare, go to standard error, or as

@@ -4,8 +4,8 @@ use clap::{ValueEnum, builder::PossibleValue};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
 use crate::{
-    ltc::Layout,
-    preview::{Adapter, Language, LightKind, Mode, NamedScene, Precision},
+    fit::Layout,
+    view::preview::{Adapter, Language, LightKind, Mode, NamedScene, Precision},
 };
 
 /// A choice under its name on the command line.

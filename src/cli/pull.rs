@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Context, DEFAULT_SERVER, Exit, Failure, args::PullArgs, file_failure, print};
 use crate::{
     client::{self, Client, LockFile, LockFileError, Pin, PinState, replace_file, with_pin},
-    digest::ParseDigestError,
+    files::digest::ParseDigestError,
 };
 
 /// The servers that a pin may come from, beside its own.

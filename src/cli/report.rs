@@ -11,10 +11,9 @@ use super::{
     print,
 };
 use crate::{
-    digest::Digest,
-    fit::{Accuracy, Corner, MOST_POINTS, Moved, Report, Spread, TermError, extremes, report},
-    ltc::PerAxis,
-    service::table_report,
+    files::digest::Digest,
+    fit::{Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Report, Spread, TermError, extremes, report},
+    server::service::table_report,
 };
 
 /// What was measured, beside the figures.

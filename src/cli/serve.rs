@@ -16,10 +16,12 @@ use super::{
     config_file::ServeSection,
 };
 use crate::{
-    http,
-    preview::Adapter,
-    recipe::DEFAULT_ENTRY_LIMIT,
-    service::{Config, Service},
+    files::recipe::DEFAULT_ENTRY_LIMIT,
+    server::{
+        http,
+        service::{Config, Service},
+    },
+    view::preview::Adapter,
 };
 
 const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 8317);

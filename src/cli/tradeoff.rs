@@ -9,9 +9,9 @@ use serde_json::json;
 use super::{Context, Exit, Failure, Interrupt, args::TradeoffArgs, file_failure, fit, input, print, progress};
 use crate::{
     client::replace_file,
+    files::recipe::{self, DEFAULT_ENTRY_LIMIT},
     fit::{Plan, Recipe, report},
-    recipe::{self, DEFAULT_ENTRY_LIMIT},
-    tradeoff::{Measurement, POINTS, Row, Size, csv, family, json as rows_json, off_by, picture, rows},
+    view::tradeoff::{Measurement, POINTS, Row, Size, csv, family, json as rows_json, off_by, picture, rows},
 };
 
 /// What the family varies when no recipe is given.

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use serde_json::json;
 
 use super::{Context, Exit, Failure, args::VerifyArgs, file_failure, print};
-use crate::{
+use crate::files::{
     digest::Digest,
     export::{self, TableFile},
 };

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::{digest::Digest, recipe::Fault};
+use crate::files::{digest::Digest, recipe::Fault};
 
 /// A failed request. Every variant names the URL.
 #[derive(Debug, thiserror::Error)]

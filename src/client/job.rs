@@ -4,9 +4,9 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::error::ProblemDocument;
-use crate::{
+use crate::files::{
     digest::Digest,
-    queue::{JobId, StateName},
+    job::{JobId, StateName},
 };
 
 /// How far a job is.

@@ -19,7 +19,7 @@ use std::{
 use serde::Deserialize;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, value};
 
-use crate::digest::Digest;
+use crate::files::digest::Digest;
 
 /// The only version of the format.
 const VERSION: u32 = 1;

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{Client, ClientError, Pin, replace_file};
-use crate::digest::Digest;
+use crate::files::digest::Digest;
 
 /// How a pinned file stands on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -14,9 +14,9 @@ use ureq::{
 };
 
 use super::{ClientError, JobDocument, events::events};
-use crate::{
+use crate::files::{
     digest::Digest,
-    queue::{JobId, StateName},
+    job::{JobId, StateName},
 };
 
 /// How long a connection may take to open.

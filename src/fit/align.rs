@@ -3,7 +3,7 @@
 use glam::DMat3;
 
 use super::target::Mirrors;
-use crate::math::rotation_from_z;
+use crate::fit::math::rotation_from_z;
 
 /// The matrix of the same distribution whose first two columns are turned so that, seen along the third, their
 /// block is symmetric and positive definite.

@@ -8,7 +8,7 @@ use super::{
     entry::{FittedEntry, mirrors},
     target::LobeTerms,
 };
-use crate::{
+use crate::fit::{
     ltc::{Layout, PerAxis, Reflection, Table, Terms},
     math::{from_row_major, pow, row_major},
 };

@@ -12,7 +12,7 @@ use super::{
     solve::refine,
     target::{LobeTerms, Mirrors, Target},
 };
-use crate::{
+use crate::fit::{
     brdf::{Brdf, Ggx},
     math::{Lattice, fibonacci_hemisphere, row_major},
 };
@@ -144,8 +144,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{
-        fit::{ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING},
+    use crate::fit::{
+        ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING,
         math::{direction, from_row_major},
     };
 

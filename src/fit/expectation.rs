@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Recipe, cost::fit_seconds, nodes::steps};
-use crate::{
+use crate::fit::{
     ltc::{Layout, PerAxis},
     math::pow,
 };

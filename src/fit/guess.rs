@@ -3,7 +3,7 @@
 use glam::{DMat2, DMat3, DVec2};
 
 use super::target::Core;
-use crate::math::symmetric_sqrt;
+use crate::fit::math::symmetric_sqrt;
 
 /// The `M = [[root^2, centre], [0, 1]]` of an LTC whose core lies and scatters as the lobe's does. Maps cosine space
 /// to the lobe's frame.

@@ -12,7 +12,7 @@
 use glam::{DMat3, DVec3};
 
 use super::target::Target;
-use crate::math::{Lattice, cosine_hemisphere};
+use crate::fit::math::{Lattice, cosine_hemisphere};
 
 /// Mantissa bits that number the cells of an octave: 32 cells, a core cell is 1/32 of the lobe's width.
 const CELL_BITS: u32 = 5;
@@ -267,9 +267,9 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::{
-        fit::target::{Mirrors, tests::planted},
+    use crate::fit::{
         math::fibonacci_hemisphere,
+        target::{Mirrors, tests::planted},
     };
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };

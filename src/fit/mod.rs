@@ -5,6 +5,10 @@
 //!
 //! Invariant: `fit` knows no clock, file, environment, JSON value or thread count; equal recipes give equal bytes.
 
+pub mod brdf;
+pub mod ltc;
+pub mod math;
+
 mod align;
 mod assemble;
 mod bfgs;
@@ -29,6 +33,12 @@ pub use assemble::assemble;
 pub use cost::fit_seconds;
 pub use entry::{FittedEntry, Fitter};
 pub use expectation::{Expectation, expectation};
+#[cfg(test)]
+pub(crate) use ltc::quadrature;
+pub use ltc::{
+    ALPHA_Y_FLOOR, Clip, Configuration, Layout, LookedUp, Ltc, MAX_VERTICES, PerAxis, Reflection, Scalar, Sides, Table,
+    Terms,
+};
 pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
 pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
 pub use report::{

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::Recipe;
-use crate::{
+use crate::fit::{
     ltc::{Layout, PerAxis},
     math::pow,
 };

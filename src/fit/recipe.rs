@@ -1,10 +1,10 @@
 //! What to fit: a complete, checked description from which every byte of a table follows.
 //!
-//! Invariant: no defaults and no JSON here; [`crate::recipe`] reads documents and fills presets in.
+//! Invariant: no defaults and no JSON here; [`crate::files::recipe`] reads documents and fills presets in.
 
 use serde::{Deserialize, Serialize};
 
-use crate::ltc::{Layout, PerAxis};
+use crate::fit::ltc::{Layout, PerAxis};
 
 /// Version of the fitter. Raised whenever the same recipe gives other bytes.
 pub const FITTER_VERSION: u32 = 2;

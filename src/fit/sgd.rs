@@ -10,7 +10,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Pulse, recipe::FitSettings};
-use crate::{
+use crate::fit::{
     brdf::{Brdf, Ggx},
     math::{cosine_hemisphere, sin_cos},
 };

@@ -7,7 +7,7 @@ use super::{
     entry::{FittedEntry, Fitter},
     nodes,
 };
-use crate::{
+use crate::fit::{
     ltc::PerAxis,
     math::{from_row_major, row_major, turned_about_z},
 };
@@ -27,7 +27,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of a recipe that [`crate::recipe`] has checked.
+    /// The plan of a recipe that [`crate::files::recipe`] has checked.
     #[must_use]
     pub fn new(recipe: &Recipe) -> Self {
         Self { recipe: recipe.clone(), nodes: nodes::nodes(recipe) }

@@ -22,7 +22,7 @@ use super::{
     loss::{Loss, Workspace},
     target::Mirrors,
 };
-use crate::math::ln;
+use crate::fit::math::ln;
 
 /// Cost of a slope of one, in units of the lobe's width. A sharp lobe hardly feels its columns' slope: left alone,
 /// the samples' noise would set it. A broad one hardly feels this cost.
@@ -139,9 +139,11 @@ mod tests {
     use std::ops::ControlFlow;
 
     use super::*;
-    use crate::{
-        fit::{align::align, loss::CosineSamples, target::tests::planted},
+    use crate::fit::{
+        align::align,
+        loss::CosineSamples,
         math::{Lattice, fibonacci_hemisphere},
+        target::tests::planted,
     };
 
     const LIMITS: Limits = Limits { steps: 100, relative_decrease: 1e-6 };

@@ -2,7 +2,7 @@
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
-use crate::{
+use crate::fit::{
     brdf::Brdf,
     math::{Lattice, rotation_from_z},
 };
@@ -160,7 +160,7 @@ fn offset_from_z(direction: DVec3) -> DVec3 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::ltc::Ltc;
+    use crate::fit::ltc::Ltc;
 
     /// The target of a lobe that is itself an LTC: what a fit of it should give back.
     pub(in super::super) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{assemble::stored_terms, entry::mirrors, target::Target};
-use crate::{
+use crate::fit::{
     ltc::{Layout, PerAxis, Terms},
     math::Lattice,
 };
@@ -44,8 +44,8 @@ mod tests {
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
     use super::*;
-    use crate::{
-        fit::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard},
+    use crate::fit::{
+        BrdfKind, FITTER_VERSION, FitSettings, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
         ltc::Layout,
     };
 

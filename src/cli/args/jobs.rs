@@ -2,7 +2,7 @@
 
 use clap::{Args, Subcommand};
 
-use crate::queue::{JobId, StateName};
+use crate::files::job::{JobId, StateName};
 
 /// `jobs`.
 #[derive(Debug, Args)]

@@ -104,7 +104,7 @@ mod tests {
     use clap::CommandFactory as _;
 
     use super::*;
-    use crate::digest::Digest;
+    use crate::files::digest::Digest;
 
     fn parse(line: &str) -> Result<Cli, clap::Error> {
         Cli::try_parse_from(line.split(' '))

@@ -8,7 +8,7 @@ use super::{
     super::preview_names::{AdapterName, LanguageName, LayoutName, LightName, ModeName, PrecisionName, SceneName},
     TableChoice, Threads,
 };
-use crate::{
+use crate::view::{
     plots::{Azimuth, Ratio},
     preview::{numbers, pixels, samples},
 };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Threads;
-use crate::digest::Digest;
+use crate::files::digest::Digest;
 
 /// Which table.
 #[derive(Debug, Args)]

@@ -7,9 +7,9 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::{
-    fit::target::Target,
+use crate::fit::{
     math::{Lattice, cosine_hemisphere, fibonacci_hemisphere},
+    target::Target,
 };
 
 /// Samples of the LTC. Neither this number nor four times it is one of a preset, so no fit saw these samples. With two

@@ -10,11 +10,13 @@ use super::{
     distance::{Distance, LOBE_SAMPLES, Probe, SHIFT, Workspace},
     measure::FARTHEST,
 };
-use crate::{
+use crate::fit::{
+    THETA_CEILING,
     brdf::Ggx,
-    fit::{THETA_CEILING, entry::mirrors, target::Target},
+    entry::mirrors,
     ltc::{Configuration, Table},
     math::{Lattice, cosine_hemisphere, direction, from_row_major},
+    target::Target,
 };
 
 /// Roughness along the rougher axis: a mirror, below and at the floor, and the roughest.
@@ -183,7 +185,7 @@ fn inverted_in_f32(m: &DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ltc::{Layout, PerAxis};
+    use crate::fit::ltc::{Layout, PerAxis};
 
     fn table(matrix: [f32; 9]) -> Table {
         Table {

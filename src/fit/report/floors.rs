@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::{
-    fit::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING},
+use crate::fit::{
+    ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING,
     ltc::{ALPHA_Y_FLOOR, PerAxis},
 };
 

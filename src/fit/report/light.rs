@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::distance::SHIFT;
-use crate::{
-    fit::target::Target,
+use crate::fit::{
     math::{Lattice, atan2, rotation_from_z, sin_cos},
+    target::Target,
 };
 
 /// Lights that a lobe is measured with.
@@ -107,9 +107,9 @@ fn clipped(polygon: &[DVec3]) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        fit::target::{Mirrors, tests::planted},
+    use crate::fit::{
         ltc::Ltc,
+        target::{Mirrors, tests::planted},
     };
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };

@@ -6,11 +6,13 @@ use super::{
     distance::{Distance, LOBE_SAMPLES, Probe, SHIFT, Workspace},
     light::light_error,
 };
-use crate::{
+use crate::fit::{
+    ALPHA_FLOOR,
     brdf::Ggx,
-    fit::{ALPHA_FLOOR, entry::mirrors, target::Target},
+    entry::mirrors,
     ltc::{ALPHA_Y_FLOOR, Configuration, Table},
     math::{Lattice, direction, from_row_major},
+    target::Target,
 };
 
 /// The figures of one configuration.

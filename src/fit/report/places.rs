@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::{
+use crate::fit::{
     ltc::{Configuration, PerAxis},
     math::recurrence4,
 };

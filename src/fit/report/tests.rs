@@ -1,11 +1,10 @@
 use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
 use super::*;
-use crate::{
+use crate::fit::{
+    BrdfKind, FITTER_VERSION, FitSettings, Fitter, Metric, Plan, Precision, Recipe, Solver, assemble,
     brdf::Ggx,
-    fit::{
-        BrdfKind, FITTER_VERSION, FitSettings, Fitter, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
-    },
+    fit_shard,
     ltc::{Configuration, Layout},
 };
 
@@ -63,8 +62,8 @@ fn the_error_at_nodes_is_that_of_a_finer_fitter() {
     let mut finer = Fitter::new(&FitSettings { samples: 2048, directions: 48, ..recipe.fit });
     let places = places::nodes(&table.axes, 24);
     let errors = places.iter().map(|at| {
-        let m = crate::math::from_row_major(&table.lookup(at).matrix);
-        let wo = crate::math::direction(at.theta, at.phi);
+        let m = crate::fit::math::from_row_major(&table.lookup(at).matrix);
+        let wo = crate::fit::math::direction(at.theta, at.phi);
         finer.error(&Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, wo, &m)
     });
     let mean = errors.sum::<f64>() / places.len() as f64;

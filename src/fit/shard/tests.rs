@@ -1,8 +1,8 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::{
-    fit::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Solver, assemble},
+use crate::fit::{
+    BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Solver, assemble,
     ltc::{Layout, Table},
 };
 

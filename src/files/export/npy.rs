@@ -1,0 +1,227 @@
+//! Tables of others: `NumPy`'s `.npy`, as KT et al. published theirs.
+//!
+//! f32, little-endian, C order, shape `[alpha, ratio, theta, phi, 3, 3]`: `M` row-major at the nodes of layout
+//! `kt2022` over the whole domain. The file names neither nodes nor terms nor errors.
+//!
+//! A reader of its own: those on crates.io bring a parser for all Python literals, a C compiler included, for the one
+//! line of this header.
+
+use crate::{
+    files::recipe,
+    fit::{self, PerAxis, Recipe, Table},
+};
+
+/// The bytes that every `.npy` file begins with.
+pub const NPY_MAGIC: &[u8] = b"\x93NUMPY";
+
+/// A table that was read, and what its axes cover.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NpyTable {
+    /// The table, without terms; its `node_error` is NaN throughout, for the file does not tell.
+    pub table: Table,
+    /// Lowest and highest value on each axis.
+    pub range: PerAxis<[f64; 2]>,
+}
+
+/// Why bytes are not such a table.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NpyError {
+    /// Not a `.npy` file, or of a version that is not 1, 2 or 3.
+    #[error("not a .npy file of version 1, 2 or 3")]
+    Magic,
+    /// The header ends before it should, or is not the dictionary that `NumPy` writes.
+    #[error("the header: {0}")]
+    Header(String),
+    /// Other elements, another order, or another shape.
+    #[error("«{field}» is {found}; a table has {wanted}")]
+    Kind {
+        /// The header's field.
+        field: &'static str,
+        /// What it says.
+        found: String,
+        /// What it should say.
+        wanted: &'static str,
+    },
+    /// More or fewer bytes than the shape takes.
+    #[error("{actual} bytes of data; the shape takes {expected}")]
+    Length {
+        /// Bytes that the shape takes.
+        expected: u64,
+        /// Bytes that follow the header.
+        actual: usize,
+    },
+    /// A number that is infinite or none.
+    #[error("element {index} is {value}, not a finite number")]
+    NotFinite {
+        /// Its index in storage order.
+        index: usize,
+        /// What it is.
+        value: String,
+    },
+}
+
+/// Reads a table. Hostile bytes give an error, never a panic, and no more memory is taken than they have.
+///
+/// Matrices with negative determinant are let through: the published table has 48.
+///
+/// # Errors
+/// Names what is wrong.
+pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
+    let (header, data) = split(bytes)?;
+    let Header { descr, fortran_order, shape } = Header::parse(header)?;
+    let kind = |field, found: String, wanted| Err(NpyError::Kind { field, found, wanted });
+    if descr != "<f4" {
+        return kind("descr", format!("«{descr}»"), "«<f4»");
+    }
+    if fortran_order {
+        return kind("fortran_order", "True".to_owned(), "False");
+    }
+    let nodes = match shape[..] {
+        [alpha, ratio, theta, phi, 3, 3] => PerAxis { alpha, ratio, theta, phi },
+        _ => return kind("shape", format!("{shape:?}"), "[alpha, ratio, theta, phi, 3, 3]"),
+    };
+    let expected = shape.iter().try_fold(size_of::<f32>() as u64, |bytes, n| bytes.checked_mul(*n));
+    let expected = expected.unwrap_or(u64::MAX);
+    if expected != data.len() as u64 {
+        return Err(NpyError::Length { expected, actual: data.len() });
+    }
+    let Some(recipe) = whole_domain(&nodes) else {
+        return kind("shape", format!("{shape:?}"), "2 to 16384 nodes on each axis");
+    };
+    let (words, _) = data.as_chunks::<4>();
+    let numbers: Vec<f32> = words.iter().map(|word| f32::from_le_bytes(*word)).collect();
+    if let Some(index) = numbers.iter().position(|x| !x.is_finite()) {
+        return Err(NpyError::NotFinite { index, value: numbers[index].to_string() });
+    }
+    let (matrix, _) = numbers.as_chunks::<9>();
+    let node_error = vec![f32::NAN; matrix.len()];
+    let (layout, axes) = (recipe.layout, fit::nodes(&recipe));
+    let table = Table { layout, axes, matrix: matrix.to_vec(), terms: None, node_error };
+    Ok(NpyTable { table, range: recipe.range })
+}
+
+/// A recipe with so many nodes of layout `kt2022` over the whole domain; of how it was fitted nothing is known.
+fn whole_domain(nodes: &PerAxis<u64>) -> Option<Recipe> {
+    let PerAxis { alpha, ratio, theta, phi } = nodes;
+    let resolution = format!(r#"{{"alpha": {alpha}, "ratio": {ratio}, "theta": {theta}, "phi": {phi}}}"#);
+    let document = format!(r#"{{"layout": "kt2022", "resolution": {resolution}}}"#);
+    recipe::parse(document.as_bytes(), u64::MAX).ok()
+}
+
+/// The header's text and the data behind it.
+fn split(bytes: &[u8]) -> Result<(&str, &[u8]), NpyError> {
+    let rest = bytes.strip_prefix(NPY_MAGIC).ok_or(NpyError::Magic)?;
+    let short = || NpyError::Header("the file ends within it".to_owned());
+    let (length, rest) = match rest {
+        [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
+        [2 | 3, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
+        [1..=3, ..] => return Err(short()),
+        _ => return Err(NpyError::Magic),
+    };
+    let (header, data) = rest.split_at_checked(length).ok_or_else(short)?;
+    let header = std::str::from_utf8(header).map_err(|_| NpyError::Header("it is not text".to_owned()))?;
+    Ok((header, data))
+}
+
+/// What a header says.
+struct Header {
+    descr: String,
+    fortran_order: bool,
+    shape: Vec<u64>,
+}
+
+impl Header {
+    /// The three fields of `{'descr': '<f4', 'fortran_order': False, 'shape': (8, 8, 8, 8, 3, 3), }` in any order.
+    fn parse(text: &str) -> Result<Self, NpyError> {
+        let mut reader = Reader { rest: text };
+        let (mut descr, mut fortran_order, mut shape) = (None, None, None);
+        reader.expect("{")?;
+        while !reader.take("}") {
+            let name = reader.string()?;
+            reader.expect(":")?;
+            let is_new = match name {
+                "descr" => descr.replace(reader.string()?.to_owned()).is_none(),
+                "fortran_order" => fortran_order.replace(reader.boolean()?).is_none(),
+                "shape" => shape.replace(reader.tuple()?).is_none(),
+                other => return Err(NpyError::Header(format!("«{other}» is not one of its fields"))),
+            };
+            if !is_new {
+                return Err(NpyError::Header(format!("«{name}» stands twice")));
+            }
+            if !reader.take(",") {
+                reader.expect("}")?;
+                break;
+            }
+        }
+        if !reader.rest.trim().is_empty() {
+            return Err(reader.refusal("its end"));
+        }
+        let missing = |name: &str| NpyError::Header(format!("«{name}» is missing"));
+        Ok(Self {
+            descr: descr.ok_or_else(|| missing("descr"))?,
+            fortran_order: fortran_order.ok_or_else(|| missing("fortran_order"))?,
+            shape: shape.ok_or_else(|| missing("shape"))?,
+        })
+    }
+}
+
+/// The few Python literals that a header has.
+struct Reader<'a> {
+    rest: &'a str,
+}
+
+impl<'a> Reader<'a> {
+    /// Takes `token` if it comes next.
+    fn take(&mut self, token: &str) -> bool {
+        let Some(rest) = self.rest.trim_start().strip_prefix(token) else { return false };
+        self.rest = rest;
+        true
+    }
+
+    fn expect(&mut self, token: &str) -> Result<(), NpyError> {
+        if self.take(token) { Ok(()) } else { Err(self.refusal(&format!("«{token}»"))) }
+    }
+
+    fn refusal(&self, wanted: &str) -> NpyError {
+        let found: String = self.rest.trim_start().chars().take(20).collect();
+        NpyError::Header(format!("{wanted} was expected, found «{found}»"))
+    }
+
+    /// A string in either kind of quotes; an escape stands for itself.
+    fn string(&mut self) -> Result<&'a str, NpyError> {
+        for quote in ["'", "\""] {
+            if self.take(quote) {
+                let (string, rest) = self.rest.split_once(quote).ok_or_else(|| self.refusal("a closing quote"))?;
+                self.rest = rest;
+                return Ok(string);
+            }
+        }
+        Err(self.refusal("a string"))
+    }
+
+    fn boolean(&mut self) -> Result<bool, NpyError> {
+        if self.take("True") {
+            return Ok(true);
+        }
+        if self.take("False") { Ok(false) } else { Err(self.refusal("True or False")) }
+    }
+
+    fn tuple(&mut self) -> Result<Vec<u64>, NpyError> {
+        let mut numbers = Vec::new();
+        self.expect("(")?;
+        while !self.take(")") {
+            let text = self.rest.trim_start();
+            let length = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+            numbers.push(text[..length].parse().map_err(|_| self.refusal("a count"))?);
+            self.rest = &text[length..];
+            if !self.take(",") {
+                self.expect(")")?;
+                break;
+            }
+        }
+        Ok(numbers)
+    }
+}
+
+#[cfg(test)]
+mod tests;

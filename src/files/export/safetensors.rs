@@ -1,0 +1,214 @@
+//! The canonical file: safetensors with the recipe as its only metadata.
+//!
+//! | tensor | type | shape |
+//! |---|---|---|
+//! | `matrix` | f32, or f16 where that is the recipe's precision | alpha, ratio, theta, phi, 3, 3 |
+//! | `amplitude`, `fresnel` (when the recipe has terms), `node_error` | as `matrix` | alpha, ratio, theta, phi |
+//! | `axis_alpha`, `axis_ratio`, `axis_theta`, `axis_phi` | f64 | nodes |
+//!
+//! Equal recipe and table give equal bytes, and no other bytes decode to them.
+
+use std::{borrow::Cow, collections::HashMap};
+
+use half::f16;
+use safetensors::{Dtype, SafeTensors, View, serialize};
+
+use crate::{
+    files::recipe,
+    fit::{self, Precision, Recipe, Table, Terms, math::from_row_major},
+};
+
+/// The metadata key that holds the recipe.
+const RECIPE_KEY: &str = "ltcforge";
+
+/// A canonical file that was read back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableFile {
+    /// What was fitted.
+    pub recipe: Recipe,
+    /// What came out.
+    pub table: Table,
+}
+
+/// Why bytes are not a canonical table file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TableFileError {
+    /// Not a safetensors file.
+    #[error("not a safetensors file: {0}")]
+    Container(String),
+    /// No recipe in the metadata, or one that is not complete and valid.
+    #[error("no valid recipe under the metadata key «{RECIPE_KEY}»: {0}")]
+    Recipe(String),
+    /// A tensor is missing, or has another type or shape than the recipe demands.
+    #[error("tensor «{name}»: {detail}")]
+    Tensor {
+        /// Which tensor.
+        name: String,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// The parts are fine, but the bytes are not those that [`encode`] writes: other tensors, order or spacing.
+    #[error("not in canonical form: other tensors, metadata, order or spacing than the recipe's table has")]
+    NotCanonical,
+}
+
+/// A tensor on its way into a file.
+struct Tensor {
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Vec<u8>,
+}
+
+impl View for Tensor {
+    fn dtype(&self) -> Dtype {
+        self.dtype
+    }
+
+    fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    fn data(&self) -> Cow<'_, [u8]> {
+        Cow::Borrowed(&self.bytes)
+    }
+
+    fn data_len(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+/// Numbers in a precision that holds them exactly.
+fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<Item = &'a f32>) -> Tensor {
+    let values = values.into_iter();
+    let (dtype, bytes) = match precision {
+        Precision::F32 => (Dtype::F32, values.flat_map(|x| x.to_le_bytes()).collect()),
+        Precision::F16 => (Dtype::F16, values.flat_map(|x| f16::from_f32_const(*x).to_le_bytes()).collect()),
+    };
+    Tensor { dtype, shape: shape.to_vec(), bytes }
+}
+
+/// The canonical file of a table.
+///
+/// # Errors
+/// When the table's vectors are not as long as its axes say.
+pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError> {
+    let shape = table.axes.lengths().named().map(|(_, n)| *n);
+    let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();
+    let precision = recipe.precision;
+    let mut tensors = vec![
+        ("matrix".to_owned(), tensor(precision, &matrix_shape, table.matrix.iter().flatten())),
+        ("node_error".to_owned(), tensor(precision, &shape, &table.node_error)),
+    ];
+    if let Some(terms) = &table.terms {
+        tensors.push(("amplitude".to_owned(), tensor(precision, &shape, &terms.amplitude)));
+        tensors.push(("fresnel".to_owned(), tensor(precision, &shape, &terms.fresnel)));
+    }
+    for (name, nodes) in table.axes.named() {
+        let bytes = nodes.iter().flat_map(|x| x.to_le_bytes()).collect();
+        tensors.push((format!("axis_{name}"), Tensor { dtype: Dtype::F64, shape: vec![nodes.len()], bytes }));
+    }
+    for (name, tensor) in &tensors {
+        if tensor.shape.iter().product::<usize>() * tensor.dtype.bitsize() != tensor.bytes.len() * 8 {
+            let detail = format!("{} bytes do not make the shape {:?}", tensor.bytes.len(), tensor.shape);
+            return Err(TableFileError::Tensor { name: name.clone(), detail });
+        }
+    }
+    let metadata = HashMap::from([(RECIPE_KEY.to_owned(), recipe::canonical_json(recipe))]);
+    serialize(tensors, Some(metadata)).map_err(|error| TableFileError::Container(error.to_string()))
+}
+
+/// Reads a canonical file. Hostile bytes give an error, never a panic.
+///
+/// # Errors
+/// Names what is wrong: container, recipe, a tensor's type, shape or numbers, or the form.
+pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
+    let container = |error: safetensors::SafeTensorError| TableFileError::Container(error.to_string());
+    let (_, header) = SafeTensors::read_metadata(bytes).map_err(container)?;
+    let file = SafeTensors::deserialize(bytes).map_err(container)?;
+    let text = header
+        .metadata()
+        .as_ref()
+        .and_then(|metadata| metadata.get(RECIPE_KEY))
+        .ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;
+    let recipe = recipe::parse_stored(text.as_bytes()).map_err(|error| TableFileError::Recipe(error.to_string()))?;
+
+    let axes = fit::nodes(&recipe);
+    let shape = axes.lengths().named().map(|(_, n)| *n);
+    let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();
+    for (name, nodes) in axes.named() {
+        if numbers::<8>(&file, &format!("axis_{name}"), Dtype::F64, &[nodes.len()])?
+            .map(f64::from_le_bytes)
+            .ne(nodes.iter().copied())
+        {
+            let detail = "its nodes are not those of the recipe".to_owned();
+            return Err(TableFileError::Tensor { name: format!("axis_{name}"), detail });
+        }
+    }
+    let finite = |name: &str, shape: &[usize]| finite(&file, name, recipe.precision, shape);
+    let numbers = finite("matrix", &matrix_shape)?;
+    let (matrix, _) = numbers.as_chunks::<9>();
+    if let Some(index) = matrix.iter().position(|m| from_row_major(&m.map(f64::from)).determinant() <= 0.0) {
+        let detail = format!("the matrix of entry {index} has no positive determinant");
+        return Err(TableFileError::Tensor { name: "matrix".to_owned(), detail });
+    }
+    let not_negative = |name: &str| {
+        let values = finite(name, &shape)?;
+        match values.iter().position(|x| *x < 0.0) {
+            None => Ok(values),
+            Some(index) => {
+                let detail = format!("element {index} is {}, which is negative", values[index]);
+                Err(TableFileError::Tensor { name: name.to_owned(), detail })
+            }
+        }
+    };
+    let terms = if recipe.terms {
+        // What layout reflected has in place of a Fresnel term may be negative.
+        let (amplitude, fresnel) = (not_negative("amplitude")?, finite("fresnel", &shape)?);
+        Some(Terms { amplitude, fresnel })
+    } else {
+        None
+    };
+    let node_error = not_negative("node_error")?;
+    let table = Table { layout: recipe.layout, axes, matrix: matrix.to_vec(), terms, node_error };
+    if encode(&recipe, &table)? != bytes {
+        return Err(TableFileError::NotCanonical);
+    }
+    Ok(TableFile { recipe, table })
+}
+
+/// The elements of a tensor of this type and shape, each as its little-endian bytes.
+fn numbers<'a, const BYTES: usize>(
+    file: &SafeTensors<'a>,
+    name: &str,
+    dtype: Dtype,
+    shape: &[usize],
+) -> Result<impl Iterator<Item = [u8; BYTES]> + use<'a, BYTES>, TableFileError> {
+    let fault = |detail| TableFileError::Tensor { name: name.to_owned(), detail };
+    let tensor = file.tensor(name).map_err(|_| fault("missing".to_owned()))?;
+    if tensor.dtype() != dtype || tensor.shape() != shape {
+        let detail = format!("{:?} {:?}, not {dtype:?} {shape:?}", tensor.dtype(), tensor.shape());
+        return Err(fault(detail));
+    }
+    let (elements, _) = tensor.data().as_chunks::<BYTES>();
+    Ok(elements.iter().copied())
+}
+
+/// The elements of a tensor of this precision and shape, all of them finite.
+fn finite(file: &SafeTensors, name: &str, precision: Precision, shape: &[usize]) -> Result<Vec<f32>, TableFileError> {
+    let values: Vec<f32> = match precision {
+        Precision::F32 => numbers::<4>(file, name, Dtype::F32, shape)?.map(f32::from_le_bytes).collect(),
+        Precision::F16 => {
+            numbers::<2>(file, name, Dtype::F16, shape)?.map(|bytes| f16::from_le_bytes(bytes).to_f32_const()).collect()
+        }
+    };
+    match values.iter().position(|x| !x.is_finite()) {
+        None => Ok(values),
+        Some(index) => {
+            let detail = format!("element {index} is {}, not a finite number", values[index]);
+            Err(TableFileError::Tensor { name: name.to_owned(), detail })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,151 @@
+//! The fields of a recipe document: their defaults, bounds, and what must agree between them.
+
+use std::{f64::consts::FRAC_PI_2, ops::RangeInclusive};
+
+use serde_json::Value;
+
+use super::{
+    Fault,
+    preset::Preset,
+    reader::{Faults, Object, echo},
+};
+use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, PerAxis, Precision, Recipe, Solver, nodes};
+
+/// Entries a table may have unless the caller raises it.
+pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
+
+const FIELDS: [&str; 9] = ["preset", "fitter", "brdf", "layout", "resolution", "range", "fit", "terms", "precision"];
+const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
+const FIT_FIELDS: [&str; 6] = ["metric", "solver", "samples", "directions", "steps", "seed"];
+
+/// Nodes on each axis unless the recipe says otherwise: the paper's 8^4, or at most as many spread where they lower
+/// the error most.
+fn default_resolution(layout: Layout) -> PerAxis<u32> {
+    match layout {
+        Layout::Kt2022 => PerAxis { alpha: 8, ratio: 8, theta: 8, phi: 8 },
+        Layout::Reflected => PerAxis { alpha: 10, ratio: 6, theta: 9, phi: 7 },
+    }
+}
+
+/// Most nodes on an axis: more than any texture has texels along a side.
+const MOST_NODES: u32 = 16_384;
+/// Bounds of the number of samples: fewer do not tell a lobe's width, and past the upper bound their f32 counts
+/// are no longer exact.
+const SAMPLES: [u32; 2] = [32, 65_536];
+/// Bounds of the number of directions: seven free numbers need a few.
+const DIRECTIONS: [u32; 2] = [4, 1024];
+/// Bounds of the number of steps.
+const STEPS: [u32; 2] = [1, 100_000];
+/// Greatest seed: whole numbers up to here are exact in every JSON reader.
+const MOST_SEED: u64 = (1 << 53) - 1;
+
+/// What a preset leaves to the defaults.
+const DOMAIN: PerAxis<[f64; 2]> =
+    PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
+
+/// Reads a document into a complete recipe.
+pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u32>) -> Result<Recipe, Vec<Fault>> {
+    let mut faults = Faults::default();
+    let root = Object::root(document, &FIELDS, &mut faults);
+    let presets = Preset::ALL.map(|preset| (preset.name(), preset));
+    let preset = root.choice("preset", &presets, Preset::Standard, &mut faults);
+    let brdf = root.choice("brdf", &[("ggx", BrdfKind::Ggx)], BrdfKind::Ggx, &mut faults);
+    let layouts = [("reflected", Layout::Reflected), ("kt2022", Layout::Kt2022)];
+    let layout = root.choice("layout", &layouts, Layout::Reflected, &mut faults);
+    let precisions = [("f32", Precision::F32), ("f16", Precision::F16)];
+    let precision = root.choice("precision", &precisions, Precision::F32, &mut faults);
+    let terms = root.boolean("terms", true, &mut faults);
+    let fitter = read_fitter(&root, fitters, &mut faults);
+    let fit = read_fit(&root, preset, &mut faults);
+    let range = read_range(&root, &mut faults);
+    let resolution = read_resolution(&root, layout, &range, &mut faults);
+    let recipe = Recipe { fitter, brdf, layout, resolution, range, fit, terms, precision };
+    check_entries(&recipe, entry_limit, &mut faults);
+    check_nodes(&recipe, &mut faults);
+    if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
+}
+
+/// A recipe may name the fitter it was made for; that of an older one tells what is in its table.
+fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults) -> u32 {
+    let Some(value) = root.get("fitter") else { return FITTER_VERSION };
+    let version = value.as_u64().and_then(|version| u32::try_from(version).ok());
+    version.filter(|version| allowed.contains(version)).unwrap_or_else(|| {
+        let detail = format!("{} is not this fitter's version, {FITTER_VERSION}", echo(value));
+        faults.note(root.pointer("fitter"), detail);
+        FITTER_VERSION
+    })
+}
+
+fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
+    let object = root.object("fit", &FIT_FIELDS, faults);
+    let default = preset.fit();
+    let solvers = [("bfgs", Solver::Bfgs), ("sgd", Solver::Sgd)];
+    FitSettings {
+        metric: object.choice("metric", &[("sw1", Metric::Sw1)], default.metric, faults),
+        solver: object.choice("solver", &solvers, default.solver, faults),
+        samples: object.integer32("samples", SAMPLES[0], SAMPLES[1], default.samples, faults),
+        directions: object.integer32("directions", DIRECTIONS[0], DIRECTIONS[1], default.directions, faults),
+        steps: object.integer32("steps", STEPS[0], STEPS[1], default.steps, faults),
+        seed: object.integer("seed", 0, MOST_SEED, default.seed, faults),
+    }
+}
+
+fn read_range(root: &Object, faults: &mut Faults) -> PerAxis<[f64; 2]> {
+    let object = root.object("range", &AXES, faults);
+    let mut axis = |name, domain| object.range(name, domain, domain, faults);
+    PerAxis {
+        alpha: axis("alpha", DOMAIN.alpha),
+        ratio: axis("ratio", DOMAIN.ratio),
+        theta: axis("theta", DOMAIN.theta),
+        phi: axis("phi", DOMAIN.phi),
+    }
+}
+
+/// A range that is a single value takes one node, any other at least two.
+fn read_resolution(root: &Object, layout: Layout, range: &PerAxis<[f64; 2]>, faults: &mut Faults) -> PerAxis<u32> {
+    let object = root.object("resolution", &AXES, faults);
+    let default = default_resolution(layout);
+    let mut axis = |name: &str, default: u32, [low, high]: [f64; 2]| {
+        if low < high {
+            return object.integer32(name, 2, MOST_NODES, default, faults);
+        }
+        if let Some(value) = object.get(name)
+            && value.as_u64() != Some(1)
+        {
+            let detail = format!("{} does not fit a range of the single value {low}, which takes 1 node", echo(value));
+            faults.note(object.pointer(name), detail);
+        }
+        1
+    };
+    PerAxis {
+        alpha: axis("alpha", default.alpha, range.alpha),
+        ratio: axis("ratio", default.ratio, range.ratio),
+        theta: axis("theta", default.theta, range.theta),
+        phi: axis("phi", default.phi, range.phi),
+    }
+}
+
+fn check_entries(recipe: &Recipe, entry_limit: u64, faults: &mut Faults) {
+    if recipe.entries() > entry_limit {
+        let n = recipe.resolution.named().map(|(_, n)| n.to_string()).join(" x ");
+        let detail = format!("{n} makes {} entries; at most {entry_limit} are allowed", recipe.entries());
+        faults.note("/resolution", detail);
+    }
+}
+
+/// Floors move nodes together at the end of a range; no two may meet.
+fn check_nodes(recipe: &Recipe, faults: &mut Faults) {
+    let axes = nodes(recipe);
+    let ranges = recipe.range.named();
+    for ((name, nodes), (_, range)) in axes.named().into_iter().zip(ranges) {
+        if nodes.windows(2).any(|pair| pair[0] >= pair[1]) {
+            let detail = format!(
+                "[{}, {}] is too narrow for {} nodes: alpha and ratio are fitted from 1e-4 up, theta up to 0.9999 pi/2",
+                range[0],
+                range[1],
+                nodes.len()
+            );
+            faults.note(format!("/range/{name}"), detail);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Recipe documents: JSON in, a complete [`Recipe`] or every fault at once out; canonical form and digest.
+
+mod document;
+mod preset;
+mod reader;
+mod strict;
+
+use std::ops::RangeInclusive;
+
+use self::strict::Strict;
+use crate::{
+    files::digest::Digest,
+    fit::{FITTER_VERSION, Recipe},
+};
+
+pub use document::DEFAULT_ENTRY_LIMIT;
+pub use preset::Preset;
+
+/// One fault of a recipe document.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Fault {
+    /// RFC 6901 pointer to the field.
+    pub pointer: String,
+    /// What is wrong with it: the value, and what is allowed.
+    pub detail: String,
+}
+
+/// Why a document is not a recipe.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RecipeError {
+    /// Not JSON, or JSON that names a field twice.
+    #[error("not JSON: {0}")]
+    Json(String),
+    /// JSON, but not a recipe: every fault, in the order of the fields' reading.
+    #[error("the recipe has {} fault(s): {}", .0.len(), list(.0))]
+    Faults(Vec<Fault>),
+}
+
+fn list(faults: &[Fault]) -> String {
+    faults.iter().map(|fault| format!("{}: {}", fault.pointer, fault.detail)).collect::<Vec<_>>().join("; ")
+}
+
+/// Reads a recipe document that is to be fitted, fills in its preset and the defaults, and checks it.
+///
+/// # Errors
+/// Every fault of the document at once; another fitter's version is one.
+pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
+    read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION)
+}
+
+/// Reads the recipe that a stored table carries, which may be an older fitter's.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_stored(json: &[u8]) -> Result<Recipe, RecipeError> {
+    read(json, u64::MAX, 1..=FITTER_VERSION)
+}
+
+fn read(json: &[u8], entry_limit: u64, fitters: RangeInclusive<u32>) -> Result<Recipe, RecipeError> {
+    let Strict(document) = serde_json::from_slice(json).map_err(|error| RecipeError::Json(error.to_string()))?;
+    document::read(&document, entry_limit, fitters).map_err(RecipeError::Faults)
+}
+
+/// The canonical JSON (RFC 8785) of a complete recipe.
+#[must_use]
+pub fn canonical_json(recipe: &Recipe) -> String {
+    // A recipe is made of names and finite numbers, and those always have a canonical form.
+    serde_jcs::to_string(recipe).unwrap_or_default()
+}
+
+/// The digest of a recipe: SHA-256 of its canonical JSON.
+#[must_use]
+pub fn digest(recipe: &Recipe) -> Digest {
+    Digest::of(canonical_json(recipe).as_bytes())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,211 @@
+//! Anisotropic GGX with height-correlated Smith masking.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{Brdf, BrdfSample};
+use crate::fit::math::sin_cos;
+
+/// The anisotropic GGX reflector of KT et al. 2022, section 3.1, with a Fresnel factor of one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ggx {
+    /// Roughness along x, in (0, 1].
+    pub alpha_x: f64,
+    /// Roughness along y, in (0, 1].
+    pub alpha_y: f64,
+}
+
+impl Ggx {
+    /// Density of microfacet normals: `D(wm) = 1 / (pi ax ay (x^2/ax^2 + y^2/ay^2 + z^2)^2)`
+    /// [KT et al. 2022, equation 4]. Per steradian; zero below the horizon.
+    #[must_use]
+    pub fn distribution(&self, wm: DVec3) -> f64 {
+        if wm.z <= 0.0 {
+            return 0.0;
+        }
+        let (x, y) = (wm.x / self.alpha_x, wm.y / self.alpha_y);
+        let q = x * x + y * y + wm.z * wm.z;
+        1.0 / (PI * self.alpha_x * self.alpha_y * q * q)
+    }
+
+    /// Smith's `Lambda(w) = (sqrt(1 + (ax^2 x^2 + ay^2 y^2) / z^2) - 1) / 2` [KT et al. 2022, equation 5].
+    /// Domain: `w.z != 0`; it grows without bound towards the horizon.
+    #[must_use]
+    pub fn smith_lambda(&self, w: DVec3) -> f64 {
+        let (x, y) = (self.alpha_x * w.x / w.z, self.alpha_y * w.y / w.z);
+        0.5 * ((1.0 + (x * x + y * y)).sqrt() - 1.0)
+    }
+
+    /// `G2 / G1(wo) = (1 + Lambda(wo)) / (1 + Lambda(wo) + Lambda(wi))`, the weight of a reflected visible normal
+    /// [KT et al. 2022, section 3.1]. In [0, 1]; zero when `wi` is below the horizon.
+    #[must_use]
+    pub fn g2_over_g1(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        let seen = 1.0 + self.smith_lambda(wo);
+        seen / (seen + self.smith_lambda(wi))
+    }
+
+    /// A normal visible from `wo`, by spherical caps [Dupuy and Benyoub 2023].
+    ///
+    /// In the space where the surface is a hemisphere, normals seen from `wo_std` reflect to directions that are
+    /// uniform on the cap `z > -wo_std.z`.
+    fn sample_visible_normal(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
+        let wo_std = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
+        let z = (1.0 - u[1]) * (1.0 + wo_std.z) - wo_std.z;
+        let radius = (1.0 - z * z).max(0.0).sqrt();
+        let (sin, cos) = sin_cos(2.0 * PI * u[0]);
+        let wm_std = DVec3::new(radius * cos + wo_std.x, radius * sin + wo_std.y, z + wo_std.z);
+        DVec3::new(self.alpha_x * wm_std.x, self.alpha_y * wm_std.y, wm_std.z.max(0.0)).normalize()
+    }
+}
+
+impl Brdf for Ggx {
+    /// `D(wm) G2(wo, wi) / (4 cos(theta_o))` [KT et al. 2022, equation 6].
+    fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return 0.0;
+        }
+        let g2 = 1.0 / (1.0 + self.smith_lambda(wo) + self.smith_lambda(wi));
+        self.distribution((wo + wi).normalize()) * g2 / (4.0 * wo.z)
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
+        let wm = self.sample_visible_normal(wo, u);
+        let cos_theta_d = wo.dot(wm);
+        let wi = 2.0 * cos_theta_d * wm - wo;
+        BrdfSample { wi, weight: self.g2_over_g1(wo, wi), cos_theta_d }
+    }
+
+    /// `D(wm) G1(wo) / (4 cos(theta_o))`, also for directions below the horizon, which the sampler can draw.
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let sum = wo + wi;
+        if wo.z <= 0.0 || sum.z <= 0.0 {
+            return 0.0;
+        }
+        self.distribution(sum.normalize()) / (4.0 * wo.z * (1.0 + self.smith_lambda(wo)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_core::{Rng, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::*;
+    use crate::fit::math::Lattice;
+
+    /// Configurations from broad to needle, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
+    const CONFIGURATIONS: [(f64, f64, f64, f64); 5] = [
+        (1.0, 1.0, 0.0, 0.0),
+        (0.5, 0.5, 0.8, 0.3),
+        (0.6, 0.2, 1.1, 0.9),
+        (0.3, 0.9, 1.4, 2.5),
+        (0.25, 0.15, 0.4, 4.0),
+    ];
+
+    fn view(theta: f64, phi: f64) -> DVec3 {
+        let ((st, ct), (sp, cp)) = (sin_cos(theta), sin_cos(phi));
+        DVec3::new(st * cp, st * sp, ct)
+    }
+
+    /// Integral over the sphere of directions by the midpoint rule in `z` and azimuth, `n` by `2 n` cells.
+    fn integrate(n: usize, f: impl Fn(DVec3) -> f64) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..n {
+            let z = 2.0 * (i as f64 + 0.5) / n as f64 - 1.0;
+            let radius = (1.0 - z * z).sqrt();
+            for j in 0..2 * n {
+                let (sin, cos) = sin_cos(PI * (j as f64 + 0.5) / n as f64);
+                sum += f(DVec3::new(radius * cos, radius * sin, z));
+            }
+        }
+        sum * 2.0 / n as f64 * PI / n as f64
+    }
+
+    /// The weak white furnace: visible normals are a distribution, and so are their reflections.
+    #[test]
+    fn reflected_visible_normals_integrate_to_one() {
+        for (alpha_x, alpha_y, theta, phi) in CONFIGURATIONS {
+            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
+            let integral = integrate(600, |wi| ggx.pdf(wo, wi));
+            assert!((integral - 1.0).abs() < 2e-3, "{ggx:?} {theta} {phi}: {integral}");
+        }
+    }
+
+    #[test]
+    fn mean_weight_is_the_albedo() {
+        for (alpha_x, alpha_y, theta, phi) in CONFIGURATIONS {
+            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
+            let albedo = integrate(600, |wi| ggx.eval_cos(wo, wi));
+            let n = 1 << 14;
+            let mean = Lattice::new(n, [0.0; 2]).points().map(|u| ggx.sample(wo, u).weight).sum::<f64>() / n as f64;
+            assert!((mean - albedo).abs() < 2e-3, "{ggx:?} {theta} {phi}: {mean} {albedo}");
+            assert!(albedo <= 1.0 + 1e-3);
+        }
+    }
+
+    #[test]
+    fn eval_is_pdf_times_weight_and_reciprocal() {
+        let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
+        for (u, other) in Lattice::new(64, [0.0; 2]).points().zip(Lattice::new(64, [0.3, 0.1]).points()) {
+            let wo = view(1.5 * u[0], 6.0 * u[1]);
+            let sample = ggx.sample(wo, other);
+            if sample.weight == 0.0 {
+                assert!(sample.wi.z <= 0.0);
+                continue;
+            }
+            let eval = ggx.eval_cos(wo, sample.wi);
+            assert!((eval / (ggx.pdf(wo, sample.wi) * sample.weight) - 1.0).abs() < 1e-9);
+            let swapped = ggx.eval_cos(sample.wi, wo) / wo.z * sample.wi.z;
+            assert!((eval / swapped - 1.0).abs() < 1e-9, "{eval} {swapped}");
+        }
+    }
+
+    /// Pearson's chi-square of random samples against the integrated density, over cells of equal solid angle.
+    #[test]
+    fn samples_follow_the_pdf() {
+        const ROWS: usize = 24;
+        const COLUMNS: usize = 24;
+        const SAMPLES: usize = 100_000;
+        for (k, (alpha_x, alpha_y, theta, phi)) in CONFIGURATIONS.into_iter().enumerate() {
+            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
+            let cell = |w: DVec3| {
+                let azimuth = (libm::atan2(w.y, w.x) / (2.0 * PI)).rem_euclid(1.0);
+                let row = ((w.z + 1.0) * 0.5 * ROWS as f64) as usize;
+                row.min(ROWS - 1) * COLUMNS + ((azimuth * COLUMNS as f64) as usize).min(COLUMNS - 1)
+            };
+            let expected = std::cell::RefCell::new(vec![0.0; ROWS * COLUMNS]);
+            // 960 divides evenly into rows and columns, so that no quadrature cell straddles two.
+            integrate(960, |wi| {
+                expected.borrow_mut()[cell(wi)] += ggx.pdf(wo, wi);
+                0.0
+            });
+            let expected = expected.into_inner();
+            let total: f64 = expected.iter().sum();
+            let mut observed = vec![0.0; ROWS * COLUMNS];
+            let mut random = Xoshiro256PlusPlus::seed_from_u64(k as u64);
+            let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+            for _ in 0..SAMPLES {
+                observed[cell(ggx.sample(wo, [uniform(), uniform()]).wi)] += 1.0;
+            }
+            let (mut chi2, mut cells, mut rare) = (0.0, -1.0, (0.0, 0.0));
+            for (observed, expected) in observed.into_iter().zip(expected) {
+                let expected = expected / total * SAMPLES as f64;
+                if expected < 5.0 {
+                    rare = (rare.0 + observed, rare.1 + expected);
+                    continue;
+                }
+                chi2 += (observed - expected) * (observed - expected) / expected;
+                cells += 1.0;
+            }
+            assert!(cells > 10.0);
+            // Chi-square with n degrees of freedom has mean n and variance 2 n; five deviations never happen.
+            let limit: f64 = cells + 5.0 * f64::sqrt(2.0 * cells);
+            assert!(chi2 < limit, "{ggx:?} {theta} {phi}: {chi2} over {cells} cells");
+            assert!((rare.0 - rare.1).abs() < 5.0 * f64::sqrt(rare.1 + 1.0), "{rare:?}");
+        }
+    }
+}

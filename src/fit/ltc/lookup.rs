@@ -1,0 +1,122 @@
+//! Reading a table at any configuration, as a shader would.
+
+use glam::DMat3;
+
+use super::{Configuration, Layout, PerAxis, Reflection, Table, Terms, fold::Folded};
+use crate::fit::math::{from_row_major, row_major, turned_about_z};
+
+/// What a table says of a configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LookedUp {
+    /// `M` in the surface's tangent frame, row-major.
+    pub matrix: [f64; 9],
+    /// Directional albedo for a Fresnel factor of one, if the table has terms.
+    pub amplitude: Option<f64>,
+    /// Its part weighted by Schlick's fifth power, if the table has terms.
+    pub fresnel: Option<f64>,
+}
+
+/// A place between two neighbouring nodes of an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Between {
+    lower: usize,
+    /// Weight of the node after `lower`, in [0, 1]; zero when there is none.
+    weight: f64,
+}
+
+impl Between {
+    /// Where `x` lies among ascending nodes; outside them, at the nearest.
+    fn find(nodes: &[f64], x: f64) -> Self {
+        let upper = nodes.partition_point(|node| *node <= x);
+        if upper == 0 || upper == nodes.len() {
+            return Self { lower: upper.saturating_sub(1), weight: 0.0 };
+        }
+        let (low, high) = (nodes[upper - 1], nodes[upper]);
+        Self { lower: upper - 1, weight: (x - low) / (high - low) }
+    }
+
+    /// The nodes with their weights; a node without weight is left out, it may not exist.
+    fn corners(self) -> impl Iterator<Item = (usize, f64)> {
+        [(self.lower, 1.0 - self.weight), (self.lower + 1, self.weight)].into_iter().filter(|(_, weight)| *weight > 0.0)
+    }
+}
+
+/// The value within an axis's nodes that is nearest to `x`.
+fn clamped(x: f64, nodes: &[f64]) -> f64 {
+    match nodes {
+        [first, .., last] => x.clamp(*first, *last),
+        [only] => *only,
+        [] => x,
+    }
+}
+
+impl Table {
+    /// The table at a configuration: all four quadrants of phi, either roughness larger; outside the table's ranges
+    /// the nearest configuration inside. Between nodes, weights are linear along each axis.
+    ///
+    /// Domain: finite numbers. A table without entries has no lookup: its axes are never empty.
+    #[must_use]
+    pub fn lookup(&self, configuration: &Configuration) -> LookedUp {
+        let folded = Folded::of(configuration);
+        let axes = &self.axes;
+        // A table of isotropic surfaces with one phi serves every phi: the lobe turns with the view.
+        let turn = (axes.ratio == [1.0] && axes.phi.len() == 1).then(|| folded.phi - axes.phi[0]);
+        let nearest = PerAxis {
+            alpha: clamped(folded.alpha, &axes.alpha),
+            ratio: clamped(folded.ratio, &axes.ratio),
+            theta: clamped(configuration.theta, &axes.theta),
+            phi: clamped(folded.phi, &axes.phi),
+        };
+        let between = self.interpolate(&nearest);
+        let (m, terms) = match self.layout {
+            Layout::Kt2022 => between,
+            Layout::Reflected => {
+                let reflection = Reflection::of(&nearest.surface(), nearest.view());
+                (reflection.matrix * between.0, reflection.terms(between.1))
+            }
+        };
+        let m = turn.map_or(m, |angle| turned_about_z(m, angle));
+        let [amplitude, fresnel] = terms.map(|term| self.terms.as_ref().map(|_| term));
+        LookedUp { matrix: row_major(&folded.unfold(m)), amplitude, fresnel }
+    }
+
+    /// The stored matrix and terms between the entries around a place within the nodes; terms of zero where there are
+    /// none.
+    fn interpolate(&self, place: &PerAxis<f64>) -> (DMat3, [f64; 2]) {
+        let axes = &self.axes;
+        let place = PerAxis {
+            alpha: Between::find(&axes.alpha, place.alpha),
+            ratio: Between::find(&axes.ratio, place.ratio),
+            theta: Between::find(&axes.theta, place.theta),
+            phi: Between::find(&axes.phi, place.phi),
+        };
+        let (mut matrix, mut terms) = ([0.0; 9], [0.0; 2]);
+        for (index, weight) in self.corners(&place) {
+            for (sum, stored) in matrix.iter_mut().zip(&self.matrix[index]) {
+                *sum += weight * f64::from(*stored);
+            }
+            if let Some(Terms { amplitude, fresnel }) = &self.terms {
+                terms[0] += weight * f64::from(amplitude[index]);
+                terms[1] += weight * f64::from(fresnel[index]);
+            }
+        }
+        (from_row_major(&matrix), terms)
+    }
+
+    /// The entries around a place, with weights whose sum is one.
+    fn corners(&self, place: &PerAxis<Between>) -> impl Iterator<Item = (usize, f64)> {
+        let PerAxis { ratio, theta, phi, .. } = self.axes.lengths();
+        let place = *place;
+        place.alpha.corners().flat_map(move |(a, wa)| {
+            place.ratio.corners().flat_map(move |(r, wr)| {
+                place.theta.corners().flat_map(move |(t, wt)| {
+                    let row = ((a * ratio + r) * theta + t) * phi;
+                    place.phi.corners().map(move |(p, wp)| (row + p, wa * wr * wt * wp))
+                })
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

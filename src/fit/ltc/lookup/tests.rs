@@ -1,0 +1,173 @@
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::fit::ltc::Terms;
+
+/// A table of 3 x 2 x 3 x 3 entries whose numbers are linear in the node's place: interpolation must be exact.
+fn linear() -> Table {
+    let axes = PerAxis {
+        alpha: vec![0.1, 0.4, 1.0],
+        ratio: vec![0.2, 1.0],
+        theta: vec![0.0, 0.5, 1.5],
+        phi: vec![0.0, 0.75, FRAC_PI_2],
+    };
+    let mut table = Table {
+        layout: Layout::Kt2022,
+        axes: axes.clone(),
+        matrix: vec![],
+        terms: Some(Terms { amplitude: vec![], fresnel: vec![] }),
+        node_error: vec![],
+    };
+    let terms = table.terms.as_mut().expect("terms");
+    for a in &axes.alpha {
+        for r in &axes.ratio {
+            for t in &axes.theta {
+                for p in &axes.phi {
+                    table.matrix.push(matrix(*a, *r, *t, *p).map(|x| x as f32));
+                    terms.amplitude.push((0.5 + 0.1 * t) as f32);
+                    terms.fresnel.push((0.25 * a) as f32);
+                    table.node_error.push(0.0);
+                }
+            }
+        }
+    }
+    table
+}
+
+fn matrix(a: f64, r: f64, t: f64, p: f64) -> [f64; 9] {
+    [1.0 + a, 0.1 * p, 0.2 * t, 0.05 * r, 1.0 + r, 0.3 * p, 0.1 * a, 0.2 * p, 1.0 + t]
+}
+
+/// What f32 storage leaves of a number of order one.
+const F32: f64 = 3e-7;
+
+fn close(a: [f64; 9], b: [f64; 9]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < F32)
+}
+
+fn at(alpha_x: f64, alpha_y: f64, theta: f64, phi: f64) -> LookedUp {
+    linear().lookup(&Configuration { alpha_x, alpha_y, theta, phi })
+}
+
+proptest! {
+    #[test]
+    fn between_nodes_weights_are_linear(a in 0.1..1.0, r in 0.2..1.0, t in 0.0..1.5, p in 0.0..FRAC_PI_2) {
+        let found = at(a, a * r, t, p);
+        prop_assert!(close(found.matrix, matrix(a, r, t, p)), "{:?}", found);
+        prop_assert!((found.amplitude.expect("terms") - (0.5 + 0.1 * t)).abs() < F32);
+        prop_assert!((found.fresnel.expect("terms") - 0.25 * a).abs() < F32);
+    }
+
+    #[test]
+    fn outside_the_nodes_the_nearest_configuration_answers(a in 0.0..1.0, r in 0.0..1.0, t in 0.0..FRAC_PI_2) {
+        let found = at(a, a * r, t, 0.3);
+        prop_assert!(close(found.matrix, matrix(f64::max(a, 0.1), f64::max(r, 0.2), f64::min(t, 1.5), 0.3)), "{:?}", found);
+    }
+
+    /// Equations 13 and 15 of KT et al. 2022, with the mirror or swap on both sides.
+    #[test]
+    fn quadrants_and_swapped_roughness_are_mirrors(a in 0.1..1.0, r in 0.2..0.99, t in 0.0..1.5, p in 0.0..FRAC_PI_2) {
+        let [xx, xy, xz, yx, yy, yz, zx, zy, zz] = at(a, a * r, t, p).matrix;
+        let mirror_x = [xx, -xy, -xz, -yx, yy, yz, -zx, zy, zz];
+        let mirror_y = [xx, -xy, xz, -yx, yy, -yz, zx, -zy, zz];
+        let both = [xx, xy, -xz, yx, yy, -yz, -zx, -zy, zz];
+        let swapped = [yy, yx, yz, xy, xx, xz, zy, zx, zz];
+        prop_assert!(close(at(a, a * r, t, PI - p).matrix, mirror_x));
+        prop_assert!(close(at(a, a * r, t, PI + p).matrix, both));
+        prop_assert!(close(at(a, a * r, t, 2.0 * PI - p).matrix, mirror_y));
+        prop_assert!(close(at(a, a * r, t, -p).matrix, mirror_y));
+        prop_assert!(close(at(a, a * r, t, p + 6.0 * PI).matrix, at(a, a * r, t, p).matrix));
+        prop_assert!(close(at(a * r, a, t, FRAC_PI_2 - p).matrix, swapped));
+    }
+}
+
+#[test]
+fn on_a_node_the_stored_entry_answers_exactly() {
+    let table = linear();
+    for (index, stored) in table.matrix.iter().enumerate() {
+        let (a, r) = (table.axes.alpha[index / 18], table.axes.ratio[index / 9 % 2]);
+        // A ratio of 1 is met exactly; 0.2 is only met where a * 0.2 / a is 0.2 again.
+        if a * r / a == r {
+            let phi = table.axes.phi[index % 3];
+            let found = at(a, a * r, table.axes.theta[index / 3 % 3], phi);
+            assert_eq!(found.matrix, stored.map(f64::from), "{index}");
+        }
+    }
+}
+
+#[test]
+fn a_perfect_mirror_is_isotropic() {
+    assert!(close(at(0.0, 0.0, 0.5, 0.0).matrix, matrix(0.1, 1.0, 0.5, 0.0)));
+}
+
+#[test]
+fn an_isotropic_table_turns_with_the_view() {
+    let stored = [0.5, 0.0, -0.4, 0.0, 0.3, 0.0, 0.2, 0.0, 1.0];
+    let table = Table {
+        layout: Layout::Kt2022,
+        axes: PerAxis { alpha: vec![0.5], ratio: vec![1.0], theta: vec![0.7], phi: vec![0.0] },
+        matrix: vec![stored.map(|x| x as f32)],
+        terms: None,
+        node_error: vec![0.0],
+    };
+    let m = from_row_major(&stored);
+    for phi in [0.0, 0.4, FRAC_PI_2, 2.0, PI, 4.0, 5.5, -0.3] {
+        let found = table.lookup(&Configuration { alpha_x: 0.5, alpha_y: 0.5, theta: 0.7, phi });
+        // Up to the gauge: what both make of the directions that a rotation about z leaves, z itself, and of M M^T.
+        let (found, wanted) = (from_row_major(&found.matrix), turned_about_z(m, phi));
+        assert!((found.z_axis - wanted.z_axis).length() < F32, "{phi}: {found} {wanted}");
+        let square = |m: glam::DMat3| m * m.transpose();
+        assert!(square(found).abs_diff_eq(square(wanted), 1e-6), "{phi}: {found} {wanted}");
+    }
+}
+
+/// A table of layout `reflected` that adds nothing to the reflection: what it answers is the reflection's own.
+fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
+    let entries = axes.named().iter().map(|(_, nodes)| nodes.len()).product();
+    Table {
+        layout: Layout::Reflected,
+        axes,
+        matrix: vec![matrix; entries],
+        terms: Some(Terms { amplitude: vec![1.0; entries], fresnel: vec![0.0; entries] }),
+        node_error: vec![0.0; entries],
+    }
+}
+
+const IDENTITY: [f32; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+proptest! {
+    #[test]
+    fn a_reflected_table_starts_from_the_reflection_at_the_very_place(
+        a in 0.1..1.0, r in 0.2..1.0, t in 0.0..1.5, p in 0.0..FRAC_PI_2,
+    ) {
+        let found = reflections(linear().axes, IDENTITY).lookup(&Configuration { alpha_x: a, alpha_y: a * r, theta: t, phi: p });
+        let place = PerAxis { alpha: a, ratio: r, theta: t, phi: p };
+        let reflection = Reflection::of(&place.surface(), place.view());
+        prop_assert!(close(found.matrix, row_major(&reflection.matrix)), "{:?}", found);
+        prop_assert!((found.amplitude.expect("terms") - reflection.amplitude).abs() < F32);
+        prop_assert!((found.fresnel.expect("terms") - reflection.amplitude * reflection.grazing.powi(5)).abs() < F32);
+    }
+
+    /// Outside its ranges a table answers as at the nearest configuration inside, its reflection included.
+    #[test]
+    fn outside_its_nodes_a_reflected_table_answers_as_at_their_end(a in 0.0..0.1, r in 0.0..0.2, t in 1.5..FRAC_PI_2) {
+        let table = reflections(linear().axes, IDENTITY);
+        let at = |a: f64, r: f64, t: f64| table.lookup(&Configuration { alpha_x: a, alpha_y: a * r, theta: t, phi: 0.3 });
+        prop_assert!(close(at(a, r, t).matrix, at(0.1, 0.2, 1.5).matrix));
+    }
+}
+
+#[test]
+fn a_reflected_isotropic_table_turns_with_the_view() {
+    let axes = PerAxis { alpha: vec![0.5], ratio: vec![1.0], theta: vec![0.7], phi: vec![0.0] };
+    let table = reflections(axes, [0.9, 0.0, 0.1, 0.0, 1.1, 0.0, 0.2, 0.0, 1.0]);
+    let at = |phi: f64| table.lookup(&Configuration { alpha_x: 0.5, alpha_y: 0.5, theta: 0.7, phi });
+    let m = from_row_major(&at(0.0).matrix);
+    for phi in [0.4, FRAC_PI_2, 2.0, 5.5] {
+        let square = |m: DMat3| m * m.transpose();
+        let found = from_row_major(&at(phi).matrix);
+        assert!(square(found).abs_diff_eq(square(turned_about_z(m, phi)), 1e-12), "{phi}: {found}");
+    }
+}

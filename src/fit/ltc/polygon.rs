@@ -1,0 +1,181 @@
+//! The integral of a distribution over a polygon, in closed form.
+//!
+//! Seen from the origin, a polygon's edges are arcs of great circles. The clamped cosine over it is the z of its
+//! vector form factor, `1/(2 pi) sum acos(a . b) (a x b).z / |a x b|` over its edges from `a` to `b` on the unit
+//! sphere, once the part below the horizon is cut off [Lambert 1760; Heitz, Dupuy, Hill, Neubelt 2016, equation 11].
+//!
+//! Of a small polygon the `(a x b).z` cancel: they are of the size of its edges, their sum is of the size of its area.
+//! Around a closed outline they add up to `((a - o) x (b - o)).z` for any `o`, and with `o` on the polygon those are as
+//! small as their sum. So an edge adds this, and `(a x b).z (acos(a . b) / |a x b| - 1)` for its bend.
+//!
+//! A convex polygon crosses the horizon at most twice, so that edges can be cut and added one after another, and one
+//! arc along the horizon closes what is left: no list of clipped vertices is ever made.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+use glam::DVec3;
+
+use super::Ltc;
+use crate::fit::math::atan2_upper;
+
+/// Most vertices of a light in the shaders; cut at the horizon it has one more.
+pub const MAX_VERTICES: usize = 8;
+
+/// The sides from which a polygon can be seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sides {
+    /// Only that from which its vertices run clockwise.
+    One,
+    /// Both.
+    Two,
+}
+
+/// Numbers that the integral is written for: f64, and f32 as in the shaders.
+pub trait Scalar:
+    Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// One turn.
+    const TAU: Self;
+    /// The shortest length that a vector has a direction for.
+    const SHORTEST: Self;
+    /// The square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// The angle of `(x, y)` from +x, in [0, pi]. Domain: `y >= 0`.
+    #[must_use]
+    fn atan2_upper(y: Self, x: Self) -> Self;
+}
+
+impl Scalar for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const TAU: Self = std::f64::consts::TAU;
+    const SHORTEST: Self = 1e-150;
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    fn atan2_upper(y: Self, x: Self) -> Self {
+        libm::atan2(y, x)
+    }
+}
+
+impl Scalar for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const TAU: Self = std::f32::consts::TAU;
+    const SHORTEST: Self = 1e-18;
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    fn atan2_upper(y: Self, x: Self) -> Self {
+        atan2_upper(y, x)
+    }
+}
+
+/// The integral of the clamped cosine over a convex polygon, added up edge by edge.
+#[derive(Debug, Clone, Copy)]
+pub struct Clip<T> {
+    /// Twice pi times the integral so far.
+    sum: T,
+    /// A vertex on the unit sphere.
+    origin: [T; 3],
+    previous: [T; 3],
+    /// `previous` on the unit sphere.
+    previous_unit: [T; 3],
+    /// Where the outline dips below the horizon and where it comes back, on the unit circle.
+    leaves: [T; 3],
+    enters: [T; 3],
+}
+
+impl<T: Scalar> Clip<T> {
+    /// Begins at a vertex: [`Clip::edge_to`] is then called for each of the others in turn, and for this one last.
+    #[must_use]
+    pub fn begin(vertex: [T; 3]) -> Self {
+        let (origin, nowhere) = (unit(vertex), [T::ZERO; 3]);
+        Self { sum: T::ZERO, origin, previous: vertex, previous_unit: origin, leaves: nowhere, enters: nowhere }
+    }
+
+    /// Adds what lies above the horizon of the edge to the next vertex.
+    pub fn edge_to(&mut self, vertex: [T; 3]) {
+        let (a, b) = (self.previous, vertex);
+        let (a_unit, b_unit) = (self.previous_unit, unit(vertex));
+        let (a_is_up, b_is_up) = (a[2] > T::ZERO, b[2] > T::ZERO);
+        if a_is_up && b_is_up {
+            self.sum = self.sum + self.arc(a_unit, b_unit);
+        } else if a_is_up {
+            self.leaves = unit([b[0] * a[2] - a[0] * b[2], b[1] * a[2] - a[1] * b[2], T::ZERO]);
+            self.sum = self.sum + self.arc(a_unit, self.leaves);
+        } else if b_is_up {
+            self.enters = unit([a[0] * b[2] - b[0] * a[2], a[1] * b[2] - b[1] * a[2], T::ZERO]);
+            self.sum = self.sum + self.arc(self.enters, b_unit);
+        }
+        (self.previous, self.previous_unit) = (b, b_unit);
+    }
+
+    /// The integral, in [-1, 1]; negative when the vertices, seen from the origin, run anticlockwise.
+    #[must_use]
+    pub fn finish(self) -> T {
+        // Without a crossing both are the zero vector.
+        let is_cut = self.leaves != self.enters;
+        let closing = if is_cut { self.arc(self.leaves, self.enters) } else { T::ZERO };
+        (self.sum + closing) / T::TAU
+    }
+
+    /// An edge's part of the sum; its angle from sine and cosine, which is accurate for every length of arc where `acos`
+    /// is not.
+    fn arc(&self, a: [T; 3], b: [T; 3]) -> T {
+        let c = cross(a, b);
+        let sin = dot(c, c).sqrt();
+        let bend = if sin > T::SHORTEST { T::atan2_upper(sin, dot(a, b)) / sin - T::ONE } else { T::ZERO };
+        cross(minus(a, self.origin), minus(b, self.origin))[2] + c[2] * bend
+    }
+}
+
+/// The vector on the unit sphere; zero for one that has no direction.
+fn unit<T: Scalar>(v: [T; 3]) -> [T; 3] {
+    let length = dot(v, v).sqrt();
+    if length > T::SHORTEST { [v[0] / length, v[1] / length, v[2] / length] } else { [T::ZERO; 3] }
+}
+
+fn dot<T: Scalar>(a: [T; 3], b: [T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn minus<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+impl Ltc {
+    /// The part of the distribution that a convex polygon covers, seen from the origin: in [0, 1].
+    ///
+    /// `I(P) = I_cosine(M^-1 P)` [Heitz 2016, section 3]. Zero for fewer than three vertices. Domain: finite vertices.
+    #[must_use]
+    pub fn polygon(&self, vertices: &[DVec3], sides: Sides) -> f64 {
+        let inverse = self.inverse();
+        // A mirroring matrix turns the polygon over.
+        let side = if inverse.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let Some(last) = vertices.last() else { return 0.0 };
+        let mut clip = Clip::begin((inverse * *last).to_array());
+        for vertex in vertices {
+            clip.edge_to((inverse * *vertex).to_array());
+        }
+        let covered = match sides {
+            Sides::One => side * clip.finish(),
+            Sides::Two => clip.finish().abs(),
+        };
+        covered.clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod quadrature;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,197 @@
+//! Parsing at the border: path parameters, query strings, recipe bodies. What is malformed is a problem that names
+//! the value and the allowed form.
+
+use std::{fmt::Display, str::FromStr};
+
+use axum::{
+    body::Bytes,
+    extract::{FromRequest, FromRequestParts, Path, Query, Request, rejection::BytesRejection},
+    http::{HeaderMap, StatusCode, header, request::Parts},
+};
+use serde::{Deserialize, de::DeserializeOwned};
+
+use super::{BODY_LIMIT_BYTES, error::Kind, problem::Problem};
+
+/// Items on a page when the client names no number.
+const DEFAULT_PAGE: usize = 50;
+/// Most items on a page.
+const LONGEST_PAGE: usize = 1000;
+
+/// The one parameter in a path: a digest or a job id.
+pub(super) struct PathOf<T>(pub(super) T);
+
+impl<S, T> FromRequestParts<S> for PathOf<T>
+where
+    S: Send + Sync,
+    T: FromStr<Err: Display>,
+{
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let Path(text) = Path::<String>::from_request_parts(parts, state)
+            .await
+            .map_err(|rejection| Problem::new(Kind::BadParameter, rejection.body_text()))?;
+        text.parse().map(Self).map_err(|error: T::Err| Problem::new(Kind::BadParameter, error.to_string()))
+    }
+}
+
+/// A query string without unknown or malformed parameters.
+pub(super) struct QueryOf<T>(pub(super) T);
+
+impl<S, T> FromRequestParts<S> for QueryOf<T>
+where
+    S: Send + Sync,
+    T: DeserializeOwned,
+{
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Problem> {
+        match Query::<T>::try_from_uri(&parts.uri) {
+            Ok(Query(parameters)) => Ok(Self(parameters)),
+            Err(rejection) => {
+                let text = rejection.body_text();
+                let detail = text.strip_prefix("Failed to deserialize query string: ").unwrap_or(&text);
+                Err(Problem::new(Kind::BadParameter, detail))
+            }
+        }
+    }
+}
+
+/// The query string of a call that takes no parameters.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NoParameters {}
+
+/// `limit`: items on a page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
+pub(super) struct PageLimit(pub(super) usize);
+
+impl Default for PageLimit {
+    fn default() -> Self {
+        Self(DEFAULT_PAGE)
+    }
+}
+
+impl TryFrom<String> for PageLimit {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        match text.parse() {
+            Ok(limit) if (1..=LONGEST_PAGE).contains(&limit) => Ok(Self(limit)),
+            _ => Err(format!("«{text}» is not a page length; it is a number from 1 to {LONGEST_PAGE}")),
+        }
+    }
+}
+
+/// The bytes of a recipe document, not parsed yet.
+pub(super) struct RecipeBody(pub(super) Bytes);
+
+impl<S: Send + Sync> FromRequest<S> for RecipeBody {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
+        check_content_type(request.headers())?;
+        Bytes::from_request(request, state).await.map(Self).map_err(|rejection| unreadable(&rejection))
+    }
+}
+
+fn unreadable(rejection: &BytesRejection) -> Problem {
+    if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
+        Problem::new(Kind::BodyTooLarge, format!("a recipe takes at most {BODY_LIMIT_BYTES} bytes"))
+    } else {
+        Problem::new(Kind::BadBody, rejection.body_text())
+    }
+}
+
+/// Takes `application/json`, `application/*+json` and a missing content type, and what `curl -d` says unless it is
+/// told otherwise. A page in a browser can send that too, without asking first, so what comes from a page, as `Origin`
+/// tells, must say JSON.
+fn check_content_type(headers: &HeaderMap) -> Result<(), Problem> {
+    let Some(value) = headers.get(header::CONTENT_TYPE) else {
+        return Ok(());
+    };
+    let media_type = value.to_str().unwrap_or_default().split(';').next().unwrap_or_default().trim();
+    let subtype = media_type.to_ascii_lowercase();
+    match subtype.strip_prefix("application/") {
+        Some(subtype) if subtype == "json" || subtype.ends_with("+json") => Ok(()),
+        Some("x-www-form-urlencoded") if !headers.contains_key(header::ORIGIN) => Ok(()),
+        _ => {
+            let detail = format!("{value:?} is not JSON; send application/json, application/*+json or no content type");
+            Err(Problem::new(Kind::NotJsonType, detail))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::{
+        http::{HeaderValue, Uri},
+        response::IntoResponse as _,
+    };
+
+    use super::*;
+    use crate::{files::digest::Digest, server::queue::StateName};
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Parameters {
+        state: Option<StateName>,
+        #[serde(default)]
+        limit: PageLimit,
+    }
+
+    async fn query(text: &str) -> Result<Parameters, Problem> {
+        let uri: Uri = format!("/v1/jobs{text}").parse().expect("a URI");
+        let (mut parts, ()) = Request::builder().uri(uri).body(()).expect("a request").into_parts();
+        QueryOf::from_request_parts(&mut parts, &()).await.map(|QueryOf(parameters)| parameters)
+    }
+
+    #[tokio::test]
+    async fn query_parameters_are_parsed_and_default() {
+        let plain = query("").await.expect("no parameters are fine");
+        assert_eq!((plain.state, plain.limit), (None, PageLimit(DEFAULT_PAGE)));
+        let full = query("?state=done&limit=1000").await.expect("known parameters");
+        assert_eq!((full.state, full.limit), (Some(StateName::Done), PageLimit(1000)));
+    }
+
+    #[tokio::test]
+    async fn what_a_query_cannot_say_is_a_400_that_names_it() {
+        let cases =
+            [("?sate=done", "sate"), ("?state=finished", "finished"), ("?limit=0", "«0»"), ("?limit=1001", "1001")];
+        for (text, named) in cases {
+            let problem = query(text).await.expect_err(text);
+            let view = serde_json::to_value(problem.into_view()).expect("a problem serialises");
+            assert_eq!(view["status"], 400, "{text}");
+            let detail = view["detail"].as_str().expect("a text");
+            assert!(detail.contains(named) && !detail.contains("deserialize"), "{view}");
+        }
+    }
+
+    #[test]
+    fn recipes_come_as_json_or_without_a_type() {
+        let check = |value: &'static str| {
+            check_content_type(&HeaderMap::from_iter([(header::CONTENT_TYPE, HeaderValue::from_static(value))]))
+        };
+        assert!(check_content_type(&HeaderMap::new()).is_ok());
+        for good in ["application/json", "Application/JSON; charset=utf-8", "application/vnd.ltc+json"] {
+            assert!(check(good).is_ok(), "{good}");
+        }
+        assert!(check("application/x-www-form-urlencoded").is_ok(), "the default of curl -d");
+        let from_page =
+            [(header::CONTENT_TYPE, "application/x-www-form-urlencoded"), (header::ORIGIN, "http://a.example")];
+        let from_page = from_page.map(|(name, value)| (name, HeaderValue::from_static(value)));
+        assert!(check_content_type(&HeaderMap::from_iter(from_page)).is_err(), "a form of another site's page");
+        for bad in ["text/plain", "application/jsonl", "json", ""] {
+            let status = check(bad).expect_err(bad).into_response().status();
+            assert_eq!(status, 415, "{bad}");
+        }
+    }
+
+    #[test]
+    fn digests_parse_through_the_same_door() {
+        // PathOf relies on the message of the parser: it names the value and the form.
+        let error = "xyz".parse::<Digest>().expect_err("no digest").to_string();
+        assert!(error.contains("«xyz»") && error.contains("64 hex digits"), "{error}");
+    }
+}

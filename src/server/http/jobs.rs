@@ -1,0 +1,138 @@
+//! Jobs: submit, list, show, cancel.
+
+use std::time::Duration;
+
+use axum::{
+    Json,
+    extract::State,
+    http::{HeaderMap, HeaderValue, StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use serde::Deserialize;
+
+use super::{
+    Api,
+    error::Kind,
+    extract::{NoParameters, PageLimit, PathOf, QueryOf, RecipeBody},
+    problem::{Problem, retry_after_value},
+    views::{JobView, PageView, is_final},
+};
+use crate::server::{
+    queue::{JobId, StateName},
+    service::{JobNews, Service, Submission, SubmitError},
+};
+
+/// Longest time that a client is asked to wait before it looks at a job again.
+const LONGEST_RETRY: Duration = Duration::from_secs(30);
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ListParameters {
+    state: Option<StateName>,
+    cursor: Option<String>,
+    #[serde(default)]
+    limit: PageLimit,
+}
+
+/// `POST /v1/jobs`.
+pub(super) async fn submit(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    RecipeBody(document): RecipeBody,
+) -> Result<Response, Problem> {
+    let submit = move |service: &Service| {
+        let (status, job) = match service.submit(&document)? {
+            Submission::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
+            Submission::Ready { job, .. } => (StatusCode::OK, job),
+        };
+        let expected = service.expected(&job.recipe);
+        Ok::<_, SubmitError>((status, job, expected))
+    };
+    let (status, job, expected) = api.call(submit).await?;
+    let mut response = (status, Json(JobView::new(&job, None, expected)?)).into_response();
+    let headers = response.headers_mut();
+    if let Ok(location) = HeaderValue::from_str(&format!("/v1/jobs/{}", job.id)) {
+        headers.insert(header::LOCATION, location);
+    }
+    if status == StatusCode::ACCEPTED {
+        headers.insert(header::RETRY_AFTER, look_again(None));
+    }
+    Ok(response)
+}
+
+/// `GET /v1/jobs`.
+pub(super) async fn list(
+    State(api): State<Api>,
+    QueryOf(parameters): QueryOf<ListParameters>,
+) -> Result<Json<PageView<JobView>>, Problem> {
+    let ListParameters { state, cursor, limit } = parameters;
+    let page = api.call(move |service| service.jobs(state, cursor.as_deref(), limit.0)).await?;
+    Ok(Json(PageView::new(page, |news| JobView::of_news(&news))?))
+}
+
+/// `GET /v1/jobs/{id}`.
+pub(super) async fn show(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    PathOf(id): PathOf<JobId>,
+) -> Result<Response, Problem> {
+    let news = api.call(move |service| service.job(id)).await?.ok_or_else(|| unknown(id))?;
+    answer(&news)
+}
+
+/// `DELETE /v1/jobs/{id}`.
+pub(super) async fn cancel(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    PathOf(id): PathOf<JobId>,
+) -> Result<Response, Problem> {
+    let news = api.call(move |service| service.cancel(id)).await?.ok_or_else(|| unknown(id))?;
+    answer(&news)
+}
+
+/// The problem of an id that no job has.
+pub(super) fn unknown(id: JobId) -> Problem {
+    Problem::new(Kind::UnknownJob, format!("no job has the id {id}"))
+}
+
+/// A job that may change is not cached and says when to look again.
+fn answer(news: &JobNews) -> Result<Response, Problem> {
+    let mut headers = HeaderMap::from_iter([(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))]);
+    if !is_final(&news.job.state) {
+        headers.insert(header::RETRY_AFTER, look_again(news.seconds_left));
+    }
+    Ok((headers, Json(JobView::of_news(news)?)).into_response())
+}
+
+fn look_again(seconds_left: Option<f64>) -> HeaderValue {
+    let expected = seconds_left.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or_default();
+    retry_after_value(expected.min(LONGEST_RETRY))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        files::digest::Digest,
+        server::{http::views::samples, queue::JobState},
+    };
+
+    #[test]
+    fn clients_are_asked_to_come_back_in_one_to_thirty_seconds() {
+        let cases =
+            [(None, "1"), (Some(0.2), "1"), (Some(4.1), "5"), (Some(1e300), "1"), (Some(-1.0), "1"), (Some(9e3), "30")];
+        for (seconds, expected) in cases {
+            assert_eq!(look_again(seconds), expected, "{seconds:?}");
+        }
+    }
+
+    #[test]
+    fn only_a_job_that_may_change_says_when_to_look_again() {
+        let retry_after = |state| {
+            let news = JobNews { sequence: 1, job: samples::job(state), seconds_left: Some(2.0), expected: None };
+            answer(&news).expect("the recipe is JSON").headers().get(header::RETRY_AFTER).cloned()
+        };
+        assert_eq!(retry_after(JobState::Running), Some(HeaderValue::from(2)));
+        assert_eq!(retry_after(JobState::Done { table: Digest::of(b"") }), None);
+    }
+}

@@ -1,0 +1,136 @@
+//! Calls for those who run the service: health, readiness, metrics, version, the description of the interface.
+
+use std::fmt::Write as _;
+
+use axum::{
+    Json,
+    extract::State,
+    http::header,
+    response::{IntoResponse, Response},
+};
+use serde::Serialize;
+
+use super::{Api, error, problem::Problem};
+use crate::{
+    fit::FITTER_VERSION,
+    server::{
+        queue::StateName,
+        service::{Metrics, PictureCounts, ServiceError},
+    },
+};
+
+const OPENAPI: &str = include_str!("../../../openapi.yaml");
+
+#[derive(Debug, Serialize)]
+pub(super) struct Status {
+    status: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Build {
+    name: &'static str,
+    version: &'static str,
+    /// Raised whenever the same recipe gives other bytes.
+    fitter: u32,
+}
+
+/// `GET /healthz`: the process answers.
+pub(super) async fn healthz() -> Json<Status> {
+    Json(Status { status: "ok" })
+}
+
+/// `GET /readyz`: jobs are taken and worked on.
+pub(super) async fn readyz(State(api): State<Api>) -> Result<Json<Status>, Problem> {
+    let ready = api.call(|service| Ok::<_, ServiceError>(service.is_ready())).await?;
+    if ready && !*api.stopping.borrow() { Ok(Json(Status { status: "ready" })) } else { Err(error::stopping()) }
+}
+
+/// `GET /metrics`.
+pub(super) async fn metrics(State(api): State<Api>) -> Result<Response, Problem> {
+    let metrics = api.call(crate::server::service::Service::metrics).await?;
+    Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], exposition(&metrics)).into_response())
+}
+
+/// `GET /version`.
+pub(super) async fn version() -> Json<Build> {
+    Json(Build { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
+}
+
+/// `GET /openapi.yaml`.
+pub(super) async fn openapi() -> Response {
+    ([(header::CONTENT_TYPE, "application/yaml")], OPENAPI).into_response()
+}
+
+/// The figures in Prometheus' text format 0.0.4.
+fn exposition(metrics: &Metrics) -> String {
+    let mut text = String::from("# HELP ltcforge_jobs Jobs by state.\n# TYPE ltcforge_jobs gauge\n");
+    for (state, count) in &metrics.jobs {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "ltcforge_jobs{{state=\"{}\"}} {count}", label(*state));
+    }
+    text.push_str("# HELP ltcforge_pictures_total Pictures since the start, but for those kept from before.\n");
+    text.push_str("# TYPE ltcforge_pictures_total counter\n");
+    let PictureCounts { done, failed, given_up, refused } = metrics.pictures;
+    for (outcome, count) in [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)] {
+        let _ = writeln!(text, "ltcforge_pictures_total{{outcome=\"{outcome}\"}} {count}");
+    }
+    let counters = [
+        ("entries_fitted", "Entries fitted since the start.", metrics.entries_fitted),
+        ("shard_failures", "Shards that failed since the start.", metrics.shard_failures),
+        ("leases_expired", "Leases that ran out since the start.", metrics.leases_expired),
+        ("blobs_corrupt", "Blobs found damaged since the start.", metrics.blobs_corrupt),
+    ];
+    for (name, help, value) in counters {
+        let name = format!("ltcforge_{name}_total");
+        let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} counter\n{name} {value}");
+    }
+    let gauges = [
+        ("tables", "Tables in the catalogue.", metrics.tables),
+        ("table_bytes", "Bytes of all tables.", metrics.table_bytes),
+    ];
+    for (name, help, value) in gauges {
+        let _ = writeln!(text, "# HELP ltcforge_{name} {help}\n# TYPE ltcforge_{name} gauge\nltcforge_{name} {value}");
+    }
+    text
+}
+
+fn label(state: StateName) -> &'static str {
+    match state {
+        StateName::Queued => "queued",
+        StateName::Running => "running",
+        StateName::Done => "done",
+        StateName::Failed => "failed",
+        StateName::Cancelled => "cancelled",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_stands_on_its_line() {
+        let metrics = Metrics {
+            jobs: vec![(StateName::Done, 3), (StateName::Queued, 0)],
+            entries_fitted: 41,
+            table_bytes: 176_000,
+            pictures: PictureCounts { done: 5, refused: 2, ..PictureCounts::default() },
+            ..Metrics::default()
+        };
+        let text = exposition(&metrics);
+        for line in [
+            r#"ltcforge_jobs{state="done"} 3"#,
+            r#"ltcforge_jobs{state="queued"} 0"#,
+            "ltcforge_entries_fitted_total 41",
+            "# TYPE ltcforge_entries_fitted_total counter",
+            r#"ltcforge_pictures_total{outcome="done"} 5"#,
+            r#"ltcforge_pictures_total{outcome="given_up"} 0"#,
+            r#"ltcforge_pictures_total{outcome="refused"} 2"#,
+            "ltcforge_table_bytes 176000",
+            "# TYPE ltcforge_table_bytes gauge",
+        ] {
+            assert!(text.lines().any(|other| other == line), "{line} is missing in\n{text}");
+        }
+        assert!(text.ends_with('\n'));
+    }
+}

@@ -1,0 +1,129 @@
+//! Problem documents [RFC 9457].
+
+use std::time::Duration;
+
+use axum::{
+    Json,
+    http::{HeaderValue, header},
+    response::{IntoResponse, Response},
+};
+use serde::Serialize;
+
+use super::error::Kind;
+use crate::{files::recipe::Fault, view::preview::ParameterFault};
+
+/// An error on its way to a client.
+#[derive(Debug)]
+pub(super) struct Problem {
+    kind: Kind,
+    detail: String,
+    errors: Vec<FaultView>,
+    retry_after: Option<Duration>,
+}
+
+/// The body of a problem. `type` is a reference relative to the service, stable for the life of the interface.
+#[derive(Debug, Serialize)]
+pub(super) struct ProblemView {
+    r#type: String,
+    title: &'static str,
+    status: u16,
+    detail: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    errors: Vec<FaultView>,
+}
+
+/// One of several faults: where it is, and what is wrong there.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum FaultView {
+    /// In a submitted document.
+    Field(Fault),
+    /// In a query string.
+    Parameter(ParameterFault),
+}
+
+impl From<Fault> for FaultView {
+    fn from(fault: Fault) -> Self {
+        Self::Field(fault)
+    }
+}
+
+impl From<ParameterFault> for FaultView {
+    fn from(fault: ParameterFault) -> Self {
+        Self::Parameter(fault)
+    }
+}
+
+impl Problem {
+    /// A problem of `kind`; `detail` is one sentence on this occurrence.
+    pub(super) fn new(kind: Kind, detail: impl Into<String>) -> Self {
+        Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
+    }
+
+    /// The same with a list of faults in what was submitted.
+    pub(super) fn with_errors<F: Into<FaultView>>(self, errors: Vec<F>) -> Self {
+        Self { errors: errors.into_iter().map(Into::into).collect(), ..self }
+    }
+
+    /// The same with a `Retry-After` field.
+    pub(super) fn with_retry_after(self, after: Duration) -> Self {
+        Self { retry_after: Some(after), ..self }
+    }
+
+    /// The document that a client reads.
+    pub(super) fn into_view(self) -> ProblemView {
+        let row = self.kind.row();
+        ProblemView {
+            r#type: format!("/problems/{}", row.slug),
+            title: row.title,
+            status: row.status.as_u16(),
+            detail: self.detail,
+            errors: self.errors,
+        }
+    }
+}
+
+/// Whole seconds for `Retry-After`, at least one.
+pub(super) fn retry_after_value(after: Duration) -> HeaderValue {
+    HeaderValue::from(after.as_secs_f64().ceil().max(1.0) as u64)
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let status = self.kind.row().status;
+        let retry_after = self.retry_after;
+        let mut response = (status, Json(self.into_view())).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        if let Some(after) = retry_after {
+            headers.insert(header::RETRY_AFTER, retry_after_value(after));
+        }
+        response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_problem_carries_its_faults_and_when_to_come_back() {
+        let fault = Fault { pointer: "/fit/samples".into(), detail: "0 is below 1".into() };
+        let problem = Problem::new(Kind::BadRecipe, "1 fault").with_errors(vec![fault]);
+        let view = serde_json::to_value(problem.into_view()).expect("a problem serialises");
+        let expected = serde_json::json!({
+            "type": "/problems/bad-recipe", "title": "The recipe has faults", "status": 422, "detail": "1 fault",
+            "errors": [{ "pointer": "/fit/samples", "detail": "0 is below 1" }],
+        });
+        assert_eq!(view, expected);
+
+        let response = Problem::new(Kind::QueueFull, "").with_retry_after(Duration::from_millis(1200)).into_response();
+        assert_eq!(response.headers()[header::RETRY_AFTER], "2");
+        assert_eq!(response.headers()[header::CONTENT_TYPE], "application/problem+json");
+    }
+
+    #[test]
+    fn retry_after_is_never_zero() {
+        assert_eq!(retry_after_value(Duration::ZERO), "1");
+    }
+}

@@ -1,0 +1,208 @@
+//! The JSON documents of the interface.
+
+use jiff::Timestamp;
+use serde::Serialize;
+use serde_json::value::RawValue;
+
+use super::problem::{Problem, ProblemView};
+use crate::{
+    files::digest::Digest,
+    server::{
+        queue::{Job, JobId, JobState, StateName},
+        service::{Expected, JobNews, Page},
+    },
+};
+
+/// A job.
+#[derive(Debug, Serialize)]
+pub(super) struct JobView {
+    id: JobId,
+    state: StateName,
+    /// The stored canonical text, passed through unparsed: not a digit of it changes.
+    recipe: Box<RawValue>,
+    recipe_digest: Digest,
+    progress: ProgressView,
+    expected: Option<ExpectedView>,
+    attempts: u32,
+    table: Option<Digest>,
+    error: Option<ProblemView>,
+    created_at: Timestamp,
+    started_at: Option<Timestamp>,
+    finished_at: Option<Timestamp>,
+}
+
+#[derive(Debug, Serialize)]
+struct ProgressView {
+    entries_done: u64,
+    entries_total: u64,
+    seconds_left: Option<f64>,
+}
+
+/// What was to be expected of the job's fit.
+#[derive(Debug, Serialize)]
+struct ExpectedView {
+    seconds: f64,
+    error: f64,
+}
+
+/// A known recipe and the table it led to.
+#[derive(Debug, Serialize)]
+pub(super) struct RecipeView {
+    recipe_digest: Digest,
+    recipe: Box<RawValue>,
+    table: Option<Digest>,
+}
+
+/// A page of a list.
+#[derive(Debug, Serialize)]
+pub(super) struct PageView<T> {
+    items: Vec<T>,
+    /// `null` on the last page.
+    next: Option<String>,
+}
+
+impl JobView {
+    /// A job as it is now.
+    ///
+    /// # Errors
+    /// When the stored recipe is not JSON.
+    pub(super) fn new(job: &Job, seconds_left: Option<f64>, expected: Option<Expected>) -> Result<Self, Problem> {
+        Ok(Self {
+            id: job.id,
+            state: state_name(&job.state),
+            recipe: raw(&job.recipe)?,
+            recipe_digest: job.recipe_digest,
+            progress: ProgressView {
+                entries_done: job.entries_done,
+                entries_total: job.entries_total,
+                seconds_left: seconds_left.filter(|seconds| seconds.is_finite()),
+            },
+            expected: expected.map(|Expected { seconds, error }| ExpectedView { seconds, error }),
+            attempts: job.attempts,
+            table: match job.state {
+                JobState::Done { table } => Some(table),
+                _ => None,
+            },
+            error: match &job.state {
+                JobState::Failed { error } => Some(Problem::from(error).into_view()),
+                _ => None,
+            },
+            created_at: job.created_at,
+            started_at: job.started_at,
+            finished_at: job.finished_at,
+        })
+    }
+
+    /// A job's news.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(super) fn of_news(news: &JobNews) -> Result<Self, Problem> {
+        Self::new(&news.job, news.seconds_left, news.expected)
+    }
+}
+
+impl RecipeView {
+    /// A stored recipe.
+    ///
+    /// # Errors
+    /// When the stored recipe is not JSON.
+    pub(super) fn new(recipe_digest: Digest, recipe: &str, table: Option<Digest>) -> Result<Self, Problem> {
+        Ok(Self { recipe_digest, recipe: raw(recipe)?, table })
+    }
+}
+
+impl<T> PageView<T> {
+    /// The page with each item shown by `view`.
+    ///
+    /// # Errors
+    /// The first that `view` reports.
+    pub(super) fn new<I>(page: Page<I>, view: impl Fn(I) -> Result<T, Problem>) -> Result<Self, Problem> {
+        Ok(Self { items: page.items.into_iter().map(view).collect::<Result<_, _>>()?, next: page.next })
+    }
+}
+
+/// A state without its data.
+pub(super) fn state_name(state: &JobState) -> StateName {
+    match state {
+        JobState::Queued => StateName::Queued,
+        JobState::Running => StateName::Running,
+        JobState::Done { .. } => StateName::Done,
+        JobState::Failed { .. } => StateName::Failed,
+        JobState::Cancelled => StateName::Cancelled,
+    }
+}
+
+/// Whether nothing follows `state`.
+pub(super) fn is_final(state: &JobState) -> bool {
+    !matches!(state, JobState::Queued | JobState::Running)
+}
+
+fn raw(json: &str) -> Result<Box<RawValue>, Problem> {
+    RawValue::from_string(json.to_owned()).map_err(|error| super::error::internal(&error))
+}
+
+/// Jobs for the tests of the modules that show them.
+#[cfg(test)]
+pub(super) mod samples {
+    use super::*;
+
+    /// A job of an invented recipe.
+    pub(crate) fn job(state: JobState) -> Job {
+        let recipe = r#"{"range":{"theta":[0,1.5707963267948966]}}"#.to_owned();
+        let recipe_digest = Digest::of(recipe.as_bytes());
+        Job {
+            id: JobId::of_recipe(&recipe_digest),
+            recipe,
+            recipe_digest,
+            state,
+            entries_total: 16,
+            entries_done: 4,
+            attempts: 1,
+            created_at: Timestamp::UNIX_EPOCH,
+            started_at: None,
+            finished_at: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::server::queue::{Failure, FailureKind};
+
+    fn json(state: JobState) -> serde_json::Value {
+        let view = JobView::new(&samples::job(state), Some(f64::INFINITY), None).expect("the recipe is JSON");
+        serde_json::to_value(view).expect("a job serialises")
+    }
+
+    #[test]
+    fn a_job_shows_table_or_error_by_its_state() {
+        let table = Digest::of(b"table");
+        let done = json(JobState::Done { table });
+        assert_eq!((&done["state"], &done["table"]), (&"done".into(), &table.to_string().into()));
+        assert!(done["error"].is_null());
+
+        let error = Failure { kind: FailureKind::DiskFull, detail: "no room".into() };
+        let failed = json(JobState::Failed { error });
+        assert_eq!(failed["error"]["type"], "/problems/disk-full");
+        assert_eq!(failed["error"]["detail"], "no room");
+        assert!(failed["table"].is_null());
+    }
+
+    #[test]
+    fn a_job_keeps_every_digit_of_its_recipe_and_no_infinity() {
+        let view =
+            JobView::new(&samples::job(JobState::Queued), Some(f64::INFINITY), None).expect("the recipe is JSON");
+        let text = serde_json::to_string(&view).expect("a job serialises");
+        assert!(text.contains("1.5707963267948966"), "{text}");
+        assert!(text.contains(r#""seconds_left":null"#), "{text}");
+        assert!(text.contains(r#""created_at":"1970-01-01T00:00:00Z""#), "{text}");
+    }
+
+    #[test]
+    fn a_recipe_that_is_not_json_is_a_problem_not_a_panic() {
+        let job = Job { recipe: "{".into(), ..samples::job(JobState::Queued) };
+        assert!(JobView::new(&job, None, None).is_err());
+    }
+}

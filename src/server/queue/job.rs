@@ -1,0 +1,103 @@
+//! What is known of a job.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use crate::files::{
+    digest::Digest,
+    job::{JobId, StateName},
+};
+
+/// Why a job failed, as a stable word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FailureKind {
+    /// No room on the disk.
+    DiskFull,
+    /// Reading or writing failed for another reason.
+    Storage,
+    /// A shard failed as often as attempts are allowed.
+    Attempts,
+}
+
+/// The last error of a failed job.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// What kind of failure.
+    pub kind: FailureKind,
+    /// One sentence for people.
+    pub detail: String,
+}
+
+/// Where a job stands.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "state", rename_all = "snake_case")]
+pub enum JobState {
+    /// No shard has been leased yet.
+    Queued,
+    /// Shards are being fitted.
+    Running,
+    /// The table is stored.
+    Done {
+        /// Its digest.
+        table: Digest,
+    },
+    /// It gave up.
+    Failed {
+        /// Why.
+        error: Failure,
+    },
+    /// A user cancelled it.
+    Cancelled,
+}
+
+/// A recipe on its way to a table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// Derived from the recipe's digest.
+    pub id: JobId,
+    /// Canonical JSON of the recipe: opaque to the queue.
+    pub recipe: String,
+    /// Its digest.
+    pub recipe_digest: Digest,
+    /// Where it stands.
+    #[serde(flatten)]
+    pub state: JobState,
+    /// Entries of all shards.
+    pub entries_total: u64,
+    /// Entries of finished shards, plus those that running ones have reported.
+    pub entries_done: u64,
+    /// The highest attempt number among its shards.
+    pub attempts: u32,
+    /// When it was first submitted, or submitted again after it had failed or been cancelled.
+    pub created_at: Timestamp,
+    /// When its first shard was leased.
+    pub started_at: Option<Timestamp>,
+    /// When it reached a final state.
+    pub finished_at: Option<Timestamp>,
+}
+
+impl JobState {
+    /// The state without its data.
+    #[must_use]
+    pub fn name(&self) -> StateName {
+        match self {
+            Self::Queued => StateName::Queued,
+            Self::Running => StateName::Running,
+            Self::Done { .. } => StateName::Done,
+            Self::Failed { .. } => StateName::Failed,
+            Self::Cancelled => StateName::Cancelled,
+        }
+    }
+}
+
+impl StateName {
+    /// Every state.
+    pub const ALL: [Self; 5] = [Self::Queued, Self::Running, Self::Done, Self::Failed, Self::Cancelled];
+
+    /// Whether a job in this state changes no more unless it is submitted again.
+    #[must_use]
+    pub fn is_final(self) -> bool {
+        matches!(self, Self::Done | Self::Failed | Self::Cancelled)
+    }
+}

@@ -1,0 +1,358 @@
+//! The queue against a simple model of it, under random histories with restarts, power cuts and full disks.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    num::NonZeroU32,
+    sync::{
+        Arc,
+        atomic::{AtomicI64, Ordering},
+    },
+    time::Duration,
+};
+
+use jiff::Timestamp;
+use proptest::prelude::*;
+
+use super::*;
+use crate::{
+    files::digest::Digest,
+    server::store::{Batch, Tree, memory::MemoryRows},
+};
+
+const LEASE_SECONDS: i64 = 10;
+const MAX_ATTEMPTS: u32 = 3;
+const SHARDS: u32 = 3;
+
+#[derive(Debug, Clone)]
+enum Action {
+    Submit(u8),
+    Cancel(u8),
+    Lease,
+    /// Deliver a held lease, whether it is still current or not.
+    Deliver(prop::sample::Index),
+    /// Deliver under a lease once more.
+    DeliverAgain(prop::sample::Index),
+    Fail(prop::sample::Index),
+    GiveBack(prop::sample::Index),
+    Progress(prop::sample::Index),
+    /// Let time pass.
+    Tick(i64),
+    /// The process ends; what was acknowledged is on the disk.
+    PowerCut,
+    /// The disk is full for the next action.
+    DiskFull(Box<Action>),
+}
+
+fn action() -> impl Strategy<Value = Action> {
+    let index = any::<prop::sample::Index>;
+    let plain = prop_oneof![
+        3 => (0..3_u8).prop_map(Action::Submit),
+        1 => (0..3_u8).prop_map(Action::Cancel),
+        8 => Just(Action::Lease),
+        8 => index().prop_map(Action::Deliver),
+        1 => index().prop_map(Action::DeliverAgain),
+        1 => index().prop_map(Action::Fail),
+        1 => index().prop_map(Action::GiveBack),
+        1 => index().prop_map(Action::Progress),
+        1 => (1..2 * LEASE_SECONDS).prop_map(Action::Tick),
+        1 => Just(Action::PowerCut),
+    ];
+    prop_oneof![
+        9 => plain.clone(),
+        1 => plain.prop_map(|action| Action::DiskFull(Box::new(action))),
+    ]
+}
+
+/// What must be true of a job, told from the answers that the queue gave.
+#[derive(Debug, Clone)]
+struct Expected {
+    stage: Stage,
+    /// Shards whose completion was acknowledged in this submission, or kept from a failed one.
+    finished: BTreeSet<u32>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stage {
+    /// Acknowledged and neither done, failed nor cancelled since.
+    Open,
+    Done,
+    Cancelled,
+    Failed,
+    /// It failed while the disk was full: nobody can have been promised that this outlives the process.
+    FailedUnsaved,
+}
+
+impl Expected {
+    fn concluded(stage: Stage) -> Self {
+        Self { stage, finished: BTreeSet::new() }
+    }
+
+    fn is_open(&self) -> bool {
+        self.stage == Stage::Open
+    }
+}
+
+struct Run {
+    rows: Arc<MemoryRows>,
+    queue: Queue,
+    seconds: Arc<AtomicI64>,
+    /// Leases that may still be current, with the time of their last sign of life.
+    held: Vec<(Work, i64)>,
+    /// Leases that are certainly not current.
+    spent: Vec<Work>,
+    jobs: BTreeMap<JobId, Expected>,
+}
+
+fn recipe(n: u8) -> NewJob {
+    NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
+}
+
+fn open(rows: &Arc<MemoryRows>, seconds: &Arc<AtomicI64>) -> Queue {
+    let limits = Limits {
+        jobs: 2,
+        lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
+        max_attempts: NonZeroU32::new(MAX_ATTEMPTS).unwrap(),
+    };
+    let seconds = Arc::clone(seconds);
+    let clock: Clock = Arc::new(move || Timestamp::from_second(seconds.load(Ordering::Relaxed)).unwrap());
+    Queue::open(rows.clone(), limits, clock).unwrap()
+}
+
+impl Run {
+    fn new() -> Self {
+        let (rows, seconds) = (Arc::new(MemoryRows::default()), Arc::new(AtomicI64::new(0)));
+        let queue = open(&rows, &seconds);
+        Self { rows, queue, seconds, held: vec![], spent: vec![], jobs: BTreeMap::new() }
+    }
+
+    fn now(&self) -> i64 {
+        self.seconds.load(Ordering::Relaxed)
+    }
+
+    fn is_current(&self, work: &Work, seen: i64) -> bool {
+        self.now() < seen + LEASE_SECONDS && self.jobs[&work.job].is_open()
+    }
+
+    /// Takes a held lease out; the flag tells whether the queue must accept it.
+    fn take(&mut self, index: prop::sample::Index) -> Option<(Work, bool)> {
+        if self.held.is_empty() {
+            return None;
+        }
+        let (work, seen) = self.held.remove(index.index(self.held.len()));
+        let current = self.is_current(&work, seen);
+        self.spent.push(work.clone());
+        Some((work, current))
+    }
+
+    /// Leases of a job that is no more open are spent, for good: also when it is submitted again.
+    fn close(&mut self, id: JobId) {
+        let (spent, held) = std::mem::take(&mut self.held).into_iter().partition(|(work, _)| work.job == id);
+        self.held = held;
+        let spent: Vec<(Work, i64)> = spent;
+        self.spent.extend(spent.into_iter().map(|(work, _)| work));
+    }
+
+    /// Notes jobs that the queue has failed: only attempts used up may do that.
+    fn notice_failures(&mut self, disk_was_full: bool) {
+        let open: Vec<JobId> = self.jobs.iter().filter(|(_, job)| job.is_open()).map(|(id, _)| *id).collect();
+        for id in open {
+            let job = self.queue.job(id).unwrap().unwrap();
+            if let JobState::Failed { error } = job.state {
+                assert_eq!(error.kind, FailureKind::Attempts);
+                assert!(job.attempts >= MAX_ATTEMPTS);
+                let expected = self.jobs.get_mut(&id).unwrap();
+                expected.stage = if disk_was_full { Stage::FailedUnsaved } else { Stage::Failed };
+                self.close(id);
+            }
+        }
+    }
+
+    fn deliver(&mut self, work: &Work) -> Result<(), LeaseError> {
+        match work.step {
+            Step::Shard(shard) => self.queue.complete(&work.lease, format!("{}/{shard}", work.recipe).as_bytes()),
+            Step::Assemble => {
+                let results = self.queue.results(&work.lease)?.expect("no result was damaged");
+                let wanted: Vec<_> = (0..SHARDS).map(|n| format!("{}/{n}", work.recipe).into_bytes()).collect();
+                assert_eq!(results, wanted, "every shard's own result, once");
+                self.queue.finish(&work.lease, Digest::of(work.recipe.as_bytes()), Batch::default())
+            }
+        }
+    }
+
+    fn delivered(&mut self, work: &Work) {
+        let job = self.jobs.get_mut(&work.job).unwrap();
+        match work.step {
+            Step::Shard(shard) => assert!(job.finished.insert(shard), "a shard was finished twice"),
+            Step::Assemble => {
+                assert_eq!(job.finished.len(), SHARDS as usize, "assembled before all shards were finished");
+                *job = Expected::concluded(Stage::Done);
+                self.close(work.job);
+            }
+        }
+    }
+
+    fn act(&mut self, action: &Action) {
+        match action {
+            Action::Submit(n) => self.submit(*n),
+            Action::Cancel(n) => {
+                let id = JobId::of_recipe(&recipe(*n).recipe_digest);
+                let known = self.jobs.get(&id).cloned();
+                match self.queue.cancel(id) {
+                    Ok(job) => assert_eq!(job.is_some(), known.is_some()),
+                    Err(_) => return,
+                }
+                if known.is_some_and(|job| job.is_open()) {
+                    self.jobs.insert(id, Expected::concluded(Stage::Cancelled));
+                    self.close(id);
+                }
+            }
+            Action::Lease => {
+                let Offer::Work(work) = self.queue.lease(7) else { return };
+                assert!(self.jobs[&work.job].is_open(), "only open jobs are worked on");
+                if let Step::Shard(shard) = work.step {
+                    assert!(!self.jobs[&work.job].finished.contains(&shard), "a finished shard was leased");
+                }
+                for (other, seen) in &self.held {
+                    let same = (other.job, other.step) == (work.job, work.step);
+                    assert!(!same || !self.is_current(other, *seen), "leased twice");
+                }
+                self.held.push((work, self.now()));
+            }
+            Action::Deliver(index) => {
+                let Some((work, current)) = self.take(*index) else { return };
+                match self.deliver(&work) {
+                    Ok(()) => {
+                        assert!(current, "a stale result was taken");
+                        self.delivered(&work);
+                    }
+                    Err(LeaseError::Stale(_)) => assert!(!current, "a current result was refused"),
+                    // Still leased, and nobody delivers: it will expire.
+                    Err(LeaseError::Store(_)) => assert!(current),
+                }
+            }
+            Action::DeliverAgain(index) => {
+                if !self.spent.is_empty() {
+                    let work = self.spent[index.index(self.spent.len())].clone();
+                    // One whose delivery met a full disk may still be current.
+                    if self.deliver(&work).is_ok() {
+                        self.delivered(&work);
+                    }
+                }
+            }
+            Action::Fail(index) => {
+                let Some((work, current)) = self.take(*index) else { return };
+                assert_eq!(self.queue.fail(&work.lease, "bad luck").is_ok(), current);
+            }
+            Action::GiveBack(index) => {
+                let Some((work, current)) = self.take(*index) else { return };
+                assert_eq!(self.queue.give_back(&work.lease).is_ok(), current);
+            }
+            Action::Progress(index) => {
+                if self.held.is_empty() {
+                    return;
+                }
+                let at = index.index(self.held.len());
+                let (work, seen) = self.held[at].clone();
+                let current = self.is_current(&work, seen);
+                assert_eq!(self.queue.progress(&work.lease, 1).is_ok(), current);
+                if current {
+                    self.held[at].1 = self.now();
+                }
+            }
+            Action::Tick(seconds) => drop(self.seconds.fetch_add(*seconds, Ordering::Relaxed)),
+            Action::PowerCut => {
+                self.rows = Arc::new(self.rows.after_power_cut());
+                self.queue = open(&self.rows, &self.seconds);
+                // Leases are held in memory: they ended with the process.
+                self.held.clear();
+                self.spent.clear();
+                for (id, expected) in self.jobs.iter_mut().filter(|(_, job)| job.stage == Stage::FailedUnsaved) {
+                    let job = self.queue.job(*id).unwrap().unwrap();
+                    expected.stage = if job.state.name().is_final() { Stage::Failed } else { Stage::Open };
+                }
+            }
+            Action::DiskFull(action) => {
+                self.rows.full.store(true, Ordering::Relaxed);
+                if !matches!(**action, Action::PowerCut) {
+                    self.act(action);
+                }
+                self.rows.full.store(false, Ordering::Relaxed);
+            }
+        }
+    }
+
+    fn submit(&mut self, n: u8) {
+        let id = JobId::of_recipe(&recipe(n).recipe_digest);
+        let open = self.jobs.values().filter(|job| job.is_open()).count();
+        let former = self.jobs.get(&id).cloned();
+        match self.queue.submit(recipe(n), &|_| true) {
+            Ok(Submitted::Joined(_)) => assert!(former.is_some_and(|job| job.is_open())),
+            Ok(Submitted::Done(..)) => assert!(former.is_some_and(|job| job.stage == Stage::Done)),
+            Ok(Submitted::Queued(job)) => {
+                assert!(former.as_ref().is_none_or(|job| !matches!(job.stage, Stage::Open | Stage::Done)));
+                assert!(open < 2);
+                assert_eq!(job.attempts, 0);
+                let finished = former.map(|job| job.finished).unwrap_or_default();
+                assert_eq!(job.entries_done, 2 * finished.len() as u64, "finished shards are kept");
+                self.jobs.insert(id, Expected { stage: Stage::Open, finished });
+            }
+            Err(QueueError::Full { .. }) => assert_eq!(open, 2),
+            Err(QueueError::Store(_)) => {}
+        }
+    }
+
+    /// What was acknowledged is there, now and after a power cut.
+    fn check(&self, queue: &Queue, after_power_cut: bool) {
+        for (id, expected) in &self.jobs {
+            let job = queue.job(*id).unwrap().expect("an acknowledged job is there");
+            match job.state {
+                JobState::Queued | JobState::Running => {
+                    assert!(expected.is_open() || (after_power_cut && expected.stage == Stage::FailedUnsaved));
+                }
+                JobState::Done { table } => {
+                    assert_eq!(expected.stage, Stage::Done);
+                    assert_eq!(table, Digest::of(job.recipe.as_bytes()));
+                    assert_eq!(job.entries_done, job.entries_total);
+                }
+                JobState::Cancelled => assert_eq!(expected.stage, Stage::Cancelled),
+                JobState::Failed { .. } => assert!(!matches!(expected.stage, Stage::Done | Stage::Cancelled)),
+            }
+            if expected.is_open() {
+                assert!(job.entries_done >= 2 * expected.finished.len() as u64, "a finished shard was lost");
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_history_agrees_with_the_model(actions in prop::collection::vec(action(), 1..120)) {
+        let mut run = Run::new();
+        for action in &actions {
+            run.act(action);
+            run.notice_failures(matches!(action, Action::DiskFull(_)));
+            run.check(&run.queue, false);
+        }
+        let rows = Arc::new(run.rows.after_power_cut());
+        run.check(&open(&rows, &run.seconds), true);
+
+        // With time and room enough, every open job is done, each shard once.
+        run.seconds.fetch_add(2 * LEASE_SECONDS, Ordering::Relaxed);
+        loop {
+            run.notice_failures(false);
+            let Offer::Work(work) = run.queue.lease(7) else { break };
+            run.deliver(&work).unwrap();
+            run.delivered(&work);
+        }
+        prop_assert!(run.jobs.values().all(|job| !job.is_open()));
+        // A failed job keeps its steps, all others leave nothing.
+        let rows = run.rows.after_power_cut();
+        let failed = run.jobs.values().filter(|job| matches!(job.stage, Stage::Failed | Stage::FailedUnsaved)).count();
+        if failed == 0 {
+            run.queue.submit(recipe(9), &|_| true).unwrap();
+            prop_assert_eq!(run.rows.len(Tree::Results) + rows.len(Tree::Results), 0);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Jobs and steps as rows.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Job, JobId, step::StepState};
+use crate::server::store::{Batch, StoreError, Tree};
+
+/// A job's row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct JobRecord {
+    /// Number of the submission: the order of the queue, and what tells leases of an earlier submission apart.
+    pub(super) submission: u64,
+    /// Entries of each shard.
+    pub(super) shard_entries: Vec<u32>,
+    /// What is known of it.
+    pub(super) job: Job,
+}
+
+/// Key of a step's row and of its result: job id and step, big-endian.
+pub(super) fn step_key(job: JobId, step: u32) -> [u8; 20] {
+    let mut key = [0; 20];
+    key[..16].copy_from_slice(job.as_bytes());
+    key[16..].copy_from_slice(&step.to_be_bytes());
+    key
+}
+
+/// The step in a key of [`step_key`].
+pub(super) fn step_of_key(key: &[u8]) -> Option<u32> {
+    Some(u32::from_be_bytes(key.get(16..)?.try_into().ok()?))
+}
+
+/// Puts a job's row, and its place in the order, into `batch`.
+pub(super) fn put_job(batch: &mut Batch, record: &JobRecord) -> Result<(), StoreError> {
+    batch.put(Tree::Jobs, *record.job.id.as_bytes(), encode(record)?);
+    batch.put(Tree::JobOrder, record.submission.to_be_bytes(), *record.job.id.as_bytes());
+    Ok(())
+}
+
+/// Puts a step's row into `batch`.
+pub(super) fn put_step(batch: &mut Batch, job: JobId, step: u32, state: &StepState) -> Result<(), StoreError> {
+    batch.put(Tree::Shards, step_key(job, step), encode(state)?);
+    Ok(())
+}
+
+/// Removes all rows of a job's steps and their results.
+pub(super) fn remove_steps(batch: &mut Batch, record: &JobRecord) {
+    // One step more than there are shards: the assembling.
+    for step in 0..=record.shards() {
+        batch.remove(Tree::Shards, step_key(record.job.id, step));
+        batch.remove(Tree::Results, step_key(record.job.id, step));
+    }
+}
+
+impl JobRecord {
+    /// Number of shards.
+    pub(super) fn shards(&self) -> u32 {
+        u32::try_from(self.shard_entries.len()).unwrap_or(u32::MAX)
+    }
+}
+
+fn encode(row: &impl Serialize) -> Result<Vec<u8>, StoreError> {
+    serde_json::to_vec(row).map_err(|error| StoreError::Database(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::{
+        files::digest::Digest,
+        server::queue::{Failure, FailureKind, JobState},
+    };
+
+    #[test]
+    fn rows_come_back_as_they_were() {
+        let digest = Digest::of(b"recipe");
+        for state in [
+            JobState::Queued,
+            JobState::Done { table: digest },
+            JobState::Failed { error: Failure { kind: FailureKind::DiskFull, detail: "full".to_owned() } },
+        ] {
+            let job = Job {
+                id: JobId::of_recipe(&digest),
+                recipe: "{}".to_owned(),
+                recipe_digest: digest,
+                state,
+                entries_total: 3,
+                entries_done: 1,
+                attempts: 1,
+                created_at: Timestamp::UNIX_EPOCH,
+                started_at: None,
+                finished_at: Some(Timestamp::MAX),
+            };
+            let record = JobRecord { submission: 7, shard_entries: vec![2, 1], job };
+            let mut batch = Batch::default();
+            put_job(&mut batch, &record).unwrap();
+            assert_eq!(serde_json::from_slice::<JobRecord>(&encode(&record).unwrap()).unwrap(), record);
+        }
+        assert_eq!(step_of_key(&step_key(JobId::of_recipe(&digest), 513)), Some(513));
+        assert_eq!(step_of_key(b"short"), None);
+    }
+}

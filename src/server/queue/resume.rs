@@ -1,0 +1,168 @@
+//! Opening the queue: what an earlier process left.
+
+use std::{
+    collections::HashSet,
+    sync::{Arc, Condvar, Mutex},
+};
+
+use super::{Clock, JobId, JobState, Limits, Queue, active::Active, jobs::State, record::JobRecord, step::StepState};
+use crate::server::store::{Batch, Rows, StoreError, Tree};
+
+impl Queue {
+    /// Opens the queue in `rows`. Unfinished jobs go on: leases of the dead process are void and count as failed,
+    /// finished shards stay finished.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn open(rows: Arc<dyn Rows>, limits: Limits, clock: Clock) -> Result<Self, StoreError> {
+        let queue = Self { rows, limits, clock, state: Mutex::new(State::default()), news: Condvar::new() };
+        let mut keep = HashSet::new();
+        {
+            let mut state = queue.lock();
+            let last = queue.rows.page(Tree::JobOrder, None, 1)?;
+            let last = last.first().and_then(|row| Some(u64::from_be_bytes(row.key.as_slice().try_into().ok()?)));
+            state.next_submission = last.map_or(0, |last| last + 1);
+            let mut obsolete = Batch::default();
+            for row in queue.rows.scan(Tree::Jobs, &[])? {
+                let record = row.value.and_then(|value| serde_json::from_slice::<JobRecord>(&value).ok());
+                let Some(record) = record else {
+                    tracing::error!(key = ?row.key, "a job's row is damaged; the job is lost and can be submitted again");
+                    obsolete.remove(Tree::Jobs, row.key);
+                    continue;
+                };
+                // A damaged or missing order row must not let a number be given twice.
+                state.next_submission = state.next_submission.max(record.submission + 1);
+                match record.job.state {
+                    JobState::Queued | JobState::Running => {
+                        keep.insert(record.job.id);
+                        queue.resume(&mut state, record)?;
+                    }
+                    JobState::Failed { .. } => {
+                        keep.insert(record.job.id);
+                        *state.concluded.entry(record.job.state.name()).or_default() += 1;
+                    }
+                    JobState::Done { .. } | JobState::Cancelled => {
+                        *state.concluded.entry(record.job.state.name()).or_default() += 1;
+                    }
+                }
+            }
+            queue.sweep(&mut obsolete, &keep)?;
+            if !obsolete.is_empty() {
+                queue.commit(&mut state, Ok(obsolete))?;
+            }
+        }
+        Ok(queue)
+    }
+
+    fn resume(&self, state: &mut State, record: JobRecord) -> Result<(), StoreError> {
+        let mut steps = vec![StepState::new(); record.shard_entries.len() + 1];
+        let (id, submission) = (record.job.id, record.submission);
+        let mut crashed = Vec::new();
+        for (step, stored) in self.stored_steps(id)? {
+            let Some((slot, stored)) = steps.get_mut(step as usize).zip(stored) else { continue };
+            if let StepState::Leased { attempt, .. } = stored {
+                crashed.push((step, attempt));
+            }
+            *slot = stored;
+        }
+        let finished = steps.iter().filter(|step| matches!(step, StepState::Finished { .. })).count();
+        tracing::info!(job = %id, finished, shards = record.shard_entries.len(), "the job goes on");
+        state.by_id.insert(id, submission);
+        state.active.insert(submission, Active::new(record, steps));
+        for (step, attempt) in crashed {
+            // The job may just have failed with another of its leases.
+            let _ = self.fail_step(state, submission, step, attempt, "the process ended in the middle of it");
+        }
+        Ok(())
+    }
+
+    /// Removes steps and results of jobs that need them no more: what a full disk kept from being removed.
+    fn sweep(&self, batch: &mut Batch, keep: &HashSet<JobId>) -> Result<(), StoreError> {
+        for row in self.rows.scan(Tree::Shards, &[])? {
+            let id = row.key.get(..16).and_then(JobId::from_slice);
+            if id.is_none_or(|id| !keep.contains(&id)) {
+                batch.remove(Tree::Results, row.key.clone());
+                batch.remove(Tree::Shards, row.key);
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{num::NonZeroU32, path::Path, time::Duration};
+
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::{
+        files::digest::Digest,
+        server::{
+            queue::{Lease, NewJob, Offer, Step, Submitted},
+            store::{Store, copy_folder},
+        },
+    };
+
+    fn open(dir: &Path, max_attempts: u32) -> (Queue, Store) {
+        let store = Store::open(dir).unwrap();
+        let max_attempts = NonZeroU32::new(max_attempts).unwrap();
+        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts };
+        (Queue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
+    }
+
+    fn submit(queue: &Queue) -> JobId {
+        let recipe_digest = Digest::of(b"recipe");
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; 3] };
+        assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
+        JobId::of_recipe(&recipe_digest)
+    }
+
+    fn lease(queue: &Queue) -> (Step, Lease) {
+        match queue.lease(0) {
+            Offer::Work(work) => (work.step, work.lease),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn after_kill_9_leases_are_void_and_finished_shards_stay_finished() {
+        let dir = tempfile::tempdir().unwrap();
+        let (alive, killed) = (dir.path().join("alive"), dir.path().join("killed"));
+        let (queue, _store) = open(&alive, 3);
+        let id = submit(&queue);
+        let (step, first) = lease(&queue);
+        assert_eq!(step, Step::Shard(0));
+        let second = lease(&queue).1;
+        queue.complete(&second, b"result").unwrap();
+        // What kill -9 leaves is what the files hold now: the first shard is leased, the second finished.
+        copy_folder(&alive, &killed).unwrap();
+        let (again, _copy) = open(&killed, 3);
+        let job = again.job(id).unwrap().unwrap();
+        assert_eq!((job.state, job.entries_done), (JobState::Running, 1));
+        let (step, void) = lease(&again);
+        assert_eq!(step, Step::Shard(0), "the dead process's lease does not hold it");
+        assert_eq!(lease(&again).0, Step::Shard(2), "the second shard is not fitted again");
+        assert_ne!(void, first, "another attempt");
+        assert!(again.complete(&first, b"late").is_err());
+    }
+
+    #[test]
+    fn a_shard_that_takes_the_process_with_it_every_time_is_given_up() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut last = dir.path().join("0");
+        let id = submit(&open(&last, 2).0);
+        for crash in 1..=2 {
+            let (queue, _store) = open(&last, 2);
+            assert_eq!(lease(&queue).0, Step::Shard(0));
+            // Another shard's result takes the lease's row to the disk with it.
+            let other = lease(&queue).1;
+            queue.complete(&other, b"result").unwrap();
+            last = dir.path().join(crash.to_string());
+            copy_folder(&dir.path().join((crash - 1).to_string()), &last).unwrap();
+        }
+        let (queue, _store) = open(&last, 2);
+        assert!(matches!(queue.job(id).unwrap().unwrap().state, JobState::Failed { .. }));
+        assert!(matches!(queue.lease(0), Offer::Nothing { .. }));
+    }
+}

@@ -1,0 +1,144 @@
+//! The one place where the service meets the fitting core.
+
+use std::{
+    ops::ControlFlow,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use crate::{
+    files::{
+        digest::Digest,
+        export::{self, TableFileError},
+        recipe::{self, RecipeError},
+    },
+    fit::{self, Expectation, FITTER_VERSION, Plan, Recipe},
+    server::queue::NewJob,
+};
+
+/// What the service needs of a fitter. Tests bring their own.
+pub(super) trait Engine: Send + Sync {
+    /// Reads a recipe document and plans its job.
+    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
+
+    /// What fitting a planned recipe is expected to take, on one thread of the model's machine, and to give; `None`
+    /// for a recipe that this engine does not fit.
+    fn expect(&self, recipe: &str) -> Option<Expectation>;
+
+    /// Fits one shard of a planned recipe. `pulse` hears how many of its entries are done and may stop it; the
+    /// result is `None` then.
+    fn fit_shard(
+        &self,
+        recipe: &str,
+        shard: u32,
+        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<u8>>, String>;
+
+    /// The canonical file of the table of all shards' results, in order.
+    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String>;
+
+    /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
+    fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
+
+    /// The manifest of a canonical file. It measures the table, on the current rayon pool.
+    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError>;
+}
+
+/// The fitting core of this crate.
+#[derive(Debug, Default)]
+pub(super) struct Fitter {
+    /// The plan of the recipe that was used last: shards of one job follow each other.
+    latest: Mutex<Option<(String, Arc<Plan>)>>,
+}
+
+impl Fitter {
+    fn plan_of(&self, recipe: &str) -> Result<Arc<Plan>, String> {
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, plan)) = latest.as_ref()
+            && of == recipe
+        {
+            return Ok(Arc::clone(plan));
+        }
+        // It was checked when it was submitted.
+        let parsed: Recipe = serde_json::from_str(recipe).map_err(|error| format!("the stored recipe: {error}"))?;
+        if parsed.fitter != FITTER_VERSION {
+            // Its finished shards are another fitter's; together they would be no table of either.
+            return Err(format!(
+                "made for fitter {}, this is {FITTER_VERSION}: submit the recipe again",
+                parsed.fitter
+            ));
+        }
+        let plan = Arc::new(Plan::new(&parsed));
+        *latest = Some((recipe.to_owned(), Arc::clone(&plan)));
+        Ok(plan)
+    }
+}
+
+fn entries(plan: &Plan, shard: u32) -> usize {
+    let range = plan.shard_entries(shard);
+    usize::try_from(range.end - range.start).unwrap_or(usize::MAX)
+}
+
+impl Engine for Fitter {
+    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError> {
+        let parsed = recipe::parse(document, entry_limit)?;
+        let plan = Plan::new(&parsed);
+        let shard_entries = (0..plan.shards()).map(|n| u32::try_from(entries(&plan, n)).unwrap_or(u32::MAX)).collect();
+        let text = recipe::canonical_json(&parsed);
+        Ok(NewJob { recipe_digest: Digest::of(text.as_bytes()), recipe: text, shard_entries })
+    }
+
+    fn expect(&self, recipe: &str) -> Option<Expectation> {
+        self.plan_of(recipe).ok().map(|plan| fit::expectation(plan.recipe()))
+    }
+
+    fn fit_shard(
+        &self,
+        recipe: &str,
+        shard: u32,
+        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<u8>>, String> {
+        let plan = self.plan_of(recipe)?;
+        Ok(fit::fit_shard(&plan, shard, pulse).map(|entries| fit::shard_to_bytes(&entries)))
+    }
+
+    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
+        let plan = self.plan_of(recipe)?;
+        let mut all = Vec::new();
+        for (shard, bytes) in (0..plan.shards()).zip(results) {
+            let fitted = fit::shard_from_bytes(&bytes, entries(&plan, shard));
+            all.extend(fitted.map_err(|error| format!("shard {shard}: {error}"))?);
+        }
+        let file = export::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())?;
+        // What no reader would take is not stored.
+        export::decode(&file).map_err(|error| error.to_string())?;
+        Ok(file)
+    }
+
+    fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
+        let table = export::decode(file).ok()?;
+        let text = recipe::canonical_json(&table.recipe);
+        let digest = Digest::of(text.as_bytes());
+        Some((text, digest))
+    }
+
+    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError> {
+        super::manifest_json(file)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_of_another_fitter_is_not_mixed_with_this_one_s() {
+        let engine = Fitter::default();
+        let job = engine.plan(br#"{"range": {"phi": [0, 0]}}"#, 10_000).expect("a recipe");
+        let older = job.recipe.replace(&format!("\"fitter\":{FITTER_VERSION}"), "\"fitter\":1");
+        assert_ne!(older, job.recipe);
+        assert!(engine.expect(&job.recipe).is_some_and(|expected| expected.seconds > 0.0 && expected.error > 0.0));
+        assert_eq!(engine.expect(&older), None);
+        let error = engine.fit_shard(&older, 0, &mut |_| ControlFlow::Continue(())).expect_err("another fitter's");
+        assert!(error.contains("submit the recipe again"), "{error}");
+    }
+}

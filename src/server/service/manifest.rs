@@ -1,0 +1,65 @@
+//! A table's manifest: what it is, how large, how good.
+//!
+//! Invariant: it follows from the table's file alone; no time, host or duration is in it.
+
+use serde::Serialize;
+
+use crate::{
+    files::{
+        digest::Digest,
+        export::{self, TableFileError},
+        recipe,
+    },
+    fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points},
+};
+
+/// Version of manifests. Raised whenever the same table gets another one.
+pub(super) const MANIFEST_VERSION: u32 = REPORT_VERSION;
+
+#[derive(Debug, Serialize)]
+struct Manifest {
+    table: Digest,
+    recipe_digest: Digest,
+    recipe: serde_json::Value,
+    bytes: usize,
+    entries: usize,
+    report: Report,
+    exports: Vec<Export>,
+}
+
+/// Another file made of the same table.
+#[derive(Debug, Serialize)]
+struct Export {
+    name: String,
+    digest: Digest,
+    bytes: usize,
+}
+
+/// The report of a recipe's table: that of its manifest. Runs on the current rayon pool.
+#[must_use]
+pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
+    report(table, &recipe.range, report_points(recipe))
+}
+
+/// The manifest of a canonical file as JSON, with a newline at its end. It measures the table, on the current rayon
+/// pool.
+///
+/// # Errors
+/// When `file_bytes` is not a canonical table file.
+pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
+    let file = export::decode(file_bytes)?;
+    let text = recipe::canonical_json(&file.recipe);
+    let not_json = |error: serde_json::Error| TableFileError::Recipe(error.to_string());
+    let manifest = Manifest {
+        table: Digest::of(file_bytes),
+        recipe_digest: Digest::of(text.as_bytes()),
+        recipe: serde_json::from_str(&text).map_err(not_json)?,
+        bytes: file_bytes.len(),
+        entries: file.table.matrix.len(),
+        report: table_report(&file.table, &file.recipe),
+        exports: vec![],
+    };
+    let mut json = serde_json::to_string_pretty(&manifest).map_err(not_json)?;
+    json.push('\n');
+    Ok(json)
+}

@@ -1,0 +1,109 @@
+//! An engine that fits names: its steps stand still, fail and are counted as a test wants.
+
+use std::{
+    collections::HashMap,
+    ops::ControlFlow,
+    sync::{Arc, Condvar, Mutex},
+};
+
+use super::super::engine::Engine;
+use crate::{
+    files::{digest::Digest, export::TableFileError, recipe::RecipeError},
+    fit::Expectation,
+    server::queue::NewJob,
+};
+
+/// Entries of a shard.
+const ENTRIES: u32 = 4;
+
+/// How the fake engine behaves, and what it has done.
+#[derive(Debug, Default)]
+pub(super) struct Behaviour {
+    /// Fits begun, by recipe and shard.
+    pub(super) begun: HashMap<(String, u32), u32>,
+    /// Manifests made.
+    pub(super) manifests: u32,
+    /// Fits that end in a panic, from the first of each shard.
+    pub(super) panics: u32,
+    /// While set, each fit stands still after its first entry.
+    pub(super) held: bool,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Shared {
+    pub(super) behaviour: Mutex<Behaviour>,
+    changed: Condvar,
+}
+
+impl Shared {
+    pub(super) fn set(&self, change: impl FnOnce(&mut Behaviour)) {
+        change(&mut self.behaviour.lock().unwrap());
+        self.changed.notify_all();
+    }
+
+    pub(super) fn begun(&self) -> u32 {
+        self.behaviour.lock().unwrap().begun.values().sum()
+    }
+
+    pub(super) fn wait_for_begun(&self, fits: u32) {
+        let behaviour = self.behaviour.lock().unwrap();
+        drop(self.changed.wait_while(behaviour, |b| b.begun.values().sum::<u32>() < fits).unwrap());
+    }
+}
+
+/// A recipe is `NAME SHARDS`; its table is `TABLE NAME SHARDS` and its shards' names.
+pub(super) struct FakeEngine(pub(super) Arc<Shared>);
+
+impl Engine for FakeEngine {
+    fn plan(&self, document: &[u8], _entry_limit: u64) -> Result<NewJob, RecipeError> {
+        let refuse = || RecipeError::Json("NAME SHARDS".to_owned());
+        let recipe = String::from_utf8(document.to_vec()).map_err(|_| refuse())?;
+        let shards = recipe.split_once(' ').and_then(|(_, n)| n.parse().ok()).ok_or_else(refuse)?;
+        Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards] })
+    }
+
+    fn expect(&self, _recipe: &str) -> Option<Expectation> {
+        Some(Expectation { seconds: 8.0, error: 0.25 })
+    }
+
+    fn fit_shard(
+        &self,
+        recipe: &str,
+        shard: u32,
+        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<u8>>, String> {
+        let panics = {
+            let mut behaviour = self.0.behaviour.lock().unwrap();
+            let begun = behaviour.begun.entry((recipe.to_owned(), shard)).or_default();
+            *begun += 1;
+            *begun <= behaviour.panics
+        };
+        self.0.changed.notify_all();
+        assert!(!panics, "the lobe fell over");
+        for done in 1..=u64::from(ENTRIES) {
+            if pulse(done).is_break() {
+                return Ok(None);
+            }
+            let behaviour = self.0.behaviour.lock().unwrap();
+            drop(self.0.changed.wait_while(behaviour, |b| b.held).unwrap());
+        }
+        Ok(Some(format!(" {shard}").into_bytes()))
+    }
+
+    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
+        Ok([format!("TABLE {recipe}").into_bytes(), results.concat()].concat())
+    }
+
+    fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
+        let text = std::str::from_utf8(file).ok()?.strip_prefix("TABLE ")?;
+        let recipe: Vec<_> = text.split(' ').take(2).collect();
+        let recipe = recipe.join(" ");
+        let digest = Digest::of(recipe.as_bytes());
+        Some((recipe, digest))
+    }
+
+    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError> {
+        self.0.behaviour.lock().unwrap().manifests += 1;
+        Ok(format!("of {} bytes", file.len()))
+    }
+}

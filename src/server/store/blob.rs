@@ -1,0 +1,202 @@
+//! Blobs by the digest of their bytes.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use jiff::Timestamp;
+
+use super::{
+    StoreError,
+    files::{self, TEMPORARY},
+};
+use crate::files::digest::Digest;
+
+/// One blob in a list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BlobInfo {
+    /// Its name.
+    pub digest: Digest,
+    /// When it was stored.
+    pub stored_at: Timestamp,
+}
+
+/// A content-addressed store. What [`Blobs::put`] returned survives a power cut.
+pub trait Blobs: Send + Sync + std::fmt::Debug {
+    /// Stores `bytes` durably and returns their digest. Storing equal bytes again changes nothing.
+    ///
+    /// # Errors
+    /// [`StoreError::DiskFull`], or what the storage reports. Nothing is stored then.
+    fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError>;
+
+    /// The bytes of `digest`, checked against it.
+    ///
+    /// # Errors
+    /// [`StoreError::Corrupt`] when they do not match: the blob is moved aside, and absent from then on.
+    fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError>;
+
+    /// Whether there is a blob of that name; its bytes are not read.
+    fn contains(&self, digest: Digest) -> bool;
+
+    /// All blobs, by digest.
+    ///
+    /// # Errors
+    /// When the storage cannot be listed.
+    fn list(&self) -> Result<Vec<BlobInfo>, StoreError>;
+}
+
+/// Blobs as files `ROOT/ab/ab12...`.
+#[derive(Debug)]
+pub struct FileBlobs {
+    root: PathBuf,
+    quarantine: PathBuf,
+}
+
+impl FileBlobs {
+    /// Opens the folder `root`, and sweeps what writes that a crash cut short left there.
+    ///
+    /// # Errors
+    /// When the folder cannot be made or listed.
+    pub fn open(root: &Path, quarantine: &Path) -> Result<Self, StoreError> {
+        files::make_folder(root)?;
+        let blobs = Self { root: root.to_owned(), quarantine: quarantine.to_owned() };
+        for file in blobs.files()? {
+            if file.file_name().is_some_and(|name| name.to_string_lossy().starts_with(TEMPORARY)) {
+                fs::remove_file(&file).map_err(|source| StoreError::of_io(&file, source))?;
+            }
+        }
+        Ok(blobs)
+    }
+
+    fn path(&self, digest: Digest) -> PathBuf {
+        let hex = digest.hex();
+        self.root.join(&hex[..2]).join(hex)
+    }
+
+    fn files(&self) -> Result<Vec<PathBuf>, StoreError> {
+        let list = |folder: &Path| -> io::Result<Vec<PathBuf>> {
+            fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect()
+        };
+        let mut files = Vec::new();
+        for folder in list(&self.root).map_err(|source| StoreError::of_io(&self.root, source))? {
+            if folder.is_dir() {
+                files.extend(list(&folder).map_err(|source| StoreError::of_io(&folder, source))?);
+            }
+        }
+        files.sort();
+        Ok(files)
+    }
+}
+
+impl Blobs for FileBlobs {
+    fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
+        let digest = Digest::of(bytes);
+        match self.get(digest) {
+            Ok(Some(_)) => return Ok(digest),
+            // A damaged one has just been moved out of the way.
+            Ok(None) | Err(StoreError::Corrupt { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        let path = self.path(digest);
+        path.parent().map_or(Ok(()), files::make_folder)?;
+        files::write_durably(&path, bytes)?;
+        Ok(digest)
+    }
+
+    fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        let path = self.path(digest);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(StoreError::of_io(path, source)),
+        };
+        let actual = Digest::of(&bytes);
+        if actual == digest {
+            return Ok(Some(bytes));
+        }
+        let moved_to = files::move_aside(&path, &self.quarantine, &digest.hex())?;
+        tracing::error!(%digest, %actual, moved_to = %moved_to.display(), "a damaged blob was moved aside");
+        Err(StoreError::Corrupt { expected: digest, actual, moved_to })
+    }
+
+    fn contains(&self, digest: Digest) -> bool {
+        self.path(digest).is_file()
+    }
+
+    fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
+        let mut blobs = Vec::new();
+        for file in self.files()? {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let Ok(digest) = name.parse::<Digest>() else { continue };
+            let stored_at = fs::metadata(&file)
+                .and_then(|metadata| metadata.modified())
+                .map_err(|source| StoreError::of_io(&file, source))?;
+            let stored_at = Timestamp::try_from(stored_at).unwrap_or(Timestamp::UNIX_EPOCH);
+            blobs.push(BlobInfo { digest, stored_at });
+        }
+        Ok(blobs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blobs(dir: &Path) -> FileBlobs {
+        FileBlobs::open(&dir.join("blobs"), &dir.join("quarantine")).unwrap()
+    }
+
+    #[test]
+    fn what_is_put_can_be_got_listed_and_put_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = blobs(dir.path());
+        let digest = blobs.put(b"table").unwrap();
+        assert_eq!(digest, Digest::of(b"table"));
+        assert_eq!(blobs.put(b"table").unwrap(), digest);
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+        assert!(blobs.contains(digest));
+        assert_eq!(blobs.list().unwrap().iter().map(|blob| blob.digest).collect::<Vec<_>>(), [digest]);
+        assert!(blobs.get(Digest::of(b"other")).unwrap().is_none());
+    }
+
+    #[test]
+    fn a_damaged_blob_is_moved_aside_once_and_can_be_stored_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = blobs(dir.path());
+        let digest = blobs.put(b"table").unwrap();
+        fs::write(blobs.path(digest), b"tabel").unwrap();
+        match blobs.get(digest) {
+            Err(StoreError::Corrupt { expected, actual, moved_to }) => {
+                assert_eq!((expected, actual), (digest, Digest::of(b"tabel")));
+                assert_eq!(fs::read(moved_to).unwrap(), b"tabel");
+            }
+            other => panic!("{other:?}"),
+        }
+        assert!(blobs.get(digest).unwrap().is_none());
+        assert_eq!(blobs.put(b"table").unwrap(), digest);
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+    }
+
+    #[test]
+    fn putting_over_a_damaged_blob_repairs_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = blobs(dir.path());
+        let digest = blobs.put(b"table").unwrap();
+        fs::write(blobs.path(digest), b"").unwrap();
+        blobs.put(b"table").unwrap();
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+    }
+
+    #[test]
+    fn leftovers_of_a_crash_are_swept_and_strangers_left_alone() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("blobs/ab");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join(format!("{TEMPORARY}1-x")), b"half").unwrap();
+        fs::write(folder.join("README"), b"a stranger").unwrap();
+        let blobs = blobs(dir.path());
+        assert!(blobs.list().unwrap().is_empty());
+        assert_eq!(fs::read_dir(folder).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,78 @@
+//! What goes wrong in the store.
+
+use std::{io, path::PathBuf};
+
+use super::Tree;
+use crate::files::digest::Digest;
+
+/// Why the store could not read or write.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// No room, or the quota is used up. Nothing was stored.
+    #[error("the disk is full")]
+    DiskFull,
+    /// A blob's bytes are not those of its digest; it was moved aside.
+    #[error("the blob {expected} is damaged (its bytes hash to {actual}); it was moved to {}", .moved_to.display())]
+    Corrupt {
+        /// What was asked for.
+        expected: Digest,
+        /// What was found.
+        actual: Digest,
+        /// Where the damaged bytes are now.
+        moved_to: PathBuf,
+    },
+    /// A row's value does not match the hash kept with it.
+    #[error("a row of {} is damaged (key {key:02x?})", .tree.name())]
+    DamagedRow {
+        /// The tree.
+        tree: Tree,
+        /// The row's key.
+        key: Vec<u8>,
+    },
+    /// A file could not be read or written.
+    #[error("{}: {source}", .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The database refused.
+    #[error("database: {0}")]
+    Database(String),
+}
+
+impl StoreError {
+    /// The error of an operation on `path`; a full disk is told apart.
+    pub(super) fn of_io(path: impl Into<PathBuf>, source: io::Error) -> Self {
+        if is_full(source.kind()) { Self::DiskFull } else { Self::Io { path: path.into(), source } }
+    }
+
+    /// The error of a database operation; a full disk is told apart.
+    pub(super) fn of_sled(error: &sled::Error) -> Self {
+        match error {
+            sled::Error::Io(source) if is_full(source.kind()) => Self::DiskFull,
+            other => Self::Database(other.to_string()),
+        }
+    }
+}
+
+/// Whether this kind of error means that there is no room.
+pub(super) fn is_full(kind: io::ErrorKind) -> bool {
+    matches!(kind, io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_is_told_apart_from_other_trouble() {
+        for kind in [io::ErrorKind::StorageFull, io::ErrorKind::QuotaExceeded] {
+            assert!(matches!(StoreError::of_io("x", kind.into()), StoreError::DiskFull));
+            assert!(matches!(StoreError::of_sled(&sled::Error::Io(kind.into())), StoreError::DiskFull));
+        }
+        let denied = StoreError::of_io("x", io::ErrorKind::PermissionDenied.into());
+        assert!(matches!(denied, StoreError::Io { .. }));
+    }
+}

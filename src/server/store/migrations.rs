@@ -1,0 +1,194 @@
+//! Changes of the on-disk schema, applied in order, each once.
+//!
+//! Invariant: an applied migration never changes; its digest is kept in the store and compared at every start.
+//! Each step can be repeated, so a crash in the middle of a migration is cured by applying it again.
+
+use serde::{Deserialize, Serialize};
+
+use super::rows;
+use crate::files::digest::Digest;
+
+/// All migrations, oldest first: number N is at index N - 1.
+pub(super) const ALL: &[&str] =
+    &[include_str!("../../../migrations/0001_initial.json"), include_str!("../../../migrations/0002_manifests.json")];
+
+/// Tree that records what has been applied.
+const RECORD: &str = "migrations";
+
+/// Why the schema cannot be brought up to date.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum MigrationError {
+    /// The store has migrations that this program does not know.
+    #[error("the store has schema {found}, this program knows schemas up to {known}")]
+    FromTheFuture { found: u32, known: u32 },
+    /// A migration is not the one that was applied.
+    #[error("migration {0} is not the one that was applied to this store")]
+    Changed(u32),
+    /// A migration of this program is not well formed.
+    #[error("migration {number} cannot be read: {reason}")]
+    Malformed { number: u32, reason: String },
+    /// The database refused.
+    #[error(transparent)]
+    Sled(#[from] sled::Error),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Migration {
+    /// What it is for.
+    #[serde(rename = "about")]
+    _about: String,
+    steps: Vec<Step>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Step {
+    /// Makes an empty tree.
+    Create(String),
+    /// Moves all rows of a tree to a tree of another name.
+    Rename { from: String, to: String },
+    /// Removes a tree with its rows.
+    Drop(String),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Applied {
+    digest: Digest,
+}
+
+/// Applies those of `migrations` that `db` has not had yet. Returns how many were applied.
+///
+/// # Errors
+/// When the store is newer than `migrations`, was made by other ones, or refuses.
+pub(super) fn apply(db: &sled::Db, migrations: &[&str]) -> Result<usize, MigrationError> {
+    let record = db.open_tree(RECORD)?;
+    let known = u32::try_from(migrations.len()).unwrap_or(u32::MAX);
+    let newest = record.last()?.and_then(|(key, _)| Some(u32::from_be_bytes(key.as_ref().try_into().ok()?)));
+    if let Some(found) = newest.filter(|found| *found > known) {
+        return Err(MigrationError::FromTheFuture { found, known });
+    }
+    let mut applied = 0;
+    for (number, text) in (1_u32..).zip(migrations) {
+        let key = number.to_be_bytes();
+        let digest = Digest::of(text.as_bytes());
+        if let Some(sealed) = record.get(key)? {
+            let had = rows::unseal(RECORD, &key, &sealed)
+                .and_then(|value| serde_json::from_slice::<Applied>(&value).ok())
+                .ok_or(sled::Error::Corruption { at: None, bt: () })?;
+            if had.digest != digest {
+                return Err(MigrationError::Changed(number));
+            }
+        } else {
+            let malformed =
+                |reason: serde_json::Error| MigrationError::Malformed { number, reason: reason.to_string() };
+            let migration: Migration = serde_json::from_str(text).map_err(malformed)?;
+            for step in &migration.steps {
+                step.apply(db)?;
+            }
+            let value = serde_json::to_vec(&Applied { digest }).map_err(malformed)?;
+            record.insert(key, rows::seal(RECORD, &key, &value))?;
+            db.flush()?;
+            applied += 1;
+        }
+    }
+    Ok(applied)
+}
+
+impl Step {
+    fn apply(&self, db: &sled::Db) -> Result<(), sled::Error> {
+        match self {
+            Self::Create(name) => db.open_tree(name).map(drop),
+            Self::Drop(name) => db.drop_tree(name).map(drop),
+            Self::Rename { from, to } => {
+                let (old, new) = (db.open_tree(from)?, db.open_tree(to)?);
+                for row in &old {
+                    let (key, sealed) = row?;
+                    // The hash in front of a value covers the tree's name.
+                    if let Some(value) = rows::unseal(from, &key, &sealed) {
+                        new.insert(&key, rows::seal(to, &key, &value))?;
+                    } else {
+                        tracing::error!(tree = from, ?key, "a damaged row was dropped");
+                    }
+                }
+                db.flush()?;
+                drop(old);
+                db.drop_tree(from).map(drop)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::server::store::{Tree, sled_rows::open_sled};
+
+    const CREATE: &str = r#"{"about": "one", "steps": [{"create": "old"}, {"create": "useless"}]}"#;
+    const RENAME: &str =
+        r#"{"about": "two", "steps": [{"rename": {"from": "old", "to": "new"}}, {"drop": "useless"}]}"#;
+
+    fn names(db: &sled::Db) -> Vec<String> {
+        let mut names: Vec<_> = db.tree_names().iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+        names.retain(|name| name != RECORD && !name.starts_with("__sled"));
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn every_earlier_schema_is_brought_up_to_date() {
+        for version in 0..=ALL.len() {
+            let dir = tempfile::tempdir().unwrap();
+            let db = open_sled(dir.path()).unwrap();
+            assert_eq!(apply(&db, &ALL[..version]).unwrap(), version);
+            drop(db);
+            let db = open_sled(dir.path()).unwrap();
+            assert_eq!(apply(&db, ALL).unwrap(), ALL.len() - version);
+            assert_eq!(apply(&db, ALL).unwrap(), 0);
+            let mut wanted: Vec<_> = Tree::ALL.iter().map(|tree| tree.name().to_owned()).collect();
+            wanted.sort();
+            assert_eq!(names(&db), wanted, "from version {version}");
+        }
+    }
+
+    #[test]
+    fn rows_survive_a_rename_even_one_that_a_crash_cut_in_two() {
+        let dir = tempfile::tempdir().unwrap();
+        let db = open_sled(dir.path()).unwrap();
+        apply(&db, &[CREATE]).unwrap();
+        let old = db.open_tree("old").unwrap();
+        for key in [b"a", b"b"] {
+            old.insert(key, rows::seal("old", key, b"value")).unwrap();
+        }
+        // The crash: one row has been copied, nothing recorded.
+        db.open_tree("new").unwrap().insert(b"a", rows::seal("new", b"a", b"value")).unwrap();
+        drop(old);
+        assert_eq!(apply(&db, &[CREATE, RENAME]).unwrap(), 1);
+        assert_eq!(names(&db), ["new"]);
+        for key in [b"a", b"b"] {
+            let sealed = db.open_tree("new").unwrap().get(key).unwrap().unwrap();
+            assert_eq!(rows::unseal("new", key, &sealed).unwrap(), b"value");
+        }
+    }
+
+    #[test]
+    fn a_newer_store_and_a_changed_migration_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let db = open_sled(dir.path()).unwrap();
+        apply(&db, &[CREATE, RENAME]).unwrap();
+        assert!(matches!(apply(&db, &[CREATE]), Err(MigrationError::FromTheFuture { found: 2, known: 1 })));
+        let edited = RENAME.replace("two", "2");
+        assert!(matches!(apply(&db, &[CREATE, &edited]), Err(MigrationError::Changed(2))));
+    }
+
+    /// An applied migration never changes: add a new file instead, and its digest here.
+    #[test]
+    fn released_migrations_are_what_they_were() {
+        let digests: Vec<_> = ALL.iter().map(|text| Digest::of(text.as_bytes()).hex()).collect();
+        let released = [
+            "d6f4a993fc81717fc255956392ce5166714f28cfcf23a5156073a2fdbb566eb9",
+            "aa98c8f367c15a579372af5582546b03d64f3c596dcf530b71736772cf48480c",
+        ];
+        assert_eq!(digests, released);
+    }
+}

@@ -1,0 +1,240 @@
+//! Opening the data folder.
+
+use std::{
+    fs::{self, File, TryLockError},
+    io,
+    path::Path,
+    sync::Arc,
+};
+
+use super::{
+    Blobs, FileBlobs, Rows, SledRows, StoreError, files,
+    migrations::MigrationError,
+    sled_rows::{SledOpenError, SyncFn},
+};
+
+/// The opened data folder. Other processes are locked out until it is dropped.
+#[derive(Debug)]
+pub struct Store {
+    /// Tables by digest.
+    pub blobs: Arc<dyn Blobs>,
+    /// Jobs, shards and the catalogue.
+    pub rows: Arc<dyn Rows>,
+    /// Whether the database is new: the folder is, or the old one was damaged and moved aside, or sled found its
+    /// file cut off and began anew. The catalogue is then to be made again from the blobs.
+    pub database_is_new: bool,
+    /// Held, not read: dropping it unlocks the folder.
+    _lock: File,
+}
+
+/// Why a data folder does not open.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreOpenError {
+    /// Another process has it.
+    #[error("in use by another process")]
+    Locked,
+    /// It cannot be made, read or written.
+    #[error(transparent)]
+    Unusable(io::Error),
+    /// A later version of the program wrote it.
+    #[error("schema {found} is newer than {known}")]
+    FromTheFuture {
+        /// Its schema.
+        found: u32,
+        /// The newest schema this program knows.
+        known: u32,
+    },
+}
+
+impl From<StoreError> for StoreOpenError {
+    fn from(error: StoreError) -> Self {
+        Self::Unusable(match error {
+            StoreError::Io { source, .. } => source,
+            StoreError::DiskFull => io::ErrorKind::StorageFull.into(),
+            other => io::Error::other(other),
+        })
+    }
+}
+
+impl Store {
+    /// Opens the data folder `dir`, makes it when it is missing, and applies migrations.
+    ///
+    /// A database that will not open is kept as `quarantine/db-N` and replaced by an empty one.
+    ///
+    /// # Errors
+    /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
+    pub fn open(dir: &Path) -> Result<Self, StoreOpenError> {
+        files::make_folder(dir)?;
+        let lock = lock(&dir.join("lock"))?;
+        let quarantine = dir.join("quarantine");
+        let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
+        let rows = open_rows(&dir.join("db"), &quarantine)?;
+        Ok(Self { blobs: Arc::new(blobs), database_is_new: rows.was_empty, rows: Arc::new(rows), _lock: lock })
+    }
+}
+
+#[cfg(test)]
+impl Store {
+    /// A data folder with rows of the test's own.
+    pub(crate) fn with_rows(dir: &Path, rows: Arc<dyn Rows>) -> Self {
+        Self { rows, ..Self::open(dir).unwrap() }
+    }
+}
+
+fn lock(path: &Path) -> Result<File, StoreOpenError> {
+    let file = File::options().create(true).truncate(false).write(true).open(path).map_err(StoreOpenError::Unusable)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreOpenError::Locked),
+        Err(TryLockError::Error(source)) => Err(StoreOpenError::Unusable(source)),
+    }
+}
+
+fn open_rows(folder: &Path, quarantine: &Path) -> Result<SledRows, StoreOpenError> {
+    let sync = || -> SyncFn { Box::new(File::sync_all) };
+    files::make_folder(folder)?;
+    let had_bytes = fs::metadata(folder.join("db")).map_or(0, |metadata| metadata.len());
+    let reason = match SledRows::open(folder, sync()) {
+        Ok(rows) => {
+            if rows.was_empty && had_bytes > 0 {
+                tracing::error!(had_bytes, "sled could not use its file and began anew; unfinished jobs are lost");
+            }
+            return Ok(rows);
+        }
+        Err(SledOpenError::Damaged(reason)) => reason,
+        Err(error) => return Err(hopeless(error)),
+    };
+    // Whatever sled does to the files from here on, they can be looked at later.
+    let copied_to = files::copy_aside(folder, quarantine, "db")?;
+    tracing::error!(reason, copied_to = %copied_to.display(), "the database is damaged; a copy was put aside");
+    // A damaged snapshot blocks opening; all that is in it is in the log too.
+    if files::remove_matching(folder, "snap.")? > 0 {
+        match SledRows::open(folder, sync()) {
+            Ok(rows) if !rows.was_empty => {
+                tracing::warn!("the database opened without its snapshots, nothing is lost");
+                return Ok(rows);
+            }
+            Ok(_) | Err(SledOpenError::Damaged(_)) => {}
+            Err(error) => return Err(hopeless(error)),
+        }
+    }
+    tracing::error!("beginning with an empty database; unfinished jobs are lost, the catalogue is made from the blobs");
+    fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
+    files::make_folder(folder)?;
+    SledRows::open(folder, sync()).map_err(hopeless)
+}
+
+fn hopeless(error: SledOpenError) -> StoreOpenError {
+    match error {
+        SledOpenError::Schema(MigrationError::FromTheFuture { found, known }) => {
+            StoreOpenError::FromTheFuture { found, known }
+        }
+        SledOpenError::Unusable(source) => StoreOpenError::Unusable(source),
+        other => StoreOpenError::Unusable(io::Error::other(other)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::server::store::{Batch, Tree, sled_rows::open_sled};
+
+    fn one_job(store: &Store) {
+        let mut batch = Batch::default();
+        batch.put(Tree::Jobs, "key", "job");
+        store.rows.commit(&batch).unwrap();
+    }
+
+    #[test]
+    fn a_folder_is_opened_by_one_at_a_time() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::Locked)));
+        one_job(&store);
+        drop(store);
+        let store = Store::open(dir.path()).unwrap();
+        assert!(!store.database_is_new);
+        assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
+    }
+
+    #[test]
+    fn a_file_in_place_of_the_folder_is_unusable() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("file");
+        fs::write(&path, "").unwrap();
+        assert!(matches!(Store::open(&path), Err(StoreOpenError::Unusable(_))));
+    }
+
+    #[test]
+    fn a_later_schema_is_refused_and_left_alone() {
+        let dir = tempfile::tempdir().unwrap();
+        drop(Store::open(dir.path()).unwrap());
+        let db = open_sled(&dir.path().join("db")).unwrap();
+        db.open_tree("migrations").unwrap().insert(99_u32.to_be_bytes(), b"").unwrap();
+        drop(db);
+        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 2 })));
+        assert!(!dir.path().join("quarantine").exists());
+    }
+
+    fn snapshots(dir: &Path) -> Vec<PathBuf> {
+        let files = fs::read_dir(dir.join("db")).unwrap().map(|entry| entry.unwrap().path());
+        files.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("snap.")).collect()
+    }
+
+    #[test]
+    fn a_database_that_will_not_open_is_put_aside_and_the_blobs_stay() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        assert!(store.database_is_new);
+        (0..50).for_each(|_| one_job(&store));
+        let digest = store.blobs.put(b"table").unwrap();
+        drop(store);
+        // With the snapshot of a second start sled knows that there was something in the file.
+        drop(Store::open(dir.path()).unwrap());
+        let db = dir.path().join("db/db");
+        let length = fs::metadata(&db).unwrap().len();
+        fs::write(&db, vec![0x5a; usize::try_from(length).unwrap()]).unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        assert!(store.database_is_new);
+        assert!(store.rows.get(Tree::Jobs, b"key").unwrap().is_none());
+        assert_eq!(store.blobs.get(digest).unwrap().unwrap(), b"table");
+        let aside = fs::read(dir.path().join("quarantine/db-1/db")).unwrap();
+        assert_eq!((aside.len() as u64, aside[0]), (length, 0x5a));
+    }
+
+    #[test]
+    fn a_cut_off_database_never_stops_the_start_and_what_is_lost_shows() {
+        for cut in [0, 1, 100, 4096] {
+            let dir = tempfile::tempdir().unwrap();
+            let store = Store::open(dir.path()).unwrap();
+            (0..50).for_each(|_| one_job(&store));
+            drop(store);
+            drop(Store::open(dir.path()).unwrap());
+            let db = dir.path().join("db/db");
+            fs::write(&db, &fs::read(&db).unwrap()[..cut]).unwrap();
+            let store = Store::open(dir.path()).unwrap();
+            let lost = store.rows.get(Tree::Jobs, b"key").unwrap().is_none();
+            assert!(!lost || store.database_is_new, "cut at {cut}");
+            one_job(&store);
+        }
+    }
+
+    #[test]
+    fn a_damaged_snapshot_costs_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        one_job(&Store::open(dir.path()).unwrap());
+        drop(Store::open(dir.path()).unwrap());
+        assert!(!snapshots(dir.path()).is_empty(), "sled left no snapshot to damage");
+        for path in snapshots(dir.path()) {
+            let mut bytes = fs::read(&path).unwrap();
+            let middle = bytes.len() / 2;
+            bytes[middle] ^= 0xff;
+            fs::write(path, bytes).unwrap();
+        }
+        let store = Store::open(dir.path()).unwrap();
+        assert!(!store.database_is_new);
+        assert!(store.rows.get(Tree::Jobs, b"key").unwrap().is_some());
+    }
+}

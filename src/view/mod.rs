@@ -1,0 +1,6 @@
+//! Pictures: what a table does, its numbers and errors, and the trade-off of speed and accuracy.
+
+pub mod picture;
+pub mod plots;
+pub mod preview;
+pub mod tradeoff;

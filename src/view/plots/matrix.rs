@@ -1,0 +1,191 @@
+//! All numbers of a table: a panel for each, in it a tile for each ratio and phi, in that a cell for each alpha and
+//! theta.
+
+use crate::{
+    fit::{PerAxis, Table},
+    view::picture::{GROUND, Panel, Picture, bar, caption, colour, grid, headed, number},
+};
+
+/// Pixels that a panel is wide and high at least, as far as cells may be that large.
+const SIDE: usize = 240;
+/// Pixels a cell at most.
+const LARGEST_CELL: usize = 24;
+/// Cells along a panel's side at most: of a table with more, nodes are left out.
+const MOST_CELLS: usize = 512;
+/// The part of the numbers at each end that is beyond the colours: one outlier would leave the others none.
+const BEYOND: f64 = 0.01;
+/// What is below and above the colours.
+const BELOW: [u8; 3] = [40, 120, 255];
+const ABOVE: [u8; 3] = [60, 220, 120];
+/// Pixels between tiles.
+const GAP: usize = 2;
+/// What the panels show, row by row: the matrix, and beside it what else an entry holds.
+const NAMES: [&str; 12] =
+    ["m00", "m01", "m02", "amplitude", "m10", "m11", "m12", "fresnel", "m20", "m21", "m22", "node error"];
+
+/// Every panel, each over its own range of numbers.
+pub(super) fn draw(table: &Table) -> Picture {
+    let tiling = Tiling::new(table.axes.lengths());
+    let width = tiling.width().max(SIDE) as u32;
+    let panels: Vec<Panel<'_>> = (0..)
+        .zip(NAMES)
+        .map(|(panel, title)| {
+            if let Some(numbers) = numbers(table, panel) {
+                let (picture, [low, high]) = tiling.panel(width, &numbers);
+                return Panel { title, picture, foot: bar(width, [&number(low), &number(high)], "") };
+            }
+            let picture = Picture::filled(width, tiling.height() as u32, GROUND);
+            Panel { title, picture, foot: caption(width, &["not in this table", "none"]) }
+        })
+        .collect();
+    let PerAxis { alpha, ratio, theta, phi } = tiling.nodes;
+    let entries = format!("{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");
+    let how = "in a tile theta to the right, alpha upwards; tiles: phi to the right, ratio upwards";
+    let beyond = "colours hold 98 % of the numbers; blue is below, green above";
+    headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, 4))
+}
+
+/// A number of each entry in storage order; `None` for what the table has not.
+fn numbers(table: &Table, panel: usize) -> Option<Vec<f32>> {
+    let (row, column) = (panel / 4, panel % 4);
+    match (column, row) {
+        (0..3, _) => Some(table.matrix.iter().map(|m| m[3 * row + column]).collect()),
+        (_, 0) => table.terms.as_ref().map(|terms| terms.amplitude.clone()),
+        (_, 1) => table.terms.as_ref().map(|terms| terms.fresnel.clone()),
+        // A table of others does not tell.
+        _ => Some(table.node_error.clone()).filter(|errors| errors.iter().all(|error| error.is_finite())),
+    }
+}
+
+/// Where entries lie in a panel.
+#[derive(Debug)]
+struct Tiling {
+    nodes: PerAxis<usize>,
+    /// One node of how many is shown.
+    step: PerAxis<usize>,
+    /// Pixels a cell.
+    cell: usize,
+}
+
+impl Tiling {
+    fn new(nodes: PerAxis<usize>) -> Self {
+        let (theta, phi) = steps(nodes.theta, nodes.phi);
+        let (alpha, ratio) = steps(nodes.alpha, nodes.ratio);
+        let mut tiling = Self { nodes, step: PerAxis { alpha, ratio, theta, phi }, cell: 1 };
+        let cells = (tiling.across()[0] * tiling.across()[1]).max(tiling.down()[0] * tiling.down()[1]);
+        tiling.cell = (SIDE / cells).clamp(1, LARGEST_CELL);
+        tiling
+    }
+
+    /// Cells of a tile and tiles, from left to right.
+    fn across(&self) -> [usize; 2] {
+        [self.nodes.theta.div_ceil(self.step.theta), self.nodes.phi.div_ceil(self.step.phi)]
+    }
+
+    /// And upwards.
+    fn down(&self) -> [usize; 2] {
+        [self.nodes.alpha.div_ceil(self.step.alpha), self.nodes.ratio.div_ceil(self.step.ratio)]
+    }
+
+    fn width(&self) -> usize {
+        length(self.across(), self.cell)
+    }
+
+    fn height(&self) -> usize {
+        length(self.down(), self.cell)
+    }
+
+    /// One panel, `width` pixels wide, and the ends of its colours: all numbers but the few least and greatest lie
+    /// between them.
+    fn panel(&self, width: u32, numbers: &[f32]) -> (Picture, [f32; 2]) {
+        let mut sorted = numbers.to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let beyond = (sorted.len() as f64 * BEYOND) as usize;
+        let (low, high) = (sorted[beyond], sorted[sorted.len() - 1 - beyond]);
+        let spread = if high > low { high - low } else { 1.0 };
+        let mut picture = Picture::filled(width, self.height() as u32, GROUND);
+        let (cell, step) = (self.cell as u32, &self.step);
+        let margin = (width as usize - self.width()) / 2;
+        for (index, value) in numbers.iter().enumerate() {
+            let (rest, phi) = (index / self.nodes.phi, index % self.nodes.phi);
+            let (rest, theta) = (rest / self.nodes.theta, rest % self.nodes.theta);
+            let (alpha, ratio) = (rest / self.nodes.ratio, rest % self.nodes.ratio);
+            if alpha % step.alpha + ratio % step.ratio + theta % step.theta + phi % step.phi > 0 {
+                continue;
+            }
+            let left = place(theta / step.theta, phi / step.phi, self.across()[0], self.cell);
+            let up = place(alpha / step.alpha, ratio / step.ratio, self.down()[0], self.cell);
+            let shown = match value {
+                _ if *value < low => BELOW,
+                _ if *value > high => ABOVE,
+                _ => colour((value - low) / spread),
+            };
+            let entry = Picture::filled(cell, cell, shown);
+            picture.put(&entry, (margin + left) as u32, (self.height() - up - self.cell) as u32);
+        }
+        (picture, [low, high])
+    }
+
+    /// What the picture does not show, in words.
+    fn left_out(&self) -> String {
+        let thinned = self.step.named().into_iter().filter(|(_, step)| **step > 1);
+        let words: Vec<String> = thinned.map(|(axis, step)| format!("one node of {step} along {axis}")).collect();
+        if words.is_empty() { String::new() } else { format!("only {}", words.join(", ")) }
+    }
+}
+
+/// Pixels that cells in tiles take.
+fn length([cells, tiles]: [usize; 2], cell: usize) -> usize {
+    tiles * (cells * cell + GAP) - GAP
+}
+
+/// Where a cell begins.
+fn place(cell_index: usize, tile: usize, cells: usize, cell: usize) -> usize {
+    tile * (cells * cell + GAP) + cell_index * cell
+}
+
+/// How many nodes of each of two axes stand for one, so that no more than [`MOST_CELLS`] are left in all.
+fn steps(a: usize, b: usize) -> (usize, usize) {
+    let (mut step_a, mut step_b) = (1, 1);
+    while a.div_ceil(step_a) * b.div_ceil(step_b) > MOST_CELLS {
+        if a.div_ceil(step_a) >= b.div_ceil(step_b) { step_a += 1 } else { step_b += 1 }
+    }
+    (step_a, step_b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_tables_are_thinned_along_their_longer_axes() {
+        assert_eq!(steps(10, 7), (1, 1));
+        assert_eq!(steps(16, 32), (1, 1));
+        assert_eq!(steps(16_384, 1), (32, 1));
+        let (a, b) = steps(1000, 60);
+        assert!(1000_usize.div_ceil(a) * 60_usize.div_ceil(b) <= MOST_CELLS, "{a} {b}");
+        let tiling = Tiling::new(PerAxis { alpha: 16_384, ratio: 1, theta: 8, phi: 7 });
+        assert_eq!(tiling.left_out(), "only one node of 32 along alpha");
+        assert_eq!(tiling.height(), 512);
+    }
+
+    #[test]
+    fn every_entry_has_its_own_cells() {
+        let tiling = Tiling::new(PerAxis { alpha: 3, ratio: 2, theta: 4, phi: 5 });
+        let numbers: Vec<f32> = (0..120_u8).map(f32::from).collect();
+        let (picture, ends) = tiling.panel(tiling.width() as u32, &numbers);
+        // The least and the greatest of 120 numbers are beyond the colours.
+        assert_eq!(ends, [1.0, 118.0]);
+        let cells = tiling.cell * tiling.cell;
+        let covered = picture.rgb.iter().filter(|pixel| **pixel != GROUND).count();
+        assert_eq!(covered, 120 * cells);
+        // Entry (0, 0, 0, 0) is below on the left; the last is above on the right.
+        let (width, height) = (picture.width as usize, picture.height as usize);
+        assert_eq!(picture.rgb[(height - 1) * width], BELOW);
+        assert_eq!(picture.rgb[width - 1], ABOVE);
+        // (alpha 0, ratio 1, theta 2, phi 3) lies in the upper row of tiles, in the fourth tile from the left.
+        let value = numbers[(4 + 2) * 5 + 3];
+        let (left, up) = (3 * (4 * tiling.cell + GAP) + 2 * tiling.cell, 3 * tiling.cell + GAP);
+        assert_eq!(picture.rgb[(height - 1 - up) * width + left], colour((value - 1.0) / 117.0));
+    }
+}

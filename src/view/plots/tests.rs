@@ -1,0 +1,51 @@
+use super::*;
+use crate::fit::{Layout, PerAxis, Terms};
+
+/// Twelve entries of the identity, `bad` of which is another matrix.
+fn table(bad: usize) -> Table {
+    let mut matrix = vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; 12];
+    matrix[bad] = [0.2, 0.0, 0.5, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0];
+    Table {
+        layout: Layout::Kt2022,
+        axes: PerAxis { alpha: vec![0.25, 1.0], ratio: vec![0.5, 1.0], theta: vec![0.0, 0.5, 1.0], phi: vec![0.0] },
+        matrix,
+        terms: Some(Terms { amplitude: vec![1.0; 12], fresnel: vec![0.0; 12] }),
+        node_error: vec![0.01; 12],
+    }
+}
+
+fn pixel(picture: &Picture, x: u32, y: u32) -> [u8; 3] {
+    picture.rgb[(y * picture.width + x) as usize]
+}
+
+#[test]
+fn every_name_draws_a_png_and_equal_calls_give_equal_bytes() {
+    for plot in [Plot::Matrix, Plot::Error(Slice::default())] {
+        // Entries at the ratio that is shown.
+        let [first, second] = [plot.draw(&table(1)), plot.draw(&table(1))];
+        assert!(first == second, "{plot:?}");
+        assert!(first.png().expect("a PNG").starts_with(b"\x89PNG"));
+        assert!(plot.draw(&table(2)) != first, "{plot:?} does not show the bad entry");
+    }
+}
+
+#[test]
+fn what_a_table_lacks_is_left_empty() {
+    let mut bare = table(0);
+    bare.terms = None;
+    bare.node_error.fill(f32::NAN);
+    let (with, without) = (Plot::Matrix.draw(&table(0)), Plot::Matrix.draw(&bare));
+    assert_eq!((with.width, with.height), (without.width, without.height));
+    let differ = (0..with.height).flat_map(|y| (0..with.width).map(move |x| (x, y)));
+    let differ: Vec<u32> =
+        differ.filter(|(x, y)| pixel(&with, *x, *y) != pixel(&without, *x, *y)).map(|(x, _)| x).collect();
+    assert!(!differ.is_empty());
+    assert!(differ.iter().all(|x| *x >= with.width / 4 * 3), "a panel of the matrix changed");
+}
+
+#[test]
+fn a_slice_lies_within_what_the_table_covers() {
+    let draw = |ratio, phi| Plot::Error(Slice { ratio, phi }).draw(&table(1));
+    assert!(draw(0.1, 3.0) == draw(0.5, 0.0));
+    assert!(draw(1.0, 0.0) != draw(0.5, 0.0));
+}

@@ -1,0 +1,149 @@
+//! Twin of `ggx_reference.wgsl`.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use crate::{
+    fit::math::sin_cos_turns,
+    view::preview::frame::{FrameEllipse, FrameLight},
+};
+
+pub(super) const HORIZON: f32 = 1e-6;
+
+/// A point of the surface with its tangent frame, and what is seen from where.
+pub(super) struct Shaded {
+    pub(super) position: Vec3,
+    pub(super) x: Vec3,
+    pub(super) y: Vec3,
+    pub(super) z: Vec3,
+    pub(super) wo: Vec3,
+    pub(super) alpha: Vec2,
+}
+
+fn hash(key: u32) -> u32 {
+    let x = (key ^ (key >> 16)).wrapping_mul(0x7feb_352d);
+    let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+fn point(i: u32, seed: [u32; 2]) -> Vec2 {
+    let u = |step: u32, seed: u32| (i.wrapping_mul(step).wrapping_add(seed) >> 8) as f32 * (1.0 / 16_777_216.0);
+    Vec2::new(u(0xc13f_a9a9, seed[0]), u(0x91e1_0da5, seed[1]))
+}
+
+pub(super) fn smith_lambda(alpha: Vec2, w: Vec3) -> f32 {
+    let t = alpha * w.truncate() / w.z;
+    0.5 * ((1.0 + t.dot(t)).sqrt() - 1.0)
+}
+
+pub(super) fn distribution(alpha: Vec2, wm: Vec3) -> f32 {
+    let t = wm.truncate() / alpha;
+    let q = t.dot(t) + wm.z * wm.z;
+    1.0 / (PI * alpha.x * alpha.y * q * q)
+}
+
+fn visible_normal(alpha: Vec2, wo: Vec3, u: Vec2) -> Vec3 {
+    let standard = (alpha * wo.truncate()).extend(wo.z).normalize();
+    let z = (1.0 - u.y) * (1.0 + standard.z) - standard.z;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = sin_cos_turns(u.x);
+    let wm = Vec3::new(radius * cos, radius * sin, z) + standard;
+    (alpha * wm.truncate()).extend(wm.z.max(0.0)).normalize()
+}
+
+impl FrameLight {
+    fn faces(&self, cosine: f32) -> bool {
+        if self.two_sided { cosine.abs() > HORIZON } else { cosine < -HORIZON }
+    }
+
+    fn pdf(&self, position: Vec3, wi: Vec3) -> f32 {
+        let cosine = self.normal.dot(wi);
+        if !self.faces(cosine) {
+            return 0.0;
+        }
+        let away = self.normal.dot(self.vertices[0] - position) / cosine;
+        if away <= 0.0 {
+            return 0.0;
+        }
+        let hit = position + away * wi;
+        if !self.holds(hit) {
+            return 0.0;
+        }
+        away * away / (self.area * cosine.abs())
+    }
+
+    /// Whether a point of its plane is on it.
+    fn holds(&self, hit: Vec3) -> bool {
+        if let Some(FrameEllipse { centre, half_axes }) = self.ellipse {
+            let [x, y] = half_axes.map(|(axis, per_length2)| (hit - centre).dot(axis) * per_length2);
+            return x * x + y * y <= 1.0;
+        }
+        let mut a = self.vertices[self.vertices.len() - 1];
+        for b in &self.vertices {
+            if (*b - a).cross(hit - a).dot(self.normal) > 0.0 {
+                return false;
+            }
+            a = *b;
+        }
+        true
+    }
+
+    fn point(&self, u: Vec2) -> Vec3 {
+        if let Some(FrameEllipse { centre, half_axes: [(x, _), (y, _)] }) = self.ellipse {
+            let (sin, cos) = sin_cos_turns(u.y);
+            return centre + u.x.sqrt() * (cos * x + sin * y);
+        }
+        let last = self.vertices.len() - 1;
+        let i = 2 + (2..last).filter(|k| u.x >= self.area_up_to[*k]).count();
+        let before = self.area_up_to[i - 1];
+        let root = ((u.x - before) / (self.area_up_to[i] - before)).clamp(0.0, 1.0).sqrt();
+        let origin = self.vertices[0];
+        let (first, second) = (self.vertices[i - 1] - origin, self.vertices[i] - origin);
+        origin + root * ((1.0 - u.y) * first + u.y * second)
+    }
+}
+
+pub(super) fn reference(at: &Shaded, light: &FrameLight, samples: u32, key: u32) -> Vec2 {
+    const STEP: u32 = 0x9e37_79b9;
+    let a = hash(key);
+    let b = hash(a ^ STEP);
+    let c = hash(b ^ STEP);
+    let d = hash(c ^ STEP);
+    let lambda_o = smith_lambda(at.alpha, at.wo);
+    let to_pdf = 1.0 / (4.0 * at.wo.z * (1.0 + lambda_o));
+    let weighed = |wm: Vec3, wi: Vec3, of_light: f32| {
+        let of_brdf = distribution(at.alpha, wm) * to_pdf;
+        let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + smith_lambda(at.alpha, wi));
+        g2_over_g1 * (of_brdf / (of_brdf + of_light))
+    };
+    let mut sum = Vec2::ZERO;
+    for i in 0..samples {
+        let wm = visible_normal(at.alpha, at.wo, point(i, [a, b]));
+        let cosine = at.wo.dot(wm);
+        let wi = 2.0 * cosine * wm - at.wo;
+        if wi.z > HORIZON {
+            let of_light = light.pdf(at.position, at.x * wi.x + at.y * wi.y + at.z * wi.z);
+            if of_light > 0.0 {
+                sum += fresnel(cosine) * weighed(wm, wi, of_light);
+            }
+        }
+        let to_light = light.point(point(i, [c, d])) - at.position;
+        let distance2 = to_light.dot(to_light);
+        let direction = to_light / distance2.max(1e-36).sqrt();
+        let facing = light.normal.dot(direction);
+        let wi = Vec3::new(direction.dot(at.x), direction.dot(at.y), direction.dot(at.z));
+        if wi.z > HORIZON && light.faces(facing) {
+            let wm = (at.wo + wi).normalize();
+            let of_light = distance2 / (light.area * facing.abs());
+            sum += fresnel(at.wo.dot(wm)) * weighed(wm, wi, of_light);
+        }
+    }
+    sum / samples as f32
+}
+
+fn fresnel(cosine: f32) -> Vec2 {
+    let m = (1.0 - cosine).clamp(0.0, 1.0);
+    let m2 = m * m;
+    Vec2::new(1.0, m2 * m2 * m)
+}

@@ -1,0 +1,47 @@
+//! Twin of `ltc_light.wgsl`; the edges are [`Clip`]'s.
+
+use glam::{Mat3, Vec3};
+
+use crate::{fit::Clip, view::preview::frame::FrameLight};
+
+pub(super) struct Inverse {
+    pub(super) m: Mat3,
+    side: f32,
+}
+
+impl Inverse {
+    pub(super) fn of(m: Mat3) -> Self {
+        let x = m.y_axis.cross(m.z_axis);
+        let y = m.z_axis.cross(m.x_axis);
+        let z = m.x_axis.cross(m.y_axis);
+        let most = x.abs().max(y.abs()).max(z.abs());
+        let largest = most.x.max(most.y).max(most.z);
+        let determinant = m.z_axis.dot(z);
+        if !(largest > 1e-30 && largest < 1e30) || determinant == 0.0 {
+            return Self { m: Mat3::ZERO, side: 0.0 };
+        }
+        let side = determinant.signum();
+        let scale = side / largest;
+        Self { m: Mat3::from_cols(x * scale, y * scale, z * scale).transpose(), side }
+    }
+
+    /// The part of the distribution that the light covers from `position`, whose tangent frame `to_local` leads into.
+    pub(super) fn covered(&self, light: &FrameLight, position: Vec3, to_local: Mat3) -> f32 {
+        let to_cosine = self.m * to_local;
+        let vertex = |v: &Vec3| (to_cosine * (*v - position)).to_array();
+        let Some(last) = light.vertices.last() else { return 0.0 };
+        let mut clip = Clip::begin(vertex(last));
+        for v in &light.vertices {
+            clip.edge_to(vertex(v));
+        }
+        let covered = clip.finish() * self.side;
+        (if light.two_sided { covered.abs() } else { covered }).clamp(0.0, 1.0)
+    }
+
+    /// The distribution's density at `wi`.
+    pub(super) fn density(&self, wi: Vec3) -> f32 {
+        let c = self.m * wi;
+        let length2 = c.dot(c);
+        c.z.max(0.0) * self.m.determinant().abs() / (std::f32::consts::PI * (length2 * length2).max(1e-36))
+    }
+}

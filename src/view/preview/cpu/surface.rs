@@ -1,0 +1,124 @@
+//! Twin of `sphere.wgsl`.
+
+use glam::{Mat3, Vec2, Vec3};
+
+use super::{
+    ggx::{self, Shaded},
+    light::Inverse,
+    lookup::{ALPHA_FLOOR, lookup},
+};
+use crate::view::preview::{
+    ShaderTable, Surface,
+    frame::{Frame, LOWEST_VIEW},
+    radiances::{BELOW, BESIDE},
+    renderer::Estimator,
+};
+
+const POLE: f32 = 1e-4;
+const LOWEST_EYE: f32 = 1e-3;
+
+pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at: [u32; 2]) -> [f32; 3] {
+    let (place, cell) = place_of(frame, at);
+    match estimator {
+        Estimator::Table => surface(frame, place, cell, |at| by_table(frame, table, at)),
+        Estimator::Reference => surface(frame, place, cell, |shaded| {
+            let parts = ggx::reference(shaded, &frame.light, frame.spp, at[1] * frame.size + at[0]);
+            reflected(frame, parts)
+        }),
+        Estimator::TableLobe | Estimator::ReferenceLobe => {
+            let density = direction_of(frame, place).map_or(BESIDE, |wi| lobe(frame, table, estimator, wi));
+            [density; 3]
+        }
+    }
+}
+
+pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
+    let (place, cell) = place_of(frame, pixel);
+    see(frame, place, cell).map(|_| cell as usize)
+}
+
+fn place_of(frame: &Frame, pixel: [u32; 2]) -> (Vec2, u32) {
+    let side = frame.size / frame.cells;
+    let cell = pixel.map(|x| (x / side).min(frame.cells - 1));
+    let within = |axis: usize| ((pixel[axis] - cell[axis] * side) as f32 + 0.5) / side as f32 * 2.0 - 1.0;
+    (Vec2::new(within(0), -within(1)), cell[1] * frame.cells + cell[0])
+}
+
+fn surface(frame: &Frame, place: Vec2, cell: u32, shade: impl FnOnce(&Shaded) -> Vec3) -> [f32; 3] {
+    match see(frame, place, cell) {
+        Some((at, coverage)) => (frame.background * (1.0 - coverage) + shade(&at) * coverage).to_array(),
+        None => frame.background.to_array(),
+    }
+}
+
+fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
+    let material = frame.material(cell)?;
+    let ray = (frame.forward + frame.right * place.x + frame.up * place.y).normalize();
+    let eye = frame.eye;
+    let (position, normal, along, coverage) = match frame.surface {
+        Surface::Floor => {
+            let t = -eye.y / ray.y.min(-1e-6);
+            let position = eye + t * ray;
+            let fades = 1.0 - t / frame.floor_end;
+            let is_seen = ray.y < -1e-6 && eye.y > LOWEST_EYE;
+            let coverage = if is_seen { (2.0 * fades).clamp(0.0, 1.0) } else { 0.0 };
+            (Vec3::new(position.x, 0.0, position.z), Vec3::Y, Vec3::X, coverage)
+        }
+        Surface::Sphere => {
+            let closest = -eye.dot(ray);
+            let nearest = eye + closest * ray;
+            let distance2 = nearest.dot(nearest);
+            let rim = (1.0 - distance2.sqrt()) / (frame.pixel * closest);
+            let coverage = if closest > 0.0 { (rim + 0.5).clamp(0.0, 1.0) } else { 0.0 };
+            let position = (nearest - (1.0 - distance2).max(0.0).sqrt() * ray).normalize();
+            let circle = Vec3::new(position.z, 0.0, -position.x);
+            let length2 = circle.dot(circle);
+            let along = if length2 > POLE * POLE { circle / length2.max(1e-12).sqrt() } else { Vec3::X };
+            (position, position, along, coverage)
+        }
+    };
+    if coverage <= 0.0 {
+        return None;
+    }
+    let [alpha_x, alpha_y, cos, sin] = material;
+    let across = normal.cross(along);
+    let x = cos * along + sin * across;
+    let y = cos * across - sin * along;
+    let view = (eye - position).normalize();
+    let wo = Vec3::new(view.dot(x), view.dot(y), view.dot(normal).max(LOWEST_VIEW)).normalize();
+    let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(ALPHA_FLOOR));
+    Some((Shaded { position, x, y, z: normal, wo, alpha }, coverage))
+}
+
+fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
+    let lobe = lookup(table, at.alpha.x, at.alpha.y, at.wo);
+    let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
+    let covered = Inverse::of(lobe.m).covered(&frame.light, at.position, to_local);
+    reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered)
+}
+
+fn reflected(frame: &Frame, parts: Vec2) -> Vec3 {
+    (frame.f0 * (parts.x - parts.y) + Vec3::splat(parts.y)) * frame.light.radiance
+}
+
+fn direction_of(frame: &Frame, place: Vec2) -> Option<Vec3> {
+    let flat = place * 1.05;
+    let height2 = 1.0 - flat.dot(flat);
+    (height2 > 0.0).then(|| frame.right * flat.x + frame.up * flat.y - frame.forward * height2.sqrt())
+}
+
+fn lobe(frame: &Frame, table: &ShaderTable, estimator: Estimator, wi: Vec3) -> f32 {
+    let [alpha_x, alpha_y, ..] = frame.materials[0];
+    let wo = frame.lobe_wo;
+    if estimator == Estimator::TableLobe {
+        let lobe = lookup(table, alpha_x, alpha_y, wo);
+        let density = Inverse::of(lobe.m).density(wi) * lobe.amplitude;
+        return if wi.z < 0.0 && density <= 0.0 { BELOW } else { density };
+    }
+    if wi.z <= ggx::HORIZON {
+        return if wi.z < 0.0 { BELOW } else { 0.0 };
+    }
+    let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(ALPHA_FLOOR));
+    let g2 = 1.0 / (1.0 + ggx::smith_lambda(alpha, wo) + ggx::smith_lambda(alpha, wi));
+    ggx::distribution(alpha, (wo + wi).normalize()) * g2 / (4.0 * wo.z)
+}

@@ -1,0 +1,215 @@
+//! A scene in the numbers that both renderers read: f32, as a shader's uniforms.
+
+use glam::{DVec3, Vec3};
+
+use super::{
+    Camera, Scene, Surface,
+    bounds::MAX_MATERIALS,
+    light::{Ellipse, Outline},
+};
+use crate::fit::{MAX_VERTICES, math::sin_cos};
+
+/// Radiance of what is not covered.
+const BACKGROUND: f32 = 0.02;
+/// How far a floor is seen, in radii of the sphere that is not there; it fades over the second half.
+const FLOOR_END: f32 = 12.0;
+/// View directions below this are raised to it, as cosines: the horizon itself reflects nothing.
+pub(super) const LOWEST_VIEW: f32 = 1e-3;
+
+/// Uniforms of `sphere.wgsl`, except which part is rendered.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Frame {
+    pub(super) surface: Surface,
+    pub(super) eye: Vec3,
+    /// From the middle of the image plane at distance one to its right and upper edges, and the way to it.
+    pub(super) right: Vec3,
+    pub(super) up: Vec3,
+    pub(super) forward: Vec3,
+    /// Width of a pixel at distance one.
+    pub(super) pixel: f32,
+    pub(super) f0: Vec3,
+    pub(super) exposure: f32,
+    pub(super) background: Vec3,
+    pub(super) floor_end: f32,
+    pub(super) lobe_wo: Vec3,
+    /// `alpha_x, alpha_y`, cosine and sine of the tangent frame's rotation.
+    pub(super) materials: Vec<[f32; 4]>,
+    pub(super) size: u32,
+    /// Cells a side.
+    pub(super) cells: u32,
+    pub(super) spp: u32,
+    pub(super) light: FrameLight,
+}
+
+/// Uniforms of `ggx_reference.wgsl`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FrameLight {
+    pub(super) vertices: Vec<Vec3>,
+    /// Area of the fan's triangles up to each vertex over that of all.
+    pub(super) area_up_to: Vec<f32>,
+    pub(super) ellipse: Option<FrameEllipse>,
+    pub(super) normal: Vec3,
+    pub(super) area: f32,
+    pub(super) radiance: f32,
+    pub(super) two_sided: bool,
+}
+
+/// An ellipse, as uniforms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FrameEllipse {
+    pub(super) centre: Vec3,
+    /// Half axes, and one over the square of their lengths.
+    pub(super) half_axes: [(Vec3, f32); 2],
+}
+
+impl From<Ellipse> for FrameEllipse {
+    fn from(ellipse: Ellipse) -> Self {
+        let half_axes = ellipse.half_axes.map(|axis| (axis.as_vec3(), (1.0 / axis.length_squared()) as f32));
+        Self { centre: ellipse.centre.as_vec3(), half_axes }
+    }
+}
+
+/// A part of a picture, and of its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Part {
+    /// The first of the tiles in a list of them, and how many.
+    pub(super) first_tile: u32,
+    pub(super) tiles: u32,
+    pub(super) first_sample: u32,
+    pub(super) samples: u32,
+    /// To display, or as radiance.
+    pub(super) as_bytes: bool,
+}
+
+impl Frame {
+    /// The frame of mode `lobe`, or of all the others. Domain: a scene without faults.
+    pub(super) fn new(scene: &Scene, of_lobe: bool) -> Self {
+        let cells = if of_lobe || scene.materials.len() == 1 { 1 } else { 2 };
+        let (eye, [right, up, forward]) = if of_lobe { lobe_view(scene.lobe.phi) } else { view(&scene.camera) };
+        let half = if of_lobe { 1.0 } else { libm::tan(0.5 * scene.camera.field_of_view) };
+        let side = (scene.size / cells).max(1);
+        let Outline { vertices, normal, area, area_up_to, ellipse } = scene.light.outline();
+        Self {
+            surface: scene.surface,
+            eye: eye.as_vec3(),
+            right: (right * half).as_vec3(),
+            up: (up * half).as_vec3(),
+            forward: forward.as_vec3(),
+            pixel: (2.0 * half / f64::from(side)) as f32,
+            f0: DVec3::from(scene.f0).as_vec3(),
+            exposure: scene.exposure as f32,
+            background: Vec3::splat(BACKGROUND),
+            floor_end: FLOOR_END,
+            lobe_wo: lobe_wo(scene.lobe.theta, scene.lobe.phi),
+            materials: scene
+                .materials
+                .iter()
+                .map(|m| {
+                    let (sin, cos) = sin_cos(m.rotation);
+                    [m.alpha_x as f32, m.alpha_y as f32, cos as f32, sin as f32]
+                })
+                .collect(),
+            size: scene.size,
+            cells,
+            spp: scene.spp,
+            light: FrameLight {
+                vertices: vertices.into_iter().map(DVec3::as_vec3).collect(),
+                area_up_to: area_up_to.into_iter().map(|share| share as f32).collect(),
+                ellipse: ellipse.map(FrameEllipse::from),
+                normal: normal.as_vec3(),
+                area: area as f32,
+                radiance: scene.light.intensity as f32,
+                two_sided: scene.light.two_sided,
+            },
+        }
+    }
+
+    /// The material of a cell; a cell beyond the last has none.
+    pub(super) fn material(&self, cell: u32) -> Option<[f32; 4]> {
+        self.materials.get(cell as usize).copied()
+    }
+
+    /// `struct Scene` for a part of the picture.
+    pub(super) fn scene_words(&self, part: &Part) -> Vec<u32> {
+        let mut words = Words::default();
+        words.vector(self.eye, self.pixel);
+        words.vector(self.right, 0.0);
+        words.vector(self.up, 0.0);
+        words.vector(self.forward, 0.0);
+        words.vector(self.f0, self.exposure);
+        words.vector(self.background, self.floor_end);
+        words.vector(self.lobe_wo, 0.0);
+        for cell in 0..MAX_MATERIALS {
+            // An alpha below zero marks a cell without material.
+            words.floats(self.materials.get(cell).copied().unwrap_or([-1.0; 4]));
+        }
+        let surface = match self.surface {
+            Surface::Sphere => 0,
+            Surface::Floor => 1,
+        };
+        words.0.extend([self.size, self.cells, surface, self.spp]);
+        words.0.extend([u32::from(part.as_bytes), part.first_sample, part.samples, part.first_tile]);
+        words.0
+    }
+
+    /// `struct Light`.
+    pub(super) fn light_words(&self) -> Vec<u32> {
+        let light = &self.light;
+        let mut words = Words::default();
+        for i in 0..MAX_VERTICES {
+            match light.vertices.get(i) {
+                Some(vertex) => words.vector(*vertex, light.area_up_to[i]),
+                None => words.vector(Vec3::ZERO, 1.0),
+            }
+        }
+        match light.ellipse {
+            Some(FrameEllipse { centre, half_axes: [(x, per_x2), (y, per_y2)] }) => {
+                words.vector(centre, 0.0);
+                words.vector(x, per_x2);
+                words.vector(y, per_y2);
+            }
+            None => words.floats([0.0; 12]),
+        }
+        words.vector(light.normal, light.area);
+        words.vector(Vec3::splat(light.radiance), 0.0);
+        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), 0, 0]);
+        words.0
+    }
+}
+
+/// The camera's place and its right, up and forward directions.
+fn view(camera: &Camera) -> (DVec3, [DVec3; 3]) {
+    let ((sin_a, cos_a), (sin_e, cos_e)) = (sin_cos(camera.azimuth), sin_cos(camera.elevation));
+    let back = DVec3::new(sin_a * cos_e, sin_e, cos_a * cos_e);
+    let right = DVec3::new(cos_a, 0.0, -sin_a);
+    (DVec3::from(camera.target) + back * camera.distance, [right, back.cross(right), -back])
+}
+
+/// The directions in which the sphere of directions is seen: from above at 40 degrees, across the plane of view and
+/// mirror direction, the view coming from the left.
+fn lobe_view(phi: f64) -> (DVec3, [DVec3; 3]) {
+    let ((sin, cos), (sin_e, cos_e)) = (sin_cos(phi), sin_cos(0.7));
+    let right = DVec3::new(-cos, -sin, 0.0);
+    let back = DVec3::new(-sin * cos_e, cos * cos_e, sin_e);
+    (back, [right, back.cross(right), -back])
+}
+
+/// The view direction in the tangent frame, not below the lowest view.
+fn lobe_wo(theta: f64, phi: f64) -> Vec3 {
+    let ((sin_t, cos_t), (sin_p, cos_p)) = (sin_cos(theta), sin_cos(phi));
+    DVec3::new(sin_t * cos_p, sin_t * sin_p, cos_t.max(f64::from(LOWEST_VIEW))).normalize().as_vec3()
+}
+
+/// Uniforms as 32-bit words.
+#[derive(Default)]
+struct Words(Vec<u32>);
+
+impl Words {
+    fn vector(&mut self, v: Vec3, w: f32) {
+        self.floats([v.x, v.y, v.z, w]);
+    }
+
+    fn floats<const N: usize>(&mut self, numbers: [f32; N]) {
+        self.0.extend(numbers.map(f32::to_bits));
+    }
+}

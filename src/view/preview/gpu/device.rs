@@ -1,0 +1,183 @@
+//! A device with its pipelines.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::{GpuFailure, Variant, Weights, shaders};
+use crate::view::preview::{frame::FrameLight, renderer::Estimator};
+
+/// A device of the first adapter that Vulkan has: a GPU, or lavapipe in its place.
+#[derive(Debug)]
+pub(super) struct Device {
+    pub(super) wgpu: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    pub(super) table_layout: wgpu::BindGroupLayout,
+    pub(super) frame_layout: wgpu::BindGroupLayout,
+    pub(super) name: String,
+    pipeline_layout: wgpu::PipelineLayout,
+    module: wgpu::ShaderModule,
+    /// Of each estimator, for polygons and for ellipses.
+    pipelines: [[Option<wgpu::ComputePipeline>; 2]; Estimator::ALL.len()],
+    /// The sampler weighs entries, not the shader.
+    pub(super) samples_weighed: bool,
+    lookup_is_constant: bool,
+    fault: Fault,
+}
+
+/// The first error that no call returned. Left alone, wgpu would panic.
+#[derive(Debug, Clone, Default)]
+struct Fault(Arc<Mutex<Option<String>>>);
+
+impl Fault {
+    fn record(&self, message: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+    }
+}
+
+impl Device {
+    /// Opens it. Takes some 50 ms with lavapipe.
+    pub(super) fn open(variant: Variant) -> Result<Self, GpuFailure> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::VULKAN,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let request = |force_fallback_adapter| {
+            pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+                power_preference: wgpu::PowerPreference::HighPerformance,
+                force_fallback_adapter,
+                ..Default::default()
+            }))
+        };
+        let adapter =
+            request(false).or_else(|_| request(true)).map_err(|error| GpuFailure::Absent(error.to_string()))?;
+        let filters = adapter.features() & wgpu::Features::FLOAT32_FILTERABLE;
+        let info = adapter.get_info();
+        let samples_weighed = match variant.weights {
+            Weights::Exact => info.device_type == wgpu::DeviceType::Cpu && !filters.is_empty(),
+            Weights::Shader => false,
+            Weights::Sampler if filters.is_empty() => {
+                return Err(GpuFailure::Absent("the adapter filters no 32-bit textures".to_owned()));
+            }
+            Weights::Sampler => true,
+        };
+        let descriptor = wgpu::DeviceDescriptor { required_features: filters, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| GpuFailure::Absent(error.to_string()))?;
+        let fault = Fault::default();
+        let (uncaptured, lost) = (fault.clone(), fault.clone());
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| uncaptured.record(error.to_string())));
+        device.set_device_lost_callback(move |reason, message| {
+            lost.record(format!("device lost, {reason:?}: {message}"));
+        });
+
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("preview"),
+            source: wgpu::ShaderSource::Wgsl(shaders::module().into()),
+        });
+        let table_layout = layout(&device, "table", &table_bindings(samples_weighed));
+        let uniform = buffer(wgpu::BufferBindingType::Uniform);
+        let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
+        let tiles = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+        let frame_layout = layout(&device, "frame", &[uniform, uniform, pixels, tiles]);
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("preview"),
+            bind_group_layouts: &[Some(&table_layout), Some(&frame_layout)],
+            immediate_size: 0,
+        });
+        let name = format!("{} ({})", info.name, info.driver_info);
+        let device = Self {
+            wgpu: device,
+            queue,
+            table_layout,
+            frame_layout,
+            name,
+            pipeline_layout,
+            module,
+            pipelines: [const { [const { None }; 2] }; Estimator::ALL.len()],
+            samples_weighed,
+            lookup_is_constant: variant.lookup_is_constant,
+            fault,
+        };
+        device.check()?;
+        Ok(device)
+    }
+
+    /// The pipeline of an estimator, compiled when it is first asked for. Only the reference tells ellipses from
+    /// polygons.
+    pub(super) fn pipeline(&mut self, estimator: Estimator, light: &FrameLight) -> wgpu::ComputePipeline {
+        let is_ellipse = estimator == Estimator::Reference && light.ellipse.is_some();
+        let Self { wgpu: device, pipeline_layout, module, .. } = self;
+        let flag = f64::from;
+        let constants = [
+            ("ltc_hardware_filter", flag(u8::from(self.samples_weighed))),
+            ("lookup_is_constant", flag(u8::from(self.lookup_is_constant))),
+            ("light_is_ellipse", flag(u8::from(is_ellipse))),
+        ];
+        let build = || {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry_point(estimator)),
+                layout: Some(pipeline_layout),
+                module,
+                entry_point: Some(entry_point(estimator)),
+                compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+                cache: None,
+            })
+        };
+        self.pipelines[estimator as usize][usize::from(is_ellipse)].get_or_insert_with(build).clone()
+    }
+
+    /// Fails when anything has gone wrong since the device was opened.
+    pub(super) fn check(&self) -> Result<(), GpuFailure> {
+        match self.fault.0.lock().unwrap_or_else(PoisonError::into_inner).clone() {
+            Some(message) => Err(GpuFailure::Failed(message)),
+            None => Ok(()),
+        }
+    }
+}
+
+fn entry_point(estimator: Estimator) -> &'static str {
+    match estimator {
+        Estimator::Table => "surface_by_table",
+        Estimator::Reference => "surface_by_reference",
+        Estimator::TableLobe => "lobe_by_table",
+        Estimator::ReferenceLobe => "lobe_by_reference",
+    }
+}
+
+pub(super) fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+/// Those of `ltc_table.wgsl`.
+fn table_bindings(samples_weighed: bool) -> [wgpu::BindingType; 6] {
+    let texture = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: samples_weighed },
+        view_dimension: wgpu::TextureViewDimension::D3,
+        multisampled: false,
+    };
+    let sampler =
+        if samples_weighed { wgpu::SamplerBindingType::Filtering } else { wgpu::SamplerBindingType::NonFiltering };
+    let nodes = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+    let table = buffer(wgpu::BufferBindingType::Uniform);
+    [table, nodes, texture, texture, texture, wgpu::BindingType::Sampler(sampler)]
+}
+
+/// Bindings from zero on, for compute shaders.
+pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+    let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
+        .zip(bindings)
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: *ty,
+            count: None,
+        })
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // Being told of the loss of a device that is given up is no news.
+        self.wgpu.set_device_lost_callback(|_, _| {});
+    }
+}

@@ -1,0 +1,73 @@
+//! Runs an entry point on one case after another, as `ltc_example` of a shader that users take home.
+
+use bytemuck::Pod;
+
+use super::{
+    GpuFailure, Variant,
+    device::{Device, buffer, layout},
+    table::{self, bind},
+};
+use crate::view::preview::ShaderTable;
+
+/// The results of `cases` by an entry point of the WGSL `source`: group 0 is the table, group 1 a uniform `Case` and a
+/// storage buffer of one `Found`.
+pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
+    source: &str,
+    entry_point: &str,
+    table: &ShaderTable,
+    cases: &[Case],
+) -> Result<Vec<Found>, GpuFailure> {
+    let gpu = Device::open(Variant::default())?;
+    let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(entry_point),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let case_layout = layout(
+        &gpu.wgpu,
+        "case",
+        &[buffer(wgpu::BufferBindingType::Uniform), buffer(wgpu::BufferBindingType::Storage { read_only: false })],
+    );
+    let pipeline_layout = gpu.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&gpu.table_layout), Some(&case_layout)],
+        immediate_size: 0,
+    });
+    let pipeline = gpu.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: Some(&pipeline_layout),
+        module: &module,
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let bound = table::upload(&gpu, table)?;
+    let made = |bytes: usize, usage| {
+        let size = bytes as u64;
+        gpu.wgpu.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+    };
+    let given = made(size_of::<Case>(), wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
+    let found = made(size_of::<Found>(), wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let all = made(size_of::<Found>() * cases.len(), wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let group = bind(&gpu, &case_layout, &[given.as_entire_binding(), found.as_entire_binding()]);
+    let failed = |error: &dyn std::fmt::Display| GpuFailure::Failed(error.to_string());
+    for (i, case) in cases.iter().enumerate() {
+        gpu.queue.write_buffer(&given, 0, bytemuck::bytes_of(case));
+        let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &bound, &[]);
+            pass.set_bind_group(1, &group, &[]);
+            pass.dispatch_workgroups(1, 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&found, 0, &all, (size_of::<Found>() * i) as u64, found.size());
+        gpu.queue.submit([encoder.finish()]);
+        // Thousands in flight slow each other down.
+        gpu.wgpu.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
+    }
+    all.slice(..).map_async(wgpu::MapMode::Read, |_| {});
+    gpu.wgpu.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
+    gpu.check()?;
+    let view = all.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
+    Ok(bytemuck::pod_collect_to_vec(&view[..]))
+}

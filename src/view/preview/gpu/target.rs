@@ -1,0 +1,141 @@
+//! Where a GPU writes a picture, and how it comes back.
+
+use std::time::Duration;
+
+use super::{
+    GpuFailure,
+    device::Device,
+    job::Job,
+    table::bind,
+    tiles::{SIDE, Tiles},
+};
+use crate::view::preview::{
+    frame::{Frame, Part},
+    renderer::Stop,
+    tone,
+};
+
+/// A part takes up to half a second on a slow machine; one that takes longer than this hangs.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Buffers for frames of one size.
+#[derive(Debug)]
+pub(super) struct Target {
+    size: u32,
+    /// 32-bit words a pixel: one to display, three of radiance.
+    words: u32,
+    light: wgpu::Buffer,
+    scene: wgpu::Buffer,
+    pixels: wgpu::Buffer,
+    tiles: wgpu::Buffer,
+    readback: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl Target {
+    pub(super) fn new(gpu: &Device, frame: &Frame, as_bytes: bool) -> Self {
+        let words = if as_bytes { 1 } else { 3 };
+        let bytes = u64::from(frame.size) * u64::from(frame.size) * u64::from(words) * 4;
+        let buffer = |size: u64, usage| {
+            gpu.wgpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("frame"),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let light = buffer(4 * frame.light_words().len() as u64, uniform);
+        let scene = buffer(4 * frame.scene_words(&Part::default()).len() as u64, uniform);
+        let pixels = buffer(bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let tiles = 4 * u64::from(frame.size.div_ceil(SIDE)).pow(2);
+        let tiles = buffer(tiles, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
+        let readback = buffer(bytes, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        let resources = [&light, &scene, &pixels, &tiles].map(wgpu::Buffer::as_entire_binding);
+        let group = bind(gpu, &gpu.frame_layout, &resources);
+        Self { size: frame.size, words, light, scene, pixels, tiles, readback, group }
+    }
+
+    /// Whether frames like this fit.
+    pub(super) fn fits(&self, frame: &Frame, as_bytes: bool) -> bool {
+        self.size == frame.size && (self.words == 1) == as_bytes
+    }
+
+    /// Renders the job's part, and returns the words of the whole picture.
+    pub(super) fn render(
+        &self,
+        gpu: &mut Device,
+        table: &wgpu::BindGroup,
+        job: &Job<'_>,
+        stop: Stop<'_>,
+    ) -> Result<Vec<u32>, GpuFailure> {
+        let pipeline = gpu.pipeline(job.estimator, &job.frame.light);
+        gpu.check()?;
+        let tiles = Tiles::of(job.frame, job.estimator, job.corner, job.extent);
+        let packed: Vec<u32> = tiles.seen.iter().map(|[x, y]| x | (y << 16)).collect();
+        gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&job.frame.light_words()));
+        gpu.queue.write_buffer(&self.tiles, 0, bytemuck::cast_slice(&packed));
+        for part in job.parts(packed.len() as u32) {
+            if stop() {
+                return Err(GpuFailure::Stopped);
+            }
+            let words = job.frame.scene_words(&part);
+            gpu.queue.write_buffer(&self.scene, 0, bytemuck::cast_slice(&words));
+            let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(0, table, &[]);
+                pass.set_bind_group(1, &self.group, &[]);
+                pass.dispatch_workgroups(part.tiles, 1, 1);
+            }
+            wait(gpu, gpu.queue.submit([encoder.finish()]))?;
+        }
+        let mut words = self.read(gpu)?;
+        self.fill(&mut words, &tiles.unseen, job.frame);
+        Ok(words)
+    }
+
+    /// Writes the background into tiles.
+    fn fill(&self, words: &mut [u32], tiles: &[[u32; 2]], frame: &Frame) {
+        let background = frame.background.to_array();
+        let [red, green, blue] = background.map(|channel| u32::from(tone::display(frame.exposure, channel)));
+        let radiance = background.map(f32::to_bits);
+        let displayed = [red | (green << 8) | (blue << 16) | (255 << 24)];
+        let pixel: &[u32] = if self.words == 1 { &displayed } else { &radiance };
+        for [left, top] in tiles {
+            let width = SIDE.min(self.size - left);
+            for y in *top..(top + SIDE).min(self.size) {
+                let first = ((y * self.size + left) * self.words) as usize;
+                let row = &mut words[first..first + (width * self.words) as usize];
+                row.chunks_exact_mut(pixel.len()).for_each(|word| word.copy_from_slice(pixel));
+            }
+        }
+    }
+
+    fn read(&self, gpu: &Device) -> Result<Vec<u32>, GpuFailure> {
+        let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.readback, 0, self.readback.size());
+        let submission = gpu.queue.submit([encoder.finish()]);
+        let slice = self.readback.slice(..);
+        slice.map_async(wgpu::MapMode::Read, |_| {});
+        wait(gpu, submission)?;
+        let failed = |error: wgpu::MapRangeError| GpuFailure::Failed(error.to_string());
+        let view = slice.get_mapped_range().map_err(failed)?;
+        let words = bytemuck::pod_collect_to_vec(&view[..]);
+        drop(view);
+        self.readback.unmap();
+        gpu.check()?;
+        Ok(words)
+    }
+}
+
+fn wait(gpu: &Device, submission: wgpu::SubmissionIndex) -> Result<(), GpuFailure> {
+    let until = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(PATIENCE) };
+    match gpu.wgpu.poll(until) {
+        Ok(_) => gpu.check(),
+        Err(wgpu::PollError::Timeout) => Err(GpuFailure::Hangs(format!("no answer within {PATIENCE:?}"))),
+        // What was submitted to a lost device is unknown to it.
+        Err(error) => Err(gpu.check().err().unwrap_or_else(|| GpuFailure::Failed(error.to_string()))),
+    }
+}

@@ -1,0 +1,106 @@
+//! The squares of pixels that a picture is rendered in.
+//!
+//! A shader computes for all pixels of a vector what it needs for one of them, and lavapipe does for none of them too:
+//! what the surface cannot cover is not sent.
+
+use glam::Vec3;
+
+use crate::view::preview::{Surface, frame::Frame, renderer::Estimator};
+
+/// Pixels a side of a tile, which is a workgroup.
+pub(super) const SIDE: u32 = 8;
+/// From a tile's middle to the middle of its outermost pixel, and half a pixel of the sphere's rim, rounded up: in pixels.
+const REACH: f32 = 6.0;
+
+/// Tiles by their left upper pixels.
+#[derive(Debug)]
+pub(super) struct Tiles {
+    /// Those to render.
+    pub(super) seen: Vec<[u32; 2]>,
+    /// Those that show the background alone.
+    pub(super) unseen: Vec<[u32; 2]>,
+}
+
+impl Tiles {
+    /// Those of the part of a picture from `corner` of `extent`.
+    pub(super) fn of(frame: &Frame, estimator: Estimator, corner: [u32; 2], extent: [u32; 2]) -> Self {
+        let starts = |axis: usize| (corner[axis]..corner[axis] + extent[axis]).step_by(SIDE as usize);
+        let tiles = starts(1).flat_map(|y| starts(0).map(move |x| [x, y]));
+        let is_lobe = matches!(estimator, Estimator::TableLobe | Estimator::ReferenceLobe);
+        let (seen, unseen) = tiles.partition(|tile| is_lobe || may_show(frame, *tile));
+        Self { seen, unseen }
+    }
+}
+
+/// Whether a tile may show the surface. Never wrong when it says no.
+fn may_show(frame: &Frame, tile: [u32; 2]) -> bool {
+    let side = frame.size / frame.cells;
+    let cell = tile.map(|x| (x / side).min(frame.cells - 1));
+    let is_within = |axis: usize| cell[axis] == frame.cells - 1 || tile[axis] + SIDE <= (cell[axis] + 1) * side;
+    if !(is_within(0) && is_within(1)) {
+        return true;
+    }
+    if frame.material(cell[1] * frame.cells + cell[0]).is_none() {
+        return false;
+    }
+    let middle = |axis: usize| ((tile[axis] - cell[axis] * side + SIDE / 2) as f32) / side as f32 * 2.0 - 1.0;
+    let ray = (frame.forward + frame.right * middle(0) - frame.up * middle(1)).normalize();
+    // No ray of the tile is further from its middle's than this, as an angle: the image plane is at distance one.
+    let spread = REACH * frame.pixel;
+    match frame.surface {
+        Surface::Floor => frame.eye.y > 0.0 && ray.y - spread < -frame.eye.y / frame.floor_end,
+        Surface::Sphere => distance_from_origin(frame.eye, ray) - frame.eye.length() * spread < 1.0,
+    }
+}
+
+/// Of the line through `point` along `direction`.
+fn distance_from_origin(point: Vec3, direction: Vec3) -> f32 {
+    (point - point.dot(direction) * direction).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::view::preview::{Camera, NamedScene, Scene, cpu};
+
+    /// The tiles of all of a frame, and the pixels of it that the surface covers.
+    fn seen(scene: &Scene) -> (Tiles, Vec<[u32; 2]>) {
+        let frame = Frame::new(scene, false);
+        let pixels = (0..frame.size).flat_map(|y| (0..frame.size).map(move |x| [x, y]));
+        let covered = pixels.filter(|pixel| cpu::covering(&frame, *pixel).is_some()).collect();
+        (Tiles::of(&frame, Estimator::Table, [0; 2], [frame.size; 2]), covered)
+    }
+
+    #[test]
+    fn few_tiles_are_rendered_in_vain() {
+        for named in NamedScene::ALL {
+            let (tiles, covered) = seen(&Scene { size: 512, ..named.scene() });
+            let sent = tiles.seen.len() * (SIDE * SIDE) as usize;
+            assert!(sent <= covered.len() * 6 / 5, "{}: {sent} pixels for {}", named.name(), covered.len());
+            assert_eq!(tiles.seen.len() + tiles.unseen.len(), 64 * 64);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_pixel_that_is_covered_is_rendered(
+            named in prop::sample::select(NamedScene::ALL.to_vec()),
+            size in 64_u32..200,
+            distance in 1.5..100.0,
+            (azimuth, elevation) in (-6.0..6.0, -1.57..1.57),
+            field_of_view in 0.01..2.5,
+            target in prop::array::uniform3(-0.25..0.25),
+        ) {
+            let camera = Camera { distance, azimuth, elevation, field_of_view, target };
+            let (tiles, covered) = seen(&Scene { camera, size, ..named.scene() });
+            for [x, y] in covered {
+                let is_sent = tiles.seen.iter().any(|[left, top]| {
+                    (*left..left + SIDE).contains(&x) && (*top..top + SIDE).contains(&y)
+                });
+                prop_assert!(is_sent, "{x} {y}");
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Values to check a port against, of a small table that a comment can describe.
+
+use glam::DVec3;
+
+use crate::fit::{
+    Configuration, Layout, Ltc, PerAxis, Sides, Table, Terms,
+    math::{atan2, from_row_major},
+};
+
+/// A surface and a view that each port has to look up: every fold, and a place outside the table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Case {
+    pub(super) alpha_x: f64,
+    pub(super) alpha_y: f64,
+    /// Of unit length, in decimals too.
+    pub(super) wo: [f64; 3],
+}
+
+pub(super) const CASES: [Case; 3] = [
+    Case { alpha_x: 0.3, alpha_y: 0.15, wo: [0.36, 0.48, 0.8] },
+    Case { alpha_x: 0.2, alpha_y: 0.6, wo: [-0.64, 0.48, 0.6] },
+    Case { alpha_x: 0.05, alpha_y: 0.02, wo: [0.576, -0.768, 0.28] },
+];
+
+/// A rectangle through the horizon, by its corners around the shaded point; lit towards that point.
+pub(super) const CORNERS: [[f64; 3]; 4] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
+
+/// What a port has to give.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Golden {
+    /// `M`, row-major.
+    pub(super) matrix: [f64; 9],
+    pub(super) amplitude: f64,
+    pub(super) fresnel: f64,
+    /// The part of the lobe that the rectangle covers.
+    pub(super) covered: f64,
+}
+
+/// How far apart neighbouring numbers of an entry are, for each entry before it: 2^-10, so that all are half floats.
+pub(super) const STEP: f64 = 1.0 / 1024.0;
+
+/// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
+/// identity, an amplitude of 1 and a Fresnel term of 0.
+pub(super) fn table(layout: Layout) -> Table {
+    const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
+    let axes = PerAxis {
+        alpha: vec![0.1, 0.4, 1.0],
+        ratio: vec![0.1, 1.0],
+        theta: vec![0.0, 0.7, 1.5],
+        phi: vec![0.0, 0.6, 1.5],
+    };
+    let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    let entries = alpha * ratio * theta * phi;
+    let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * STEP) as f32;
+    Table {
+        layout,
+        axes,
+        matrix: (0..entries).map(|entry| std::array::from_fn(|k| number(entry, k))).collect(),
+        terms: Some(Terms {
+            amplitude: (0..entries).map(|entry| number(entry, 9)).collect(),
+            fresnel: (0..entries).map(|entry| number(entry, 10)).collect(),
+        }),
+        node_error: vec![0.0; entries],
+    }
+}
+
+impl Case {
+    /// What the table gives here, in f64.
+    pub(super) fn golden(&self, layout: Layout) -> Golden {
+        let [x, y, z] = self.wo;
+        let theta = atan2((x * x + y * y).sqrt(), z);
+        let configuration = Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: atan2(y, x) };
+        let found = table(layout).lookup(&configuration);
+        let light = CORNERS.map(DVec3::from_array);
+        Golden {
+            matrix: found.matrix,
+            amplitude: found.amplitude.unwrap_or(1.0),
+            fresnel: found.fresnel.unwrap_or(0.0),
+            covered: Ltc::new(from_row_major(&found.matrix)).map_or(0.0, |ltc| ltc.polygon(&light, Sides::One)),
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! The comment at the top of a translation.
+
+use super::{
+    Language,
+    golden::{CASES, CORNERS, Case, Golden, table},
+    layout_names,
+};
+use crate::fit::Layout;
+
+/// What the shader is, and under which terms.
+const ABOUT: &str = "\
+Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
+Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
+
+Reads tables of layout {layout}, and takes every table for one.
+
+FUNCTIONS
+  ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness along x and y; wo is the view direction in
+      the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
+  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
+  ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
+  ltc_disk(inverse, centre, half_x, half_y, two_sided)
+      the part of the lobe that a light covers, 0 to 1. Its vertices are relative to the shaded point, in the tangent
+      frame, convex, and run clockwise seen from the lit side; a disk's is towards half_x x half_y.
+  Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+  ltc_example calls them; it stands for your own code. All but group 0 goes with it.
+";
+
+/// What a table consists of on the GPU, whatever the language.
+const TABLE: &str = "\
+BINDINGS OF A TABLE
+  uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; 1 (layout reflected) or 0 (kt2022), not read
+            here; 1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
+  nodes     storage buffer of f32: alpha's nodes, then ratio's, theta's and phi's, ascending
+  matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
+  matrix_b  likewise: m11 m12 m20 m21
+  terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
+  The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
+  of the file's tensors. Texels stand in the order of the file's entries, but their numbers have to be put together from
+  its tensors matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the
+  view direction's angles in radians.
+";
+
+/// How `ltc_example` is fed.
+const EXAMPLE: &str = "\
+EXAMPLE
+  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, or 0 for a disk), 1 if it is
+  lit from both sides, else 0, and 0; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
+  Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
+";
+
+fn bindings(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group 0: uniform 0, nodes 1, matrix_a 2, matrix_b 3, terms 4, sampler 5
+            group 1, of the example: case 0, result 1
+  The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
+  entries are weighed here and it may be any."
+        }
+        Language::Spirv => {
+            "\
+  here      set 0: uniform 0, nodes 1, matrix_a 2, matrix_b 3, terms 4
+            set 1, of the example: case 0, result 1
+  Sampled images, no sampler: the entries are weighed here."
+        }
+        Language::Glsl => {
+            "\
+  here      uniform block 0, nodes: storage block 1, textures: units 0, 1 and 2
+            of the example: uniform block 2, storage block 3
+  The entries are weighed here, texels are fetched: filter and wrap mode do not matter, but set filters without mipmaps."
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b0, nodes t1, matrix_a t2, matrix_b t3, terms t4, all of space0
+            of the example: b0 and u1 of space1
+  No sampler: the entries are weighed here."
+        }
+        Language::Msl => {
+            "\
+  here      buffers: uniform 0, nodes 1; textures: matrix_a 0, matrix_b 1, terms 2
+            of the example: buffers 2 and 3
+            buffer 4: one u32, the bytes of nodes; handed through, but nothing here depends on it
+  No sampler: the entries are weighed here."
+        }
+    }
+}
+
+/// The comment of the shader for `layout`, in lines that begin with `//`.
+pub(super) fn header(language: Language, layout: Layout) -> String {
+    let (name, _) = layout_names(layout);
+    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", name);
+    let text = format!("{about}\n{TABLE}  {}\n\n{EXAMPLE}\n{}", bindings(language), check(layout));
+    text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
+}
+
+/// The values to check a port against.
+fn check(layout: Layout) -> String {
+    let axes = table(layout).axes;
+    let nodes = axes.named().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).concat();
+    let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
+    let goldens: String = CASES.iter().map(|case| shown(case, &case.golden(layout))).collect();
+    format!(
+        "\
+CHECK
+  Of the table with the nodes {}
+  whose entry number e = ((a * 2 + r) * 3 + t) * 3 + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
+  of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits. Covered is by the
+  one-sided rectangle {corners}.
+  M is given by rows. A port in 32 bits comes within 0.00002 of each number.
+{goldens}",
+        nodes.trim_end_matches("; ")
+    )
+}
+
+fn shown(case: &Case, golden: &Golden) -> String {
+    let rows = golden.matrix.chunks(3).map(|row| row.iter().map(|x| fixed(*x)).collect::<Vec<_>>().join(" "));
+    format!(
+        "  alpha_x {} alpha_y {} wo ({})\n    M {}\n    amplitude {} fresnel {} covered {}\n",
+        case.alpha_x,
+        case.alpha_y,
+        listed(&case.wo),
+        rows.collect::<Vec<_>>().join(" | "),
+        fixed(golden.amplitude),
+        fixed(golden.fresnel),
+        fixed(golden.covered),
+    )
+}
+
+fn listed(numbers: &[f64]) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// Six decimals, without a sign on zero.
+fn fixed(x: f64) -> String {
+    let text = format!("{x:.6}");
+    if text == "-0.000000" { "0.000000".to_owned() } else { text }
+}

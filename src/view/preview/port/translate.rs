@@ -1,0 +1,156 @@
+//! From WGSL to the other languages.
+
+use std::fmt::Display;
+
+use naga::{
+    Module, ResourceBinding, ShaderStage,
+    back::{PipelineConstants, glsl, hlsl, msl, pipeline_constants::process_overrides, spv},
+    compact::{KeepUnused, compact},
+    proc::BoundsCheckPolicies,
+    valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
+};
+
+use super::{Language, fold, layout_names};
+use crate::{fit::Layout, view::preview::SHADERS};
+
+/// The function that keeps all others in a translation.
+pub(super) const ENTRY_POINT: &str = "ltc_example";
+/// The files that a renderer takes.
+const FILES: [&str; 4] = ["ltc_math", "ltc_table", "ltc_light", ENTRY_POINT];
+/// The line that leaves the layout to the table.
+const OPEN_LAYOUT: &str = "override ltc_layout: u32 = LTC_LAYOUT_OF_TABLE;";
+const GROUP: (ShaderStage, &str) = (ShaderStage::Compute, ENTRY_POINT);
+
+/// Where a resource goes in languages without groups: what OpenGL calls its binding and Metal its index.
+pub(super) const SLOTS: [(ResourceBinding, u8, Kind); 7] = [
+    (ResourceBinding { group: 0, binding: 0 }, 0, Kind::Buffer),
+    (ResourceBinding { group: 0, binding: 1 }, 1, Kind::Buffer),
+    (ResourceBinding { group: 0, binding: 2 }, 0, Kind::Texture),
+    (ResourceBinding { group: 0, binding: 3 }, 1, Kind::Texture),
+    (ResourceBinding { group: 0, binding: 4 }, 2, Kind::Texture),
+    (ResourceBinding { group: 1, binding: 0 }, 2, Kind::Buffer),
+    (ResourceBinding { group: 1, binding: 1 }, 3, Kind::WrittenBuffer),
+];
+
+/// Metal's buffer of the lengths of arrays.
+const SIZES_SLOT: u8 = 4;
+
+/// What a slot is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Buffer,
+    WrittenBuffer,
+    Texture,
+}
+
+/// The files as one, with the layout fixed.
+pub(super) fn source(layout: Layout) -> String {
+    let files: Vec<&str> = SHADERS.iter().filter(|s| FILES.contains(&s.name)).map(|shader| shader.source).collect();
+    let (_, constant) = layout_names(layout);
+    files.join("\n").replace(OPEN_LAYOUT, &format!("const ltc_layout: u32 = {constant};"))
+}
+
+/// The shader in `language` below `header`; the error is naga's.
+pub(super) fn translate(language: Language, layout: Layout, header: &str) -> Result<Vec<u8>, String> {
+    let source = format!("{header}\n{}", source(layout));
+    let module = naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
+    let info = validate(&module)?;
+    if language == Language::Wgsl {
+        return Ok(source.into_bytes());
+    }
+    let constants = PipelineConstants::from_iter([("ltc_hardware_filter".to_owned(), 0.0)]);
+    let (module, _) = process_overrides(&module, &info, Some(GROUP), &constants).map_err(text)?;
+    let mut module = module.into_owned();
+    fold::known_branches(&mut module);
+    compact(&mut module, KeepUnused::No);
+    let info = validate(&module)?;
+    let body = match language {
+        // Returned above; written as what it is all the same.
+        Language::Wgsl => return Ok(source.into_bytes()),
+        Language::Glsl => glsl(&module, &info)?,
+        Language::Hlsl => hlsl(&module, &info)?,
+        Language::Msl => msl(&module, &info)?,
+        Language::Spirv => return spirv(&module, &info, &source),
+    };
+    Ok(format!("{header}\n{body}").into_bytes())
+}
+
+fn text(error: impl Display) -> String {
+    error.to_string()
+}
+
+fn validate(module: &Module) -> Result<ModuleInfo, String> {
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(module)
+        .map_err(|error| format!("{:?}", error.into_inner()))
+}
+
+fn glsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+    let options = glsl::Options {
+        version: glsl::Version::Desktop(450),
+        binding_map: SLOTS.iter().map(|(binding, slot, _)| (*binding, *slot)).collect(),
+        ..Default::default()
+    };
+    let pipeline = glsl::PipelineOptions {
+        shader_stage: ShaderStage::Compute,
+        entry_point: ENTRY_POINT.to_owned(),
+        multiview: None,
+    };
+    let mut out = String::new();
+    let mut writer =
+        glsl::Writer::new(&mut out, module, info, &options, &pipeline, BoundsCheckPolicies::default()).map_err(text)?;
+    writer.write().map_err(text)?;
+    Ok(out)
+}
+
+fn hlsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+    // Without a map a binding's group is its space and its number the register's, which is what the header tells.
+    let options = hlsl::Options { restrict_indexing: false, force_loop_bounding: false, ..Default::default() };
+    let pipeline = hlsl::PipelineOptions { entry_point: Some((GROUP.0, GROUP.1.to_owned())) };
+    let mut out = String::new();
+    hlsl::Writer::new(&mut out, &options, &pipeline).write(module, info, None).map_err(text)?;
+    Ok(out)
+}
+
+fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+    let target = |slot: u8, kind: Kind| msl::BindTarget {
+        buffer: (kind != Kind::Texture).then_some(slot),
+        texture: (kind == Kind::Texture).then_some(slot),
+        mutable: kind == Kind::WrittenBuffer,
+        ..Default::default()
+    };
+    let resources = msl::EntryPointResources {
+        resources: SLOTS.iter().map(|(binding, slot, kind)| (*binding, target(*slot, *kind))).collect(),
+        // Metal does not tell how long an array is; naga wants to be told wherever one has no fixed length.
+        sizes_buffer: Some(SIZES_SLOT),
+        ..Default::default()
+    };
+    let options = msl::Options {
+        lang_version: (2, 0),
+        per_entry_point_map: [(ENTRY_POINT.to_owned(), resources)].into(),
+        fake_missing_bindings: false,
+        force_loop_bounding: false,
+        ..Default::default()
+    };
+    let pipeline = msl::PipelineOptions { entry_point: Some((GROUP.0, GROUP.1.to_owned())), ..Default::default() };
+    let (out, translation) = msl::write_string(module, info, &options, &pipeline).map_err(text)?;
+    // A function whose bindings are missing is left out, which is no error of the writer's.
+    translation.entry_point_names.into_iter().collect::<Result<Vec<_>, _>>().map_err(text)?;
+    Ok(out)
+}
+
+fn spirv(module: &Module, info: &ModuleInfo, source: &str) -> Result<Vec<u8>, String> {
+    // WGSL has a number among the source languages that many validators do not know yet.
+    let language = spv::SourceLanguage::Unknown;
+    let debug_info = spv::DebugInfo { source_code: source, file_name: "ltc.wgsl", language };
+    let options = spv::Options {
+        lang_version: (1, 3),
+        flags: spv::WriterFlags::DEBUG,
+        debug_info: Some(debug_info),
+        force_loop_bounding: false,
+        ..Default::default()
+    };
+    let pipeline = spv::PipelineOptions { shader_stage: ShaderStage::Compute, entry_point: ENTRY_POINT.to_owned() };
+    let words = spv::write_vec(module, info, &options, Some(&pipeline)).map_err(text)?;
+    Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
+}

@@ -1,0 +1,377 @@
+//! Scene and table to picture, on a GPU or the CPU.
+
+use std::sync::Arc;
+
+use super::{
+    Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
+    frame::Frame,
+    gpu::{Gpu, GpuFailure, Job, Variant},
+    tone,
+};
+use crate::view::picture::Picture;
+
+/// The name of the CPU as an adapter.
+const CPU: &str = "cpu";
+
+/// Asked between parts of a picture whether to stop.
+pub type Stop<'a> = &'a dyn Fn() -> bool;
+
+/// Pictures in a row at which a GPU may hang before it is left alone for good.
+const MOST_HANGS: u32 = 2;
+/// Most rows, and samples, that the CPU renders between asking whether to stop.
+const ROWS: u32 = 32;
+const SAMPLES: u32 = 1 << 20;
+
+/// What renders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Adapter {
+    /// A GPU that Vulkan knows if there is one, else the CPU.
+    Any,
+    /// A GPU or nothing.
+    Gpu,
+    /// The CPU.
+    Cpu,
+}
+
+/// What is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Estimator {
+    /// Radiance by the table.
+    Table,
+    /// Radiance by Monte Carlo integration.
+    Reference,
+    /// The table's lobe.
+    TableLobe,
+    /// GGX's lobe.
+    ReferenceLobe,
+}
+
+impl Estimator {
+    /// Every one.
+    pub const ALL: [Self; 4] = [Self::Table, Self::Reference, Self::TableLobe, Self::ReferenceLobe];
+}
+
+/// A picture and what is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rendered {
+    /// The picture.
+    pub picture: Picture,
+    /// What rendered it: an adapter's name, or `cpu`.
+    pub adapter: String,
+    /// For modes that compare: the error of each material, in the scene's order.
+    pub errors: Vec<PanelError>,
+}
+
+/// How far table and reference are apart on one material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PanelError {
+    /// The material's roughness along its tangent.
+    pub alpha_x: f64,
+    /// And across it.
+    pub alpha_y: f64,
+    /// Mean over pixels that the surface covers, and over channels, of the absolute difference in radiance.
+    pub mean_absolute: f64,
+    /// Mean radiance of the reference over the same.
+    pub mean_radiance: f64,
+}
+
+/// Renders pictures, one after another. Nothing is opened before the first.
+#[derive(Debug)]
+pub struct Preview {
+    adapter: Adapter,
+    gpu: Gpu,
+    /// There is no GPU, or none that works: the CPU renders from now on.
+    has_no_gpu: bool,
+    /// A GPU has been there.
+    had_gpu: bool,
+    /// Pictures in a row at which the GPU hung.
+    hangs: u32,
+    progress: Progress,
+}
+
+/// Of a picture, which may take several passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Progress {
+    /// The GPU has not rendered any of it.
+    Begun,
+    /// It has.
+    OnGpu,
+    /// The GPU failed before it had rendered any: the CPU renders all.
+    OnCpu,
+    /// The GPU failed after it had rendered part.
+    Mixed,
+}
+
+impl Preview {
+    /// A renderer that has opened nothing yet.
+    #[must_use]
+    pub fn new(adapter: Adapter) -> Self {
+        Self::with_variant(adapter, Variant::default())
+    }
+
+    /// One whose shaders are compiled in another way. The CPU does not know variants.
+    #[must_use]
+    pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
+        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, progress: Progress::Begun }
+    }
+
+    /// Renders a scene.
+    ///
+    /// # Errors
+    /// Parameters out of bounds; no GPU where one was asked for, or one that fails twice; stopped by `stop`.
+    pub fn render(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        scene: &Scene,
+        stop: Stop<'_>,
+    ) -> Result<Rendered, PreviewError> {
+        let faults = scene.faults();
+        if !faults.is_empty() {
+            return Err(PreviewError::Scene(faults));
+        }
+        self.progress = Progress::Begun;
+        let rendered = self.attempt(table, scene, stop)?;
+        if self.progress == Progress::Mixed {
+            // Now the CPU renders what the GPU had rendered too.
+            return self.attempt(table, scene, stop);
+        }
+        self.end();
+        Ok(rendered)
+    }
+
+    /// A picture that the GPU rendered all of ends a row of those at which it hung.
+    fn end(&mut self) {
+        if self.progress == Progress::OnGpu {
+            self.hangs = 0;
+        }
+    }
+
+    fn attempt(&mut self, table: &Arc<ShaderTable>, scene: &Scene, stop: Stop<'_>) -> Result<Rendered, PreviewError> {
+        let frame = Frame::new(scene, scene.mode == Mode::Lobe);
+        let mut errors = Vec::new();
+        let picture = match scene.mode {
+            Mode::Ltc => self.picture(table, &frame, Estimator::Table, stop)?,
+            Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
+            Mode::Difference | Mode::Strip => {
+                let ltc = self.radiances(table, &frame, Estimator::Table, stop)?;
+                let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
+                errors = panel_errors(scene, &frame, &ltc, &reference);
+                let mean = errors.iter().map(|error| error.mean_absolute).sum::<f64>() / errors.len() as f64;
+                compose::compared(scene, &ltc, &reference, mean)
+            }
+            Mode::Lobe => {
+                let ltc = self.radiances(table, &frame, Estimator::TableLobe, stop)?;
+                let reference = self.radiances(table, &frame, Estimator::ReferenceLobe, stop)?;
+                compose::lobes(&ltc, &reference)
+            }
+        };
+        Ok(Rendered { picture, adapter: self.adapter_name()?, errors })
+    }
+
+    /// What renders: an adapter's name, or `cpu`.
+    ///
+    /// # Errors
+    /// No GPU where one was asked for.
+    pub fn adapter_name(&mut self) -> Result<String, PreviewError> {
+        let name = self.on_gpu(Gpu::name)?;
+        Ok(name.unwrap_or_else(|| CPU.to_owned()))
+    }
+
+    /// Radiances of the part of the picture from `corner` of `extent`.
+    ///
+    /// # Errors
+    /// As [`Preview::render`].
+    pub fn part(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        scene: &Scene,
+        estimator: Estimator,
+        corner: [u32; 2],
+        extent: [u32; 2],
+    ) -> Result<Radiances, PreviewError> {
+        self.progress = Progress::Begun;
+        let frame = Frame::new(scene, matches!(estimator, Estimator::TableLobe | Estimator::ReferenceLobe));
+        let job = Job { frame: &frame, estimator, corner, extent, as_bytes: false };
+        let Some(words) = self.on_gpu(|gpu| gpu.render(table, &job, &|| false))? else {
+            return Ok(cpu::render(&frame, table, estimator, corner, extent));
+        };
+        let all = radiances(&frame, &words);
+        let pixels = (corner[1]..corner[1] + extent[1])
+            .flat_map(|y| (corner[0]..corner[0] + extent[0]).map(move |x| (y * frame.size + x) as usize))
+            .map(|index| all.pixels[index])
+            .collect();
+        Ok(Radiances { width: extent[0], pixels })
+    }
+
+    /// All of a frame, to display.
+    fn picture(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        frame: &Frame,
+        estimator: Estimator,
+        stop: Stop<'_>,
+    ) -> Result<Picture, PreviewError> {
+        if !Job::is_one_pass(frame, estimator) {
+            return Ok(tone::displayed(frame.exposure, &self.radiances(table, frame, estimator, stop)?));
+        }
+        let job = Job::whole(frame, estimator, true);
+        match self.on_gpu(|gpu| gpu.render(table, &job, stop))? {
+            Some(words) => {
+                self.progress = Progress::OnGpu;
+                let rgb = words.into_iter().map(|word| [word as u8, (word >> 8) as u8, (word >> 16) as u8]).collect();
+                Ok(Picture { width: frame.size, height: frame.size, rgb })
+            }
+            None => Ok(tone::displayed(frame.exposure, &on_cpu(table, frame, estimator, stop)?)),
+        }
+    }
+
+    /// All of a frame, as radiance.
+    fn radiances(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        frame: &Frame,
+        estimator: Estimator,
+        stop: Stop<'_>,
+    ) -> Result<Radiances, PreviewError> {
+        let job = Job::whole(frame, estimator, false);
+        match self.on_gpu(|gpu| gpu.render(table, &job, stop))? {
+            Some(words) => {
+                self.progress = Progress::OnGpu;
+                Ok(radiances(frame, &words))
+            }
+            None => on_cpu(table, frame, estimator, stop),
+        }
+    }
+
+    /// What the GPU makes of `work`; `None` where the CPU has to do it.
+    fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
+        if self.adapter == Adapter::Cpu
+            || matches!(self.progress, Progress::OnCpu | Progress::Mixed)
+            || (self.adapter == Adapter::Any && self.has_no_gpu)
+        {
+            return Ok(None);
+        }
+        let failure = match work(&mut self.gpu) {
+            Ok(done) => {
+                self.had_gpu = true;
+                return Ok(Some(done));
+            }
+            Err(GpuFailure::Stopped) => return Err(PreviewError::Stopped),
+            Err(failure) => failure,
+        };
+        if self.adapter == Adapter::Any {
+            tracing::warn!("the CPU renders: {failure}");
+            self.progress = if self.progress == Progress::OnGpu { Progress::Mixed } else { Progress::OnCpu };
+            self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
+            // One that was lost may come back; each one that hangs is left to itself and costs its patience.
+            self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
+            return Ok(None);
+        }
+        Err(match failure {
+            GpuFailure::Absent(reason) => PreviewError::NoAdapter(reason),
+            failure => PreviewError::Gpu(failure.to_string()),
+        })
+    }
+
+    #[cfg(test)]
+    pub(super) fn lose_device(&mut self) {
+        self.gpu.lose();
+    }
+
+    /// Has the GPU fail once it has rendered so many times more.
+    #[cfg(test)]
+    pub(super) fn fail_after(&mut self, times: u32) {
+        self.gpu.fail_after(times);
+    }
+}
+
+/// All of a frame, as radiance, on the CPU.
+fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
+    let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
+    let samples = if estimator == Estimator::Reference { frame.spp } else { 1 };
+    let rows = (SAMPLES / (frame.size * samples)).clamp(1, ROWS);
+    for top in (0..frame.size).step_by(rows as usize) {
+        if stop() {
+            return Err(PreviewError::Stopped);
+        }
+        let extent = [frame.size, rows.min(frame.size - top)];
+        pixels.extend(cpu::render(frame, table, estimator, [0, top], extent).pixels);
+    }
+    Ok(Radiances { width: frame.size, pixels })
+}
+
+/// Three words a pixel.
+fn radiances(frame: &Frame, words: &[u32]) -> Radiances {
+    let (pixels, _) = words.as_chunks::<3>();
+    Radiances { width: frame.size, pixels: pixels.iter().map(|words| words.map(f32::from_bits)).collect() }
+}
+
+/// The error of each material over the pixels that it covers.
+fn panel_errors(scene: &Scene, frame: &Frame, ltc: &Radiances, reference: &Radiances) -> Vec<PanelError> {
+    let mut sums = vec![(0.0, 0.0, 0.0); scene.materials.len()];
+    let sum = |pixel: [f32; 3]| pixel.map(f64::from).iter().sum::<f64>() / 3.0;
+    for (index, (ltc, reference)) in (0..).zip(ltc.pixels.iter().zip(&reference.pixels)) {
+        if let Some(cell) = cpu::covering(frame, [index % frame.size, index / frame.size]) {
+            let (apart, radiance, pixels) = &mut sums[cell];
+            *apart += sum([0, 1, 2].map(|i| (ltc[i] - reference[i]).abs()));
+            *radiance += sum(*reference);
+            *pixels += 1.0;
+        }
+    }
+    let error = |(material, (apart, radiance, pixels)): (&super::Material, (f64, f64, f64))| PanelError {
+        alpha_x: material.alpha_x,
+        alpha_y: material.alpha_y,
+        mean_absolute: apart / pixels.max(1.0),
+        mean_radiance: radiance / pixels.max(1.0),
+    };
+    scene.materials.iter().zip(sums).map(error).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a GPU that answers so is asked at all.
+    fn is_asked(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
+        let mut asked = false;
+        preview.progress = Progress::Begun;
+        let done = preview.on_gpu(|_| {
+            asked = true;
+            answer
+        });
+        if done == Ok(Some(())) {
+            preview.progress = Progress::OnGpu;
+        }
+        preview.end();
+        assert!(done.is_ok(), "the CPU stands in: {done:?}");
+        asked
+    }
+
+    fn hangs() -> Result<(), GpuFailure> {
+        Err(GpuFailure::Hangs("no answer".to_owned()))
+    }
+
+    fn absent() -> Result<(), GpuFailure> {
+        Err(GpuFailure::Absent("none".to_owned()))
+    }
+
+    #[test]
+    fn a_gpu_that_hangs_twice_in_a_row_is_left_alone() {
+        let mut preview = Preview::new(Adapter::Any);
+        for answer in [hangs(), Ok(()), hangs(), hangs()] {
+            assert!(is_asked(&mut preview, answer));
+        }
+        assert!(!is_asked(&mut preview, Ok(())));
+    }
+
+    #[test]
+    fn a_gpu_that_never_was_there_is_not_asked_again_and_one_that_was_is() {
+        let mut preview = Preview::new(Adapter::Any);
+        assert!(is_asked(&mut preview, absent()));
+        assert!(!is_asked(&mut preview, Ok(())));
+        let mut preview = Preview::new(Adapter::Any);
+        for answer in [Ok(()), absent(), Ok(())] {
+            assert!(is_asked(&mut preview, answer));
+        }
+    }
+}

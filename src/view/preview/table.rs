@@ -1,0 +1,87 @@
+//! A table in the numbers that shaders read.
+
+use half::f16;
+
+use crate::fit::{Layout, PerAxis, Table};
+
+/// How wide the stored numbers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 32 bits, as fitted.
+    F32,
+    /// 16 bits, rounded to nearest.
+    F16,
+}
+
+/// A table as the shaders have it: three texels an entry, in the order in which a file stores entries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShaderTable {
+    pub(super) layout: Layout,
+    pub(super) precision: Precision,
+    pub(super) nodes: PerAxis<Vec<f32>>,
+    /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry; rounded to the precision.
+    pub(super) texels: [Vec<[f32; 4]>; 3],
+    /// Whether its surfaces are isotropic with one phi, whose lobes turn with the view.
+    pub(super) turns_with_view: bool,
+}
+
+impl ShaderTable {
+    /// The table with its numbers rounded to `precision`. Without terms those stand in that leave the layout's start as it
+    /// is: for `kt2022` all is reflected white, for `reflected` as at the reflection in the middle of the lobe.
+    #[must_use]
+    pub fn new(table: &Table, precision: Precision) -> Self {
+        let rounded = |x: f32| match precision {
+            Precision::F32 => x,
+            Precision::F16 => f16::from_f32(x).to_f32(),
+        };
+        let entry = |index: usize| {
+            let m = &table.matrix[index];
+            let terms = table.terms.as_ref();
+            let (amplitude, fresnel) = terms.map_or((1.0, 0.0), |t| (t.amplitude[index], t.fresnel[index]));
+            [[m[0], m[1], m[2], m[3]], [m[4], m[5], m[6], m[7]], [m[8], amplitude, fresnel, 0.0]]
+                .map(|texel| texel.map(rounded))
+        };
+        let axes = &table.axes;
+        let single = |nodes: &[f64]| nodes.iter().map(|node| *node as f32).collect();
+        Self {
+            layout: table.layout,
+            precision,
+            nodes: PerAxis {
+                alpha: single(&axes.alpha),
+                ratio: single(&axes.ratio),
+                theta: single(&axes.theta),
+                phi: single(&axes.phi),
+            },
+            texels: [0, 1, 2].map(|texel| (0..table.matrix.len()).map(|index| entry(index)[texel]).collect()),
+            turns_with_view: axes.ratio == [1.0] && axes.phi.len() == 1,
+        }
+    }
+
+    /// The number by which shaders know the layout.
+    pub(super) fn layout_code(&self) -> u32 {
+        match self.layout {
+            Layout::Kt2022 => 0,
+            Layout::Reflected => 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::preview::tests::planted;
+
+    #[test]
+    fn sixteen_bits_round_to_nearest_and_keep_the_smallest_roughness() {
+        let table = planted();
+        let (single, half) = (ShaderTable::new(&table, Precision::F32), ShaderTable::new(&table, Precision::F16));
+        let mut differ = 0;
+        for (a, b) in single.texels.iter().flatten().flatten().zip(half.texels.iter().flatten().flatten()) {
+            // Half a unit in the last of 11 bits; below 2^-14 numbers are 2^-24 apart.
+            assert!((a - b).abs() <= (a.abs() / 2048.0).max(2.0_f32.powi(-25)), "{a} {b}");
+            differ += usize::from(a != b);
+        }
+        assert!(differ > single.texels[0].len());
+        assert!(half.texels[0][0][0] > 0.0, "alpha = 1e-4 became a singular matrix");
+    }
+}

@@ -1,0 +1,166 @@
+use glam::{DMat3, DVec3, Mat3, Vec3};
+
+use super::{shader_table, tell_skipped};
+use crate::{
+    fit::{
+        Ltc, Sides,
+        quadrature::{quadrature, random_cases},
+    },
+    view::preview::{
+        Precision, cpu,
+        gpu::{GpuFailure, SHADERS, example},
+    },
+};
+
+/// The integral alone, of a matrix and a polygon that a case gives.
+const ENTRY: &str = "
+struct Case {
+    m: array<vec4<f32>, 3>,
+    count: vec4<u32>,
+    vertices: array<vec4<f32>, 8>,
+}
+
+@group(1) @binding(0) var<uniform> given: array<Case, 256>;
+@group(1) @binding(1) var<storage, read_write> found: array<vec2<f32>, 256>;
+
+@compute @workgroup_size(256)
+fn covered(@builtin(local_invocation_index) index: u32) {
+    let given = given[index];
+    let inverse = ltc_inverse(mat3x3(given.m[0].xyz, given.m[1].xyz, given.m[2].xyz));
+    var vertices: array<vec3<f32>, 8>;
+    for (var i = 0u; i < 8u; i++) {
+        vertices[i] = given.vertices[i].xyz;
+    }
+    found[index] = vec2(
+        ltc_polygon(inverse, vertices, given.count.x, false),
+        ltc_polygon(inverse, vertices, given.count.x, true),
+    );
+}
+";
+
+/// Ten thousand, in whole workgroups.
+const COUNT: usize = 40 * 256;
+
+/// A matrix and a polygon as shaders have them, and what that of the same 32 bits covers.
+struct Case {
+    m: Mat3,
+    vertices: Vec<Vec3>,
+    wanted: f64,
+}
+
+impl Case {
+    /// What is wanted is `exact`, of the matrix and the polygon in 32 bits.
+    fn new(m: DMat3, polygon: impl Iterator<Item = DVec3>, exact: impl Fn(DMat3, &[DVec3]) -> f64) -> Self {
+        let (m, vertices) = (m.as_mat3(), polygon.map(DVec3::as_vec3).collect::<Vec<Vec3>>());
+        let polygon: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
+        Self { m, wanted: exact(m.as_dmat3(), &polygon), vertices }
+    }
+}
+
+/// `aimed`: around and through the lobe, as seen by it, wherever it points and however sharp it is.
+fn cases(aimed: bool) -> Vec<Case> {
+    let place = |m: DMat3, v: DVec3| if aimed { m * v } else { v };
+    random_cases(COUNT).map(|(polygon, m)| Case::new(m, polygon.into_iter().map(|v| place(m, v)), quadrature)).collect()
+}
+
+/// What is covered seen from one side and from both, by the CPU twin and, where there is one, by the GPU.
+fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
+    let twin = |case: &Case| [false, true].map(|two_sided| cpu::covered(case.m, &case.vertices, two_sided));
+    let mut found = vec![("CPU", cases.iter().map(twin).collect())];
+    let needed = SHADERS.iter().filter(|shader| ["ltc_math", "ltc_light"].contains(&shader.name));
+    let source: Vec<&str> = needed.map(|shader| shader.source).chain([ENTRY]).collect();
+    let words: Vec<[u32; 48]> = cases.iter().map(words).collect();
+    let (groups, rest) = words.as_chunks::<256>();
+    assert!(rest.is_empty(), "the shader takes 256 at a time");
+    match example::run::<_, [[f32; 2]; 256]>(&source.join("\n"), "covered", &shader_table(Precision::F32), groups) {
+        Ok(by_gpu) => found.push(("GPU", by_gpu.into_flattened())),
+        Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
+        Err(error) => panic!("{error}"),
+    }
+    found
+}
+
+fn words(case: &Case) -> [u32; 48] {
+    let mut words = [0; 48];
+    let (matrix, rest) = words.split_at_mut(12);
+    let (count, vertices) = rest.split_at_mut(4);
+    count[0] = case.vertices.len() as u32;
+    let columns = [case.m.x_axis, case.m.y_axis, case.m.z_axis];
+    for (place, vector) in
+        matrix.chunks_exact_mut(4).zip(&columns).chain(vertices.chunks_exact_mut(4).zip(&case.vertices))
+    {
+        place[..3].copy_from_slice(&vector.to_array().map(f32::to_bits));
+    }
+    words
+}
+
+/// How far a case's integral is from what it should be; it is a part of the lobe in any case.
+#[track_caller]
+fn error(case: &Case, who: &str, [one, two]: [f32; 2]) -> f64 {
+    let Case { m, vertices, wanted } = case;
+    let what = || format!("{who}: {one} and {two}, not {wanted}: {m} {vertices:?}");
+    assert!((0.0..=1.0).contains(&one) && (0.0..=1.0).contains(&two), "{}", what());
+    assert!(one == two || one == 0.0, "{}", what());
+    (f64::from(two) - wanted).abs()
+}
+
+/// Whether the lobe's horizon is clearly above all of the polygon.
+fn is_below(case: &Case) -> bool {
+    let inverse = case.m.as_dmat3().inverse();
+    case.vertices.iter().map(|v| (inverse * v.as_dvec3()).normalize()).all(|c| c.z < -1e-3)
+}
+
+#[test]
+fn ten_thousand_polygons_in_32_bits_agree_with_quadrature() {
+    let cases = cases(false);
+    let mut below = 0;
+    for (who, found) in by_all(&cases) {
+        for (case, found) in cases.iter().zip(found) {
+            let error = error(case, who, found);
+            assert!(error < 1e-4, "{who}: {error:e}: {} {:?}", case.m, case.vertices);
+            if is_below(case) {
+                assert_eq!(found, [0.0; 2], "{who}: {} {:?}", case.m, case.vertices);
+                below += 1;
+            }
+        }
+    }
+    assert!(below > 500, "{below}");
+}
+
+/// Where a light ends within a sharp lobe, 32 bits cannot tell the place of its edge better than by 1e-7 rad, which of
+/// roughness 1e-4 is a thousandth of the lobe.
+#[test]
+fn lights_that_end_within_a_lobe_are_right_but_for_its_sharpness() {
+    let cases = cases(true);
+    for (who, found) in by_all(&cases) {
+        let errors: Vec<f64> = cases.iter().zip(found).map(|(case, found)| error(case, who, found)).collect();
+        let beyond = errors.iter().filter(|error| **error > 1e-4).count();
+        let most = errors.iter().copied().fold(0.0, f64::max);
+        assert!(most < 3e-3 && beyond <= 20, "{who}: at most {most:e}, {beyond} of {COUNT} beyond 1e-4");
+    }
+}
+
+/// Lights a thousandth as large.
+fn small_cases() -> Vec<Case> {
+    // Quadrature has no relative accuracy on these.
+    let exact = |m: DMat3, polygon: &[DVec3]| Ltc::new(m).expect("regular").polygon(polygon, Sides::Two);
+    let small = |(polygon, m): (Vec<DVec3>, DMat3)| {
+        let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
+        Case::new(m, polygon.into_iter().map(|v| centre + 1e-3 * (v - centre)), exact)
+    };
+    random_cases(COUNT).map(small).collect()
+}
+
+/// Their integrals are a millionth, the size of the rounding errors of what cancels in the usual sum.
+#[test]
+fn small_lights_keep_their_digits() {
+    let cases = small_cases();
+    for (who, found) in by_all(&cases) {
+        let lit = cases.iter().zip(found).filter(|(case, _)| case.wanted > 1e-9);
+        let mut errors: Vec<f64> = lit.map(|(case, found)| error(case, who, found) / case.wanted).collect();
+        errors.sort_by(f64::total_cmp);
+        let part = |of_a_thousand: usize| errors[errors.len() * of_a_thousand / 1000];
+        assert!(errors.len() > 2000, "{who}: {}", errors.len());
+        assert!(part(500) < 1e-3 && part(990) < 0.05, "{who}: {:e}, {:e}", part(500), part(990));
+    }
+}

@@ -1,0 +1,189 @@
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat3, DVec3};
+
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::{planted::diffuse, *};
+use crate::{
+    fit::brdf::{Brdf, Ggx},
+    view::preview::{Camera, Estimator, Light, LightKind, Material, Scene, light::Ellipse},
+};
+
+/// Of the energy that the light sends along.
+const TOLERANCE: f64 = 0.005;
+/// Part of what it would send if it were all around, of which less is taken as this.
+const DIM: f64 = 0.05;
+/// Part of the same, of which more is lit.
+const LIT: f64 = 0.02;
+const SIZE: u32 = 64;
+/// Enough that what is left of the noise is a third of the tolerance.
+const SAMPLES: u32 = 1 << 13;
+
+/// A point of the sphere in f64, by this test's own geometry: its tangent frame's rows, and the view direction in it.
+struct Point {
+    position: DVec3,
+    to_local: DMat3,
+    wo: DVec3,
+}
+
+fn seen(scene: &Scene, pixel: [u32; 2]) -> Option<Point> {
+    let camera = &scene.camera;
+    let turn = DMat3::from_rotation_y(camera.azimuth) * DMat3::from_rotation_x(-camera.elevation);
+    let eye = turn * DVec3::Z * camera.distance;
+    let half = (0.5 * camera.field_of_view).tan();
+    let at = |i: usize| ((f64::from(pixel[i]) + 0.5) / f64::from(SIZE) * 2.0 - 1.0) * half;
+    let ray = (turn * DVec3::new(at(0), -at(1), -1.0)).normalize();
+    let middle = -eye.dot(ray);
+    let beside2 = (eye + middle * ray).length_squared();
+    let position = eye + (middle - (1.0 - beside2).max(0.0).sqrt()) * ray;
+    let along = DVec3::Y.cross(position).normalize();
+    let turned = DMat3::from_axis_angle(position, scene.materials[0].rotation);
+    let (x, y) = (turned * along, turned * position.cross(along));
+    let to_local = DMat3::from_cols(x, y, position).transpose();
+    // At the rim pixels are covered in part.
+    (beside2 < 0.98).then(|| Point { position, to_local, wo: to_local * (eye - position).normalize() })
+}
+
+/// Midpoints of a grid over a convex polygon's fan of triangles, each with its area.
+fn grid(vertices: &[DVec3]) -> Vec<(DVec3, f64)> {
+    const N: usize = 320;
+    let mut points = Vec::new();
+    for i in 2..vertices.len() {
+        let (a, b, c) = (vertices[0], vertices[i - 1], vertices[i]);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        for j in 0..N {
+            // Strips of the triangle between two parallels to the side b c.
+            let t = (j as f64 + 0.5) / N as f64;
+            let share = area * (2.0 * j as f64 + 1.0) / (N * N) as f64 / N as f64;
+            points.extend((0..N).map(|k| (a + t * (b.lerp(c, (k as f64 + 0.5) / N as f64) - a), share)));
+        }
+    }
+    points
+}
+
+/// The same over an ellipse, in rings of equal area.
+fn rings(ellipse: &Ellipse) -> Vec<(DVec3, f64)> {
+    const N: usize = 800;
+    let [x, y] = ellipse.half_axes;
+    let share = PI * x.length() * y.length() / (N * N) as f64;
+    let radius = |j: usize| ((j as f64 + 0.5) / N as f64).sqrt();
+    let angle = |k: usize| (k as f64 + 0.5) / N as f64 * TAU;
+    let point = |(r, a): (f64, f64)| (ellipse.centre + r * (a.cos() * x + a.sin() * y), share);
+    (0..N).flat_map(|j| (0..N).map(move |k| (radius(j), angle(k)))).map(point).collect()
+}
+
+/// Radiance for each channel, by summing `reflects(wo, wi) -> (all, Fresnel part)` over the light as the estimator has
+/// it: a table lights a disk by a polygon.
+fn expected(
+    scene: &Scene,
+    point: &Point,
+    estimator: Estimator,
+    reflects: impl Fn(DVec3, DVec3) -> (f64, f64),
+) -> [f64; 3] {
+    let outline = scene.light.outline();
+    let points = match &outline.ellipse {
+        Some(ellipse) if estimator == Estimator::Reference => rings(ellipse),
+        _ => grid(&outline.vertices),
+    };
+    let (mut all, mut fresnel) = (0.0, 0.0);
+    for (at, area) in points {
+        let to_light = at - point.position;
+        let distance2 = to_light.length_squared();
+        let wi = to_light / distance2.sqrt();
+        let facing = -outline.normal.dot(wi);
+        let facing = if scene.light.two_sided { facing.abs() } else { facing.max(0.0) };
+        let (a, f) = reflects(point.wo, point.to_local * wi);
+        all += a * area * facing / distance2;
+        fresnel += f * area * facing / distance2;
+    }
+    scene.f0.map(|f0| scene.light.intensity * (f0 * (all - fresnel) + fresnel))
+}
+
+/// Twenty materials, lights, cameras and pixels, from sharp to rough; lights near the mirror direction, some of them
+/// cut by the horizon. Then the roughest surface seen from above.
+fn configurations() -> Vec<(Scene, [u32; 2])> {
+    const KINDS: [LightKind; 4] = [LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(6)];
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(20);
+    let mut within = |low: f64, high: f64| low + (high - low) * (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    let mut found = Vec::new();
+    while found.len() < 20 {
+        let rough = |u: f64| 0.03 + 0.97 * u * u;
+        let material = Material {
+            alpha_x: rough(within(0.0, 1.0)),
+            alpha_y: rough(within(0.0, 1.0)),
+            rotation: within(-3.0, 3.0),
+        };
+        let camera =
+            Camera { distance: 4.0, azimuth: within(-3.0, 3.0), elevation: within(-1.0, 1.0), ..Camera::default() };
+        let mut scene = Scene {
+            materials: vec![material],
+            f0: [0.2, 0.6, 0.9],
+            camera,
+            size: SIZE,
+            spp: SAMPLES,
+            ..Scene::default()
+        };
+        let pixel = [0; 2].map(|_: u32| within(4.0, 60.0) as u32);
+        let Some(point) = seen(&scene, pixel) else { continue };
+        let mirror = point.to_local.transpose() * DVec3::new(-point.wo.x, -point.wo.y, point.wo.z);
+        let jitter = DVec3::from([0; 3].map(|_: u32| within(-0.6, 0.6)));
+        scene.light = Light {
+            kind: KINDS[found.len() % KINDS.len()],
+            centre: (point.position + 1.2 * mirror + jitter).to_array(),
+            half_size: [within(0.2, 1.2), within(0.2, 1.2)],
+            rotation: [within(-1.0, 1.0), within(-1.0, 1.0), within(-3.0, 3.0)],
+            intensity: 2.0,
+            two_sided: found.len() % 2 == 0,
+        };
+        found.push((scene, pixel));
+    }
+    let rough = Material { alpha_x: 1.0, alpha_y: 1.0, rotation: 0.0 };
+    let from_above = Scene { materials: vec![rough], size: SIZE, spp: SAMPLES, ..Scene::default() };
+    found.push((from_above, [SIZE / 2; 2]));
+    found
+}
+
+/// Compares every renderer's radiance with the truth.
+fn assert_true(table: &Arc<ShaderTable>, estimator: Estimator, truth: impl Fn(&Scene, &Point) -> [f64; 3]) {
+    let mut renderers = renderers();
+    let mut lit = 0;
+    let configurations = configurations();
+    let (scene, pixel) = &configurations[20];
+    assert!(seen(scene, *pixel).expect("on the sphere").wo.z > 0.999);
+    for (scene, pixel) in configurations {
+        let point = seen(&scene, pixel).expect("on the sphere");
+        let wanted = truth(&scene, &point);
+        lit += usize::from(wanted[1] > LIT * scene.light.intensity);
+        for preview in &mut renderers {
+            let part = preview.part(table, &scene, estimator, pixel, [1, 1]).expect("radiance");
+            let found = part.pixels[0].map(f64::from);
+            for (found, wanted) in found.into_iter().zip(wanted) {
+                let apart = (found - wanted).abs() / wanted.max(DIM * scene.light.intensity);
+                assert!(apart < TOLERANCE, "{found} is not {wanted}: {scene:?} {pixel:?}");
+            }
+        }
+    }
+    assert!(lit >= 12, "only {lit} are lit");
+}
+
+#[test]
+fn the_reference_converges_to_the_integral_of_ggx() {
+    assert_true(&shader_table(Precision::F32), Estimator::Reference, |scene, point| {
+        let Material { alpha_x, alpha_y, .. } = scene.materials[0];
+        let ggx = Ggx { alpha_x, alpha_y };
+        expected(scene, point, Estimator::Reference, |wo, wi| {
+            let all = ggx.eval_cos(wo, wi);
+            (all, all * (1.0 - wo.dot((wo + wi).normalize())).powi(5))
+        })
+    });
+}
+
+#[test]
+fn a_planted_diffuse_table_is_lit_as_a_diffuse_surface() {
+    let table = Arc::new(ShaderTable::new(&diffuse(), Precision::F32));
+    assert_true(&table, Estimator::Table, |scene, point| {
+        expected(scene, point, Estimator::Table, |_, wi| (wi.z.max(0.0) / PI, 0.0))
+    });
+}

@@ -1,0 +1,315 @@
+use super::*;
+use crate::view::{
+    picture::Picture,
+    preview::{Camera, Choices, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
+};
+
+const GO_ON: &dyn Fn() -> bool = &|| false;
+
+fn render(preview: &mut Preview, table: &Arc<ShaderTable>, scene: &Scene) -> Rendered {
+    preview.render(table, scene, GO_ON).expect("a picture")
+}
+
+/// Mean absolute difference in units of 1/255, and the part of the pixels that are more than two of them apart.
+fn apart(a: &Picture, b: &Picture) -> (f64, f64) {
+    assert_eq!((a.width, a.height), (b.width, b.height));
+    let differences = a.rgb.iter().zip(&b.rgb).map(|(a, b)| [0, 1, 2].map(|i| a[i].abs_diff(b[i])));
+    let (mut sum, mut far) = (0_u64, 0_u64);
+    for pixel in differences {
+        sum += pixel.iter().map(|x| u64::from(*x)).sum::<u64>();
+        far += u64::from(pixel.iter().any(|x| *x > 2));
+    }
+    let pixels = a.rgb.len() as f64;
+    (sum as f64 / 3.0 / pixels, far as f64 / pixels)
+}
+
+#[track_caller]
+fn assert_twins(a: &Picture, b: &Picture, what: &str) {
+    let (mean, far) = apart(a, b);
+    assert!(mean <= 0.5 && far <= 0.001, "{what}: mean {mean}/255, {far} of the pixels beyond 2/255");
+}
+
+/// Every scene in every mode, with what a table has to be guarded against among them.
+#[test]
+fn gpu_and_cpu_agree_in_every_mode_and_scene() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    for table in shader_tables() {
+        for (named, mode) in NamedScene::ALL.iter().flat_map(|named| Mode::ALL.map(|mode| (named, mode))) {
+            let scene = Scene { size: 128, spp: 8, mode, ..named.scene() };
+            let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+            assert_eq!(b.adapter, "cpu");
+            assert_twins(
+                &a.picture,
+                &b.picture,
+                &format!("{} {} {:?} {:?}", named.name(), mode.name(), table.layout, table.precision),
+            );
+            for (a, b) in a.errors.iter().zip(&b.errors) {
+                assert!((a.mean_absolute - b.mean_absolute).abs() < 1e-3 * (1.0 + b.mean_radiance), "{a:?} {b:?}");
+            }
+        }
+    }
+}
+
+/// From within a hair of the sphere, from straight above and below, on the floor and under it.
+fn cameras() -> impl Iterator<Item = Scene> {
+    let places =
+        [(1.5, 0.3, 2.5), (4.5, -1.57, 0.5), (4.5, 1.57, 0.5), (4.0, 0.0, 0.8), (4.0, 1e-4, 0.8), (4.0, -0.4, 2.0)];
+    NamedScene::ALL.into_iter().flat_map(move |named| {
+        places.map(|(distance, elevation, field_of_view)| {
+            let scene = named.scene();
+            let camera = Camera { distance, elevation, field_of_view, azimuth: 0.7, ..scene.camera };
+            Scene { camera, size: 64, spp: 2, ..scene }
+        })
+    })
+}
+
+#[test]
+fn gpu_and_cpu_agree_from_everywhere() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(Precision::F32);
+    for scene in cameras().flat_map(|scene| [Mode::Ltc, Mode::Reference].map(|mode| Scene { mode, ..scene.clone() })) {
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
+    }
+}
+
+/// Lights so small that their integrals are of the size of rounding errors, and so bright that these would be seen.
+#[test]
+fn gpu_and_cpu_agree_under_small_lights() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(Precision::F32);
+    for (half_size, centre, exposure) in
+        [("0.001,0.001", "-6,7,8", "10000"), ("0.02,0.02", "-36,42,48", "1000"), ("0.002,0.002", "-1.6,1.8,2.2", "100")]
+    {
+        let scene = [
+            ("alpha_x", "0.8"),
+            ("alpha_y", "0.5"),
+            ("light_half_size", half_size),
+            ("light_centre", centre),
+            ("light_intensity", "10000"),
+            ("exposure", exposure),
+            ("size", "128"),
+        ];
+        let scene = Choices::read(scene).expect("a scene");
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
+        assert!(b.picture.rgb.iter().any(|pixel| pixel[0] > 128), "{half_size} lights nothing");
+    }
+}
+
+#[test]
+fn gpu_and_cpu_agree_on_mirrors_and_needles() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let extremes = [(0.0, 0.0), (1e-4, 1e-4), (1.0, 1e-3), (0.001, 0.3), (1.0, 1.0)];
+    for (table, (alpha_x, alpha_y)) in shader_tables().iter().flat_map(|table| extremes.map(|alphas| (table, alphas))) {
+        for mode in [Mode::Ltc, Mode::Reference, Mode::Lobe] {
+            let materials = vec![Material { alpha_x, alpha_y, rotation: 1.0 }];
+            let scene = Scene { size: 128, spp: 8, mode, materials, ..Scene::default() };
+            let (a, b) = (render(gpu, table, &scene), render(cpu, table, &scene));
+            assert_twins(
+                &a.picture,
+                &b.picture,
+                &format!("{alpha_x} {alpha_y} {} {:?} {:?}", mode.name(), table.layout, table.precision),
+            );
+        }
+    }
+}
+
+#[test]
+fn twice_the_same_picture_is_the_same_bytes() {
+    let table = shader_table(Precision::F32);
+    for mut preview in renderers() {
+        for mode in Mode::ALL {
+            let scene = Scene { size: 96, spp: 4, mode, ..NamedScene::Figure14.scene() };
+            let first = render(&mut preview, &table, &scene).picture.png().expect("a file");
+            let again = render(&mut preview, &table, &scene).picture.png().expect("a file");
+            assert_eq!(first, again, "{}", mode.name());
+        }
+    }
+}
+
+/// Tiles that end within a workgroup, more samples than a pass takes.
+#[test]
+fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(Precision::F32);
+    for (size, spp, mode) in [(101, 3, Mode::Strip), (64, 2100, Mode::Reference)] {
+        let scene = Scene { size, spp, mode, ..NamedScene::Figure14.scene() };
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_twins(&a.picture, &b.picture, &format!("{size} {spp}"));
+    }
+}
+
+/// The shader's bytes are those that `tone` makes of the radiance it would have written.
+#[test]
+fn tone_mapping_is_the_same_in_all_modes() {
+    let table = shader_table(Precision::F32);
+    for mut preview in renderers() {
+        let scene = Scene { size: 128, spp: 4, ..Scene::default() };
+        let ltc = render(&mut preview, &table, &scene).picture;
+        let strip = render(&mut preview, &table, &Scene { mode: Mode::Strip, ..scene }).picture;
+        // The table's panel is the middle one, under the line of labels.
+        let (left, top) = (128 + 4, 22);
+        let rows = (0..128).map(|y| ((top + y) * strip.width + left) as usize);
+        let panel = rows.flat_map(|start| strip.rgb[start..start + 128].iter().copied()).collect();
+        let panel = Picture { width: 128, height: 128, rgb: panel };
+        let (mean, far) = apart(&ltc, &panel);
+        assert!(mean < 0.01 && far == 0.0, "{mean} {far}");
+    }
+}
+
+/// GPUs have 8 bits for a sampler's weights, which shows; lavapipe has all of f32's.
+#[test]
+fn whoever_weighs_makes_the_same_picture() {
+    let mut renderers = renderers();
+    let [_, cpu] = renderers.as_mut_slice() else { return };
+    for weights in [Weights::Shader, Weights::Sampler] {
+        let mut gpu = Preview::with_variant(Adapter::Gpu, Variant { weights, ..Variant::default() });
+        // Sampling tables of 32 bits is a feature that a GPU may lack.
+        let is_software = match gpu.adapter_name() {
+            Ok(name) => name.contains("llvmpipe"),
+            Err(PreviewError::NoAdapter(reason)) => {
+                tell_skipped(&reason);
+                continue;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        for (named, precision) in [(NamedScene::Sphere, Precision::F32), (NamedScene::Figure14, Precision::F16)] {
+            let table = shader_table(precision);
+            let scene = Scene { size: 128, ..named.scene() };
+            let (a, b) = (render(&mut gpu, &table, &scene), render(cpu, &table, &scene));
+            if weights == Weights::Shader || is_software {
+                assert_twins(&a.picture, &b.picture, &format!("{weights:?} {precision:?}"));
+            } else {
+                assert!(apart(&a.picture, &b.picture).0 < 1.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lost_device_is_opened_again() {
+    let mut renderers = renderers();
+    let [gpu, _] = renderers.as_mut_slice() else { return };
+    let table = shader_table(Precision::F32);
+    let scene = Scene { size: 64, ..Scene::default() };
+    let before = render(gpu, &table, &scene);
+    gpu.lose_device();
+    assert_eq!(render(gpu, &table, &scene), before);
+}
+
+#[test]
+fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
+    // Says so where there is no GPU: then nothing fails in the middle.
+    let [_, _] = renderers().as_slice() else { return };
+    let table = shader_table(Precision::F32);
+    let mut any = Preview::new(Adapter::Any);
+    for mode in [Mode::Difference, Mode::Strip, Mode::Lobe] {
+        let scene = Scene { mode, size: 64, spp: 4, ..Scene::default() };
+        any.fail_after(1);
+        let rendered = render(&mut any, &table, &scene);
+        assert_eq!(rendered.adapter, "cpu");
+        let by_cpu = render(&mut Preview::new(Adapter::Cpu), &table, &scene);
+        assert!(rendered == by_cpu, "{}: not all is by the CPU", mode.name());
+    }
+}
+
+#[test]
+fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
+    let table = shader_table(Precision::F32);
+    for mut preview in renderers() {
+        let scene = Scene::default();
+        assert_eq!(preview.render(&table, &scene, &|| true), Err(PreviewError::Stopped));
+        let bad = Scene { size: 4096, ..scene };
+        let Err(PreviewError::Scene(faults)) = preview.render(&table, &bad, GO_ON) else { panic!("taken") };
+        assert_eq!(faults.len(), 1);
+    }
+}
+
+/// Two scenes have one canonical form just when they make the same picture.
+#[test]
+fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
+    let table = shader_table(Precision::F32);
+    let mut cpu = Preview::new(Adapter::Cpu);
+    let others = [
+        ("scene", "horizon"),
+        ("alpha_x", "0.3"),
+        ("alpha_y", "0.4"),
+        ("rotation", "1"),
+        ("f0", "1,0.5,0"),
+        ("light", "disk"),
+        ("light_centre", "1,2,2"),
+        ("light_half_size", "0.5,0.5"),
+        ("light_rotation", "1.5,0,0"),
+        ("light_intensity", "1"),
+        ("camera_distance", "6"),
+        ("camera_azimuth", "1"),
+        ("camera_elevation", "1"),
+        ("camera_target", "0.2,0,0.1"),
+        ("field_of_view", "1"),
+        ("theta", "0.5"),
+        ("phi", "1.5"),
+        ("exposure", "2"),
+        ("difference_scale", "0.1"),
+        ("spp", "3"),
+    ];
+    for mode in Mode::ALL {
+        let usual = [("mode", mode.name()), ("size", "64")];
+        let scene = Choices::read(usual).expect("a scene");
+        let picture = render(&mut cpu, &table, &scene).picture;
+        for other in others {
+            let changed = Choices::read(usual.into_iter().chain([other])).expect("a scene");
+            let is_same = render(&mut cpu, &table, &changed).picture == picture;
+            assert_eq!(scene.clone().canonical() == changed.canonical(), is_same, "{} {other:?}", mode.name());
+        }
+    }
+}
+
+#[test]
+fn a_floor_is_seen_from_above_alone() {
+    let table = shader_table(Precision::F32);
+    for mut preview in renderers() {
+        for elevation in ["0", "-0.3", "-1.5", "1e-9"] {
+            let scene = [("scene", "brushed_floor"), ("camera_elevation", elevation), ("size", "64")];
+            let scene = Choices::read(scene).expect("a scene");
+            let picture = render(&mut preview, &table, &scene).picture;
+            assert!(picture.rgb.iter().all(|pixel| *pixel == picture.rgb[0]), "{elevation}");
+        }
+    }
+}
+
+/// Nothing that a table or a scene may hold makes a pixel that is not a number.
+#[test]
+fn every_pixel_is_a_number() {
+    use crate::view::preview::Estimator;
+    let mut hostile = planted();
+    // Singular, mirroring, huge and tiny matrices.
+    for (i, matrix) in hostile.matrix.iter_mut().enumerate() {
+        match i % 5 {
+            0 => *matrix = [0.0; 9],
+            1 => matrix[0] = -matrix[0],
+            2 => *matrix = matrix.map(|x| x * 1e12),
+            3 => *matrix = matrix.map(|x| x * 1e-12),
+            _ => {}
+        }
+    }
+    for table in [shader_table(Precision::F16), Arc::new(ShaderTable::new(&hostile, Precision::F32))] {
+        for mut preview in renderers() {
+            for mut scene in cameras() {
+                scene.materials[0] = Material { alpha_x: 0.0, alpha_y: 1.0, rotation: 0.0 };
+                for estimator in Estimator::ALL {
+                    let part = preview.part(&table, &scene, estimator, [0; 2], [64; 2]).expect("radiances");
+                    assert_eq!(part.pixels.len(), 64 * 64);
+                    let lowest = if matches!(estimator, Estimator::Table | Estimator::Reference) { 0.0 } else { -1.0 };
+                    let bad = part.pixels.iter().flatten().find(|x| !(x.is_finite() && **x >= lowest));
+                    assert_eq!(bad, None, "{estimator:?} {scene:?}");
+                }
+            }
+        }
+    }
+}

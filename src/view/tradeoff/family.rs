@@ -1,0 +1,176 @@
+//! Which recipes are fitted.
+
+use crate::{
+    files::recipe::{Preset, canonical_json, parse},
+    fit::{FitSettings, Layout, PerAxis, Precision, Recipe},
+};
+
+/// How large a family is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// The presets and a few recipes around them.
+    Quick,
+    /// Enough to calibrate an expectation by.
+    Full,
+}
+
+/// Resolutions of a family, as parts of the base recipe's on each axis.
+const SCALES: [f64; 5] = [0.4, 0.6, 0.8, 1.25, 1.5];
+/// What a single axis is scaled by.
+const AXIS_SCALES: [f64; 2] = [0.6, 1.6];
+/// (samples, directions, steps) beside the presets'.
+const EFFORTS: [(u32, u32, u32); 21] = [
+    (64, 8, 30),
+    (64, 16, 30),
+    (128, 4, 30),
+    (128, 8, 10),
+    (128, 8, 15),
+    (128, 8, 20),
+    (128, 8, 60),
+    (128, 16, 30),
+    (128, 32, 60),
+    (256, 8, 30),
+    (256, 8, 60),
+    (256, 16, 30),
+    (256, 32, 60),
+    (512, 8, 60),
+    (512, 16, 30),
+    (512, 16, 60),
+    (1024, 8, 60),
+    (1024, 16, 30),
+    (1024, 16, 60),
+    (1024, 32, 60),
+    (2048, 16, 60),
+];
+
+/// The recipes around `base`, which keeps its ranges, in a fixed order and each once. The presets at its layout,
+/// resolution and precision come first. What `base`'s ranges leave no room for is left out.
+#[must_use]
+pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
+    let mut found = Collector { entry_limit, recipes: Vec::new() };
+    let [draft, standard, paper, best] = Preset::ALL.map(Preset::fit);
+    for fit in [draft, standard, paper, best] {
+        found.add(with_fit(base, fit));
+    }
+    found.add(base.clone());
+    let (scales, layout_fits): (&[f64], &[FitSettings]) = match size {
+        Size::Quick => (&SCALES[1..3], &[draft]),
+        Size::Full => (&SCALES, &[draft, standard]),
+    };
+    for scale in scales {
+        for fit in layout_fits {
+            found.add(with_fit(&scaled(base, [*scale; 4]), *fit));
+        }
+    }
+    let other = Recipe { layout: other_layout(base.layout), ..base.clone() };
+    for fit in layout_fits {
+        found.add(with_fit(&other, *fit));
+    }
+    let half = Recipe { precision: Precision::F16, ..base.clone() };
+    found.add(with_fit(&half, layout_fits[layout_fits.len() - 1]));
+    if size == Size::Quick {
+        return found.recipes;
+    }
+    for (samples, directions, steps) in EFFORTS {
+        found.add(with_fit(base, FitSettings { samples, directions, steps, ..draft }));
+    }
+    for scale in SCALES {
+        found.add(with_fit(&scaled(&other, [scale; 4]), draft));
+        found.add(with_fit(&scaled(&half, [scale; 4]), draft));
+    }
+    found.add(with_fit(&scaled(base, [SCALES[1]; 4]), paper));
+    found.add(with_fit(&scaled(base, [SCALES[3]; 4]), paper));
+    found.add(with_fit(&other, paper));
+    for axis in 0..4 {
+        for scale in AXIS_SCALES {
+            let mut scales = [1.0; 4];
+            scales[axis] = scale;
+            found.add(with_fit(&scaled(base, scales), draft));
+            found.add(with_fit(&scaled(&other, scales), draft));
+        }
+    }
+    found.recipes
+}
+
+/// The same table, fitted as hard as `fit` says, with the seed and solver of the base.
+fn with_fit(recipe: &Recipe, fit: FitSettings) -> Recipe {
+    let FitSettings { metric, solver, seed, .. } = recipe.fit;
+    Recipe { fit: FitSettings { metric, solver, seed, ..fit }, ..recipe.clone() }
+}
+
+/// Each axis of several nodes with `scale` times as many.
+fn scaled(recipe: &Recipe, scale: [f64; 4]) -> Recipe {
+    let nodes = |n: u32, scale: f64| if n == 1 { 1 } else { ((f64::from(n) * scale).round() as u32).max(2) };
+    let PerAxis { alpha, ratio, theta, phi } = recipe.resolution;
+    let resolution = PerAxis {
+        alpha: nodes(alpha, scale[0]),
+        ratio: nodes(ratio, scale[1]),
+        theta: nodes(theta, scale[2]),
+        phi: nodes(phi, scale[3]),
+    };
+    Recipe { resolution, ..recipe.clone() }
+}
+
+fn other_layout(layout: Layout) -> Layout {
+    match layout {
+        Layout::Kt2022 => Layout::Reflected,
+        Layout::Reflected => Layout::Kt2022,
+    }
+}
+
+/// Recipes, each checked as if it were submitted, and taken once.
+struct Collector {
+    entry_limit: u64,
+    recipes: Vec<Recipe>,
+}
+
+impl Collector {
+    fn add(&mut self, recipe: Recipe) {
+        let is_sound = parse(canonical_json(&recipe).as_bytes(), self.entry_limit).is_ok();
+        if is_sound && !self.recipes.contains(&recipe) {
+            self.recipes.push(recipe);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::recipe::DEFAULT_ENTRY_LIMIT;
+
+    fn base(document: &str) -> Recipe {
+        parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe")
+    }
+
+    #[test]
+    fn a_family_begins_with_the_presets_varies_everything_and_repeats_nothing() {
+        let base = base(r#"{"preset":"paper"}"#);
+        for size in [Size::Quick, Size::Full] {
+            let found = family(&base, size, DEFAULT_ENTRY_LIMIT);
+            let presets: Vec<FitSettings> = found[..4].iter().map(|recipe| recipe.fit).collect();
+            assert_eq!(presets, Preset::ALL.map(Preset::fit));
+            for (i, recipe) in found.iter().enumerate() {
+                assert!(!found[..i].contains(recipe), "{recipe:?} stands twice");
+                assert_eq!(recipe.range, base.range);
+            }
+            for layout in [Layout::Kt2022, Layout::Reflected] {
+                assert!(found.iter().any(|recipe| recipe.layout == layout));
+            }
+            assert!(found.iter().any(|recipe| recipe.entries() < base.entries() / 2));
+        }
+    }
+
+    #[test]
+    fn a_single_value_stays_one_node_and_what_has_no_room_is_left_out() {
+        let isotropic = base(
+            r#"{"range":{"alpha":[0.01,0.5],"ratio":[1,1],"phi":[0,0]},"resolution":{"alpha":16,"theta":12},
+                "fit":{"seed":7}}"#,
+        );
+        let found = family(&isotropic, Size::Full, 300);
+        assert!(found.len() > 20, "{}", found.len());
+        for recipe in found {
+            assert_eq!((recipe.resolution.ratio, recipe.resolution.phi), (1, 1));
+            assert!(recipe.entries() <= 300 && recipe.fit.seed == 7, "{recipe:?}");
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! The trade as a picture: error against seconds, and against bytes.
+
+use std::fmt::Write as _;
+
+use super::{
+    Row,
+    axis::LogAxis,
+    label::{Area, places},
+};
+use crate::fit::{Layout, Precision};
+
+const WIDTH: f64 = 1120.0;
+const HEIGHT: f64 = 560.0;
+/// Top of both panels, and their height.
+const TOP: f64 = 74.0;
+const PANEL_HEIGHT: f64 = 420.0;
+/// Left ends of the panels, and their width.
+const LEFT: [f64; 2] = [64.0, 624.0];
+const PANEL_WIDTH: f64 = 480.0;
+/// What a letter of a name takes at 13 pixels, and a name's height.
+const LETTER: f64 = 7.6;
+const NAME_HEIGHT: f64 = 15.0;
+/// Half a mark.
+const MARK: f64 = 4.0;
+
+/// Both schemes of colours in one file: the viewer's own preference picks.
+const STYLE: &str = "\
+svg { font: 13px system-ui, sans-serif; --ink: #24292f; --paper: #ffffff; --grid: #d8dee4; --a: #0969da; --b: #bc4c00 }
+@media (prefers-color-scheme: dark) {
+  svg { --ink: #e6edf3; --paper: #0d1117; --grid: #30363d; --a: #58a6ff; --b: #f0883e }
+}
+text { fill: #24292f; fill: var(--ink) }
+.paper { fill: #ffffff; fill: var(--paper) }
+.grid { stroke: #d8dee4; stroke: var(--grid) }
+.frame { fill: none; stroke: #57606a }
+.reflected { fill: #0969da; fill: var(--a); stroke: #0969da; stroke: var(--a) }
+.kt2022 { fill: #bc4c00; fill: var(--b); stroke: #bc4c00; stroke: var(--b) }
+.f16 { fill: #ffffff; fill: var(--paper) }
+.off { opacity: 0.45 }
+.front { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
+.base { stroke-dasharray: 6 4 }
+.preset { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
+.lead { stroke: #24292f; stroke: var(--ink); stroke-width: 0.8 }
+.title { font-weight: 600 }
+.middle { text-anchor: middle }
+.end { text-anchor: end }
+";
+
+/// What a panel shows along its horizontal axis.
+struct Panel {
+    left: f64,
+    title: &'static str,
+    unit: &'static str,
+    price: fn(&Row) -> f64,
+    is_on_front: fn(&Row) -> bool,
+    write_tick: fn(f64) -> String,
+}
+
+/// The picture as SVG. A row on a front is drawn full, others faint; f16 hollow; presets ringed and named.
+#[must_use]
+pub fn picture(rows: &[Row]) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_picture(&mut out, rows);
+    out
+}
+
+fn write_picture(out: &mut String, rows: &[Row]) -> std::fmt::Result {
+    writeln!(
+        out,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and against bytes">"#
+    )?;
+    writeln!(out, "<style>\n{STYLE}</style>")?;
+    writeln!(out, r#"<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>"#)?;
+    write_legend(out)?;
+    let panels = [
+        Panel {
+            left: LEFT[0],
+            title: "Error against seconds",
+            unit: "seconds of the fit, every thread on a core of its own",
+            price: |row| row.seconds,
+            is_on_front: |row| row.on_front.seconds,
+            write_tick: |tick| format!("{}", rounded(tick)),
+        },
+        Panel {
+            left: LEFT[1],
+            title: "Error against bytes",
+            unit: "bytes of the table's numbers",
+            price: |row| row.bytes as f64,
+            is_on_front: |row| row.on_front.bytes,
+            write_tick: bytes,
+        },
+    ];
+    for panel in &panels {
+        write_panel(out, panel, rows)?;
+    }
+    writeln!(out, "</svg>")
+}
+
+fn write_legend(out: &mut String) -> std::fmt::Result {
+    let y = 22.0;
+    let text = |out: &mut String, x: f64, text: &str| writeln!(out, r#"<text x="{x}" y="{}">{text}</text>"#, y + 4.5);
+    mark(out, [70.0, y], Layout::Reflected, "")?;
+    text(out, 80.0, "reflected")?;
+    mark(out, [170.0, y], Layout::Kt2022, "")?;
+    text(out, 180.0, "kt2022")?;
+    mark(out, [252.0, y], Layout::Reflected, " f16")?;
+    text(out, 262.0, "hollow: f16")?;
+    mark(out, [360.0, y], Layout::Reflected, " off")?;
+    text(out, 370.0, "faint: on no front")?;
+    writeln!(out, r#"<path class="front" d="M510 {y}h28"/>"#)?;
+    text(out, 546.0, "Pareto front")?;
+    writeln!(out, r#"<path class="front base" d="M652 {y}h28"/>"#)?;
+    text(out, 688.0, "at the presets' layout, resolution and precision")?;
+    writeln!(out, r#"<circle class="preset" cx="1020" cy="{y}" r="7.5"/>"#)?;
+    text(out, 1034.0, "preset")
+}
+
+fn write_panel(out: &mut String, panel: &Panel, rows: &[Row]) -> std::fmt::Result {
+    let bottom = TOP + PANEL_HEIGHT;
+    let x_axis = LogAxis::over(rows.iter().map(panel.price), [panel.left, panel.left + PANEL_WIDTH]);
+    let y_axis = LogAxis::over(rows.iter().map(|row| row.error_mean), [bottom, TOP]);
+    let middle = panel.left + 0.5 * PANEL_WIDTH;
+    writeln!(out, r#"<text class="title middle" x="{middle}" y="58">{}</text>"#, panel.title)?;
+    for tick in x_axis.ticks() {
+        let x = x_axis.at(tick);
+        writeln!(out, r#"<path class="grid" d="M{x:.1} {TOP}V{bottom}"/>"#)?;
+        writeln!(out, r#"<text class="middle" x="{x:.1}" y="{}">{}</text>"#, bottom + 18.0, (panel.write_tick)(tick))?;
+    }
+    for tick in y_axis.ticks() {
+        let y = y_axis.at(tick);
+        writeln!(out, r#"<path class="grid" d="M{} {y:.1}h{PANEL_WIDTH}"/>"#, panel.left)?;
+        writeln!(out, r#"<text class="end" x="{}" y="{:.1}">{}</text>"#, panel.left - 7.0, y + 4.5, rounded(tick))?;
+    }
+    writeln!(
+        out,
+        r#"<rect class="frame" x="{}" y="{TOP}" width="{PANEL_WIDTH}" height="{PANEL_HEIGHT}"/>"#,
+        panel.left
+    )?;
+    writeln!(out, r#"<text class="middle" x="{middle}" y="{}">{}</text>"#, bottom + 42.0, panel.unit)?;
+    let (x, y) = (panel.left - 48.0, TOP + 0.5 * PANEL_HEIGHT);
+    writeln!(
+        out,
+        r#"<text class="middle" transform="translate({x} {y}) rotate(-90)">mean error between nodes, of the lobe's width</text>"#
+    )?;
+
+    let at = |row: &Row| [x_axis.at((panel.price)(row)), y_axis.at(row.error_mean)];
+    write_front(out, "front", rows.iter().filter(|row| (panel.is_on_front)(row)).map(at))?;
+    if panel.left == LEFT[0] {
+        write_front(out, "front base", rows.iter().filter(|row| row.on_front.base).map(at))?;
+    }
+    for row in rows {
+        let precision = if row.precision == Precision::F16 { " f16" } else { "" };
+        let faint = if (panel.is_on_front)(row) || row.on_front.base { "" } else { " off" };
+        mark(out, at(row), row.layout, &format!("{precision}{faint}"))?;
+    }
+    write_presets(out, panel, rows, at)
+}
+
+/// A staircase: between two points on it nothing better is known than the dearer one's error from its price on.
+fn write_front(out: &mut String, class: &str, points: impl Iterator<Item = [f64; 2]>) -> std::fmt::Result {
+    let mut points: Vec<[f64; 2]> = points.collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let Some(([x, y], rest)) = points.split_first().map(|(first, rest)| (*first, rest)) else { return Ok(()) };
+    let steps = rest.iter().fold(format!("M{x:.1} {y:.1}"), |path, [x, y]| format!("{path}H{x:.1}V{y:.1}"));
+    writeln!(out, r#"<path class="{class}" d="{steps}"/>"#)
+}
+
+fn write_presets(out: &mut String, panel: &Panel, rows: &[Row], at: impl Fn(&Row) -> [f64; 2]) -> std::fmt::Result {
+    let named: Vec<(&str, [f64; 2])> = rows.iter().filter_map(|row| row.preset.map(|name| (name, at(row)))).collect();
+    let taken: Vec<Area> = rows.iter().map(|row| Area::around(at(row), MARK + 1.0)).collect();
+    let points: Vec<[f64; 2]> = named.iter().map(|(_, point)| *point).collect();
+    let sizes: Vec<[f64; 2]> = named.iter().map(|(name, _)| [LETTER * name.len() as f64, NAME_HEIGHT]).collect();
+    let frame = Area { left: panel.left, top: TOP, width: PANEL_WIDTH, height: PANEL_HEIGHT };
+    for ((name, [x, y]), area) in named.iter().zip(places(&points, &sizes, &taken, &frame)) {
+        let near = [x.clamp(area.left, area.left + area.width), y.clamp(area.top, area.top + area.height)];
+        writeln!(out, r#"<path class="lead" d="M{x:.1} {y:.1}L{:.1} {:.1}"/>"#, near[0], near[1])?;
+        writeln!(out, r#"<circle class="preset" cx="{x:.1}" cy="{y:.1}" r="7.5"/>"#)?;
+        writeln!(out, r#"<text class="title" x="{:.1}" y="{:.1}">{name}</text>"#, area.left, area.top + 12.0)?;
+    }
+    Ok(())
+}
+
+fn mark(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
+    match layout {
+        Layout::Reflected => {
+            writeln!(out, r#"<circle class="reflected{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#)
+        }
+        Layout::Kt2022 => {
+            let side = 2.0 * MARK - 1.0;
+            let (left, top) = (x - 0.5 * side, y - 0.5 * side);
+            writeln!(
+                out,
+                r#"<rect class="kt2022{classes}" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#
+            )
+        }
+    }
+}
+
+/// A tick without the last digits of its binary form.
+fn rounded(tick: f64) -> f64 {
+    let scale = 10_f64.powi(3 - tick.log10().floor() as i32);
+    (tick * scale).round() / scale
+}
+
+fn bytes(tick: f64) -> String {
+    match tick {
+        tick if tick >= 1e6 => format!("{} MB", rounded(tick / 1e6)),
+        tick if tick >= 1e3 => format!("{} kB", rounded(tick / 1e3)),
+        _ => format!("{} B", rounded(tick)),
+    }
+}

@@ -1,0 +1,129 @@
+//! A line of the trade: a recipe, what it cost and what it gave.
+
+use serde::Serialize;
+
+use super::{Fronts, front};
+use crate::{
+    files::{
+        digest::Digest,
+        recipe::{self, Preset},
+    },
+    fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expectation},
+};
+
+/// What was measured of a recipe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measurement {
+    /// Processor time of the fit, of all threads together, seconds.
+    pub processor_seconds: f64,
+    /// Time that passed, seconds.
+    pub wall_seconds: f64,
+    /// Error between nodes as a part of the lobe's width.
+    pub width: Spread,
+    /// Error between nodes, sliced Wasserstein distance.
+    pub sw1: Spread,
+}
+
+/// A line of the trade.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// The recipe's digest.
+    pub recipe_digest: Digest,
+    /// The preset whose effort it has, at the base recipe's layout, resolution and precision.
+    pub preset: Option<&'static str>,
+    /// Layout.
+    pub layout: Layout,
+    /// Nodes on each axis.
+    pub resolution: PerAxis<u32>,
+    /// Samples of the LTC.
+    pub samples: u32,
+    /// Directions.
+    pub directions: u32,
+    /// Most steps.
+    pub steps: u32,
+    /// Number format.
+    pub precision: Precision,
+    /// Entries of the table.
+    pub entries: u64,
+    /// Bytes of its matrices and terms.
+    pub bytes: u64,
+    /// Processor time of the fit over the threads: its time where each thread has a core of its own.
+    pub seconds: f64,
+    /// Time that passed, whatever else the machine did.
+    pub wall_seconds: f64,
+    /// Mean error between nodes as a part of the lobe's width: the error of the fronts.
+    pub error_mean: f64,
+    /// Its 95th percentile.
+    pub error_p95: f64,
+    /// Mean sliced Wasserstein distance between nodes.
+    pub sw1_mean: f64,
+    /// Its 95th percentile.
+    pub sw1_p95: f64,
+    /// What was expected of `seconds`.
+    pub predicted_seconds: f64,
+    /// What was expected of `error_mean`.
+    pub predicted_error: f64,
+    /// The fronts it is on.
+    pub on_front: Fronts,
+}
+
+/// The rows of a family that was fitted on `threads` threads, in its order.
+#[must_use]
+pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> Vec<Row> {
+    let mut rows: Vec<Row> = fitted.iter().map(|(recipe, measured)| row(base, recipe, measured, threads)).collect();
+    let [mut seconds, mut bytes, mut at_base] = [const { Vec::new() }; 3];
+    for row in &rows {
+        seconds.push([row.seconds, row.error_mean]);
+        bytes.push([row.bytes as f64, row.error_mean]);
+        if is_base(base, row) {
+            at_base.push([row.seconds, row.error_mean]);
+        }
+    }
+    let (seconds, bytes, mut at_base) = (front(&seconds), front(&bytes), front(&at_base).into_iter());
+    for ((row, seconds), bytes) in rows.iter_mut().zip(seconds).zip(bytes) {
+        let is_on_base_front = is_base(base, row) && at_base.next().unwrap_or(false);
+        row.on_front = Fronts { seconds, bytes, base: is_on_base_front };
+    }
+    rows
+}
+
+/// Whether a row differs from the base recipe by effort alone.
+fn is_base(base: &Recipe, row: &Row) -> bool {
+    (row.layout, row.resolution, row.precision) == (base.layout, base.resolution, base.precision)
+}
+
+fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -> Row {
+    let Expectation { seconds, error } = expectation(recipe);
+    let effort = |of: &crate::fit::FitSettings| (of.samples, of.directions, of.steps);
+    let has_effort = |preset: &Preset| effort(&preset.fit()) == effort(&recipe.fit);
+    let numbers = if recipe.terms { 9 + 2 } else { 9 };
+    let number_bytes = match recipe.precision {
+        Precision::F32 => 4,
+        Precision::F16 => 2,
+    };
+    let mut row = Row {
+        recipe_digest: recipe::digest(recipe),
+        preset: None,
+        layout: recipe.layout,
+        resolution: recipe.resolution,
+        samples: recipe.fit.samples,
+        directions: recipe.fit.directions,
+        steps: recipe.fit.steps,
+        precision: recipe.precision,
+        entries: recipe.entries(),
+        bytes: recipe.entries() * numbers * number_bytes,
+        seconds: measured.processor_seconds / threads as f64,
+        wall_seconds: measured.wall_seconds,
+        error_mean: measured.width.mean,
+        error_p95: measured.width.p95,
+        sw1_mean: measured.sw1.mean,
+        sw1_p95: measured.sw1.p95,
+        predicted_seconds: seconds / threads as f64,
+        predicted_error: error,
+        on_front: Fronts { seconds: false, bytes: false, base: false },
+    };
+    if is_base(base, &row) {
+        row.preset = Preset::ALL.into_iter().find(has_effort).map(Preset::name);
+    }
+    row
+}

@@ -1,0 +1,44 @@
+//! The trade as CSV and JSON.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use super::{POINTS, Row};
+use crate::fit::PerAxis;
+
+const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,directions,steps,precision,entries,bytes,seconds,\
+                      wall_seconds,error_mean,error_p95,sw1_mean,sw1_p95,predicted_seconds,predicted_error,\
+                      on_front_seconds,on_front_bytes,on_front_base";
+
+/// One line a row after a header; no field needs quotes.
+#[must_use]
+pub fn csv(rows: &[Row]) -> String {
+    let mut out = format!("{HEADER}\n");
+    for row in rows {
+        // Writing to a String cannot fail.
+        let _ = write_line(&mut out, row);
+    }
+    out
+}
+
+fn write_line(out: &mut String, row: &Row) -> std::fmt::Result {
+    let PerAxis { alpha, ratio, theta, phi } = row.resolution;
+    // The names of recipe documents.
+    let name = |value: serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    let (layout, precision) = (name(json!(row.layout)), name(json!(row.precision)));
+    let Row { samples, directions, steps, entries, bytes, on_front, .. } = row;
+    write!(out, "{},{},{layout},{alpha},{ratio},{theta},{phi},", row.recipe_digest, row.preset.unwrap_or_default())?;
+    write!(out, "{samples},{directions},{steps},{precision},{entries},{bytes},")?;
+    write!(out, "{:.4},{:.4},", row.seconds, row.wall_seconds)?;
+    write!(out, "{:.6},{:.6},{:.6},{:.6},", row.error_mean, row.error_p95, row.sw1_mean, row.sw1_p95)?;
+    write!(out, "{:.4},{:.6},", row.predicted_seconds, row.predicted_error)?;
+    writeln!(out, "{},{},{}", on_front.seconds, on_front.bytes, on_front.base)
+}
+
+/// One document: how it was measured, and the rows.
+#[must_use]
+pub fn json(rows: &[Row], threads: usize) -> String {
+    let document = json!({ "points": POINTS, "threads": threads, "rows": rows });
+    format!("{document:#}\n")
+}
