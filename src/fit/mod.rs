@@ -17,9 +17,9 @@ mod entry;
 mod expectation;
 mod guess;
 mod loss;
+mod measure;
 mod nodes;
 mod recipe;
-mod report;
 mod sgd;
 mod shard;
 mod solve;
@@ -39,11 +39,11 @@ pub use ltc::{
     ALPHA_Y_FLOOR, Clip, Configuration, Layout, LookedUp, Ltc, MAX_VERTICES, PerAxis, Reflection, Scalar, Sides, Table,
     Terms,
 };
-pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
-pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
-pub use report::{
+pub use measure::{
     Accuracy, Corner, ErrorMap, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread,
     TermError, Worst, error_map, extremes, report, report_points,
 };
+pub use nodes::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING, nodes};
+pub use recipe::{BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Recipe, Solver};
 pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
 pub use terms::ggx_terms;
