@@ -13,8 +13,9 @@ use std::{
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use ltcforge::{
+    Recipe,
     files::recipe::Preset,
-    fit::{FitSettings, Fitter, Metric, Solver, brdf::Ggx, math::sin_cos},
+    fit::{FitSettings, Fitter, Solver, brdf::Ggx, math::sin_cos},
 };
 
 /// The paper's schedule [KT et al. 2022, section 4].
@@ -53,7 +54,8 @@ fn go_on() -> ControlFlow<()> {
 }
 
 fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSettings {
-    FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0 }
+    let builder = Recipe::builder().solver(solver).samples(samples).directions(directions).steps(steps);
+    builder.build().expect("settings within their bounds").fit()
 }
 
 /// Fits every lobe once.
@@ -90,7 +92,7 @@ fn entry(criterion: &mut Criterion) {
 fn paper_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("16 entries, one step of sgd");
     group.sample_size(10);
-    let descend = Fitter::new(&settings(Solver::Sgd, PAPER_SAMPLES, PAPER_DIRECTIONS, 1));
+    let mut descend = Fitter::new(&settings(Solver::Sgd, PAPER_SAMPLES, PAPER_DIRECTIONS, 1));
     group.bench_function("2048 x 64", |bencher| {
         bencher.iter(|| {
             for (alpha_x, alpha_y, theta, phi) in LOBES {
@@ -106,7 +108,7 @@ fn speed_up(_: &mut Criterion) {
     const RUNS: usize = 7;
     const STEPS: u32 = 4;
     let mut ours = Fitter::new(&Preset::Paper.fit());
-    let theirs = Fitter::new(&settings(Solver::Sgd, PAPER_SAMPLES, PAPER_DIRECTIONS, STEPS));
+    let mut theirs = Fitter::new(&settings(Solver::Sgd, PAPER_SAMPLES, PAPER_DIRECTIONS, STEPS));
     let timed = |work: &mut dyn FnMut()| {
         let start = Instant::now();
         work();

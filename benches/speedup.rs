@@ -13,9 +13,10 @@ use std::{
 
 use glam::DMat3;
 use ltcforge::{
-    files::recipe::Preset,
+    Recipe,
+    files::recipe::{Preset, RecipeBuilder},
     fit::{
-        FitSettings, Fitter, Metric, Solver,
+        FitSettings, Fitter, Solver,
         brdf::Ggx,
         math::{direction, from_row_major, recurrence4, row_major},
     },
@@ -33,9 +34,14 @@ struct Row {
     published: (Duration, f64, DMat3),
 }
 
+/// The fit settings of a recipe.
+fn settings(builder: RecipeBuilder) -> FitSettings {
+    builder.build().expect("settings within their bounds").fit()
+}
+
 fn main() {
     let steps = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(10_000);
-    let sgd = FitSettings { metric: Metric::Sw1, solver: Solver::Sgd, samples: 2048, directions: 64, steps, seed: 0 };
+    let sgd = settings(Recipe::builder().solver(Solver::Sgd).samples(2048).directions(64).steps(steps));
     let rows: Vec<Row> = (0..LOBES).into_par_iter().with_max_len(1).map(|k| compare(k, &sgd)).collect();
 
     println!("alpha_x  alpha_y   theta     phi |    ours   error | published   error | times");
@@ -86,13 +92,13 @@ fn compare(k: usize, sgd: &FitSettings) -> Row {
     runs.sort_by_key(|(time, _)| *time);
     let (our_time, our_matrix) = runs[REPEATS / 2];
 
-    let descend = Fitter::new(sgd);
+    let mut descend = Fitter::new(sgd);
     let start = Instant::now();
     let their_matrix = descend.descended(&ggx, wo, k as u64, &mut go_on).expect("nothing stops it");
     let their_time = start.elapsed();
 
     // On samples that neither has seen.
-    let mut judge = Fitter::new(&FitSettings { samples: 4096, directions: 64, seed: 7, ..Preset::Best.fit() });
+    let mut judge = Fitter::new(&settings(Recipe::builder().samples(4096).directions(64).seed(7)));
     let mut error = |m: &DMat3| judge.error(&ggx, wo, m);
     let (our_error, their_error) = (error(&our_matrix), error(&their_matrix));
     Row { place, ours: (our_time, our_error, our_matrix), published: (their_time, their_error, their_matrix) }

@@ -37,10 +37,8 @@ const LTC_LAYOUT_OF_TABLE: u32 = 2u;
 /// The layout of all tables that this shader is to read.
 override ltc_layout: u32 = LTC_LAYOUT_OF_TABLE;
 
-/// Roughness below this is a mirror's for every light a scene can hold, and GGX of it overflows.
-const LTC_ALPHA_FLOOR: f32 = 1e-4;
-/// The smaller roughness is fitted as if it were at least this.
-const LTC_ALPHA_Y_FLOOR: f32 = 1e-5;
+/// The least roughness along either axis. Both are raised to it before their ratio is taken, so that mirrors stay isotropic.
+const LTC_LEAST_ALPHA: f32 = 1e-5;
 
 /// What a table says of a surface seen from one direction.
 struct LtcLobe {
@@ -64,7 +62,7 @@ struct LtcFold {
 
 /// wo: view direction in the tangent frame, normal +z, of unit length.
 fn ltc_fold(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcFold {
-    let a = max(vec2(alpha_x, alpha_y), vec2(LTC_ALPHA_FLOOR));
+    let a = max(vec2(alpha_x, alpha_y), vec2(LTC_LEAST_ALPHA));
     let swap = a.y > a.x;
     let flat = abs(wo.xy);
     var fold: LtcFold;
@@ -160,7 +158,7 @@ fn ltc_reflected_tangent(wo: vec3<f32>, wm: vec3<f32>, d: f32, tangent: vec3<f32
 /// What the interpolated numbers of layout reflected stand for, at a place within the table's ranges seen from wo in
 /// the first quadrant: they are what is left of the lobe beside the reflection at the normal in the middle of those seen.
 fn ltc_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
-    let alpha_y = max(alpha_x * ratio, LTC_ALPHA_Y_FLOOR);
+    let alpha_y = max(alpha_x * ratio, LTC_LEAST_ALPHA);
     let halfway = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z)) + vec3(0.0, 0.0, 1.0);
     let wm = normalize(vec3(alpha_x * halfway.x, alpha_y * halfway.y, halfway.z));
     let d = dot(wo, wm);

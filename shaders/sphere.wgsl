@@ -100,7 +100,7 @@ fn see(place: vec3<f32>) -> Seen {
     let view = normalize(eye - position);
     let wo = vec3(dot(view, seen.at.x), dot(view, seen.at.y), max(dot(view, normal), LOWEST_VIEW));
     seen.at.wo = normalize(wo);
-    seen.at.alpha = max(material.xy, vec2(LTC_ALPHA_FLOOR));
+    seen.at.alpha = max(material.xy, vec2(LTC_LEAST_ALPHA));
     return seen;
 }
 
@@ -224,7 +224,7 @@ fn lobe_by_reference(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_inv
     if (wi.w > 0.0) {
         density = select(0.0, BELOW, wi.z < 0.0);
         if (wi.z > GGX_HORIZON) {
-            let alpha = max(scene.materials[0].xy, vec2(LTC_ALPHA_FLOOR));
+            let alpha = max(scene.materials[0].xy, vec2(LTC_LEAST_ALPHA));
             let wo = scene.lobe_wo.xyz;
             let wm = normalize(wo + wi.xyz);
             let g2 = 1.0 / (1.0 + ggx_lambda(alpha, wo) + ggx_lambda(alpha, wi.xyz));

@@ -4,5 +4,15 @@ pub mod cli;
 pub mod client;
 pub mod files;
 pub mod fit;
+mod library;
 pub mod server;
 pub mod view;
+
+pub use files::{
+    digest::Digest,
+    export::{TableFile, TableFileError},
+    recipe::{Fault, Preset, RecipeBuilder, RecipeError},
+};
+pub use fit::{BrdfKind, Configuration, Layout, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Solver, Table};
+pub use glam;
+pub use library::{Error, Fit, cached, fit, write_table};

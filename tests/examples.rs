@@ -44,7 +44,7 @@ fn a_range_costs_a_part_of_the_whole_and_loses_nothing() {
     let brushed_table = fitted(&brushed);
     assert!(4 * bytes(&brushed, &brushed_table) < bytes(&whole, &whole_table));
 
-    let range = &brushed.range;
+    let range = brushed.range();
     let error = |table: &Table| mean_error(table, [range.alpha, range.ratio, range.theta, range.phi]);
     let (part, all) = (error(&brushed_table), error(&whole_table));
     assert!(part < all, "{part} {all}");
@@ -64,7 +64,7 @@ fn isotropic_surfaces_alone_take_a_hundredth() {
 /// Mean error as a part of alpha, which a lobe's width is in proportion to, over 200 places in the ranges of alpha,
 /// ratio, theta and phi.
 fn mean_error(table: &Table, ranges: [[f64; 2]; 4]) -> f64 {
-    let settings = parse(r#"{"preset": "paper"}"#).fit;
+    let settings = parse(r#"{"preset": "paper"}"#).fit();
     let errors = (0..200).into_par_iter().map_init(
         || Fitter::new(&settings),
         |fitter, i| {

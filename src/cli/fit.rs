@@ -3,7 +3,6 @@
 use std::{num::NonZeroU64, ops::ControlFlow};
 
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use serde_json::json;
 
 use super::{Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress};
@@ -14,7 +13,7 @@ use crate::{
         export::{self, TableFileError},
         recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
     },
-    fit::{Plan, Table, assemble, fit_rows},
+    fit::{Plan, Table, fit_plan},
     server::service,
 };
 
@@ -45,21 +44,13 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     Ok(Exit::Ok)
 }
 
-/// The table of a plan, or `None` when the user stops the fit. Rows are put together in their order, so the number of
-/// threads changes nothing.
+/// The table of a plan, or `None` when the user stops the fit.
 pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
-    let fit_one = |row: u64| {
-        let mut told = 0;
-        fit_rows(plan, row..row + 1, &mut |done| {
-            bar.inc(done - told);
-            told = done;
-            if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })
-    };
-    let rows: Vec<u64> = (0..plan.rows()).collect();
-    let fitted: Option<Vec<_>> = rows.into_par_iter().with_max_len(1).map(fit_one).collect();
-    let entries = fitted?.concat();
-    if interrupt.is_set() { None } else { Some(assemble(plan, &entries)) }
+    fit_plan(plan, &|done| {
+        // Threads overtake each other on the way here; the bar never goes back.
+        bar.update(|bar| bar.set_pos(bar.pos().max(done)));
+        if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })
 }
 
 /// Every fault on its line.

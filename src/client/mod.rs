@@ -4,14 +4,13 @@
 
 mod error;
 mod events;
-mod files;
 mod job;
 mod lock_file;
 mod pull;
 mod rest;
 
+pub use crate::files::replace::replace_file;
 pub use error::ClientError;
-pub use files::replace_file;
 pub use job::{JobDocument, JobStatus, Progress};
 pub use lock_file::{LockFile, LockFileError, Pin, with_pin};
 pub use pull::{PinState, PullError, check, pull};

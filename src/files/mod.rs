@@ -3,4 +3,6 @@
 pub mod digest;
 pub mod export;
 pub mod job;
+pub mod manifest;
 pub mod recipe;
+pub mod replace;

@@ -3,25 +3,16 @@
 use glam::{DMat3, DVec3};
 
 use super::{
-    Pulse,
-    bfgs::Limits,
-    guess::Guess,
-    loss::{CosineSamples, Loss, Workspace},
-    recipe::{FitSettings, Solver},
-    sgd::{self, Schedule},
-    solve::refine,
-    target::{LobeTerms, Mirrors, Target},
-};
-use crate::fit::{
-    brdf::{Brdf, Ggx},
-    math::{Lattice, fibonacci_hemisphere, row_major},
+    brdf::{Brdf, LobeTerms, Mirrors},
+    math::{Lattice, row_major},
+    metric::{Distance, Samples, Target},
+    pulse::Pulse,
+    recipe::FitSettings,
+    solver::{Effort, Guess, Problem, Solver},
 };
 
 /// Samples of the lobe for each sample of the LTC: they are projected once, the LTC's in every evaluation.
 const TARGET_SAMPLES_PER_SAMPLE: usize = 4;
-/// BFGS stops when two steps in a row lower the loss by less than this part: after some 25 evaluations. A tenth of it
-/// takes 40 and lowers a table's error by a tenth of a per cent.
-const RELATIVE_DECREASE: f64 = 1e-4;
 /// The held-out sequences are those of the fit shifted by these parts of a turn, far from any small fraction.
 const HELD_OUT_SHIFT: [f64; 2] = [0.414_213_562_373_095, 0.732_050_807_568_877];
 
@@ -38,31 +29,24 @@ pub struct FittedEntry {
     pub error: f64,
 }
 
-/// Symmetries of the lobe of an anisotropic, axis-aligned surface seen from `wo`.
-pub(super) fn mirrors(wo: DVec3) -> Mirrors {
-    Mirrors { x: wo.x == 0.0, y: wo.y == 0.0 }
-}
-
 /// Fixed samples and directions, shared by all entries.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct Sampling {
-    samples: CosineSamples,
-    directions: Vec<DVec3>,
+    distance: Box<dyn Distance>,
     target: Lattice,
 }
 
 impl Sampling {
     fn new(settings: &FitSettings, shift: [f64; 2]) -> Self {
-        let (samples, directions) = (settings.samples as usize, settings.directions as usize);
+        let (count, directions) = (settings.samples as usize, settings.directions as usize);
         Self {
-            samples: CosineSamples::new(Lattice::new(samples, shift)),
-            directions: (0..directions).map(|i| fibonacci_hemisphere(i, directions, shift[1])).collect(),
-            target: Lattice::new(samples * TARGET_SAMPLES_PER_SAMPLE, shift),
+            distance: settings.metric.rules().distance(&Samples { count, directions, shift }),
+            target: Lattice::new(count * TARGET_SAMPLES_PER_SAMPLE, shift),
         }
     }
 
-    fn target(&self, brdf: &impl Brdf, wo: DVec3) -> Target {
-        Target::sample(brdf, wo, mirrors(wo), self.target)
+    fn target(&self, brdf: &dyn Brdf, wo: DVec3) -> Target {
+        Target::sample(brdf, wo, Mirrors::of(wo), self.target)
     }
 }
 
@@ -72,7 +56,6 @@ pub struct Fitter {
     settings: FitSettings,
     seen: Sampling,
     held_out: Sampling,
-    work: Workspace,
 }
 
 impl Fitter {
@@ -86,54 +69,55 @@ impl Fitter {
         };
         let seen = [turn(0.0, 0.236_067_977_499_790), turn(0.0, 0.645_751_311_064_591)];
         let held_out = [turn(seen[0], HELD_OUT_SHIFT[0]), turn(seen[1], HELD_OUT_SHIFT[1])];
-        Self {
-            settings: *settings,
-            seen: Sampling::new(settings, seen),
-            held_out: Sampling::new(settings, held_out),
-            work: Workspace::default(),
-        }
+        Self { settings: *settings, seen: Sampling::new(settings, seen), held_out: Sampling::new(settings, held_out) }
     }
 
-    /// Fits the lobe of `ggx` for `wo` and measures the fit. `stream` picks the random numbers of solver `sgd`. `None`
+    /// Fits the lobe of `brdf` for `wo` and measures the fit. `stream` chooses the random numbers of solver `sgd`. `None`
     /// when `pulse` stops it.
     ///
     /// Domain: roughness at least 1e-8, `wo` of unit length above the horizon.
-    pub fn fit(&mut self, ggx: &Ggx, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<FittedEntry> {
-        let target = self.seen.target(ggx, wo);
-        let matrix = match self.settings.solver {
-            Solver::Bfgs => self.refined(&target, pulse)?,
-            Solver::Sgd => self.descended(ggx, wo, stream, pulse)?,
-        };
+    pub fn fit(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<FittedEntry> {
+        let target = self.seen.target(brdf, wo);
+        let matrix = self.solve(self.settings.solver, brdf, wo, &target, stream, pulse)?;
         let LobeTerms { amplitude, fresnel } = target.terms;
-        Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error: self.error(ggx, wo, &matrix) })
+        Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error: self.error(brdf, wo, &matrix) })
     }
 
-    fn refined(&mut self, target: &Target, pulse: &mut Pulse) -> Option<DMat3> {
-        let loss = Loss::new(target, &self.seen.samples, &self.seen.directions);
-        let limits = Limits { steps: self.settings.steps, relative_decrease: RELATIVE_DECREASE };
-        let guess = Guess::of(&target.core);
-        refine(&loss, &guess, target.mirrors, limits, &mut self.work, pulse).map(|matrix| target.frame * matrix)
+    fn solve(
+        &mut self,
+        solver: Solver,
+        brdf: &dyn Brdf,
+        wo: DVec3,
+        target: &Target,
+        stream: u64,
+        pulse: &mut Pulse,
+    ) -> Option<DMat3> {
+        let FitSettings { samples, directions, steps, seed, .. } = self.settings;
+        let effort = Effort { samples: samples as usize, directions: directions as usize, steps, seed };
+        let mut loss = self.seen.distance.to(target);
+        solver.rules().solve(Problem { brdf, wo, target, loss: &mut *loss, effort, stream }, pulse)
     }
 
     /// The matrix of solver `sgd`, whatever the settings' solver; `None` when `pulse` stops it.
     #[must_use]
-    pub fn descended(&self, ggx: &Ggx, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
-        sgd::descend(ggx, wo, &Schedule::of(&self.settings), stream, pulse)
+    pub fn descended(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
+        let target = self.seen.target(brdf, wo);
+        self.solve(Solver::Sgd, brdf, wo, &target, stream, pulse)
     }
 
     /// Hands `measure` one evaluation of loss and gradient, at the lobe's first guess, to be repeated as it likes.
-    pub fn with_evaluation(&mut self, ggx: &Ggx, wo: DVec3, measure: impl FnOnce(&mut dyn FnMut() -> f64)) {
-        let target = self.seen.target(ggx, wo);
-        let loss = Loss::new(&target, &self.seen.samples, &self.seen.directions);
+    pub fn with_evaluation(&mut self, brdf: &dyn Brdf, wo: DVec3, measure: impl FnOnce(&mut dyn FnMut() -> f64)) {
+        let target = self.seen.target(brdf, wo);
+        let mut loss = self.seen.distance.to(&target);
         let matrix = Guess::of(&target.core).matrix();
-        measure(&mut || loss.value_and_gradient(&matrix, &mut self.work).0);
+        measure(&mut || loss.value_and_gradient(&matrix).0);
     }
 
-    /// Sliced Wasserstein distance between the lobe and the LTC of `matrix` on the held-out samples.
-    pub fn error(&mut self, ggx: &Ggx, wo: DVec3, matrix: &DMat3) -> f64 {
-        let target = self.held_out.target(ggx, wo);
-        let loss = Loss::new(&target, &self.held_out.samples, &self.held_out.directions);
-        loss.value(&(target.frame.transpose() * *matrix), &mut self.work)
+    /// The metric's distance between the lobe and the LTC of `matrix` on the held-out samples.
+    pub fn error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3) -> f64 {
+        let target = self.held_out.target(brdf, wo);
+        let matrix = target.frame.transpose() * *matrix;
+        self.held_out.distance.to(&target).value(&matrix)
     }
 }
 
@@ -144,6 +128,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::fit::brdf::Ggx;
     use crate::fit::{
         ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING,
         math::{direction, from_row_major},

@@ -2,11 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Recipe, cost::fit_seconds, nodes::steps};
-use crate::fit::{
-    ltc::{Layout, PerAxis},
-    math::pow,
-};
+use super::{cost::fit_seconds, layout::Interpolation, math::pow, recipe::Recipe};
 
 /// What a recipe's fit is expected to take and to give.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -16,21 +12,6 @@ pub struct Expectation {
     /// Mean error between nodes, as a part of the lobe's width: `between.width.mean` of the report.
     pub error: f64,
 }
-
-/// How a layout's error depends on its nodes.
-struct Interpolation {
-    /// Error with nodes without number: the best LTCs' own, mostly.
-    limit: f64,
-    /// What a step of the whole domain would add; linear interpolation's error goes with the square of the step.
-    step: PerAxis<f64>,
-}
-
-// Both are read off docs/tradeoff.md's full run, preset `draft` with one axis changed at a time: the added error over
-// the difference of the squared steps.
-const REFLECTED: Interpolation =
-    Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } };
-const KT2022: Interpolation =
-    Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } };
 
 /// What `samples` add: `2.56 samples^-1.3`, from 64 to 2048 samples of that run.
 const SAMPLES: [f64; 2] = [2.56, -1.3];
@@ -44,11 +25,8 @@ const DIRECTIONS: [f64; 2] = [0.04, -2.0];
 /// f32. Calibrated over the whole domain with `bfgs`; in a part of it the limit is another.
 #[must_use]
 pub fn expectation(recipe: &Recipe) -> Expectation {
-    let Interpolation { limit, step: c } = match recipe.layout {
-        Layout::Reflected => REFLECTED,
-        Layout::Kt2022 => KT2022,
-    };
-    let h = steps(recipe);
+    let Interpolation { limit, step: c } = recipe.layout.rules().interpolation();
+    let h = recipe.layout.steps(&recipe.range, &recipe.resolution);
     let interpolation =
         c.alpha * h.alpha * h.alpha + c.ratio * h.ratio * h.ratio + c.theta * h.theta * h.theta + c.phi * h.phi * h.phi;
     let power = |x: u32, [factor, exponent]: [f64; 2]| factor * pow(f64::from(x), exponent);
@@ -60,7 +38,8 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
 mod tests {
     use super::*;
     use crate::fit::{
-        BrdfKind, FITTER_VERSION, FitSettings, Metric, Plan, Precision, Solver, assemble, fit_shard, report,
+        BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, PerAxis, Plan, Precision, Solver, assemble, fit_shard,
+        report,
     };
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -81,7 +60,7 @@ mod tests {
     /// Tables that the calibration has not seen.
     #[test]
     fn small_tables_are_as_good_as_expected() {
-        for layout in [Layout::Reflected, Layout::Kt2022] {
+        for &layout in Layout::ALL {
             for (resolution, samples) in [([5, 3, 5, 3], 64), ([5, 4, 6, 5], 96)] {
                 let recipe = recipe(layout, resolution, samples);
                 let plan = Plan::new(&recipe);

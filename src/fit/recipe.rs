@@ -2,90 +2,101 @@
 //!
 //! Invariant: no defaults and no JSON here; [`crate::files::recipe`] reads documents and fills presets in.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::fit::ltc::{Layout, PerAxis};
+use super::{
+    axes::PerAxis,
+    brdf::BrdfKind,
+    layout::{Layout, Precision},
+    metric::Metric,
+    solver::Solver,
+};
 
 /// Version of the fitter. Raised whenever the same recipe gives other bytes.
 pub const FITTER_VERSION: u32 = 2;
 
-/// The scattering model that is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum BrdfKind {
-    /// Anisotropic GGX with height-correlated Smith masking.
-    Ggx,
-}
-
-/// The distance between lobe and LTC that the fit minimises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Metric {
-    /// Sliced Wasserstein-1 distance [KT et al. 2022, equation 9].
-    Sw1,
-}
-
-/// How the distance is minimised.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Solver {
-    /// BFGS on the seven free numbers, over fixed low-discrepancy samples.
-    Bfgs,
-    /// Stochastic gradient descent on all nine, over random samples [KT et al. 2022, Algorithm 3].
-    Sgd,
-}
-
-/// Number format of the stored table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Precision {
-    /// IEEE 754 binary32.
-    F32,
-    /// IEEE 754 binary16, what textures of half floats hold.
-    F16,
-}
-
 /// How hard each entry is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FitSettings {
     /// What is minimised.
-    pub metric: Metric,
+    pub(crate) metric: Metric,
     /// How.
-    pub solver: Solver,
+    pub(crate) solver: Solver,
     /// Samples of the LTC in each evaluation.
-    pub samples: u32,
+    pub(crate) samples: u32,
     /// Directions that the samples are projected on.
-    pub directions: u32,
+    pub(crate) directions: u32,
     /// Most steps (solver `bfgs` stops earlier when it has converged; `sgd` takes all).
-    pub steps: u32,
+    pub(crate) steps: u32,
     /// Shifts the sample sequences of `bfgs`, seeds the generator of `sgd`.
-    pub seed: u64,
+    pub(crate) seed: u64,
 }
 
 /// A complete recipe. Equal recipes give equal bytes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recipe {
     /// [`FITTER_VERSION`] that the recipe is meant for.
-    pub fitter: u32,
+    pub(crate) fitter: u32,
     /// Scattering model.
-    pub brdf: BrdfKind,
+    pub(crate) brdf: BrdfKind,
     /// Layout of the table.
-    pub layout: Layout,
+    pub(crate) layout: Layout,
     /// Nodes on each axis.
-    pub resolution: PerAxis<u32>,
+    pub(crate) resolution: PerAxis<u32>,
     /// Lowest and highest value on each axis.
-    pub range: PerAxis<[f64; 2]>,
+    pub(crate) range: PerAxis<[f64; 2]>,
     /// Fit settings.
-    pub fit: FitSettings,
+    pub(crate) fit: FitSettings,
     /// Whether amplitude and Fresnel terms are stored.
-    pub terms: bool,
+    pub(crate) terms: bool,
     /// Number format of the table.
-    pub precision: Precision,
+    pub(crate) precision: Precision,
 }
 
+/// What a recipe says. None of it can be changed: another recipe is built anew.
 impl Recipe {
+    /// Scattering model.
+    #[must_use]
+    pub fn brdf(&self) -> BrdfKind {
+        self.brdf
+    }
+
+    /// Layout of the table.
+    #[must_use]
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// Nodes on each axis.
+    #[must_use]
+    pub fn resolution(&self) -> PerAxis<u32> {
+        self.resolution
+    }
+
+    /// Lowest and highest value on each axis.
+    #[must_use]
+    pub fn range(&self) -> PerAxis<[f64; 2]> {
+        self.range
+    }
+
+    /// How hard each entry is fitted.
+    #[must_use]
+    pub fn fit(&self) -> FitSettings {
+        self.fit
+    }
+
+    /// Number format of the table.
+    #[must_use]
+    pub fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// Ascending nodes of each axis of the table.
+    #[must_use]
+    pub fn nodes(&self) -> PerAxis<Vec<f64>> {
+        self.layout.nodes(&self.range, &self.resolution)
+    }
+
     /// Entries of the table: the product of the resolutions.
     #[must_use]
     pub fn entries(&self) -> u64 {

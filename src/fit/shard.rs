@@ -3,13 +3,10 @@
 use std::ops::{ControlFlow, Range};
 
 use super::{
-    Recipe,
+    axes::PerAxis,
     entry::{FittedEntry, Fitter},
-    nodes,
-};
-use crate::fit::{
-    ltc::PerAxis,
     math::{from_row_major, row_major, turned_about_z},
+    recipe::Recipe,
 };
 
 /// Entries that a shard has at least, unless it is the last: some hundredths of a second of work, so that little is
@@ -30,7 +27,7 @@ impl Plan {
     /// The plan of a recipe that [`crate::files::recipe`] has checked.
     #[must_use]
     pub fn new(recipe: &Recipe) -> Self {
-        Self { recipe: recipe.clone(), nodes: nodes::nodes(recipe) }
+        Self { recipe: recipe.clone(), nodes: recipe.nodes() }
     }
 
     /// The recipe that is planned.
@@ -82,16 +79,7 @@ impl Plan {
     /// Where the entry at `index` in storage order lies. Domain: `index < entries()`.
     #[must_use]
     pub fn place(&self, index: u64) -> PerAxis<f64> {
-        let PerAxis { alpha, ratio, theta, phi } = &self.nodes;
-        let (phis, thetas, ratios) = (phi.len() as u64, theta.len() as u64, ratio.len() as u64);
-        let row = index / phis;
-        let at = |axis: &[f64], index: u64| axis[index as usize];
-        PerAxis {
-            alpha: at(alpha, row / thetas / ratios),
-            ratio: at(ratio, row / thetas % ratios),
-            theta: at(theta, row % thetas),
-            phi: at(phi, index % phis),
-        }
+        self.nodes.node(index as usize)
     }
 }
 
@@ -133,7 +121,8 @@ fn fit_row(
     let (from_above, isotropic) = (place.theta == 0.0, place.ratio == 1.0);
     let mut fit = |phi: f64, index: u64, done: u64, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>| {
         let place = PerAxis { phi, ..place };
-        fitter.fit(&place.surface(), place.view(), index, &mut || pulse(done))
+        let surface = plan.recipe.brdf.surface_at(&place);
+        fitter.fit(&*surface, place.view(), index, &mut || pulse(done))
     };
     let done = entries.len() as u64;
     let shared = if from_above || isotropic { Some(fit(0.0, first, done, pulse)?) } else { None };

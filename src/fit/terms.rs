@@ -2,10 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::{assemble::stored_terms, entry::mirrors, target::Target};
-use crate::fit::{
-    ltc::{Layout, PerAxis, Terms},
+use super::{
+    axes::PerAxis,
+    brdf::{BrdfKind, Mirrors},
+    layout::Layout,
     math::Lattice,
+    metric::Target,
+    table::Terms,
 };
 
 /// Samples of a lobe: its terms are within 1e-3 of their limit.
@@ -21,18 +24,11 @@ pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
     let (amplitude, fresnel) = (0..alpha * ratio * theta * phi)
         .into_par_iter()
         .map(|index| {
-            let (rest, at_phi) = (index / phi, index % phi);
-            let (rest, at_theta) = (rest / theta, rest % theta);
-            let place = PerAxis {
-                alpha: axes.alpha[rest / ratio],
-                ratio: axes.ratio[rest % ratio],
-                theta: axes.theta[at_theta],
-                phi: axes.phi[at_phi],
-            };
+            let place = axes.node(index);
             let wo = place.view();
             let lattice = Lattice::new(SAMPLES, [0.0; 2]);
-            let terms = Target::sample(&place.surface(), wo, mirrors(wo), lattice).terms;
-            let stored = stored_terms(layout, &place, terms);
+            let terms = Target::sample(&*BrdfKind::Ggx.surface_at(&place), wo, Mirrors::of(wo), lattice).terms;
+            let stored = layout.rules().store_terms(&place, terms);
             (stored.amplitude as f32, stored.fresnel as f32)
         })
         .unzip();
@@ -46,13 +42,12 @@ mod tests {
     use super::*;
     use crate::fit::{
         BrdfKind, FITTER_VERSION, FitSettings, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
-        ltc::Layout,
     };
 
     #[test]
     fn they_are_those_that_a_fit_finds() {
         let (one, quarter) = ([0.0, 1.0], [0.0, FRAC_PI_2]);
-        for layout in [Layout::Kt2022, Layout::Reflected] {
+        for &layout in Layout::ALL {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
                 brdf: BrdfKind::Ggx,

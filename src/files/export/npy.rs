@@ -8,7 +8,7 @@
 
 use crate::{
     files::recipe,
-    fit::{self, PerAxis, Recipe, Table},
+    fit::{PerAxis, Recipe, Table},
 };
 
 /// The bytes that every `.npy` file begins with.
@@ -95,8 +95,8 @@ pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
     }
     let (matrix, _) = numbers.as_chunks::<9>();
     let node_error = vec![f32::NAN; matrix.len()];
-    let (layout, axes) = (recipe.layout, fit::nodes(&recipe));
-    let table = Table { layout, axes, matrix: matrix.to_vec(), terms: None, node_error };
+    let (layout, axes) = (recipe.layout, recipe.nodes());
+    let table = Table { brdf: recipe.brdf, layout, axes, matrix: matrix.to_vec(), terms: None, node_error };
     Ok(NpyTable { table, range: recipe.range })
 }
 

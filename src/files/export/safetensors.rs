@@ -15,7 +15,7 @@ use safetensors::{Dtype, SafeTensors, View, serialize};
 
 use crate::{
     files::recipe,
-    fit::{self, Precision, Recipe, Table, Terms, math::from_row_major},
+    fit::{Precision, Recipe, Table, Terms, math::from_row_major},
 };
 
 /// The metadata key that holds the recipe.
@@ -25,9 +25,39 @@ const RECIPE_KEY: &str = "ltcforge";
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableFile {
     /// What was fitted.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// What came out.
-    pub table: Table,
+    pub(crate) table: Table,
+}
+
+impl TableFile {
+    /// What was fitted.
+    #[must_use]
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// What came out.
+    #[must_use]
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// Reads a canonical file.
+    ///
+    /// # Errors
+    /// As [`decode`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, TableFileError> {
+        decode(bytes)
+    }
+
+    /// The canonical file.
+    ///
+    /// # Errors
+    /// As [`encode`].
+    pub fn to_bytes(&self) -> Result<Vec<u8>, TableFileError> {
+        encode(&self.recipe, &self.table)
+    }
 }
 
 /// Why bytes are not a canonical table file.
@@ -132,7 +162,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         .ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;
     let recipe = recipe::parse_stored(text.as_bytes()).map_err(|error| TableFileError::Recipe(error.to_string()))?;
 
-    let axes = fit::nodes(&recipe);
+    let axes = recipe.nodes();
     let shape = axes.lengths().named().map(|(_, n)| *n);
     let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();
     for (name, nodes) in axes.named() {
@@ -169,7 +199,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         None
     };
     let node_error = not_negative("node_error")?;
-    let table = Table { layout: recipe.layout, axes, matrix: matrix.to_vec(), terms, node_error };
+    let table = Table { brdf: recipe.brdf, layout: recipe.layout, axes, matrix: matrix.to_vec(), terms, node_error };
     if encode(&recipe, &table)? != bytes {
         return Err(TableFileError::NotCanonical);
     }

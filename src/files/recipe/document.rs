@@ -9,7 +9,7 @@ use super::{
     preset::Preset,
     reader::{Faults, Object, echo},
 };
-use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, PerAxis, Precision, Recipe, Solver, nodes};
+use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, PerAxis, Precision, Recipe, Solver};
 
 /// Entries a table may have unless the caller raises it.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
@@ -17,15 +17,6 @@ pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 const FIELDS: [&str; 9] = ["preset", "fitter", "brdf", "layout", "resolution", "range", "fit", "terms", "precision"];
 const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 const FIT_FIELDS: [&str; 6] = ["metric", "solver", "samples", "directions", "steps", "seed"];
-
-/// Nodes on each axis unless the recipe says otherwise: the paper's 8^4, or at most as many spread where they lower
-/// the error most.
-fn default_resolution(layout: Layout) -> PerAxis<u32> {
-    match layout {
-        Layout::Kt2022 => PerAxis { alpha: 8, ratio: 8, theta: 8, phi: 8 },
-        Layout::Reflected => PerAxis { alpha: 10, ratio: 6, theta: 9, phi: 7 },
-    }
-}
 
 /// Most nodes on an axis: more than any texture has texels along a side.
 const MOST_NODES: u32 = 16_384;
@@ -49,11 +40,9 @@ pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u
     let root = Object::root(document, &FIELDS, &mut faults);
     let presets = Preset::ALL.map(|preset| (preset.name(), preset));
     let preset = root.choice("preset", &presets, Preset::Standard, &mut faults);
-    let brdf = root.choice("brdf", &[("ggx", BrdfKind::Ggx)], BrdfKind::Ggx, &mut faults);
-    let layouts = [("reflected", Layout::Reflected), ("kt2022", Layout::Kt2022)];
-    let layout = root.choice("layout", &layouts, Layout::Reflected, &mut faults);
-    let precisions = [("f32", Precision::F32), ("f16", Precision::F16)];
-    let precision = root.choice("precision", &precisions, Precision::F32, &mut faults);
+    let brdf = root.choice("brdf", &named(BrdfKind::ALL, BrdfKind::name), BrdfKind::ALL[0], &mut faults);
+    let layout = root.choice("layout", &named(Layout::ALL, Layout::name), Layout::ALL[0], &mut faults);
+    let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
     let terms = root.boolean("terms", true, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
@@ -63,6 +52,11 @@ pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u
     check_entries(&recipe, entry_limit, &mut faults);
     check_nodes(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
+}
+
+/// A list's items under their names.
+fn named<T: Copy>(items: &[T], name: fn(T) -> &'static str) -> Vec<(&'static str, T)> {
+    items.iter().map(|item| (name(*item), *item)).collect()
 }
 
 /// A recipe may name the fitter it was made for; that of an older one tells what is in its table.
@@ -79,10 +73,9 @@ fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults)
 fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
     let object = root.object("fit", &FIT_FIELDS, faults);
     let default = preset.fit();
-    let solvers = [("bfgs", Solver::Bfgs), ("sgd", Solver::Sgd)];
     FitSettings {
-        metric: object.choice("metric", &[("sw1", Metric::Sw1)], default.metric, faults),
-        solver: object.choice("solver", &solvers, default.solver, faults),
+        metric: object.choice("metric", &named(Metric::ALL, Metric::name), default.metric, faults),
+        solver: object.choice("solver", &named(Solver::ALL, Solver::name), default.solver, faults),
         samples: object.integer32("samples", SAMPLES[0], SAMPLES[1], default.samples, faults),
         directions: object.integer32("directions", DIRECTIONS[0], DIRECTIONS[1], default.directions, faults),
         steps: object.integer32("steps", STEPS[0], STEPS[1], default.steps, faults),
@@ -104,7 +97,7 @@ fn read_range(root: &Object, faults: &mut Faults) -> PerAxis<[f64; 2]> {
 /// A range that is a single value takes one node, any other at least two.
 fn read_resolution(root: &Object, layout: Layout, range: &PerAxis<[f64; 2]>, faults: &mut Faults) -> PerAxis<u32> {
     let object = root.object("resolution", &AXES, faults);
-    let default = default_resolution(layout);
+    let default = layout.rules().default_resolution();
     let mut axis = |name: &str, default: u32, [low, high]: [f64; 2]| {
         if low < high {
             return object.integer32(name, 2, MOST_NODES, default, faults);
@@ -135,7 +128,7 @@ fn check_entries(recipe: &Recipe, entry_limit: u64, faults: &mut Faults) {
 
 /// Floors move nodes together at the end of a range; no two may meet.
 fn check_nodes(recipe: &Recipe, faults: &mut Faults) {
-    let axes = nodes(recipe);
+    let axes = recipe.nodes();
     let ranges = recipe.range.named();
     for ((name, nodes), (_, range)) in axes.named().into_iter().zip(ranges) {
         if nodes.windows(2).any(|pair| pair[0] >= pair[1]) {

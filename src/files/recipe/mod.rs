@@ -1,5 +1,6 @@
 //! Recipe documents: JSON in, a complete [`Recipe`] or every fault at once out; canonical form and digest.
 
+mod builder;
 mod document;
 mod preset;
 mod reader;
@@ -13,6 +14,7 @@ use crate::{
     fit::{FITTER_VERSION, Recipe},
 };
 
+pub use builder::RecipeBuilder;
 pub use document::DEFAULT_ENTRY_LIMIT;
 pub use preset::Preset;
 

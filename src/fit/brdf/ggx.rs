@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Brdf, BrdfSample};
+use super::scattering::{Brdf, BrdfRules, BrdfSample};
 use crate::fit::math::sin_cos;
 
 /// The anisotropic GGX reflector of KT et al. 2022, section 3.1, with a Fresnel factor of one.
@@ -14,6 +14,15 @@ pub struct Ggx {
     pub alpha_x: f64,
     /// Roughness along y, in (0, 1].
     pub alpha_y: f64,
+}
+
+/// GGX as an item of [`super::BrdfKind`].
+pub(super) struct Rules;
+
+impl BrdfRules for Rules {
+    fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
+        Box::new(Ggx { alpha_x, alpha_y })
+    }
 }
 
 impl Ggx {

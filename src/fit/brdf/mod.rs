@@ -1,32 +1,36 @@
-//! Scattering models that tables are fitted to.
+//! Scattering models that tables are fitted to, one file each.
+//!
+//! A new model is its file and its line in [`BrdfKind`].
 
 mod ggx;
-
-use glam::DVec3;
+mod scattering;
+mod symmetry;
 
 pub use ggx::Ggx;
+pub use scattering::{Brdf, BrdfSample};
+pub(crate) use scattering::{BrdfRules, LobeTerms};
+pub(crate) use symmetry::Mirrors;
 
-/// A light direction drawn for a view direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BrdfSample {
-    /// Light direction, unit length. Below the horizon where `weight` is zero.
-    pub wi: DVec3,
-    /// `f(wo, wi) cos(theta_i) / pdf`, for a Fresnel factor of one. In [0, 1].
-    pub weight: f64,
-    /// Cosine between view direction and microfacet normal.
-    pub cos_theta_d: f64,
+use super::{axes::PerAxis, named_list::named_list};
+
+named_list! {
+    /// The scattering model that is fitted.
+    pub enum BrdfKind: BrdfRules {
+        /// Anisotropic GGX with height-correlated Smith masking.
+        Ggx = "ggx" => ggx::Rules,
+    }
 }
 
-/// A scattering model with its surface's tangent frame: normal +z, and x and y along the axes of anisotropy.
-///
-/// Directions point away from the surface and have unit length; the Fresnel factor is one.
-pub trait Brdf {
-    /// `f(wo, wi) cos(theta_i)`, per steradian; zero when either direction is below the horizon.
-    fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64;
+impl BrdfKind {
+    /// The surface of these roughnesses along x and y. Domain: both in (0, 1].
+    #[must_use]
+    pub fn surface(self, roughness: [f64; 2]) -> Box<dyn Brdf> {
+        self.rules().surface(roughness)
+    }
 
-    /// Draws a light direction for `wo` from a point of the unit square. Domain: `wo.z > 0`.
-    fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample;
-
-    /// Density with which [`Brdf::sample`] draws `wi`, per steradian.
-    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
+    /// The surface at a place of a table, x along its larger roughness.
+    #[must_use]
+    pub fn surface_at(self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
+        self.surface(place.roughness())
+    }
 }

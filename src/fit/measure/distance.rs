@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 
 use crate::fit::{
     math::{Lattice, cosine_hemisphere, fibonacci_hemisphere},
-    target::Target,
+    metric::Target,
 };
 
 /// Samples of the LTC. Neither this number nor four times it is one of a preset, so no fit saw these samples. With two
@@ -187,7 +187,7 @@ impl Ruler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::target::{Mirrors, tests::planted};
+    use crate::fit::{brdf::Mirrors, metric::planted};
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 

@@ -11,12 +11,11 @@ use super::{
     measure::FARTHEST,
 };
 use crate::fit::{
-    THETA_CEILING,
+    Configuration, THETA_CEILING, Table,
     brdf::Ggx,
-    entry::mirrors,
-    ltc::{Configuration, Table},
+    brdf::Mirrors,
     math::{Lattice, cosine_hemisphere, direction, from_row_major},
-    target::Target,
+    metric::Target,
 };
 
 /// Roughness along the rougher axis: a mirror, below and at the floor, and the roughest.
@@ -149,7 +148,7 @@ fn next(x: f64, ulps: i64) -> f64 {
 fn error(at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
     let ggx = Ggx { alpha_x: at.alpha_x.max(SHARPEST), alpha_y: at.alpha_y.max(SHARPEST) };
     let wo = direction(at.theta.min(THETA_CEILING), at.phi);
-    let target = Target::sample(&ggx, wo, mirrors(wo), Lattice::new(LOBE_SAMPLES, SHIFT));
+    let target = Target::sample(&ggx, wo, Mirrors::of(wo), Lattice::new(LOBE_SAMPLES, SHIFT));
     let Distance { sw1, .. } = probe.distance(&target, m, work);
     sw1
 }
@@ -185,10 +184,11 @@ fn inverted_in_f32(m: &DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::ltc::{Layout, PerAxis};
+    use crate::fit::{BrdfKind, Layout, PerAxis};
 
     fn table(matrix: [f32; 9]) -> Table {
         Table {
+            brdf: BrdfKind::Ggx,
             layout: Layout::Kt2022,
             axes: PerAxis { alpha: vec![1e-4], ratio: vec![1e-4, 1.0], theta: vec![0.0], phi: vec![0.0] },
             matrix: vec![matrix; 2],

@@ -2,10 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fit::{
-    ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING,
-    ltc::{ALPHA_Y_FLOOR, PerAxis},
-};
+use crate::fit::{ALPHA_FLOOR, LEAST_ALPHA, PerAxis, RATIO_FLOOR, THETA_CEILING};
 
 /// The floors of a table and what they moved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -14,7 +11,7 @@ pub struct Floors {
     pub alpha: Moved,
     /// [`RATIO_FLOOR`].
     pub ratio: Moved,
-    /// [`ALPHA_Y_FLOOR`]: pairs of an alpha and a ratio node whose lobe is fitted with a larger smaller roughness.
+    /// [`LEAST_ALPHA`]: pairs of an alpha and a ratio node whose lobe is fitted with a larger smaller roughness.
     pub alpha_y: Moved,
     /// [`THETA_CEILING`], radians.
     pub theta: Moved,
@@ -53,7 +50,7 @@ impl Floors {
                 at_limit(&axes.ratio, RATIO_FLOOR, range.ratio[0] < RATIO_FLOOR),
                 alpha * theta * phi,
             ),
-            alpha_y: moved(ALPHA_Y_FLOOR, pairs.filter(|alpha_y| *alpha_y < ALPHA_Y_FLOOR).count(), theta * phi),
+            alpha_y: moved(LEAST_ALPHA, pairs.filter(|alpha_y| *alpha_y < LEAST_ALPHA).count(), theta * phi),
             theta: moved(
                 THETA_CEILING,
                 at_limit(&axes.theta, THETA_CEILING, range.theta[1] > THETA_CEILING),

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use super::distance::SHIFT;
 use crate::fit::{
     math::{Lattice, atan2, rotation_from_z, sin_cos},
-    target::Target,
+    metric::Target,
 };
 
 /// Lights that a lobe is measured with.
@@ -107,10 +107,7 @@ fn clipped(polygon: &[DVec3]) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{
-        ltc::Ltc,
-        target::{Mirrors, tests::planted},
-    };
+    use crate::fit::{Ltc, brdf::Mirrors, metric::planted};
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 

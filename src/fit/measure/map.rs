@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{measure, places};
-use crate::fit::ltc::{Configuration, Table};
+use crate::fit::{Configuration, Table};
 
 /// Errors over a square of configurations, at the middles of its cells.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,12 +7,11 @@ use super::{
     light::light_error,
 };
 use crate::fit::{
-    ALPHA_FLOOR,
+    ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table,
     brdf::Ggx,
-    entry::mirrors,
-    ltc::{ALPHA_Y_FLOOR, Configuration, Table},
+    brdf::Mirrors,
     math::{Lattice, direction, from_row_major},
-    target::Target,
+    metric::Target,
 };
 
 /// The figures of one configuration.
@@ -41,9 +40,9 @@ pub(super) fn all(table: &Table, places: &[Configuration]) -> Vec<Figures> {
 }
 
 fn one(table: &Table, at: &Configuration, probe: &Probe, work: &mut Workspace) -> Figures {
-    let ggx = Ggx { alpha_x: at.alpha_x.max(ALPHA_FLOOR), alpha_y: at.alpha_y.max(ALPHA_Y_FLOOR) };
+    let ggx = Ggx { alpha_x: at.alpha_x.max(ALPHA_FLOOR), alpha_y: at.alpha_y.max(LEAST_ALPHA) };
     let wo = direction(at.theta, at.phi);
-    let target = Target::sample(&ggx, wo, mirrors(wo), Lattice::new(LOBE_SAMPLES, SHIFT));
+    let target = Target::sample(&ggx, wo, Mirrors::of(wo), Lattice::new(LOBE_SAMPLES, SHIFT));
     let found = table.lookup(at);
     let m = from_row_major(&found.matrix);
     let inverse = m.inverse();

@@ -23,7 +23,7 @@ pub use floors::{Floors, Moved};
 pub use map::{ErrorMap, error_map};
 pub use matrices::{Extent, Matrices};
 
-use crate::fit::ltc::{PerAxis, Table};
+use crate::fit::{PerAxis, Table};
 
 /// Version of the report. Raised whenever the same table gets another one.
 pub const REPORT_VERSION: u32 = 2;

@@ -2,10 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::fit::{
-    ltc::{Configuration, PerAxis},
-    math::recurrence4,
-};
+use crate::fit::{Configuration, PerAxis, math::recurrence4};
 
 /// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond, a lobe lies for the most
 /// part below the horizon, and a picture shows nothing of it.

@@ -2,10 +2,8 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
 use super::*;
 use crate::fit::{
-    BrdfKind, FITTER_VERSION, FitSettings, Fitter, Metric, Plan, Precision, Recipe, Solver, assemble,
-    brdf::Ggx,
-    fit_shard,
-    ltc::{Configuration, Layout},
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, Metric, Plan, Precision, Recipe, Solver,
+    assemble, brdf::Ggx, fit_shard,
 };
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {

@@ -1,10 +1,7 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::fit::{
-    BrdfKind, FITTER_VERSION, FitSettings, Metric, Precision, Solver, assemble,
-    ltc::{Layout, Table},
-};
+use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, Precision, Solver, Table, assemble};
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
 fn plan(resolution: [u32; 4]) -> Plan {

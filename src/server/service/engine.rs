@@ -11,7 +11,7 @@ use crate::{
         export::{self, TableFileError},
         recipe::{self, RecipeError},
     },
-    fit::{self, Expectation, FITTER_VERSION, Plan, Recipe},
+    fit::{self, Expectation, FITTER_VERSION, Plan},
     server::queue::NewJob,
 };
 
@@ -51,15 +51,16 @@ pub(super) struct Fitter {
 }
 
 impl Fitter {
-    fn plan_of(&self, recipe: &str) -> Result<Arc<Plan>, String> {
+    fn plan_of(&self, document: &str) -> Result<Arc<Plan>, String> {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((of, plan)) = latest.as_ref()
-            && of == recipe
+            && of == document
         {
             return Ok(Arc::clone(plan));
         }
         // It was checked when it was submitted.
-        let parsed: Recipe = serde_json::from_str(recipe).map_err(|error| format!("the stored recipe: {error}"))?;
+        let parsed =
+            recipe::parse_stored(document.as_bytes()).map_err(|error| format!("the stored recipe: {error}"))?;
         if parsed.fitter != FITTER_VERSION {
             // Its finished shards are another fitter's; together they would be no table of either.
             return Err(format!(
@@ -68,7 +69,7 @@ impl Fitter {
             ));
         }
         let plan = Arc::new(Plan::new(&parsed));
-        *latest = Some((recipe.to_owned(), Arc::clone(&plan)));
+        *latest = Some((document.to_owned(), Arc::clone(&plan)));
         Ok(plan)
     }
 }

@@ -8,7 +8,6 @@ mod core;
 mod downloads;
 mod engine;
 mod forecast;
-mod manifest;
 mod open;
 mod pictures;
 mod speed;
@@ -19,9 +18,10 @@ mod watch;
 mod work;
 
 pub use self::core::Service;
+use crate::files::manifest;
+pub use crate::files::manifest::{manifest_json, table_report};
 pub use crate::server::store::TableRow;
 pub use api::{
     Config, Expected, JobNews, Metrics, OpenError, Page, PictureCounts, ServiceError, Submission, SubmitError,
 };
-pub use manifest::{manifest_json, table_report};
 pub use pictures::{Ordered, PictureError, PictureFile, PictureWait, Subject};

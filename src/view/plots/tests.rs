@@ -1,11 +1,12 @@
 use super::*;
-use crate::fit::{Layout, PerAxis, Terms};
+use crate::fit::{BrdfKind, Layout, PerAxis, Terms};
 
 /// Twelve entries of the identity, `bad` of which is another matrix.
 fn table(bad: usize) -> Table {
     let mut matrix = vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; 12];
     matrix[bad] = [0.2, 0.0, 0.5, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0];
     Table {
+        brdf: BrdfKind::Ggx,
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![0.25, 1.0], ratio: vec![0.5, 1.0], theta: vec![0.0, 0.5, 1.0], phi: vec![0.0] },
         matrix,

@@ -59,10 +59,7 @@ impl ShaderTable {
 
     /// The number by which shaders know the layout.
     pub(super) fn layout_code(&self) -> u32 {
-        match self.layout {
-            Layout::Kt2022 => 0,
-            Layout::Reflected => 1,
-        }
+        self.layout.rules().shader_constant().1
     }
 }
 

@@ -3,7 +3,7 @@ use std::f64::consts::FRAC_PI_2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::Layout;
+use crate::fit::{BrdfKind, Layout};
 
 /// A recipe of 2 x 2 x 3 x 2 entries, and a table of made-up numbers for it.
 fn example(terms: bool) -> (Recipe, Table) {
@@ -14,8 +14,9 @@ fn example(terms: bool) -> (Recipe, Table) {
     let recipe = recipe::parse(text.as_bytes(), 24).expect("a recipe");
     let column = |scale: f32| (0..24_u8).map(|i| scale * f32::from(i)).collect::<Vec<f32>>();
     let table = Table {
+        brdf: BrdfKind::Ggx,
         layout: Layout::Reflected,
-        axes: fit::nodes(&recipe),
+        axes: recipe.nodes(),
         matrix: column(0.01).into_iter().map(|x| [0.5, x, 0.0, 0.0, 0.3, 0.0, x, 0.0, 1.0]).collect(),
         terms: terms.then(|| Terms { amplitude: column(0.04), fresnel: column(0.02) }),
         node_error: column(0.001),

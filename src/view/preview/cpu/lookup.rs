@@ -6,20 +6,14 @@ use glam::{Mat3, Vec3};
 
 use crate::{
     fit::{
-        Layout,
+        ShaderNumbers,
         math::{atan2_upper, sin_cos_turns},
     },
     view::preview::ShaderTable,
 };
 
-pub(super) const ALPHA_FLOOR: f32 = 1e-4;
-const ALPHA_Y_FLOOR: f32 = 1e-5;
-
-pub(super) struct Lobe {
-    pub(super) m: Mat3,
-    pub(super) amplitude: f32,
-    pub(super) fresnel: f32,
-}
+/// See [`crate::fit::LEAST_ALPHA`].
+pub(super) const LEAST_ALPHA: f32 = 1e-5;
 
 struct Fold {
     alpha: f32,
@@ -32,7 +26,7 @@ struct Fold {
 
 impl Fold {
     fn of(alpha_x: f32, alpha_y: f32, wo: Vec3) -> Self {
-        let (x, y) = (alpha_x.max(ALPHA_FLOOR), alpha_y.max(ALPHA_FLOOR));
+        let (x, y) = (alpha_x.max(LEAST_ALPHA), alpha_y.max(LEAST_ALPHA));
         let swap = y > x;
         let alpha = x.max(y);
         let flat = (wo.x.abs(), wo.y.abs());
@@ -80,32 +74,7 @@ fn nearest(nodes: &[f32], x: f32) -> f32 {
     x.clamp(nodes[0], nodes[nodes.len() - 1])
 }
 
-fn smith_lambda(alpha_x: f32, alpha_y: f32, w: Vec3) -> f32 {
-    let (x, y) = (alpha_x * w.x / w.z, alpha_y * w.y / w.z);
-    0.5 * ((1.0 + (x * x + y * y)).sqrt() - 1.0)
-}
-
-/// `ltc_reflected`.
-fn reflected(stored: &Lobe, alpha_x: f32, ratio: f32, wo: Vec3) -> Lobe {
-    let alpha_y = (alpha_x * ratio).max(ALPHA_Y_FLOOR);
-    let halfway = Vec3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalize() + Vec3::Z;
-    let wm = Vec3::new(alpha_x * halfway.x, alpha_y * halfway.y, halfway.z).normalize();
-    let d = wo.dot(wm);
-    let r = 2.0 * d * wm - wo;
-    let column = |tangent: Vec3| {
-        let tilt = tangent - wm.dot(tangent) * wm;
-        alpha_x * (2.0 * (wo.dot(tilt) * wm + d * tilt))
-    };
-    let k = Mat3::from_cols(column(Vec3::X), column(Vec3::Y), r);
-    let seen = 1.0 + smith_lambda(alpha_x, alpha_y, wo);
-    let g2_over_g1 = seen / (seen + smith_lambda(alpha_x, alpha_y, r));
-    let amplitude = stored.amplitude * g2_over_g1 * g2_over_g1;
-    let grazing = (stored.fresnel + 1.0 - d).max(0.0);
-    let grazing2 = grazing * grazing;
-    Lobe { m: k * stored.m, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
-}
-
-pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> Lobe {
+pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) -> ShaderNumbers {
     let fold = Fold::of(alpha_x, alpha_y, wo);
     let nodes = &table.nodes;
     let counts = nodes.lengths();
@@ -140,15 +109,11 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
         let (polar, azimuth) = (sin_cos_turns(near_theta * 0.159_154_94), sin_cos_turns(near_phi * 0.159_154_94));
         Vec3::new(polar.0 * azimuth.1, polar.0 * azimuth.0, polar.1)
     };
-    let stored = Lobe { m, amplitude: terms[1], fresnel: terms[2] };
-    let lobe = match table.layout {
-        Layout::Kt2022 => stored,
-        Layout::Reflected => {
-            reflected(&stored, nearest(&nodes.alpha, fold.alpha), nearest(&nodes.ratio, fold.ratio), view)
-        }
-    };
-    let m = if table.turns_with_view { turned(lobe.m, fold.phi - nodes.phi[0]) } else { lobe.m };
-    Lobe { m: fold.unfold(m), ..lobe }
+    let stored = ShaderNumbers { matrix: m, amplitude: terms[1], fresnel: terms[2] };
+    let (alpha, ratio) = (nearest(&nodes.alpha, fold.alpha), nearest(&nodes.ratio, fold.ratio));
+    let lobe = table.layout.rules().restore_in_shader(&stored, alpha, ratio, view);
+    let m = if table.turns_with_view { turned(lobe.matrix, fold.phi - nodes.phi[0]) } else { lobe.matrix };
+    ShaderNumbers { matrix: fold.unfold(m), ..lobe }
 }
 
 #[cfg(test)]
@@ -173,7 +138,7 @@ mod tests {
         let wo = direction(theta, phi).as_vec3();
         let found = lookup(&ShaderTable::new(table, Precision::F32), alpha_x as f32, alpha_y as f32, wo);
         let m = DMat3::from_cols_array(&wanted.matrix).transpose();
-        prop_assert!(found.m.as_dmat3().abs_diff_eq(m, F32), "{} {}", found.m, m);
+        prop_assert!(found.matrix.as_dmat3().abs_diff_eq(m, F32), "{} {}", found.matrix, m);
         let terms = [(found.amplitude, wanted.amplitude), (found.fresnel, wanted.fresnel)];
         for (found, wanted) in terms {
             prop_assert!((f64::from(found) - wanted.expect("terms")).abs() < F32, "{} {:?}", found, wanted);

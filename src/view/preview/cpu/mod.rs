@@ -37,7 +37,7 @@ pub(super) fn lit(
     vertices: &[glam::Vec3],
 ) -> (glam::Mat3, [f32; 3]) {
     let lobe = lookup::lookup(table, alpha_x, alpha_y, wo);
-    (lobe.m, [lobe.amplitude, lobe.fresnel, covered(lobe.m, vertices, false)])
+    (lobe.matrix, [lobe.amplitude, lobe.fresnel, covered(lobe.matrix, vertices, false)])
 }
 
 /// `ltc_polygon` with the inverse of `m`.

@@ -5,7 +5,7 @@ use glam::{Mat3, Vec2, Vec3};
 use super::{
     ggx::{self, Shaded},
     light::Inverse,
-    lookup::{ALPHA_FLOOR, lookup},
+    lookup::{LEAST_ALPHA, lookup},
 };
 use crate::view::preview::{
     ShaderTable, Surface,
@@ -86,14 +86,14 @@ fn see(frame: &Frame, place: Vec2, cell: u32) -> Option<(Shaded, f32)> {
     let y = cos * across - sin * along;
     let view = (eye - position).normalize();
     let wo = Vec3::new(view.dot(x), view.dot(y), view.dot(normal).max(LOWEST_VIEW)).normalize();
-    let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(ALPHA_FLOOR));
+    let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(LEAST_ALPHA));
     Some((Shaded { position, x, y, z: normal, wo, alpha }, coverage))
 }
 
 fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     let lobe = lookup(table, at.alpha.x, at.alpha.y, at.wo);
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
-    let covered = Inverse::of(lobe.m).covered(&frame.light, at.position, to_local);
+    let covered = Inverse::of(lobe.matrix).covered(&frame.light, at.position, to_local);
     reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered)
 }
 
@@ -112,13 +112,13 @@ fn lobe(frame: &Frame, table: &ShaderTable, estimator: Estimator, wi: Vec3) -> f
     let wo = frame.lobe_wo;
     if estimator == Estimator::TableLobe {
         let lobe = lookup(table, alpha_x, alpha_y, wo);
-        let density = Inverse::of(lobe.m).density(wi) * lobe.amplitude;
+        let density = Inverse::of(lobe.matrix).density(wi) * lobe.amplitude;
         return if wi.z < 0.0 && density <= 0.0 { BELOW } else { density };
     }
     if wi.z <= ggx::HORIZON {
         return if wi.z < 0.0 { BELOW } else { 0.0 };
     }
-    let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(ALPHA_FLOOR));
+    let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(LEAST_ALPHA));
     let g2 = 1.0 / (1.0 + ggx::smith_lambda(alpha, wo) + ggx::smith_lambda(alpha, wi));
     ggx::distribution(alpha, (wo + wi).normalize()) * g2 / (4.0 * wo.z)
 }

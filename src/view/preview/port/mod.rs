@@ -65,10 +65,7 @@ pub fn port(language: Language, layout: Layout) -> Result<Vec<u8>, PortError> {
 
 /// A layout's name in a sentence, and in the shaders' constants.
 fn layout_names(layout: Layout) -> (&'static str, &'static str) {
-    match layout {
-        Layout::Kt2022 => ("kt2022", "LTC_LAYOUT_KT2022"),
-        Layout::Reflected => ("reflected", "LTC_LAYOUT_REFLECTED"),
-    }
+    (layout.name(), layout.rules().shader_constant().0)
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DMat3;
 
+use crate::fit::axes::LEAST_ALPHA;
+
 /// A surface's roughness and a view direction, in the surface's tangent frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Configuration {
@@ -43,9 +45,10 @@ impl Folded {
         } else {
             (2.0 * PI - turned, false, true)
         };
-        let swap = c.alpha_y > c.alpha_x;
-        let (alpha, smaller) = if swap { (c.alpha_y, c.alpha_x) } else { (c.alpha_x, c.alpha_y) };
-        let ratio = if alpha > 0.0 { smaller / alpha } else { 1.0 };
+        let [alpha_x, alpha_y] = [c.alpha_x, c.alpha_y].map(|alpha| alpha.max(LEAST_ALPHA));
+        let swap = alpha_y > alpha_x;
+        let (alpha, smaller) = if swap { (alpha_y, alpha_x) } else { (alpha_x, alpha_y) };
+        let ratio = smaller / alpha;
         let phi = if swap { FRAC_PI_2 - phi } else { phi };
         Self { alpha, ratio, phi: phi.clamp(0.0, FRAC_PI_2), mirror_x, mirror_y, swap }
     }

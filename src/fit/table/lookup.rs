@@ -1,9 +1,12 @@
 //! Reading a table at any configuration, as a shader would.
 
-use glam::DMat3;
-
-use super::{Configuration, Layout, PerAxis, Reflection, Table, Terms, fold::Folded};
-use crate::fit::math::{from_row_major, row_major, turned_about_z};
+use super::{Configuration, Table, Terms, fold::Folded};
+use crate::fit::{
+    axes::PerAxis,
+    brdf::LobeTerms,
+    layout::LobeNumbers,
+    math::{from_row_major, row_major, turned_about_z},
+};
 
 /// What a table says of a configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,22 +70,16 @@ impl Table {
             theta: clamped(configuration.theta, &axes.theta),
             phi: clamped(folded.phi, &axes.phi),
         };
-        let between = self.interpolate(&nearest);
-        let (m, terms) = match self.layout {
-            Layout::Kt2022 => between,
-            Layout::Reflected => {
-                let reflection = Reflection::of(&nearest.surface(), nearest.view());
-                (reflection.matrix * between.0, reflection.terms(between.1))
-            }
-        };
-        let m = turn.map_or(m, |angle| turned_about_z(m, angle));
-        let [amplitude, fresnel] = terms.map(|term| self.terms.as_ref().map(|_| term));
-        LookedUp { matrix: row_major(&folded.unfold(m)), amplitude, fresnel }
+        let lobe = self.layout.rules().restore(&nearest, &self.interpolate(&nearest));
+        let matrix = turn.map_or(lobe.matrix, |angle| turned_about_z(lobe.matrix, angle));
+        let [amplitude, fresnel] =
+            [lobe.terms.amplitude, lobe.terms.fresnel].map(|term| self.terms.as_ref().map(|_| term));
+        LookedUp { matrix: row_major(&folded.unfold(matrix)), amplitude, fresnel }
     }
 
     /// The stored matrix and terms between the entries around a place within the nodes; terms of zero where there are
     /// none.
-    fn interpolate(&self, place: &PerAxis<f64>) -> (DMat3, [f64; 2]) {
+    fn interpolate(&self, place: &PerAxis<f64>) -> LobeNumbers {
         let axes = &self.axes;
         let place = PerAxis {
             alpha: Between::find(&axes.alpha, place.alpha),
@@ -100,7 +97,8 @@ impl Table {
                 terms[1] += weight * f64::from(fresnel[index]);
             }
         }
-        (from_row_major(&matrix), terms)
+        let [amplitude, fresnel] = terms;
+        LobeNumbers { matrix: from_row_major(&matrix), terms: LobeTerms { amplitude, fresnel } }
     }
 
     /// The entries around a place, with weights whose sum is one.

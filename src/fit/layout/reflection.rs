@@ -2,7 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::fit::brdf::Ggx;
+use crate::fit::{
+    axes::PerAxis,
+    brdf::{Ggx, LobeTerms},
+};
 
 /// A lobe in first order: the reflection at the middle one of the visible normals, and how it moves with the normal.
 ///
@@ -51,13 +54,20 @@ impl Reflection {
         }
     }
 
+    /// That of a GGX surface at a place of a table. It is the start for lobes of every scattering model.
+    #[must_use]
+    pub fn at(place: &PerAxis<f64>) -> Self {
+        let [alpha_x, alpha_y] = place.roughness();
+        Self::of(&Ggx { alpha_x, alpha_y }, place.view())
+    }
+
     /// Amplitude and Fresnel term of a lobe, from what is stored: `A = a (G2/G1)^2`, `F = A (s + 1 - d)^5`.
     #[must_use]
-    pub fn terms(&self, [amplitude, fresnel]: [f64; 2]) -> [f64; 2] {
-        let amplitude = amplitude * self.amplitude;
-        let grazing = (fresnel + self.grazing).max(0.0);
+    pub(crate) fn terms(&self, stored: LobeTerms) -> LobeTerms {
+        let amplitude = stored.amplitude * self.amplitude;
+        let grazing = (stored.fresnel + self.grazing).max(0.0);
         let grazing2 = grazing * grazing;
-        [amplitude, amplitude * (grazing2 * grazing2 * grazing)]
+        LobeTerms { amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
     }
 }
 

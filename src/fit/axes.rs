@@ -1,13 +1,13 @@
-//! The four axes of a table.
+//! The four axes along which a lobe changes: two of the surface, two of the view.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::fit::{brdf::Ggx, math::direction};
+use super::math::direction;
 
-/// The smaller roughness is fitted as if it were at least this: of a lobe that is already a mirror's in one direction,
-/// the other would be a line thinner than f32 directions are apart, and nothing could be interpolated.
-pub const ALPHA_Y_FLOOR: f64 = 1e-5;
+/// The least roughness along either axis. Below it a lobe is thinner than f32 directions are apart, and nothing could be
+/// interpolated. A lookup raises both roughnesses to it before it takes their ratio, so that mirrors stay isotropic.
+pub const LEAST_ALPHA: f64 = 1e-5;
 
 /// One value for each axis of a table, in the order in which entries are stored: `phi` varies fastest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,10 +32,10 @@ impl<T> PerAxis<T> {
 
 /// A place in the space that a table covers.
 impl PerAxis<f64> {
-    /// Its surface, x along the larger roughness.
+    /// Its roughness along x, the larger one, and along y, at least [`LEAST_ALPHA`].
     #[must_use]
-    pub fn surface(&self) -> Ggx {
-        Ggx { alpha_x: self.alpha, alpha_y: (self.alpha * self.ratio).max(ALPHA_Y_FLOOR) }
+    pub fn roughness(&self) -> [f64; 2] {
+        [self.alpha, (self.alpha * self.ratio).max(LEAST_ALPHA)]
     }
 
     /// Its view direction: unit length, exactly in a coordinate plane at `phi` of zero or pi/2.
@@ -50,5 +50,20 @@ impl<T> PerAxis<Vec<T>> {
     #[must_use]
     pub fn lengths(&self) -> PerAxis<usize> {
         PerAxis { alpha: self.alpha.len(), ratio: self.ratio.len(), theta: self.theta.len(), phi: self.phi.len() }
+    }
+}
+
+impl PerAxis<Vec<f64>> {
+    /// The node at `index` in storage order. Domain: `index` below the product of the lengths.
+    #[must_use]
+    pub fn node(&self, index: usize) -> PerAxis<f64> {
+        let PerAxis { ratio, theta, phi, .. } = self.lengths();
+        let row = index / phi;
+        PerAxis {
+            alpha: self.alpha[row / theta / ratio],
+            ratio: self.ratio[row / theta % ratio],
+            theta: self.theta[row % theta],
+            phi: self.phi[index % phi],
+        }
     }
 }

@@ -4,17 +4,15 @@
 
 use serde::Serialize;
 
-use crate::{
-    files::{
-        digest::Digest,
-        export::{self, TableFileError},
-        recipe,
-    },
-    fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points},
+use super::{
+    digest::Digest,
+    export::{self, TableFile, TableFileError},
+    recipe,
 };
+use crate::fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points};
 
 /// Version of manifests. Raised whenever the same table gets another one.
-pub(super) const MANIFEST_VERSION: u32 = REPORT_VERSION;
+pub const MANIFEST_VERSION: u32 = REPORT_VERSION;
 
 #[derive(Debug, Serialize)]
 struct Manifest {
@@ -39,6 +37,22 @@ struct Export {
 #[must_use]
 pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
     report(table, &recipe.range, report_points(recipe))
+}
+
+impl TableFile {
+    /// How good the table is: the report of its manifest. Runs on the current rayon pool.
+    #[must_use]
+    pub fn measure(&self) -> Report {
+        table_report(&self.table, &self.recipe)
+    }
+
+    /// The manifest as JSON.
+    ///
+    /// # Errors
+    /// As [`manifest_json`].
+    pub fn manifest(&self) -> Result<String, TableFileError> {
+        manifest_json(&self.to_bytes()?)
+    }
 }
 
 /// The manifest of a canonical file as JSON, with a newline at its end. It measures the table, on the current rayon

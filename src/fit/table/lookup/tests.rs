@@ -3,7 +3,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::ltc::Terms;
+use glam::DMat3;
+
+use crate::fit::{BrdfKind, Layout, Reflection, Terms};
 
 /// A table of 3 x 2 x 3 x 3 entries whose numbers are linear in the node's place: interpolation must be exact.
 fn linear() -> Table {
@@ -14,6 +16,7 @@ fn linear() -> Table {
         phi: vec![0.0, 0.75, FRAC_PI_2],
     };
     let mut table = Table {
+        brdf: BrdfKind::Ggx,
         layout: Layout::Kt2022,
         axes: axes.clone(),
         matrix: vec![],
@@ -106,6 +109,7 @@ fn a_perfect_mirror_is_isotropic() {
 fn an_isotropic_table_turns_with_the_view() {
     let stored = [0.5, 0.0, -0.4, 0.0, 0.3, 0.0, 0.2, 0.0, 1.0];
     let table = Table {
+        brdf: BrdfKind::Ggx,
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![0.5], ratio: vec![1.0], theta: vec![0.7], phi: vec![0.0] },
         matrix: vec![stored.map(|x| x as f32)],
@@ -127,6 +131,7 @@ fn an_isotropic_table_turns_with_the_view() {
 fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
     let entries = axes.named().iter().map(|(_, nodes)| nodes.len()).product();
     Table {
+        brdf: BrdfKind::Ggx,
         layout: Layout::Reflected,
         axes,
         matrix: vec![matrix; entries],
@@ -144,7 +149,7 @@ proptest! {
     ) {
         let found = reflections(linear().axes, IDENTITY).lookup(&Configuration { alpha_x: a, alpha_y: a * r, theta: t, phi: p });
         let place = PerAxis { alpha: a, ratio: r, theta: t, phi: p };
-        let reflection = Reflection::of(&place.surface(), place.view());
+        let reflection = Reflection::at(&place);
         prop_assert!(close(found.matrix, row_major(&reflection.matrix)), "{:?}", found);
         prop_assert!((found.amplitude.expect("terms") - reflection.amplitude).abs() < F32);
         prop_assert!((found.fresnel.expect("terms") - reflection.amplitude * reflection.grazing.powi(5)).abs() < F32);

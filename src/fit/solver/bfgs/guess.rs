@@ -2,13 +2,12 @@
 
 use glam::{DMat2, DMat3, DVec2};
 
-use super::target::Core;
-use crate::fit::math::symmetric_sqrt;
+use crate::fit::{math::symmetric_sqrt, metric::Core};
 
 /// The `M = [[root^2, centre], [0, 1]]` of an LTC whose core lies and scatters as the lobe's does. Maps cosine space
 /// to the lobe's frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Guess {
+pub(crate) struct Guess {
     /// Square root of the upper-left block, symmetric and positive definite like the block.
     pub(super) root: DMat2,
     /// First two numbers of the third column.
@@ -18,13 +17,13 @@ pub(super) struct Guess {
 impl Guess {
     /// For a sharp lobe the block is `sqrt(2 S)` with the scatter `S` of [`Core`]. The clamped cosine itself,
     /// `M = I`, scatters by 0.2 along either axis, where the factor 2 has become 5; in between it follows the trace.
-    pub(super) fn of(core: &Core) -> Self {
+    pub(crate) fn of(core: &Core) -> Self {
         let trace = core.scatter.x_axis.x + core.scatter.y_axis.y;
         Self { root: symmetric_sqrt(symmetric_sqrt(core.scatter * (2.0 + 7.5 * trace))), centre: core.centre }
     }
 
     /// `M`.
-    pub(super) fn matrix(&self) -> DMat3 {
+    pub(crate) fn matrix(&self) -> DMat3 {
         let block = self.root * self.root;
         DMat3::from_cols(block.x_axis.extend(0.0), block.y_axis.extend(0.0), self.centre.extend(1.0))
     }

@@ -9,9 +9,10 @@ use glam::{DMat3, DVec3};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Pulse, recipe::FitSettings};
+use super::problem::{Effort, Problem, SolverRules};
 use crate::fit::{
-    brdf::{Brdf, Ggx},
+    Pulse,
+    brdf::Brdf,
     math::{cosine_hemisphere, sin_cos},
 };
 
@@ -19,23 +20,16 @@ use crate::fit::{
 /// fit's error after some hundred steps.
 const RATE: f64 = 0.1;
 
-/// How long and how finely to descend.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Schedule {
-    steps: u32,
-    samples: usize,
-    directions: usize,
-    seed: u64,
-}
+/// The published descent as an item of [`super::Solver`].
+pub(super) struct Rules;
 
-impl Schedule {
-    pub(super) fn of(settings: &FitSettings) -> Self {
-        Self {
-            steps: settings.steps,
-            samples: settings.samples as usize,
-            directions: settings.directions as usize,
-            seed: settings.seed,
-        }
+impl SolverRules for Rules {
+    fn solve(&self, problem: Problem<'_>, pulse: &mut Pulse) -> Option<DMat3> {
+        descend(problem.brdf, problem.wo, &problem.effort, problem.stream, pulse)
+    }
+
+    fn evaluations(&self, steps: u32) -> u32 {
+        steps
     }
 }
 
@@ -60,10 +54,10 @@ impl Uniform {
     }
 
     /// Algorithm 1: from the density proportional to the cosine-weighted lobe.
-    fn lobe(&mut self, ggx: &Ggx, wo: DVec3) -> DVec3 {
+    fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3) -> DVec3 {
         loop {
             let u = self.pair();
-            let sample = ggx.sample(wo, u);
+            let sample = brdf.sample(wo, u);
             if self.next() < sample.weight {
                 return sample.wi;
             }
@@ -76,20 +70,20 @@ const STEPS_PER_PULSE: u32 = 8;
 
 /// The matrix after all steps, from the identity, in the tangent frame; `None` when `pulse` stops the descent. Its
 /// determinant may have either sign.
-pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
+fn descend(brdf: &dyn Brdf, wo: DVec3, effort: &Effort, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
     // Streams of one seed are told apart by a multiplier that mixes every bit of the entry's number.
-    let seed = schedule.seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let seed = effort.seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(seed));
-    let n = schedule.samples;
+    let n = effort.samples;
     let mut m = DMat3::IDENTITY;
     let (mut lobe, mut cosine, mut ltc) = (vec![DVec3::ZERO; n], vec![DVec3::ZERO; n], vec![DVec3::ZERO; n]);
     let (mut gradient, mut wanted, mut order) = (vec![DVec3::ZERO; n], vec![0.0; n], vec![(0.0, 0_usize); n]);
-    for step in 0..schedule.steps {
+    for step in 0..effort.steps {
         if step % STEPS_PER_PULSE == 0 && pulse().is_break() {
             return None;
         }
         for wi in &mut lobe {
-            *wi = random.lobe(ggx, wo);
+            *wi = random.lobe(brdf, wo);
         }
         for c in &mut cosine {
             *c = cosine_hemisphere(random.pair());
@@ -98,7 +92,7 @@ pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64, pu
             *f = (m * *c).normalize();
         }
         gradient.fill(DVec3::ZERO);
-        for _ in 0..schedule.directions {
+        for _ in 0..effort.directions {
             let d = random.direction();
             wanted.iter_mut().zip(&lobe).for_each(|(x, wi)| *x = d.dot(*wi));
             wanted.sort_unstable_by(f64::total_cmp);
@@ -114,7 +108,7 @@ pub(super) fn descend(ggx: &Ggx, wo: DVec3, schedule: &Schedule, stream: u64, pu
             let by_w = (*g - *f * f.dot(*g)) * (1.0 / (m * *c).length());
             by_m += DMat3::from_cols(by_w * c.x, by_w * c.y, by_w * c.z);
         }
-        m -= by_m * (RATE / (n * schedule.directions) as f64);
+        m -= by_m * (RATE / (n * effort.directions) as f64);
     }
     Some(m)
 }

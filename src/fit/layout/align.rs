@@ -2,8 +2,7 @@
 
 use glam::DMat3;
 
-use super::target::Mirrors;
-use crate::fit::math::rotation_from_z;
+use crate::fit::{brdf::Mirrors, math::rotation_from_z};
 
 /// The matrix of the same distribution whose first two columns are turned so that, seen along the third, their
 /// block is symmetric and positive definite.
@@ -16,7 +15,7 @@ use crate::fit::math::rotation_from_z;
 /// from the pole. Domain: `M` regular, its third column not along -z.
 ///
 /// The block is opened until its eigenvalues have at least the ratio `flattest`.
-pub(super) fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
+pub(crate) fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     let frame = rotation_from_z(m.z_axis.normalize());
     let mut local = frame.transpose() * *m;
     if local.determinant() < 0.0 {

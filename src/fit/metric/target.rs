@@ -3,53 +3,35 @@
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use crate::fit::{
-    brdf::Brdf,
+    brdf::{Brdf, LobeTerms, Mirrors},
     math::{Lattice, rotation_from_z},
 };
-
-/// Mirror symmetries of a lobe, which its LTC shares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Mirrors {
-    /// Unchanged by x -> -x: the view direction lies in the yz plane.
-    pub(super) x: bool,
-    /// Unchanged by y -> -y: the view direction lies in the xz plane.
-    pub(super) y: bool,
-}
-
-/// Terms of an entry: `reflectance = F0 (amplitude - fresnel) + F90 fresnel` [Hill and Heitz 2016].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LobeTerms {
-    /// `E[G2/G1]` over visible normals.
-    pub(super) amplitude: f64,
-    /// `E[G2/G1 (1 - wo.wm)^5]` over visible normals.
-    pub(super) fresnel: f64,
-}
 
 /// Samples of the cosine-weighted lobe, normalised to a distribution.
 ///
 /// Sample `i` is the direction `frame * (p_i + z)`, so that `p` is small where the lobe is sharp and keeps all its
 /// digits in f32: `p.z = -(p.x^2 + p.y^2) / (1 + z)` instead of `z - 1`.
 #[derive(Debug, Clone)]
-pub(super) struct Target {
+pub(crate) struct Target {
     /// Rotation from the lobe's frame, its mean direction +z, to the tangent frame.
-    pub(super) frame: DMat3,
+    pub(crate) frame: DMat3,
     /// Symmetries of the lobe.
-    pub(super) mirrors: Mirrors,
+    pub(crate) mirrors: Mirrors,
     /// Offsets from the mean direction, in the lobe's frame.
-    pub(super) points: Vec<DVec3>,
+    pub(crate) points: Vec<DVec3>,
     /// Weights; their sum is one.
-    pub(super) weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
     /// Where the lobe is and how wide, in the tangential plane.
-    pub(super) core: Core,
+    pub(crate) core: Core,
     /// Amplitude and Fresnel term.
-    pub(super) terms: LobeTerms,
+    pub(crate) terms: LobeTerms,
 }
 
 impl Target {
     /// Samples the lobe of `brdf` for `wo` at the points of `lattice`.
     ///
     /// Domain: `wo.z > 0`, so that some light is reflected above the horizon.
-    pub(super) fn sample(brdf: &impl Brdf, wo: DVec3, mirrors: Mirrors, lattice: Lattice) -> Self {
+    pub(crate) fn sample(brdf: &dyn Brdf, wo: DVec3, mirrors: Mirrors, lattice: Lattice) -> Self {
         let mut directions = Vec::with_capacity(lattice.len());
         let mut weights = Vec::with_capacity(lattice.len());
         let (mut total, mut fresnel) = (0.0, 0.0);
@@ -94,11 +76,11 @@ impl Target {
 /// density proportional to `(1 + |p|^2 / a^2)^-2`, scatter `a^2 / 2`. Its variance is infinite, so moments tell how
 /// far the samples reach into the tails rather than how wide the lobe is; this estimate does not.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Core {
+pub(crate) struct Core {
     /// Centre.
-    pub(super) centre: DVec2,
+    pub(crate) centre: DVec2,
     /// Scatter, positive definite.
-    pub(super) scatter: DMat2,
+    pub(crate) scatter: DMat2,
 }
 
 impl Core {
@@ -143,7 +125,7 @@ impl Core {
     ///
     /// Off the tangential plane it is `p.z = -|p|^2 / 2` to first order that counts, whose median and spread are
     /// half the trace of the scatter.
-    pub(super) fn project(&self, d: DVec3) -> (f64, f64) {
+    pub(crate) fn project(&self, d: DVec3) -> (f64, f64) {
         let half_trace = 0.5 * (self.scatter.x_axis.x + self.scatter.y_axis.y);
         let tangential = d.truncate();
         let variance = tangential.dot(self.scatter * tangential) + d.z * d.z * half_trace * half_trace;
@@ -158,12 +140,12 @@ fn offset_from_z(direction: DVec3) -> DVec3 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::fit::ltc::Ltc;
+    use crate::fit::lobe::ltc::Ltc;
 
     /// The target of a lobe that is itself an LTC: what a fit of it should give back.
-    pub(in super::super) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
+    pub(crate) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let n = 8192;
         let directions: Vec<DVec3> = Lattice::new(n, [0.37, 0.81]).points().map(|u| ltc.sample(u)).collect();

@@ -11,8 +11,11 @@
 
 use glam::{DMat3, DVec3};
 
-use super::target::Target;
-use crate::fit::math::{Lattice, cosine_hemisphere};
+use super::{
+    distance::{Distance, Loss, MetricRules, Samples},
+    target::Target,
+};
+use crate::fit::math::{Lattice, cosine_hemisphere, fibonacci_hemisphere};
 
 /// Mantissa bits that number the cells of an octave: 32 cells, a core cell is 1/32 of the lobe's width.
 const CELL_BITS: u32 = 5;
@@ -27,13 +30,13 @@ const MOST_OCTAVES: i32 = 22;
 
 /// Fixed samples of the clamped cosine, one array a coordinate.
 #[derive(Debug, Clone)]
-pub(super) struct CosineSamples {
+struct CosineSamples {
     points: Vec<DVec3>,
 }
 
 impl CosineSamples {
     /// The images of a lattice's points under [`cosine_hemisphere`].
-    pub(super) fn new(lattice: Lattice) -> Self {
+    fn new(lattice: Lattice) -> Self {
         Self { points: lattice.points().map(cosine_hemisphere).collect() }
     }
 }
@@ -116,18 +119,47 @@ fn split(position: i32) -> (usize, f32) {
     ((position >> FRACTION_BITS) as usize, (position & (CELL - 1)) as f32 * (1.0 / CELL as f32))
 }
 
+/// The sliced Wasserstein distance as an item of [`super::Metric`].
+pub(super) struct Rules;
+
+impl MetricRules for Rules {
+    fn distance(&self, samples: &Samples) -> Box<dyn Distance> {
+        let directions = samples.directions;
+        Box::new(SlicedWasserstein {
+            samples: CosineSamples::new(Lattice::new(samples.count, samples.shift)),
+            directions: (0..directions).map(|i| fibonacci_hemisphere(i, directions, samples.shift[1])).collect(),
+            buffers: Buffers::default(),
+        })
+    }
+}
+
+/// The metric with its fixed samples and directions, shared by all entries.
+#[derive(Debug)]
+struct SlicedWasserstein {
+    samples: CosineSamples,
+    directions: Vec<DVec3>,
+    buffers: Buffers,
+}
+
+impl Distance for SlicedWasserstein {
+    fn to<'a>(&'a mut self, target: &Target) -> Box<dyn Loss + 'a> {
+        Box::new(SlicedLoss::new(target, &self.samples, &self.directions, &mut self.buffers))
+    }
+}
+
 /// The distance to one target over fixed samples and directions.
 #[derive(Debug)]
-pub(super) struct Loss<'a> {
+struct SlicedLoss<'a> {
     samples: &'a CosineSamples,
     slices: Vec<Slice>,
-    /// Mean standard deviation of the target over the directions: the unit in which losses are told.
+    /// Mean standard deviation of the target over the directions: the unit in which losses are measured.
     spread: f64,
+    buffers: &'a mut Buffers,
 }
 
 /// Buffers of an evaluation, kept between evaluations.
 #[derive(Debug, Default)]
-pub(super) struct Workspace {
+struct Buffers {
     /// Offsets of the LTC's samples from the lobe's axis, one array a coordinate.
     x: Vec<f32>,
     y: Vec<f32>,
@@ -146,35 +178,17 @@ pub(super) struct Workspace {
     push: Vec<f32>,
 }
 
-impl<'a> Loss<'a> {
+impl<'a> SlicedLoss<'a> {
     /// Tabulates `target` along `directions` (unit vectors in the lobe's frame).
-    pub(super) fn new(target: &Target, samples: &'a CosineSamples, directions: &[DVec3]) -> Self {
+    fn new(target: &Target, samples: &'a CosineSamples, directions: &[DVec3], buffers: &'a mut Buffers) -> Self {
         let slices: Vec<Slice> = directions.iter().map(|d| Slice::new(target, *d)).collect();
         let spread = directions.iter().map(|d| target.core.project(*d).1).sum::<f64>() / directions.len() as f64;
-        Self { samples, slices, spread }
+        Self { samples, slices, spread, buffers }
     }
 
-    /// Mean standard deviation of the target's projections.
-    pub(super) fn spread(&self) -> f64 {
-        self.spread
-    }
-
-    /// The distance at `m`, a matrix from cosine space to the lobe's frame with positive determinant.
-    pub(super) fn value(&self, m: &DMat3, work: &mut Workspace) -> f64 {
-        self.transform(m, work);
-        self.slices.iter().map(|slice| slice_loss::<false>(slice, work)).sum::<f64>() / self.slices.len() as f64
-    }
-
-    /// The distance at `m` and its gradient by the elements of `m`.
-    pub(super) fn value_and_gradient(&self, m: &DMat3, work: &mut Workspace) -> (f64, DMat3) {
-        self.transform(m, work);
-        let count = self.slices.len() as f64;
-        let value = self.slices.iter().map(|slice| slice_loss::<true>(slice, work)).sum::<f64>() / count;
-        (value, self.pull_back(work) * (1.0 / count))
-    }
-
-    /// Fills `work` with the directions that `m` makes of the samples.
-    fn transform(&self, m: &DMat3, work: &mut Workspace) {
+    /// Fills the buffers with the directions that `m` makes of the samples.
+    fn transform(&mut self, m: &DMat3) {
+        let work = &mut *self.buffers;
         let n = self.samples.points.len();
         for buffer in [&mut work.x, &mut work.y, &mut work.z, &mut work.gx, &mut work.gy, &mut work.gz] {
             buffer.resize(n, 0.0);
@@ -202,7 +216,8 @@ impl<'a> Loss<'a> {
 
     /// From the gradient by directions `f = M c / |M c|` to that by `M`:
     /// `dL/dM = sum_i ((g_i - f_i (f_i . g_i)) / |M c_i|) c_i^T`.
-    fn pull_back(&self, work: &Workspace) -> DMat3 {
+    fn pull_back(&self) -> DMat3 {
+        let work = &*self.buffers;
         let mut gradient = DMat3::ZERO;
         for (i, c) in self.samples.points.iter().enumerate() {
             let f = DVec3::new(f64::from(work.x[i]), f64::from(work.y[i]), 1.0 + f64::from(work.z[i]));
@@ -214,8 +229,28 @@ impl<'a> Loss<'a> {
     }
 }
 
+impl Loss for SlicedLoss<'_> {
+    fn spread(&self) -> f64 {
+        self.spread
+    }
+
+    fn value(&mut self, m: &DMat3) -> f64 {
+        self.transform(m);
+        let (slices, buffers) = (&self.slices, &mut *self.buffers);
+        slices.iter().map(|slice| slice_loss::<false>(slice, buffers)).sum::<f64>() / slices.len() as f64
+    }
+
+    fn value_and_gradient(&mut self, m: &DMat3) -> (f64, DMat3) {
+        self.transform(m);
+        let (slices, buffers) = (&self.slices, &mut *self.buffers);
+        let count = slices.len() as f64;
+        let value = slices.iter().map(|slice| slice_loss::<true>(slice, buffers)).sum::<f64>() / count;
+        (value, self.pull_back() * (1.0 / count))
+    }
+}
+
 /// The distance along one slice; adds its gradient by each sample's direction to `work` when asked to.
-fn slice_loss<const GRADIENT: bool>(slice: &Slice, work: &mut Workspace) -> f64 {
+fn slice_loss<const GRADIENT: bool>(slice: &Slice, work: &mut Buffers) -> f64 {
     let n = work.x.len();
     let (xs, ys, zs) = (&work.x[..n], &work.y[..n], &work.z[..n]);
     let (cells, fractions, slopes) = (&mut work.cell[..n], &mut work.fraction[..n], &mut work.slope[..n]);
@@ -267,10 +302,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::fit::{
-        math::fibonacci_hemisphere,
-        target::{Mirrors, tests::planted},
-    };
+    use crate::fit::{brdf::Mirrors, metric::planted};
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
@@ -324,7 +356,8 @@ mod tests {
             let target = planted(lobe(scale), NO_MIRRORS);
             let (samples, directions) = (samples(2048), directions(16));
             let m = near(&target, scale);
-            let loss = Loss::new(&target, &samples, &directions).value(&m, &mut Workspace::default());
+            let mut buffers = Buffers::default();
+            let loss = SlicedLoss::new(&target, &samples, &directions, &mut buffers).value(&m);
             let exact = by_sorting(&target, &m, &samples, &directions);
             assert!((loss / exact - 1.0).abs() < 0.01, "{scale}: {loss} {exact}");
         }
@@ -335,15 +368,15 @@ mod tests {
         for scale in [1.0, 0.1, 1e-3, 1e-4] {
             let target = planted(lobe(scale), NO_MIRRORS);
             let (samples, directions) = (samples(8192), directions(16));
-            let loss = Loss::new(&target, &samples, &directions);
-            let mut work = Workspace::default();
+            let mut buffers = Buffers::default();
+            let mut loss = SlicedLoss::new(&target, &samples, &directions, &mut buffers);
             // Far enough from the lobe for the two cumulatives to cross in few places: at a crossing the
             // distance has a kink.
             let far =
                 DMat3::from_cols(DVec3::new(1.8, 0.3, 0.0), DVec3::new(0.3, 0.5, 0.1), DVec3::new(0.5, -0.4, 1.0));
             let m = near(&target, scale) * far;
-            let (value, gradient) = loss.value_and_gradient(&m, &mut work);
-            assert_eq!(value, loss.value(&m, &mut work));
+            let (value, gradient) = loss.value_and_gradient(&m);
+            assert_eq!(value, loss.value(&m));
             // Small beside the lobe's width, large beside the distance of its samples, whose kinks average out.
             let step = 3e-3 * scale;
             let norm = gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>().sqrt();
@@ -353,7 +386,7 @@ mod tests {
                     numbers[k] += by;
                     DMat3::from_cols_array(&numbers)
                 };
-                let difference = loss.value(&moved(step), &mut work) - loss.value(&moved(-step), &mut work);
+                let difference = loss.value(&moved(step)) - loss.value(&moved(-step));
                 let slope = difference / (2.0 * step);
                 let analytic = gradient.to_cols_array()[k];
                 assert!((slope - analytic).abs() < 0.01 * norm, "{scale} {k}: {slope} {analytic}");
@@ -365,10 +398,10 @@ mod tests {
     fn the_planted_matrix_has_the_least_loss() {
         let target = planted(lobe(0.3), NO_MIRRORS);
         let (samples, directions) = (samples(1024), directions(16));
-        let loss = Loss::new(&target, &samples, &directions);
-        let mut work = Workspace::default();
-        let at_truth = loss.value(&(target.frame.transpose() * lobe(0.3)), &mut work);
-        let nearby = loss.value(&near(&target, 0.3), &mut work);
+        let mut buffers = Buffers::default();
+        let mut loss = SlicedLoss::new(&target, &samples, &directions, &mut buffers);
+        let at_truth = loss.value(&(target.frame.transpose() * lobe(0.3)));
+        let nearby = loss.value(&near(&target, 0.3));
         assert!(at_truth < 0.1 * nearby && at_truth < 0.02 * loss.spread(), "{at_truth} {nearby}");
     }
 }

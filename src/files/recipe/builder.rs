@@ -1,0 +1,182 @@
+//! Recipes made in code.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value, json};
+
+use super::{DEFAULT_ENTRY_LIMIT, Preset, RecipeError, canonical_json, digest, document, parse};
+use crate::{
+    files::digest::Digest,
+    fit::{BrdfKind, FITTER_VERSION, Layout, Metric, Precision, Recipe, Solver},
+};
+
+/// Makes a [`Recipe`] field by field; what is not set has the value that a document without it has.
+///
+/// The fields are those of a recipe document, and so are their bounds: a builder can make nothing that a document could
+/// not say.
+#[derive(Debug, Clone)]
+#[must_use]
+pub struct RecipeBuilder {
+    fields: Map<String, Value>,
+    nested: BTreeMap<&'static str, Map<String, Value>>,
+    entry_limit: u64,
+}
+
+impl Recipe {
+    /// A builder, preset `standard`.
+    pub fn builder() -> RecipeBuilder {
+        RecipeBuilder { fields: Map::new(), nested: BTreeMap::new(), entry_limit: DEFAULT_ENTRY_LIMIT }
+    }
+
+    /// Reads a recipe document.
+    ///
+    /// # Errors
+    /// Every fault of the document at once.
+    pub fn from_json(json: &[u8]) -> Result<Self, RecipeError> {
+        parse(json, DEFAULT_ENTRY_LIMIT)
+    }
+
+    /// The canonical JSON (RFC 8785), all defaults filled in.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        canonical_json(self)
+    }
+
+    /// SHA-256 of the canonical JSON: equal for recipes that give equal bytes.
+    #[must_use]
+    pub fn digest(&self) -> Digest {
+        digest(self)
+    }
+}
+
+impl RecipeBuilder {
+    fn set(mut self, field: &str, value: impl Into<Value>) -> Self {
+        self.fields.insert(field.to_owned(), value.into());
+        self
+    }
+
+    fn set_in(mut self, object: &'static str, field: &str, value: impl Into<Value>) -> Self {
+        self.nested.entry(object).or_default().insert(field.to_owned(), value.into());
+        self
+    }
+
+    /// The fit settings that are not set one by one.
+    pub fn preset(self, preset: Preset) -> Self {
+        self.set("preset", preset.name())
+    }
+
+    /// The scattering model.
+    pub fn brdf(self, brdf: BrdfKind) -> Self {
+        self.set("brdf", brdf.name())
+    }
+
+    /// How the table stores lobes.
+    pub fn layout(self, layout: Layout) -> Self {
+        self.set("layout", layout.name())
+    }
+
+    /// Number format of the table.
+    pub fn precision(self, precision: Precision) -> Self {
+        self.set("precision", precision.name())
+    }
+
+    /// Whether amplitude and Fresnel term are stored.
+    pub fn terms(self, terms: bool) -> Self {
+        self.set("terms", terms)
+    }
+
+    /// Nodes on the axis `axis`: `alpha`, `ratio`, `theta` or `phi`.
+    pub fn resolution(self, axis: &str, nodes: u32) -> Self {
+        self.set_in("resolution", axis, nodes)
+    }
+
+    /// Lowest and highest value on an axis; a single value takes one node.
+    pub fn range(self, axis: &str, low: f64, high: f64) -> Self {
+        self.set_in("range", axis, json!([low, high]))
+    }
+
+    /// Isotropic surfaces alone: ratio 1 and one phi.
+    pub fn isotropic(self) -> Self {
+        self.range("ratio", 1.0, 1.0).range("phi", 0.0, 0.0)
+    }
+
+    /// The distance that the fit minimises.
+    pub fn metric(self, metric: Metric) -> Self {
+        self.set_in("fit", "metric", metric.name())
+    }
+
+    /// How it is minimised.
+    pub fn solver(self, solver: Solver) -> Self {
+        self.set_in("fit", "solver", solver.name())
+    }
+
+    /// Samples of the LTC in each evaluation.
+    pub fn samples(self, samples: u32) -> Self {
+        self.set_in("fit", "samples", samples)
+    }
+
+    /// Directions that the samples are projected on.
+    pub fn directions(self, directions: u32) -> Self {
+        self.set_in("fit", "directions", directions)
+    }
+
+    /// Most steps.
+    pub fn steps(self, steps: u32) -> Self {
+        self.set_in("fit", "steps", steps)
+    }
+
+    /// Seed of the sample sequences.
+    pub fn seed(self, seed: u64) -> Self {
+        self.set_in("fit", "seed", seed)
+    }
+
+    /// Most entries that the table may have; two million unless set.
+    pub fn entry_limit(mut self, entries: u64) -> Self {
+        self.entry_limit = entries;
+        self
+    }
+
+    /// The recipe.
+    ///
+    /// # Errors
+    /// Every field that is out of its bounds or does not fit the others.
+    pub fn build(self) -> Result<Recipe, RecipeError> {
+        let mut fields = self.fields;
+        for (object, nested) in self.nested {
+            fields.insert(object.to_owned(), Value::Object(nested));
+        }
+        document::read(&Value::Object(fields), self.entry_limit, FITTER_VERSION..=FITTER_VERSION)
+            .map_err(RecipeError::Faults)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_built_recipe_is_that_of_its_document() {
+        let built = Recipe::builder()
+            .preset(Preset::Draft)
+            .layout(Layout::Kt2022)
+            .precision(Precision::F16)
+            .terms(false)
+            .resolution("alpha", 5)
+            .range("theta", 0.0, 1.0)
+            .samples(64)
+            .seed(3)
+            .build();
+        let document = br#"{"preset": "draft", "layout": "kt2022", "precision": "f16", "terms": false,
+            "resolution": {"alpha": 5}, "range": {"theta": [0, 1]}, "fit": {"samples": 64, "seed": 3}}"#;
+        assert_eq!(built, Recipe::from_json(document));
+        assert_eq!(Recipe::builder().build(), Recipe::from_json(b"{}"));
+    }
+
+    #[test]
+    fn an_invalid_one_names_every_fault() {
+        let refused = Recipe::builder().samples(1).range("alpha", 0.5, f64::NAN).resolution("beta", 3).build();
+        let Err(RecipeError::Faults(faults)) = refused else { panic!("{refused:?}") };
+        let pointers: Vec<&str> = faults.iter().map(|fault| fault.pointer.as_str()).collect();
+        assert_eq!(pointers, ["/fit/samples", "/range/alpha", "/resolution/beta"]);
+    }
+}

@@ -1,0 +1,44 @@
+//! What a scattering model is.
+
+use glam::DVec3;
+
+/// A light direction drawn for a view direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrdfSample {
+    /// Light direction, unit length. Below the horizon where `weight` is zero.
+    pub wi: DVec3,
+    /// `f(wo, wi) cos(theta_i) / pdf`, for a Fresnel factor of one. In [0, 1].
+    pub weight: f64,
+    /// Cosine between view direction and microfacet normal.
+    pub cos_theta_d: f64,
+}
+
+/// A scattering model with its surface's tangent frame: normal +z, and x and y along the axes of anisotropy.
+///
+/// Directions point away from the surface and have unit length; the Fresnel factor is one.
+pub trait Brdf: Sync {
+    /// `f(wo, wi) cos(theta_i)`, per steradian; zero when either direction is below the horizon.
+    fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64;
+
+    /// Draws a light direction for `wo` from a point of the unit square. Domain: `wo.z > 0`.
+    fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample;
+
+    /// Density with which [`Brdf::sample`] draws `wi`, per steradian.
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
+}
+
+/// What is left of the light that a lobe reflects: `reflectance = F0 (amplitude - fresnel) + F90 fresnel`
+/// [Hill and Heitz 2016].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LobeTerms {
+    /// Directional albedo for a Fresnel factor of one; for GGX `E[G2/G1]` over visible normals.
+    pub(crate) amplitude: f64,
+    /// Its part that Schlick's fifth power weighs; for GGX `E[G2/G1 (1 - wo.wm)^5]` over visible normals.
+    pub(crate) fresnel: f64,
+}
+
+/// What a scattering model says of itself.
+pub(crate) trait BrdfRules: Sync {
+    /// The surface of these roughnesses along x and y, both in (0, 1].
+    fn surface(&self, roughness: [f64; 2]) -> Box<dyn Brdf>;
+}

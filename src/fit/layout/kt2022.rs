@@ -1,0 +1,79 @@
+//! Layout `kt2022`: uniform axes, and `M` itself [KT et al. 2022, sections 6 to 8].
+//!
+//! Nodes are uniform in alpha, ratio, theta and phi; a node below a floor is moved onto it. The range of theta ends at
+//! its ceiling before it is divided.
+
+use glam::Vec3;
+
+use super::{
+    align::align,
+    precision::Precision,
+    rules::{Interpolation, LayoutRules, LobeNumbers, ShaderNumbers},
+    spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
+};
+use crate::fit::{
+    axes::PerAxis,
+    brdf::{LobeTerms, Mirrors},
+};
+
+pub(super) struct Rules;
+
+impl LayoutRules for Rules {
+    /// The paper's.
+    fn default_resolution(&self) -> PerAxis<u32> {
+        PerAxis { alpha: 8, ratio: 8, theta: 8, phi: 8 }
+    }
+
+    fn spacing(&self) -> PerAxis<Spacing> {
+        PerAxis { alpha: Spacing::Even, ratio: Spacing::Even, theta: Spacing::Even, phi: Spacing::Even }
+    }
+
+    fn nodes(&self, range: &PerAxis<[f64; 2]>, n: &PerAxis<u32>) -> PerAxis<Vec<f64>> {
+        let PerAxis { alpha, ratio, theta, phi } = self.spacing();
+        let above = |nodes: Vec<f64>, floor: f64| nodes.into_iter().map(|x| x.max(floor)).collect();
+        PerAxis {
+            alpha: above(alpha.divide(range.alpha, n.alpha), ALPHA_FLOOR),
+            ratio: above(ratio.divide(range.ratio, n.ratio), RATIO_FLOOR),
+            theta: theta.divide(below_ceiling(range.theta), n.theta),
+            phi: phi.divide(range.phi, n.phi),
+        }
+    }
+
+    /// The block is the lobe's own: ten times wider than numbers of 24 bits need, so that a shader's inverse of a needle
+    /// at the horizon stays within 1e-3.
+    fn flattest(&self, precision: Precision) -> f64 {
+        match precision {
+            Precision::F32 => 1e-4,
+            Precision::F16 => 1.0 / 256.0,
+        }
+    }
+
+    fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers {
+        LobeNumbers {
+            matrix: align(&lobe.matrix, mirrors, self.flattest(precision)),
+            terms: self.store_terms(place, lobe.terms),
+        }
+    }
+
+    fn store_terms(&self, _: &PerAxis<f64>, terms: LobeTerms) -> LobeTerms {
+        terms
+    }
+
+    fn restore(&self, _: &PerAxis<f64>, stored: &LobeNumbers) -> LobeNumbers {
+        *stored
+    }
+
+    fn restore_in_shader(&self, stored: &ShaderNumbers, _: f32, _: f32, _: Vec3) -> ShaderNumbers {
+        *stored
+    }
+
+    // Both numbers are read off docs/tradeoff.md's full run, preset `draft` with one axis changed at a time: the added
+    // error over the difference of the squared steps.
+    fn interpolation(&self) -> Interpolation {
+        Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } }
+    }
+
+    fn shader_constant(&self) -> (&'static str, u32) {
+        ("LTC_LAYOUT_KT2022", 0)
+    }
+}

@@ -1,0 +1,108 @@
+//! Layout `reflected`, the default: nodes denser where lobes change faster, and `K^-1 M` with the [`Reflection`] `K`.
+//!
+//! Nodes are uniform in `u`, with alpha = `u^1.6`, ratio = `u^1.3`, theta = `1 - (1 - u)^2` of the way to its ceiling and
+//! phi = `u pi/2`, from one end of the range to the other, or the floor: a part of the domain is divided as the whole
+//! is.
+
+use glam::{Mat3, Vec3};
+
+use super::{
+    align::align_to,
+    precision::Precision,
+    reflection::Reflection,
+    rules::{Interpolation, LayoutRules, LobeNumbers, ShaderNumbers},
+    spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
+};
+use crate::fit::{
+    axes::{LEAST_ALPHA, PerAxis},
+    brdf::{LobeTerms, Mirrors},
+    math::pow,
+};
+
+pub(super) struct Rules;
+
+impl LayoutRules for Rules {
+    /// At most as many entries as the paper's 8^4, spread where they lower the error most.
+    fn default_resolution(&self) -> PerAxis<u32> {
+        PerAxis { alpha: 10, ratio: 6, theta: 9, phi: 7 }
+    }
+
+    fn spacing(&self) -> PerAxis<Spacing> {
+        PerAxis { alpha: Spacing::Power(1.6), ratio: Spacing::Power(1.3), theta: Spacing::Grazing, phi: Spacing::Even }
+    }
+
+    fn nodes(&self, range: &PerAxis<[f64; 2]>, n: &PerAxis<u32>) -> PerAxis<Vec<f64>> {
+        let PerAxis { alpha, ratio, theta, phi } = self.spacing();
+        PerAxis {
+            alpha: alpha.divide(range.alpha.map(|alpha| alpha.max(ALPHA_FLOOR)), n.alpha),
+            ratio: ratio.divide(range.ratio.map(|ratio| ratio.max(RATIO_FLOOR)), n.ratio),
+            theta: theta.divide(below_ceiling(range.theta), n.theta),
+            phi: phi.divide(range.phi, n.phi),
+        }
+    }
+
+    fn flattest(&self, precision: Precision) -> f64 {
+        match precision {
+            Precision::F32 => 1e-5,
+            Precision::F16 => 1.0 / 256.0,
+        }
+    }
+
+    fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers {
+        let reflection = Reflection::at(place);
+        LobeNumbers {
+            matrix: align_to(&reflection.matrix, &lobe.matrix, mirrors, self.flattest(precision)),
+            terms: reflection.relative_terms(lobe.terms),
+        }
+    }
+
+    fn store_terms(&self, place: &PerAxis<f64>, terms: LobeTerms) -> LobeTerms {
+        Reflection::at(place).relative_terms(terms)
+    }
+
+    fn restore(&self, place: &PerAxis<f64>, stored: &LobeNumbers) -> LobeNumbers {
+        let reflection = Reflection::at(place);
+        LobeNumbers { matrix: reflection.matrix * stored.matrix, terms: reflection.terms(stored.terms) }
+    }
+
+    fn restore_in_shader(&self, stored: &ShaderNumbers, alpha_x: f32, ratio: f32, wo: Vec3) -> ShaderNumbers {
+        let alpha_y = (alpha_x * ratio).max(LEAST_ALPHA as f32);
+        let halfway = Vec3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalize() + Vec3::Z;
+        let wm = Vec3::new(alpha_x * halfway.x, alpha_y * halfway.y, halfway.z).normalize();
+        let d = wo.dot(wm);
+        let r = 2.0 * d * wm - wo;
+        let column = |tangent: Vec3| {
+            let tilt = tangent - wm.dot(tangent) * wm;
+            alpha_x * (2.0 * (wo.dot(tilt) * wm + d * tilt))
+        };
+        let k = Mat3::from_cols(column(Vec3::X), column(Vec3::Y), r);
+        let smith_lambda = |w: Vec3| {
+            let (x, y) = (alpha_x * w.x / w.z, alpha_y * w.y / w.z);
+            0.5 * ((1.0 + (x * x + y * y)).sqrt() - 1.0)
+        };
+        let seen = 1.0 + smith_lambda(wo);
+        let g2_over_g1 = seen / (seen + smith_lambda(r));
+        let amplitude = stored.amplitude * g2_over_g1 * g2_over_g1;
+        let grazing = (stored.fresnel + 1.0 - d).max(0.0);
+        let grazing2 = grazing * grazing;
+        ShaderNumbers { matrix: k * stored.matrix, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
+    }
+
+    // Both numbers are read off docs/tradeoff.md's full run, preset `draft` with one axis changed at a time: the added
+    // error over the difference of the squared steps.
+    fn interpolation(&self) -> Interpolation {
+        Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } }
+    }
+
+    fn shader_constant(&self) -> (&'static str, u32) {
+        ("LTC_LAYOUT_REFLECTED", 1)
+    }
+}
+
+impl Reflection {
+    /// The inverse of [`Reflection::terms`]. The lobe of a view above the horizon has an amplitude.
+    fn relative_terms(&self, terms: LobeTerms) -> LobeTerms {
+        let grazing = pow(terms.fresnel / terms.amplitude, 0.2);
+        LobeTerms { amplitude: terms.amplitude / self.amplitude, fresnel: grazing - self.grazing }
+    }
+}

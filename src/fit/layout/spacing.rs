@@ -1,0 +1,73 @@
+//! How nodes are spaced along an axis, and how far they reach.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::fit::{axes::PerAxis, math::pow};
+
+/// The sharpest roughness that is fitted. Below it the lobe is a mirror's for every light a scene can hold.
+pub const ALPHA_FLOOR: f64 = 1e-4;
+/// The smallest ratio that is fitted: a needle ten thousand times longer than wide.
+pub const RATIO_FLOOR: f64 = 1e-4;
+/// The steepest view that is fitted; at the horizon itself no light is reflected [KT et al. 2022, published table].
+pub const THETA_CEILING: f64 = 0.9999 * FRAC_PI_2;
+
+/// Where nodes lie, as an ascending function of even steps.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Spacing {
+    /// The steps themselves.
+    Even,
+    /// `u^p`.
+    Power(f64),
+    /// `(1 - (1 - u)^2)` of the way to [`THETA_CEILING`].
+    Grazing,
+}
+
+impl Spacing {
+    fn value(self, u: f64) -> f64 {
+        match self {
+            Self::Even => u,
+            Self::Power(p) => pow(u, p),
+            Self::Grazing => (1.0 - (1.0 - u) * (1.0 - u)) * THETA_CEILING,
+        }
+    }
+
+    fn invert(self, x: f64) -> f64 {
+        match self {
+            Self::Even => x,
+            Self::Power(p) => pow(x, 1.0 / p),
+            Self::Grazing => 1.0 - (1.0 - x / THETA_CEILING).max(0.0).sqrt(),
+        }
+    }
+
+    /// The step of `n` values over a range, where they are even, as a part of that from 0 to `whole`.
+    pub(super) fn step(self, [low, high]: [f64; 2], n: u32, whole: f64) -> f64 {
+        (self.invert(high) - self.invert(low)) / self.invert(whole) / f64::from(n.saturating_sub(1).max(1))
+    }
+
+    /// `n` values from one end of a range to the other, both met exactly; its beginning for `n` of one.
+    pub(super) fn divide(self, [low, high]: [f64; 2], n: u32) -> Vec<f64> {
+        let last = n.saturating_sub(1).max(1);
+        let [from, to] = [low, high].map(|end| self.invert(end));
+        let at = |i: u32| match i {
+            0 => low,
+            _ if i == last => high,
+            _ => self.value(from + (to - from) * (f64::from(i) / f64::from(last))),
+        };
+        (0..n).map(at).collect()
+    }
+}
+
+/// The range of theta that is divided: it ends at the ceiling.
+pub(super) fn below_ceiling(theta: [f64; 2]) -> [f64; 2] {
+    theta.map(|theta| theta.min(THETA_CEILING))
+}
+
+/// See [`super::Layout::steps`].
+pub(super) fn steps(spacing: &PerAxis<Spacing>, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<f64> {
+    PerAxis {
+        alpha: spacing.alpha.step(range.alpha, resolution.alpha, 1.0),
+        ratio: spacing.ratio.step(range.ratio, resolution.ratio, 1.0),
+        theta: spacing.theta.step(below_ceiling(range.theta), resolution.theta, THETA_CEILING),
+        phi: spacing.phi.step(range.phi, resolution.phi, FRAC_PI_2),
+    }
+}

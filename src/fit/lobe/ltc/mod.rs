@@ -1,0 +1,9 @@
+//! Linearly Transformed Cosines: the distribution, and its integral over polygons.
+
+mod distribution;
+mod polygon;
+
+pub use distribution::Ltc;
+#[cfg(test)]
+pub(crate) use polygon::quadrature;
+pub use polygon::{Clip, MAX_VERTICES, Scalar, Sides};

@@ -1,0 +1,40 @@
+//! What a metric is.
+
+use glam::DMat3;
+
+use super::target::Target;
+
+/// The fixed samples of a metric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Samples {
+    /// Samples of the LTC in each evaluation.
+    pub(crate) count: usize,
+    /// Directions that the samples are projected on.
+    pub(crate) directions: usize,
+    /// Shift of the sample sequences, parts of a turn.
+    pub(crate) shift: [f64; 2],
+}
+
+/// What a metric decides.
+pub(crate) trait MetricRules: Sync {
+    /// The metric over these samples.
+    fn distance(&self, samples: &Samples) -> Box<dyn Distance>;
+}
+
+/// A metric with its fixed samples: prepared once for all entries.
+pub(crate) trait Distance: std::fmt::Debug {
+    /// The distance to one target.
+    fn to<'a>(&'a mut self, target: &Target) -> Box<dyn Loss + 'a>;
+}
+
+/// The distance between one target and the LTC of a matrix.
+pub(crate) trait Loss {
+    /// Mean standard deviation of the target's projections: the unit in which losses are measured.
+    fn spread(&self) -> f64;
+
+    /// The distance at `m`, a matrix from cosine space to the lobe's frame with positive determinant.
+    fn value(&mut self, m: &DMat3) -> f64;
+
+    /// The distance at `m` and its gradient by the elements of `m`.
+    fn value_and_gradient(&mut self, m: &DMat3) -> (f64, DMat3);
+}

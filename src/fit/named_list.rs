@@ -1,0 +1,69 @@
+//! Lists of what a recipe names: one line an item, from which its name in documents and the code behind it follow.
+
+/// Declares an enum whose variants have names in documents, and optionally the rules that stand behind each.
+///
+/// A line reads `Variant = "name" => RULES,` where `RULES` implements the list's trait; a list without a trait has lines
+/// `Variant = "name",`. The first variant is the default.
+macro_rules! named_list {
+    (
+        $(#[$attribute:meta])*
+        pub enum $list:ident: $rules:path {
+            $($(#[$variant_attribute:meta])* $variant:ident = $name:literal => $value:expr,)+
+        }
+    ) => {
+        named_list! {
+            $(#[$attribute])*
+            pub enum $list {
+                $($(#[$variant_attribute])* $variant = $name,)+
+            }
+        }
+
+        impl $list {
+            /// What stands behind the name.
+            pub(crate) fn rules(self) -> &'static dyn $rules {
+                match self {
+                    $(Self::$variant => &$value,)+
+                }
+            }
+        }
+    };
+    (
+        $(#[$attribute:meta])*
+        pub enum $list:ident {
+            $($(#[$variant_attribute:meta])* $variant:ident = $name:literal,)+
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        pub enum $list {
+            $($(#[$variant_attribute])* #[serde(rename = $name)] $variant,)+
+        }
+
+        impl $list {
+            /// All of them, the default first.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// The name in documents and on the command line.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)+
+                }
+            }
+
+            /// The item of a name; `None` for a name that is not in the list.
+            #[must_use]
+            pub fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|item| item.name() == name)
+            }
+        }
+
+        impl std::fmt::Display for $list {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+    };
+}
+
+pub(crate) use named_list;

@@ -1,0 +1,23 @@
+//! How a distance is minimised, one file or folder each.
+//!
+//! A new solver is its file and its line in [`Solver`].
+
+mod bfgs;
+mod problem;
+mod sgd;
+
+pub(super) use problem::{Effort, Problem, SolverRules};
+
+pub(super) use bfgs::Guess;
+
+use super::named_list::named_list;
+
+named_list! {
+    /// How a distance is minimised.
+    pub enum Solver: SolverRules {
+        /// BFGS on the seven free numbers, over fixed low-discrepancy samples.
+        Bfgs = "bfgs" => bfgs::Rules,
+        /// Stochastic gradient descent on all nine, over random samples [KT et al. 2022, Algorithm 3].
+        Sgd = "sgd" => sgd::Rules,
+    }
+}

@@ -1,0 +1,47 @@
+//! What a solver is given, and what it is.
+
+use glam::{DMat3, DVec3};
+
+use crate::fit::{
+    Pulse,
+    brdf::Brdf,
+    metric::{Loss, Target},
+};
+
+/// How long and how finely to search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Effort {
+    /// Samples of lobe and LTC in each step.
+    pub(crate) samples: usize,
+    /// Directions that they are projected on.
+    pub(crate) directions: usize,
+    /// Most steps.
+    pub(crate) steps: u32,
+    /// Seed of random numbers.
+    pub(crate) seed: u64,
+}
+
+/// A lobe whose matrix is sought.
+pub(crate) struct Problem<'a> {
+    /// The surface.
+    pub(crate) brdf: &'a dyn Brdf,
+    /// View direction.
+    pub(crate) wo: DVec3,
+    /// The lobe's samples.
+    pub(crate) target: &'a Target,
+    /// The distance to the target.
+    pub(crate) loss: &'a mut dyn Loss,
+    /// How hard to try.
+    pub(crate) effort: Effort,
+    /// Chooses the random numbers of solvers that draw any.
+    pub(crate) stream: u64,
+}
+
+/// What a solver decides.
+pub(crate) trait SolverRules: Sync {
+    /// The matrix of the lobe in the tangent frame; `None` when `pulse` stops the search.
+    fn solve(&self, problem: Problem<'_>, pulse: &mut Pulse) -> Option<DMat3>;
+
+    /// Evaluations of loss and gradient that an entry takes when at most `steps` steps are allowed.
+    fn evaluations(&self, steps: u32) -> u32;
+}

@@ -1,0 +1,89 @@
+//! A fitted table, and how it is looked up.
+//!
+//! Invariant: `table` knows how a table is read, not how it came to be.
+
+mod fold;
+mod lookup;
+
+use super::{axes::PerAxis, brdf::BrdfKind, layout::Layout};
+
+pub use fold::Configuration;
+pub use lookup::LookedUp;
+
+/// Preintegrated terms of each entry [Hill and Heitz 2016]: reflectance is `F0 (amplitude - fresnel) + F90 fresnel`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terms {
+    /// Directional albedo for a Fresnel factor of one.
+    pub(crate) amplitude: Vec<f32>,
+    /// The part of it that Schlick's fifth power weighs.
+    pub(crate) fresnel: Vec<f32>,
+}
+
+/// A table as it is stored. Every vector has one element an entry, in the order of [`PerAxis`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The scattering model that was fitted.
+    pub(crate) brdf: BrdfKind,
+    /// What the numbers mean.
+    pub(crate) layout: Layout,
+    /// Ascending nodes of each axis.
+    pub(crate) axes: PerAxis<Vec<f64>>,
+    /// Stored matrices, row-major.
+    pub(crate) matrix: Vec<[f32; 9]>,
+    /// Terms, where the recipe asks for them.
+    pub(crate) terms: Option<Terms>,
+    /// Sliced Wasserstein error of each entry on samples and directions that the fit did not see.
+    pub(crate) node_error: Vec<f32>,
+}
+
+impl Table {
+    /// The scattering model that was fitted.
+    #[must_use]
+    pub fn brdf(&self) -> BrdfKind {
+        self.brdf
+    }
+
+    /// What the stored numbers mean.
+    #[must_use]
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// Ascending nodes of each axis.
+    #[must_use]
+    pub fn axes(&self) -> &PerAxis<Vec<f64>> {
+        &self.axes
+    }
+
+    /// Stored matrices, row-major, an entry each.
+    #[must_use]
+    pub fn matrices(&self) -> &[[f32; 9]] {
+        &self.matrix
+    }
+
+    /// Terms, where the table has them.
+    #[must_use]
+    pub fn terms(&self) -> Option<&Terms> {
+        self.terms.as_ref()
+    }
+
+    /// Sliced Wasserstein error of each entry on samples and directions that the fit did not see.
+    #[must_use]
+    pub fn node_error(&self) -> &[f32] {
+        &self.node_error
+    }
+}
+
+impl Terms {
+    /// Directional albedo of each entry for a Fresnel factor of one.
+    #[must_use]
+    pub fn amplitude(&self) -> &[f32] {
+        &self.amplitude
+    }
+
+    /// Its part that Schlick's fifth power weighs.
+    #[must_use]
+    pub fn fresnel(&self) -> &[f32] {
+        &self.fresnel
+    }
+}

@@ -1,0 +1,31 @@
+//! The error of the library.
+
+use std::{io, path::PathBuf};
+
+use crate::files::{export::TableFileError, recipe::RecipeError};
+
+/// Why a call of the library failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A recipe has faults; all of them are listed.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// The progress callback stopped the fit.
+    #[error("the fit was stopped")]
+    Stopped,
+    /// No threads could be started.
+    #[error("no threads for the fit: {0}")]
+    Threads(String),
+    /// Bytes are not a table.
+    #[error(transparent)]
+    Table(#[from] TableFileError),
+    /// A file cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}

@@ -1,0 +1,96 @@
+//! Tables in folders.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use super::{Error, fit};
+use crate::{
+    files::{digest::Digest, export, export::TableFile, manifest::manifest_json, replace::replace_file},
+    fit::Recipe,
+};
+
+/// The table of a recipe, from `folder` if it was fitted before, else fitted and kept there under the recipe's digest.
+///
+/// A file that is damaged, or is the table of another recipe, is replaced. The folder is made where it is missing.
+///
+/// # Errors
+/// [`Error::File`] for a folder that cannot be read or written, and those of [`fit()`].
+pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Error> {
+    let path = folder.as_ref().join(format!("{}.safetensors", recipe.digest().hex()));
+    match fs::read(&path) {
+        Ok(bytes) => {
+            if let Ok(file) = export::decode(&bytes)
+                && file.recipe == *recipe
+            {
+                return Ok(file);
+            }
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(source) => return Err(Error::File { path, source }),
+    }
+    let file = fit(recipe)?;
+    replace_file(&path, &file.to_bytes()?).map_err(|source| Error::File { path, source })?;
+    Ok(file)
+}
+
+/// Writes a table and its manifest into `folder`, both named by the table's digest, and measures the table for the
+/// manifest. Gives the digest and the table's path; the manifest's ends in `.manifest.json`.
+///
+/// # Errors
+/// [`Error::File`] where nothing can be written; then no half-written file is left.
+pub fn write_table(file: &TableFile, folder: impl AsRef<Path>) -> Result<(Digest, PathBuf), Error> {
+    let bytes = file.to_bytes()?;
+    let digest = Digest::of(&bytes);
+    let manifest = manifest_json(&bytes)?;
+    let write = |name: String, bytes: &[u8]| {
+        let path = folder.as_ref().join(name);
+        match replace_file(&path, bytes) {
+            Ok(()) => Ok(path),
+            Err(source) => Err(Error::File { path, source }),
+        }
+    };
+    // The table comes last, so that there is no table without its manifest.
+    write(format!("{}.manifest.json", digest.hex()), manifest.as_bytes())?;
+    let path = write(format!("{}.safetensors", digest.hex()), &bytes)?;
+    Ok((digest, path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tiny(seed: u64) -> Recipe {
+        let builder = Recipe::builder().isotropic().resolution("alpha", 2).resolution("theta", 2);
+        builder.samples(32).directions(4).steps(2).seed(seed).build().expect("a recipe")
+    }
+
+    #[test]
+    fn a_cached_table_is_read_and_a_damaged_one_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let recipe = tiny(1);
+        let path = folder.path().join(format!("{}.safetensors", recipe.digest().hex()));
+        let first = cached(&recipe, folder.path()).expect("a table");
+        let bytes = fs::read(&path).expect("the file");
+        assert_eq!(cached(&recipe, folder.path()).expect("the same"), first);
+
+        // The table of another recipe under this one's name would be a wrong answer.
+        let other = cached(&tiny(2), folder.path()).expect("a table").to_bytes().expect("a file");
+        for wrong in [&bytes[..bytes.len() / 2], b"", &other] {
+            fs::write(&path, wrong).expect("a damaged file");
+            assert_eq!(cached(&recipe, folder.path()).expect("refitted"), first);
+            assert_eq!(fs::read(&path).expect("the file"), bytes);
+        }
+    }
+
+    #[test]
+    fn a_table_is_written_beside_its_manifest() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = fit(&tiny(1)).expect("a table");
+        let (digest, path) = write_table(&file, folder.path().join("new")).expect("two files");
+        assert_eq!(Digest::of(&fs::read(path).expect("the table")), digest);
+        let manifest = folder.path().join(format!("new/{}.manifest.json", digest.hex()));
+        assert!(fs::read_to_string(manifest).expect("the manifest").contains(&digest.to_string()));
+    }
+}
