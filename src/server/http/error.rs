@@ -11,6 +11,7 @@ use crate::{
         queue::{Failure, FailureKind},
         service::{PictureError, ServiceError, SubmitError},
     },
+    view::parameters::ParameterFault,
 };
 
 /// When a client that met a stopping service may try its successor.
@@ -26,6 +27,7 @@ pub(super) enum Kind {
     NotJsonType,
     BadParameter,
     BadScene,
+    BadPlot,
     NoSuchPath,
     UnknownJob,
     UnknownTable,
@@ -63,6 +65,7 @@ impl Kind {
             Self::BadBody => row(StatusCode::BAD_REQUEST, "bad-body", "The body could not be read"),
             Self::BadParameter => row(StatusCode::BAD_REQUEST, "bad-parameter", "A parameter is malformed"),
             Self::BadScene => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-scene", "The scene has faults"),
+            Self::BadPlot => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-plot", "The plot has faults"),
             Self::NoSuchPath => row(StatusCode::NOT_FOUND, "no-such-path", "There is no such path"),
             Self::UnknownJob => row(StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
             Self::UnknownTable => row(StatusCode::NOT_FOUND, "unknown-table", "There is no such table"),
@@ -100,16 +103,21 @@ pub(super) fn internal(defect: &dyn fmt::Display) -> Problem {
     Problem::new(Kind::Internal, "the request met a defect of the service, which has been logged")
 }
 
+/// The problem of a picture whose parameters have faults; `kind` says of which picture.
+pub(super) fn bad_parameters(kind: Kind, faults: Vec<ParameterFault>) -> Problem {
+    Problem::new(kind, format!("{} in the parameters", count(faults.len()))).with_errors(faults)
+}
+
+fn count(faults: usize) -> String {
+    if faults == 1 { "1 fault".to_owned() } else { format!("{faults} faults") }
+}
+
 impl From<RecipeError> for Problem {
     fn from(error: RecipeError) -> Self {
         match error {
             RecipeError::Json(detail) => Self::new(Kind::NotJson, detail),
             RecipeError::Faults(faults) => {
-                let count = match faults.len() {
-                    1 => "1 fault".to_owned(),
-                    n => format!("{n} faults"),
-                };
-                Self::new(Kind::BadRecipe, format!("{count} in the recipe")).with_errors(faults)
+                Self::new(Kind::BadRecipe, format!("{} in the recipe", count(faults.len()))).with_errors(faults)
             }
         }
     }
@@ -133,7 +141,6 @@ impl From<PictureError> for Problem {
     fn from(error: PictureError) -> Self {
         let detail = error.to_string();
         match error {
-            PictureError::Parameters(faults) => Self::new(Kind::BadScene, detail).with_errors(faults),
             PictureError::UnknownTable(_) | PictureError::NoTable => Self::new(Kind::UnknownTable, detail),
             PictureError::QueueFull { retry_after, .. } => {
                 Self::new(Kind::QueueFull, detail).with_retry_after(retry_after)

@@ -57,6 +57,27 @@ where
     }
 }
 
+/// The pairs of a query string in their order. The handler lists their faults.
+pub(super) struct QueryPairs(Vec<(String, String)>);
+
+impl QueryPairs {
+    /// Each name with its text.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(name, text)| (name.as_str(), text.as_str()))
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for QueryPairs {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Problem> {
+        let pairs = Query::try_from_uri(&parts.uri);
+        pairs
+            .map(|Query(pairs)| Self(pairs))
+            .map_err(|rejection| Problem::new(Kind::BadParameter, rejection.body_text()))
+    }
+}
+
 /// The query string of a call that takes no parameters.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

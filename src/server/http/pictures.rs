@@ -4,25 +4,25 @@ use std::sync::Arc;
 
 use axum::{
     body::{Body, Bytes},
-    extract::{Query, State},
-    http::{HeaderMap, HeaderValue, Response as HttpResponse, StatusCode, Uri, header, response::Builder},
+    extract::State,
+    http::{HeaderMap, HeaderValue, Response as HttpResponse, StatusCode, header, response::Builder},
     response::Response,
 };
-use serde::Deserialize;
 
 use super::{
     Api,
     conditional::EntityTag,
-    error::{self, Kind},
-    extract::{NoParameters, PathOf, QueryOf},
+    error::{self, Kind, bad_parameters},
+    extract::{PathOf, QueryPairs},
     problem::Problem,
 };
 use crate::{
     files::digest::Digest,
-    server::service::{Ordered, PictureError, PictureFile, Subject},
+    server::service::{Ordered, PictureFile, Subject},
     view::{
-        plots::{Azimuth, Plot, Ratio, Slice},
-        preview::{Choices, ParameterFault, Scene},
+        parameters::{ParameterFault, read_pairs},
+        plots::Plot,
+        preview::{Choices, Scene},
     },
 };
 
@@ -31,38 +31,44 @@ const A_DAY: &str = "public, max-age=86400";
 /// The best table of today is not that of tomorrow.
 const ASK_AGAIN: &str = "no-cache";
 
-/// `GET /v1/preview`. A client that goes takes this future with it, and with it the order.
-pub(super) async fn preview(State(api): State<Api>, uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
-    let (table, scene) = read(&uri)?;
+/// `GET /v1/preview`. When the client disconnects, this future is dropped, and its request with it.
+pub(super) async fn preview(
+    State(api): State<Api>,
+    query: QueryPairs,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let (table, scene) = read_preview(&query).map_err(|faults| bad_parameters(Kind::BadScene, faults))?;
     answer(&api, table, Subject::Scene(Box::new(scene)), headers).await
 }
 
 /// `GET /v1/tables/{digest}/plots/error.png`.
 pub(super) async fn error_plot(
     State(api): State<Api>,
-    QueryOf(SliceParameters { ratio, phi }): QueryOf<SliceParameters>,
     PathOf(digest): PathOf<Digest>,
+    query: QueryPairs,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    answer(&api, Some(digest), Subject::Plot(Plot::Error(Slice::new(ratio, phi))), headers).await
+    plot(&api, digest, Plot::error_from(query.iter()), headers).await
 }
 
 /// `GET /v1/tables/{digest}/plots/matrix.png`.
 pub(super) async fn matrix_plot(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
     PathOf(digest): PathOf<Digest>,
+    query: QueryPairs,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    answer(&api, Some(digest), Subject::Plot(Plot::Matrix), headers).await
+    plot(&api, digest, Plot::matrix_from(query.iter()), headers).await
 }
 
-/// Where a plot cuts the domain.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SliceParameters {
-    ratio: Option<Ratio>,
-    phi: Option<Azimuth>,
+async fn plot(
+    api: &Api,
+    table: Digest,
+    plot: Result<Plot, Vec<ParameterFault>>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let plot = plot.map_err(|faults| bad_parameters(Kind::BadPlot, faults))?;
+    answer(api, Some(table), Subject::Plot(plot), headers).await
 }
 
 /// The picture, or word that the client has it.
@@ -87,26 +93,20 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     whole(file, caching)
 }
 
-/// Table and scene of a query string.
-fn read(uri: &Uri) -> Result<(Option<Digest>, Scene), Problem> {
-    let Query(pairs) = Query::<Vec<(String, String)>>::try_from_uri(uri)
-        .map_err(|rejection| Problem::new(Kind::BadParameter, rejection.body_text()))?;
-    let (tables, others): (Vec<_>, Vec<_>) = pairs.iter().partition(|(name, _)| name == "table");
-    let mut faults = Vec::new();
+/// Table and scene of a preview's query, or all its faults.
+fn read_preview(query: &QueryPairs) -> Result<(Option<Digest>, Scene), Vec<ParameterFault>> {
+    let (tables, others): (Vec<_>, Vec<_>) = query.iter().partition(|(name, _)| *name == "table");
     let mut table = None;
-    for (name, text) in tables {
-        match text.parse::<Digest>() {
-            Ok(_) if table.is_some() => faults.push(ParameterFault::new(name, "stands twice")),
-            Ok(digest) => table = Some(digest),
-            Err(error) => faults.push(ParameterFault::new(name, error.to_string())),
-        }
-    }
-    match Choices::read(others.iter().map(|(name, text)| (name.as_str(), text.as_str()))) {
+    let mut faults = read_pairs(tables, |_, text| {
+        table = Some(text.parse::<Digest>().map_err(|error| error.to_string())?);
+        Ok(())
+    });
+    match Choices::read(others) {
         Ok(scene) if faults.is_empty() => Ok((table, scene)),
-        Ok(_) => Err(PictureError::Parameters(faults).into()),
+        Ok(_) => Err(faults),
         Err(others) => {
             faults.extend(others);
-            Err(PictureError::Parameters(faults).into())
+            Err(faults)
         }
     }
 }

@@ -10,7 +10,7 @@ use axum::{
 use serde::Serialize;
 
 use super::error::Kind;
-use crate::{files::recipe::Fault, view::preview::ParameterFault};
+use crate::{files::recipe::Fault, view::parameters::ParameterFault};
 
 /// An error on its way to a client.
 #[derive(Debug)]

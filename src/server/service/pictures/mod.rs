@@ -25,10 +25,7 @@ pub(super) use desk::Desk;
 use super::{Service, ServiceError};
 use crate::{
     files::digest::Digest,
-    view::{
-        plots::Plot,
-        preview::{ParameterFault, Scene},
-    },
+    view::{plots::Plot, preview::Scene},
 };
 
 /// When to come back to a full queue: most pictures take less than a second.
@@ -87,9 +84,6 @@ pub struct PictureWait {
 /// Why there is no picture.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum PictureError {
-    /// Parameters are not taken.
-    #[error("{} in the parameters", if .0.len() == 1 { "1 fault".to_owned() } else { format!("{} faults", .0.len()) })]
-    Parameters(Vec<ParameterFault>),
     /// There is no such table.
     #[error("no table with the digest {0} is stored")]
     UnknownTable(Digest),
