@@ -32,13 +32,11 @@ impl Service {
     /// When the blob is damaged or unreadable.
     pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
         let core = &self.core;
-        if !core.store.blobs.contains(digest) {
-            return Ok(None);
-        }
+        // A manifest is only true of a table that is there: read and hash the blob, as for the table itself.
+        let Some(file) = self.table(digest)? else { return Ok(None) };
         if let Some(manifest) = core.catalogue.manifest(digest)?.filter(|row| row.version == MANIFEST_VERSION) {
             return Ok(Some(manifest.text));
         }
-        let Some(file) = self.table(digest)? else { return Ok(None) };
         let made = core.make_manifest(&file);
         let manifest = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         core.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;

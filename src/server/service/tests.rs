@@ -212,6 +212,26 @@ fn a_damaged_table_is_reported_once_and_fitted_again() {
 }
 
 #[test]
+fn the_manifest_of_a_damaged_table_is_refused_like_the_table() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 1");
+    assert!(service.manifest(table).unwrap().is_some());
+    let hex = table.hex();
+    let blob = dir.path().join("blobs").join(&hex[..2]).join(&hex);
+    fs::write(&blob, "noise").unwrap();
+    assert!(matches!(service.manifest(table), Err(ServiceError::Corrupt { expected, .. }) if expected == table));
+    assert!(!blob.exists(), "it was moved to quarantine");
+    assert!(service.manifest(table).unwrap().is_none());
+    assert_eq!(service.metrics().unwrap().blobs_corrupt, 1);
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert!(service.manifest(table).unwrap().is_some());
+    fs::remove_file(&blob).unwrap();
+    assert!(service.manifest(table).unwrap().is_none(), "no manifest without its table");
+}
+
+#[test]
 fn stopping_gives_back_and_the_next_start_goes_on_where_it_was() {
     let dir = tempfile::tempdir().unwrap();
     let shared = Arc::new(Shared::default());
