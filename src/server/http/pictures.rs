@@ -10,15 +10,16 @@ use axum::{
 };
 
 use super::{
-    Api,
+    api::Api,
     conditional::EntityTag,
-    error::{self, Kind, bad_parameters},
+    error::{self, bad_parameters},
     extract::{PathOf, QueryPairs},
+    kind::ProblemKind,
     problem::Problem,
 };
 use crate::{
     files::digest::Digest,
-    server::service::{Ordered, PictureFile, Subject},
+    server::service::{PictureFile, PictureReply, Subject},
     view::{
         parameters::{ParameterFault, read_pairs},
         plots::Plot,
@@ -26,10 +27,10 @@ use crate::{
     },
 };
 
-/// The picture of a named table changes with the adapter or the version of the service alone.
-const A_DAY: &str = "public, max-age=86400";
-/// The best table of today is not that of tomorrow.
-const ASK_AGAIN: &str = "no-cache";
+/// The picture of a named table changes only with the adapter or the version of the service.
+const ONE_DAY: &str = "public, max-age=86400";
+/// Which stored table is the best changes as tables are added.
+const REVALIDATE: &str = "no-cache";
 
 /// `GET /v1/preview`. When the client disconnects, this future is dropped, and its request with it.
 pub(super) async fn preview(
@@ -37,7 +38,7 @@ pub(super) async fn preview(
     query: QueryPairs,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let (table, scene) = read_preview(&query).map_err(|faults| bad_parameters(Kind::BadScene, faults))?;
+    let (table, scene) = read_preview(&query).map_err(|faults| bad_parameters(ProblemKind::BadScene, faults))?;
     answer(&api, table, Subject::Scene(Box::new(scene)), headers).await
 }
 
@@ -67,26 +68,26 @@ async fn plot(
     plot: Result<Plot, Vec<ParameterFault>>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let plot = plot.map_err(|faults| bad_parameters(Kind::BadPlot, faults))?;
+    let plot = plot.map_err(|faults| bad_parameters(ProblemKind::BadPlot, faults))?;
     answer(api, Some(table), Subject::Plot(plot), headers).await
 }
 
-/// The picture, or word that the client has it.
+/// The picture, or 304 if the client has it.
 async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: HeaderMap) -> Result<Response, Problem> {
-    let caching = if table.is_some() { A_DAY } else { ASK_AGAIN };
-    let asked = headers.clone();
-    let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&asked);
-    let wait = match api.call(move |service| service.picture(table, subject, is_known)).await? {
-        Ordered::Known { tag, adapter } => return unchanged(tag, &adapter, caching),
-        Ordered::Ready(file) => return whole(file, caching),
-        Ordered::Waiting(wait) => wait,
+    let caching = if table.is_some() { ONE_DAY } else { REVALIDATE };
+    let conditions = headers.clone();
+    let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&conditions);
+    let pending = match api.call(move |service| service.picture(table, subject, is_known)).await? {
+        PictureReply::Known { tag, adapter } => return unchanged(tag, &adapter, caching),
+        PictureReply::Ready(file) => return whole(file, caching),
+        PictureReply::Pending(pending) => pending,
     };
     let mut stopping = api.stopping.clone();
     let file = tokio::select! {
-        file = wait.file() => file?,
+        file = pending.file() => file?,
         _ = stopping.wait_for(|stopping| *stopping) => return Err(error::stopping()),
     };
-    // What renders was not known when the picture was ordered.
+    // Until the first picture the adapter is not known, and the tag depends on it.
     if EntityTag::strong(file.tag).is_known_to(&headers) {
         return unchanged(file.tag, &file.adapter, caching);
     }
@@ -121,7 +122,7 @@ fn unchanged(tag: Digest, adapter: &str, caching: &'static str) -> Result<Respon
 }
 
 fn head(status: StatusCode, tag: Digest, adapter: &str, caching: &'static str) -> Builder {
-    // A driver may name itself in any characters.
+    // A driver's name may hold any characters; a header field may not.
     let plain: String = adapter.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
     HttpResponse::builder()
         .status(status)

@@ -1,6 +1,6 @@
-//! A table's manifest: what it is, how large, how good.
+//! A table's manifest: its recipe, its size and its errors.
 //!
-//! Invariant: it follows from the table's file alone; no time, host or duration is in it.
+//! Invariant: a manifest follows from the table's file alone and contains no time, host or duration.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use crate::{
     fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points},
 };
 
-/// Version of manifests. Raised whenever the same table gets another one.
+/// Version of manifests, raised whenever the same table gets another manifest.
 pub(super) const MANIFEST_VERSION: u32 = REPORT_VERSION;
 
 #[derive(Debug, Serialize)]
@@ -27,7 +27,7 @@ struct Manifest {
     exports: Vec<Export>,
 }
 
-/// Another file made of the same table.
+/// Another file of the same table.
 #[derive(Debug, Serialize)]
 struct Export {
     name: String,
@@ -35,14 +35,13 @@ struct Export {
     bytes: usize,
 }
 
-/// The report of a recipe's table: that of its manifest. Runs on the current rayon pool.
+/// The report of a recipe's table, as in its manifest. Runs on the current rayon pool.
 #[must_use]
 pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
     report(table, &recipe.range, report_points(recipe))
 }
 
-/// The manifest of a canonical file as JSON, with a newline at its end. It measures the table, on the current rayon
-/// pool.
+/// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon pool.
 ///
 /// # Errors
 /// When `file_bytes` is not a canonical table file.

@@ -1,4 +1,4 @@
-//! The service: what its parts share.
+//! The service and the state that its callers and workers share.
 
 use std::sync::{
     Arc, Condvar, Mutex, PoisonError,
@@ -6,49 +6,42 @@ use std::sync::{
 };
 
 use super::{
-    Config, Metrics, ServiceError,
-    engine::Engine,
-    forecast::Forecast,
-    pictures::{Desk, Standings},
-    watch::Hub,
+    Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, pictures::Pictures, tables::Tables, watch::Hub,
 };
 use crate::server::{
     queue::{Clock, JobId, Queue},
-    store::{Batch, Catalogue, Store},
+    store::Batch,
 };
 
-/// The service. All its methods block; HTTP calls them from blocking threads.
+/// The service. All its methods block, so HTTP calls them on blocking threads.
 #[derive(Debug)]
 pub struct Service {
-    pub(super) core: Arc<Core>,
+    pub(super) state: Arc<ServiceState>,
     pub(super) workers: Arc<Workers>,
-    /// Kept for its threads.
+    /// The threads of the workers.
     pub(super) _pool: rayon::ThreadPool,
 }
 
-/// What callers and workers share.
-pub(super) struct Core {
+/// What the callers and the workers share.
+pub(super) struct ServiceState {
     pub(super) config: Config,
     pub(super) engine: Arc<dyn Engine>,
     pub(super) forecast: Arc<Forecast>,
-    pub(super) store: Store,
-    pub(super) catalogue: Catalogue,
+    pub(super) tables: Arc<Tables>,
     pub(super) queue: Queue,
     pub(super) hub: Hub,
-    /// Measures tables. The workers hold their pool's threads for good; these stand still until a table is there, and
-    /// then make short work of it.
-    pub(super) measuring: rayon::ThreadPool,
+    /// Measures tables. The workers occupy all threads of the fitting pool; the threads of this one are idle until a
+    /// table is assembled.
+    pub(super) measuring_pool: rayon::ThreadPool,
     pub(super) clock: Clock,
-    pub(super) desk: Arc<Desk>,
-    pub(super) standings: Standings,
+    pub(super) pictures: Pictures,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
-    pub(super) blobs_corrupt: AtomicU64,
 }
 
-impl std::fmt::Debug for Core {
+impl std::fmt::Debug for ServiceState {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Core").field("config", &self.config).finish_non_exhaustive()
+        f.debug_struct("ServiceState").field("config", &self.config).finish_non_exhaustive()
     }
 }
 
@@ -76,24 +69,24 @@ impl Workers {
 }
 
 impl Service {
-    /// Stops leasing, lets running shards finish their entry and gives them back, renders no more,
-    /// and flushes.
+    /// Stops the service: no more tasks are leased or pictures rendered, running shards are given back after their current
+    /// entry, and the store is flushed.
     pub fn stop(&self) {
-        // Closed first: a worker that saw the stop would otherwise give its shard back and lease it again.
-        self.core.queue.close();
-        self.core.stopping.store(true, Ordering::SeqCst);
-        self.core.desk.close();
+        // The queue is closed first; otherwise a worker could give its shard back and lease it again.
+        self.state.queue.close();
+        self.state.stopping.store(true, Ordering::SeqCst);
+        self.state.pictures.close();
         self.workers.wait();
-        // Whatever was acknowledged is durable; this adds the leases that were given back.
-        if let Err(error) = self.core.store.rows.commit(&Batch::default()) {
+        // What was acknowledged is durable already. This also writes the leases that were given back.
+        if let Err(error) = self.state.tables.store.rows.commit(&Batch::default()) {
             tracing::warn!(%error, "the last flush failed");
         }
     }
 
-    /// Whether the service takes and works on jobs.
+    /// Whether the service accepts jobs and works on them.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        !self.core.is_stopping()
+        !self.state.is_stopping()
     }
 
     /// Figures for `/metrics`.
@@ -101,47 +94,47 @@ impl Service {
     /// # Errors
     /// When the store fails.
     pub fn metrics(&self) -> Result<Metrics, ServiceError> {
-        let core = &self.core;
-        let (leases_expired, shard_failures) = core.queue.failures();
-        let (tables, table_bytes) = core.catalogue.totals()?;
+        let state = &self.state;
+        let (leases_expired, shard_failures) = state.queue.failures();
+        let (tables, table_bytes) = state.tables.catalogue.totals()?;
         Ok(Metrics {
-            jobs: core.queue.counts(),
-            entries_fitted: core.entries_fitted.load(Ordering::Relaxed),
+            jobs: state.queue.counts(),
+            entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
             shard_failures,
             leases_expired,
             tables,
             table_bytes,
-            blobs_corrupt: core.blobs_corrupt.load(Ordering::Relaxed),
-            pictures: core.desk.counts(),
+            blobs_corrupt: state.tables.damaged(),
+            pictures: state.pictures.counts(),
         })
     }
 }
 
 impl Drop for Service {
     fn drop(&mut self) {
-        if !self.core.is_stopping() {
+        if !self.state.is_stopping() {
             self.stop();
         }
     }
 }
 
-impl Core {
+impl ServiceState {
     pub(super) fn is_stopping(&self) -> bool {
         self.stopping.load(Ordering::SeqCst)
     }
 
-    /// Tells watchers of every job that has changed.
+    /// Notifies the followers of every job that has changed.
     pub(super) fn publish_changes(&self) {
-        for id in self.queue.take_touched() {
+        for id in self.queue.take_changed() {
             self.publish(id);
         }
     }
 
-    /// Tells watchers of a job how it stands.
+    /// Notifies the followers of a job.
     pub(super) fn publish(&self, id: JobId) {
-        let told = self.hub.publish(id, || self.queue.job(id));
-        if let Err(error) = told {
-            tracing::warn!(job = %id, %error, "watchers were not told");
+        let published = self.hub.publish(id, || self.queue.job(id));
+        if let Err(error) = published {
+            tracing::warn!(job = %id, %error, "the followers of the job were not notified");
         }
     }
 }
