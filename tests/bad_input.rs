@@ -122,6 +122,40 @@ fn ids_and_parameters_are_refused_by_name() {
 }
 
 #[test]
+fn every_fault_of_a_plot_s_parameters_is_listed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let zeros = "0".repeat(64);
+    let cases: [(&str, &[(&str, &str)]); 5] = [
+        (
+            "error.png?ratio=1.5&phi=x&colour=red&ratio=0.5",
+            &[("ratio", "«1.5»"), ("phi", "«x»"), ("colour", "ratio, phi"), ("ratio", "more than once")],
+        ),
+        ("error.png?phi=NaN", &[("phi", "«NaN»")]),
+        ("error.png?ratio=", &[("ratio", "«»")]),
+        ("matrix.png?phi=0&ratio=0.5", &[("phi", "no parameters"), ("ratio", "no parameters")]),
+        ("matrix.png?phi=0&phi=0", &[("phi", "no parameters"), ("phi", "more than once")]),
+    ];
+    for (rest, expected) in cases {
+        let problem = server.get(&format!("/v1/tables/{zeros}/plots/{rest}")).with_status(422).json();
+        assert_eq!(problem["type"], "/problems/bad-plot", "{problem:#}");
+        let faults = problem["errors"].as_array().unwrap_or_else(|| panic!("no errors in {problem:#}"));
+        let count = if faults.len() == 1 { "1 fault".to_owned() } else { format!("{} faults", faults.len()) };
+        assert_eq!(problem["detail"], format!("{count} in the parameters"), "{rest}");
+        assert_eq!(faults.len(), expected.len(), "{problem:#}");
+        for (fault, (parameter, detail)) in faults.iter().zip(expected) {
+            assert_eq!(fault["parameter"], *parameter, "{problem:#}");
+            assert!(fault["detail"].as_str().is_some_and(|text| text.contains(detail)), "{detail}: {problem:#}");
+        }
+    }
+    // The table is a part of the path, as in every other call.
+    let malformed = server.get("/v1/tables/xyz/plots/error.png?ratio=2").with_status(400).json();
+    assert_eq!(malformed["type"], "/problems/bad-parameter");
+    let unknown = server.get(&format!("/v1/tables/{zeros}/plots/error.png?ratio=1")).with_status(404).json();
+    assert_eq!(unknown["type"], "/problems/unknown-table");
+}
+
+#[test]
 fn a_full_queue_asks_to_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--queue-limit", "1"]);

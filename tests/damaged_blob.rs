@@ -56,6 +56,43 @@ fn a_damaged_table_is_moved_aside_told_and_fitted_again() {
 }
 
 #[test]
+fn the_manifest_of_a_damaged_table_is_not_served() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, good, bad, blob) = damage(folder.path());
+    let path = format!("/v1/tables/{digest}/manifest");
+    let server = Server::start(folder.path(), &[]);
+    assert_eq!(server.get(&path).with_status(500).json()["type"], "/problems/damaged-blob");
+    assert_eq!(server.metric("ltcforge_blobs_corrupt_total"), 1);
+    let quarantined = holding(folder.path(), &bad);
+    assert_eq!(quarantined.len(), 1, "the damaged bytes are kept");
+    assert_ne!(quarantined, [blob.clone()], "and are moved to quarantine");
+    server.get(&path).with_status(404);
+    assert_eq!(server.get("/v1/tables").with_status(200).json()["items"], serde_json::json!([]));
+
+    // The next equal job fits the table again, and its manifest with it.
+    assert_eq!(server.fit(SMALL), digest);
+    assert_eq!(server.get(&path).with_status(200).json()["table"], digest);
+
+    // Damage under a running service, after the manifest was served, is found as well.
+    let mut worse = good.clone();
+    worse.truncate(good.len() - 1);
+    fs::write(&blob, &worse).expect("a damaged blob");
+    assert_eq!(server.get(&path).with_status(500).json()["type"], "/problems/damaged-blob");
+    server.get(&path).with_status(404);
+}
+
+#[test]
+fn a_table_whose_blob_is_missing_has_no_manifest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, _, _, blob) = damage(folder.path());
+    fs::remove_file(blob).expect("the blob");
+    let server = Server::start(folder.path(), &[]);
+    for path in [format!("/v1/tables/{digest}/manifest"), format!("/v1/tables/{digest}")] {
+        assert_eq!(server.get(&path).with_status(404).json()["type"], "/problems/unknown-table");
+    }
+}
+
+#[test]
 fn a_damaged_table_has_no_picture() {
     let folder = tempfile::tempdir().expect("a folder");
     let (digest, ..) = damage(folder.path());

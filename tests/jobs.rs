@@ -200,5 +200,5 @@ fn an_open_stream_does_not_hold_up_a_stop() {
     let mut line = String::new();
     stream.read_line(&mut line).expect("a first line");
     let run = server.stop("TERM").exited(0);
-    assert!(!run.stderr.contains("were cut"), "{}", run.stderr);
+    assert!(!run.stderr.contains("were closed"), "{}", run.stderr);
 }

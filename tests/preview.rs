@@ -110,11 +110,15 @@ fn a_table_s_plots_are_pictures_under_their_own_names() {
     let path = format!("/v1/tables/{digest}/plots/matrix.png");
     assert!(server.request("GET", &path, &[("if-none-match", &known)], None).with_status(304).body.is_empty());
 
-    for (rest, named) in [("error.png?ratio=1.5", "«1.5»"), ("error.png?phi=x", "«x»"), ("matrix.png?phi=0", "phi")]
-    {
-        let problem = plot(rest).with_status(400).json();
-        assert_eq!(problem["type"], "/problems/bad-parameter", "{rest}");
-        assert!(text(&problem["detail"]).contains(named), "{problem}");
+    for (rest, parameter, named) in [
+        ("error.png?ratio=1.5", "ratio", "«1.5»"),
+        ("error.png?phi=x", "phi", "«x»"),
+        ("matrix.png?phi=0", "phi", "no parameters"),
+    ] {
+        let problem = plot(rest).with_status(422).json();
+        assert_eq!(problem["type"], "/problems/bad-plot", "{rest}");
+        assert_eq!(problem["errors"][0]["parameter"], parameter, "{problem}");
+        assert!(text(&problem["errors"][0]["detail"]).contains(named), "{problem}");
     }
     assert_eq!(plot("colours.png").with_status(404).json()["type"], "/problems/no-such-path");
     let unknown = format!("/v1/tables/{}/plots/matrix.png", "0".repeat(64));

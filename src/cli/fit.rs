@@ -8,13 +8,13 @@ use serde_json::json;
 use super::{Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress};
 use crate::{
     client::replace_file,
+    files::manifest::manifest_json,
     files::{
         digest::Digest,
         export::{self, TableFileError},
         recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
     },
     fit::{Plan, Table, fit_plan},
-    server::service,
 };
 
 /// Fits a recipe and writes the table and its manifest.
@@ -31,7 +31,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let failed = |error: TableFileError| Failure::new(Exit::Failed, error.to_string());
     let file = export::encode(&recipe, &fitted.ok_or_else(Failure::interrupted)?).map_err(failed)?;
     let digest = Digest::of(&file);
-    let manifest = pool.install(|| service::manifest_json(&file)).map_err(failed)?;
+    let manifest = pool.install(|| manifest_json(&file)).map_err(failed)?;
 
     // The table comes last: who finds it finds its manifest.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
+    files::manifest::table_report,
     fit::{Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Report, Spread, TermError, extremes, report},
-    server::service::table_report,
 };
 
 /// What was measured, beside the figures.

@@ -7,18 +7,18 @@ use crate::files::{digest::Digest, recipe::Fault};
 /// A failed request. Every variant names the URL.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// No service answers there, or it says that it cannot now.
+    /// No service answers at this URL, or it says that it is unavailable.
     #[error("{url}: the server is unavailable: {reason}")]
     Unavailable {
-        /// What was asked for.
+        /// The requested URL.
         url: String,
-        /// What the system or the server said.
+        /// The error of the system or of the server.
         reason: String,
     },
     /// The service refused the request.
     #[error("{url}: {detail} ({status})")]
     Refused {
-        /// What was asked for.
+        /// The requested URL.
         url: String,
         /// HTTP status.
         status: u16,
@@ -27,27 +27,27 @@ pub enum ClientError {
         /// Faults of a recipe.
         faults: Vec<Fault>,
     },
-    /// The answer is not one that ltcforge gives.
-    #[error("{url}: unexpected answer: {reason}")]
+    /// The response is not one of ltcforge.
+    #[error("{url}: unexpected response: {reason}")]
     Unexpected {
-        /// What was asked for.
+        /// The requested URL.
         url: String,
-        /// What is wrong with the answer.
+        /// What is wrong with the response.
         reason: String,
     },
-    /// The bytes are not those that were asked for.
-    #[error("{url}: the bytes hash to {actual}, {expected} was asked for")]
+    /// The bytes do not have the requested digest.
+    #[error("{url}: the bytes hash to {actual}, but {expected} was requested")]
     Mismatch {
-        /// What was asked for.
+        /// The requested URL.
         url: String,
-        /// The digest in the request.
+        /// The requested digest.
         expected: Digest,
-        /// The digest of the answer.
+        /// The digest of the response.
         actual: Digest,
     },
 }
 
-/// What the client reads of a problem document; a proxy's page in its place reads as empty.
+/// The part of a problem document that the client reads. A proxy's page in its place is read as empty.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct ProblemDocument {
     #[serde(default)]
@@ -57,7 +57,7 @@ pub(super) struct ProblemDocument {
 }
 
 impl ClientError {
-    /// A request that got no answer.
+    /// The error of a request that got no response.
     pub(super) fn transport(url: &str, error: &ureq::Error) -> Self {
         let (url, reason) = (url.to_owned(), error.to_string());
         match error {
@@ -71,11 +71,12 @@ impl ClientError {
         }
     }
 
-    /// An answer with a status that is no success.
+    /// The error of a response whose status is not a success.
     pub(super) fn status(url: &str, status: u16, body: &[u8]) -> Self {
         let problem: ProblemDocument = serde_json::from_slice(body).unwrap_or_default();
         let url = url.to_owned();
-        let detail = if problem.detail.is_empty() { "the server refused".to_owned() } else { problem.detail };
+        let detail =
+            if problem.detail.is_empty() { "the server refused the request".to_owned() } else { problem.detail };
         match status {
             502..=504 => Self::Unavailable { url, reason: format!("{detail} ({status})") },
             _ => Self::Refused { url, status, detail, faults: problem.errors },
@@ -88,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn problems_are_read_and_foreign_pages_survived() {
+    fn problems_are_read_and_foreign_pages_are_tolerated() {
         let body = br#"{"type":"/problems/bad-recipe","title":"t","status":422,"detail":"1 fault in the recipe",
             "errors":[{"pointer":"/x","detail":"unknown field"}]}"#;
         let error = ClientError::status("http://h/v1/jobs", 422, body);
@@ -98,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gateway_without_a_server_behind_it_is_unavailable() {
+    fn the_errors_of_a_gateway_mean_unavailable() {
         for status in [502, 503, 504] {
             assert!(matches!(ClientError::status("u", status, b""), ClientError::Unavailable { .. }), "{status}");
         }

@@ -14,12 +14,12 @@ pub(super) struct Event {
     pub(super) data: String,
 }
 
-/// The events in `stream`; ends with it.
+/// The events in `stream`, until it ends.
 pub(super) fn events(mut stream: impl BufRead) -> impl Iterator<Item = io::Result<Event>> {
     std::iter::from_fn(move || next(&mut stream).transpose())
 }
 
-/// The next event, or `None` at the end. An event that the end cuts off is dropped, as the standard says.
+/// The next event, or `None` at the end. An incomplete event at the end is dropped, as the standard demands.
 fn next(stream: &mut impl BufRead) -> io::Result<Option<Event>> {
     let mut event = Event::default();
     let mut has_data = false;
@@ -48,7 +48,7 @@ fn next(stream: &mut impl BufRead) -> io::Result<Option<Event>> {
                 event.data.push_str(value);
                 has_data = true;
             }
-            // Comments have an empty name; names of events and retry times are of no use here.
+            // Comments have an empty name; names of events and retry times are not needed.
             _ => {}
         }
     }
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn an_event_that_is_cut_off_is_dropped() {
+    fn an_incomplete_event_is_dropped() {
         assert_eq!(read("data: x\n\ndata: y\n"), [event(None, "x")]);
         assert_eq!(read("data: x"), []);
     }

@@ -1,4 +1,4 @@
-//! A job as a service tells it.
+//! A job as a service describes it.
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -9,7 +9,7 @@ use crate::files::{
     job::{JobId, StateName},
 };
 
-/// How far a job is.
+/// The progress of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Progress {
     /// Entries fitted.
@@ -20,14 +20,14 @@ pub struct Progress {
     pub seconds_left: Option<f64>,
 }
 
-/// What the client reads of a job. Fields that a later service adds are passed over.
+/// The part of a job that the client reads. Fields that a later service adds are ignored.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct JobStatus {
-    /// The job.
+    /// Its id.
     pub id: JobId,
-    /// Where it stands.
+    /// Its state.
     pub state: StateName,
-    /// How far it is.
+    /// Its progress.
     pub progress: Progress,
     /// The highest attempt number among its shards.
     pub attempts: u32,
@@ -38,17 +38,17 @@ pub struct JobStatus {
     pub error: Option<String>,
 }
 
-/// A job, and the very document that said so.
+/// A job, and the document that describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JobDocument {
-    /// What the client reads of it.
+    /// The part that the client reads.
     pub status: JobStatus,
-    /// All of it.
+    /// The whole document.
     pub json: Value,
 }
 
 impl JobDocument {
-    /// Reads a job's document.
+    /// Reads the document of a job.
     ///
     /// # Errors
     /// When it is not one.
@@ -56,7 +56,7 @@ impl JobDocument {
         Ok(Self { status: JobStatus::deserialize(&json)?, json })
     }
 
-    /// Whether nothing will change any more.
+    /// Whether the job is in a final state.
     #[must_use]
     pub fn is_final(&self) -> bool {
         !matches!(self.status.state, StateName::Queued | StateName::Running)
@@ -80,7 +80,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_job_is_read_with_its_error_and_passes_over_what_is_new() {
+    fn a_job_is_read_with_its_error_and_new_fields_are_ignored() {
         let mut json = document("failed");
         json["error"] = serde_json::json!({ "type": "/problems/disk-full", "detail": "no room", "status": 507 });
         let job = JobDocument::parse(json.clone()).expect("a job");

@@ -1,4 +1,4 @@
-//! `ltcforge.lock`: the tables that a project uses, by hash. A person may edit it; comments survive.
+//! `ltcforge.lock`: the tables that a project uses, by hash. It may be edited by hand; comments are preserved.
 //!
 //! ```toml
 //! version = 1
@@ -28,13 +28,13 @@ const VERSION: u32 = 1;
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pin {
-    /// What the project calls it.
+    /// Its name in the project.
     pub name: String,
     /// Its digest.
     pub digest: Digest,
-    /// Where it goes: relative to the lock file's folder, and below it.
+    /// Where its file is: relative to the lock file's folder, and below it.
     pub path: PathBuf,
-    /// Where it comes from, if not from the usual server.
+    /// The server that has it, if not the default one.
     #[serde(default)]
     pub server: Option<String>,
 }
@@ -42,7 +42,7 @@ pub struct Pin {
 /// A project's pins.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LockFile {
-    /// In the order of the file; names and paths differ.
+    /// In the order of the file; no two have the same name or path.
     pub pins: Vec<Pin>,
     /// The folder that paths are relative to.
     pub folder: PathBuf,
@@ -56,14 +56,14 @@ pub enum LockFileError {
     Read {
         /// The lock file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// It is not TOML, or not a lock file.
     #[error("{}", .0.trim_end())]
     Syntax(String),
-    /// It is of a later format.
-    #[error("version {0} of the lock file is not known; this program knows version {VERSION}")]
+    /// It has another version of the format.
+    #[error("the lock file has version {0}; this program knows version {VERSION}")]
     Version(u32),
     /// Two tables share a name or a path.
     #[error("two tables have the {what} «{value}»")]
@@ -97,8 +97,8 @@ impl LockFile {
     }
 }
 
-/// The text of a lock file with `pin` in it: in place of the pin of that name, or at the end. An empty `text` becomes
-/// a new lock file.
+/// The text of a lock file with `pin` added, or replaced if there is one of that name. An empty `text` becomes a new lock
+/// file.
 ///
 /// # Errors
 /// When `text` is not a lock file or the result would not be one.
@@ -155,7 +155,7 @@ fn parse(text: &str) -> Result<Vec<Pin>, LockFileError> {
     Ok(document.table)
 }
 
-/// A lock file comes with a checkout, so it must not be able to write anywhere else.
+/// A lock file comes with a checkout, so it must not cause writes outside of it.
 fn check_path(path: &Path) -> Result<(), LockFileError> {
     let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if stays && path.file_name().is_some() { Ok(()) } else { Err(LockFileError::Path(path.display().to_string())) }
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn other_files_are_refused_with_a_place() {
+    fn other_files_are_refused() {
         assert!(matches!(parse("version = 2"), Err(LockFileError::Version(2))));
         for text in
             ["", "version = 1\ncolour = 2", "version = 1\n[[table]]\nname = \"a\"", "{", "version = 1\ntable = 3"]

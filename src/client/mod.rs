@@ -1,6 +1,6 @@
 //! The REST client, and the lock file by which a project pins its tables.
 //!
-//! Invariant: `client` fits nothing and opens no store; what it downloads is not used before its hash agrees.
+//! Invariant: `client` fits nothing and opens no store, and uses a download only after checking its hash.
 
 mod error;
 mod events;

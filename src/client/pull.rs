@@ -1,4 +1,4 @@
-//! Bringing the pinned tables in, and touching nothing that is already right.
+//! Downloading the pinned tables that are missing or differ.
 
 use std::{
     fs, io,
@@ -8,24 +8,24 @@ use std::{
 use super::{Client, ClientError, Pin, replace_file};
 use crate::files::digest::Digest;
 
-/// How a pinned file stands on the disk.
+/// The state of a pinned file on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PinState {
-    /// The pinned bytes.
+    /// It has the pinned bytes.
     Right,
-    /// No file.
+    /// There is no file.
     Missing,
-    /// Other bytes.
+    /// It has other bytes.
     Different {
         /// Their digest.
         actual: Digest,
     },
 }
 
-/// Why a table was not brought in.
+/// Why a table was not pulled.
 #[derive(Debug, thiserror::Error)]
 pub enum PullError {
-    /// The service did not give it.
+    /// It could not be downloaded.
     #[error(transparent)]
     Client(#[from] ClientError),
     /// It could not be read or written.
@@ -33,12 +33,12 @@ pub enum PullError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
 }
 
-/// How the file of `pin` stands below `folder`. Writes nothing.
+/// The state of the file of `pin` below `folder`. Writes nothing.
 ///
 /// # Errors
 /// When the file is there and cannot be read.
@@ -54,10 +54,10 @@ pub fn check(pin: &Pin, folder: &Path) -> Result<PinState, PullError> {
     }
 }
 
-/// Downloads the table of `pin` to its path below `folder`, unless it is there. Returns how the file stood before.
+/// Downloads the table of `pin` to its path below `folder`, unless it is there. Returns the state before.
 ///
 /// # Errors
-/// When the service does not give the very bytes, or they cannot be written; then the old file stays.
+/// When the pinned bytes cannot be downloaded or written; the old file then stays.
 pub fn pull(pin: &Pin, folder: &Path, client: &Client) -> Result<PinState, PullError> {
     let before = check(pin, folder)?;
     if before != PinState::Right {
@@ -85,14 +85,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_right_is_neither_downloaded_nor_touched() {
+    fn a_right_file_is_neither_downloaded_nor_touched() {
         let folder = tempfile::tempdir().expect("a folder");
         let pin = Pin { name: "a".into(), digest: Digest::of(b"right"), path: "a".into(), server: None };
         let path = folder.path().join("a");
         replace_file(&path, b"right").expect("a file");
         let modified = || fs::metadata(&path).and_then(|data| data.modified()).expect("a time");
         let before = modified();
-        // Port 9 discards; were it asked, the pull would fail.
+        // Nothing answers on port 9, so a request would fail.
         let client = Client::new("http://127.0.0.1:9").expect("a URL");
         assert_eq!(pull(&pin, folder.path(), &client).expect("nothing to do"), PinState::Right);
         assert_eq!(modified(), before);

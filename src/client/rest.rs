@@ -21,23 +21,23 @@ use crate::files::{
 
 /// How long a connection may take to open.
 const CONNECT: Duration = Duration::from_secs(10);
-/// How long a server may say nothing: three of its heartbeats.
+/// How long a server may send nothing: three of its heartbeats.
 const SILENCE: Duration = Duration::from_secs(45);
-/// Longest file that is downloaded; the service's own limit on entries keeps tables far below.
+/// Longest file that is downloaded. The service's limit on entries keeps tables far below it.
 const FILE_LIMIT_BYTES: u64 = 1 << 32;
-/// How long a follower waits for a server that went away to come back.
-const RETURN: Duration = Duration::from_secs(20);
-/// Pause between two tries to reach it.
-const RETRY: Duration = Duration::from_millis(500);
+/// How long a follower tries to reach a server that became unavailable.
+const RECONNECT_LIMIT: Duration = Duration::from_secs(20);
+/// Pause between two attempts to reach it.
+const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
 
-/// A service at its URL.
+/// A service, by its URL.
 #[derive(Debug)]
 pub struct Client {
     agent: Agent,
     base: String,
 }
 
-/// A page of a list, as far as the client reads it.
+/// The part of a page of a list that the client reads.
 #[derive(Debug, Deserialize)]
 struct Page {
     items: Vec<Value>,
@@ -48,14 +48,14 @@ impl Client {
     /// A client of the service at `base`, such as `http://127.0.0.1:8317`.
     ///
     /// # Errors
-    /// When `base` is no http or https URL.
+    /// When `base` is not an http or https URL.
     pub fn new(base: &str) -> Result<Self, ClientError> {
         let base = base.trim_end_matches('/').to_owned();
         let is_server = |uri: &Uri| {
             matches!(uri.scheme_str(), Some("http" | "https")) && uri.authority().is_some() && uri.query().is_none()
         };
         let Some(uri) = base.parse().ok().filter(is_server) else {
-            let reason = "this is no server's URL; one looks like http://127.0.0.1:8317".to_owned();
+            let reason = "this is not the URL of a server, such as http://127.0.0.1:8317".to_owned();
             return Err(ClientError::Unexpected { url: base, reason });
         };
         let config = Agent::config_builder()
@@ -73,7 +73,7 @@ impl Client {
     /// Submits a recipe document.
     ///
     /// # Errors
-    /// As [`ClientError`] says.
+    /// See [`ClientError`].
     pub fn submit(&self, document: &[u8]) -> Result<JobDocument, ClientError> {
         let url = self.url("/v1/jobs");
         let sent = self.agent.post(&url).content_type("application/json").send(document);
@@ -83,7 +83,7 @@ impl Client {
     /// A job as it is now.
     ///
     /// # Errors
-    /// As [`ClientError`] says.
+    /// See [`ClientError`].
     pub fn job(&self, id: JobId) -> Result<JobDocument, ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}"));
         parse_job(&url, &body(&url, self.agent.get(&url).call())?)
@@ -92,7 +92,7 @@ impl Client {
     /// Cancels a job.
     ///
     /// # Errors
-    /// As [`ClientError`] says.
+    /// See [`ClientError`].
     pub fn cancel(&self, id: JobId) -> Result<JobDocument, ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}"));
         parse_job(&url, &body(&url, self.agent.delete(&url).call())?)
@@ -101,7 +101,7 @@ impl Client {
     /// At most `limit` jobs, newest first.
     ///
     /// # Errors
-    /// As [`ClientError`] says.
+    /// See [`ClientError`].
     pub fn jobs(&self, state: Option<StateName>, limit: usize) -> Result<Vec<JobDocument>, ClientError> {
         /// Most items that a service puts on a page.
         const PAGE: usize = 1000;
@@ -132,7 +132,7 @@ impl Client {
     /// The canonical file of a table; its bytes hash to `digest`.
     ///
     /// # Errors
-    /// As [`ClientError`] says.
+    /// See [`ClientError`].
     pub fn table(&self, digest: Digest) -> Result<Vec<u8>, ClientError> {
         let url = self.url(&format!("/v1/tables/{digest}"));
         let bytes = body(&url, self.agent.get(&url).call())?;
@@ -140,38 +140,38 @@ impl Client {
         if actual == digest { Ok(bytes) } else { Err(ClientError::Mismatch { url, expected: digest, actual }) }
     }
 
-    /// Follows a job to its final state and returns that; `on_news` is told each change. A connection that is lost is
-    /// opened again where it broke off.
+    /// Follows a job to its final state and returns that. `on_update` is called on each change. A lost connection is
+    /// resumed where it broke off.
     ///
     /// # Errors
-    /// As [`ClientError`] says; unavailable when the server does not come back within 20 seconds.
-    pub fn follow(&self, id: JobId, on_news: &mut dyn FnMut(&JobDocument)) -> Result<JobDocument, ClientError> {
-        // The first look tells an unknown id or a missing server at once.
+    /// See [`ClientError`]; unavailable when the server cannot be reached again within 20 seconds.
+    pub fn follow(&self, id: JobId, on_update: &mut dyn FnMut(&JobDocument)) -> Result<JobDocument, ClientError> {
+        // Asked first, so that an unknown id or a missing server is an error at once.
         let mut latest = self.job(id)?;
-        on_news(&latest);
+        on_update(&latest);
         let mut seen: Option<String> = None;
-        let mut heard = Instant::now();
+        let mut last_update = Instant::now();
         while !latest.is_final() {
-            let followed = self.follow_once(id, &mut seen, &mut |news| {
-                heard = Instant::now();
-                on_news(&news);
-                latest = news;
+            let followed = self.follow_once(id, &mut seen, &mut |update| {
+                last_update = Instant::now();
+                on_update(&update);
+                latest = update;
             });
             match followed {
-                Err(error) if !is_passing(&error) || heard.elapsed() > RETURN => return Err(error),
+                Err(error) if !is_temporary(&error) || last_update.elapsed() > RECONNECT_LIMIT => return Err(error),
                 _ if latest.is_final() => {}
-                _ => std::thread::sleep(RETRY),
+                _ => std::thread::sleep(RECONNECT_PAUSE),
             }
         }
         Ok(latest)
     }
 
-    /// One connection's worth of a job's events.
+    /// Follows a job over one connection, until it ends.
     fn follow_once(
         &self,
         id: JobId,
         seen: &mut Option<String>,
-        on_news: &mut dyn FnMut(JobDocument),
+        on_update: &mut dyn FnMut(JobDocument),
     ) -> Result<(), ClientError> {
         let url = self.url(&format!("/v1/jobs/{id}/events"));
         let mut request = self.agent.get(&url).header("accept", "text/event-stream");
@@ -180,16 +180,16 @@ impl Client {
         }
         let response = successful(&url, request.call())?;
         if response.status() == 204 {
-            on_news(self.job(id)?);
+            on_update(self.job(id)?);
             return Ok(());
         }
         for event in events(BufReader::new(response.into_body().into_reader())) {
             let event = event.map_err(|error| ClientError::transport(&url, &ureq::Error::from(error)))?;
             let json = serde_json::from_str(&event.data).map_err(|error| unexpected(&url, &error))?;
-            let news = JobDocument::parse(json).map_err(|error| unexpected(&url, &error))?;
+            let update = JobDocument::parse(json).map_err(|error| unexpected(&url, &error))?;
             *seen = event.id;
-            let is_final = news.is_final();
-            on_news(news);
+            let is_final = update.is_final();
+            on_update(update);
             if is_final {
                 break;
             }
@@ -202,18 +202,18 @@ impl Client {
     }
 }
 
-/// Whether another try may go better.
-fn is_passing(error: &ClientError) -> bool {
+/// Whether another attempt may succeed.
+fn is_temporary(error: &ClientError) -> bool {
     matches!(error, ClientError::Unavailable { .. })
 }
 
-/// The answer, if its status is a success.
+/// The response, if its status is a success.
 fn successful(url: &str, sent: Result<Response<Body>, ureq::Error>) -> Result<Response<Body>, ClientError> {
     let mut response = sent.map_err(|error| ClientError::transport(url, &error))?;
     if response.status().is_success() {
         return Ok(response);
     }
-    // A refusal whose body breaks off is still that refusal.
+    // The status is enough: the body of an error may be incomplete.
     let body = response.body_mut().read_to_vec().unwrap_or_default();
     Err(ClientError::status(url, response.status().as_u16(), &body))
 }
@@ -231,7 +231,7 @@ fn unexpected(url: &str, error: &serde_json::Error) -> ClientError {
     ClientError::Unexpected { url: url.to_owned(), reason: error.to_string() }
 }
 
-/// Whether a server is reached without leaving the machine, where no proxy can reach it.
+/// Whether a server is on this machine, which a proxy cannot reach.
 fn is_this_machine(uri: &Uri) -> bool {
     let host = uri.host().unwrap_or_default();
     let address = host.trim_start_matches('[').trim_end_matches(']').parse();
@@ -248,7 +248,7 @@ mod tests {
 
     use super::{super::job::tests::document, *};
 
-    /// A server that gives each connection one of `answers`, and its URL.
+    /// A server that sends each connection one of `answers`, and its URL.
     fn server(answers: Vec<String>) -> (String, thread::JoinHandle<Vec<String>>) {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
         let url = format!("http://{}", listener.local_addr().expect("an address"));
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_do_not_hash_to_what_was_asked_for_are_refused() {
+    fn bytes_of_another_digest_are_refused() {
         let file = answer("application/octet-stream", "abc");
         let (url, _requests) = server(vec![file.clone(), file]);
         let client = Client::new(&url).expect("a URL");
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stream_that_breaks_is_taken_up_where_it_broke() {
+    fn a_broken_stream_is_resumed_where_it_broke() {
         let running = document("running");
         let (url, requests) = server(vec![
             answer("application/json", &running.to_string()),
@@ -296,9 +296,9 @@ mod tests {
             answer("text/event-stream", &format!("id: 9\ndata: {}\n\n", document("cancelled"))),
         ]);
         let id = "5f70bf18a086007016e948b04aed3b82".parse().expect("an id");
-        let mut news = 0;
-        let job = Client::new(&url).expect("a URL").follow(id, &mut |_| news += 1).expect("a final state");
-        assert_eq!((job.status.state, news), (StateName::Cancelled, 3));
+        let mut updates = 0;
+        let job = Client::new(&url).expect("a URL").follow(id, &mut |_| updates += 1).expect("a final state");
+        assert_eq!((job.status.state, updates), (StateName::Cancelled, 3));
         let requests = requests.join().expect("three requests");
         assert!(requests[2].contains("last-event-id: 7"), "{}", requests[2]);
     }
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn the_machine_s_own_servers_are_known() {
+    fn servers_on_this_machine_are_recognised() {
         for (base, expected) in [
             ("http://127.0.0.1:8317", true),
             ("http://127.9.0.1", true),
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_url_is_refused() {
+    fn anything_but_a_url_is_refused() {
         for base in ["", "localhost:8317", "ftp://host", "http://", "http://host/?a=b"] {
             assert!(Client::new(base).is_err(), "{base}");
         }

@@ -1,6 +1,6 @@
-//! A table's manifest: what it is, how large, how good.
+//! A table's manifest: its recipe, its size and its errors.
 //!
-//! Invariant: it follows from the table's file alone; no time, host or duration is in it.
+//! Invariant: a manifest follows from the table's file alone and contains no time, host or duration.
 
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ struct Manifest {
     exports: Vec<Export>,
 }
 
-/// Another file made of the same table.
+/// Another file of the same table.
 #[derive(Debug, Serialize)]
 struct Export {
     name: String,
@@ -33,7 +33,7 @@ struct Export {
     bytes: usize,
 }
 
-/// The report of a recipe's table: that of its manifest. Runs on the current rayon pool.
+/// The report of a recipe's table, as in its manifest. Runs on the current rayon pool.
 #[must_use]
 pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
     report(table, &recipe.range, report_points(recipe))
@@ -55,7 +55,7 @@ impl TableFile {
     }
 }
 
-/// The manifest of a canonical file as JSON, with a newline at its end. It measures the table, on the current rayon
+/// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon
 /// pool.
 ///
 /// # Errors

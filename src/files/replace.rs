@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Files that are written completely or not at all.
 
 use std::{
     fs::{self, File, OpenOptions},
@@ -6,11 +6,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Puts `bytes` at `path`, whose folder is made when it is missing. A reader, a kill or a full disk finds the old
-/// file or the new one, never a part.
+/// Writes `bytes` to `path` and creates its folder if it is missing. After a crash or on a full disk, and for concurrent
+/// readers, there is the old file or the new one, never a part.
 ///
 /// # Errors
-/// When the folder cannot be made or the file not written; then nothing is left behind.
+/// When the folder cannot be created or the file cannot be written; no temporary file is left then.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let Some(name) = path.file_name() else {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"));
@@ -23,7 +23,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let temporary: PathBuf = folder.join(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
     let placed = write_through(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
     if placed.is_err() {
-        // It may not even have been made; the error that counts is the first.
+        // The file may not exist; the first error is the one to report.
         let _ = fs::remove_file(&temporary);
     }
     placed?;

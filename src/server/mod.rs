@@ -1,4 +1,4 @@
-//! The service: blobs and rows, the durable queue, the use cases, and HTTP.
+//! The server: the store of blobs and rows, the durable queue, the service, and HTTP.
 
 pub mod http;
 pub mod queue;

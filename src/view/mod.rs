@@ -1,5 +1,6 @@
 //! Pictures: what a table does, its numbers and errors, and the trade-off of speed and accuracy.
 
+pub mod parameters;
 pub mod picture;
 pub mod plots;
 pub mod preview;

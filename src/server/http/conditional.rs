@@ -7,17 +7,17 @@ use axum::http::{HeaderMap, header};
 pub(super) struct EntityTag(String);
 
 impl EntityTag {
-    /// The tag of a representation that `name` identifies. `name` holds no quotes.
+    /// The tag of the representation that `name` identifies. `name` contains no quotes.
     pub(super) fn strong(name: impl std::fmt::Display) -> Self {
         Self(format!("\"{name}\""))
     }
 
-    /// The tag as it stands in a header field.
+    /// The tag as a header field has it.
     pub(super) fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Whether `If-None-Match` says that the client has this representation: weak comparison.
+    /// Whether `If-None-Match` says that the client has this representation, by weak comparison.
     pub(super) fn is_known_to(&self, headers: &HeaderMap) -> bool {
         let fields = headers.get_all(header::IF_NONE_MATCH).iter();
         fields.filter_map(|field| field.to_str().ok()).flat_map(tags).any(|tag| {
@@ -26,14 +26,15 @@ impl EntityTag {
         })
     }
 
-    /// Whether `If-Range` lets a range be served: strong comparison; a date never matches, for there is none.
+    /// Whether `If-Range` allows a range to be served, by strong comparison. A date never matches: no representation has
+    /// one.
     pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {
         headers.get(header::IF_RANGE).is_none_or(|field| field.as_bytes() == self.0.as_bytes())
     }
 }
 
-/// The members of a list of entity tags. No tag of ours holds a comma, so splitting inside a foreign tag's quotes
-/// yields pieces that match nothing.
+/// The members of a list of entity tags. The service's own tags contain no comma, so a foreign tag that is split within
+/// its quotes yields pieces that match nothing.
 fn tags(field: &str) -> impl Iterator<Item = &str> {
     field.split(',').map(str::trim)
 }

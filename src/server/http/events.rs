@@ -1,9 +1,9 @@
-//! A job's news as Server-Sent Events.
+//! A job's changes as Server-Sent Events.
 //!
-//! The first event is the job as it is, unless `Last-Event-ID` says that the client has seen it. An event is named
-//! `state` when the state changed and `progress` otherwise; its id is the news' sequence, its data the job. The stream
-//! ends after a final state, and when the server stops. A client that has seen the final state is told 204, which is
-//! how an `EventSource` is told to stay away.
+//! The first event is the job as it is now, unless `Last-Event-ID` says that the client has seen it. An event is named
+//! `state` if the state changed and `progress` otherwise; its id is the snapshot's sequence number, its data the job. The
+//! stream ends after a final state, and when the server stops. A client that has seen the final state gets 204, which
+//! tells an `EventSource` not to reconnect.
 
 use std::{convert::Infallible, time::Duration};
 
@@ -22,22 +22,22 @@ use tokio::{
 };
 
 use super::{
-    Api,
+    api::Api,
     extract::{NoParameters, PathOf, QueryOf},
     jobs,
     problem::Problem,
-    views::{JobView, is_final, state_name},
+    views::JobView,
 };
 use crate::server::{
     queue::{JobId, StateName},
-    service::JobNews,
+    service::JobSnapshot,
 };
 
 /// How often a comment tells proxies that the stream is alive.
 const HEARTBEAT: Duration = Duration::from_secs(15);
 
-/// The shortest time between two events of one stream: news that come faster are told as one, the latest.
-const PACE: Duration = Duration::from_millis(100);
+/// The shortest time between two events of one stream. Of changes that come faster only the latest is sent.
+const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
 /// `GET /v1/jobs/{id}/events`.
 pub(super) async fn follow(
@@ -46,10 +46,10 @@ pub(super) async fn follow(
     PathOf(id): PathOf<JobId>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let news = api.call(move |service| service.watch(id)).await?.ok_or_else(|| jobs::unknown(id))?;
+    let latest = api.call(move |service| service.watch(id)).await?.ok_or_else(|| jobs::unknown(id))?;
     // The HTML standard lets a server ignore an id that it cannot read.
     let seen = headers.get("last-event-id").and_then(|value| value.to_str().ok()?.parse().ok());
-    let follower = Follower { news, stopping: api.stopping.clone(), seen, state: None, told: None };
+    let follower = Follower { latest, stopping: api.stopping.clone(), seen, state: None, sent_at: None };
     if follower.is_over() {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
@@ -57,61 +57,61 @@ pub(super) async fn follow(
     Ok(Sse::new(follower.events()).keep_alive(keep_alive).into_response())
 }
 
-/// One client's place in a job's history.
+/// One client's position in the history of a job.
 struct Follower {
-    news: watch::Receiver<JobNews>,
+    latest: watch::Receiver<JobSnapshot>,
     stopping: watch::Receiver<bool>,
-    /// Sequence of the last news that the client has.
+    /// Sequence number of the last snapshot that the client has.
     seen: Option<u64>,
-    /// State in the last news that was sent on this connection.
+    /// State in the last snapshot that was sent on this connection.
     state: Option<StateName>,
-    /// When that was.
-    told: Option<Instant>,
+    /// When it was sent.
+    sent_at: Option<Instant>,
 }
 
 impl Follower {
     /// Whether the client has seen the job's final state.
     fn is_over(&self) -> bool {
-        let news = self.news.borrow();
-        self.seen == Some(news.sequence) && is_final(&news.job.state)
+        let latest = self.latest.borrow();
+        self.seen == Some(latest.sequence) && latest.job.state.name().is_final()
     }
 
     fn events(self) -> impl Stream<Item = Result<Event, Infallible>> {
         stream::unfold(self, async |mut follower| {
-            let news = follower.next().await?;
-            let event = follower.event(&news)?;
+            let snapshot = follower.next().await?;
+            let event = follower.event(&snapshot)?;
             Some((Ok(event), follower))
         })
     }
 
-    /// The next news that the client has not seen; `None` when there will be none.
-    async fn next(&mut self) -> Option<JobNews> {
-        if let Some(told) = self.told {
-            sleep_until(told + PACE).await;
+    /// The next snapshot that the client has not seen; `None` if there will be none.
+    async fn next(&mut self) -> Option<JobSnapshot> {
+        if let Some(sent) = self.sent_at {
+            sleep_until(sent + MIN_INTERVAL).await;
         }
         loop {
             if *self.stopping.borrow() || self.is_over() {
                 return None;
             }
-            let news = self.news.borrow_and_update().clone();
-            // Another sequence, not only a later one: after a restart of the service the count starts anew.
-            if self.seen != Some(news.sequence) {
-                self.seen = Some(news.sequence);
-                self.told = Some(Instant::now());
-                return Some(news);
+            let snapshot = self.latest.borrow_and_update().clone();
+            // Any other number counts, not only a greater one: the clock may have been set back between two starts.
+            if self.seen != Some(snapshot.sequence) {
+                self.seen = Some(snapshot.sequence);
+                self.sent_at = Some(Instant::now());
+                return Some(snapshot);
             }
             tokio::select! {
-                changed = self.news.changed() => changed.ok()?,
+                changed = self.latest.changed() => changed.ok()?,
                 changed = self.stopping.changed() => changed.ok()?,
             }
         }
     }
 
-    fn event(&mut self, news: &JobNews) -> Option<Event> {
-        let state = state_name(&news.job.state);
+    fn event(&mut self, snapshot: &JobSnapshot) -> Option<Event> {
+        let state = snapshot.job.state.name();
         let name = if self.state.replace(state) == Some(state) { "progress" } else { "state" };
-        let event = Event::default().event(name).id(news.sequence.to_string());
-        event.json_data(JobView::of_news(news).ok()?).ok()
+        let event = Event::default().event(name).id(snapshot.sequence.to_string());
+        event.json_data(JobView::of_snapshot(snapshot).ok()?).ok()
     }
 }
 
@@ -123,45 +123,45 @@ mod tests {
         server::{http::views::samples, queue::JobState},
     };
 
-    fn news(sequence: u64, state: JobState) -> JobNews {
-        JobNews { sequence, job: samples::job(state), seconds_left: None, expected: None }
+    fn snapshot(sequence: u64, state: JobState) -> JobSnapshot {
+        JobSnapshot { sequence, job: samples::job(state), seconds_left: None, expected: None }
     }
 
-    fn follower(first: JobNews, seen: Option<u64>) -> (watch::Sender<JobNews>, watch::Sender<bool>, Follower) {
-        let (tell, news) = watch::channel(first);
+    fn follower(first: JobSnapshot, seen: Option<u64>) -> (watch::Sender<JobSnapshot>, watch::Sender<bool>, Follower) {
+        let (publish, latest) = watch::channel(first);
         let (stop, stopping) = watch::channel(false);
-        (tell, stop, Follower { news, stopping, seen, state: None, told: None })
+        (publish, stop, Follower { latest, stopping, seen, state: None, sent_at: None })
     }
 
     #[tokio::test]
-    async fn a_new_client_gets_the_present_then_each_change_then_the_end() {
-        let (tell, _stop, mut follower) = follower(news(7, JobState::Running), None);
-        assert_eq!(follower.next().await.map(|news| news.sequence), Some(7));
-        tell.send_replace(news(9, JobState::Done { table: Digest::of(b"") }));
-        assert_eq!(follower.next().await.map(|news| news.sequence), Some(9));
+    async fn a_new_client_gets_the_job_as_it_is_then_each_change_then_the_end() {
+        let (publish, _stop, mut follower) = follower(snapshot(7, JobState::Running), None);
+        assert_eq!(follower.next().await.map(|snapshot| snapshot.sequence), Some(7));
+        publish.send_replace(snapshot(9, JobState::Done { table: Digest::of(b"") }));
+        assert_eq!(follower.next().await.map(|snapshot| snapshot.sequence), Some(9));
         assert!(follower.is_over());
         assert!(follower.next().await.is_none());
     }
 
     #[tokio::test]
     async fn a_client_that_resumes_waits_for_what_it_has_not_seen() {
-        let (tell, _stop, mut follower) = follower(news(7, JobState::Running), Some(7));
+        let (publish, _stop, mut follower) = follower(snapshot(7, JobState::Running), Some(7));
         let (next, ()) = tokio::join!(follower.next(), async {
             tokio::task::yield_now().await;
-            tell.send_replace(news(8, JobState::Running));
+            publish.send_replace(snapshot(8, JobState::Running));
         });
-        assert_eq!(next.map(|news| news.sequence), Some(8));
+        assert_eq!(next.map(|snapshot| snapshot.sequence), Some(8));
     }
 
     #[tokio::test]
-    async fn an_id_from_before_a_restart_gets_the_present_at_once() {
-        let (_tell, _stop, mut follower) = follower(news(2, JobState::Running), Some(70));
-        assert_eq!(follower.next().await.map(|news| news.sequence), Some(2));
+    async fn an_unknown_id_gets_the_job_as_it_is_at_once() {
+        let (_publish, _stop, mut follower) = follower(snapshot(2, JobState::Running), Some(70));
+        assert_eq!(follower.next().await.map(|snapshot| snapshot.sequence), Some(2));
     }
 
     #[tokio::test]
     async fn a_stopping_server_ends_the_stream() {
-        let (_tell, stop, mut follower) = follower(news(7, JobState::Running), Some(7));
+        let (_publish, stop, mut follower) = follower(snapshot(7, JobState::Running), Some(7));
         let (next, ()) = tokio::join!(follower.next(), async {
             tokio::task::yield_now().await;
             stop.send_replace(true);
@@ -170,9 +170,9 @@ mod tests {
     }
 
     #[test]
-    fn only_a_change_of_state_is_called_state() {
-        let (_tell, _stop, mut follower) = follower(news(1, JobState::Running), None);
-        let mut name = |sequence, state| format!("{:?}", follower.event(&news(sequence, state)).expect("an event"));
+    fn only_a_change_of_state_is_named_state() {
+        let (_publish, _stop, mut follower) = follower(snapshot(1, JobState::Running), None);
+        let mut name = |sequence, state| format!("{:?}", follower.event(&snapshot(sequence, state)).expect("an event"));
         assert!(name(1, JobState::Running).contains("event: state"));
         assert!(name(2, JobState::Running).contains("event: progress"));
         assert!(name(3, JobState::Cancelled).contains("event: state"));

@@ -1,5 +1,5 @@
-//! Parsing at the border: path parameters, query strings, recipe bodies. What is malformed is a problem that names
-//! the value and the allowed form.
+//! Parsing of path parameters, query strings and recipe bodies. A malformed value is a problem that names the value and
+//! the allowed form.
 
 use std::{fmt::Display, str::FromStr};
 
@@ -10,9 +10,11 @@ use axum::{
 };
 use serde::{Deserialize, de::DeserializeOwned};
 
-use super::{BODY_LIMIT_BYTES, error::Kind, problem::Problem};
+use super::{kind::ProblemKind, problem::Problem};
 
-/// Items on a page when the client names no number.
+/// Longest request body. A recipe takes less than one kilobyte.
+pub const BODY_LIMIT_BYTES: usize = 64 * 1024;
+/// Items on a page if the client gives no number.
 const DEFAULT_PAGE: usize = 50;
 /// Most items on a page.
 const LONGEST_PAGE: usize = 1000;
@@ -30,8 +32,8 @@ where
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let Path(text) = Path::<String>::from_request_parts(parts, state)
             .await
-            .map_err(|rejection| Problem::new(Kind::BadParameter, rejection.body_text()))?;
-        text.parse().map(Self).map_err(|error: T::Err| Problem::new(Kind::BadParameter, error.to_string()))
+            .map_err(|rejection| Problem::new(ProblemKind::BadParameter, rejection.body_text()))?;
+        text.parse().map(Self).map_err(|error: T::Err| Problem::new(ProblemKind::BadParameter, error.to_string()))
     }
 }
 
@@ -51,9 +53,30 @@ where
             Err(rejection) => {
                 let text = rejection.body_text();
                 let detail = text.strip_prefix("Failed to deserialize query string: ").unwrap_or(&text);
-                Err(Problem::new(Kind::BadParameter, detail))
+                Err(Problem::new(ProblemKind::BadParameter, detail))
             }
         }
+    }
+}
+
+/// The pairs of a query string, in order. The handler reads them and lists their faults.
+pub(super) struct QueryPairs(Vec<(String, String)>);
+
+impl QueryPairs {
+    /// Each name with its text.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(name, text)| (name.as_str(), text.as_str()))
+    }
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for QueryPairs {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Problem> {
+        let pairs = Query::try_from_uri(&parts.uri);
+        pairs
+            .map(|Query(pairs)| Self(pairs))
+            .map_err(|rejection| Problem::new(ProblemKind::BadParameter, rejection.body_text()))
     }
 }
 
@@ -79,7 +102,7 @@ impl TryFrom<String> for PageLimit {
     fn try_from(text: String) -> Result<Self, String> {
         match text.parse() {
             Ok(limit) if (1..=LONGEST_PAGE).contains(&limit) => Ok(Self(limit)),
-            _ => Err(format!("«{text}» is not a page length; it is a number from 1 to {LONGEST_PAGE}")),
+            _ => Err(format!("«{text}» is not a page length: a page length is a number from 1 to {LONGEST_PAGE}")),
         }
     }
 }
@@ -98,15 +121,15 @@ impl<S: Send + Sync> FromRequest<S> for RecipeBody {
 
 fn unreadable(rejection: &BytesRejection) -> Problem {
     if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
-        Problem::new(Kind::BodyTooLarge, format!("a recipe takes at most {BODY_LIMIT_BYTES} bytes"))
+        Problem::new(ProblemKind::BodyTooLarge, format!("a recipe takes at most {BODY_LIMIT_BYTES} bytes"))
     } else {
-        Problem::new(Kind::BadBody, rejection.body_text())
+        Problem::new(ProblemKind::BadBody, rejection.body_text())
     }
 }
 
-/// Takes `application/json`, `application/*+json` and a missing content type, and what `curl -d` says unless it is
-/// told otherwise. A page in a browser can send that too, without asking first, so what comes from a page, as `Origin`
-/// tells, must say JSON.
+/// Accepts `application/json`, `application/*+json`, no content type, and the default of `curl -d`,
+/// `application/x-www-form-urlencoded`. A page of another site can send that default without a preflight request, so a
+/// request with an `Origin` must say JSON.
 fn check_content_type(headers: &HeaderMap) -> Result<(), Problem> {
     let Some(value) = headers.get(header::CONTENT_TYPE) else {
         return Ok(());
@@ -118,7 +141,7 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), Problem> {
         Some("x-www-form-urlencoded") if !headers.contains_key(header::ORIGIN) => Ok(()),
         _ => {
             let detail = format!("{value:?} is not JSON; send application/json, application/*+json or no content type");
-            Err(Problem::new(Kind::NotJsonType, detail))
+            Err(Problem::new(ProblemKind::NotJsonType, detail))
         }
     }
 }
@@ -156,7 +179,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn what_a_query_cannot_say_is_a_400_that_names_it() {
+    async fn a_malformed_query_is_a_400_that_names_the_value() {
         let cases =
             [("?sate=done", "sate"), ("?state=finished", "finished"), ("?limit=0", "«0»"), ("?limit=1001", "1001")];
         for (text, named) in cases {
@@ -169,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn recipes_come_as_json_or_without_a_type() {
+    fn recipes_are_sent_as_json_or_without_a_type() {
         let check = |value: &'static str| {
             check_content_type(&HeaderMap::from_iter([(header::CONTENT_TYPE, HeaderValue::from_static(value))]))
         };
@@ -189,8 +212,8 @@ mod tests {
     }
 
     #[test]
-    fn digests_parse_through_the_same_door() {
-        // PathOf relies on the message of the parser: it names the value and the form.
+    fn a_malformed_digest_is_named_with_the_allowed_form() {
+        // PathOf passes the parser's message on.
         let error = "xyz".parse::<Digest>().expect_err("no digest").to_string();
         assert!(error.contains("«xyz»") && error.contains("64 hex digits"), "{error}");
     }

@@ -11,18 +11,18 @@ use axum::{
 use serde::Deserialize;
 
 use super::{
-    Api,
-    error::Kind,
+    api::Api,
     extract::{NoParameters, PageLimit, PathOf, QueryOf, RecipeBody},
+    kind::ProblemKind,
     problem::{Problem, retry_after_value},
-    views::{JobView, PageView, is_final},
+    views::{JobView, PageView},
 };
 use crate::server::{
     queue::{JobId, StateName},
-    service::{JobNews, Service, Submission, SubmitError},
+    service::{JobSnapshot, Service, Submission, SubmitError},
 };
 
-/// Longest time that a client is asked to wait before it looks at a job again.
+/// The longest time that a client is asked to wait before it polls a job again.
 const LONGEST_RETRY: Duration = Duration::from_secs(30);
 
 #[derive(Debug, Deserialize)]
@@ -55,7 +55,7 @@ pub(super) async fn submit(
         headers.insert(header::LOCATION, location);
     }
     if status == StatusCode::ACCEPTED {
-        headers.insert(header::RETRY_AFTER, look_again(None));
+        headers.insert(header::RETRY_AFTER, retry_after(None));
     }
     Ok(response)
 }
@@ -67,7 +67,7 @@ pub(super) async fn list(
 ) -> Result<Json<PageView<JobView>>, Problem> {
     let ListParameters { state, cursor, limit } = parameters;
     let page = api.call(move |service| service.jobs(state, cursor.as_deref(), limit.0)).await?;
-    Ok(Json(PageView::new(page, |news| JobView::of_news(&news))?))
+    Ok(Json(PageView::new(page, |snapshot| JobView::of_snapshot(&snapshot))?))
 }
 
 /// `GET /v1/jobs/{id}`.
@@ -76,8 +76,8 @@ pub(super) async fn show(
     _: QueryOf<NoParameters>,
     PathOf(id): PathOf<JobId>,
 ) -> Result<Response, Problem> {
-    let news = api.call(move |service| service.job(id)).await?.ok_or_else(|| unknown(id))?;
-    answer(&news)
+    let snapshot = api.call(move |service| service.job(id)).await?.ok_or_else(|| unknown(id))?;
+    answer(&snapshot)
 }
 
 /// `DELETE /v1/jobs/{id}`.
@@ -86,25 +86,25 @@ pub(super) async fn cancel(
     _: QueryOf<NoParameters>,
     PathOf(id): PathOf<JobId>,
 ) -> Result<Response, Problem> {
-    let news = api.call(move |service| service.cancel(id)).await?.ok_or_else(|| unknown(id))?;
-    answer(&news)
+    let snapshot = api.call(move |service| service.cancel(id)).await?.ok_or_else(|| unknown(id))?;
+    answer(&snapshot)
 }
 
 /// The problem of an id that no job has.
 pub(super) fn unknown(id: JobId) -> Problem {
-    Problem::new(Kind::UnknownJob, format!("no job has the id {id}"))
+    Problem::new(ProblemKind::UnknownJob, format!("no job has the id {id}"))
 }
 
-/// A job that may change is not cached and says when to look again.
-fn answer(news: &JobNews) -> Result<Response, Problem> {
+/// The response for a job: not cached, and with `Retry-After` while the job may change.
+fn answer(snapshot: &JobSnapshot) -> Result<Response, Problem> {
     let mut headers = HeaderMap::from_iter([(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))]);
-    if !is_final(&news.job.state) {
-        headers.insert(header::RETRY_AFTER, look_again(news.seconds_left));
+    if !snapshot.job.state.name().is_final() {
+        headers.insert(header::RETRY_AFTER, retry_after(snapshot.seconds_left));
     }
-    Ok((headers, Json(JobView::of_news(news)?)).into_response())
+    Ok((headers, Json(JobView::of_snapshot(snapshot)?)).into_response())
 }
 
-fn look_again(seconds_left: Option<f64>) -> HeaderValue {
+fn retry_after(seconds_left: Option<f64>) -> HeaderValue {
     let expected = seconds_left.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or_default();
     retry_after_value(expected.min(LONGEST_RETRY))
 }
@@ -118,21 +118,22 @@ mod tests {
     };
 
     #[test]
-    fn clients_are_asked_to_come_back_in_one_to_thirty_seconds() {
+    fn clients_are_asked_to_poll_again_in_one_to_thirty_seconds() {
         let cases =
             [(None, "1"), (Some(0.2), "1"), (Some(4.1), "5"), (Some(1e300), "1"), (Some(-1.0), "1"), (Some(9e3), "30")];
         for (seconds, expected) in cases {
-            assert_eq!(look_again(seconds), expected, "{seconds:?}");
+            assert_eq!(retry_after(seconds), expected, "{seconds:?}");
         }
     }
 
     #[test]
-    fn only_a_job_that_may_change_says_when_to_look_again() {
-        let retry_after = |state| {
-            let news = JobNews { sequence: 1, job: samples::job(state), seconds_left: Some(2.0), expected: None };
-            answer(&news).expect("the recipe is JSON").headers().get(header::RETRY_AFTER).cloned()
+    fn only_a_job_that_may_change_says_when_to_retry_after() {
+        let field = |state| {
+            let snapshot =
+                JobSnapshot { sequence: 1, job: samples::job(state), seconds_left: Some(2.0), expected: None };
+            answer(&snapshot).expect("the recipe is JSON").headers().get(header::RETRY_AFTER).cloned()
         };
-        assert_eq!(retry_after(JobState::Running), Some(HeaderValue::from(2)));
-        assert_eq!(retry_after(JobState::Done { table: Digest::of(b"") }), None);
+        assert_eq!(field(JobState::Running), Some(HeaderValue::from(2)));
+        assert_eq!(field(JobState::Done { table: Digest::of(b"") }), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Calls for those who run the service: health, readiness, metrics, version, the description of the interface.
+//! Calls for operators: health, readiness, metrics, version, the OpenAPI document.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use axum::{
 };
 use serde::Serialize;
 
-use super::{Api, error, problem::Problem};
+use super::{api::Api, error, problem::Problem};
 use crate::{
     fit::FITTER_VERSION,
     server::{
@@ -39,7 +39,7 @@ pub(super) async fn healthz() -> Json<Status> {
     Json(Status { status: "ok" })
 }
 
-/// `GET /readyz`: jobs are taken and worked on.
+/// `GET /readyz`: the service accepts jobs and works on them.
 pub(super) async fn readyz(State(api): State<Api>) -> Result<Json<Status>, Problem> {
     let ready = api.call(|service| Ok::<_, ServiceError>(service.is_ready())).await?;
     if ready && !*api.stopping.borrow() { Ok(Json(Status { status: "ready" })) } else { Err(error::stopping()) }
@@ -61,14 +61,14 @@ pub(super) async fn openapi() -> Response {
     ([(header::CONTENT_TYPE, "application/yaml")], OPENAPI).into_response()
 }
 
-/// The figures in Prometheus' text format 0.0.4.
+/// The metrics in Prometheus' text format 0.0.4.
 fn exposition(metrics: &Metrics) -> String {
     let mut text = String::from("# HELP ltcforge_jobs Jobs by state.\n# TYPE ltcforge_jobs gauge\n");
     for (state, count) in &metrics.jobs {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "ltcforge_jobs{{state=\"{}\"}} {count}", label(*state));
     }
-    text.push_str("# HELP ltcforge_pictures_total Pictures since the start, but for those kept from before.\n");
+    text.push_str("# HELP ltcforge_pictures_total Pictures since the start, except those served from memory.\n");
     text.push_str("# TYPE ltcforge_pictures_total counter\n");
     let PictureCounts { done, failed, given_up, refused } = metrics.pictures;
     for (outcome, count) in [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)] {
@@ -77,7 +77,7 @@ fn exposition(metrics: &Metrics) -> String {
     let counters = [
         ("entries_fitted", "Entries fitted since the start.", metrics.entries_fitted),
         ("shard_failures", "Shards that failed since the start.", metrics.shard_failures),
-        ("leases_expired", "Leases that ran out since the start.", metrics.leases_expired),
+        ("leases_expired", "Leases that expired since the start.", metrics.leases_expired),
         ("blobs_corrupt", "Blobs found damaged since the start.", metrics.blobs_corrupt),
     ];
     for (name, help, value) in counters {
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_figure_stands_on_its_line() {
+    fn every_metric_has_its_line() {
         let metrics = Metrics {
             jobs: vec![(StateName::Done, 3), (StateName::Queued, 0)],
             entries_fitted: 41,

@@ -4,109 +4,110 @@ use std::sync::Arc;
 
 use axum::{
     body::{Body, Bytes},
-    extract::{Query, State},
-    http::{HeaderMap, HeaderValue, Response as HttpResponse, StatusCode, Uri, header, response::Builder},
+    extract::State,
+    http::{HeaderMap, HeaderValue, Response as HttpResponse, StatusCode, header, response::Builder},
     response::Response,
 };
-use serde::Deserialize;
 
 use super::{
-    Api,
+    api::Api,
     conditional::EntityTag,
-    error::{self, Kind},
-    extract::{NoParameters, PathOf, QueryOf},
+    error::{self, bad_parameters},
+    extract::{PathOf, QueryPairs},
+    kind::ProblemKind,
     problem::Problem,
 };
 use crate::{
     files::digest::Digest,
-    server::service::{Ordered, PictureError, PictureFile, Subject},
+    server::service::{PictureFile, PictureReply, Subject},
     view::{
-        plots::{Azimuth, Plot, Ratio, Slice},
-        preview::{Choices, ParameterFault, Scene},
+        parameters::{ParameterFault, read_pairs},
+        plots::Plot,
+        preview::{Choices, Scene},
     },
 };
 
-/// The picture of a named table changes with the adapter or the version of the service alone.
-const A_DAY: &str = "public, max-age=86400";
-/// The best table of today is not that of tomorrow.
-const ASK_AGAIN: &str = "no-cache";
+/// The picture of a named table changes only with the adapter or the version of the service.
+const ONE_DAY: &str = "public, max-age=86400";
+/// Which stored table is the best changes as tables are added.
+const REVALIDATE: &str = "no-cache";
 
-/// `GET /v1/preview`. A client that goes takes this future with it, and with it the order.
-pub(super) async fn preview(State(api): State<Api>, uri: Uri, headers: HeaderMap) -> Result<Response, Problem> {
-    let (table, scene) = read(&uri)?;
+/// `GET /v1/preview`. When the client disconnects, this future is dropped, and its request with it.
+pub(super) async fn preview(
+    State(api): State<Api>,
+    query: QueryPairs,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let (table, scene) = read_preview(&query).map_err(|faults| bad_parameters(ProblemKind::BadScene, faults))?;
     answer(&api, table, Subject::Scene(Box::new(scene)), headers).await
 }
 
 /// `GET /v1/tables/{digest}/plots/error.png`.
 pub(super) async fn error_plot(
     State(api): State<Api>,
-    QueryOf(SliceParameters { ratio, phi }): QueryOf<SliceParameters>,
     PathOf(digest): PathOf<Digest>,
+    query: QueryPairs,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    answer(&api, Some(digest), Subject::Plot(Plot::Error(Slice::new(ratio, phi))), headers).await
+    plot(&api, digest, Plot::error_from(query.iter()), headers).await
 }
 
 /// `GET /v1/tables/{digest}/plots/matrix.png`.
 pub(super) async fn matrix_plot(
     State(api): State<Api>,
-    _: QueryOf<NoParameters>,
     PathOf(digest): PathOf<Digest>,
+    query: QueryPairs,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    answer(&api, Some(digest), Subject::Plot(Plot::Matrix), headers).await
+    plot(&api, digest, Plot::matrix_from(query.iter()), headers).await
 }
 
-/// Where a plot cuts the domain.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SliceParameters {
-    ratio: Option<Ratio>,
-    phi: Option<Azimuth>,
+async fn plot(
+    api: &Api,
+    table: Digest,
+    plot: Result<Plot, Vec<ParameterFault>>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let plot = plot.map_err(|faults| bad_parameters(ProblemKind::BadPlot, faults))?;
+    answer(api, Some(table), Subject::Plot(plot), headers).await
 }
 
-/// The picture, or word that the client has it.
+/// The picture, or 304 if the client has it.
 async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: HeaderMap) -> Result<Response, Problem> {
-    let caching = if table.is_some() { A_DAY } else { ASK_AGAIN };
-    let asked = headers.clone();
-    let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&asked);
-    let wait = match api.call(move |service| service.picture(table, subject, is_known)).await? {
-        Ordered::Known { tag, adapter } => return unchanged(tag, &adapter, caching),
-        Ordered::Ready(file) => return whole(file, caching),
-        Ordered::Waiting(wait) => wait,
+    let caching = if table.is_some() { ONE_DAY } else { REVALIDATE };
+    let conditions = headers.clone();
+    let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&conditions);
+    let pending = match api.call(move |service| service.picture(table, subject, is_known)).await? {
+        PictureReply::Known { tag, adapter } => return unchanged(tag, &adapter, caching),
+        PictureReply::Ready(file) => return whole(file, caching),
+        PictureReply::Pending(pending) => pending,
     };
     let mut stopping = api.stopping.clone();
     let file = tokio::select! {
-        file = wait.file() => file?,
+        file = pending.file() => file?,
         _ = stopping.wait_for(|stopping| *stopping) => return Err(error::stopping()),
     };
-    // What renders was not known when the picture was ordered.
+    // Until the first picture the adapter is not known, and the tag depends on it.
     if EntityTag::strong(file.tag).is_known_to(&headers) {
         return unchanged(file.tag, &file.adapter, caching);
     }
     whole(file, caching)
 }
 
-/// Table and scene of a query string.
-fn read(uri: &Uri) -> Result<(Option<Digest>, Scene), Problem> {
-    let Query(pairs) = Query::<Vec<(String, String)>>::try_from_uri(uri)
-        .map_err(|rejection| Problem::new(Kind::BadParameter, rejection.body_text()))?;
-    let (tables, others): (Vec<_>, Vec<_>) = pairs.iter().partition(|(name, _)| name == "table");
-    let mut faults = Vec::new();
+/// Table and scene of a preview's query, or all its faults.
+fn read_preview(query: &QueryPairs) -> Result<(Option<Digest>, Scene), Vec<ParameterFault>> {
+    let (tables, others): (Vec<_>, Vec<_>) = query.iter().partition(|(name, _)| *name == "table");
     let mut table = None;
-    for (name, text) in tables {
-        match text.parse::<Digest>() {
-            Ok(_) if table.is_some() => faults.push(ParameterFault::new(name, "stands twice")),
-            Ok(digest) => table = Some(digest),
-            Err(error) => faults.push(ParameterFault::new(name, error.to_string())),
-        }
-    }
-    match Choices::read(others.iter().map(|(name, text)| (name.as_str(), text.as_str()))) {
+    let mut faults = read_pairs(tables, |_, text| {
+        table = Some(text.parse::<Digest>().map_err(|error| error.to_string())?);
+        Ok(())
+    });
+    match Choices::read(others) {
         Ok(scene) if faults.is_empty() => Ok((table, scene)),
-        Ok(_) => Err(PictureError::Parameters(faults).into()),
+        Ok(_) => Err(faults),
         Err(others) => {
             faults.extend(others);
-            Err(PictureError::Parameters(faults).into())
+            Err(faults)
         }
     }
 }
@@ -121,7 +122,7 @@ fn unchanged(tag: Digest, adapter: &str, caching: &'static str) -> Result<Respon
 }
 
 fn head(status: StatusCode, tag: Digest, adapter: &str, caching: &'static str) -> Builder {
-    // A driver may name itself in any characters.
+    // A driver's name may hold any characters; a header field may not.
     let plain: String = adapter.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
     HttpResponse::builder()
         .status(status)

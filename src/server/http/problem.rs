@@ -9,13 +9,13 @@ use axum::{
 };
 use serde::Serialize;
 
-use super::error::Kind;
-use crate::{files::recipe::Fault, view::preview::ParameterFault};
+use super::kind::ProblemKind;
+use crate::{files::recipe::Fault, view::parameters::ParameterFault};
 
-/// An error on its way to a client.
+/// An error as it is reported to a client.
 #[derive(Debug)]
 pub(super) struct Problem {
-    kind: Kind,
+    kind: ProblemKind,
     detail: String,
     errors: Vec<FaultView>,
     retry_after: Option<Duration>,
@@ -32,7 +32,7 @@ pub(super) struct ProblemView {
     errors: Vec<FaultView>,
 }
 
-/// One of several faults: where it is, and what is wrong there.
+/// One of the faults of a request: where it is, and what is wrong there.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub(super) enum FaultView {
@@ -56,11 +56,11 @@ impl From<ParameterFault> for FaultView {
 
 impl Problem {
     /// A problem of `kind`; `detail` is one sentence on this occurrence.
-    pub(super) fn new(kind: Kind, detail: impl Into<String>) -> Self {
+    pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
     }
 
-    /// The same with a list of faults in what was submitted.
+    /// The same with a list of the request's faults.
     pub(super) fn with_errors<F: Into<FaultView>>(self, errors: Vec<F>) -> Self {
         Self { errors: errors.into_iter().map(Into::into).collect(), ..self }
     }
@@ -107,9 +107,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_problem_carries_its_faults_and_when_to_come_back() {
+    fn a_problem_carries_its_faults_and_when_to_retry() {
         let fault = Fault { pointer: "/fit/samples".into(), detail: "0 is below 1".into() };
-        let problem = Problem::new(Kind::BadRecipe, "1 fault").with_errors(vec![fault]);
+        let problem = Problem::new(ProblemKind::BadRecipe, "1 fault").with_errors(vec![fault]);
         let view = serde_json::to_value(problem.into_view()).expect("a problem serialises");
         let expected = serde_json::json!({
             "type": "/problems/bad-recipe", "title": "The recipe has faults", "status": 422, "detail": "1 fault",
@@ -117,7 +117,8 @@ mod tests {
         });
         assert_eq!(view, expected);
 
-        let response = Problem::new(Kind::QueueFull, "").with_retry_after(Duration::from_millis(1200)).into_response();
+        let response =
+            Problem::new(ProblemKind::QueueFull, "").with_retry_after(Duration::from_millis(1200)).into_response();
         assert_eq!(response.headers()[header::RETRY_AFTER], "2");
         assert_eq!(response.headers()[header::CONTENT_TYPE], "application/problem+json");
     }

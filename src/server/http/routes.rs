@@ -1,5 +1,4 @@
-//! Which method on which path does what: one table that the router is built from and that a test holds
-//! `openapi.yaml` to.
+//! The routes: one table from which the router is built and with which a test compares `openapi.yaml`.
 
 use axum::{
     Router,
@@ -8,9 +7,9 @@ use axum::{
     routing::MethodRouter,
 };
 
-use super::{Api, error::Kind, events, jobs, operations, pictures, problem::Problem, tables};
+use super::{api::Api, events, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables};
 
-/// One call of the interface. A `GET` answers `HEAD` as well; `HEAD` stands here where clients depend on it.
+/// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
 #[derive(Debug)]
 pub struct Route {
     /// Request method.
@@ -24,7 +23,7 @@ const fn route(method: Method, path: &'static str, add: fn(MethodRouter<Api>) ->
     Route { method, path, add }
 }
 
-/// Every call. The lines of one path stand together.
+/// Every call. The routes of one path are adjacent.
 pub static ROUTES: &[Route] = &[
     route(Method::POST, "/v1/jobs", |on| on.post(jobs::submit)),
     route(Method::GET, "/v1/jobs", |on| on.get(jobs::list)),
@@ -48,25 +47,28 @@ pub static ROUTES: &[Route] = &[
 
 /// The router of [`ROUTES`]; any other method on a known path is a 405 that names the allowed ones.
 pub(super) fn router() -> Router<Api> {
-    ROUTES.chunk_by(|a, b| a.path == b.path).fold(Router::new(), |router, lines| {
-        let allowed = allowed_methods(lines);
+    ROUTES.chunk_by(|a, b| a.path == b.path).fold(Router::new(), |router, routes| {
+        let allowed = allowed_methods(routes);
         let refuse = move |method: Method, uri: Uri| {
             let allowed = allowed.clone();
             async move { method_not_allowed(&method, &uri, &allowed) }
         };
-        let methods = lines.iter().fold(MethodRouter::new(), |methods, line| (line.add)(methods));
-        router.route(lines[0].path, methods.fallback(refuse))
+        let methods = routes.iter().fold(MethodRouter::new(), |methods, route| (route.add)(methods));
+        router.route(routes[0].path, methods.fallback(refuse))
     })
 }
 
-/// The answer on paths that are in no line of the table.
+/// The answer to a path that no route has.
 pub(super) async fn no_such_path(uri: Uri) -> Problem {
-    Problem::new(Kind::NoSuchPath, format!("«{}» is no path of this service; /openapi.yaml lists them", uri.path()))
+    Problem::new(
+        ProblemKind::NoSuchPath,
+        format!("«{}» is not a path of this service; /openapi.yaml lists all of them", uri.path()),
+    )
 }
 
-/// The methods of a path's lines, `HEAD` beside every `GET`, as the `Allow` field lists them.
-fn allowed_methods(lines: &[Route]) -> String {
-    let mut names: Vec<&str> = lines.iter().map(|line| line.method.as_str()).collect();
+/// The methods of a path's routes as the `Allow` field lists them, with `HEAD` wherever there is `GET`.
+fn allowed_methods(routes: &[Route]) -> String {
+    let mut names: Vec<&str> = routes.iter().map(|route| route.method.as_str()).collect();
     if names.contains(&"GET") && !names.contains(&"HEAD") {
         names.push("HEAD");
     }
@@ -75,7 +77,7 @@ fn allowed_methods(lines: &[Route]) -> String {
 
 fn method_not_allowed(method: &Method, uri: &Uri, allowed: &str) -> Response {
     let detail = format!("{method} is not allowed on «{}»; allowed: {allowed}", uri.path());
-    let mut response = Problem::new(Kind::MethodNotAllowed, detail).into_response();
+    let mut response = Problem::new(ProblemKind::MethodNotAllowed, detail).into_response();
     if let Ok(allowed) = HeaderValue::from_str(allowed) {
         response.headers_mut().insert(header::ALLOW, allowed);
     }
@@ -89,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_lines_of_a_path_stand_together_and_none_stands_twice() {
+    fn the_routes_of_a_path_are_adjacent_and_none_is_repeated() {
         let runs = ROUTES.chunk_by(|a, b| a.path == b.path).count();
         let paths: BTreeSet<&str> = ROUTES.iter().map(|route| route.path).collect();
         assert_eq!(runs, paths.len());
@@ -104,7 +106,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_wrong_method_is_told_the_allowed_ones() {
+    async fn a_405_names_the_allowed_methods() {
         let response = method_not_allowed(&Method::PUT, &Uri::from_static("/v1/jobs"), &allowed_methods(&ROUTES[..2]));
         assert_eq!(response.status(), 405);
         assert_eq!(response.headers()[header::ALLOW], "POST, GET, HEAD");

@@ -1,4 +1,4 @@
-//! Tables: list, download by hash, manifest; recipes to tables.
+//! Tables: list, download by hash, manifest; recipes and their tables.
 
 use std::sync::Arc;
 
@@ -13,12 +13,13 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use serde::Deserialize;
 
 use super::{
-    Api,
+    api::Api,
     conditional::EntityTag,
-    error::{self, Kind},
+    error,
     extract::{NoParameters, PageLimit, PathOf, QueryOf},
+    kind::ProblemKind,
     problem::Problem,
-    range::{self, Asked},
+    range::{self, Requested},
     views::{PageView, RecipeView},
 };
 use crate::{files::digest::Digest, server::service::TableRow};
@@ -73,13 +74,14 @@ pub(super) async fn recipe(
     PathOf(digest): PathOf<Digest>,
 ) -> Result<Json<RecipeView>, Problem> {
     let known = api.call(move |service| service.recipe(digest)).await?;
-    let (recipe, table) = known
-        .ok_or_else(|| Problem::new(Kind::UnknownRecipe, format!("no recipe with the digest {digest} is known")))?;
+    let (recipe, table) = known.ok_or_else(|| {
+        Problem::new(ProblemKind::UnknownRecipe, format!("no recipe with the digest {digest} is known"))
+    })?;
     Ok(Json(RecipeView::new(digest, &recipe, table)?))
 }
 
 fn unknown(digest: Digest) -> Problem {
-    Problem::new(Kind::UnknownTable, format!("no table with the digest {digest} is stored"))
+    Problem::new(ProblemKind::UnknownTable, format!("no table with the digest {digest} is stored"))
 }
 
 /// Shares the service's copy of a file with the response instead of making another.
@@ -91,23 +93,24 @@ impl AsRef<[u8]> for File {
     }
 }
 
-/// The file, a part of it, or word that the client has it, in the order of RFC 9110, section 13.2.2.
+/// The file, a part of it, or 304 if the client has it; conditions are evaluated in the order of RFC 9110, section
+/// 13.2.2.
 fn respond(digest: &Digest, method: &Method, headers: &HeaderMap, file: Bytes) -> Result<Response, Problem> {
     let tag = EntityTag::strong(digest);
     if tag.is_known_to(headers) {
         return finish(validators(StatusCode::NOT_MODIFIED, &tag), Body::empty());
     }
     let length = file.len();
-    match asked(&tag, method, headers, length) {
-        Asked::Whole => finish(representation(StatusCode::OK, &tag, digest), Body::from(file)),
-        Asked::Part(part) => {
+    match requested(&tag, method, headers, length) {
+        Requested::Whole => finish(representation(StatusCode::OK, &tag, digest), Body::from(file)),
+        Requested::Part(part) => {
             let content_range = format!("bytes {}-{}/{length}", part.start, part.end - 1);
             let head = representation(StatusCode::PARTIAL_CONTENT, &tag, digest);
             finish(head.header(header::CONTENT_RANGE, content_range), Body::from(file.slice(part)))
         }
-        Asked::Unsatisfiable => {
+        Requested::Unsatisfiable => {
             let detail = format!("the file has {length} bytes; none of them is in the range");
-            let mut response = Problem::new(Kind::RangeNotSatisfiable, detail).into_response();
+            let mut response = Problem::new(ProblemKind::RangeNotSatisfiable, detail).into_response();
             if let Ok(content_range) = HeaderValue::from_str(&format!("bytes */{length}")) {
                 response.headers_mut().insert(header::CONTENT_RANGE, content_range);
             }
@@ -116,11 +119,11 @@ fn respond(digest: &Digest, method: &Method, headers: &HeaderMap, file: Bytes) -
     }
 }
 
-/// `Range` means something on GET alone, and only if `If-Range` allows it.
-fn asked(tag: &EntityTag, method: &Method, headers: &HeaderMap, length: usize) -> Asked {
+/// `Range` applies to GET only, and only if `If-Range` allows it.
+fn requested(tag: &EntityTag, method: &Method, headers: &HeaderMap, length: usize) -> Requested {
     match headers.get(header::RANGE).and_then(|field| field.to_str().ok()) {
         Some(field) if method == Method::GET && tag.allows_range(headers) => range::parse(field, length),
-        _ => Asked::Whole,
+        _ => Requested::Whole,
     }
 }
 
@@ -149,10 +152,10 @@ mod tests {
     const FILE: &[u8] = b"0123456789";
 
     fn get(fields: &[(HeaderName, &str)]) -> Response {
-        ask(&Method::GET, fields)
+        request(&Method::GET, fields)
     }
 
-    fn ask(method: &Method, fields: &[(HeaderName, &str)]) -> Response {
+    fn request(method: &Method, fields: &[(HeaderName, &str)]) -> Response {
         let fields =
             fields.iter().map(|(name, value)| (name.clone(), HeaderValue::from_str(value).expect("a field value")));
         respond(&Digest::of(FILE), method, &fields.collect(), Bytes::from_static(FILE)).expect("a response")
@@ -180,9 +183,9 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_client_that_has_the_file_is_told_so() {
+    async fn a_client_that_has_the_file_gets_304() {
         let tag = format!("\"{}\"", Digest::of(FILE));
-        // If-None-Match goes before Range.
+        // If-None-Match takes precedence over Range.
         let response = get(&[(header::IF_NONE_MATCH, &tag), (header::RANGE, "bytes=0-1")]);
         assert_eq!(response.status(), 304);
         assert_eq!(response.headers()[header::ETAG], tag);
@@ -190,7 +193,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_part_says_where_it_lies() {
+    async fn a_part_names_its_range() {
         let response = get(&[(header::RANGE, "bytes=2-4")]);
         assert_eq!(response.status(), 206);
         assert_eq!(response.headers()[header::CONTENT_RANGE], "bytes 2-4/10");
@@ -207,6 +210,6 @@ mod tests {
         let tag = format!("\"{}\"", Digest::of(FILE));
         assert_eq!(get(&[range.clone(), (header::IF_RANGE, &tag)]).status(), 206);
         assert_eq!(get(&[range.clone(), (header::IF_RANGE, "\"other\"")]).status(), 200);
-        assert_eq!(ask(&Method::HEAD, &[range]).status(), 200);
+        assert_eq!(request(&Method::HEAD, &[range]).status(), 200);
     }
 }

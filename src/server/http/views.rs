@@ -9,7 +9,7 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{Job, JobId, JobState, StateName},
-        service::{Expected, JobNews, Page},
+        service::{Expected, JobSnapshot, Page},
     },
 };
 
@@ -18,7 +18,7 @@ use crate::{
 pub(super) struct JobView {
     id: JobId,
     state: StateName,
-    /// The stored canonical text, passed through unparsed: not a digit of it changes.
+    /// The stored canonical text, passed through unparsed so that no digit of it changes.
     recipe: Box<RawValue>,
     recipe_digest: Digest,
     progress: ProgressView,
@@ -38,14 +38,14 @@ struct ProgressView {
     seconds_left: Option<f64>,
 }
 
-/// What was to be expected of the job's fit.
+/// What the fit was expected to take and to give.
 #[derive(Debug, Serialize)]
 struct ExpectedView {
     seconds: f64,
     error: f64,
 }
 
-/// A known recipe and the table it led to.
+/// A known recipe and its table.
 #[derive(Debug, Serialize)]
 pub(super) struct RecipeView {
     recipe_digest: Digest,
@@ -69,7 +69,7 @@ impl JobView {
     pub(super) fn new(job: &Job, seconds_left: Option<f64>, expected: Option<Expected>) -> Result<Self, Problem> {
         Ok(Self {
             id: job.id,
-            state: state_name(&job.state),
+            state: job.state.name(),
             recipe: raw(&job.recipe)?,
             recipe_digest: job.recipe_digest,
             progress: ProgressView {
@@ -93,12 +93,12 @@ impl JobView {
         })
     }
 
-    /// A job's news.
+    /// A job and its forecasts.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub(super) fn of_news(news: &JobNews) -> Result<Self, Problem> {
-        Self::new(&news.job, news.seconds_left, news.expected)
+    pub(super) fn of_snapshot(snapshot: &JobSnapshot) -> Result<Self, Problem> {
+        Self::new(&snapshot.job, snapshot.seconds_left, snapshot.expected)
     }
 }
 
@@ -113,36 +113,20 @@ impl RecipeView {
 }
 
 impl<T> PageView<T> {
-    /// The page with each item shown by `view`.
+    /// The page with each item converted by `view`.
     ///
     /// # Errors
-    /// The first that `view` reports.
+    /// The first error of `view`.
     pub(super) fn new<I>(page: Page<I>, view: impl Fn(I) -> Result<T, Problem>) -> Result<Self, Problem> {
         Ok(Self { items: page.items.into_iter().map(view).collect::<Result<_, _>>()?, next: page.next })
     }
-}
-
-/// A state without its data.
-pub(super) fn state_name(state: &JobState) -> StateName {
-    match state {
-        JobState::Queued => StateName::Queued,
-        JobState::Running => StateName::Running,
-        JobState::Done { .. } => StateName::Done,
-        JobState::Failed { .. } => StateName::Failed,
-        JobState::Cancelled => StateName::Cancelled,
-    }
-}
-
-/// Whether nothing follows `state`.
-pub(super) fn is_final(state: &JobState) -> bool {
-    !matches!(state, JobState::Queued | JobState::Running)
 }
 
 fn raw(json: &str) -> Result<Box<RawValue>, Problem> {
     RawValue::from_string(json.to_owned()).map_err(|error| super::error::internal(&error))
 }
 
-/// Jobs for the tests of the modules that show them.
+/// Jobs for tests.
 #[cfg(test)]
 pub(super) mod samples {
     use super::*;
@@ -191,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_job_keeps_every_digit_of_its_recipe_and_no_infinity() {
+    fn a_job_keeps_every_digit_of_its_recipe_and_shows_no_infinity() {
         let view =
             JobView::new(&samples::job(JobState::Queued), Some(f64::INFINITY), None).expect("the recipe is JSON");
         let text = serde_json::to_string(&view).expect("a job serialises");

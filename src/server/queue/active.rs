@@ -1,65 +1,65 @@
-//! A job that waits or runs, in memory: what is leased from.
+//! A queued or running job in memory, from which tasks are leased.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use jiff::Timestamp;
 
-use super::{Job, JobState, record::JobRecord, step::StepState};
+use super::{Job, JobState, record::JobRecord, task::TaskState};
 
-/// A job with its steps. Step `n` below the number of shards is shard `n`; the last step assembles the table and is
+/// A job with its tasks. TaskKind `n` below the number of shards is shard `n`; the last task assembles the table and is
 /// waiting only while every shard is finished.
 #[derive(Debug)]
-pub(super) struct Active {
+pub(super) struct ActiveJob {
     pub(super) record: JobRecord,
-    pub(super) steps: Vec<StepState>,
+    pub(super) tasks: Vec<TaskState>,
     waiting: BTreeSet<u32>,
-    /// Leased steps and the entries that each has reported.
+    /// Leased tasks and the number of entries that each has reported.
     leased: BTreeMap<u32, u64>,
     shards_unfinished: usize,
     entries_finished: u64,
 }
 
-impl Active {
-    /// The job of `record`; `steps` has one state for each shard, and one for the assembling.
-    pub(super) fn new(record: JobRecord, steps: Vec<StepState>) -> Self {
+impl ActiveJob {
+    /// The job of `record`; `tasks` has one state for each shard and one for the assembly.
+    pub(super) fn new(record: JobRecord, tasks: Vec<TaskState>) -> Self {
         let mut active = Self {
             shards_unfinished: record.shard_entries.len(),
             record,
             waiting: BTreeSet::new(),
             leased: BTreeMap::new(),
             entries_finished: 0,
-            steps: vec![],
+            tasks: vec![],
         };
-        active.steps = vec![StepState::new(); steps.len()];
-        for (step, state) in (0..).zip(steps) {
-            active.set(step, state);
+        active.tasks = vec![TaskState::new(); tasks.len()];
+        for (task, state) in (0..).zip(tasks) {
+            active.set(task, state);
         }
-        active.wake_assembly();
+        active.update_assembly();
         active
     }
 
-    /// The step that assembles.
+    /// Number of the assembly task.
     pub(super) fn assembly(&self) -> u32 {
         self.record.shards()
     }
 
-    /// Sets the state of a step and keeps the sums right.
-    pub(super) fn set(&mut self, step: u32, state: StepState) {
-        let Some(slot) = self.steps.get_mut(step as usize) else { return };
-        let was_finished = matches!(slot, StepState::Finished { .. });
+    /// Sets the state of a task and updates the counts.
+    pub(super) fn set(&mut self, task: u32, state: TaskState) {
+        let Some(slot) = self.tasks.get_mut(task as usize) else { return };
+        let was_finished = matches!(slot, TaskState::Finished { .. });
         self.record.job.attempts = self.record.job.attempts.max(state.attempt());
-        self.waiting.remove(&step);
-        self.leased.remove(&step);
-        let is_shard = (step as usize) < self.record.shard_entries.len();
+        self.waiting.remove(&task);
+        self.leased.remove(&task);
+        let is_shard = (task as usize) < self.record.shard_entries.len();
         match &state {
-            StepState::Waiting { .. } if is_shard => drop(self.waiting.insert(step)),
-            StepState::Leased { .. } => drop(self.leased.insert(step, 0)),
-            StepState::Waiting { .. } | StepState::Finished { .. } => {}
+            TaskState::Waiting { .. } if is_shard => drop(self.waiting.insert(task)),
+            TaskState::Leased { .. } => drop(self.leased.insert(task, 0)),
+            TaskState::Waiting { .. } | TaskState::Finished { .. } => {}
         }
-        let is_finished = matches!(state, StepState::Finished { .. });
+        let is_finished = matches!(state, TaskState::Finished { .. });
         *slot = state;
         if is_shard && is_finished != was_finished {
-            let entries = u64::from(self.record.shard_entries[step as usize]);
+            let entries = u64::from(self.record.shard_entries[task as usize]);
             if is_finished {
                 self.shards_unfinished -= 1;
                 self.entries_finished += entries;
@@ -68,38 +68,38 @@ impl Active {
                 self.entries_finished -= entries;
             }
         }
-        self.wake_assembly();
+        self.update_assembly();
     }
 
-    fn wake_assembly(&mut self) {
-        let step = self.assembly();
+    fn update_assembly(&mut self) {
+        let task = self.assembly();
         let ready =
-            self.shards_unfinished == 0 && matches!(self.steps.get(step as usize), Some(StepState::Waiting { .. }));
+            self.shards_unfinished == 0 && matches!(self.tasks.get(task as usize), Some(TaskState::Waiting { .. }));
         if ready {
-            self.waiting.insert(step);
+            self.waiting.insert(task);
         } else {
-            self.waiting.remove(&step);
+            self.waiting.remove(&task);
         }
     }
 
-    /// The step to lease next.
+    /// The task to lease next.
     pub(super) fn next_waiting(&self) -> Option<u32> {
         self.waiting.first().copied()
     }
 
-    /// Notes how many entries a leased shard has done.
-    pub(super) fn report(&mut self, step: u32, entries: u64) {
-        let most = self.record.shard_entries.get(step as usize).copied().map_or(0, u64::from);
-        if let Some(done) = self.leased.get_mut(&step) {
+    /// Records how many entries of a leased shard are done.
+    pub(super) fn report(&mut self, task: u32, entries: u64) {
+        let most = self.record.shard_entries.get(task as usize).copied().map_or(0, u64::from);
+        if let Some(done) = self.leased.get_mut(&task) {
             *done = entries.min(most);
         }
     }
 
-    /// Leased steps with their attempts, expiry and worker.
+    /// Leased tasks with the attempt and the expiry of each.
     pub(super) fn leases(&self) -> impl Iterator<Item = (u32, u32, Timestamp)> + '_ {
-        self.leased.keys().filter_map(|step| match self.steps.get(*step as usize)? {
-            StepState::Leased { attempt, lease_until, .. } => Some((*step, *attempt, *lease_until)),
-            StepState::Waiting { .. } | StepState::Finished { .. } => None,
+        self.leased.keys().filter_map(|task| match self.tasks.get(*task as usize)? {
+            TaskState::Leased { attempt, lease_until, .. } => Some((*task, *attempt, *lease_until)),
+            TaskState::Waiting { .. } | TaskState::Finished { .. } => None,
         })
     }
 

@@ -1,4 +1,4 @@
-//! What is known of a job.
+//! A job and its states.
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use crate::files::{
     job::{JobId, StateName},
 };
 
-/// Why a job failed, as a stable word.
+/// Why a job failed, by a name that is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureKind {
@@ -16,16 +16,16 @@ pub enum FailureKind {
     DiskFull,
     /// Reading or writing failed for another reason.
     Storage,
-    /// A shard failed as often as attempts are allowed.
+    /// A task failed as often as is allowed.
     Attempts,
 }
 
 /// The last error of a failed job.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// What kind of failure.
+    /// Its kind.
     pub kind: FailureKind,
-    /// One sentence for people.
+    /// One sentence for a person to read.
     pub detail: String,
 }
 
@@ -42,7 +42,7 @@ pub enum JobState {
         /// Its digest.
         table: Digest,
     },
-    /// It gave up.
+    /// It failed.
     Failed {
         /// Why.
         error: Failure,
@@ -56,7 +56,7 @@ pub enum JobState {
 pub struct Job {
     /// Derived from the recipe's digest.
     pub id: JobId,
-    /// Canonical JSON of the recipe: opaque to the queue.
+    /// Canonical JSON of the recipe, opaque to the queue.
     pub recipe: String,
     /// Its digest.
     pub recipe_digest: Digest,
@@ -65,9 +65,9 @@ pub struct Job {
     pub state: JobState,
     /// Entries of all shards.
     pub entries_total: u64,
-    /// Entries of finished shards, plus those that running ones have reported.
+    /// Entries of finished shards plus those that leased ones have reported.
     pub entries_done: u64,
-    /// The highest attempt number among its shards.
+    /// The highest attempt number among its tasks.
     pub attempts: u32,
     /// When it was first submitted, or submitted again after it had failed or been cancelled.
     pub created_at: Timestamp,
@@ -95,7 +95,7 @@ impl StateName {
     /// Every state.
     pub const ALL: [Self; 5] = [Self::Queued, Self::Running, Self::Done, Self::Failed, Self::Cancelled];
 
-    /// Whether a job in this state changes no more unless it is submitted again.
+    /// Whether a job in this state only changes by being submitted again.
     #[must_use]
     pub fn is_final(self) -> bool {
         matches!(self, Self::Done | Self::Failed | Self::Cancelled)

@@ -1,43 +1,34 @@
-//! Leases: who works on what, for how long, and what becomes of it.
+//! Leasing tasks, renewing leases, and what a worker reports under a lease.
 
 use jiff::Timestamp;
 
 use super::{
-    Failure, JobState, Queue, StaleLease,
-    jobs::{State, conclusion},
+    Failure, JobState, Lease, Queue, StaleLease,
+    jobs::{QueueState, conclusion},
     record,
-    step::StepState,
+    task::TaskState,
 };
 use crate::{
     files::digest::Digest,
     server::store::{Batch, StoreError, Tree},
 };
 
-/// The right to deliver one step. It names the submission and the attempt: neither a lease that has run out nor one
-/// from before the job was submitted again is taken for the current one.
+/// What a task consists of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lease {
-    pub(super) submission: u64,
-    pub(super) step: u32,
-    pub(super) attempt: u32,
-}
-
-/// What is to be done under a lease.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub enum TaskKind {
     /// Fit this shard, then [`Queue::complete`].
     Shard(u32),
-    /// Make the table of all shards' results, then [`Queue::finish`].
+    /// Assemble the table from all shards' results, then [`Queue::finish`].
     Assemble,
 }
 
-/// A leased step.
+/// A task under a lease.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Work {
-    /// To deliver under.
+pub struct LeasedTask {
+    /// The lease to deliver under.
     pub lease: Lease,
     /// What to do.
-    pub step: Step,
+    pub kind: TaskKind,
     /// The job it belongs to.
     pub job: super::JobId,
     /// The job's recipe.
@@ -46,21 +37,21 @@ pub struct Work {
     pub recipe_digest: Digest,
 }
 
-/// An answer to a worker that asks for work.
+/// The answer to a worker that asks for a task.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Offer {
-    /// A leased step.
-    Work(Work),
-    /// Nothing to do now: pass `seen` to [`Queue::wait`].
+    /// A task under a lease.
+    Task(LeasedTask),
+    /// No task is available now: pass `seen` to [`Queue::wait`].
     Nothing {
-        /// The state of the queue that was seen.
+        /// The generation of the queue that was seen.
         seen: u64,
     },
     /// The queue is closed.
     Closed,
 }
 
-/// Why a result was not taken.
+/// Why a result was not accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum LeaseError {
     /// The lease is not the current one.
@@ -72,7 +63,7 @@ pub enum LeaseError {
 }
 
 impl Queue {
-    /// Leases the next step: of the job that was submitted first, its first waiting shard.
+    /// Leases the next task: the first waiting one of the job that was submitted first.
     pub fn lease(&self, worker: u32) -> Offer {
         let mut state = self.lock();
         if state.closed {
@@ -81,12 +72,12 @@ impl Queue {
         let now = (self.clock)();
         let until = self.expiry(now);
         let next = state.active.iter().find_map(|(submission, active)| Some((*submission, active.next_waiting()?)));
-        let leased = next.and_then(|(submission, step)| {
+        let leased = next.and_then(|(submission, task)| {
             let active = state.active.get_mut(&submission)?;
-            let leased = active.steps.get(step as usize)?.lease(worker, until).ok()?;
-            Some((submission, step, active, leased))
+            let leased = active.tasks.get(task as usize)?.lease(worker, until).ok()?;
+            Some((submission, task, active, leased))
         });
-        let Some((submission, step, active, leased)) = leased else {
+        let Some((submission, task, active, leased)) = leased else {
             return Offer::Nothing { seen: state.generation };
         };
         let mut batch = Batch::default();
@@ -97,38 +88,38 @@ impl Queue {
             job.started_at = Some(now);
         }
         let id = job.id;
-        let lease = Lease { submission, step, attempt: leased.attempt() };
-        active.set(step, leased.clone());
-        // A lease ends with the process; its row only serves to count crashes as failures. It is not waited for.
-        let mut stored = record::put_step(&mut batch, id, step, &leased);
+        let lease = Lease { submission, task, attempt: leased.attempt() };
+        active.set(task, leased.clone());
+        // A lease ends with the process. Its row only serves to count a crash as a failure, so the disk is not waited for.
+        let mut stored = record::put_task(&mut batch, id, task, &leased);
         if first {
             stored = stored.and_then(|()| record::put_job(&mut batch, &active.record));
         }
         if let Err(error) = stored.and_then(|()| self.rows.stage(&batch)) {
-            tracing::warn!(job = %id, step, %error, "the lease was not recorded");
+            tracing::warn!(job = %id, task, %error, "the lease could not be recorded");
         }
-        let work = Work {
+        let leased = LeasedTask {
             lease,
-            step: if step == active.assembly() { Step::Assemble } else { Step::Shard(step) },
+            kind: if task == active.assembly() { TaskKind::Assemble } else { TaskKind::Shard(task) },
             job: id,
             recipe: active.record.job.recipe.clone(),
             recipe_digest: active.record.job.recipe_digest,
         };
         state.next_expiry = Some(state.next_expiry.map_or(until, |expiry| expiry.min(until)));
-        state.touched.insert(id);
-        Offer::Work(work)
+        state.changed_jobs.insert(id);
+        Offer::Task(leased)
     }
 
-    /// A sign of life: notes the entries done so far and extends the lease. In memory only.
+    /// Records the entries done so far and renews the lease, in memory only.
     ///
     /// # Errors
-    /// When the lease is not the current one: stop.
+    /// When the lease is not the current one; the worker then stops.
     pub fn progress(&self, lease: &Lease, entries_done: u64) -> Result<(), StaleLease> {
         let until = self.expiry((self.clock)());
         let mut state = self.lock();
         let active = state.active.get_mut(&lease.submission).ok_or(StaleLease)?;
-        active.steps.get_mut(lease.step as usize).ok_or(StaleLease)?.extend(lease.attempt, until)?;
-        active.report(lease.step, entries_done);
+        active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.extend(lease.attempt, until)?;
+        active.report(lease.task, entries_done);
         Ok(())
     }
 
@@ -138,31 +129,31 @@ impl Queue {
     /// When the lease is not the current one, or the result cannot be stored.
     pub fn complete(&self, lease: &Lease, result: &[u8]) -> Result<(), LeaseError> {
         let mut state = self.lock();
-        let (active, step) = state.current(lease)?;
-        if lease.step == active.assembly() {
+        let (active, task) = state.current(lease)?;
+        if lease.task == active.assembly() {
             return Err(StaleLease.into());
         }
-        let finished = step.finish(lease.attempt)?;
+        let finished = task.finish(lease.attempt)?;
         let id = active.record.job.id;
         let mut batch = Batch::default();
-        record::put_step(&mut batch, id, lease.step, &finished)?;
-        batch.put(Tree::Results, record::step_key(id, lease.step), result);
+        record::put_task(&mut batch, id, lease.task, &finished)?;
+        batch.put(Tree::Results, record::task_key(id, lease.task), result);
         self.commit(&mut state, Ok(batch))?;
         self.set(&mut state, lease, finished);
         Ok(())
     }
 
-    /// The results of all shards, in order, for the holder of the assembling. Where one is lost or damaged its shard
-    /// is to be fitted again, the assembling counts as failed, and the answer is `None`.
+    /// The results of all shards, in order, for the worker that assembles. If results are lost or damaged, their shards
+    /// are queued again, the assembly counts as failed, and the answer is `None`.
     ///
     /// # Errors
     /// When the lease is not the current one, or the database fails.
     pub fn results(&self, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
         let id = self.lock().current(lease)?.0.record.job.id;
-        let mut results = Vec::with_capacity(lease.step as usize);
+        let mut results = Vec::with_capacity(lease.task as usize);
         let mut lost = Vec::new();
-        for shard in 0..lease.step {
-            match self.rows.get(Tree::Results, &record::step_key(id, shard)) {
+        for shard in 0..lease.task {
+            match self.rows.get(Tree::Results, &record::task_key(id, shard)) {
                 Ok(Some(result)) => results.push(result),
                 Ok(None) | Err(StoreError::DamagedRow { .. }) => lost.push(shard),
                 Err(error) => return Err(error.into()),
@@ -173,26 +164,26 @@ impl Queue {
         }
         let mut state = self.lock();
         let error = format!("the results of shards {lost:?} are lost or damaged");
-        self.fail_step(&mut state, lease.submission, lease.step, lease.attempt, &error)?;
+        self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, &error)?;
         for shard in lost {
-            let waiting = StepState::new();
+            let waiting = TaskState::new();
             let mut batch = Batch::default();
-            record::put_step(&mut batch, id, shard, &waiting)?;
-            batch.remove(Tree::Results, record::step_key(id, shard));
+            record::put_task(&mut batch, id, shard, &waiting)?;
+            batch.remove(Tree::Results, record::task_key(id, shard));
             self.commit(&mut state, Ok(batch))?;
-            self.set(&mut state, &Lease { step: shard, ..*lease }, waiting);
+            self.set(&mut state, &Lease { task: shard, ..*lease }, waiting);
         }
         Ok(None)
     }
 
-    /// Concludes a job whose table is stored; `with` is committed in the same breath.
+    /// Concludes a job whose table is stored; `with` is committed in the same transaction.
     ///
     /// # Errors
     /// When the lease is not the current one, or this cannot be stored.
     pub fn finish(&self, lease: &Lease, table: Digest, with: Batch) -> Result<(), LeaseError> {
         let mut state = self.lock();
         let (active, _) = state.current(lease)?;
-        if lease.step != active.assembly() {
+        if lease.task != active.assembly() {
             return Err(StaleLease.into());
         }
         let record = active.concluded(JobState::Done { table }, (self.clock)());
@@ -200,38 +191,38 @@ impl Queue {
         batch.extend(conclusion(&record)?);
         self.commit(&mut state, Ok(batch))?;
         state.conclude(&record);
-        self.news.notify_all();
+        self.changed.notify_all();
         Ok(())
     }
 
-    /// Gives a step back unfinished, through no fault of its own.
+    /// Gives a task back unfinished. This does not count as a failure.
     ///
     /// # Errors
     /// When the lease is not the current one.
     pub fn give_back(&self, lease: &Lease) -> Result<(), StaleLease> {
         let mut state = self.lock();
-        let (active, step) = state.current(lease)?;
-        let waiting = step.give_back(lease.attempt)?;
+        let (active, task) = state.current(lease)?;
+        let waiting = task.give_back(lease.attempt)?;
         let mut batch = Batch::default();
         let id = active.record.job.id;
-        let stored = record::put_step(&mut batch, id, lease.step, &waiting).and_then(|()| self.rows.stage(&batch));
+        let stored = record::put_task(&mut batch, id, lease.task, &waiting).and_then(|()| self.rows.stage(&batch));
         if let Err(error) = stored {
-            tracing::warn!(job = %id, step = lease.step, %error, "that the lease was given back was not recorded");
+            tracing::warn!(job = %id, task = lease.task, %error, "giving the lease back could not be recorded");
         }
         self.set(&mut state, lease, waiting);
         Ok(())
     }
 
-    /// Reports that a step failed. It is tried again until its job has no attempts left.
+    /// Reports that a task failed. It is tried again until it has failed too often.
     ///
     /// # Errors
     /// When the lease is not the current one.
     pub fn fail(&self, lease: &Lease, error: &str) -> Result<(), StaleLease> {
         let mut state = self.lock();
-        self.fail_step(&mut state, lease.submission, lease.step, lease.attempt, error)
+        self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, error)
     }
 
-    /// Fails the whole job of a lease: trying again would not help.
+    /// Fails the whole job of a lease, where another attempt would not help.
     ///
     /// # Errors
     /// When the lease is not the current one.
@@ -239,17 +230,17 @@ impl Queue {
         let mut state = self.lock();
         state.current(lease)?;
         self.fail_job(&mut state, lease.submission, error);
-        self.news.notify_all();
+        self.changed.notify_all();
         Ok(())
     }
 
-    fn set(&self, state: &mut State, lease: &Lease, step: StepState) {
+    fn set(&self, state: &mut QueueState, lease: &Lease, task: TaskState) {
         if let Some(active) = state.active.get_mut(&lease.submission) {
-            active.set(lease.step, step);
+            active.set(lease.task, task);
             let id = active.record.job.id;
-            state.wake(id);
+            state.record_change(id);
         }
-        self.news.notify_all();
+        self.changed.notify_all();
     }
 
     fn expiry(&self, now: Timestamp) -> Timestamp {

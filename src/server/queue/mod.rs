@@ -1,24 +1,25 @@
 //! Durable jobs, shards and leases.
 //!
-//! Invariant: `queue` knows no HTTP and nothing of LTC: a recipe is a text, a shard's result is bytes, and a table is
-//! its digest. A change is durable before it is acknowledged or seen by anyone; leases alone are not, for they end
-//! with the process.
+//! A job has a task for each shard and one that assembles the table. Workers lease tasks, oldest job first.
+//!
+//! Invariant: `queue` knows neither HTTP nor LTC: a recipe is a text, a shard's result is bytes, and a table is its
+//! digest. A change is durable before it is acknowledged or visible. Leases are not durable; they end with the process.
 
 mod active;
 mod job;
 mod jobs;
 mod lease;
+mod lookup;
 #[cfg(test)]
 mod model_test;
 mod record;
 mod resume;
-mod step;
 mod submit;
-mod view;
+mod task;
 
 pub use crate::files::job::{JobId, ParseJobIdError, StateName};
 pub use job::{Failure, FailureKind, Job, JobState};
 pub use jobs::{Clock, Limits, Queue, QueueError};
-pub use lease::{Lease, LeaseError, Offer, Step, Work};
-pub use step::StaleLease;
+pub use lease::{LeaseError, LeasedTask, Offer, TaskKind};
 pub use submit::{NewJob, Submitted};
+pub use task::{Lease, StaleLease};

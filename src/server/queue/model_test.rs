@@ -1,4 +1,4 @@
-//! The queue against a simple model of it, under random histories with restarts, power cuts and full disks.
+//! The queue compared with a simple model of it, under random histories with restarts, power cuts and full disks.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -37,7 +37,7 @@ enum Action {
     Progress(prop::sample::Index),
     /// Let time pass.
     Tick(i64),
-    /// The process ends; what was acknowledged is on the disk.
+    /// The process ends. What was acknowledged is on the disk.
     PowerCut,
     /// The disk is full for the next action.
     DiskFull(Box<Action>),
@@ -63,7 +63,7 @@ fn action() -> impl Strategy<Value = Action> {
     ]
 }
 
-/// What must be true of a job, told from the answers that the queue gave.
+/// What must be true of a job, given the queue's answers so far.
 #[derive(Debug, Clone)]
 struct Expected {
     stage: Stage,
@@ -78,7 +78,7 @@ enum Stage {
     Done,
     Cancelled,
     Failed,
-    /// It failed while the disk was full: nobody can have been promised that this outlives the process.
+    /// It failed while the disk was full, so this state may be lost with the process.
     FailedUnsaved,
 }
 
@@ -96,10 +96,10 @@ struct Run {
     rows: Arc<MemoryRows>,
     queue: Queue,
     seconds: Arc<AtomicI64>,
-    /// Leases that may still be current, with the time of their last sign of life.
-    held: Vec<(Work, i64)>,
+    /// Leases that may still be current, with the time of their last renewal.
+    held: Vec<(LeasedTask, i64)>,
     /// Leases that are certainly not current.
-    spent: Vec<Work>,
+    spent: Vec<LeasedTask>,
     jobs: BTreeMap<JobId, Expected>,
 }
 
@@ -129,30 +129,30 @@ impl Run {
         self.seconds.load(Ordering::Relaxed)
     }
 
-    fn is_current(&self, work: &Work, seen: i64) -> bool {
-        self.now() < seen + LEASE_SECONDS && self.jobs[&work.job].is_open()
+    fn is_current(&self, leased: &LeasedTask, seen: i64) -> bool {
+        self.now() < seen + LEASE_SECONDS && self.jobs[&leased.job].is_open()
     }
 
-    /// Takes a held lease out; the flag tells whether the queue must accept it.
-    fn take(&mut self, index: prop::sample::Index) -> Option<(Work, bool)> {
+    /// Takes out a held lease. The flag tells whether the queue must accept it.
+    fn take(&mut self, index: prop::sample::Index) -> Option<(LeasedTask, bool)> {
         if self.held.is_empty() {
             return None;
         }
-        let (work, seen) = self.held.remove(index.index(self.held.len()));
-        let current = self.is_current(&work, seen);
-        self.spent.push(work.clone());
-        Some((work, current))
+        let (leased, seen) = self.held.remove(index.index(self.held.len()));
+        let current = self.is_current(&leased, seen);
+        self.spent.push(leased.clone());
+        Some((leased, current))
     }
 
-    /// Leases of a job that is no more open are spent, for good: also when it is submitted again.
+    /// Leases of a job that is no longer open are spent, and stay so when it is submitted again.
     fn close(&mut self, id: JobId) {
-        let (spent, held) = std::mem::take(&mut self.held).into_iter().partition(|(work, _)| work.job == id);
+        let (spent, held) = std::mem::take(&mut self.held).into_iter().partition(|(leased, _)| leased.job == id);
         self.held = held;
-        let spent: Vec<(Work, i64)> = spent;
-        self.spent.extend(spent.into_iter().map(|(work, _)| work));
+        let spent: Vec<(LeasedTask, i64)> = spent;
+        self.spent.extend(spent.into_iter().map(|(leased, _)| leased));
     }
 
-    /// Notes jobs that the queue has failed: only attempts used up may do that.
+    /// Records jobs that the queue has failed, which only too many failed attempts may cause.
     fn notice_failures(&mut self, disk_was_full: bool) {
         let open: Vec<JobId> = self.jobs.iter().filter(|(_, job)| job.is_open()).map(|(id, _)| *id).collect();
         for id in open {
@@ -167,26 +167,28 @@ impl Run {
         }
     }
 
-    fn deliver(&mut self, work: &Work) -> Result<(), LeaseError> {
-        match work.step {
-            Step::Shard(shard) => self.queue.complete(&work.lease, format!("{}/{shard}", work.recipe).as_bytes()),
-            Step::Assemble => {
-                let results = self.queue.results(&work.lease)?.expect("no result was damaged");
-                let wanted: Vec<_> = (0..SHARDS).map(|n| format!("{}/{n}", work.recipe).into_bytes()).collect();
+    fn deliver(&mut self, leased: &LeasedTask) -> Result<(), LeaseError> {
+        match leased.kind {
+            TaskKind::Shard(shard) => {
+                self.queue.complete(&leased.lease, format!("{}/{shard}", leased.recipe).as_bytes())
+            }
+            TaskKind::Assemble => {
+                let results = self.queue.results(&leased.lease)?.expect("no result was damaged");
+                let wanted: Vec<_> = (0..SHARDS).map(|n| format!("{}/{n}", leased.recipe).into_bytes()).collect();
                 assert_eq!(results, wanted, "every shard's own result, once");
-                self.queue.finish(&work.lease, Digest::of(work.recipe.as_bytes()), Batch::default())
+                self.queue.finish(&leased.lease, Digest::of(leased.recipe.as_bytes()), Batch::default())
             }
         }
     }
 
-    fn delivered(&mut self, work: &Work) {
-        let job = self.jobs.get_mut(&work.job).unwrap();
-        match work.step {
-            Step::Shard(shard) => assert!(job.finished.insert(shard), "a shard was finished twice"),
-            Step::Assemble => {
+    fn delivered(&mut self, leased: &LeasedTask) {
+        let job = self.jobs.get_mut(&leased.job).unwrap();
+        match leased.kind {
+            TaskKind::Shard(shard) => assert!(job.finished.insert(shard), "a shard was finished twice"),
+            TaskKind::Assemble => {
                 assert_eq!(job.finished.len(), SHARDS as usize, "assembled before all shards were finished");
                 *job = Expected::concluded(Stage::Done);
-                self.close(work.job);
+                self.close(leased.job);
             }
         }
     }
@@ -207,54 +209,54 @@ impl Run {
                 }
             }
             Action::Lease => {
-                let Offer::Work(work) = self.queue.lease(7) else { return };
-                assert!(self.jobs[&work.job].is_open(), "only open jobs are worked on");
-                if let Step::Shard(shard) = work.step {
-                    assert!(!self.jobs[&work.job].finished.contains(&shard), "a finished shard was leased");
+                let Offer::Task(leased) = self.queue.lease(7) else { return };
+                assert!(self.jobs[&leased.job].is_open(), "only open jobs are worked on");
+                if let TaskKind::Shard(shard) = leased.kind {
+                    assert!(!self.jobs[&leased.job].finished.contains(&shard), "a finished shard was leased");
                 }
                 for (other, seen) in &self.held {
-                    let same = (other.job, other.step) == (work.job, work.step);
+                    let same = (other.job, other.kind) == (leased.job, leased.kind);
                     assert!(!same || !self.is_current(other, *seen), "leased twice");
                 }
-                self.held.push((work, self.now()));
+                self.held.push((leased, self.now()));
             }
             Action::Deliver(index) => {
-                let Some((work, current)) = self.take(*index) else { return };
-                match self.deliver(&work) {
+                let Some((leased, current)) = self.take(*index) else { return };
+                match self.deliver(&leased) {
                     Ok(()) => {
                         assert!(current, "a stale result was taken");
-                        self.delivered(&work);
+                        self.delivered(&leased);
                     }
                     Err(LeaseError::Stale(_)) => assert!(!current, "a current result was refused"),
-                    // Still leased, and nobody delivers: it will expire.
+                    // Still leased, and nobody delivers it, so it will expire.
                     Err(LeaseError::Store(_)) => assert!(current),
                 }
             }
             Action::DeliverAgain(index) => {
                 if !self.spent.is_empty() {
-                    let work = self.spent[index.index(self.spent.len())].clone();
+                    let leased = self.spent[index.index(self.spent.len())].clone();
                     // One whose delivery met a full disk may still be current.
-                    if self.deliver(&work).is_ok() {
-                        self.delivered(&work);
+                    if self.deliver(&leased).is_ok() {
+                        self.delivered(&leased);
                     }
                 }
             }
             Action::Fail(index) => {
-                let Some((work, current)) = self.take(*index) else { return };
-                assert_eq!(self.queue.fail(&work.lease, "bad luck").is_ok(), current);
+                let Some((leased, current)) = self.take(*index) else { return };
+                assert_eq!(self.queue.fail(&leased.lease, "bad luck").is_ok(), current);
             }
             Action::GiveBack(index) => {
-                let Some((work, current)) = self.take(*index) else { return };
-                assert_eq!(self.queue.give_back(&work.lease).is_ok(), current);
+                let Some((leased, current)) = self.take(*index) else { return };
+                assert_eq!(self.queue.give_back(&leased.lease).is_ok(), current);
             }
             Action::Progress(index) => {
                 if self.held.is_empty() {
                     return;
                 }
                 let at = index.index(self.held.len());
-                let (work, seen) = self.held[at].clone();
-                let current = self.is_current(&work, seen);
-                assert_eq!(self.queue.progress(&work.lease, 1).is_ok(), current);
+                let (leased, seen) = self.held[at].clone();
+                let current = self.is_current(&leased, seen);
+                assert_eq!(self.queue.progress(&leased.lease, 1).is_ok(), current);
                 if current {
                     self.held[at].1 = self.now();
                 }
@@ -301,7 +303,7 @@ impl Run {
         }
     }
 
-    /// What was acknowledged is there, now and after a power cut.
+    /// What was acknowledged is still there, now or after a power cut.
     fn check(&self, queue: &Queue, after_power_cut: bool) {
         for (id, expected) in &self.jobs {
             let job = queue.job(*id).unwrap().expect("an acknowledged job is there");
@@ -338,16 +340,16 @@ proptest! {
         let rows = Arc::new(run.rows.after_power_cut());
         run.check(&open(&rows, &run.seconds), true);
 
-        // With time and room enough, every open job is done, each shard once.
+        // With enough time and room every open job gets done, each shard once.
         run.seconds.fetch_add(2 * LEASE_SECONDS, Ordering::Relaxed);
         loop {
             run.notice_failures(false);
-            let Offer::Work(work) = run.queue.lease(7) else { break };
-            run.deliver(&work).unwrap();
-            run.delivered(&work);
+            let Offer::Task(leased) = run.queue.lease(7) else { break };
+            run.deliver(&leased).unwrap();
+            run.delivered(&leased);
         }
         prop_assert!(run.jobs.values().all(|job| !job.is_open()));
-        // A failed job keeps its steps, all others leave nothing.
+        // A failed job keeps its tasks, all others leave nothing.
         let rows = run.rows.after_power_cut();
         let failed = run.jobs.values().filter(|job| matches!(job.stage, Stage::Failed | Stage::FailedUnsaved)).count();
         if failed == 0 {

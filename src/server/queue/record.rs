@@ -1,31 +1,31 @@
-//! Jobs and steps as rows.
+//! Jobs and tasks as rows.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Job, JobId, step::StepState};
+use super::{Job, JobId, task::TaskState};
 use crate::server::store::{Batch, StoreError, Tree};
 
 /// A job's row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct JobRecord {
-    /// Number of the submission: the order of the queue, and what tells leases of an earlier submission apart.
+    /// Number of the submission. It orders the queue and distinguishes the leases of different submissions of a job.
     pub(super) submission: u64,
     /// Entries of each shard.
     pub(super) shard_entries: Vec<u32>,
-    /// What is known of it.
+    /// The job.
     pub(super) job: Job,
 }
 
-/// Key of a step's row and of its result: job id and step, big-endian.
-pub(super) fn step_key(job: JobId, step: u32) -> [u8; 20] {
+/// Key of a task's row and of its result: job id and task, big-endian.
+pub(super) fn task_key(job: JobId, task: u32) -> [u8; 20] {
     let mut key = [0; 20];
     key[..16].copy_from_slice(job.as_bytes());
-    key[16..].copy_from_slice(&step.to_be_bytes());
+    key[16..].copy_from_slice(&task.to_be_bytes());
     key
 }
 
-/// The step in a key of [`step_key`].
-pub(super) fn step_of_key(key: &[u8]) -> Option<u32> {
+/// The task in a key of [`task_key`].
+pub(super) fn task_of_key(key: &[u8]) -> Option<u32> {
     Some(u32::from_be_bytes(key.get(16..)?.try_into().ok()?))
 }
 
@@ -36,18 +36,18 @@ pub(super) fn put_job(batch: &mut Batch, record: &JobRecord) -> Result<(), Store
     Ok(())
 }
 
-/// Puts a step's row into `batch`.
-pub(super) fn put_step(batch: &mut Batch, job: JobId, step: u32, state: &StepState) -> Result<(), StoreError> {
-    batch.put(Tree::Shards, step_key(job, step), encode(state)?);
+/// Puts a task's row into `batch`.
+pub(super) fn put_task(batch: &mut Batch, job: JobId, task: u32, state: &TaskState) -> Result<(), StoreError> {
+    batch.put(Tree::Shards, task_key(job, task), encode(state)?);
     Ok(())
 }
 
-/// Removes all rows of a job's steps and their results.
-pub(super) fn remove_steps(batch: &mut Batch, record: &JobRecord) {
-    // One step more than there are shards: the assembling.
-    for step in 0..=record.shards() {
-        batch.remove(Tree::Shards, step_key(record.job.id, step));
-        batch.remove(Tree::Results, step_key(record.job.id, step));
+/// Removes all rows of a job's tasks and their results.
+pub(super) fn remove_tasks(batch: &mut Batch, record: &JobRecord) {
+    // One task more than there are shards: the assembly.
+    for task in 0..=record.shards() {
+        batch.remove(Tree::Shards, task_key(record.job.id, task));
+        batch.remove(Tree::Results, task_key(record.job.id, task));
     }
 }
 
@@ -97,7 +97,7 @@ mod tests {
             put_job(&mut batch, &record).unwrap();
             assert_eq!(serde_json::from_slice::<JobRecord>(&encode(&record).unwrap()).unwrap(), record);
         }
-        assert_eq!(step_of_key(&step_key(JobId::of_recipe(&digest), 513)), Some(513));
-        assert_eq!(step_of_key(b"short"), None);
+        assert_eq!(task_of_key(&task_key(JobId::of_recipe(&digest), 513)), Some(513));
+        assert_eq!(task_of_key(b"short"), None);
     }
 }

@@ -1,21 +1,23 @@
-//! Opening the queue: what an earlier process left.
+//! Opening the queue and resuming the jobs of an earlier process.
 
 use std::{
     collections::HashSet,
     sync::{Arc, Condvar, Mutex},
 };
 
-use super::{Clock, JobId, JobState, Limits, Queue, active::Active, jobs::State, record::JobRecord, step::StepState};
+use super::{
+    Clock, JobId, JobState, Limits, Queue, active::ActiveJob, jobs::QueueState, record::JobRecord, task::TaskState,
+};
 use crate::server::store::{Batch, Rows, StoreError, Tree};
 
 impl Queue {
-    /// Opens the queue in `rows`. Unfinished jobs go on: leases of the dead process are void and count as failed,
-    /// finished shards stay finished.
+    /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and count as failed
+    /// attempts, finished shards stay finished.
     ///
     /// # Errors
     /// When the database fails.
     pub fn open(rows: Arc<dyn Rows>, limits: Limits, clock: Clock) -> Result<Self, StoreError> {
-        let queue = Self { rows, limits, clock, state: Mutex::new(State::default()), news: Condvar::new() };
+        let queue = Self { rows, limits, clock, state: Mutex::new(QueueState::default()), changed: Condvar::new() };
         let mut keep = HashSet::new();
         {
             let mut state = queue.lock();
@@ -30,7 +32,7 @@ impl Queue {
                     obsolete.remove(Tree::Jobs, row.key);
                     continue;
                 };
-                // A damaged or missing order row must not let a number be given twice.
+                // A number must not be used twice, even if an order row is damaged or missing.
                 state.next_submission = state.next_submission.max(record.submission + 1);
                 match record.job.state {
                     JobState::Queued | JobState::Running => {
@@ -54,29 +56,29 @@ impl Queue {
         Ok(queue)
     }
 
-    fn resume(&self, state: &mut State, record: JobRecord) -> Result<(), StoreError> {
-        let mut steps = vec![StepState::new(); record.shard_entries.len() + 1];
+    fn resume(&self, state: &mut QueueState, record: JobRecord) -> Result<(), StoreError> {
+        let mut tasks = vec![TaskState::new(); record.shard_entries.len() + 1];
         let (id, submission) = (record.job.id, record.submission);
         let mut crashed = Vec::new();
-        for (step, stored) in self.stored_steps(id)? {
-            let Some((slot, stored)) = steps.get_mut(step as usize).zip(stored) else { continue };
-            if let StepState::Leased { attempt, .. } = stored {
-                crashed.push((step, attempt));
+        for (task, stored) in self.stored_tasks(id)? {
+            let Some((slot, stored)) = tasks.get_mut(task as usize).zip(stored) else { continue };
+            if let TaskState::Leased { attempt, .. } = stored {
+                crashed.push((task, attempt));
             }
             *slot = stored;
         }
-        let finished = steps.iter().filter(|step| matches!(step, StepState::Finished { .. })).count();
-        tracing::info!(job = %id, finished, shards = record.shard_entries.len(), "the job goes on");
+        let finished = tasks.iter().filter(|task| matches!(task, TaskState::Finished { .. })).count();
+        tracing::info!(job = %id, finished, shards = record.shard_entries.len(), "the job is resumed");
         state.by_id.insert(id, submission);
-        state.active.insert(submission, Active::new(record, steps));
-        for (step, attempt) in crashed {
-            // The job may just have failed with another of its leases.
-            let _ = self.fail_step(state, submission, step, attempt, "the process ended in the middle of it");
+        state.active.insert(submission, ActiveJob::new(record, tasks));
+        for (task, attempt) in crashed {
+            // An error means that the job has just failed through another of its leases.
+            let _ = self.fail_task(state, submission, task, attempt, "the process ended while the task was leased");
         }
         Ok(())
     }
 
-    /// Removes steps and results of jobs that need them no more: what a full disk kept from being removed.
+    /// Removes tasks and results of jobs that no longer need them; a full disk may have prevented that earlier.
     fn sweep(&self, batch: &mut Batch, keep: &HashSet<JobId>) -> Result<(), StoreError> {
         for row in self.rows.scan(Tree::Shards, &[])? {
             let id = row.key.get(..16).and_then(JobId::from_slice);
@@ -99,7 +101,7 @@ mod tests {
     use crate::{
         files::digest::Digest,
         server::{
-            queue::{Lease, NewJob, Offer, Step, Submitted},
+            queue::{Lease, NewJob, Offer, Submitted, TaskKind},
             store::{Store, copy_folder},
         },
     };
@@ -118,9 +120,9 @@ mod tests {
         JobId::of_recipe(&recipe_digest)
     }
 
-    fn lease(queue: &Queue) -> (Step, Lease) {
+    fn lease(queue: &Queue) -> (TaskKind, Lease) {
         match queue.lease(0) {
-            Offer::Work(work) => (work.step, work.lease),
+            Offer::Task(leased) => (leased.kind, leased.lease),
             other => panic!("{other:?}"),
         }
     }
@@ -131,31 +133,31 @@ mod tests {
         let (alive, killed) = (dir.path().join("alive"), dir.path().join("killed"));
         let (queue, _store) = open(&alive, 3);
         let id = submit(&queue);
-        let (step, first) = lease(&queue);
-        assert_eq!(step, Step::Shard(0));
+        let (task, first) = lease(&queue);
+        assert_eq!(task, TaskKind::Shard(0));
         let second = lease(&queue).1;
         queue.complete(&second, b"result").unwrap();
-        // What kill -9 leaves is what the files hold now: the first shard is leased, the second finished.
+        // kill -9 leaves the files as they are now: the first shard is leased, the second finished.
         copy_folder(&alive, &killed).unwrap();
         let (again, _copy) = open(&killed, 3);
         let job = again.job(id).unwrap().unwrap();
         assert_eq!((job.state, job.entries_done), (JobState::Running, 1));
-        let (step, void) = lease(&again);
-        assert_eq!(step, Step::Shard(0), "the dead process's lease does not hold it");
-        assert_eq!(lease(&again).0, Step::Shard(2), "the second shard is not fitted again");
+        let (task, void) = lease(&again);
+        assert_eq!(task, TaskKind::Shard(0), "the dead process's lease does not hold it");
+        assert_eq!(lease(&again).0, TaskKind::Shard(2), "the second shard is not fitted again");
         assert_ne!(void, first, "another attempt");
         assert!(again.complete(&first, b"late").is_err());
     }
 
     #[test]
-    fn a_shard_that_takes_the_process_with_it_every_time_is_given_up() {
+    fn a_shard_that_crashes_the_process_every_time_fails_its_job() {
         let dir = tempfile::tempdir().unwrap();
         let mut last = dir.path().join("0");
         let id = submit(&open(&last, 2).0);
         for crash in 1..=2 {
             let (queue, _store) = open(&last, 2);
-            assert_eq!(lease(&queue).0, Step::Shard(0));
-            // Another shard's result takes the lease's row to the disk with it.
+            assert_eq!(lease(&queue).0, TaskKind::Shard(0));
+            // Committing another shard's result also writes the lease's row to the disk.
             let other = lease(&queue).1;
             queue.complete(&other, b"result").unwrap();
             last = dir.path().join(crash.to_string());

@@ -1,11 +1,11 @@
-//! Into the queue, and out of it by a user's wish.
+//! Submitting and cancelling jobs.
 
 use super::{
     Job, JobId, JobState, Queue, QueueError,
-    active::Active,
-    jobs::{State, conclusion},
+    active::ActiveJob,
+    jobs::conclusion,
     record::{self, JobRecord},
-    step::StepState,
+    task::TaskState,
 };
 use crate::{
     files::digest::Digest,
@@ -26,18 +26,18 @@ pub struct NewJob {
 /// What became of a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Submitted {
-    /// It is in the queue now.
+    /// The job is queued now.
     Queued(Job),
-    /// It was there already.
+    /// An equal job was queued or running already.
     Joined(Job),
-    /// It was done before, and its table is still there.
+    /// The job was done before, and its table is still stored.
     Done(Job, Digest),
 }
 
 impl Queue {
-    /// Submits a job: it is durable when this returns. A job in flight is joined. One that has failed or was
-    /// cancelled, or whose table is gone as `has_table` tells, is queued again: attempts start anew, and what is
-    /// left of its finished shards counts.
+    /// Submits a job, which is durable when this returns. A queued or running job is joined. A job that has failed or was
+    /// cancelled, or whose table `has_table` says is gone, is queued again: its attempts are counted anew, and its
+    /// finished shards are kept as far as they are still stored.
     ///
     /// # Errors
     /// When the queue is full, or the job cannot be stored; then nothing has changed.
@@ -59,25 +59,25 @@ impl Queue {
         let submission = state.next_submission;
         let record = self.new_record(new, submission);
         let mut batch = Batch::default();
-        let mut steps = vec![StepState::new(); record.shard_entries.len() + 1];
+        let mut tasks = vec![TaskState::new(); record.shard_entries.len() + 1];
         if let Some(former) = &former {
             batch.remove(Tree::JobOrder, former.submission.to_be_bytes());
             if former.shard_entries == record.shard_entries {
-                self.keep_finished(&mut batch, &record, &mut steps)?;
+                self.keep_finished(&mut batch, &record, &mut tasks)?;
             } else {
-                record::remove_steps(&mut batch, former);
+                record::remove_tasks(&mut batch, former);
             }
         }
         record::put_job(&mut batch, &record)?;
         self.commit(&mut state, Ok(batch))?;
         state.forget_concluded(former.as_ref());
         state.next_submission += 1;
-        let active = Active::new(record, steps);
+        let active = ActiveJob::new(record, tasks);
         let job = active.job();
         state.by_id.insert(id, submission);
         state.active.insert(submission, active);
-        state.wake(id);
-        self.news.notify_all();
+        state.record_change(id);
+        self.changed.notify_all();
         Ok(Submitted::Queued(job))
     }
 
@@ -97,29 +97,22 @@ impl Queue {
         JobRecord { submission, shard_entries: new.shard_entries, job }
     }
 
-    /// Takes the finished shards of an earlier submission over, and removes the rows of all other steps.
-    fn keep_finished(&self, batch: &mut Batch, record: &JobRecord, steps: &mut [StepState]) -> Result<(), StoreError> {
-        for (step, state) in self.stored_steps(record.job.id)? {
-            let slot = steps.get_mut(step as usize).filter(|_| step < record.shards());
+    /// Keeps the finished shards of an earlier submission and removes the rows of all other tasks.
+    fn keep_finished(&self, batch: &mut Batch, record: &JobRecord, tasks: &mut [TaskState]) -> Result<(), StoreError> {
+        for (task, state) in self.stored_tasks(record.job.id)? {
+            let slot = tasks.get_mut(task as usize).filter(|_| task < record.shards());
             match (slot, state) {
-                (Some(slot), Some(StepState::Finished { .. })) => {
-                    *slot = StepState::Finished { attempt: 0 };
+                (Some(slot), Some(TaskState::Finished { .. })) => {
+                    *slot = TaskState::Finished { attempt: 0 };
                 }
-                _ => batch.remove(Tree::Shards, record::step_key(record.job.id, step)),
+                _ => batch.remove(Tree::Shards, record::task_key(record.job.id, task)),
             }
         }
         Ok(())
     }
 
-    /// The stored states of a job's steps; `None` for a damaged row.
-    pub(super) fn stored_steps(&self, id: JobId) -> Result<Vec<(u32, Option<StepState>)>, StoreError> {
-        let rows = self.rows.scan(Tree::Shards, id.as_bytes())?;
-        let read = |value: Option<Vec<u8>>| serde_json::from_slice(&value?).ok();
-        Ok(rows.into_iter().filter_map(|row| Some((record::step_of_key(&row.key)?, read(row.value)))).collect())
-    }
-
-    /// Enters a job that is done, though not by this queue's doing: its table was found in the store. A job that
-    /// the queue has in flight or knows to be done stays as it is.
+    /// Records a done job whose table was found in the store although the queue did not know the job. A job that is queued,
+    /// running or done already stays as it is.
     ///
     /// # Errors
     /// When it cannot be stored.
@@ -135,7 +128,7 @@ impl Queue {
                 return Ok(former.job.clone());
             }
             batch.remove(Tree::JobOrder, former.submission.to_be_bytes());
-            record::remove_steps(&mut batch, former);
+            record::remove_tasks(&mut batch, former);
         }
         let record = JobRecord { submission: state.next_submission, shard_entries: vec![], job: done };
         record::put_job(&mut batch, &record)?;
@@ -146,8 +139,8 @@ impl Queue {
         Ok(record.job)
     }
 
-    /// Cancels a job; it is durable when this returns. A job in a final state stays as it is. Leases of the job are
-    /// void from here on. Returns the job as it is afterwards.
+    /// Cancels a job, durably when this returns, and voids its leases. A job in a final state stays as it is. Returns the
+    /// job as it is afterwards.
     ///
     /// # Errors
     /// When it cannot be stored; then nothing has changed.
@@ -159,22 +152,7 @@ impl Queue {
         let record = active.concluded(JobState::Cancelled, (self.clock)());
         self.commit(&mut state, conclusion(&record))?;
         state.conclude(&record);
-        self.news.notify_all();
+        self.changed.notify_all();
         Ok(Some(record.job))
-    }
-
-    /// A job that is not active, as it was last stored.
-    pub(super) fn record(&self, state: &State, id: JobId) -> Result<Option<JobRecord>, StoreError> {
-        if let Some(record) = state.unsaved.get(&id) {
-            return Ok(Some(record.clone()));
-        }
-        match self.rows.get(Tree::Jobs, id.as_bytes()) {
-            Ok(value) => Ok(value.and_then(|value| serde_json::from_slice(&value).ok())),
-            Err(error @ StoreError::DamagedRow { .. }) => {
-                tracing::error!(job = %id, %error, "the job is lost; it can be submitted again");
-                Ok(None)
-            }
-            Err(error) => Err(error),
-        }
     }
 }

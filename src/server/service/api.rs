@@ -1,4 +1,4 @@
-//! The words in which the service speaks to HTTP and to the command line.
+//! The types of the service's interface, which HTTP and the command line use.
 
 use std::{num::NonZeroUsize, path::PathBuf, time::Duration};
 
@@ -13,20 +13,20 @@ use crate::{
     view::preview::Adapter,
 };
 
-/// How a service is set up.
+/// The configuration of a service.
 #[derive(Debug, Clone)]
 pub struct Config {
-    /// Folder of the store; made when it is missing.
+    /// Folder of the store; created if it is missing.
     pub data_dir: PathBuf,
     /// Shards fitted at the same time.
     pub workers: NonZeroUsize,
-    /// Jobs that may wait or run at the same time.
+    /// Jobs that may be queued or running at the same time.
     pub queue_limit: usize,
     /// Entries a table may have.
     pub entry_limit: u64,
-    /// How long a lease lasts without a sign of life.
+    /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
-    /// How often a shard is tried.
+    /// How often a task may fail before its job does.
     pub max_attempts: u32,
     /// What renders previews.
     pub adapter: Adapter,
@@ -34,18 +34,18 @@ pub struct Config {
     pub picture_limit: Duration,
 }
 
-/// Why the service does not start.
+/// Why the service did not start.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// Another process has the folder.
     #[error("the data folder {} is in use by another process", .0.display())]
     Locked(PathBuf),
-    /// It cannot be made, read or written.
+    /// It cannot be created, read or written.
     #[error("the data folder {} cannot be used: {source}", .path.display())]
     Unusable {
         /// The folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The store is of a later version of the program.
@@ -60,17 +60,17 @@ pub enum OpenError {
     },
 }
 
-/// What became of a submitted recipe.
+/// The result of submitting a recipe.
 #[derive(Debug, Clone)]
 pub enum Submission {
-    /// It waits or runs; `joined` when an equal recipe was in flight already.
+    /// Its job is queued or running.
     InFlight {
         /// The job.
         job: Job,
-        /// Whether it was there before.
+        /// Whether an equal recipe had been submitted before.
         joined: bool,
     },
-    /// The table is there already.
+    /// Its table is stored already.
     Ready {
         /// The job that made it.
         job: Job,
@@ -79,13 +79,13 @@ pub enum Submission {
     },
 }
 
-/// Why a recipe was not taken.
+/// Why a recipe was not accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum SubmitError {
-    /// It is not a recipe.
+    /// It is not a recipe, or has faults.
     #[error(transparent)]
     Recipe(#[from] RecipeError),
-    /// Too many jobs wait.
+    /// Too many jobs are queued or running.
     #[error("the queue is full: {limit} jobs are waiting or running")]
     QueueFull {
         /// The limit.
@@ -104,20 +104,20 @@ pub enum SubmitError {
 /// Why a read or write of the store failed.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum ServiceError {
-    /// A blob's bytes are not those of its digest; it was moved aside.
+    /// A blob's bytes do not have its digest; it was moved to quarantine.
     #[error("the blob {expected} is damaged (its bytes hash to {actual}); it was moved to {}", .moved_to.display())]
     Corrupt {
-        /// What was asked for.
+        /// The digest that was requested.
         expected: Digest,
-        /// What was found.
+        /// The digest of the bytes found.
         actual: Digest,
-        /// Where the damaged bytes are now.
+        /// Where the damaged file is now.
         moved_to: PathBuf,
     },
-    /// No room.
+    /// The disk is full.
     #[error("the disk of the data folder is full")]
     DiskFull,
-    /// Anything else that the storage reports.
+    /// Any other error of the storage.
     #[error("storage: {0}")]
     Storage(String),
 }
@@ -127,11 +127,11 @@ pub enum ServiceError {
 pub struct Page<T> {
     /// The items, newest first.
     pub items: Vec<T>,
-    /// Pass it as `cursor` to get what follows; absent on the last page.
+    /// Pass it as `cursor` to get the next page; `None` on the last one.
     pub next: Option<String>,
 }
 
-/// What was to be expected of a job's fit before it began.
+/// The forecast for a job's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Expected {
     /// Seconds of fitting with this service's workers and no other job.
@@ -140,16 +140,16 @@ pub struct Expected {
     pub error: f64,
 }
 
-/// A running job's news. `sequence` grows by at least one with each change.
+/// A job at one moment. `sequence` grows with each change.
 #[derive(Debug, Clone)]
-pub struct JobNews {
-    /// Position in the job's history.
+pub struct JobSnapshot {
+    /// Position in the history of the job.
     pub sequence: u64,
-    /// The job as it is now.
+    /// The job.
     pub job: Job,
-    /// Expected time to the end, once it can be told.
+    /// Expected time to the end, once it can be estimated.
     pub seconds_left: Option<f64>,
-    /// What the whole fit is expected to take and to give; none of another fitter's recipe.
+    /// The forecast for the whole fit; `None` for a recipe of another fitter.
     pub expected: Option<Expected>,
 }
 
@@ -162,7 +162,7 @@ pub struct Metrics {
     pub entries_fitted: u64,
     /// Shards that failed since the start.
     pub shard_failures: u64,
-    /// Leases that ran out since the start.
+    /// Leases that expired since the start.
     pub leases_expired: u64,
     /// Tables in the catalogue.
     pub tables: u64,
@@ -170,20 +170,20 @@ pub struct Metrics {
     pub table_bytes: u64,
     /// Blobs found damaged since the start.
     pub blobs_corrupt: u64,
-    /// Pictures that were not kept from before.
+    /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,
 }
 
-/// How many pictures ended how since the start.
+/// How many pictures ended in which way since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PictureCounts {
-    /// There they were.
+    /// Rendered.
     pub done: u64,
-    /// They could not be made.
+    /// The renderer or the storage failed.
     pub failed: u64,
-    /// Nobody waited any more, or not long enough.
+    /// The callers withdrew, or the time ran out.
     pub given_up: u64,
-    /// Too many were asked for already.
+    /// The queue was full.
     pub refused: u64,
 }
 

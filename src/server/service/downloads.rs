@@ -1,17 +1,13 @@
-//! Tables, manifests and recipes as their users fetch them.
+//! What users download: tables, manifests, recipes and pictures.
 
-use std::{
-    panic::resume_unwind,
-    sync::{Arc, atomic::Ordering},
-    thread,
-};
+use std::{panic::resume_unwind, sync::Arc, thread};
 
-use super::{Page, Service, ServiceError, TableRow, core::Core, manifest::MANIFEST_VERSION};
+use super::{Page, PictureError, PictureReply, Service, ServiceError, Subject, TableRow, state::ServiceState};
 use crate::{
-    files::{digest::Digest, export::TableFileError},
+    files::{digest::Digest, export::TableFileError, manifest::MANIFEST_VERSION},
     server::{
         queue::JobId,
-        store::{Catalogue, ManifestRow, StoreError},
+        store::{Catalogue, ManifestRow},
     },
 };
 
@@ -19,29 +15,27 @@ impl Service {
     /// The canonical file of a table, checked against its digest.
     ///
     /// # Errors
-    /// When the blob is damaged or unreadable. A damaged one is struck out of the catalogue: the next equal job fits
-    /// it again.
+    /// When the blob is damaged or unreadable. A damaged one is moved to quarantine and removed from the catalogue, so
+    /// that the next equal job fits the table again.
     pub fn table(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        self.core.table(digest)
+        self.state.tables.read(digest)
     }
 
-    /// The manifest of a table (see [`super::manifest_json`]) as JSON. It was made with the table; of one that was
-    /// stored by an earlier version, or whose catalogue was lost, it is made now and kept.
+    /// The manifest of a table (see [`super::manifest_json`]) as JSON. It is made with the table. If it is of another
+    /// version, or was lost with the catalogue, it is made and stored now.
     ///
     /// # Errors
-    /// When the blob is damaged or unreadable.
+    /// As [`Self::table`]: the manifest of a damaged table is not served.
     pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
-        let core = &self.core;
-        if !core.store.blobs.contains(digest) {
-            return Ok(None);
-        }
-        if let Some(manifest) = core.catalogue.manifest(digest)?.filter(|row| row.version == MANIFEST_VERSION) {
-            return Ok(Some(manifest.text));
-        }
+        let state = &self.state;
+        // The blob is read and hashed as for the table itself: a damaged table has no manifest.
         let Some(file) = self.table(digest)? else { return Ok(None) };
-        let made = core.make_manifest(&file);
+        if let Some(text) = state.tables.stored_manifest(digest)? {
+            return Ok(Some(text));
+        }
+        let made = state.make_manifest(&file);
         let manifest = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
-        core.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
+        state.tables.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
         Ok(Some(manifest.text))
     }
 
@@ -51,7 +45,7 @@ impl Service {
     /// When the store fails.
     pub fn tables(&self, cursor: Option<&str>, limit: usize) -> Result<Page<TableRow>, ServiceError> {
         let cursor = cursor.and_then(from_hex);
-        let (items, next) = self.core.catalogue.page(cursor.as_deref(), limit)?;
+        let (items, next) = self.state.tables.catalogue.page(cursor.as_deref(), limit)?;
         Ok(Page { items, next: next.map(|key| to_hex(&key)) })
     }
 
@@ -60,35 +54,35 @@ impl Service {
     /// # Errors
     /// When the store fails.
     pub fn recipe(&self, digest: Digest) -> Result<Option<(String, Option<Digest>)>, ServiceError> {
-        if let Some((recipe, table)) = self.core.catalogue.recipe(digest)? {
-            let table = Some(table).filter(|table| self.core.store.blobs.contains(*table));
+        if let Some((recipe, table)) = self.state.tables.catalogue.recipe(digest)? {
+            let table = Some(table).filter(|table| self.state.tables.contains(*table));
             return Ok(Some((recipe, table)));
         }
-        let job = self.core.queue.job(JobId::of_recipe(&digest))?;
+        let job = self.state.queue.job(JobId::of_recipe(&digest))?;
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))
+    }
+
+    /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the
+    /// picture of a tag.
+    ///
+    /// # Errors
+    /// See [`PictureError`].
+    pub fn picture(
+        &self,
+        table: Option<Digest>,
+        subject: Subject,
+        is_known: impl Fn(Digest) -> bool,
+    ) -> Result<PictureReply, PictureError> {
+        self.state.pictures.get(table, subject, is_known)
     }
 }
 
-impl Core {
-    /// See [`Service::table`].
-    pub(super) fn table(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        match self.store.blobs.get(digest) {
-            Ok(bytes) => Ok(bytes.map(Arc::new)),
-            Err(error) => {
-                if matches!(error, StoreError::Corrupt { .. }) {
-                    self.blobs_corrupt.fetch_add(1, Ordering::Relaxed);
-                    self.catalogue.forget(digest)?;
-                }
-                Err(error.into())
-            }
-        }
-    }
-
-    /// Measures a table and writes its manifest.
+impl ServiceState {
+    /// Measures a table and makes its manifest.
     pub(super) fn make_manifest(&self, file: &[u8]) -> Result<ManifestRow, TableFileError> {
-        let measure = || self.measuring.install(|| self.engine.manifest(file));
-        // The caller may be a thread of the fitting pool. If it waited for the other pool itself, rayon would have it
-        // do other work of its own pool meanwhile: another worker's endless loop. So a thread of no pool waits.
+        let measure = || self.measuring_pool.install(|| self.engine.manifest(file));
+        // The caller may be a thread of the fitting pool. If it waited for the other pool, rayon would let it take other
+        // work of its own pool meanwhile, such as the endless loop of another worker. So a thread of no pool waits.
         let made = thread::scope(|scope| scope.spawn(measure).join());
         let text = made.unwrap_or_else(|panic| resume_unwind(panic))?;
         Ok(ManifestRow { version: MANIFEST_VERSION, text })

@@ -1,4 +1,4 @@
-//! The one place where the service meets the fitting core.
+//! The fitter as the service uses it.
 
 use std::{
     ops::ControlFlow,
@@ -15,38 +15,38 @@ use crate::{
     server::queue::NewJob,
 };
 
-/// What the service needs of a fitter. Tests bring their own.
+/// What the service needs of a fitter. Tests have their own.
 pub(super) trait Engine: Send + Sync {
     /// Reads a recipe document and plans its job.
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
 
-    /// What fitting a planned recipe is expected to take, on one thread of the model's machine, and to give; `None`
-    /// for a recipe that this engine does not fit.
+    /// The expected duration of the fit of a planned recipe, on one thread of the cost model's machine, and its expected
+    /// error; `None` for a recipe that this engine does not fit.
     fn expect(&self, recipe: &str) -> Option<Expectation>;
 
-    /// Fits one shard of a planned recipe. `pulse` hears how many of its entries are done and may stop it; the
-    /// result is `None` then.
+    /// Fits one shard of a planned recipe. `on_progress` is called with the number of entries done and may stop the fit,
+    /// whose result is then `None`.
     fn fit_shard(
         &self,
         recipe: &str,
         shard: u32,
-        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+        on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<u8>>, String>;
 
-    /// The canonical file of the table of all shards' results, in order.
+    /// The canonical file of the table that the results of all shards, in order, make up.
     fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String>;
 
     /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
 
-    /// The manifest of a canonical file. It measures the table, on the current rayon pool.
+    /// The manifest of a canonical file. Measures the table on the current rayon pool.
     fn manifest(&self, file: &[u8]) -> Result<String, TableFileError>;
 }
 
-/// The fitting core of this crate.
+/// The fitter of this crate.
 #[derive(Debug, Default)]
 pub(super) struct Fitter {
-    /// The plan of the recipe that was used last: shards of one job follow each other.
+    /// The plan of the recipe that was used last. Shards of one job mostly follow each other.
     latest: Mutex<Option<(String, Arc<Plan>)>>,
 }
 
@@ -62,9 +62,9 @@ impl Fitter {
         let parsed =
             recipe::parse_stored(document.as_bytes()).map_err(|error| format!("the stored recipe: {error}"))?;
         if parsed.fitter != FITTER_VERSION {
-            // Its finished shards are another fitter's; together they would be no table of either.
+            // Shards of two fitters must not be mixed in one table.
             return Err(format!(
-                "made for fitter {}, this is {FITTER_VERSION}: submit the recipe again",
+                "the recipe is for fitter {}, and this is fitter {FITTER_VERSION}; submit the recipe again",
                 parsed.fitter
             ));
         }
@@ -96,10 +96,10 @@ impl Engine for Fitter {
         &self,
         recipe: &str,
         shard: u32,
-        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+        on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<u8>>, String> {
         let plan = self.plan_of(recipe)?;
-        Ok(fit::fit_shard(&plan, shard, pulse).map(|entries| fit::shard_to_bytes(&entries)))
+        Ok(fit::fit_shard(&plan, shard, on_progress).map(|entries| fit::shard_to_bytes(&entries)))
     }
 
     fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
@@ -110,7 +110,7 @@ impl Engine for Fitter {
             all.extend(fitted.map_err(|error| format!("shard {shard}: {error}"))?);
         }
         let file = export::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())?;
-        // What no reader would take is not stored.
+        // A file that cannot be read back is not stored.
         export::decode(&file).map_err(|error| error.to_string())?;
         Ok(file)
     }
@@ -123,7 +123,7 @@ impl Engine for Fitter {
     }
 
     fn manifest(&self, file: &[u8]) -> Result<String, TableFileError> {
-        super::manifest_json(file)
+        crate::files::manifest::manifest_json(file)
     }
 }
 

@@ -1,10 +1,10 @@
-//! What a job is expected to take and to give.
+//! How long a job is expected to take, and how good its table is expected to be.
 
 use std::{num::NonZeroUsize, sync::Arc};
 
 use super::{Expected, engine::Engine, speed::Speed};
 
-/// Forecasts by the engine's model, at the speed that this service has shown.
+/// Forecasts by the engine's model, corrected by the measured speed of this service.
 pub(super) struct Forecast {
     engine: Arc<dyn Engine>,
     workers: NonZeroUsize,
@@ -16,14 +16,13 @@ impl Forecast {
         Self { engine, workers, speed: Speed::default() }
     }
 
-    /// What the fit of a stored recipe is expected to take with all workers on it, and to give; `None` for another
-    /// fitter's.
+    /// The forecast for a stored recipe with all workers on its job; `None` for a recipe of another fitter.
     pub(super) fn of(&self, recipe: &str) -> Option<Expected> {
         let model = self.engine.expect(recipe)?;
         Some(Expected { seconds: model.seconds * self.speed.ratio() / self.workers.get() as f64, error: model.error })
     }
 
-    /// Learns from the `part` of a recipe's entries that took a worker `seconds`.
+    /// Takes a measurement into account: a worker fitted `part` of a recipe's entries in `seconds`.
     pub(super) fn learn(&self, recipe: &str, part: f64, seconds: f64) {
         if let Some(model) = self.engine.expect(recipe) {
             self.speed.learn(part * model.seconds, seconds);
@@ -36,7 +35,7 @@ mod tests {
     use super::{super::engine::Fitter, *};
 
     #[test]
-    fn what_a_shard_took_changes_what_is_expected() {
+    fn a_measurement_changes_the_forecast() {
         let engine = Arc::new(Fitter::default());
         let recipe = engine.plan(br#"{"preset": "best"}"#, 10_000).expect("a recipe").recipe;
         let model = engine.expect(&recipe).expect("this fitter's");

@@ -1,27 +1,26 @@
 //! The use cases: submit, work, download, preview.
 //!
-//! Invariant: nothing is fitted on a caller's thread; fitting runs on the one rayon pool that the service owns.
-//! Nothing is rendered there either.
+//! Invariant: nothing is fitted or rendered on a caller's thread. Tables are fitted on one rayon pool of the service and
+//! measured on another; pictures are rendered on a thread of their own.
 
 mod api;
-mod core;
 mod downloads;
 mod engine;
 mod forecast;
 mod open;
 mod pictures;
 mod speed;
+mod state;
 mod submit;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod watch;
 mod work;
 
-pub use self::core::Service;
-use crate::files::manifest;
-pub use crate::files::manifest::{manifest_json, table_report};
 pub use crate::server::store::TableRow;
 pub use api::{
-    Config, Expected, JobNews, Metrics, OpenError, Page, PictureCounts, ServiceError, Submission, SubmitError,
+    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, Submission, SubmitError,
 };
-pub use pictures::{Ordered, PictureError, PictureFile, PictureWait, Subject};
+pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
+pub use state::Service;

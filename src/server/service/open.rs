@@ -12,10 +12,11 @@ use jiff::Timestamp;
 
 use super::{
     Config, OpenError, Service, TableRow,
-    core::{Core, Workers},
     engine::{Engine, Fitter},
     forecast::Forecast,
-    pictures::{Desk, Standings},
+    pictures::Pictures,
+    state::{ServiceState, Workers},
+    tables::Tables,
     watch::Hub,
 };
 use crate::server::{
@@ -41,7 +42,6 @@ impl Service {
             lease_ttl: config.lease_ttl,
             max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
         };
-        let opened = Catalogue::new(Arc::clone(&store.rows));
         let prepared = (|| {
             if store.database_is_new {
                 rebuild_catalogue(&store, engine.as_ref())?;
@@ -49,37 +49,35 @@ impl Service {
             Queue::open(Arc::clone(&store.rows), limits, Arc::clone(&clock))
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
-        let (fitting, measuring) = (pool(&config, "fit")?, pool(&config, "measure")?);
+        let (fitting_pool, measuring_pool) = (pool(&config, "fit")?, pool(&config, "measure")?);
         let engine: Arc<dyn Engine> = Arc::from(engine);
         let forecast = Arc::new(Forecast::new(Arc::clone(&engine), config.workers));
-        let core = Arc::new(Core {
+        let tables = Arc::new(Tables::new(store));
+        let state = Arc::new(ServiceState {
             engine,
-            catalogue: opened,
-            store,
+            tables: Arc::clone(&tables),
             queue,
             hub: Hub::new(Arc::clone(&clock), Arc::clone(&forecast)),
             forecast,
-            measuring,
+            measuring_pool,
             clock,
-            desk: Arc::new(Desk::new(config.adapter)),
-            standings: Standings::default(),
+            pictures: Pictures::new(tables, config.adapter, config.picture_limit),
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
-            blobs_corrupt: AtomicU64::new(0),
             config,
         });
         let workers = Arc::new(Workers::default());
-        for worker in 0..u32::try_from(core.config.workers.get()).unwrap_or(u32::MAX) {
+        for worker in 0..u32::try_from(state.config.workers.get()).unwrap_or(u32::MAX) {
             workers.begin();
-            let (core, workers) = (Arc::clone(&core), Arc::clone(&workers));
-            fitting.spawn(move || {
-                core.work(worker);
-                // Who waits for the end of all workers may open the folder again at once.
-                drop(core);
+            let (state, workers) = (Arc::clone(&state), Arc::clone(&workers));
+            fitting_pool.spawn(move || {
+                state.work(worker);
+                // Dropped first: once all workers have ended, the folder may be opened again at once.
+                drop(state);
                 workers.end();
             });
         }
-        Ok(Arc::new(Self { core, workers, _pool: fitting }))
+        Ok(Arc::new(Self { state, workers, _pool: fitting_pool }))
     }
 }
 
@@ -92,13 +90,13 @@ fn pool(config: &Config, name: &'static str) -> Result<rayon::ThreadPool, OpenEr
         .map_err(|error| refusal(config, StoreOpenError::Unusable(std::io::Error::other(error))))
 }
 
-/// Enters every blob that is a table.
+/// Adds every blob that is a table to the catalogue.
 fn rebuild_catalogue(store: &Store, engine: &dyn Engine) -> Result<(), StoreError> {
     let mut tables = 0_usize;
     for blob in store.blobs.list()? {
         let bytes = match store.blobs.get(blob.digest) {
             Ok(Some(bytes)) => bytes,
-            // Moved aside, and logged, by the store.
+            // The store has moved it to quarantine and logged it.
             Ok(None) | Err(StoreError::Corrupt { .. }) => continue,
             Err(error) => return Err(error),
         };
@@ -111,7 +109,7 @@ fn rebuild_catalogue(store: &Store, engine: &dyn Engine) -> Result<(), StoreErro
         tables += 1;
     }
     if tables > 0 {
-        tracing::warn!(tables, "the catalogue was made again from the blobs");
+        tracing::warn!(tables, "the catalogue was rebuilt from the blobs");
     }
     Ok(())
 }

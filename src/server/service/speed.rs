@@ -1,10 +1,10 @@
-//! How fast this machine fits, learnt from the shards that it has fitted.
+//! How fast this machine fits, measured on the shards that it has fitted.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Measured over predicted seconds of a thread, of the work of late.
+/// The ratio of measured to predicted seconds of a thread, over the latest shards.
 ///
-/// The cost model's constants are one machine's; a single factor carries them to another.
+/// The constants of the cost model are those of one machine; this factor adapts them to another.
 #[derive(Debug)]
 pub(super) struct Speed(Mutex<Sums>);
 
@@ -14,9 +14,9 @@ struct Sums {
     measured: f64,
 }
 
-/// Seconds of work for which the model itself counts before anything was measured: some shards.
+/// Weight of the uncorrected prediction, as seconds of work: those of a few shards.
 const PRIOR_SECONDS: f64 = 0.5;
-/// Seconds of work that are remembered; what is older fades.
+/// Seconds of work after which older measurements fade.
 const MEMORY_SECONDS: f64 = 60.0;
 
 impl Default for Speed {
@@ -26,7 +26,7 @@ impl Default for Speed {
 }
 
 impl Speed {
-    /// Takes in a piece of work: seconds of one thread. What is not positive and finite tells nothing.
+    /// Takes a measurement into account, in seconds of one thread. Values that are not positive and finite are ignored.
     pub(super) fn learn(&self, predicted: f64, measured: f64) {
         if !(predicted > 0.0 && measured > 0.0 && predicted.is_finite() && measured.is_finite()) {
             return;
@@ -37,7 +37,7 @@ impl Speed {
         sums.measured = fade * (sums.measured + measured);
     }
 
-    /// What a predicted second takes here.
+    /// Measured seconds per predicted second.
     pub(super) fn ratio(&self) -> f64 {
         let sums = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         sums.measured / sums.predicted
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ratio_goes_from_one_to_what_is_measured_and_forgets() {
+    fn the_ratio_moves_from_one_to_the_measured_one_and_forgets() {
         let speed = Speed::default();
         assert_eq!(speed.ratio(), 1.0);
         for (predicted, measured) in [(0.0, 1.0), (1.0, f64::NAN), (f64::INFINITY, 1.0), (1.0, -1.0)] {

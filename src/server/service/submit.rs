@@ -1,22 +1,19 @@
-//! Jobs as their submitters see them.
+//! Submitting jobs, and looking them up.
 
 use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::{Expected, JobNews, Page, Service, ServiceError, Submission, SubmitError, core::Core};
+use super::{Expected, JobSnapshot, Page, Service, ServiceError, Submission, SubmitError, state::ServiceState};
 use crate::{
     files::digest::Digest,
-    server::{
-        queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted},
-        store::StoreError,
-    },
+    server::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted},
 };
 
-/// Shortest and longest time after which a refused submitter is told to come back, seconds.
+/// Shortest and longest time, in seconds, after which a refused client is asked to try again.
 const RETRY_SECONDS: (f64, f64) = (1.0, 600.0);
 
-/// What that is while no pace is known, seconds.
+/// That time while the speed of the first job is not known, in seconds.
 const RETRY_UNKNOWN_SECONDS: f64 = 5.0;
 
 impl Service {
@@ -25,27 +22,27 @@ impl Service {
     /// # Errors
     /// See [`SubmitError`].
     pub fn submit(&self, document: &[u8]) -> Result<Submission, SubmitError> {
-        if self.core.is_stopping() {
+        if self.state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
-        let new = self.core.engine.plan(document, self.core.config.entry_limit)?;
-        let submission = self.core.submit(new);
-        self.core.publish_changes();
+        let new = self.state.engine.plan(document, self.state.config.entry_limit)?;
+        let submission = self.state.submit(new);
+        self.state.publish_changes();
         submission
     }
 
     /// What the fit of a stored recipe is expected to take and to give here; `None` for another fitter's.
     #[must_use]
     pub fn expected(&self, recipe: &str) -> Option<Expected> {
-        self.core.forecast.of(recipe)
+        self.state.forecast.of(recipe)
     }
 
-    /// A job by its id, with the expected seconds to its end.
+    /// A job by its id, with its forecasts.
     ///
     /// # Errors
     /// When the store fails.
-    pub fn job(&self, id: JobId) -> Result<Option<JobNews>, ServiceError> {
-        Ok(self.core.queue.job(id)?.map(|job| self.core.hub.news(job)))
+    pub fn job(&self, id: JobId) -> Result<Option<JobSnapshot>, ServiceError> {
+        Ok(self.state.queue.job(id)?.map(|job| self.state.hub.snapshot(job)))
     }
 
     /// Jobs, newest first.
@@ -57,10 +54,10 @@ impl Service {
         state: Option<StateName>,
         cursor: Option<&str>,
         limit: usize,
-    ) -> Result<Page<JobNews>, ServiceError> {
+    ) -> Result<Page<JobSnapshot>, ServiceError> {
         let before = cursor.and_then(|cursor| cursor.parse().ok());
-        let (jobs, next) = self.core.queue.list(state, before, limit)?;
-        let items = jobs.into_iter().map(|job| self.core.hub.news(job)).collect();
+        let (jobs, next) = self.state.queue.list(state, before, limit)?;
+        let items = jobs.into_iter().map(|job| self.state.hub.snapshot(job)).collect();
         Ok(Page { items, next: next.map(|next| next.to_string()) })
     }
 
@@ -68,25 +65,25 @@ impl Service {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn cancel(&self, id: JobId) -> Result<Option<JobNews>, ServiceError> {
-        let job = self.core.queue.cancel(id)?;
-        self.core.publish_changes();
-        Ok(job.map(|job| self.core.hub.news(job)))
+    pub fn cancel(&self, id: JobId) -> Result<Option<JobSnapshot>, ServiceError> {
+        let job = self.state.queue.cancel(id)?;
+        self.state.publish_changes();
+        Ok(job.map(|job| self.state.hub.snapshot(job)))
     }
 
-    /// Follows a job: the receiver always holds the latest news.
+    /// Follows a job: the receiver always holds its latest snapshot.
     ///
     /// # Errors
     /// When the store fails.
-    pub fn watch(&self, id: JobId) -> Result<Option<watch::Receiver<JobNews>>, ServiceError> {
-        Ok(self.core.hub.watch(id, || self.core.queue.job(id))?)
+    pub fn watch(&self, id: JobId) -> Result<Option<watch::Receiver<JobSnapshot>>, ServiceError> {
+        Ok(self.state.hub.watch(id, || self.state.queue.job(id))?)
     }
 }
 
-impl Core {
+impl ServiceState {
     fn submit(&self, new: NewJob) -> Result<Submission, SubmitError> {
         let digest = new.recipe_digest;
-        let table = self.table_of(digest).map_err(ServiceError::from)?;
+        let table = self.tables.of_recipe(digest).map_err(ServiceError::from)?;
         if let Some(table) = table {
             let job = self.queue.adopt(self.done(new, table)).map_err(ServiceError::from)?;
             return Ok(match job.state {
@@ -94,7 +91,7 @@ impl Core {
                 _ => Submission::InFlight { job, joined: true },
             });
         }
-        let has_table = |_| self.table_of(digest).is_ok_and(|table| table.is_some());
+        let has_table = |_| self.tables.of_recipe(digest).is_ok_and(|table| table.is_some());
         match self.queue.submit(new, &has_table) {
             Ok(Submitted::Queued(job)) => Ok(Submission::InFlight { job, joined: false }),
             Ok(Submitted::Joined(job)) => Ok(Submission::InFlight { job, joined: true }),
@@ -104,15 +101,10 @@ impl Core {
         }
     }
 
-    /// The table of a recipe, if it is in the catalogue and its blob is there.
-    pub(super) fn table_of(&self, recipe_digest: Digest) -> Result<Option<Digest>, StoreError> {
-        let table = self.catalogue.recipe(recipe_digest)?.map(|(_, table)| table);
-        Ok(table.filter(|table| self.store.blobs.contains(*table)))
-    }
-
-    /// The job of a table that is in the store, for the case that its own was lost.
+    /// A done job for a table that is stored although its job was lost.
     fn done(&self, new: NewJob, table: Digest) -> Job {
-        let stored_at = self.catalogue.table(table).ok().flatten().map_or_else(|| (self.clock)(), |row| row.created_at);
+        let stored_at =
+            self.tables.catalogue.table(table).ok().flatten().map_or_else(|| (self.clock)(), |row| row.created_at);
         let entries = new.shard_entries.iter().copied().map(u64::from).sum();
         Job {
             id: JobId::of_recipe(&new.recipe_digest),
@@ -128,10 +120,10 @@ impl Core {
         }
     }
 
-    /// When the first job is expected to make room.
+    /// When the first job is expected to end.
     fn retry_after(&self) -> Duration {
         let first = self.queue.unfinished().into_iter().next();
-        let seconds = first.and_then(|job| self.hub.news(job).seconds_left).unwrap_or(RETRY_UNKNOWN_SECONDS);
+        let seconds = first.and_then(|job| self.hub.snapshot(job).seconds_left).unwrap_or(RETRY_UNKNOWN_SECONDS);
         Duration::try_from_secs_f64(seconds.clamp(RETRY_SECONDS.0, RETRY_SECONDS.1)).unwrap_or(Duration::from_secs(1))
     }
 }

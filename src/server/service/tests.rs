@@ -1,4 +1,4 @@
-//! The service on an engine of its own: what it promises whatever is fitted.
+//! The service with a fake engine.
 
 mod fake_engine;
 
@@ -12,7 +12,8 @@ use std::{
 
 use fake_engine::{FakeEngine, Shared};
 
-use super::{manifest::MANIFEST_VERSION, *};
+use super::*;
+use crate::files::manifest::MANIFEST_VERSION;
 use crate::{
     files::digest::Digest,
     server::{
@@ -38,20 +39,20 @@ fn start(dir: &Path, shared: &Arc<Shared>) -> Arc<Service> {
     Service::open_with(config(dir), Store::open(dir).unwrap(), Box::new(FakeEngine(Arc::clone(shared)))).unwrap()
 }
 
-/// Follows a job to its end, and checks that its news come in order.
+/// Follows a job to its end and checks that its snapshots come in order.
 fn end_of(service: &Service, id: JobId) -> JobState {
     let mut receiver = service.watch(id).unwrap().unwrap();
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
     runtime.block_on(async {
         let mut last = 0;
         loop {
-            let news = receiver.borrow_and_update().clone();
-            assert!(news.sequence > last, "{last} then {news:?}");
-            last = news.sequence;
-            if news.job.state.name().is_final() {
-                return news.job.state;
+            let snapshot = receiver.borrow_and_update().clone();
+            assert!(snapshot.sequence > last, "{last} then {snapshot:?}");
+            last = snapshot.sequence;
+            if snapshot.job.state.name().is_final() {
+                return snapshot.job.state;
             }
-            receiver.changed().await.expect("the last news is the final state");
+            receiver.changed().await.expect("the last snapshot has the final state");
         }
     })
 }
@@ -121,7 +122,7 @@ fn equal_recipes_share_a_job_and_the_queue_has_a_limit() {
     assert_eq!(shared.behaviour.lock().unwrap().begun[&("gold 3".to_owned(), 0)], 1);
     fitted(&service, "copper 1");
     let newest = service.jobs(None, None, 2).unwrap();
-    let names: Vec<_> = newest.items.iter().map(|news| news.job.recipe.as_str()).collect();
+    let names: Vec<_> = newest.items.iter().map(|snapshot| snapshot.job.recipe.as_str()).collect();
     assert_eq!(names, ["copper 1", "silver 1"]);
     let rest = service.jobs(None, newest.next.as_deref(), 2).unwrap();
     assert_eq!((rest.items[0].job.recipe.as_str(), rest.next), ("gold 3", None));
@@ -138,9 +139,9 @@ fn a_cancelled_job_stops_and_can_be_submitted_again() {
     let mut receiver = service.watch(id).unwrap().unwrap();
     assert_eq!(service.cancel(id).unwrap().unwrap().job.state, JobState::Cancelled);
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
-    let told = runtime.block_on(receiver.wait_for(|news| news.job.state == JobState::Cancelled));
-    assert!(told.is_ok(), "its followers hear of it");
-    drop(told);
+    let notified = runtime.block_on(receiver.wait_for(|snapshot| snapshot.job.state == JobState::Cancelled));
+    assert!(notified.is_ok(), "its followers are notified");
+    drop(notified);
     shared.set(|b| b.held = false);
     fitted(&service, "silver 1");
     assert_eq!(shared.begun(), 3, "no other shard of the cancelled job was begun");
@@ -209,6 +210,26 @@ fn a_damaged_table_is_reported_once_and_fitted_again() {
     assert_eq!(fitted(&service, "gold 1"), table);
     assert_eq!(shared.begun(), 2);
     assert!(service.table(table).unwrap().is_some());
+}
+
+#[test]
+fn the_manifest_of_a_damaged_table_is_refused_like_the_table() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 1");
+    assert!(service.manifest(table).unwrap().is_some());
+    let hex = table.hex();
+    let blob = dir.path().join("blobs").join(&hex[..2]).join(&hex);
+    fs::write(&blob, "noise").unwrap();
+    assert!(matches!(service.manifest(table), Err(ServiceError::Corrupt { expected, .. }) if expected == table));
+    assert!(!blob.exists(), "it was moved to quarantine");
+    assert!(service.manifest(table).unwrap().is_none());
+    assert_eq!(service.metrics().unwrap().blobs_corrupt, 1);
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert!(service.manifest(table).unwrap().is_some());
+    fs::remove_file(&blob).unwrap();
+    assert!(service.manifest(table).unwrap().is_none(), "no manifest without its table");
 }
 
 #[test]
@@ -283,7 +304,7 @@ fn a_table_from_before_gets_its_manifest_when_it_is_asked_for() {
     let shared = Arc::new(Shared::default());
     let service = start(dir.path(), &shared);
     let table = fitted(&service, "gold 2");
-    let rows = &service.core.store.rows;
+    let rows = &service.state.tables.store.rows;
     let made = || shared.behaviour.lock().unwrap().manifests;
     let mut none = Batch::default();
     none.remove(Tree::Manifests, *table.as_bytes());
@@ -305,9 +326,9 @@ fn followers_of_finished_jobs_cost_nothing() {
     let service = start(dir.path(), &shared);
     let (id, _) = submit(&service, "gold 2");
     end_of(&service, id);
-    assert!(!service.core.hub.is_watched(id));
+    assert!(!service.state.hub.is_watched(id));
     let receiver = service.watch(id).unwrap().unwrap();
     assert!(matches!(receiver.borrow().job.state, JobState::Done { .. }));
-    assert!(!service.core.hub.is_watched(id));
+    assert!(!service.state.hub.is_watched(id));
     assert!(service.watch(JobId::of_recipe(&Digest::of(b"unknown"))).unwrap().is_none());
 }

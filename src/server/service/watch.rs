@@ -1,4 +1,4 @@
-//! Progress: who follows a job hears of it.
+//! Notifying the followers of jobs.
 
 use std::{
     collections::HashMap,
@@ -8,19 +8,19 @@ use std::{
 use jiff::Timestamp;
 use tokio::sync::watch;
 
-use super::{JobNews, forecast::Forecast};
+use super::{JobSnapshot, forecast::Forecast};
 use crate::server::{
     queue::{Clock, Job, JobId, StateName},
     store::StoreError,
 };
 
-/// How far a final state's sequence number is ahead of the time: further than a burst of news within one microsecond
-/// gets ahead of it.
+/// How far a final state's sequence number is ahead of the time: more than a burst of snapshots within one microsecond
+/// can be.
 const FINAL_AFTER: u64 = 1000;
 
-/// Channels of the jobs that someone follows, and the pace of those that run.
+/// Channels to the followers of jobs, and the pace of running jobs.
 ///
-/// Invariant: a job in a final state has neither, so memory does not grow with the jobs that have been.
+/// Invariant: a job in a final state has neither, so that memory does not grow with the number of finished jobs.
 pub(super) struct Hub {
     clock: Clock,
     forecast: Arc<Forecast>,
@@ -31,10 +31,10 @@ pub(super) struct Hub {
 struct Inner {
     last_sequence: u64,
     paces: HashMap<JobId, Pace>,
-    channels: HashMap<JobId, watch::Sender<JobNews>>,
+    channels: HashMap<JobId, watch::Sender<JobSnapshot>>,
 }
 
-/// Where a job stood when this process began to work on it.
+/// How far a job was when this process began to work on it.
 struct Pace {
     since: Timestamp,
     entries_done: u64,
@@ -45,10 +45,10 @@ impl Hub {
         Self { clock, forecast, inner: Mutex::new(Inner::default()) }
     }
 
-    /// The news of `job` as it is.
-    pub(super) fn news(&self, job: Job) -> JobNews {
+    /// A snapshot of `job`.
+    pub(super) fn snapshot(&self, job: Job) -> JobSnapshot {
         let now = (self.clock)();
-        self.lock().news(job, &self.forecast, now)
+        self.lock().snapshot(job, &self.forecast, now)
     }
 
     /// Whether anyone follows the job.
@@ -56,31 +56,32 @@ impl Hub {
         self.lock().channels.contains_key(&id)
     }
 
-    /// Tells the followers of a job. `read` is called under the hub's lock, so that older news never follow newer.
+    /// Notifies the followers of a job. `read` is called under the hub's lock, so that an older snapshot never follows a
+    /// newer one.
     pub(super) fn publish(
         &self,
         id: JobId,
         read: impl FnOnce() -> Result<Option<Job>, StoreError>,
     ) -> Result<(), StoreError> {
         let mut inner = self.lock();
-        // Before the job is read: one that ends in between has a later number.
+        // The time is read before the job, so that a job that ends in between has a later number.
         let now = (self.clock)();
         let Some(job) = read()? else { return Ok(()) };
         let is_final = job.state.name().is_final();
-        let news = inner.news(job, &self.forecast, now);
-        let followed = inner.channels.get(&id).is_some_and(|channel| channel.send(news).is_ok());
+        let snapshot = inner.snapshot(job, &self.forecast, now);
+        let followed = inner.channels.get(&id).is_some_and(|channel| channel.send(snapshot).is_ok());
         if is_final || !followed {
             inner.channels.remove(&id);
         }
         Ok(())
     }
 
-    /// Follows a job. The receiver of a job in a final state holds that, and hears no more.
+    /// Follows a job. The receiver of a job in a final state holds that state and gets no more snapshots.
     pub(super) fn watch(
         &self,
         id: JobId,
         read: impl FnOnce() -> Result<Option<Job>, StoreError>,
-    ) -> Result<Option<watch::Receiver<JobNews>>, StoreError> {
+    ) -> Result<Option<watch::Receiver<JobSnapshot>>, StoreError> {
         let mut inner = self.lock();
         let now = (self.clock)();
         let Some(job) = read()? else { return Ok(None) };
@@ -88,8 +89,8 @@ impl Hub {
         if let Some(channel) = inner.channels.get(&id).filter(|_| !is_final) {
             return Ok(Some(channel.subscribe()));
         }
-        let news = inner.news(job, &self.forecast, now);
-        let (sender, receiver) = watch::channel(news);
+        let snapshot = inner.snapshot(job, &self.forecast, now);
+        let (sender, receiver) = watch::channel(snapshot);
         if !is_final {
             inner.channels.insert(id, sender);
         }
@@ -102,7 +103,7 @@ impl Hub {
 }
 
 impl Inner {
-    fn news(&mut self, job: Job, forecast: &Forecast, now: Timestamp) -> JobNews {
+    fn snapshot(&mut self, job: Job, forecast: &Forecast, now: Timestamp) -> JobSnapshot {
         let seconds_left = if job.state.name() == StateName::Running {
             let start = Pace { since: now, entries_done: job.entries_done };
             self.paces.entry(job.id).or_insert(start).seconds_left(&job, now)
@@ -111,11 +112,11 @@ impl Inner {
             None
         };
         let expected = forecast.of(&job.recipe);
-        JobNews { sequence: self.sequence(&job, now), job, seconds_left, expected }
+        JobSnapshot { sequence: self.sequence(&job, now), job, seconds_left, expected }
     }
 
-    /// Microseconds since 1970, or one more than the last: it grows over restarts too. A final state's is the time
-    /// when it was reached, the same however often it is asked for.
+    /// Microseconds since 1970, or one more than the last number, so that numbers grow across restarts too. The number of
+    /// a final state follows from the time when it was reached, and is the same on each call.
     fn sequence(&mut self, job: &Job, now: Timestamp) -> u64 {
         let micros = |time: Timestamp| u64::try_from(time.as_microsecond()).unwrap_or(0);
         if let Some(finished_at) = job.finished_at {

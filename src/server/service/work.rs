@@ -1,4 +1,4 @@
-//! The work loop: lease, fit, store.
+//! The loop of a worker: lease a task, do it, store the result.
 
 use std::{
     any::Any,
@@ -8,27 +8,27 @@ use std::{
     time::Instant,
 };
 
-use super::{TableRow, core::Core};
+use super::{TableRow, state::ServiceState};
 use crate::server::{
-    queue::{Failure, FailureKind, LeaseError, Offer, StaleLease, Step, Work},
+    queue::{Failure, FailureKind, LeaseError, LeasedTask, Offer, StaleLease, TaskKind},
     store::{Catalogue, StoreError},
 };
 
-/// Why a step was not delivered.
+/// Why a task was not delivered.
 #[derive(Debug, thiserror::Error)]
-enum Trouble {
-    /// The lease is somebody else's, or the job is no more.
+enum TaskError {
+    /// The lease is not the current one.
     #[error(transparent)]
     Stale(#[from] StaleLease),
-    /// The step itself failed: it is tried again.
+    /// The task itself failed and is tried again.
     #[error("{0}")]
-    Step(String),
-    /// The store failed: trying again at once would not help.
+    Failed(String),
+    /// The store failed, so that another attempt would not help.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
 
-impl From<LeaseError> for Trouble {
+impl From<LeaseError> for TaskError {
     fn from(error: LeaseError) -> Self {
         match error {
             LeaseError::Stale(error) => Self::Stale(error),
@@ -37,14 +37,14 @@ impl From<LeaseError> for Trouble {
     }
 }
 
-impl Core {
-    /// Works until the queue is closed.
+impl ServiceState {
+    /// Does tasks until the queue is closed.
     pub(super) fn work(&self, worker: u32) {
         loop {
             match self.queue.lease(worker) {
-                Offer::Work(work) => {
+                Offer::Task(task) => {
                     self.publish_changes();
-                    self.deliver(&work);
+                    self.deliver(&task);
                 }
                 Offer::Nothing { seen } => self.queue.wait(seen),
                 Offer::Closed => return,
@@ -53,80 +53,80 @@ impl Core {
         }
     }
 
-    /// Does what is leased; whatever goes wrong ends with the step or the job, never with the service.
-    fn deliver(&self, work: &Work) {
-        let done = catch_unwind(AssertUnwindSafe(|| match work.step {
-            Step::Shard(shard) => self.fit(work, shard),
-            Step::Assemble => self.assemble(work),
+    /// Does a leased task. A failure ends the task or the job, never the service.
+    fn deliver(&self, task: &LeasedTask) {
+        let done = catch_unwind(AssertUnwindSafe(|| match task.kind {
+            TaskKind::Shard(shard) => self.fit(task, shard),
+            TaskKind::Assemble => self.assemble(task),
         }));
-        let trouble = match done {
+        let error = match done {
             Ok(Ok(())) => return,
-            Ok(Err(trouble)) => trouble,
-            Err(panic) => Trouble::Step(format!("panic: {}", panic_text(panic.as_ref()))),
+            Ok(Err(error)) => error,
+            Err(panic) => TaskError::Failed(format!("panic: {}", panic_text(panic.as_ref()))),
         };
-        let settled = match trouble {
-            Trouble::Stale(error) => Err(error),
-            Trouble::Step(error) => self.queue.fail(&work.lease, &error),
-            Trouble::Store(error) => {
+        let reported = match error {
+            TaskError::Stale(error) => Err(error),
+            TaskError::Failed(error) => self.queue.fail(&task.lease, &error),
+            TaskError::Store(error) => {
                 let kind = match error {
                     StoreError::DiskFull => FailureKind::DiskFull,
                     _ => FailureKind::Storage,
                 };
-                self.queue.abort(&work.lease, Failure { kind, detail: error.to_string() })
+                self.queue.abort(&task.lease, Failure { kind, detail: error.to_string() })
             }
         };
-        if let Err(StaleLease) = settled {
-            tracing::debug!(job = %work.job, step = ?work.step, "the lease was no more when the step ended");
+        if let Err(StaleLease) = reported {
+            tracing::debug!(job = %task.job, task = ?task.kind, "the lease was no longer current when the task ended");
         }
     }
 
-    fn fit(&self, work: &Work, shard: u32) -> Result<(), Trouble> {
+    fn fit(&self, task: &LeasedTask, shard: u32) -> Result<(), TaskError> {
         let mut fitted = 0;
-        let mut pulse = |done: u64| {
+        let mut on_progress = |done: u64| {
             self.entries_fitted.fetch_add(done.saturating_sub(fitted), Ordering::Relaxed);
             fitted = done;
-            if self.is_stopping() || self.queue.progress(&work.lease, done).is_err() {
+            if self.is_stopping() || self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
-            if self.hub.is_watched(work.job) {
-                self.publish(work.job);
+            if self.hub.is_watched(task.job) {
+                self.publish(task.job);
             }
             ControlFlow::Continue(())
         };
         let started = Instant::now();
-        match self.engine.fit_shard(&work.recipe, shard, &mut pulse).map_err(Trouble::Step)? {
+        match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
                 let seconds = started.elapsed().as_secs_f64();
-                if let Some(job) = self.queue.job(work.job)? {
-                    self.forecast.learn(&work.recipe, fitted as f64 / job.entries_total as f64, seconds);
+                if let Some(job) = self.queue.job(task.job)? {
+                    self.forecast.learn(&task.recipe, fitted as f64 / job.entries_total as f64, seconds);
                 }
-                self.queue.complete(&work.lease, &result)?;
+                self.queue.complete(&task.lease, &result)?;
             }
-            None => self.queue.give_back(&work.lease)?,
+            None => self.queue.give_back(&task.lease)?,
         }
         Ok(())
     }
 
-    fn assemble(&self, work: &Work) -> Result<(), Trouble> {
-        let Some(results) = self.queue.results(&work.lease)? else { return Ok(()) };
-        let file = self.engine.assemble(&work.recipe, results).map_err(Trouble::Step)?;
-        let manifest = self.make_manifest(&file).map_err(|error| Trouble::Step(error.to_string()))?;
-        let digest = self.store.blobs.put(&file)?;
+    fn assemble(&self, task: &LeasedTask) -> Result<(), TaskError> {
+        let Some(results) = self.queue.results(&task.lease)? else { return Ok(()) };
+        let file = self.engine.assemble(&task.recipe, results).map_err(TaskError::Failed)?;
+        let manifest = self.make_manifest(&file).map_err(|error| TaskError::Failed(error.to_string()))?;
+        let digest = self.tables.store.blobs.put(&file)?;
         let row = TableRow {
             digest,
-            recipe_digest: work.recipe_digest,
+            recipe_digest: task.recipe_digest,
             bytes: file.len() as u64,
             created_at: (self.clock)(),
         };
-        let mut batch = Catalogue::entry(&row, &work.recipe)?;
+        let mut batch = Catalogue::entry(&row, &task.recipe)?;
         batch.extend(Catalogue::manifest_entry(digest, &manifest)?);
-        self.queue.finish(&work.lease, digest, batch)?;
-        tracing::info!(job = %work.job, table = %digest, bytes = row.bytes, "the table is stored");
+        self.queue.finish(&task.lease, digest, batch)?;
+        tracing::info!(job = %task.job, table = %digest, bytes = row.bytes, "the table is stored");
         Ok(())
     }
 }
 
-/// What a panic said.
+/// The message of a panic.
 fn panic_text(panic: &(dyn Any + Send)) -> &str {
     panic
         .downcast_ref::<&str>()

@@ -1,4 +1,4 @@
-//! Blobs by the digest of their bytes.
+//! Blobs, named by the digest of their bytes.
 
 use std::{
     fs, io,
@@ -27,13 +27,13 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     /// Stores `bytes` durably and returns their digest. Storing equal bytes again changes nothing.
     ///
     /// # Errors
-    /// [`StoreError::DiskFull`], or what the storage reports. Nothing is stored then.
+    /// [`StoreError::DiskFull`], or the storage's error. Nothing is stored then.
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError>;
 
     /// The bytes of `digest`, checked against it.
     ///
     /// # Errors
-    /// [`StoreError::Corrupt`] when they do not match: the blob is moved aside, and absent from then on.
+    /// [`StoreError::Corrupt`] when they do not match. The blob is moved to quarantine and is absent from then on.
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError>;
 
     /// Whether there is a blob of that name; its bytes are not read.
@@ -54,10 +54,10 @@ pub struct FileBlobs {
 }
 
 impl FileBlobs {
-    /// Opens the folder `root`, and sweeps what writes that a crash cut short left there.
+    /// Opens the folder `root` and removes the temporary files of writes that a crash interrupted.
     ///
     /// # Errors
-    /// When the folder cannot be made or listed.
+    /// When the folder cannot be created or listed.
     pub fn open(root: &Path, quarantine: &Path) -> Result<Self, StoreError> {
         files::make_folder(root)?;
         let blobs = Self { root: root.to_owned(), quarantine: quarantine.to_owned() };
@@ -94,7 +94,7 @@ impl Blobs for FileBlobs {
         let digest = Digest::of(bytes);
         match self.get(digest) {
             Ok(Some(_)) => return Ok(digest),
-            // A damaged one has just been moved out of the way.
+            // A damaged one has just been moved to quarantine.
             Ok(None) | Err(StoreError::Corrupt { .. }) => {}
             Err(error) => return Err(error),
         }
@@ -115,8 +115,8 @@ impl Blobs for FileBlobs {
         if actual == digest {
             return Ok(Some(bytes));
         }
-        let moved_to = files::move_aside(&path, &self.quarantine, &digest.hex())?;
-        tracing::error!(%digest, %actual, moved_to = %moved_to.display(), "a damaged blob was moved aside");
+        let moved_to = files::move_to_quarantine(&path, &self.quarantine, &digest.hex())?;
+        tracing::error!(%digest, %actual, moved_to = %moved_to.display(), "a damaged blob was moved to quarantine");
         Err(StoreError::Corrupt { expected: digest, actual, moved_to })
     }
 
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_put_can_be_got_listed_and_put_again() {
+    fn a_blob_can_be_read_listed_and_put_again() {
         let dir = tempfile::tempdir().unwrap();
         let blobs = blobs(dir.path());
         let digest = blobs.put(b"table").unwrap();
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_blob_is_moved_aside_once_and_can_be_stored_again() {
+    fn a_damaged_blob_is_moved_to_quarantine_once_and_can_be_stored_again() {
         let dir = tempfile::tempdir().unwrap();
         let blobs = blobs(dir.path());
         let digest = blobs.put(b"table").unwrap();
@@ -189,12 +189,12 @@ mod tests {
     }
 
     #[test]
-    fn leftovers_of_a_crash_are_swept_and_strangers_left_alone() {
+    fn temporary_files_are_removed_and_foreign_files_are_not() {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("blobs/ab");
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join(format!("{TEMPORARY}1-x")), b"half").unwrap();
-        fs::write(folder.join("README"), b"a stranger").unwrap();
+        fs::write(folder.join("README"), b"a foreign file").unwrap();
         let blobs = blobs(dir.path());
         assert!(blobs.list().unwrap().is_empty());
         assert_eq!(fs::read_dir(folder).unwrap().count(), 1);

@@ -1,4 +1,4 @@
-//! Which table belongs to which recipe.
+//! The catalogue: which table belongs to which recipe, and the manifests.
 
 use std::sync::Arc;
 
@@ -24,9 +24,9 @@ pub struct TableRow {
 /// A table's manifest, opaque here.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ManifestRow {
-    /// Which version of manifests it is: one of another is to be made again.
+    /// Its version. A manifest of another version than the current one is made again.
     pub version: u32,
-    /// The document, as it is handed out.
+    /// The document as it is served.
     pub text: String,
 }
 
@@ -36,7 +36,7 @@ struct RecipeRow {
     table: Digest,
 }
 
-/// The catalogue of tables. A damaged row counts as absent: its table is then made again.
+/// The catalogue of tables. A damaged row counts as absent, so that its table is fitted again.
 #[derive(Debug, Clone)]
 pub struct Catalogue {
     rows: Arc<dyn Rows>,
@@ -49,7 +49,7 @@ impl Catalogue {
         Self { rows }
     }
 
-    /// The changes that enter a table: commit them.
+    /// The changes that add a table, for the caller to commit.
     ///
     /// # Errors
     /// When the rows cannot be encoded.
@@ -62,7 +62,7 @@ impl Catalogue {
         Ok(batch)
     }
 
-    /// The change that enters a table's manifest: commit it.
+    /// The change that adds a table's manifest, for the caller to commit.
     ///
     /// # Errors
     /// When the row cannot be encoded.
@@ -80,7 +80,7 @@ impl Catalogue {
         self.read(Tree::Manifests, table.as_bytes())
     }
 
-    /// The canonical recipe and the table of a recipe digest.
+    /// The canonical JSON and the table of a recipe.
     ///
     /// # Errors
     /// When the database fails.
@@ -97,7 +97,7 @@ impl Catalogue {
         self.read(Tree::Tables, digest.as_bytes())
     }
 
-    /// Up to `limit` tables, newest first, below `cursor`; and the cursor of what follows.
+    /// Up to `limit` tables after `cursor`, newest first; and the cursor of the next page.
     ///
     /// # Errors
     /// When the database fails.
@@ -112,7 +112,7 @@ impl Catalogue {
         Ok((tables, next))
     }
 
-    /// Number of tables, and the bytes of all their files.
+    /// Number of tables, and the size of all their files in bytes.
     ///
     /// # Errors
     /// When the database fails.
@@ -122,7 +122,7 @@ impl Catalogue {
         Ok(sizes.fold((0, 0), |(count, bytes), row| (count + 1, bytes + row.bytes)))
     }
 
-    /// Strikes a table out, so that its recipe is fitted again. Returns whether it was there.
+    /// Removes a table, so that its recipe is fitted again. Returns whether it was there.
     ///
     /// # Errors
     /// When the database fails.
@@ -141,7 +141,7 @@ impl Catalogue {
         let value = match self.rows.get(tree, key) {
             Ok(value) => value,
             Err(error @ StoreError::DamagedRow { .. }) => {
-                tracing::error!(%error, "ignored");
+                tracing::error!(%error, "the row counts as absent");
                 None
             }
             Err(error) => return Err(error),
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_forgotten_table_is_gone_from_everywhere() {
+    fn a_removed_table_leaves_no_row() {
         let rows = Arc::new(MemoryRows::default());
         let catalogue = Catalogue::new(rows.clone());
         rows.commit(&Catalogue::entry(&row(1), "{}").unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! What goes wrong in the store.
+//! The errors of the store.
 
 use std::{io, path::PathBuf};
 
@@ -8,20 +8,20 @@ use crate::files::digest::Digest;
 /// Why the store could not read or write.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// No room, or the quota is used up. Nothing was stored.
+    /// The disk is full, or the quota is used up. Nothing was stored.
     #[error("the disk is full")]
     DiskFull,
-    /// A blob's bytes are not those of its digest; it was moved aside.
+    /// A blob's bytes do not have its digest; it was moved to quarantine.
     #[error("the blob {expected} is damaged (its bytes hash to {actual}); it was moved to {}", .moved_to.display())]
     Corrupt {
-        /// What was asked for.
+        /// The digest that was requested.
         expected: Digest,
-        /// What was found.
+        /// The digest of the bytes found.
         actual: Digest,
-        /// Where the damaged bytes are now.
+        /// Where the damaged file is now.
         moved_to: PathBuf,
     },
-    /// A row's value does not match the hash kept with it.
+    /// A row's value does not match the hash stored with it.
     #[error("a row of {} is damaged (key {key:02x?})", .tree.name())]
     DamagedRow {
         /// The tree.
@@ -34,21 +34,21 @@ pub enum StoreError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
-    /// The database refused.
+    /// The database failed.
     #[error("database: {0}")]
     Database(String),
 }
 
 impl StoreError {
-    /// The error of an operation on `path`; a full disk is told apart.
+    /// The error of an operation on `path`, or [`Self::DiskFull`].
     pub(super) fn of_io(path: impl Into<PathBuf>, source: io::Error) -> Self {
         if is_full(source.kind()) { Self::DiskFull } else { Self::Io { path: path.into(), source } }
     }
 
-    /// The error of a database operation; a full disk is told apart.
+    /// The error of a database operation, or [`Self::DiskFull`].
     pub(super) fn of_sled(error: &sled::Error) -> Self {
         match error {
             sled::Error::Io(source) if is_full(source.kind()) => Self::DiskFull,
@@ -57,7 +57,7 @@ impl StoreError {
     }
 }
 
-/// Whether this kind of error means that there is no room.
+/// Whether this kind of error means that the disk is full.
 pub(super) fn is_full(kind: io::ErrorKind) -> bool {
     matches!(kind, io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge)
 }
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_full_disk_is_told_apart_from_other_trouble() {
+    fn a_full_disk_is_distinguished_from_other_errors() {
         for kind in [io::ErrorKind::StorageFull, io::ErrorKind::QuotaExceeded] {
             assert!(matches!(StoreError::of_io("x", kind.into()), StoreError::DiskFull));
             assert!(matches!(StoreError::of_sled(&sled::Error::Io(kind.into())), StoreError::DiskFull));

@@ -1,4 +1,4 @@
-//! Files that are whole or absent after a power cut.
+//! Files that are complete or absent after a power cut.
 
 use std::{
     fs::{self, File},
@@ -8,19 +8,19 @@ use std::{
 
 use super::StoreError;
 
-/// Beginning of the names of files that are being written.
+/// Prefix of the names of files that are being written.
 pub(super) const TEMPORARY: &str = ".tmp-";
 
-/// Writes `bytes` to `path` so that a power cut leaves all of them or nothing: temporary file in the same folder,
-/// fsync, rename, fsync of the folder.
+/// Writes `bytes` to `path` so that a power cut leaves all of them or none: temporary file in the same folder, fsync,
+/// rename, fsync of the folder.
 ///
 /// # Errors
-/// When the disk is full or refuses; no temporary file is left then.
+/// When the disk is full or a system call fails; no temporary file is left then.
 pub(super) fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     let Some((folder, name)) = path.parent().zip(path.file_name()) else {
         return Err(StoreError::of_io(path, io::ErrorKind::InvalidFilename.into()));
     };
-    // Two threads may store equal bytes under one name at once; each has its own temporary file.
+    // Two threads may write the same file at once, each through its own temporary file.
     let thread = format!("{:?}", std::thread::current().id()).replace(|c: char| !c.is_ascii_alphanumeric(), "");
     let temporary = folder.join(format!("{TEMPORARY}{thread}-{}", name.to_string_lossy()));
     let written = (|| {
@@ -31,7 +31,7 @@ pub(super) fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), StoreError>
         sync_folder(folder)
     })();
     written.map_err(|source| {
-        // The first error is the one to report; a leftover is also swept at the next start.
+        // The first error is reported. If this fails too, the next start removes the file.
         let _ = fs::remove_file(&temporary);
         StoreError::of_io(path, source)
     })
@@ -42,10 +42,10 @@ pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
-/// Makes `folder` and what is above it, with durable names.
+/// Creates `folder` and its parents, with durable names.
 ///
 /// # Errors
-/// When it is not a folder or cannot be made.
+/// When it is not a folder or cannot be created.
 pub(super) fn make_folder(folder: &Path) -> Result<(), StoreError> {
     let made = (|| {
         if !folder.is_dir() {
@@ -57,11 +57,11 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), StoreError> {
     made.map_err(|source| StoreError::of_io(folder, source))
 }
 
-/// Moves `path` into `quarantine` under a name that is not taken there: `<stem>-<n>`. Returns where it is now.
+/// Moves `path` into `quarantine` under a free name `<stem>-<n>`. Returns where it is now.
 ///
 /// # Errors
 /// When it cannot be moved.
-pub(super) fn move_aside(path: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
+pub(super) fn move_to_quarantine(path: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
     let target = free_name(quarantine, stem)?;
     fs::rename(path, &target)
         .and_then(|()| sync_folder(quarantine))
@@ -70,14 +70,14 @@ pub(super) fn move_aside(path: &Path, quarantine: &Path, stem: &str) -> Result<P
     Ok(target)
 }
 
-/// Copies the folder `from` into `quarantine` under a name that is not taken there. Returns where the copy is.
+/// Copies the folder `from` into `quarantine` under a free name `<stem>-<n>`. Returns where the copy is.
 ///
 /// # Errors
 /// When it cannot be copied; no part of a copy is left then.
-pub(super) fn copy_aside(from: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
+pub(super) fn copy_to_quarantine(from: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
     let target = free_name(quarantine, stem)?;
     copy_folder(from, &target).map_err(|source| {
-        // The first error is the one to report.
+        // The first error is reported.
         let _ = fs::remove_dir_all(&target);
         StoreError::of_io(from, source)
     })?;
@@ -91,7 +91,7 @@ fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
     free.ok_or_else(|| StoreError::of_io(quarantine, io::ErrorKind::AlreadyExists.into()))
 }
 
-/// Copies a folder with all that is in it.
+/// Copies a folder with its contents.
 pub(crate) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn a_failed_write_leaves_nothing_behind() {
         let dir = tempfile::tempdir().unwrap();
-        // A folder of that name stands in the way of the rename.
+        // A folder of that name makes the rename fail.
         let path = dir.path().join("taken");
         fs::create_dir(&path).unwrap();
         assert!(matches!(write_durably(&path, b"x"), Err(StoreError::Io { .. })));
@@ -156,13 +156,13 @@ mod tests {
     }
 
     #[test]
-    fn moving_aside_never_overwrites() {
+    fn moving_to_quarantine_never_overwrites() {
         let dir = tempfile::tempdir().unwrap();
         let quarantine = dir.path().join("quarantine");
         for n in 1..=2 {
             let path = dir.path().join("bad");
             fs::write(&path, format!("{n}")).unwrap();
-            let target = move_aside(&path, &quarantine, "bad").unwrap();
+            let target = move_to_quarantine(&path, &quarantine, "bad").unwrap();
             assert_eq!(target, quarantine.join(format!("bad-{n}")));
         }
         assert_eq!(fs::read(quarantine.join("bad-1")).unwrap(), b"1");

@@ -1,4 +1,4 @@
-//! Rows in memory, with a disk that can be filled: for tests of what stands on [`Rows`].
+//! Rows in memory, with a simulated disk that can be full, for tests of the users of [`Rows`].
 
 use std::{
     collections::BTreeMap,
@@ -12,25 +12,25 @@ use super::{Batch, Row, Rows, StoreError, Tree};
 
 type Map = BTreeMap<(Tree, Vec<u8>), Vec<u8>>;
 
-/// [`Rows`] of a test.
+/// [`Rows`] for tests.
 #[derive(Debug, Default)]
 pub(crate) struct MemoryRows {
     rows: Mutex<Map>,
     durable: Mutex<Map>,
-    /// While set, every write is refused.
+    /// While set, every write fails.
     pub(crate) full: AtomicBool,
-    /// Acknowledged commits.
+    /// Number of acknowledged commits.
     pub(crate) commits: AtomicU64,
 }
 
 impl MemoryRows {
-    /// What a power cut now would leave.
+    /// The rows that a power cut now would leave.
     pub(crate) fn after_power_cut(&self) -> Self {
         let durable = self.durable.lock().unwrap().clone();
         Self { rows: Mutex::new(durable.clone()), durable: Mutex::new(durable), ..Self::default() }
     }
 
-    /// Rows of `tree`.
+    /// Number of rows of `tree`.
     pub(crate) fn len(&self, tree: Tree) -> usize {
         self.rows.lock().unwrap().keys().filter(|(t, _)| *t == tree).count()
     }

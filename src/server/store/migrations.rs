@@ -1,7 +1,7 @@
-//! Changes of the on-disk schema, applied in order, each once.
+//! Changes of the on-disk schema, each applied once, in order.
 //!
-//! Invariant: an applied migration never changes; its digest is kept in the store and compared at every start.
-//! Each step can be repeated, so a crash in the middle of a migration is cured by applying it again.
+//! Invariant: an applied migration never changes; its digest is stored and compared at every start. Each change of a
+//! migration can be repeated, so a migration that a crash interrupted is applied again.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,22 +12,22 @@ use crate::files::digest::Digest;
 pub(super) const ALL: &[&str] =
     &[include_str!("../../../migrations/0001_initial.json"), include_str!("../../../migrations/0002_manifests.json")];
 
-/// Tree that records what has been applied.
+/// The tree that records the applied migrations.
 const RECORD: &str = "migrations";
 
 /// Why the schema cannot be brought up to date.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum MigrationError {
-    /// The store has migrations that this program does not know.
-    #[error("the store has schema {found}, this program knows schemas up to {known}")]
+    /// The store is of a later schema than this program knows.
+    #[error("the store has schema {found}; this program knows schemas up to {known}")]
     FromTheFuture { found: u32, known: u32 },
-    /// A migration is not the one that was applied.
-    #[error("migration {0} is not the one that was applied to this store")]
+    /// A migration differs from the one that was applied.
+    #[error("migration {0} differs from the one that was applied to this store")]
     Changed(u32),
     /// A migration of this program is not well formed.
     #[error("migration {number} cannot be read: {reason}")]
     Malformed { number: u32, reason: String },
-    /// The database refused.
+    /// The database failed.
     #[error(transparent)]
     Sled(#[from] sled::Error),
 }
@@ -35,16 +35,17 @@ pub(super) enum MigrationError {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Migration {
-    /// What it is for.
+    /// Its purpose.
     #[serde(rename = "about")]
     _about: String,
-    steps: Vec<Step>,
+    #[serde(rename = "steps")]
+    changes: Vec<SchemaChange>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum Step {
-    /// Makes an empty tree.
+enum SchemaChange {
+    /// Creates an empty tree.
     Create(String),
     /// Moves all rows of a tree to a tree of another name.
     Rename { from: String, to: String },
@@ -57,10 +58,10 @@ struct Applied {
     digest: Digest,
 }
 
-/// Applies those of `migrations` that `db` has not had yet. Returns how many were applied.
+/// Applies those of `migrations` that were not applied to `db` yet. Returns how many.
 ///
 /// # Errors
-/// When the store is newer than `migrations`, was made by other ones, or refuses.
+/// When the store is newer than `migrations`, had different ones applied, or fails.
 pub(super) fn apply(db: &sled::Db, migrations: &[&str]) -> Result<usize, MigrationError> {
     let record = db.open_tree(RECORD)?;
     let known = u32::try_from(migrations.len()).unwrap_or(u32::MAX);
@@ -73,18 +74,18 @@ pub(super) fn apply(db: &sled::Db, migrations: &[&str]) -> Result<usize, Migrati
         let key = number.to_be_bytes();
         let digest = Digest::of(text.as_bytes());
         if let Some(sealed) = record.get(key)? {
-            let had = rows::unseal(RECORD, &key, &sealed)
+            let applied_before = rows::unseal(RECORD, &key, &sealed)
                 .and_then(|value| serde_json::from_slice::<Applied>(&value).ok())
                 .ok_or(sled::Error::Corruption { at: None, bt: () })?;
-            if had.digest != digest {
+            if applied_before.digest != digest {
                 return Err(MigrationError::Changed(number));
             }
         } else {
             let malformed =
                 |reason: serde_json::Error| MigrationError::Malformed { number, reason: reason.to_string() };
             let migration: Migration = serde_json::from_str(text).map_err(malformed)?;
-            for step in &migration.steps {
-                step.apply(db)?;
+            for change in &migration.changes {
+                change.apply(db)?;
             }
             let value = serde_json::to_vec(&Applied { digest }).map_err(malformed)?;
             record.insert(key, rows::seal(RECORD, &key, &value))?;
@@ -95,7 +96,7 @@ pub(super) fn apply(db: &sled::Db, migrations: &[&str]) -> Result<usize, Migrati
     Ok(applied)
 }
 
-impl Step {
+impl SchemaChange {
     fn apply(&self, db: &sled::Db) -> Result<(), sled::Error> {
         match self {
             Self::Create(name) => db.open_tree(name).map(drop),
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_survive_a_rename_even_one_that_a_crash_cut_in_two() {
+    fn rows_survive_a_rename_even_one_that_a_crash_interrupted() {
         let dir = tempfile::tempdir().unwrap();
         let db = open_sled(dir.path()).unwrap();
         apply(&db, &[CREATE]).unwrap();
@@ -160,7 +161,7 @@ mod tests {
         for key in [b"a", b"b"] {
             old.insert(key, rows::seal("old", key, b"value")).unwrap();
         }
-        // The crash: one row has been copied, nothing recorded.
+        // The crash: one row was copied, and nothing was recorded.
         db.open_tree("new").unwrap().insert(b"a", rows::seal("new", b"a", b"value")).unwrap();
         drop(old);
         assert_eq!(apply(&db, &[CREATE, RENAME]).unwrap(), 1);
@@ -181,9 +182,9 @@ mod tests {
         assert!(matches!(apply(&db, &[CREATE, &edited]), Err(MigrationError::Changed(2))));
     }
 
-    /// An applied migration never changes: add a new file instead, and its digest here.
+    /// An applied migration never changes. Add a new file instead, and its digest here.
     #[test]
-    fn released_migrations_are_what_they_were() {
+    fn released_migrations_have_not_changed() {
         let digests: Vec<_> = ALL.iter().map(|text| Digest::of(text.as_bytes()).hex()).collect();
         let released = [
             "d6f4a993fc81717fc255956392ce5166714f28cfcf23a5156073a2fdbb566eb9",

@@ -1,12 +1,12 @@
-//! What is kept on disk: blobs by digest, small rows, the catalogue of tables, and the migrations of all that.
+//! What is stored on disk: blobs by digest, small rows, the catalogue of tables, and the migrations of the schema.
 //!
-//! Invariant: `store` knows no HTTP and nothing of LTC; a blob and a recipe are opaque bytes here.
+//! Invariant: `store` knows neither HTTP nor LTC; blobs and recipes are opaque bytes here.
 //!
 //! ```text
-//! DIR/lock                  held by the process that has the folder
+//! DIR/lock                  locked by the process that has opened the folder
 //! DIR/blobs/ab/ab12...      tables, named by their digest
-//! DIR/db/                   sled: jobs, shards and their results until the table is there, the catalogue
-//! DIR/quarantine/           what was found damaged
+//! DIR/db/                   sled: jobs, shards and their results until the table is stored, the catalogue
+//! DIR/quarantine/           damaged files
 //! ```
 
 mod blob;
@@ -19,6 +19,7 @@ mod migrations;
 mod open;
 mod rows;
 mod sled_rows;
+mod tree;
 
 #[cfg(test)]
 pub(crate) use files::copy_folder;
@@ -27,5 +28,6 @@ pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
 pub use error::StoreError;
 pub use open::{Store, StoreOpenError};
-pub use rows::{Batch, Row, Rows, Tree};
+pub use rows::{Batch, Row, Rows};
 pub use sled_rows::SledRows;
+pub use tree::Tree;

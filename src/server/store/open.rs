@@ -20,20 +20,20 @@ pub struct Store {
     pub blobs: Arc<dyn Blobs>,
     /// Jobs, shards and the catalogue.
     pub rows: Arc<dyn Rows>,
-    /// Whether the database is new: the folder is, or the old one was damaged and moved aside, or sled found its
-    /// file cut off and began anew. The catalogue is then to be made again from the blobs.
+    /// Whether the database is new: because the folder is, because the old one was damaged and copied to quarantine, or
+    /// because sled found its file truncated and started over. The catalogue must then be rebuilt from the blobs.
     pub database_is_new: bool,
-    /// Held, not read: dropping it unlocks the folder.
+    /// Dropping it unlocks the folder.
     _lock: File,
 }
 
-/// Why a data folder does not open.
+/// Why a data folder did not open.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreOpenError {
-    /// Another process has it.
+    /// Another process has opened it.
     #[error("in use by another process")]
     Locked,
-    /// It cannot be made, read or written.
+    /// It cannot be created, read or written.
     #[error(transparent)]
     Unusable(io::Error),
     /// A later version of the program wrote it.
@@ -57,9 +57,9 @@ impl From<StoreError> for StoreOpenError {
 }
 
 impl Store {
-    /// Opens the data folder `dir`, makes it when it is missing, and applies migrations.
+    /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
     ///
-    /// A database that will not open is kept as `quarantine/db-N` and replaced by an empty one.
+    /// A database that does not open is copied to `quarantine/db-N` and replaced by an empty one.
     ///
     /// # Errors
     /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
@@ -97,34 +97,36 @@ fn open_rows(folder: &Path, quarantine: &Path) -> Result<SledRows, StoreOpenErro
     let reason = match SledRows::open(folder, sync()) {
         Ok(rows) => {
             if rows.was_empty && had_bytes > 0 {
-                tracing::error!(had_bytes, "sled could not use its file and began anew; unfinished jobs are lost");
+                tracing::error!(had_bytes, "sled could not read its file and started over; unfinished jobs are lost");
             }
             return Ok(rows);
         }
         Err(SledOpenError::Damaged(reason)) => reason,
-        Err(error) => return Err(hopeless(error)),
+        Err(error) => return Err(refusal(error)),
     };
-    // Whatever sled does to the files from here on, they can be looked at later.
-    let copied_to = files::copy_aside(folder, quarantine, "db")?;
-    tracing::error!(reason, copied_to = %copied_to.display(), "the database is damaged; a copy was put aside");
-    // A damaged snapshot blocks opening; all that is in it is in the log too.
+    // The copy is made before sled changes the files any further.
+    let copied_to = files::copy_to_quarantine(folder, quarantine, "db")?;
+    tracing::error!(reason, copied_to = %copied_to.display(), "the database is damaged; a copy was made in quarantine");
+    // A damaged snapshot prevents opening. The log has everything that is in a snapshot.
     if files::remove_matching(folder, "snap.")? > 0 {
         match SledRows::open(folder, sync()) {
             Ok(rows) if !rows.was_empty => {
-                tracing::warn!("the database opened without its snapshots, nothing is lost");
+                tracing::warn!("the database was opened without its snapshots; nothing is lost");
                 return Ok(rows);
             }
             Ok(_) | Err(SledOpenError::Damaged(_)) => {}
-            Err(error) => return Err(hopeless(error)),
+            Err(error) => return Err(refusal(error)),
         }
     }
-    tracing::error!("beginning with an empty database; unfinished jobs are lost, the catalogue is made from the blobs");
+    tracing::error!(
+        "starting with an empty database; unfinished jobs are lost, and the catalogue is rebuilt from the blobs"
+    );
     fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
     files::make_folder(folder)?;
-    SledRows::open(folder, sync()).map_err(hopeless)
+    SledRows::open(folder, sync()).map_err(refusal)
 }
 
-fn hopeless(error: SledOpenError) -> StoreOpenError {
+fn refusal(error: SledOpenError) -> StoreOpenError {
     match error {
         SledOpenError::Schema(MigrationError::FromTheFuture { found, known }) => {
             StoreOpenError::FromTheFuture { found, known }
@@ -184,14 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn a_database_that_will_not_open_is_put_aside_and_the_blobs_stay() {
+    fn a_database_that_does_not_open_is_copied_to_quarantine_and_the_blobs_stay() {
         let dir = tempfile::tempdir().unwrap();
         let store = Store::open(dir.path()).unwrap();
         assert!(store.database_is_new);
         (0..50).for_each(|_| one_job(&store));
         let digest = store.blobs.put(b"table").unwrap();
         drop(store);
-        // With the snapshot of a second start sled knows that there was something in the file.
+        // After a second start there is a snapshot, by which sled knows that the file had contents.
         drop(Store::open(dir.path()).unwrap());
         let db = dir.path().join("db/db");
         let length = fs::metadata(&db).unwrap().len();
@@ -205,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_off_database_never_stops_the_start_and_what_is_lost_shows() {
+    fn a_truncated_database_never_prevents_the_start_and_a_loss_is_reported() {
         for cut in [0, 1, 100, 4096] {
             let dir = tempfile::tempdir().unwrap();
             let store = Store::open(dir.path()).unwrap();

@@ -1,58 +1,8 @@
-//! Small rows in ordered trees: the narrow face of the database.
+//! Small rows in ordered trees: the interface of the database.
 
 use sha2::{Digest as _, Sha256};
 
-use super::StoreError;
-
-/// The trees of the current schema; `migrations/` makes them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Tree {
-    /// Job id: the job.
-    Jobs,
-    /// Submission number, big-endian: job id.
-    JobOrder,
-    /// Job id and shard number, big-endian: the shard's state.
-    Shards,
-    /// Job id and shard number, big-endian: a finished shard's bytes, until the table is stored.
-    Results,
-    /// Table digest: its row in the catalogue.
-    Tables,
-    /// Microseconds since 1970, big-endian, and table digest: empty.
-    TablesByAge,
-    /// Recipe digest: the recipe and its table.
-    Recipes,
-    /// Table digest: the version of its manifest, and the manifest.
-    Manifests,
-}
-
-impl Tree {
-    /// Every tree.
-    pub const ALL: [Self; 8] = [
-        Self::Jobs,
-        Self::JobOrder,
-        Self::Shards,
-        Self::Results,
-        Self::Tables,
-        Self::TablesByAge,
-        Self::Recipes,
-        Self::Manifests,
-    ];
-
-    /// The tree's name in the database.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Jobs => "jobs",
-            Self::JobOrder => "job_order",
-            Self::Shards => "shards",
-            Self::Results => "results",
-            Self::Tables => "tables",
-            Self::TablesByAge => "tables_by_age",
-            Self::Recipes => "recipes",
-            Self::Manifests => "manifests",
-        }
-    }
-}
+use super::{StoreError, Tree};
 
 /// Changes that are made together or not at all.
 #[derive(Debug, Clone, Default)]
@@ -66,7 +16,7 @@ impl Batch {
         self.changes.push((tree, key.into(), Some(value.into())));
     }
 
-    /// Removes a row; one that is not there is no error.
+    /// Removes a row; a missing row is no error.
     pub fn remove(&mut self, tree: Tree, key: impl Into<Vec<u8>>) {
         self.changes.push((tree, key.into(), None));
     }
@@ -93,7 +43,7 @@ impl Batch {
 pub struct Row {
     /// Its key.
     pub key: Vec<u8>,
-    /// Its value; `None` when it does not match the hash kept with it.
+    /// Its value; `None` if it does not match the hash stored with it.
     pub value: Option<Vec<u8>>,
 }
 
@@ -102,26 +52,26 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// The value of `key`.
     ///
     /// # Errors
-    /// [`StoreError::DamagedRow`], or what the database reports.
+    /// [`StoreError::DamagedRow`], or the database's error.
     fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError>;
 
     /// All rows whose key begins with `prefix`, in ascending order.
     ///
     /// # Errors
-    /// What the database reports; damaged rows are in the answer, without a value.
+    /// The database's error. Damaged rows are in the result, without a value.
     fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError>;
 
-    /// Up to `limit` rows below `before` (from the last row where it is `None`), in descending order.
+    /// Up to `limit` rows below `before`, or from the last row if it is `None`, in descending order.
     ///
     /// # Errors
-    /// What the database reports; damaged rows are in the answer, without a value.
+    /// The database's error. Damaged rows are in the result, without a value.
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError>;
 
     /// Applies `batch`; it is durable when this returns.
     ///
     /// # Errors
-    /// [`StoreError::DiskFull`], or what the database reports. The batch is then not acknowledged: it may be there
-    /// or not after the next start, but never in part.
+    /// [`StoreError::DiskFull`], or the database's error. The batch is then not acknowledged: after the next start it may be
+    /// stored or not, but never in part.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
     /// Applies `batch` without waiting for the disk; it is durable with the next [`Rows::commit`].
@@ -134,8 +84,8 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
 /// Bytes of the hash in front of each stored value.
 const SEAL_BYTES: usize = 8;
 
-/// A value as it is stored: the beginning of SHA-256 over tree, key and value, then the value. Bit flips are
-/// found, and so are values under a foreign key.
+/// A value as it is stored: the beginning of the SHA-256 of tree, key and value, then the value. This detects bit flips
+/// and values under a wrong key.
 pub(super) fn seal(tree: &str, key: &[u8], value: &[u8]) -> Vec<u8> {
     let mut sealed = hash(tree, key, value).to_vec();
     sealed.extend_from_slice(value);
@@ -164,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sealed_value_opens_under_its_own_key_only_and_every_bit_flip_shows() {
+    fn a_sealed_value_opens_under_its_own_key_only_and_every_bit_flip_is_detected() {
         let sealed = seal("jobs", b"key", b"value");
         assert_eq!(unseal("jobs", b"key", &sealed).unwrap(), b"value");
         assert!(unseal("jobs", b"kex", &sealed).is_none());

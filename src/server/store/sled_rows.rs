@@ -1,10 +1,12 @@
 //! [`Rows`] in sled.
 //!
-//! What sled 0.34.7 does not do by itself, and is done here: `flush` ends in `sync_file_range`, which a power cut
-//! undoes, so every commit ends in an fsync of the database file; truncated files can panic inside sled, so it is
-//! opened where a panic can be caught; after a write error (a full disk) an open database refuses everything for
-//! good, so it is closed then, and opened again by the next operation; sled's own threads may keep the files locked
-//! for a moment after the database is dropped, so that moment is waited for.
+//! This module works around four properties of sled 0.34.7:
+//! - `flush` ends in `sync_file_range`, which does not survive a power cut. Every commit ends in an fsync of the database
+//!   file.
+//! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
+//! - After a write error, such as a full disk, an open database refuses every operation. It is closed, and the next
+//!   operation opens it again.
+//! - sled's threads may keep the files locked for a moment after the database is dropped. Opening waits for that.
 
 use std::{
     fs::{File, TryLockError},
@@ -23,26 +25,26 @@ use super::{
     rows,
 };
 
-/// Memory for sled's page cache. All unfinished jobs' rows fit; what does not is read again.
+/// Memory for sled's page cache. The rows of all unfinished jobs fit into it.
 const CACHE_BYTES: u64 = 16 << 20;
 
-/// Room that a commit leaves on the disk: sled's log grows by segments of 512 KiB, two may be open, and sled must
-/// never meet a full disk while it writes behind our back.
+/// Room that a commit leaves on the disk. sled's log grows by segments of 512 KiB, of which two may be open, and sled must
+/// not run into a full disk while it writes in the background.
 const HEADROOM_BYTES: u64 = 2 << 20;
 
-/// How long a database that was closed may stay locked.
+/// How long a closed database may stay locked.
 const RELEASE: Duration = Duration::from_secs(2);
 
-/// Makes what was written to the file durable: `File::sync_all`, or a test's stand-in.
+/// Makes the file's contents durable: `File::sync_all`, or a test's replacement.
 pub(super) type SyncFn = Box<dyn Fn(&File) -> io::Result<()> + Send + Sync>;
 
-/// Why the database does not open.
+/// Why the database did not open.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum SledOpenError {
     /// The schema does not fit this program.
     #[error(transparent)]
     Schema(MigrationError),
-    /// The disk is full, or the folder cannot be read or written. The data may be sound.
+    /// The disk is full, or the folder cannot be read or written. The data may be intact.
     #[error(transparent)]
     Unusable(io::Error),
     /// Its files are damaged.
@@ -56,14 +58,14 @@ pub struct SledRows {
     sync: SyncFn,
     /// `None` after a write error.
     handle: RwLock<Option<Handle>>,
-    /// Whether the database had nothing in it, not even a schema, when it was opened.
+    /// Whether the database was empty, without even a schema, when it was opened.
     pub(super) was_empty: bool,
 }
 
 struct Handle {
     db: sled::Db,
     trees: [sled::Tree; Tree::ALL.len()],
-    /// sled's data file, for our own fsync.
+    /// sled's data file, for the fsync.
     file: File,
     was_empty: bool,
 }
@@ -106,7 +108,7 @@ impl Handle {
 }
 
 impl SledRows {
-    /// Opens or makes the database in `folder` and brings its schema up to date.
+    /// Opens or creates the database in `folder` and brings its schema up to date.
     pub(super) fn open(folder: &Path, sync: SyncFn) -> Result<Self, SledOpenError> {
         let handle = open_caught(folder)?;
         sync(&handle.file).map_err(SledOpenError::Unusable)?;
@@ -114,7 +116,7 @@ impl SledRows {
         Ok(Self { folder: folder.to_owned(), sync, handle: RwLock::new(Some(handle)), was_empty })
     }
 
-    /// Runs `operation` on the database, which is opened again if an earlier write error closed it.
+    /// Runs `operation` on the database. If an earlier write error closed it, it is opened again.
     fn with<T>(&self, operation: impl FnOnce(&Handle) -> Result<T, sled::Error>) -> Result<T, StoreError> {
         let guard = loop {
             let guard: RwLockReadGuard<'_, _> = self.handle.read().unwrap_or_else(PoisonError::into_inner);
@@ -191,7 +193,7 @@ fn opened(tree: Tree, row: sled::Result<(sled::IVec, sled::IVec)>) -> sled::Resu
     row.map(|(key, sealed)| Row { key: key.to_vec(), value: rows::unseal(tree.name(), &key, &sealed) })
 }
 
-/// Opens the database on a thread of its own, so that a panic inside sled ends as an error.
+/// Opens the database on a separate thread, so that a panic inside sled becomes an error.
 fn open_caught(folder: &Path) -> Result<Handle, SledOpenError> {
     let folder = folder.to_owned();
     let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || open(&folder));
@@ -203,7 +205,7 @@ fn open_caught(folder: &Path) -> Result<Handle, SledOpenError> {
 
 fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     let refused = |error: sled::Error| match error {
-        // What a cut-off file gives; other I/O errors say nothing about the data.
+        // A truncated file causes these. Other I/O errors do not mean that the data is damaged.
         sled::Error::Io(source)
             if matches!(source.kind(), io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData) =>
         {
@@ -228,7 +230,7 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     Ok(Handle { db, trees, file, was_empty: applied == migrations::ALL.len() })
 }
 
-/// The database in `folder` as sled opens it, once nobody has it locked.
+/// Opens the database in `folder` with sled, once it is not locked.
 pub(super) fn open_sled(folder: &Path) -> Result<sled::Db, sled::Error> {
     if let Ok(file) = File::options().write(true).open(folder.join("db")) {
         let end = Instant::now() + RELEASE;

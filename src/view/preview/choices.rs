@@ -1,12 +1,11 @@
 //! A scene as its callers choose it: by a name and what is to differ. The command line fills [`Choices`] from flags,
 //! HTTP from texts; both mean the same by the same names.
 
-use serde::Serialize;
-
 use super::{
     LightKind, Material, Mode, NamedScene, Scene,
     bounds::{SIZE, SPP},
 };
+use crate::view::parameters::{ParameterFault, read_pairs};
 
 /// What a caller chooses. What is left out is as in the named scene.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -64,35 +63,14 @@ const NAMES: [&str; 23] = [
     "difference_scale",
 ];
 
-/// A parameter that is not taken.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct ParameterFault {
-    /// Its name.
-    pub parameter: String,
-    /// Why, in one sentence.
-    pub detail: String,
-}
-
-impl ParameterFault {
-    /// A fault of the parameter `name`.
-    #[must_use]
-    pub fn new(name: &str, detail: impl Into<String>) -> Self {
-        Self { parameter: name.to_owned(), detail: detail.into() }
-    }
-}
-
 impl Choices {
     /// The scene of a list of parameters as texts.
     ///
     /// # Errors
     /// Every parameter that is unknown, stands twice, is malformed or is out of its bounds.
     pub fn read<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Scene, Vec<ParameterFault>> {
-        let (mut choices, mut faults, mut seen) = (Self::default(), Vec::new(), Vec::new());
-        for (name, text) in pairs {
-            let taken = if seen.contains(&name) { Err("stands twice".to_owned()) } else { choices.set(name, text) };
-            seen.push(name);
-            faults.extend(taken.err().map(|detail| ParameterFault::new(name, detail)));
-        }
+        let mut choices = Self::default();
+        let mut faults = read_pairs(pairs, |name, text| choices.set(name, text));
         let scene = choices.into_scene();
         for fault in scene.faults() {
             let detail = format!("{} is not within {} to {}", fault.value, fault.low, fault.high);
@@ -270,7 +248,7 @@ mod tests {
             &format!("colour: is no parameter of a preview, which are table, {}", NAMES.join(", ")),
             "spp: «99999999999» is not a whole number from 1 to 4096",
             "f0: «1,2» is not 3 numbers with commas between them",
-            "exposure: stands twice",
+            "exposure: is given more than once",
             "light: «cube» is none of rectangle, disk, triangle, pentagon, hexagon, heptagon, octagon",
             "rotation: 7 is not within -6.283185307179586 to 6.283185307179586",
             "phi: NaN is not within -6.283185307179586 to 6.283185307179586",

@@ -23,7 +23,7 @@ mod table;
 mod tone;
 
 pub use bounds::SceneFault;
-pub use choices::{Choices, ParameterFault, numbers, pixels, samples};
+pub use choices::{Choices, numbers, pixels, samples};
 pub use error::PreviewError;
 pub use gpu::{SHADERS, Shader, Variant, Weights};
 pub use named::NamedScene;

@@ -1,23 +1,23 @@
-//! Pictures that were rendered, as many as fit into a number of bytes.
+//! Rendered pictures, up to a number of bytes.
 
 use std::collections::HashMap;
 
-use super::PictureFile;
+use super::picture::PictureFile;
 use crate::files::digest::Digest;
 
-/// The pictures used last.
+/// The pictures that were used last.
 #[derive(Debug)]
 pub(super) struct Cache {
     limit_bytes: usize,
     bytes: usize,
-    /// Grows with each use.
+    /// Number of uses so far.
     uses: u64,
-    /// Each with its last use.
+    /// Each with the number of its last use.
     pictures: HashMap<Digest, (u64, PictureFile)>,
 }
 
 impl Cache {
-    /// An empty one for up to `limit_bytes` of PNG files.
+    /// An empty cache for up to `limit_bytes` of PNG files.
     pub(super) fn new(limit_bytes: usize) -> Self {
         Self { limit_bytes, bytes: 0, uses: 0, pictures: HashMap::new() }
     }
@@ -30,7 +30,7 @@ impl Cache {
         Some(file.clone())
     }
 
-    /// Keeps a picture in the place of those that were not used for longest. One that does not fit is not kept.
+    /// Keeps a picture and removes the least recently used ones to make room. A picture that does not fit is not kept.
     pub(super) fn keep(&mut self, key: Digest, file: PictureFile) {
         if file.png.len() > self.limit_bytes {
             return;
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_used_for_longest_makes_room() {
+    fn the_least_recently_used_picture_makes_room() {
         let mut cache = Cache::new(10);
         cache.keep(key("a"), file(4));
         cache.keep(key("b"), file(4));
@@ -77,7 +77,7 @@ mod tests {
         cache.keep(key("d"), file(11));
         assert!(cache.get(key("d")).is_none());
         assert!(cache.get(key("a")).is_some() && cache.get(key("c")).is_some());
-        // The same key again takes no room of its own.
+        // The same key again replaces the picture.
         cache.keep(key("a"), file(3));
         assert!(cache.get(key("c")).is_some());
         assert_eq!(cache.bytes, 9);

@@ -1,17 +1,23 @@
-use std::{num::NonZeroUsize, ops::ControlFlow, path::Path};
+use std::{
+    num::NonZeroUsize,
+    ops::ControlFlow,
+    path::Path,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use super::*;
 use crate::{
-    files::{export, recipe},
+    files::{digest::Digest, export, recipe},
     fit::{Plan, assemble, fit_shard},
-    server::service::{Config, ServiceError},
+    server::service::{Config, Service, ServiceError},
     view::{
         plots::Plot,
         preview::{Adapter, Scene},
     },
 };
 
-/// A service that has one blob, which is no table.
+/// A service with one blob, which is not a table.
 fn start(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
     let service = Service::open(Config {
         data_dir: folder.to_owned(),
@@ -24,11 +30,11 @@ fn start(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
         picture_limit,
     });
     let service = service.expect("a service");
-    let digest = service.core.store.blobs.put(b"no table").expect("a blob");
+    let digest = service.state.tables.store.blobs.put(b"no table").expect("a blob");
     (service, digest)
 }
 
-/// A service that has a table.
+/// A service with a table.
 fn start_with_table(folder: &Path) -> (Arc<Service>, Digest) {
     let (service, _) = start(folder, Duration::from_secs(60));
     let recipe = r#"{"preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2},
@@ -38,95 +44,95 @@ fn start_with_table(folder: &Path) -> (Arc<Service>, Digest) {
     let go_on = &mut |_: u64| ControlFlow::Continue(());
     let entries = fit_shard(&plan, 0, go_on).expect("not interrupted");
     let file = export::encode(&recipe, &assemble(&plan, &entries)).expect("a file");
-    let digest = service.core.store.blobs.put(&file).expect("a blob");
+    let digest = service.state.tables.store.blobs.put(&file).expect("a blob");
     (service, digest)
 }
 
 #[test]
-fn nothing_is_opened_before_the_first_picture_and_none_is_made_twice() {
+fn no_thread_runs_before_the_first_picture_and_none_is_rendered_twice() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, table) = start_with_table(folder.path());
-    assert!(service.core.desk.is_at_rest(), "no picture was ordered");
+    assert!(!service.state.pictures.queue().thread_runs(), "no picture was requested");
     let scene = || Subject::Scene(Box::new(Scene { size: 64, ..Scene::default() }));
-    let order = |is_known: bool| service.picture(Some(table), scene(), |_| is_known).expect("an order");
+    let request = |is_known: bool| service.picture(Some(table), scene(), |_| is_known).expect("a reply");
 
-    let Ordered::Waiting(wait) = order(false) else { panic!("it was never rendered") };
+    let PictureReply::Pending(pending) = request(false) else { panic!("it was never rendered") };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
-    let first = runtime.block_on(wait.file()).expect("a picture");
-    assert!(!service.core.desk.is_at_rest());
-    let Ordered::Ready(again) = order(false) else { panic!("it was kept") };
+    let first = runtime.block_on(pending.file()).expect("a picture");
+    assert!(service.state.pictures.queue().thread_runs());
+    let PictureReply::Ready(again) = request(false) else { panic!("it is in memory") };
     assert!(Arc::ptr_eq(&again.png, &first.png) && again.tag == first.tag);
-    let Ordered::Known { tag, .. } = order(true) else { panic!("the caller has it") };
+    let PictureReply::Known { tag, .. } = request(true) else { panic!("the caller has it") };
     assert_eq!(tag, first.tag);
-    // A picture that was not kept but that the caller has, too: what renders is known by now.
+    // The caller has a picture that is not in memory. The adapter is known by now, so its tag is too.
     let other = Subject::Scene(Box::new(Scene { size: 65, ..Scene::default() }));
-    let other = service.picture(Some(table), other, |_| true).expect("an order");
-    assert!(matches!(other, Ordered::Known { .. }), "{other:?}");
-    assert_eq!(service.core.desk.counts().done, 1);
+    let other = service.picture(Some(table), other, |_| true).expect("a reply");
+    assert!(matches!(other, PictureReply::Known { .. }), "{other:?}");
+    assert_eq!(service.state.pictures.counts().done, 1);
 }
 
 #[test]
-fn a_thread_that_does_not_come_back_is_replaced() {
+fn a_render_thread_that_hangs_is_replaced() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, table) = start_with_table(folder.path());
     let long_ago = Instant::now().checked_sub(Duration::from_secs(60)).expect("a machine that is up for a minute");
-    service.core.desk.pretend_to_render(Some(long_ago));
+    service.state.pictures.queue().simulate_rendering(Some(long_ago));
     let scene = Subject::Scene(Box::new(Scene { size: 64, ..Scene::default() }));
-    let Ordered::Waiting(wait) = service.picture(Some(table), scene, |_| false).expect("an order") else {
+    let PictureReply::Pending(pending) = service.picture(Some(table), scene, |_| false).expect("a reply") else {
         panic!("it was never rendered")
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
-    runtime.block_on(wait.file()).expect("a picture");
-    let counts = service.core.desk.counts();
+    runtime.block_on(pending.file()).expect("a picture");
+    let counts = service.state.pictures.counts();
     assert_eq!((counts.done, counts.given_up), (1, 1));
 }
 
 #[test]
-fn those_who_wait_for_the_same_picture_take_one_place() {
+fn equal_requests_take_one_place() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, table) = start_with_table(folder.path());
-    service.core.desk.pretend_to_render(Some(Instant::now() + Duration::from_secs(60)));
-    let order = |size: u32| {
+    service.state.pictures.queue().simulate_rendering(Some(Instant::now() + Duration::from_secs(60)));
+    let request = |size: u32| {
         let scene = Subject::Scene(Box::new(Scene { size, ..Scene::default() }));
         service.picture(Some(table), scene, |_| false)
     };
     // One is rendered and eight may wait.
-    let same: Vec<_> = (0..20).map(|_| order(64)).collect();
+    let same: Vec<_> = (0..20).map(|_| request(64)).collect();
     assert!(same.iter().all(Result::is_ok), "{same:?}");
-    let others: Vec<_> = (65..72).map(order).collect();
+    let others: Vec<_> = (65..72).map(request).collect();
     assert!(others.iter().all(Result::is_ok), "{others:?}");
-    assert!(matches!(order(72), Err(PictureError::QueueFull { .. })));
-    assert!(order(64).is_ok());
+    assert!(matches!(request(72), Err(PictureError::QueueFull { .. })));
+    assert!(request(64).is_ok());
 
-    // All but the last of them go: the picture is still waited for.
+    // All but the last of them withdraw: the picture is still wanted.
     let last = same.into_iter().last();
-    assert!(matches!(order(73), Err(PictureError::QueueFull { .. })));
+    assert!(matches!(request(73), Err(PictureError::QueueFull { .. })));
     drop(last);
-    assert!(order(74).is_ok());
-    // The end of the service waits for a thread that runs.
-    service.core.desk.pretend_to_render(None);
+    assert!(request(74).is_ok());
+    // The end of the service would wait for a running thread.
+    service.state.pictures.queue().simulate_rendering(None);
 }
 
 fn draw(service: &Service, table: Digest) -> PictureError {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");
-    let ordered = service.picture(Some(table), Subject::Plot(Plot::Matrix), |_| false).expect("an order");
-    let Ordered::Waiting(wait) = ordered else { panic!("it was never drawn: {ordered:?}") };
-    runtime.block_on(wait.file()).expect_err("no picture")
+    let reply = service.picture(Some(table), Subject::Plot(Plot::Matrix), |_| false).expect("a reply");
+    let PictureReply::Pending(pending) = reply else { panic!("it was never drawn: {reply:?}") };
+    runtime.block_on(pending.file()).expect_err("no picture")
 }
 
 #[test]
-fn a_picture_that_is_not_there_in_time_is_given_up() {
+fn a_picture_that_is_not_ready_in_time_is_given_up() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, digest) = start(folder.path(), Duration::ZERO);
     let error = draw(&service, digest);
-    assert!(matches!(error, PictureError::TooSlow { limit: Duration::ZERO, retry_after: RETRY_SLOW }), "{error:?}");
+    assert!(matches!(error, PictureError::TooSlow { limit: Duration::ZERO, .. }), "{error:?}");
     service.stop();
     let closed = service.picture(Some(digest), Subject::Plot(Plot::Matrix), |_| false);
     assert!(matches!(closed, Err(PictureError::Stopping)), "{closed:?}");
 }
 
 #[test]
-fn a_blob_that_is_no_table_is_told() {
+fn a_blob_that_is_not_a_table_is_an_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let (service, digest) = start(folder.path(), Duration::from_secs(60));
     let error = draw(&service, digest);

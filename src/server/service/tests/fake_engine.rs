@@ -1,4 +1,4 @@
-//! An engine that fits names: its steps stand still, fail and are counted as a test wants.
+//! A fake engine: it counts fits, and stops or fails as a test asks.
 
 use std::{
     collections::HashMap,
@@ -25,7 +25,7 @@ pub(super) struct Behaviour {
     pub(super) manifests: u32,
     /// Fits that end in a panic, from the first of each shard.
     pub(super) panics: u32,
-    /// While set, each fit stands still after its first entry.
+    /// While set, each fit pauses after its first entry.
     pub(super) held: bool,
 }
 
@@ -70,7 +70,7 @@ impl Engine for FakeEngine {
         &self,
         recipe: &str,
         shard: u32,
-        pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+        on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<u8>>, String> {
         let panics = {
             let mut behaviour = self.0.behaviour.lock().unwrap();
@@ -81,7 +81,7 @@ impl Engine for FakeEngine {
         self.0.changed.notify_all();
         assert!(!panics, "the lobe fell over");
         for done in 1..=u64::from(ENTRIES) {
-            if pulse(done).is_break() {
+            if on_progress(done).is_break() {
                 return Ok(None);
             }
             let behaviour = self.0.behaviour.lock().unwrap();

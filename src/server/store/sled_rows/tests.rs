@@ -35,7 +35,7 @@ fn rows_are_set_removed_scanned_and_paged_in_order() {
 }
 
 #[test]
-fn a_copy_of_the_open_files_has_all_that_was_acknowledged() {
+fn a_copy_of_the_open_files_has_every_acknowledged_row() {
     let dir = tempfile::tempdir().unwrap();
     let rows = plain(&dir.path().join("db"));
     for n in 0..20 {
@@ -48,7 +48,7 @@ fn a_copy_of_the_open_files_has_all_that_was_acknowledged() {
     }
 }
 
-/// The disk keeps only what was there at the last fsync: every later write is lost with the power.
+/// Only the state at the last fsync survives; every later write is lost.
 #[test]
 fn a_power_cut_loses_nothing_acknowledged() {
     let dir = tempfile::tempdir().unwrap();
@@ -71,7 +71,7 @@ fn a_power_cut_loses_nothing_acknowledged() {
         rows.commit(&put(&format!("{n:02}"))).unwrap();
     }
     assert_eq!(syncs.load(Ordering::Relaxed) - before, 12, "one fsync for each acknowledged commit");
-    rows.stage(&put("lost, and nobody was told otherwise")).unwrap();
+    rows.stage(&put("lost, but never acknowledged")).unwrap();
     let survived = plain(&last.lock().unwrap());
     assert_eq!(survived.scan(Tree::Jobs, b"").unwrap().len(), 12);
 }
@@ -99,14 +99,14 @@ fn a_commit_whose_fsync_fails_is_not_acknowledged_and_the_next_one_works() {
 }
 
 #[test]
-fn a_lock_that_is_let_go_late_does_not_keep_the_database_shut() {
+fn a_lock_that_is_released_late_does_not_prevent_opening() {
     let dir = tempfile::tempdir().unwrap();
     plain(dir.path()).commit(&put("key")).unwrap();
     let file = File::options().write(true).open(dir.path().join("db")).unwrap();
     file.lock().unwrap();
     let again = thread::scope(|scope| {
         let again = scope.spawn(|| plain(dir.path()));
-        // Long enough for a try without patience to fail; nothing here depends on it.
+        // Long enough for an attempt that does not wait to fail; the test passes without it.
         thread::sleep(Duration::from_millis(50));
         drop(file);
         again.join().unwrap()

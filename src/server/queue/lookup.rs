@@ -1,6 +1,12 @@
-//! Looking at jobs.
+//! Looking jobs up, listing and counting them.
 
-use super::{Job, JobId, Queue, StateName, jobs::State};
+use super::{
+    Job, JobId, Queue, StateName,
+    active::ActiveJob,
+    jobs::QueueState,
+    record::{self, JobRecord},
+    task::TaskState,
+};
 use crate::server::store::{StoreError, Tree};
 
 /// Rows read at a time while a list is filtered.
@@ -15,15 +21,37 @@ impl Queue {
         self.find(&self.lock(), id)
     }
 
-    pub(super) fn find(&self, state: &State, id: JobId) -> Result<Option<Job>, StoreError> {
+    pub(super) fn find(&self, state: &QueueState, id: JobId) -> Result<Option<Job>, StoreError> {
         if let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) {
             return Ok(Some(active.job()));
         }
         Ok(self.record(state, id)?.map(|record| record.job))
     }
 
-    /// Up to `limit` jobs, last submitted first, below the submission `before`; and the submission to pass for those
-    /// that follow.
+    /// The record of a job in a final state, as it was last stored.
+    pub(super) fn record(&self, state: &QueueState, id: JobId) -> Result<Option<JobRecord>, StoreError> {
+        if let Some(record) = state.unsaved.get(&id) {
+            return Ok(Some(record.clone()));
+        }
+        match self.rows.get(Tree::Jobs, id.as_bytes()) {
+            Ok(value) => Ok(value.and_then(|value| serde_json::from_slice(&value).ok())),
+            Err(error @ StoreError::DamagedRow { .. }) => {
+                tracing::error!(job = %id, %error, "the job is lost and can be submitted again");
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The stored states of a job's tasks; `None` for a damaged row.
+    pub(super) fn stored_tasks(&self, id: JobId) -> Result<Vec<(u32, Option<TaskState>)>, StoreError> {
+        let rows = self.rows.scan(Tree::Shards, id.as_bytes())?;
+        let read = |value: Option<Vec<u8>>| serde_json::from_slice(&value?).ok();
+        Ok(rows.into_iter().filter_map(|row| Some((record::task_of_key(&row.key)?, read(row.value)))).collect())
+    }
+
+    /// Up to `limit` jobs before the submission `before`, last submitted first; and the submission to pass as `before` to
+    /// get the next ones.
     ///
     /// # Errors
     /// When the database fails.
@@ -60,7 +88,7 @@ impl Queue {
         }
     }
 
-    /// Jobs in each state.
+    /// Number of jobs in each state.
     pub fn counts(&self) -> Vec<(StateName, u64)> {
         let state = self.lock();
         let active =
@@ -70,12 +98,12 @@ impl Queue {
         StateName::ALL.iter().map(|name| (*name, count(*name))).collect()
     }
 
-    /// Jobs that wait or run, in the order in which they are worked on.
+    /// The queued and running jobs, in the order in which they are worked on.
     pub fn unfinished(&self) -> Vec<Job> {
-        self.lock().active.values().map(super::active::Active::job).collect()
+        self.lock().active.values().map(ActiveJob::job).collect()
     }
 
-    /// Leases that ran out, and steps that failed (those included), since the queue was opened.
+    /// Number of leases that expired and of tasks that failed, expired ones included, since the queue was opened.
     pub fn failures(&self) -> (u64, u64) {
         let state = self.lock();
         (state.leases_expired, state.failures)

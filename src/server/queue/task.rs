@@ -1,21 +1,21 @@
-//! One step of a job - a shard, or the assembling of the table - and what may happen to it.
+//! The states of a task, which fits a shard or assembles the table, and the transitions between them.
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-/// Where a step stands. `attempt` counts its leases and never goes back within one submission, so a result can
-/// be matched with its lease; `failures` counts the leases that came to nothing through an error, a crash or an
-/// expiry, and is what is capped.
+/// The state of a task. `attempt` counts its leases and never decreases within one submission, so that a result can be
+/// matched with its lease. `failures` counts the leases that ended in an error, a crash or an expiry; their number is
+/// limited.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "snake_case")]
-pub(super) enum StepState {
-    /// Nobody works on it.
+pub(super) enum TaskState {
+    /// No worker has it.
     Waiting {
         /// Leases so far.
         attempt: u32,
-        /// Those that failed.
+        /// How many of them failed.
         failures: u32,
-        /// What the last of them said.
+        /// The error of the last one that failed.
         last_error: Option<String>,
     },
     /// A worker has it.
@@ -24,27 +24,36 @@ pub(super) enum StepState {
         attempt: u32,
         /// Failures before it.
         failures: u32,
-        /// What the last of them said.
+        /// The error of the last one that failed.
         last_error: Option<String>,
-        /// Who has it.
+        /// The worker.
         worker: u32,
-        /// When it is taken away again, unless the worker shows a sign of life.
+        /// When the lease expires unless the worker renews it.
         lease_until: Timestamp,
     },
     /// Its result is stored.
     Finished {
-        /// The lease that finished it.
+        /// Number of the lease that finished it.
         attempt: u32,
     },
 }
 
-/// A transition that the step's state does not allow: the lease is not the current one.
+/// The right to deliver one task. It names the submission and the attempt, so that a lease that has expired, or one from
+/// before the job was submitted again, is not taken for the current one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lease {
+    pub(super) submission: u64,
+    pub(super) task: u32,
+    pub(super) attempt: u32,
+}
+
+/// A transition that the task's state does not allow, because the lease is not the current one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the lease has expired or was taken back")]
 pub struct StaleLease;
 
-impl StepState {
-    /// A step nobody has tried.
+impl TaskState {
+    /// A task that has not been leased.
     pub(super) const fn new() -> Self {
         Self::Waiting { attempt: 0, failures: 0, last_error: None }
     }
@@ -56,7 +65,7 @@ impl StepState {
         }
     }
 
-    /// Leases that failed, and what the last one said.
+    /// Number of leases that failed, and the error of the last one.
     pub(super) fn failures(&self) -> (u32, Option<&str>) {
         match self {
             Self::Waiting { failures, last_error, .. } | Self::Leased { failures, last_error, .. } => {
@@ -66,7 +75,7 @@ impl StepState {
         }
     }
 
-    /// The step under a new lease.
+    /// The task under a new lease.
     pub(super) fn lease(&self, worker: u32, lease_until: Timestamp) -> Result<Self, StaleLease> {
         match self.clone() {
             Self::Waiting { attempt, failures, last_error } => {
@@ -87,7 +96,7 @@ impl StepState {
         }
     }
 
-    /// The step after its lease `attempt` has delivered.
+    /// The task after its lease `attempt` has delivered.
     pub(super) fn finish(&self, of_attempt: u32) -> Result<Self, StaleLease> {
         match self {
             Self::Leased { attempt, .. } if *attempt == of_attempt => Ok(Self::Finished { attempt: of_attempt }),
@@ -95,7 +104,7 @@ impl StepState {
         }
     }
 
-    /// The step after its lease `attempt` was given back unfinished, without a fault of the step.
+    /// The task after its lease `attempt` was given back unfinished, which is not a failure.
     pub(super) fn give_back(&self, of_attempt: u32) -> Result<Self, StaleLease> {
         match self.clone() {
             Self::Leased { attempt, failures, last_error, .. } if attempt == of_attempt => {
@@ -105,7 +114,7 @@ impl StepState {
         }
     }
 
-    /// The step after its lease `attempt` has failed.
+    /// The task after its lease `attempt` has failed.
     pub(super) fn fail(&self, of_attempt: u32, error: &str) -> Result<Self, StaleLease> {
         match self {
             Self::Leased { attempt, failures, .. } if *attempt == of_attempt => {
@@ -123,8 +132,8 @@ mod tests {
     #[test]
     fn only_the_current_lease_changes_a_step() {
         let now = Timestamp::UNIX_EPOCH;
-        let first = StepState::new().lease(0, now).unwrap();
-        assert_eq!(first.lease(1, now), Err(StaleLease), "a leased step is not leased again");
+        let first = TaskState::new().lease(0, now).unwrap();
+        assert_eq!(first.lease(1, now), Err(StaleLease), "a leased task is not leased again");
         let second = first.fail(1, "no luck").unwrap().lease(1, now).unwrap();
         assert_eq!((second.attempt(), second.failures()), (2, (1, Some("no luck"))));
         assert_eq!(second.finish(1), Err(StaleLease));

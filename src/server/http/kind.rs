@@ -1,0 +1,78 @@
+//! The types of problems: the one table from a type to its status and title.
+
+use axum::http::StatusCode;
+
+/// The type of a problem: decides its status, its title and the `type` in its document.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ProblemKind {
+    NotJson,
+    BadRecipe,
+    BodyTooLarge,
+    BadBody,
+    NotJsonType,
+    BadParameter,
+    BadScene,
+    BadPlot,
+    NoSuchPath,
+    UnknownJob,
+    UnknownTable,
+    UnknownRecipe,
+    MethodNotAllowed,
+    RangeNotSatisfiable,
+    QueueFull,
+    TooSlow,
+    RenderFailed,
+    Stopping,
+    DamagedBlob,
+    DiskFull,
+    Storage,
+    FitFailed,
+    Internal,
+}
+
+/// A row of the table.
+pub(super) struct Row {
+    pub(super) status: StatusCode,
+    /// Last segment of the problem's `type`.
+    pub(super) slug: &'static str,
+    pub(super) title: &'static str,
+}
+
+const fn row(status: StatusCode, slug: &'static str, title: &'static str) -> Row {
+    Row { status, slug, title }
+}
+
+impl ProblemKind {
+    /// The row of this type.
+    pub(super) const fn row(self) -> Row {
+        match self {
+            Self::NotJson => row(StatusCode::BAD_REQUEST, "not-json", "The body is not JSON"),
+            Self::BadBody => row(StatusCode::BAD_REQUEST, "bad-body", "The body could not be read"),
+            Self::BadParameter => row(StatusCode::BAD_REQUEST, "bad-parameter", "A parameter is malformed"),
+            Self::BadScene => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-scene", "The scene has faults"),
+            Self::BadPlot => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-plot", "The plot has faults"),
+            Self::NoSuchPath => row(StatusCode::NOT_FOUND, "no-such-path", "There is no such path"),
+            Self::UnknownJob => row(StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
+            Self::UnknownTable => row(StatusCode::NOT_FOUND, "unknown-table", "There is no such table"),
+            Self::UnknownRecipe => row(StatusCode::NOT_FOUND, "unknown-recipe", "There is no such recipe"),
+            Self::MethodNotAllowed => {
+                row(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method")
+            }
+            Self::BodyTooLarge => row(StatusCode::PAYLOAD_TOO_LARGE, "body-too-large", "The body is too large"),
+            Self::NotJsonType => row(StatusCode::UNSUPPORTED_MEDIA_TYPE, "not-json-type", "A recipe is sent as JSON"),
+            Self::RangeNotSatisfiable => {
+                row(StatusCode::RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The range lies outside the file")
+            }
+            Self::BadRecipe => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-recipe", "The recipe has faults"),
+            Self::QueueFull => row(StatusCode::TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
+            Self::TooSlow => row(StatusCode::SERVICE_UNAVAILABLE, "too-slow", "The picture took too long"),
+            Self::RenderFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed"),
+            Self::Stopping => row(StatusCode::SERVICE_UNAVAILABLE, "stopping", "The service is stopping"),
+            Self::DamagedBlob => row(StatusCode::INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged"),
+            Self::DiskFull => row(StatusCode::INSUFFICIENT_STORAGE, "disk-full", "The disk is full"),
+            Self::Storage => row(StatusCode::INTERNAL_SERVER_ERROR, "storage", "The storage failed"),
+            Self::FitFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "fit-failed", "The fit failed"),
+            Self::Internal => row(StatusCode::INTERNAL_SERVER_ERROR, "internal", "The service is at fault"),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! The thread that renders.
+
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{Arc, Weak},
+    time::Instant,
+};
+
+use super::{
+    picture::{CPU, PictureError, PictureFile, Subject, tag},
+    queue::{PictureQueue, PictureRequest},
+};
+use crate::{
+    files::{digest::Digest, export},
+    fit::Table,
+    server::service::{ServiceError, tables::Tables},
+    view::{
+        picture::Picture,
+        preview::{Adapter, Precision, Preview, PreviewError, ShaderTable},
+    },
+};
+
+/// A renderer, and the table that it used last.
+pub(super) struct RenderThread {
+    adapter: Adapter,
+    tables: Weak<Tables>,
+    preview: Preview,
+    shader_table: Option<(Digest, Arc<ShaderTable>)>,
+}
+
+impl RenderThread {
+    pub(super) fn new(adapter: Adapter, tables: Weak<Tables>) -> Self {
+        Self { adapter, tables, preview: Preview::new(adapter), shader_table: None }
+    }
+
+    /// Renders what is requested until the queue is closed or has abandoned this thread, which has a number.
+    pub(super) fn run(mut self, queue: &PictureQueue, number: u32) {
+        while let Some(request) = queue.next(number) {
+            let rendered = catch_unwind(AssertUnwindSafe(|| self.render(&request, queue)));
+            let result = rendered.unwrap_or_else(|_| {
+                // The panic may have left the device in any state.
+                self.preview = Preview::new(self.adapter);
+                Err(PictureError::Failed("the renderer panicked".to_owned()))
+            });
+            queue.finish(number, &result);
+            request.reply(&result);
+        }
+    }
+
+    fn render(&mut self, request: &PictureRequest, queue: &PictureQueue) -> Result<PictureFile, PictureError> {
+        // An equal picture may have been rendered since this one was requested.
+        if let Some(file) = queue.cached(request.key) {
+            return Ok(file);
+        }
+        let stop = || Instant::now() >= request.deadline || request.is_withdrawn() || queue.is_closed();
+        if stop() {
+            return Err(stopped(queue, request));
+        }
+        let (picture, adapter): (Picture, Arc<str>) = match &request.subject {
+            Subject::Scene(scene) => {
+                let table = self.shader_table(request.table)?;
+                let rendered = self.preview.render(&table, scene, &stop).map_err(|error| match error {
+                    PreviewError::Stopped => stopped(queue, request),
+                    other => PictureError::Failed(other.to_string()),
+                })?;
+                let adapter = rendered.adapter.into();
+                queue.set_adapter(&adapter);
+                (rendered.picture, adapter)
+            }
+            Subject::Plot(plot) => (plot.draw(&self.table(request.table)?), CPU.into()),
+        };
+        let png = picture.png().map_err(|error| PictureError::Failed(error.to_string()))?;
+        let tag = tag(&request.subject, request.table, Some(&adapter))?;
+        let file = PictureFile { png: Arc::new(png), adapter, tag };
+        queue.keep(request.key, file.clone());
+        Ok(file)
+    }
+
+    fn shader_table(&mut self, digest: Digest) -> Result<Arc<ShaderTable>, PictureError> {
+        if let Some((_, table)) = self.shader_table.as_ref().filter(|(last, _)| *last == digest) {
+            return Ok(Arc::clone(table));
+        }
+        // Tables may be large: free the last one before the next is read.
+        self.shader_table = None;
+        let table = Arc::new(ShaderTable::new(&self.table(digest)?, Precision::F32));
+        self.shader_table = Some((digest, Arc::clone(&table)));
+        Ok(table)
+    }
+
+    fn table(&self, digest: Digest) -> Result<Table, PictureError> {
+        let tables = self.tables.upgrade().ok_or(PictureError::Stopping)?;
+        let bytes = tables.read(digest)?.ok_or(PictureError::UnknownTable(digest))?;
+        drop(tables);
+        let file = export::decode(&bytes);
+        let file = file.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        Ok(file.table)
+    }
+}
+
+fn stopped(queue: &PictureQueue, request: &PictureRequest) -> PictureError {
+    if queue.is_closed() { PictureError::Stopping } else { PictureError::too_slow(request.limit) }
+}

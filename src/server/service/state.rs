@@ -1,0 +1,140 @@
+//! The service and the state that its callers and workers share.
+
+use std::sync::{
+    Arc, Condvar, Mutex, PoisonError,
+    atomic::{AtomicBool, AtomicU64, Ordering},
+};
+
+use super::{
+    Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, pictures::Pictures, tables::Tables, watch::Hub,
+};
+use crate::server::{
+    queue::{Clock, JobId, Queue},
+    store::Batch,
+};
+
+/// The service. All its methods block, so HTTP calls them on blocking threads.
+#[derive(Debug)]
+pub struct Service {
+    pub(super) state: Arc<ServiceState>,
+    pub(super) workers: Arc<Workers>,
+    /// The threads of the workers.
+    pub(super) _pool: rayon::ThreadPool,
+}
+
+/// What the callers and the workers share.
+pub(super) struct ServiceState {
+    pub(super) config: Config,
+    pub(super) engine: Arc<dyn Engine>,
+    pub(super) forecast: Arc<Forecast>,
+    pub(super) tables: Arc<Tables>,
+    pub(super) queue: Queue,
+    pub(super) hub: Hub,
+    /// Measures tables. The workers occupy all threads of the fitting pool; the threads of this one are idle until a
+    /// table is assembled.
+    pub(super) measuring_pool: rayon::ThreadPool,
+    pub(super) clock: Clock,
+    pub(super) pictures: Pictures,
+    pub(super) stopping: AtomicBool,
+    pub(super) entries_fitted: AtomicU64,
+}
+
+impl std::fmt::Debug for ServiceState {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ServiceState").field("config", &self.config).finish_non_exhaustive()
+    }
+}
+
+/// Counts the workers that have not ended.
+#[derive(Debug, Default)]
+pub(super) struct Workers {
+    alive: Mutex<usize>,
+    ended: Condvar,
+}
+
+impl Workers {
+    pub(super) fn begin(&self) {
+        *self.alive.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+    }
+
+    pub(super) fn end(&self) {
+        *self.alive.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+        self.ended.notify_all();
+    }
+
+    fn wait(&self) {
+        let alive = self.alive.lock().unwrap_or_else(PoisonError::into_inner);
+        drop(self.ended.wait_while(alive, |alive| *alive > 0).unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+impl Service {
+    /// Stops the service: no more tasks are leased or pictures rendered, running shards are given back after their current
+    /// entry, and the store is flushed.
+    pub fn stop(&self) {
+        // The queue is closed first; otherwise a worker could give its shard back and lease it again.
+        self.state.queue.close();
+        self.state.stopping.store(true, Ordering::SeqCst);
+        self.state.pictures.close();
+        self.workers.wait();
+        // What was acknowledged is durable already. This also writes the leases that were given back.
+        if let Err(error) = self.state.tables.store.rows.commit(&Batch::default()) {
+            tracing::warn!(%error, "the last flush failed");
+        }
+    }
+
+    /// Whether the service accepts jobs and works on them.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        !self.state.is_stopping()
+    }
+
+    /// Figures for `/metrics`.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn metrics(&self) -> Result<Metrics, ServiceError> {
+        let state = &self.state;
+        let (leases_expired, shard_failures) = state.queue.failures();
+        let (tables, table_bytes) = state.tables.catalogue.totals()?;
+        Ok(Metrics {
+            jobs: state.queue.counts(),
+            entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
+            shard_failures,
+            leases_expired,
+            tables,
+            table_bytes,
+            blobs_corrupt: state.tables.damaged(),
+            pictures: state.pictures.counts(),
+        })
+    }
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        if !self.state.is_stopping() {
+            self.stop();
+        }
+    }
+}
+
+impl ServiceState {
+    pub(super) fn is_stopping(&self) -> bool {
+        self.stopping.load(Ordering::SeqCst)
+    }
+
+    /// Notifies the followers of every job that has changed.
+    pub(super) fn publish_changes(&self) {
+        for id in self.queue.take_changed() {
+            self.publish(id);
+        }
+    }
+
+    /// Notifies the followers of a job.
+    pub(super) fn publish(&self, id: JobId) {
+        let published = self.hub.publish(id, || self.queue.job(id));
+        if let Err(error) = published {
+            tracing::warn!(job = %id, %error, "the followers of the job were not notified");
+        }
+    }
+}

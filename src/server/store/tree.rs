@@ -1,0 +1,51 @@
+//! The trees of the database.
+
+/// A tree of the current schema; `migrations/` creates them. Each variant says what key and value are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Tree {
+    /// Job id: the job.
+    Jobs,
+    /// Submission number, big-endian: job id.
+    JobOrder,
+    /// Job id and shard number, big-endian: the shard's state.
+    Shards,
+    /// Job id and shard number, big-endian: a finished shard's bytes, until the table is stored.
+    Results,
+    /// Table digest: its row in the catalogue.
+    Tables,
+    /// Microseconds since 1970, big-endian, and table digest: empty.
+    TablesByAge,
+    /// Recipe digest: the recipe and its table.
+    Recipes,
+    /// Table digest: the version of its manifest, and the manifest.
+    Manifests,
+}
+
+impl Tree {
+    /// Every tree.
+    pub const ALL: [Self; 8] = [
+        Self::Jobs,
+        Self::JobOrder,
+        Self::Shards,
+        Self::Results,
+        Self::Tables,
+        Self::TablesByAge,
+        Self::Recipes,
+        Self::Manifests,
+    ];
+
+    /// The tree's name in the database.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Jobs => "jobs",
+            Self::JobOrder => "job_order",
+            Self::Shards => "shards",
+            Self::Results => "results",
+            Self::Tables => "tables",
+            Self::TablesByAge => "tables_by_age",
+            Self::Recipes => "recipes",
+            Self::Manifests => "manifests",
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Reading the parameters of a picture, given as texts such as those of a query string.
+//!
+//! Invariant: every fault is listed, not only the first.
+
+use serde::Serialize;
+
+/// A parameter that was refused.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ParameterFault {
+    /// Its name.
+    pub parameter: String,
+    /// What is wrong with it, without the name.
+    pub detail: String,
+}
+
+impl ParameterFault {
+    /// A fault of the parameter `name`.
+    #[must_use]
+    pub fn new(name: &str, detail: impl Into<String>) -> Self {
+        Self { parameter: name.to_owned(), detail: detail.into() }
+    }
+
+    /// The fault of a parameter that was given before.
+    #[must_use]
+    pub fn repeated(name: &str) -> Self {
+        Self::new(name, "is given more than once")
+    }
+}
+
+/// Passes each pair of a name and a text to `set`. Returns every fault: what `set` refused, and each name that was
+/// given before.
+pub fn read_pairs<'a>(
+    pairs: impl IntoIterator<Item = (&'a str, &'a str)>,
+    mut set: impl FnMut(&str, &str) -> Result<(), String>,
+) -> Vec<ParameterFault> {
+    let (mut faults, mut seen) = (Vec::new(), Vec::new());
+    for (name, text) in pairs {
+        if seen.contains(&name) {
+            faults.push(ParameterFault::repeated(name));
+        } else if let Err(detail) = set(name, text) {
+            faults.push(ParameterFault::new(name, detail));
+        }
+        seen.push(name);
+    }
+    faults
+}

@@ -1,0 +1,99 @@
+//! The parameters of plots: the command line reads each by its type, HTTP all of them from texts.
+
+use std::{f64::consts::TAU, str::FromStr};
+
+use super::{Plot, Slice};
+use crate::view::parameters::{ParameterFault, read_pairs};
+
+/// The ratio of a slice: 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ratio(pub f64);
+
+/// The azimuth of a slice, in radians: -2 pi to 2 pi.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Azimuth(pub f64);
+
+impl FromStr for Ratio {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let ratio = within(text, [0.0, 1.0]).map(Self);
+        ratio.ok_or_else(|| format!("«{text}» is not a ratio: a ratio is a number from 0 to 1"))
+    }
+}
+
+impl FromStr for Azimuth {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let azimuth = within(text, [-TAU, TAU]).map(Self);
+        azimuth.ok_or_else(|| format!("«{text}» is not an azimuth: an azimuth is -2 pi to 2 pi, in radians"))
+    }
+}
+
+/// The number in `text`, if it lies between both ends.
+fn within(text: &str, [low, high]: [f64; 2]) -> Option<f64> {
+    text.parse().ok().filter(|number| (low..=high).contains(number))
+}
+
+impl Slice {
+    /// The slice of the given parameters, with the default for each that is missing.
+    #[must_use]
+    pub fn new(ratio: Option<Ratio>, phi: Option<Azimuth>) -> Self {
+        let default = Self::default();
+        Self { ratio: ratio.map_or(default.ratio, |ratio| ratio.0), phi: phi.map_or(default.phi, |phi| phi.0) }
+    }
+}
+
+impl Plot {
+    /// The error plot that the parameters `ratio` and `phi` describe, each optional.
+    ///
+    /// # Errors
+    /// Every parameter that is unknown, repeated, malformed or out of bounds.
+    pub fn error_from<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
+        let (mut ratio, mut phi) = (None, None);
+        let faults = read_pairs(pairs, |name, text| {
+            match name {
+                "ratio" => ratio = Some(text.parse()?),
+                "phi" => phi = Some(text.parse()?),
+                _ => return Err("is not a parameter of this plot, which takes ratio, phi".to_owned()),
+            }
+            Ok(())
+        });
+        if faults.is_empty() { Ok(Self::Error(Slice::new(ratio, phi))) } else { Err(faults) }
+    }
+
+    /// The matrix plot, which takes no parameters.
+    ///
+    /// # Errors
+    /// Every parameter.
+    pub fn matrix_from<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, Vec<ParameterFault>> {
+        let faults =
+            read_pairs(pairs, |_, _| Err("is not a parameter of this plot, which takes no parameters".to_owned()));
+        if faults.is_empty() { Ok(Self::Matrix) } else { Err(faults) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_give_the_plot_and_missing_ones_the_default() {
+        let slice = |ratio, phi| Ok(Plot::Error(Slice { ratio, phi }));
+        assert_eq!(Plot::error_from([]), Ok(Plot::Error(Slice::default())));
+        assert_eq!(Plot::error_from([("phi", "-1.5"), ("ratio", "1")]), slice(1.0, -1.5));
+        assert_eq!(Plot::error_from([("ratio", "0")]), slice(0.0, Slice::default().phi));
+        assert_eq!(Plot::matrix_from([]), Ok(Plot::Matrix));
+    }
+
+    #[test]
+    fn every_fault_is_listed_in_order() {
+        let pairs = [("phi", "7"), ("colour", "red"), ("ratio", "-0.1"), ("ratio", "0.1")];
+        let faults = Plot::error_from(pairs).expect_err("four faults");
+        let names: Vec<&str> = faults.iter().map(|fault| fault.parameter.as_str()).collect();
+        assert_eq!(names, ["phi", "colour", "ratio", "ratio"]);
+        assert_eq!(faults[3], ParameterFault::repeated("ratio"));
+        assert_eq!(Plot::matrix_from(pairs).expect_err("four faults").len(), 4);
+    }
+}
