@@ -5,7 +5,10 @@ use serde::{Deserialize, Deserializer, de::Error as _};
 
 use crate::{
     fit::Layout,
-    view::preview::{Adapter, Language, LightKind, Mode, NamedScene, Precision},
+    view::{
+        preview::{Adapter, LightKind, Mode, NamedScene, TexelFormat},
+        shaders::Language,
+    },
 };
 
 /// A choice under its name on the command line.
@@ -57,10 +60,10 @@ names! {
         "heptagon" => LightKind::Polygon(7),
         "octagon" => LightKind::Polygon(8),
     }
-    /// Bits of a table's numbers.
-    PrecisionName(Precision) {
-        "f32" => Precision::F32,
-        "f16" => Precision::F16,
+    /// Bits of a number of a table on the GPU.
+    TexelFormatName(TexelFormat) {
+        "f32" => TexelFormat::F32,
+        "f16" => TexelFormat::F16,
     }
     /// A shader's language.
     LanguageName(Language) {

@@ -3,4 +3,5 @@
 pub mod picture;
 pub mod plots;
 pub mod preview;
+pub mod shaders;
 pub mod tradeoff;

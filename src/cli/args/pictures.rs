@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::{
-    super::preview_names::{AdapterName, LanguageName, LayoutName, LightName, ModeName, PrecisionName, SceneName},
+    super::preview_names::{AdapterName, LanguageName, LayoutName, LightName, ModeName, SceneName, TexelFormatName},
     TableChoice, Threads,
 };
 use crate::view::{
@@ -93,7 +93,7 @@ pub struct PreviewArgs {
     pub difference_scale: Option<f64>,
     /// Bits of the table's numbers
     #[arg(long, value_enum, default_value = "f32")]
-    pub precision: PrecisionName,
+    pub precision: TexelFormatName,
     /// Take amplitude and Fresnel term of GGX itself at the table's nodes, in place of the table's if it has any; one
     /// without them reflects all light
     #[arg(long)]

@@ -17,7 +17,7 @@ use crate::{
     server::service::{ServiceError, core::Core},
     view::{
         picture::Picture,
-        preview::{Adapter, Precision, Preview, PreviewError, ShaderTable},
+        preview::{Adapter, Preview, PreviewError, ShaderTable, TexelFormat},
     },
 };
 
@@ -83,7 +83,7 @@ impl Studio {
         }
         // The one before makes room first: tables may be large.
         self.shader_table = None;
-        let table = Arc::new(ShaderTable::new(&self.table(digest)?, Precision::F32));
+        let table = Arc::new(ShaderTable::new(&self.table(digest)?, TexelFormat::F32));
         self.shader_table = Some((digest, Arc::clone(&table)));
         Ok(table)
     }
