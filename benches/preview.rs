@@ -14,7 +14,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ltcforge::{
     files::recipe::{self, DEFAULT_ENTRY_LIMIT},
     fit::{Plan, Table, assemble, fit_shard},
-    view::preview::{Adapter, Material, Mode, Precision, Preview, Scene, ShaderTable, Variant, Weights},
+    view::preview::{Adapter, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Variant, Weights},
 };
 
 /// The table of a layout at its default resolution. How well it is fitted does not change what it costs.
@@ -46,9 +46,9 @@ fn summary(mut times: Vec<Duration>) -> String {
 fn frames(_: &mut Criterion) {
     const RUNS: usize = 21;
     let (reflected, kt2022) = (table("reflected"), table("kt2022"));
-    let single = Arc::new(ShaderTable::new(&reflected, Precision::F32));
-    let half = Arc::new(ShaderTable::new(&reflected, Precision::F16));
-    let kt2022 = Arc::new(ShaderTable::new(&kt2022, Precision::F32));
+    let single = Arc::new(ShaderTable::new(&reflected, TexelFormat::F32));
+    let half = Arc::new(ShaderTable::new(&reflected, TexelFormat::F16));
+    let kt2022 = Arc::new(ShaderTable::new(&kt2022, TexelFormat::F32));
     let ltc = scene(Mode::Ltc);
     let mut gpu = Preview::new(Adapter::Any);
     let first = timed(&mut gpu, &single, &ltc);

@@ -10,7 +10,7 @@ use ltcforge::{
         fit_shard,
         math::{direction, from_row_major, recurrence4},
     },
-    view::preview::{Adapter, Mode, NamedScene, Precision, Preview, Scene, ShaderTable},
+    view::preview::{Adapter, Mode, NamedScene, Preview, Scene, ShaderTable, TexelFormat},
 };
 use rayon::prelude::*;
 
@@ -63,7 +63,7 @@ fn standard_is_nearer() {
 #[test]
 fn on_the_materials_of_figure_14_a_draft_is_nearer_than_the_published_table() {
     const PUBLISHED: [f64; 4] = [0.00692, 0.02223, 0.02130, 0.05605];
-    let table = Arc::new(ShaderTable::new(&table(r#"{"preset": "draft"}"#), Precision::F32));
+    let table = Arc::new(ShaderTable::new(&table(r#"{"preset": "draft"}"#), TexelFormat::F32));
     let scene = Scene { mode: Mode::Difference, size: 64, spp: 1024, ..NamedScene::Figure14.scene() };
     let rendered = Preview::new(Adapter::Any).render(&table, &scene, &|| false).expect("a picture");
     for (error, published) in rendered.errors.iter().zip(PUBLISHED) {

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::json;
 
 use super::{Context, Exit, Failure, args::ShaderArgs, file_failure, print};
-use crate::view::preview::{Language, port};
+use crate::view::shaders::{Language, port};
 
 /// Writes the shader to the file, or to standard output. With `--json` a line tells of the file, or holds the text.
 pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {

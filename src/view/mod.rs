@@ -4,4 +4,5 @@ pub mod parameters;
 pub mod picture;
 pub mod plots;
 pub mod preview;
+pub mod shaders;
 pub mod tradeoff;

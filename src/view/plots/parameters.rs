@@ -2,7 +2,7 @@
 
 use std::{f64::consts::TAU, str::FromStr};
 
-use super::{Plot, Slice};
+use super::{plot::Plot, slice::Slice};
 use crate::view::parameters::{ParameterFault, read_pairs};
 
 /// The ratio of a slice: 0 to 1.

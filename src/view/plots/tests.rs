@@ -1,5 +1,8 @@
 use super::*;
-use crate::fit::{BrdfKind, Layout, PerAxis, Terms};
+use crate::{
+    fit::{BrdfKind, Layout, PerAxis, Table, Terms},
+    view::picture::Picture,
+};
 
 /// Twelve entries of the identity, `bad` of which is another matrix.
 fn table(bad: usize) -> Table {

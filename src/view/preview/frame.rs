@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 
 use super::{
     Camera, Scene, Surface,
-    bounds::MAX_MATERIALS,
     light::{Ellipse, Outline},
+    scene::MAX_MATERIALS,
 };
 use crate::fit::{MAX_VERTICES, math::sin_cos};
 

@@ -11,11 +11,13 @@ mod choices;
 mod compose;
 mod cpu;
 mod error;
+mod estimator;
 mod frame;
 mod gpu;
 mod light;
 mod named;
-mod port;
+mod parameter;
+mod parameters;
 mod radiances;
 mod renderer;
 mod scene;
@@ -23,15 +25,17 @@ mod table;
 mod tone;
 
 pub use bounds::SceneFault;
-pub use choices::{Choices, numbers, pixels, samples};
+pub use choices::Choices;
 pub use error::PreviewError;
-pub use gpu::{SHADERS, Shader, Variant, Weights};
+pub use estimator::{Estimator, Stop};
+pub use gpu::{Variant, Weights};
 pub use named::NamedScene;
-pub use port::{Language, PortError, port};
+pub use parameter::{Form, Parameter, Value};
+pub use parameters::PARAMETERS;
 pub use radiances::Radiances;
-pub use renderer::{Adapter, Estimator, PanelError, Preview, Rendered, Stop};
+pub use renderer::{Adapter, PanelError, Preview, Rendered};
 pub use scene::{Camera, Light, LightKind, LobeView, Material, Mode, Scene, Surface};
-pub use table::{Precision, ShaderTable};
+pub use table::{ShaderTable, TexelFormat};
 
 #[cfg(test)]
 mod tests;

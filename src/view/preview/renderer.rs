@@ -4,17 +4,15 @@ use std::sync::Arc;
 
 use super::{
     Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
+    estimator::{Estimator, Stop},
     frame::Frame,
-    gpu::{Gpu, GpuFailure, Job, Variant},
+    gpu::{Gpu, GpuFailure, RenderTask, Variant},
     tone,
 };
 use crate::view::picture::Picture;
 
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";
-
-/// Asked between parts of a picture whether to stop.
-pub type Stop<'a> = &'a dyn Fn() -> bool;
 
 /// Pictures in a row at which a GPU may hang before it is left alone for good.
 const MOST_HANGS: u32 = 2;
@@ -31,24 +29,6 @@ pub enum Adapter {
     Gpu,
     /// The CPU.
     Cpu,
-}
-
-/// What is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Estimator {
-    /// Radiance by the table.
-    Table,
-    /// Radiance by Monte Carlo integration.
-    Reference,
-    /// The table's lobe.
-    TableLobe,
-    /// GGX's lobe.
-    ReferenceLobe,
-}
-
-impl Estimator {
-    /// Every one.
-    pub const ALL: [Self; 4] = [Self::Table, Self::Reference, Self::TableLobe, Self::ReferenceLobe];
 }
 
 /// A picture and what is known of it.
@@ -190,9 +170,9 @@ impl Preview {
         extent: [u32; 2],
     ) -> Result<Radiances, PreviewError> {
         self.progress = Progress::Begun;
-        let frame = Frame::new(scene, matches!(estimator, Estimator::TableLobe | Estimator::ReferenceLobe));
-        let job = Job { frame: &frame, estimator, corner, extent, as_bytes: false };
-        let Some(words) = self.on_gpu(|gpu| gpu.render(table, &job, &|| false))? else {
+        let frame = Frame::new(scene, estimator.is_lobe());
+        let task = RenderTask { frame: &frame, estimator, corner, extent, as_bytes: false };
+        let Some(words) = self.on_gpu(|gpu| gpu.render(table, &task, &|| false))? else {
             return Ok(cpu::render(&frame, table, estimator, corner, extent));
         };
         let all = radiances(&frame, &words);
@@ -211,11 +191,11 @@ impl Preview {
         estimator: Estimator,
         stop: Stop<'_>,
     ) -> Result<Picture, PreviewError> {
-        if !Job::is_one_pass(frame, estimator) {
+        if !RenderTask::is_one_pass(frame, estimator) {
             return Ok(tone::displayed(frame.exposure, &self.radiances(table, frame, estimator, stop)?));
         }
-        let job = Job::whole(frame, estimator, true);
-        match self.on_gpu(|gpu| gpu.render(table, &job, stop))? {
+        let task = RenderTask::whole(frame, estimator, true);
+        match self.on_gpu(|gpu| gpu.render(table, &task, stop))? {
             Some(words) => {
                 self.progress = Progress::OnGpu;
                 let rgb = words.into_iter().map(|word| [word as u8, (word >> 8) as u8, (word >> 16) as u8]).collect();
@@ -233,8 +213,8 @@ impl Preview {
         estimator: Estimator,
         stop: Stop<'_>,
     ) -> Result<Radiances, PreviewError> {
-        let job = Job::whole(frame, estimator, false);
-        match self.on_gpu(|gpu| gpu.render(table, &job, stop))? {
+        let task = RenderTask::whole(frame, estimator, false);
+        match self.on_gpu(|gpu| gpu.render(table, &task, stop))? {
             Some(words) => {
                 self.progress = Progress::OnGpu;
                 Ok(radiances(frame, &words))

@@ -1,8 +1,11 @@
-//! What a preview shows, with defaults. Bounds stand in [`super::bounds`].
+//! What a preview shows, with defaults. What callers may choose of it stands in [`super::parameters`].
 
 use serde::{Deserialize, Serialize};
 
-/// A preview's parameters. Lengths are in radii of the sphere, angles in radians, y points up.
+/// Materials that a picture can hold.
+pub(super) const MAX_MATERIALS: usize = 4;
+
+/// What a preview shows. Lengths are in radii of the sphere, angles in radians, y points up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {

@@ -6,7 +6,7 @@ use crate::fit::{Layout, PerAxis, Table};
 
 /// How wide the stored numbers are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Precision {
+pub enum TexelFormat {
     /// 32 bits, as fitted.
     F32,
     /// 16 bits, rounded to nearest.
@@ -17,22 +17,22 @@ pub enum Precision {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShaderTable {
     pub(super) layout: Layout,
-    pub(super) precision: Precision,
+    pub(super) format: TexelFormat,
     pub(super) nodes: PerAxis<Vec<f32>>,
-    /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry; rounded to the precision.
+    /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry; rounded to the format.
     pub(super) texels: [Vec<[f32; 4]>; 3],
     /// Whether its surfaces are isotropic with one phi, whose lobes turn with the view.
     pub(super) turns_with_view: bool,
 }
 
 impl ShaderTable {
-    /// The table with its numbers rounded to `precision`. Without terms those stand in that leave the layout's start as it
+    /// The table with its numbers rounded to `format`. Without terms those stand in that leave the layout's start as it
     /// is: for `kt2022` all is reflected white, for `reflected` as at the reflection in the middle of the lobe.
     #[must_use]
-    pub fn new(table: &Table, precision: Precision) -> Self {
-        let rounded = |x: f32| match precision {
-            Precision::F32 => x,
-            Precision::F16 => f16::from_f32(x).to_f32(),
+    pub fn new(table: &Table, format: TexelFormat) -> Self {
+        let rounded = |x: f32| match format {
+            TexelFormat::F32 => x,
+            TexelFormat::F16 => f16::from_f32(x).to_f32(),
         };
         let entry = |index: usize| {
             let m = &table.matrix[index];
@@ -45,7 +45,7 @@ impl ShaderTable {
         let single = |nodes: &[f64]| nodes.iter().map(|node| *node as f32).collect();
         Self {
             layout: table.layout,
-            precision,
+            format,
             nodes: PerAxis {
                 alpha: single(&axes.alpha),
                 ratio: single(&axes.ratio),
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn sixteen_bits_round_to_nearest_and_keep_the_smallest_roughness() {
         let table = planted();
-        let (single, half) = (ShaderTable::new(&table, Precision::F32), ShaderTable::new(&table, Precision::F16));
+        let (single, half) = (ShaderTable::new(&table, TexelFormat::F32), ShaderTable::new(&table, TexelFormat::F16));
         let mut differ = 0;
         for (a, b) in single.texels.iter().flatten().flatten().zip(half.texels.iter().flatten().flatten()) {
             // Half a unit in the last of 11 bits; below 2^-14 numbers are 2^-24 apart.

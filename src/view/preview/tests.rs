@@ -2,6 +2,7 @@
 
 mod planted;
 mod polygons;
+mod ported;
 mod truth;
 mod twins;
 
@@ -12,22 +13,22 @@ use std::{
 
 pub(super) use planted::{isotropic, planted, reflected};
 
-use super::{Adapter, Precision, Preview, PreviewError, ShaderTable};
+use super::{Adapter, Preview, PreviewError, ShaderTable, TexelFormat};
 
 /// A table as shaders have it.
-fn shader_table(precision: Precision) -> Arc<ShaderTable> {
-    Arc::new(ShaderTable::new(&planted(), precision))
+fn shader_table(format: TexelFormat) -> Arc<ShaderTable> {
+    Arc::new(ShaderTable::new(&planted(), format))
 }
 
 /// Tables of both layouts and both widths, and one of isotropic surfaces, as shaders have them.
 fn shader_tables() -> [Arc<ShaderTable>; 4] {
     let tables = [
-        (planted(), Precision::F32),
-        (planted(), Precision::F16),
-        (reflected(), Precision::F32),
-        (isotropic(), Precision::F32),
+        (planted(), TexelFormat::F32),
+        (planted(), TexelFormat::F16),
+        (reflected(), TexelFormat::F32),
+        (isotropic(), TexelFormat::F32),
     ];
-    tables.map(|(table, precision)| Arc::new(ShaderTable::new(&table, precision)))
+    tables.map(|(table, format)| Arc::new(ShaderTable::new(&table, format)))
 }
 
 /// The renderers that there are. Without a Vulkan adapter the CPU alone is tested, and the test says so past the

@@ -16,8 +16,5 @@ pub use family::{Size, family};
 pub use front::{Fronts, front};
 pub use picture::picture;
 pub use prediction::{OffBy, off_by};
-pub use row::{Measurement, Row, rows};
+pub use row::{Measurement, POINTS, Row, rows};
 pub use table::{csv, json};
-
-/// Configurations at which every table of a family is measured, the same for all, at nodes and again between them.
-pub const POINTS: usize = 512;

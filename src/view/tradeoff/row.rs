@@ -11,6 +11,9 @@ use crate::{
     fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expectation},
 };
 
+/// Configurations at which every table of a family is measured, the same for all, at nodes and again between them.
+pub const POINTS: usize = 512;
+
 /// What was measured of a recipe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {

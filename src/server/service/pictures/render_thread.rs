@@ -16,7 +16,7 @@ use crate::{
     server::service::{ServiceError, tables::Tables},
     view::{
         picture::Picture,
-        preview::{Adapter, Precision, Preview, PreviewError, ShaderTable},
+        preview::{Adapter, Preview, PreviewError, ShaderTable, TexelFormat},
     },
 };
 
@@ -82,7 +82,7 @@ impl RenderThread {
         }
         // Tables may be large: free the last one before the next is read.
         self.shader_table = None;
-        let table = Arc::new(ShaderTable::new(&self.table(digest)?, Precision::F32));
+        let table = Arc::new(ShaderTable::new(&self.table(digest)?, TexelFormat::F32));
         self.shader_table = Some((digest, Arc::clone(&table)));
         Ok(table)
     }

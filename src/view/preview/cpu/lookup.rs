@@ -125,7 +125,7 @@ mod tests {
     use crate::{
         fit::{Configuration, Table, math::direction},
         view::preview::{
-            Precision,
+            TexelFormat,
             tests::{isotropic, planted, reflected},
         },
     };
@@ -136,7 +136,7 @@ mod tests {
     fn check(table: &Table, alpha_x: f64, alpha_y: f64, theta: f64, phi: f64) -> Result<(), TestCaseError> {
         let wanted = table.lookup(&Configuration { alpha_x, alpha_y, theta, phi });
         let wo = direction(theta, phi).as_vec3();
-        let found = lookup(&ShaderTable::new(table, Precision::F32), alpha_x as f32, alpha_y as f32, wo);
+        let found = lookup(&ShaderTable::new(table, TexelFormat::F32), alpha_x as f32, alpha_y as f32, wo);
         let m = DMat3::from_cols_array(&wanted.matrix).transpose();
         prop_assert!(found.matrix.as_dmat3().abs_diff_eq(m, F32), "{} {}", found.matrix, m);
         let terms = [(found.amplitude, wanted.amplitude), (found.fresnel, wanted.fresnel)];

@@ -10,7 +10,7 @@ mod surface;
 
 use rayon::prelude::*;
 
-use super::{Radiances, ShaderTable, frame::Frame, renderer::Estimator};
+use super::{Radiances, ShaderTable, estimator::Estimator, frame::Frame};
 
 /// A part of the picture, as radiance: that of the `extent` pixels from `corner`.
 pub(super) fn render(

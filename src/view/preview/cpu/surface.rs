@@ -9,9 +9,9 @@ use super::{
 };
 use crate::view::preview::{
     ShaderTable, Surface,
+    estimator::Estimator,
     frame::{Frame, LOWEST_VIEW},
     radiances::{BELOW, BESIDE},
-    renderer::Estimator,
 };
 
 const POLE: f32 = 1e-4;

@@ -2,8 +2,11 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{GpuFailure, Variant, Weights, shaders};
-use crate::view::preview::{frame::FrameLight, renderer::Estimator};
+use super::{GpuFailure, Variant, Weights};
+use crate::view::{
+    preview::{estimator::Estimator, frame::FrameLight},
+    shaders::preview_module,
+};
 
 /// A device of the first adapter that Vulkan has: a GPU, or lavapipe in its place.
 #[derive(Debug)]
@@ -71,7 +74,7 @@ impl Device {
 
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("preview"),
-            source: wgpu::ShaderSource::Wgsl(shaders::module().into()),
+            source: wgpu::ShaderSource::Wgsl(preview_module().into()),
         });
         let table_layout = layout(&device, "table", &table_bindings(samples_weighed));
         let uniform = buffer(wgpu::BufferBindingType::Uniform);

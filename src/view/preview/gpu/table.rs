@@ -4,7 +4,7 @@ use half::f16;
 use wgpu::util::DeviceExt as _;
 
 use super::{GpuFailure, device::Device};
-use crate::view::preview::{Precision, ShaderTable};
+use crate::view::preview::{ShaderTable, TexelFormat};
 
 /// Group 0 of the shaders for a table. Fails for one that is larger than textures may be.
 pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGroup, GpuFailure> {
@@ -15,14 +15,14 @@ pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGrou
     if width > most || height > most || depth > most {
         return Err(GpuFailure::TableTooLarge { size, most });
     }
-    let format = match table.precision {
-        Precision::F32 => wgpu::TextureFormat::Rgba32Float,
-        Precision::F16 => wgpu::TextureFormat::Rgba16Float,
+    let format = match table.format {
+        TexelFormat::F32 => wgpu::TextureFormat::Rgba32Float,
+        TexelFormat::F16 => wgpu::TextureFormat::Rgba16Float,
     };
     let bytes = |texels: &[[f32; 4]]| -> Vec<u8> {
-        match table.precision {
-            Precision::F32 => bytemuck::cast_slice(texels).to_vec(),
-            Precision::F16 => texels.as_flattened().iter().flat_map(|x| f16::from_f32(*x).to_le_bytes()).collect(),
+        match table.format {
+            TexelFormat::F32 => bytemuck::cast_slice(texels).to_vec(),
+            TexelFormat::F16 => texels.as_flattened().iter().flat_map(|x| f16::from_f32(*x).to_le_bytes()).collect(),
         }
     };
     let views = [0, 1, 2].map(|i| {

@@ -5,13 +5,13 @@ use std::time::Duration;
 use super::{
     GpuFailure,
     device::Device,
-    job::Job,
     table::bind,
+    task::RenderTask,
     tiles::{SIDE, Tiles},
 };
 use crate::view::preview::{
+    estimator::Stop,
     frame::{Frame, Part},
-    renderer::Stop,
     tone,
 };
 
@@ -61,25 +61,25 @@ impl Target {
         self.size == frame.size && (self.words == 1) == as_bytes
     }
 
-    /// Renders the job's part, and returns the words of the whole picture.
+    /// Renders the task's part, and returns the words of the whole picture.
     pub(super) fn render(
         &self,
         gpu: &mut Device,
         table: &wgpu::BindGroup,
-        job: &Job<'_>,
+        task: &RenderTask<'_>,
         stop: Stop<'_>,
     ) -> Result<Vec<u32>, GpuFailure> {
-        let pipeline = gpu.pipeline(job.estimator, &job.frame.light);
+        let pipeline = gpu.pipeline(task.estimator, &task.frame.light);
         gpu.check()?;
-        let tiles = Tiles::of(job.frame, job.estimator, job.corner, job.extent);
+        let tiles = Tiles::of(task.frame, task.estimator, task.corner, task.extent);
         let packed: Vec<u32> = tiles.seen.iter().map(|[x, y]| x | (y << 16)).collect();
-        gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&job.frame.light_words()));
+        gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&task.frame.light_words()));
         gpu.queue.write_buffer(&self.tiles, 0, bytemuck::cast_slice(&packed));
-        for part in job.parts(packed.len() as u32) {
+        for part in task.parts(packed.len() as u32) {
             if stop() {
                 return Err(GpuFailure::Stopped);
             }
-            let words = job.frame.scene_words(&part);
+            let words = task.frame.scene_words(&part);
             gpu.queue.write_buffer(&self.scene, 0, bytemuck::cast_slice(&words));
             let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             {
@@ -92,7 +92,7 @@ impl Target {
             wait(gpu, gpu.queue.submit([encoder.finish()]))?;
         }
         let mut words = self.read(gpu)?;
-        self.fill(&mut words, &tiles.unseen, job.frame);
+        self.fill(&mut words, &tiles.unseen, task.frame);
         Ok(words)
     }
 

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use crate::view::preview::{Surface, frame::Frame, renderer::Estimator};
+use crate::view::preview::{Surface, estimator::Estimator, frame::Frame};
 
 /// Pixels a side of a tile, which is a workgroup.
 pub(super) const SIDE: u32 = 8;
@@ -26,7 +26,7 @@ impl Tiles {
     pub(super) fn of(frame: &Frame, estimator: Estimator, corner: [u32; 2], extent: [u32; 2]) -> Self {
         let starts = |axis: usize| (corner[axis]..corner[axis] + extent[axis]).step_by(SIDE as usize);
         let tiles = starts(1).flat_map(|y| starts(0).map(move |x| [x, y]));
-        let is_lobe = matches!(estimator, Estimator::TableLobe | Estimator::ReferenceLobe);
+        let is_lobe = estimator.is_lobe();
         let (seen, unseen) = tiles.partition(|tile| is_lobe || may_show(frame, *tile));
         Self { seen, unseen }
     }

@@ -6,9 +6,12 @@ use crate::{
         Ltc, Sides,
         quadrature::{quadrature, random_cases},
     },
-    view::preview::{
-        Precision, cpu,
-        gpu::{GpuFailure, SHADERS, example},
+    view::{
+        preview::{
+            TexelFormat, cpu,
+            gpu::{GpuFailure, example},
+        },
+        shaders::joined,
     },
 };
 
@@ -67,12 +70,11 @@ fn cases(aimed: bool) -> Vec<Case> {
 fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let twin = |case: &Case| [false, true].map(|two_sided| cpu::covered(case.m, &case.vertices, two_sided));
     let mut found = vec![("CPU", cases.iter().map(twin).collect())];
-    let needed = SHADERS.iter().filter(|shader| ["ltc_math", "ltc_light"].contains(&shader.name));
-    let source: Vec<&str> = needed.map(|shader| shader.source).chain([ENTRY]).collect();
+    let source = joined(&["ltc_math", "ltc_light"]) + ENTRY;
     let words: Vec<[u32; 48]> = cases.iter().map(words).collect();
     let (groups, rest) = words.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
-    match example::run::<_, [[f32; 2]; 256]>(&source.join("\n"), "covered", &shader_table(Precision::F32), groups) {
+    match example::run::<_, [[f32; 2]; 256]>(&source, "covered", &shader_table(TexelFormat::F32), groups) {
         Ok(by_gpu) => found.push(("GPU", by_gpu.into_flattened())),
         Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
         Err(error) => panic!("{error}"),

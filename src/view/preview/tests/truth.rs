@@ -170,7 +170,7 @@ fn assert_true(table: &Arc<ShaderTable>, estimator: Estimator, truth: impl Fn(&S
 
 #[test]
 fn the_reference_converges_to_the_integral_of_ggx() {
-    assert_true(&shader_table(Precision::F32), Estimator::Reference, |scene, point| {
+    assert_true(&shader_table(TexelFormat::F32), Estimator::Reference, |scene, point| {
         let Material { alpha_x, alpha_y, .. } = scene.materials[0];
         let ggx = Ggx { alpha_x, alpha_y };
         expected(scene, point, Estimator::Reference, |wo, wi| {
@@ -182,7 +182,7 @@ fn the_reference_converges_to_the_integral_of_ggx() {
 
 #[test]
 fn a_planted_diffuse_table_is_lit_as_a_diffuse_surface() {
-    let table = Arc::new(ShaderTable::new(&diffuse(), Precision::F32));
+    let table = Arc::new(ShaderTable::new(&diffuse(), TexelFormat::F32));
     assert_true(&table, Estimator::Table, |scene, point| {
         expected(scene, point, Estimator::Table, |_, wi| (wi.z.max(0.0) / PI, 0.0))
     });

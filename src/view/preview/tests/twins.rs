@@ -42,7 +42,7 @@ fn gpu_and_cpu_agree_in_every_mode_and_scene() {
             assert_twins(
                 &a.picture,
                 &b.picture,
-                &format!("{} {} {:?} {:?}", named.name(), mode.name(), table.layout, table.precision),
+                &format!("{} {} {:?} {:?}", named.name(), mode.name(), table.layout, table.format),
             );
             for (a, b) in a.errors.iter().zip(&b.errors) {
                 assert!((a.mean_absolute - b.mean_absolute).abs() < 1e-3 * (1.0 + b.mean_radiance), "{a:?} {b:?}");
@@ -68,7 +68,7 @@ fn cameras() -> impl Iterator<Item = Scene> {
 fn gpu_and_cpu_agree_from_everywhere() {
     let mut renderers = renderers();
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     for scene in cameras().flat_map(|scene| [Mode::Ltc, Mode::Reference].map(|mode| Scene { mode, ..scene.clone() })) {
         let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
         assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
@@ -80,7 +80,7 @@ fn gpu_and_cpu_agree_from_everywhere() {
 fn gpu_and_cpu_agree_under_small_lights() {
     let mut renderers = renderers();
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     for (half_size, centre, exposure) in
         [("0.001,0.001", "-6,7,8", "10000"), ("0.02,0.02", "-36,42,48", "1000"), ("0.002,0.002", "-1.6,1.8,2.2", "100")]
     {
@@ -113,7 +113,7 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles() {
             assert_twins(
                 &a.picture,
                 &b.picture,
-                &format!("{alpha_x} {alpha_y} {} {:?} {:?}", mode.name(), table.layout, table.precision),
+                &format!("{alpha_x} {alpha_y} {} {:?} {:?}", mode.name(), table.layout, table.format),
             );
         }
     }
@@ -121,7 +121,7 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles() {
 
 #[test]
 fn twice_the_same_picture_is_the_same_bytes() {
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     for mut preview in renderers() {
         for mode in Mode::ALL {
             let scene = Scene { size: 96, spp: 4, mode, ..NamedScene::Figure14.scene() };
@@ -137,7 +137,7 @@ fn twice_the_same_picture_is_the_same_bytes() {
 fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
     let mut renderers = renderers();
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     for (size, spp, mode) in [(101, 3, Mode::Strip), (64, 2100, Mode::Reference)] {
         let scene = Scene { size, spp, mode, ..NamedScene::Figure14.scene() };
         let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
@@ -148,7 +148,7 @@ fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
 /// The shader's bytes are those that `tone` makes of the radiance it would have written.
 #[test]
 fn tone_mapping_is_the_same_in_all_modes() {
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     for mut preview in renderers() {
         let scene = Scene { size: 128, spp: 4, ..Scene::default() };
         let ltc = render(&mut preview, &table, &scene).picture;
@@ -179,12 +179,12 @@ fn whoever_weighs_makes_the_same_picture() {
             }
             Err(error) => panic!("{error}"),
         };
-        for (named, precision) in [(NamedScene::Sphere, Precision::F32), (NamedScene::Figure14, Precision::F16)] {
-            let table = shader_table(precision);
+        for (named, format) in [(NamedScene::Sphere, TexelFormat::F32), (NamedScene::Figure14, TexelFormat::F16)] {
+            let table = shader_table(format);
             let scene = Scene { size: 128, ..named.scene() };
             let (a, b) = (render(&mut gpu, &table, &scene), render(cpu, &table, &scene));
             if weights == Weights::Shader || is_software {
-                assert_twins(&a.picture, &b.picture, &format!("{weights:?} {precision:?}"));
+                assert_twins(&a.picture, &b.picture, &format!("{weights:?} {format:?}"));
             } else {
                 assert!(apart(&a.picture, &b.picture).0 < 1.0);
             }
@@ -196,7 +196,7 @@ fn whoever_weighs_makes_the_same_picture() {
 fn a_lost_device_is_opened_again() {
     let mut renderers = renderers();
     let [gpu, _] = renderers.as_mut_slice() else { return };
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     let scene = Scene { size: 64, ..Scene::default() };
     let before = render(gpu, &table, &scene);
     gpu.lose_device();
@@ -207,7 +207,7 @@ fn a_lost_device_is_opened_again() {
 fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
     // Says so where there is no GPU: then nothing fails in the middle.
     let [_, _] = renderers().as_slice() else { return };
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     let mut any = Preview::new(Adapter::Any);
     for mode in [Mode::Difference, Mode::Strip, Mode::Lobe] {
         let scene = Scene { mode, size: 64, spp: 4, ..Scene::default() };
@@ -221,7 +221,7 @@ fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
 
 #[test]
 fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     for mut preview in renderers() {
         let scene = Scene::default();
         assert_eq!(preview.render(&table, &scene, &|| true), Err(PreviewError::Stopped));
@@ -234,7 +234,7 @@ fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
 /// Two scenes have one canonical form just when they make the same picture.
 #[test]
 fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     let mut cpu = Preview::new(Adapter::Cpu);
     let others = [
         ("scene", "horizon"),
@@ -272,7 +272,7 @@ fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
 
 #[test]
 fn a_floor_is_seen_from_above_alone() {
-    let table = shader_table(Precision::F32);
+    let table = shader_table(TexelFormat::F32);
     for mut preview in renderers() {
         for elevation in ["0", "-0.3", "-1.5", "1e-9"] {
             let scene = [("scene", "brushed_floor"), ("camera_elevation", elevation), ("size", "64")];
@@ -298,7 +298,7 @@ fn every_pixel_is_a_number() {
             _ => {}
         }
     }
-    for table in [shader_table(Precision::F16), Arc::new(ShaderTable::new(&hostile, Precision::F32))] {
+    for table in [shader_table(TexelFormat::F16), Arc::new(ShaderTable::new(&hostile, TexelFormat::F32))] {
         for mut preview in renderers() {
             for mut scene in cameras() {
                 scene.materials[0] = Material { alpha_x: 0.0, alpha_y: 1.0, rotation: 0.0 };

@@ -1,4 +1,6 @@
-//! From WGSL to the other languages.
+//! From WGSL to the other languages, by naga.
+
+mod fold;
 
 use std::fmt::Display;
 
@@ -10,26 +12,21 @@ use naga::{
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
-use super::{Language, fold, layout_names};
-use crate::{fit::Layout, view::preview::SHADERS};
+use super::Language;
 
 /// The function that keeps all others in a translation.
-pub(super) const ENTRY_POINT: &str = "ltc_example";
-/// The files that a renderer takes.
-const FILES: [&str; 4] = ["ltc_math", "ltc_table", "ltc_light", ENTRY_POINT];
-/// The line that leaves the layout to the table.
-const OPEN_LAYOUT: &str = "override ltc_layout: u32 = LTC_LAYOUT_OF_TABLE;";
+const ENTRY_POINT: &str = "ltc_example";
 const GROUP: (ShaderStage, &str) = (ShaderStage::Compute, ENTRY_POINT);
 
 /// Where a resource goes in languages without groups: what OpenGL calls its binding and Metal its index.
-pub(super) const SLOTS: [(ResourceBinding, u8, Kind); 7] = [
-    (ResourceBinding { group: 0, binding: 0 }, 0, Kind::Buffer),
-    (ResourceBinding { group: 0, binding: 1 }, 1, Kind::Buffer),
-    (ResourceBinding { group: 0, binding: 2 }, 0, Kind::Texture),
-    (ResourceBinding { group: 0, binding: 3 }, 1, Kind::Texture),
-    (ResourceBinding { group: 0, binding: 4 }, 2, Kind::Texture),
-    (ResourceBinding { group: 1, binding: 0 }, 2, Kind::Buffer),
-    (ResourceBinding { group: 1, binding: 1 }, 3, Kind::WrittenBuffer),
+const SLOTS: [(ResourceBinding, u8, Resource); 7] = [
+    (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
+    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Buffer),
+    (ResourceBinding { group: 0, binding: 2 }, 0, Resource::Texture),
+    (ResourceBinding { group: 0, binding: 3 }, 1, Resource::Texture),
+    (ResourceBinding { group: 0, binding: 4 }, 2, Resource::Texture),
+    (ResourceBinding { group: 1, binding: 0 }, 2, Resource::Buffer),
+    (ResourceBinding { group: 1, binding: 1 }, 3, Resource::WrittenBuffer),
 ];
 
 /// Metal's buffer of the lengths of arrays.
@@ -37,42 +34,29 @@ const SIZES_SLOT: u8 = 4;
 
 /// What a slot is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+enum Resource {
     Buffer,
     WrittenBuffer,
     Texture,
 }
 
-/// The files as one, with the layout fixed.
-pub(super) fn source(layout: Layout) -> String {
-    let files: Vec<&str> = SHADERS.iter().filter(|s| FILES.contains(&s.name)).map(|shader| shader.source).collect();
-    let (_, constant) = layout_names(layout);
-    files.join("\n").replace(OPEN_LAYOUT, &format!("const ltc_layout: u32 = {constant};"))
-}
-
-/// The shader in `language` below `header`; the error is naga's.
-pub(super) fn translate(language: Language, layout: Layout, header: &str) -> Result<Vec<u8>, String> {
-    let source = format!("{header}\n{}", source(layout));
-    let module = naga::front::wgsl::parse_str(&source).map_err(|error| error.emit_to_string(&source))?;
+/// The WGSL module `source` in `language`, as UTF-8 or as the words of SPIR-V; the error is naga's.
+pub(super) fn translate(language: Language, source: &str) -> Result<Vec<u8>, String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     let info = validate(&module)?;
-    if language == Language::Wgsl {
-        return Ok(source.into_bytes());
-    }
     let constants = PipelineConstants::from_iter([("ltc_hardware_filter".to_owned(), 0.0)]);
     let (module, _) = process_overrides(&module, &info, Some(GROUP), &constants).map_err(text)?;
     let mut module = module.into_owned();
     fold::known_branches(&mut module);
     compact(&mut module, KeepUnused::No);
     let info = validate(&module)?;
-    let body = match language {
-        // Returned above; written as what it is all the same.
-        Language::Wgsl => return Ok(source.into_bytes()),
-        Language::Glsl => glsl(&module, &info)?,
-        Language::Hlsl => hlsl(&module, &info)?,
-        Language::Msl => msl(&module, &info)?,
-        Language::Spirv => return spirv(&module, &info, &source),
-    };
-    Ok(format!("{header}\n{body}").into_bytes())
+    match language {
+        Language::Wgsl => Ok(source.into()),
+        Language::Glsl => glsl(&module, &info).map(String::into_bytes),
+        Language::Hlsl => hlsl(&module, &info).map(String::into_bytes),
+        Language::Msl => msl(&module, &info).map(String::into_bytes),
+        Language::Spirv => spirv(&module, &info, source),
+    }
 }
 
 fn text(error: impl Display) -> String {
@@ -113,10 +97,10 @@ fn hlsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
 }
 
 fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
-    let target = |slot: u8, kind: Kind| msl::BindTarget {
-        buffer: (kind != Kind::Texture).then_some(slot),
-        texture: (kind == Kind::Texture).then_some(slot),
-        mutable: kind == Kind::WrittenBuffer,
+    let target = |slot: u8, kind: Resource| msl::BindTarget {
+        buffer: (kind != Resource::Texture).then_some(slot),
+        texture: (kind == Resource::Texture).then_some(slot),
+        mutable: kind == Resource::WrittenBuffer,
         ..Default::default()
     };
     let resources = msl::EntryPointResources {

@@ -2,8 +2,8 @@
 
 use super::tiles;
 use crate::view::preview::{
+    estimator::Estimator,
     frame::{Frame, Part},
-    renderer::Estimator,
 };
 
 /// Samples that are sent to the GPU at a time: a third of a second on two slow cores, after which the caller may stop. A
@@ -20,7 +20,7 @@ const TABLE_COST: u32 = 8;
 
 /// What is rendered in one go.
 #[derive(Debug)]
-pub(in crate::view::preview) struct Job<'a> {
+pub(in crate::view::preview) struct RenderTask<'a> {
     pub(in crate::view::preview) frame: &'a Frame,
     pub(in crate::view::preview) estimator: Estimator,
     /// Left upper pixel of the part that is rendered.
@@ -31,7 +31,7 @@ pub(in crate::view::preview) struct Job<'a> {
     pub(in crate::view::preview) as_bytes: bool,
 }
 
-impl<'a> Job<'a> {
+impl<'a> RenderTask<'a> {
     /// All of a frame.
     pub(in crate::view::preview) fn whole(frame: &'a Frame, estimator: Estimator, as_bytes: bool) -> Self {
         Self { frame, estimator, corner: [0; 2], extent: [frame.size; 2], as_bytes }
@@ -71,7 +71,7 @@ mod tests {
         for (tiles, spp) in [(64, 4096), (4096, 64), (4225, 700), (65536, 1), (64, 1025), (0, 64)] {
             let frame = Frame::new(&Scene { spp, ..Scene::default() }, false);
             let mut taken = vec![0_u32; tiles as usize];
-            for part in Job::whole(&frame, Estimator::Reference, false).parts(tiles) {
+            for part in RenderTask::whole(&frame, Estimator::Reference, false).parts(tiles) {
                 assert!(part.tiles * 64 * part.samples <= SAMPLES_A_PART && part.tiles <= TILES_A_PART);
                 for tile in part.first_tile..part.first_tile + part.tiles {
                     assert_eq!(taken[tile as usize], part.first_sample);

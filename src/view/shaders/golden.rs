@@ -9,39 +9,44 @@ use crate::fit::{
 
 /// A surface and a view that each port has to look up: every fold, and a place outside the table.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Case {
-    pub(super) alpha_x: f64,
-    pub(super) alpha_y: f64,
+pub(in crate::view) struct Case {
+    pub(in crate::view) alpha_x: f64,
+    pub(in crate::view) alpha_y: f64,
     /// Of unit length, in decimals too.
-    pub(super) wo: [f64; 3],
+    pub(in crate::view) wo: [f64; 3],
 }
 
-pub(super) const CASES: [Case; 3] = [
+pub(in crate::view) const CASES: [Case; 3] = [
     Case { alpha_x: 0.3, alpha_y: 0.15, wo: [0.36, 0.48, 0.8] },
     Case { alpha_x: 0.2, alpha_y: 0.6, wo: [-0.64, 0.48, 0.6] },
     Case { alpha_x: 0.05, alpha_y: 0.02, wo: [0.576, -0.768, 0.28] },
 ];
 
 /// A rectangle through the horizon, by its corners around the shaded point; lit towards that point.
-pub(super) const CORNERS: [[f64; 3]; 4] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
+pub(in crate::view) const CORNERS: [[f64; 3]; 4] =
+    [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
 
 /// What a port has to give.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Golden {
+pub(in crate::view) struct Golden {
     /// `M`, row-major.
-    pub(super) matrix: [f64; 9],
-    pub(super) amplitude: f64,
-    pub(super) fresnel: f64,
+    pub(in crate::view) matrix: [f64; 9],
+    pub(in crate::view) amplitude: f64,
+    pub(in crate::view) fresnel: f64,
     /// The part of the lobe that the rectangle covers.
-    pub(super) covered: f64,
+    pub(in crate::view) covered: f64,
 }
 
+/// How near a port in 32 bits comes to each value, as the header promises.
+#[cfg(test)]
+pub(in crate::view) const TOLERANCE: f64 = 2e-5;
+
 /// How far apart neighbouring numbers of an entry are, for each entry before it: 2^-10, so that all are half floats.
-pub(super) const STEP: f64 = 1.0 / 1024.0;
+const STEP: f64 = 1.0 / 1024.0;
 
 /// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
 /// identity, an amplitude of 1 and a Fresnel term of 0.
-pub(super) fn table(layout: Layout) -> Table {
+pub(in crate::view) fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
     let axes = PerAxis {
         alpha: vec![0.1, 0.4, 1.0],
@@ -67,7 +72,7 @@ pub(super) fn table(layout: Layout) -> Table {
 
 impl Case {
     /// What the table gives here, in f64.
-    pub(super) fn golden(&self, layout: Layout) -> Golden {
+    pub(in crate::view) fn golden(&self, layout: Layout) -> Golden {
         let [x, y, z] = self.wo;
         let theta = atan2((x * x + y * y).sqrt(), z);
         let configuration = Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: atan2(y, x) };

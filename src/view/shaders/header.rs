@@ -3,7 +3,7 @@
 use super::{
     Language,
     golden::{CASES, CORNERS, Case, Golden, table},
-    layout_names,
+    sources::layout_names,
 };
 use crate::fit::Layout;
 

@@ -1,0 +1,19 @@
+//! Where the errors of a table are cut.
+
+use serde::Serialize;
+
+/// Where the domain is cut.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Slice {
+    /// Smaller over larger roughness.
+    pub ratio: f64,
+    /// Azimuth of the view direction, radians.
+    pub phi: f64,
+}
+
+/// A direction in which surfaces differ most from isotropic ones: between their axes.
+impl Default for Slice {
+    fn default() -> Self {
+        Self { ratio: 0.25, phi: 0.7 }
+    }
+}

@@ -1,0 +1,101 @@
+//! An open GPU, and what it keeps from one picture to the next.
+
+use std::sync::Arc;
+
+use super::{GpuFailure, RenderTask, Variant, device::Device, table, target::Target};
+use crate::view::preview::{ShaderTable, estimator::Stop};
+
+/// A GPU that is opened by its first picture, and again after it was lost.
+#[derive(Debug, Default)]
+pub(in crate::view::preview) struct Gpu {
+    variant: Variant,
+    open: Option<Open>,
+    /// How often it renders before it fails.
+    #[cfg(test)]
+    fails_after: Option<u32>,
+}
+
+#[derive(Debug)]
+struct Open {
+    device: Device,
+    /// The last table, and the last frame's buffers: most pictures have the same.
+    table: Option<(Arc<ShaderTable>, wgpu::BindGroup)>,
+    target: Option<Target>,
+}
+
+impl Gpu {
+    pub(in crate::view::preview) fn new(variant: Variant) -> Self {
+        Self { variant, ..Self::default() }
+    }
+
+    /// Opens the device if it is not, and returns its name.
+    pub(in crate::view::preview) fn name(&mut self) -> Result<String, GpuFailure> {
+        Ok(self.device()?.device.name.clone())
+    }
+
+    /// Renders part of a picture and returns the words of all of it. What fails is tried once more on a new device.
+    pub(in crate::view::preview) fn render(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        task: &RenderTask<'_>,
+        stop: Stop<'_>,
+    ) -> Result<Vec<u32>, GpuFailure> {
+        #[cfg(test)]
+        if let Some(times) = &mut self.fails_after {
+            *times = times.checked_sub(1).ok_or_else(|| GpuFailure::Failed("told to fail".to_owned()))?;
+        }
+        match self.attempt(table, task, stop) {
+            Err(GpuFailure::Failed(first)) => {
+                tracing::warn!("the GPU failed and is opened again: {first}");
+                self.open = None;
+                self.attempt(table, task, stop).inspect_err(|_| self.open = None)
+            }
+            Err(failure @ GpuFailure::Hangs(_)) => {
+                // Dropping a busy device would wait for it: it is left to itself.
+                std::mem::forget(self.open.take());
+                Err(failure)
+            }
+            other => other,
+        }
+    }
+
+    fn attempt(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        task: &RenderTask<'_>,
+        stop: Stop<'_>,
+    ) -> Result<Vec<u32>, GpuFailure> {
+        let Open { device, table: kept_table, target: kept_target } = self.device()?;
+        let bound = match kept_table.take() {
+            Some((last, bound)) if Arc::ptr_eq(&last, table) => bound,
+            _ => table::upload(device, table)?,
+        };
+        *kept_table = Some((Arc::clone(table), bound.clone()));
+        let target = match kept_target.take() {
+            Some(last) if last.fits(task.frame, task.as_bytes) => last,
+            _ => Target::new(device, task.frame, task.as_bytes),
+        };
+        kept_target.insert(target).render(device, &bound, task, stop)
+    }
+
+    fn device(&mut self) -> Result<&mut Open, GpuFailure> {
+        if self.open.is_none() {
+            self.open = Some(Open { device: Device::open(self.variant)?, table: None, target: None });
+        }
+        self.open.as_mut().ok_or_else(|| GpuFailure::Absent("not open".to_owned()))
+    }
+
+    /// Has it fail once it has rendered so many times.
+    #[cfg(test)]
+    pub(in crate::view::preview) fn fail_after(&mut self, times: u32) {
+        self.fails_after = Some(times);
+    }
+
+    /// Loses the device, as a driver's reset would.
+    #[cfg(test)]
+    pub(in crate::view::preview) fn lose(&mut self) {
+        if let Some(open) = &self.open {
+            open.device.wgpu.destroy();
+        }
+    }
+}

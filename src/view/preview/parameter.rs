@@ -1,0 +1,198 @@
+//! What a parameter of a preview is: how it is written, within which bounds, and where it goes in a scene.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec3;
+
+use super::{Material, NamedScene, Scene};
+
+/// A parameter. Its default is what [`Scene::default`] has in its place.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Its name in a query. The command line writes dashes for the underscores.
+    pub name: &'static str,
+    /// What it is, without its bounds and its default.
+    pub help: &'static str,
+    /// How the command line's help writes its value, such as `X,Y,Z`.
+    pub value_name: &'static str,
+    /// Its unit, if it has one.
+    pub unit: Option<&'static str>,
+    /// How it is read, and where it goes.
+    pub form: Form,
+}
+
+/// How a parameter is read, and where it goes in a scene.
+#[derive(Debug, Clone, Copy)]
+pub enum Form {
+    /// One of some names.
+    Name {
+        /// The names.
+        names: fn() -> Vec<&'static str>,
+        /// Which of them a scene has; a light that no name stands for has none.
+        get: fn(&Scene) -> Option<usize>,
+        /// Gives a scene the one of this index.
+        set: fn(&mut Scene, usize),
+    },
+    /// A whole number from a least to a greatest one.
+    Whole([u32; 2], fn(&mut Scene) -> &mut u32),
+    /// Numbers with commas between them, each from a least to a greatest one.
+    Numbers([f64; 2], fn(&mut Scene) -> &mut [f64]),
+    /// A point, at most so far from the origin.
+    Point(f64, fn(&mut Scene) -> &mut [f64; 3]),
+    /// A number of each material, from a least to a greatest one.
+    OfMaterials([f64; 2], fn(&mut Material) -> &mut f64),
+    /// The same, but setting it leaves the scene its first material only.
+    OfOneMaterial([f64; 2], fn(&mut Material) -> &mut f64),
+    /// True or false.
+    Flag(fn(&mut Scene) -> &mut bool),
+}
+
+/// What a parameter is set to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// The name of this index.
+    Name(usize),
+    /// A whole number.
+    Whole(u32),
+    /// One number or several.
+    Numbers(Vec<f64>),
+    /// True or false.
+    Flag(bool),
+}
+
+impl Parameter {
+    /// The value that `text` says.
+    ///
+    /// # Errors
+    /// What it should have said. Numbers are not held to their bounds here: that is [`Scene::faults`]' work.
+    pub fn parse(&self, text: &str) -> Result<Value, String> {
+        let expected = |what: &str| format!("«{text}» is not {what}");
+        match self.form {
+            Form::Name { names, .. } => {
+                let known = names();
+                let found = known.iter().position(|name| *name == text).map(Value::Name);
+                found.ok_or_else(|| format!("«{text}» is none of {}", known.join(", ")))
+            }
+            Form::Whole([low, high], _) => {
+                let whole = text.parse().map(Value::Whole);
+                whole.map_err(|_| expected(&format!("a whole number from {low} to {high}")))
+            }
+            Form::Flag(_) => text.parse().map(Value::Flag).map_err(|_| expected("true or false")),
+            Form::Numbers(..) | Form::Point(..) | Form::OfMaterials(..) | Form::OfOneMaterial(..) => {
+                let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+                let count = self.count();
+                let numbers = numbers.ok().filter(|numbers| numbers.len() == count).map(Value::Numbers);
+                numbers.ok_or_else(|| match count {
+                    1 => expected("a number"),
+                    _ => expected(&format!("{count} numbers with commas between them")),
+                })
+            }
+        }
+    }
+
+    /// Gives a scene a value that this parameter's [`Parameter::parse`] read.
+    pub(super) fn set(&self, scene: &mut Scene, value: &Value) {
+        match (self.form, value) {
+            (Form::Name { set, .. }, Value::Name(index)) => set(scene, *index),
+            (Form::Whole(_, field), Value::Whole(whole)) => *field(scene) = *whole,
+            (Form::Flag(field), Value::Flag(flag)) => *field(scene) = *flag,
+            (Form::Numbers(_, field), Value::Numbers(numbers)) => field(scene).copy_from_slice(numbers),
+            (Form::Point(_, field), Value::Numbers(numbers)) => field(scene).copy_from_slice(numbers),
+            (Form::OfMaterials(_, field), Value::Numbers(numbers)) => {
+                scene.materials.iter_mut().for_each(|material| *field(material) = numbers[0]);
+            }
+            (Form::OfOneMaterial(_, field), Value::Numbers(numbers)) => {
+                let mut material = scene.materials.first().copied().unwrap_or_default();
+                *field(&mut material) = numbers[0];
+                scene.materials = vec![material];
+            }
+            (_, value) => unreachable!("{} does not read {value:?}", self.name),
+        }
+    }
+
+    /// The bounds, and the numbers of a scene that have to be within them: of a point its distance from the origin.
+    pub(super) fn bounded(&self, scene: &mut Scene) -> ([f64; 2], Vec<f64>) {
+        match self.form {
+            Form::Name { .. } | Form::Flag(_) => ([0.0; 2], Vec::new()),
+            Form::Whole(bounds, field) => (bounds.map(f64::from), vec![f64::from(*field(scene))]),
+            Form::Numbers(bounds, field) => (bounds, field(scene).to_vec()),
+            Form::Point(farthest, field) => ([0.0, farthest], vec![DVec3::from(*field(scene)).length()]),
+            Form::OfMaterials(bounds, field) | Form::OfOneMaterial(bounds, field) => {
+                (bounds, scene.materials.iter_mut().map(|material| *field(material)).collect())
+            }
+        }
+    }
+
+    /// The text that [`Parameter::parse`] reads as a scene's value; of materials the first one's.
+    #[must_use]
+    pub fn text(&self, scene: &Scene) -> String {
+        let mut scene = scene.clone();
+        let listed = |numbers: &[f64]| numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+        match self.form {
+            Form::Name { names, get, .. } => get(&scene).map_or_else(String::new, |index| names()[index].to_owned()),
+            Form::Whole(_, field) => field(&mut scene).to_string(),
+            Form::Flag(field) => field(&mut scene).to_string(),
+            Form::Numbers(_, field) => listed(field(&mut scene)),
+            Form::Point(_, field) => listed(field(&mut scene)),
+            Form::OfMaterials(_, field) | Form::OfOneMaterial(_, field) => {
+                scene.materials.first_mut().map_or_else(String::new, |material| field(material).to_string())
+            }
+        }
+    }
+
+    /// How many numbers it has.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self.form {
+            Form::Numbers(_, field) => field(&mut Scene::default()).len(),
+            Form::Point(..) => 3,
+            _ => 1,
+        }
+    }
+
+    /// Its least and greatest number in words; `None` for one that is no number. A point has no least one.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[String; 2]> {
+        match self.form {
+            Form::Name { .. } | Form::Flag(_) => None,
+            Form::Whole(bounds, _) => Some(bounds.map(|bound| bound.to_string())),
+            Form::Numbers(bounds, _) | Form::OfMaterials(bounds, _) | Form::OfOneMaterial(bounds, _) => {
+                Some(bounds.map(|bound| self.bound(bound)))
+            }
+            Form::Point(farthest, _) => Some([String::new(), self.bound(farthest)]),
+        }
+    }
+
+    /// What it is, its bounds and its default, in a line: the command line's help.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let unit = self.unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let bounds = match (self.form, self.bounds()) {
+            (_, None) => String::new(),
+            (Form::Point(..), Some([_, high])) => format!(", at most {high}{unit} from the origin"),
+            (_, Some([low, high])) if self.count() > 1 => format!(", each {low} to {high}{unit}"),
+            (_, Some([low, high])) => format!(", {low} to {high}{unit}"),
+        };
+        let of = if self.differs_between_scenes() { " of scene sphere" } else { "" };
+        format!("{}{bounds} [default{of}: {}]", self.help, self.text(&Scene::default()))
+    }
+
+    /// Whether some named scene has another value than the default.
+    #[must_use]
+    pub fn differs_between_scenes(&self) -> bool {
+        let default = self.text(&Scene::default());
+        NamedScene::ALL.iter().any(|named| self.text(&named.scene()) != default)
+    }
+
+    /// A bound, as people write it: angles at the quarters of a turn by pi.
+    fn bound(&self, bound: f64) -> String {
+        let quarters = bound / FRAC_PI_2;
+        match quarters as i32 {
+            n if self.unit != Some("rad") || f64::from(n) != quarters => bound.to_string(),
+            0 => "0".to_owned(),
+            1 => "pi/2".to_owned(),
+            -1 => "-pi/2".to_owned(),
+            n => format!("{} pi", f64::from(n) / 2.0),
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! The parameters that there are. A new one is declared here, beside the field of the scene that it sets; query, command
+//! line, bounds and the checks of docs and openapi.yaml follow.
+
+use std::{f64::consts::TAU, slice};
+
+use super::{
+    LightKind, Material, Mode, NamedScene, Scene,
+    parameter::{Form, Parameter},
+};
+
+/// Where things may stand, in radii of the sphere.
+const PLACE: f64 = 100.0;
+/// The nearest that the camera comes to what it looks at: outside of the sphere.
+const NEAREST: f64 = 1.5;
+/// How far from the origin it may look: too little to bring the camera into the sphere.
+const FARTHEST_TARGET: f64 = 0.45;
+/// Angles about an axis.
+const TURN: [f64; 2] = [-TAU, TAU];
+const QUARTER: f64 = TAU / 4.0;
+
+/// Every parameter. They are set in this order: the named scene first, then what differs from it.
+pub static PARAMETERS: [Parameter; 23] = [
+    name(
+        "scene",
+        "Named set-up",
+        || names(&NamedScene::ALL, NamedScene::name),
+        |_| Some(0),
+        |s, i| {
+            *s = NamedScene::ALL[i].scene();
+        },
+    ),
+    name(
+        "mode",
+        "What to show of it",
+        || names(&Mode::ALL, Mode::name),
+        |s| Mode::ALL.iter().position(|mode| *mode == s.mode),
+        |s, i| s.mode = Mode::ALL[i],
+    ),
+    whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
+    whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),
+    alpha("alpha_x", "GGX roughness along the tangent, of one material in place of the scene's", |m| &mut m.alpha_x),
+    alpha("alpha_y", "GGX roughness across the tangent, of one material in place of the scene's", |m| &mut m.alpha_y),
+    Parameter {
+        name: "rotation",
+        help: "Angle by which tangents are turned",
+        value_name: "ANGLE",
+        unit: RAD,
+        form: Form::OfMaterials(TURN, |m| &mut m.rotation),
+    },
+    numbers("f0", "Reflectance at normal incidence, linear sRGB", "R,G,B", None, [0.0, 1.0], |s| &mut s.f0),
+    name(
+        "light",
+        "Outline of the light",
+        || LightKind::NAMED.map(|(name, _)| name).into(),
+        |s| LightKind::NAMED.iter().position(|(_, kind)| *kind == s.light.kind),
+        |s, i| s.light.kind = LightKind::NAMED[i].1,
+    ),
+    numbers("light_centre", "Middle of the light", "X,Y,Z", RADII, [-PLACE, PLACE], |s| &mut s.light.centre),
+    numbers("light_half_size", "Half the light's width and height", "X,Y", RADII, [1e-3, PLACE], |s| {
+        &mut s.light.half_size
+    }),
+    numbers("light_rotation", "Turn of the light from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
+        &mut s.light.rotation
+    }),
+    number("light_intensity", "Radiance of the light", None, [0.0, 1e4], |s| one(&mut s.light.intensity)),
+    Parameter {
+        name: "light_two_sided",
+        help: "Whether the light's back emits too",
+        value_name: "BOOL",
+        unit: None,
+        form: Form::Flag(|s| &mut s.light.two_sided),
+    },
+    number("camera_distance", "Distance of the camera from its target", RADII, [NEAREST, PLACE], |s| {
+        one(&mut s.camera.distance)
+    }),
+    number("camera_azimuth", "Angle of the camera about the vertical", RAD, TURN, |s| one(&mut s.camera.azimuth)),
+    number(
+        "camera_elevation",
+        "Angle of the camera above the horizontal; a floor is seen only from above",
+        RAD,
+        [-QUARTER, QUARTER],
+        |s| one(&mut s.camera.elevation),
+    ),
+    Parameter {
+        name: "camera_target",
+        help: "What the camera looks at",
+        value_name: "X,Y,Z",
+        unit: RADII,
+        form: Form::Point(FARTHEST_TARGET, |s| &mut s.camera.target),
+    },
+    number("field_of_view", "Whole angle of view", RAD, [0.01, 2.5], |s| one(&mut s.camera.field_of_view)),
+    number("theta", "Polar angle of the view direction in mode lobe", RAD, [0.0, QUARTER], |s| one(&mut s.lobe.theta)),
+    number("phi", "Azimuth of the view direction in mode lobe", RAD, TURN, |s| one(&mut s.lobe.phi)),
+    number("exposure", "Factor on radiance before it is displayed", None, [1e-4, 1e4], |s| one(&mut s.exposure)),
+    number("difference_scale", "Difference in radiance at the end of the colour bar", None, [1e-6, 1e4], |s| {
+        one(&mut s.difference_scale)
+    }),
+];
+
+const RAD: Option<&str> = Some("rad");
+/// Radii of the sphere.
+const RADII: Option<&str> = Some("radii");
+
+const fn name(
+    name: &'static str,
+    help: &'static str,
+    names: fn() -> Vec<&'static str>,
+    get: fn(&Scene) -> Option<usize>,
+    set: fn(&mut Scene, usize),
+) -> Parameter {
+    Parameter { name, help, value_name: "NAME", unit: None, form: Form::Name { names, get, set } }
+}
+
+const fn whole(
+    name: &'static str,
+    help: &'static str,
+    bounds: [u32; 2],
+    field: fn(&mut Scene) -> &mut u32,
+) -> Parameter {
+    Parameter { name, help, value_name: "N", unit: None, form: Form::Whole(bounds, field) }
+}
+
+const fn alpha(name: &'static str, help: &'static str, field: fn(&mut Material) -> &mut f64) -> Parameter {
+    Parameter { name, help, value_name: "X", unit: None, form: Form::OfOneMaterial([0.0, 1.0], field) }
+}
+
+const fn number(
+    name: &'static str,
+    help: &'static str,
+    unit: Option<&'static str>,
+    bounds: [f64; 2],
+    field: fn(&mut Scene) -> &mut [f64],
+) -> Parameter {
+    numbers(name, help, "X", unit, bounds, field)
+}
+
+const fn numbers(
+    name: &'static str,
+    help: &'static str,
+    value_name: &'static str,
+    unit: Option<&'static str>,
+    bounds: [f64; 2],
+    field: fn(&mut Scene) -> &mut [f64],
+) -> Parameter {
+    Parameter { name, help, value_name, unit, form: Form::Numbers(bounds, field) }
+}
+
+fn one(number: &mut f64) -> &mut [f64] {
+    slice::from_mut(number)
+}
+
+fn names<T: Copy>(all: &[T], name: fn(T) -> &'static str) -> Vec<&'static str> {
+    all.iter().map(|value| name(*value)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::preview::Choices;
+
+    #[test]
+    fn every_default_is_within_bounds_and_reads_as_itself() {
+        for parameter in &PARAMETERS {
+            let default = parameter.text(&Scene::default());
+            assert_eq!(Choices::read([(parameter.name, default.as_str())]), Ok(Scene::default()), "{}", parameter.name);
+        }
+    }
+
+    /// Bounds are taken, what is beyond them is not, whichever of a parameter's numbers it is.
+    #[test]
+    fn every_bound_holds_on_both_sides() {
+        let mut tried = 0;
+        for parameter in &PARAMETERS {
+            let (bounds, numbers) = parameter.bounded(&mut Scene::default());
+            let is_point = matches!(parameter.form, Form::Point(..));
+            let step = if matches!(parameter.form, Form::Whole(..)) { 1.0 } else { 1e-9 };
+            let default = parameter.text(&Scene::default());
+            let with = |place: usize, number: f64| {
+                let mut words: Vec<String> = default.split(',').map(str::to_owned).collect();
+                words[place] = number.to_string();
+                Choices::read([(parameter.name, words.join(",").as_str())])
+            };
+            for place in 0..if numbers.is_empty() { 0 } else { parameter.count() } {
+                for (bound, outwards) in bounds.into_iter().zip([-step, step]) {
+                    // Of a point the distance is bounded, which is never below zero.
+                    if is_point && outwards < 0.0 {
+                        continue;
+                    }
+                    tried += 1;
+                    assert!(with(place, bound).is_ok(), "{} {bound}", parameter.name);
+                    let beyond = with(place, bound + outwards).expect_err(parameter.name);
+                    assert_eq!(beyond.len(), 1);
+                    assert_eq!(beyond[0].parameter, parameter.name);
+                }
+            }
+        }
+        assert_eq!(tried, 55);
+    }
+
+    #[test]
+    fn lines_tell_bounds_units_and_defaults() {
+        let line = |name: &str| PARAMETERS.iter().find(|p| p.name == name).map(Parameter::line).expect(name);
+        assert_eq!(line("size"), "Pixels a side of each panel, 64 to 2048 [default: 512]");
+        assert_eq!(line("theta"), "Polar angle of the view direction in mode lobe, 0 to pi/2 rad [default: 1]");
+        assert_eq!(line("mode"), "What to show of it [default: ltc]");
+        assert!(line("rotation").ends_with(", -2 pi to 2 pi rad [default of scene sphere: 0]"), "{}", line("rotation"));
+        assert!(line("f0").ends_with(", each 0 to 1 [default: 0.91,0.92,0.92]"), "{}", line("f0"));
+        assert!(
+            line("camera_target").ends_with(", at most 0.45 radii from the origin [default of scene sphere: 0,0,0]")
+        );
+    }
+}

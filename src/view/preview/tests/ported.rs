@@ -1,0 +1,129 @@
+//! The shader that users take home, on the GPU and by its twin on the CPU.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec3, Vec3};
+
+use super::tell_skipped;
+use crate::{
+    fit::{
+        Layout, Ltc, Sides,
+        math::{from_row_major, sin_cos},
+    },
+    view::{
+        preview::{
+            ShaderTable, TexelFormat, cpu,
+            gpu::{GpuFailure, example},
+        },
+        shaders::{CASES, CORNERS, Golden, Language, TOLERANCE, golden_table, port},
+    },
+};
+
+const LAYOUTS: [Layout; 2] = [Layout::Kt2022, Layout::Reflected];
+
+#[test]
+fn the_shaders_twin_gives_the_printed_values() {
+    for layout in LAYOUTS {
+        for format in [TexelFormat::F32, TexelFormat::F16] {
+            let table = ShaderTable::new(&golden_table(layout), format);
+            for case in CASES {
+                let Golden { matrix, amplitude, fresnel, covered } = case.golden(layout);
+                let wo = Vec3::from_array(case.wo.map(|x| x as f32));
+                let corners = CORNERS.map(|corner| Vec3::from_array(corner.map(|x| x as f32)));
+                let (m, terms) = cpu::lit(&table, case.alpha_x as f32, case.alpha_y as f32, wo, &corners);
+                let found = m.transpose().to_cols_array().into_iter().chain(terms);
+                for (found, expected) in found.zip(matrix.into_iter().chain([amplitude, fresnel, covered])) {
+                    assert!((f64::from(found) - expected).abs() < TOLERANCE, "{layout:?} {case:?}: {found} {expected}");
+                }
+            }
+        }
+    }
+}
+
+/// A light that `ltc_example` is given: `count` vertices, or a disk's centre and half axes where it is 0.
+struct ExampleLight {
+    count: u8,
+    given: Vec<DVec3>,
+    /// What f64 integrates over.
+    outline: Vec<DVec3>,
+    /// How far the two may be apart.
+    tolerance: f64,
+}
+
+fn example_lights() -> Vec<ExampleLight> {
+    let corners = CORNERS.map(DVec3::from_array);
+    let mut lights =
+        vec![ExampleLight { count: 4, given: corners.into(), outline: corners.into(), tolerance: TOLERANCE }];
+    // Clockwise from the shaded point, one vertex or more below the horizon.
+    let (centre, x, y) = (DVec3::new(0.3, 0.2, 0.6), DVec3::new(0.9, 0.0, 0.4), DVec3::new(0.0, -0.8, 0.5));
+    let around = |n: u32| -> Vec<DVec3> {
+        let at = |k: u32| sin_cos(-TAU * f64::from(k) / f64::from(n));
+        (0..n).map(|k| centre + x * at(k).1 + y * at(k).0).collect()
+    };
+    for count in [3_u8, 5, 7, 8] {
+        let outline = around(count.into());
+        lights.push(ExampleLight { count, given: outline.clone(), outline, tolerance: TOLERANCE });
+    }
+    // The octagon of a disk's area is another outline.
+    lights.push(ExampleLight { count: 0, given: vec![centre, x, y], outline: around(512), tolerance: 5e-3 });
+    lights
+}
+
+/// The file that `ltcforge shader` writes, on the GPU: `M`, terms, and what a rectangle, polygons and a disk cover.
+#[test]
+fn the_shader_that_users_take_home_gives_what_f64_does() {
+    let mut covered_somewhere = 0;
+    for layout in LAYOUTS {
+        let table = golden_table(layout);
+        let wgsl = String::from_utf8(port(Language::Wgsl, layout).expect("WGSL")).expect("UTF-8");
+        let lights = example_lights();
+        let tried: Vec<_> = CASES
+            .iter()
+            .flat_map(|case| lights.iter().flat_map(move |l| [false, true].map(|two| (case, l, two))))
+            .collect();
+        let words: Vec<[f32; 40]> = tried
+            .iter()
+            .map(|(case, light, two_sided)| {
+                let mut words = [0.0; 40];
+                words[..3].copy_from_slice(&case.wo.map(|x| x as f32));
+                words[3] = case.alpha_x as f32;
+                words[4..7].copy_from_slice(&[
+                    case.alpha_y as f32,
+                    light.count.into(),
+                    f32::from(u8::from(*two_sided)),
+                ]);
+                for (place, vertex) in words[8..].chunks_exact_mut(4).zip(&light.given) {
+                    place[..3].copy_from_slice(&vertex.as_vec3().to_array());
+                }
+                words
+            })
+            .collect();
+        let shader = ShaderTable::new(&table, TexelFormat::F32);
+        // The columns of M, then the terms and what is covered.
+        let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", &shader, &words) {
+            Ok(found) => found,
+            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(error) => panic!("{error}"),
+        };
+        for ((case, light, two_sided), found) in tried.into_iter().zip(found) {
+            let Golden { matrix, amplitude, fresnel, .. } = case.golden(layout);
+            let sides = if two_sided { Sides::Two } else { Sides::One };
+            let ltc = Ltc::new(from_row_major(&matrix)).expect("a regular matrix");
+            let covered = ltc.polygon(&light.outline, sides);
+            let what = format!("{layout:?} {case:?} {} vertices, {two_sided}", light.count);
+            for (row, column) in (0..9).map(|k| (k / 3, k % 3)) {
+                let (found, expected) = (f64::from(found[4 * column + row]), matrix[3 * row + column]);
+                assert!((found - expected).abs() < TOLERANCE, "{what}: m{row}{column} is {found}, not {expected}");
+            }
+            for (found, expected, tolerance) in [
+                (found[12], amplitude, TOLERANCE),
+                (found[13], fresnel, TOLERANCE),
+                (found[14], covered, light.tolerance),
+            ] {
+                assert!((f64::from(found) - expected).abs() < tolerance, "{what}: {found}, not {expected}");
+            }
+            covered_somewhere += usize::from(covered > 0.05);
+        }
+    }
+    assert!(covered_somewhere > 30, "{covered_somewhere}");
+}

@@ -1,0 +1,25 @@
+//! The shaders in WGSL, and one file of them for other renderers, translated where its language is not WGSL.
+//!
+//! [`SHADERS`] are the files of `shaders/`. [`port`] joins those that a renderer needs for one layout of tables, puts a
+//! comment above them, and has naga translate them. WGSL is handed out as it is written, without naga.
+//!
+//! Invariants: `shaders` knows neither a GPU nor a picture; only `translate` uses naga; equal arguments give equal bytes
+//! on every machine.
+
+mod golden;
+mod header;
+mod language;
+mod port;
+mod sources;
+#[cfg(test)]
+mod tests;
+mod translate;
+
+#[cfg(test)]
+pub(in crate::view) use golden::{CASES, CORNERS, Golden, TOLERANCE, table as golden_table};
+pub use language::Language;
+pub use port::{PortError, port};
+#[cfg(test)]
+pub(in crate::view) use sources::joined;
+pub(in crate::view) use sources::preview_module;
+pub use sources::{SHADERS, Shader};
