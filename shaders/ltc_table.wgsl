@@ -1,4 +1,8 @@
-// Reads a table: fold, fetch, what the layout stands for, unfold. Needs ltc_math.wgsl.
+// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl and a function ltc_restore that
+// calls a layout's: `ltcforge shader` writes it, for layout reflected it is
+//     fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
+//         return ltc_restore_reflected(stored, alpha_x, ratio, wo);
+//     }
 //
 // The table is three 3D textures, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a
 // file stores its entries:
@@ -11,7 +15,7 @@
 struct LtcTable {
     /// How many nodes alpha, ratio, theta and phi have.
     nodes: vec4<u32>,
-    /// x: layout, how a stored matrix maps to M, unless ltc_layout fixes it. y: 1 for a table of isotropic surfaces with one
+    /// x: the layout's number, which a shader for one layout does not read. y: 1 for a table of isotropic surfaces with one
     /// phi, whose lobes turn with the view.
     reading: vec4<u32>,
 }
@@ -26,16 +30,6 @@ struct LtcTable {
 /// Lets the sampler weigh phi, theta and alpha: 2 fetches a texture in place of 16. Textures then have to be
 /// filterable and the sampler linear. Many GPUs have weights of 8 bits only, which shows on sharp lobes.
 override ltc_hardware_filter: bool = false;
-
-/// The stored matrix is M, the stored terms are the terms.
-const LTC_LAYOUT_KT2022: u32 = 0u;
-/// They are what is left between the lobe and its reflection, see ltc_reflected.
-const LTC_LAYOUT_REFLECTED: u32 = 1u;
-/// Whichever ltc_table.reading.x says.
-const LTC_LAYOUT_OF_TABLE: u32 = 2u;
-
-/// The layout of all tables that this shader is to read.
-override ltc_layout: u32 = LTC_LAYOUT_OF_TABLE;
 
 /// The least roughness along either axis. Both are raised to it before their ratio is taken, so that mirrors stay isotropic.
 const LTC_LEAST_ALPHA: f32 = 1e-5;
@@ -143,39 +137,6 @@ fn ltc_fetch_filtered(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: Lt
     );
 }
 
-/// Smith's Lambda of GGX.
-fn ltc_smith_lambda(alpha_x: f32, alpha_y: f32, w: vec3<f32>) -> f32 {
-    let slope = vec2(alpha_x * w.x, alpha_y * w.y) / w.z;
-    return 0.5 * (sqrt(1.0 + dot(slope, slope)) - 1.0);
-}
-
-/// How a reflected direction moves when the normal wm tilts along a tangent; d = dot(wo, wm).
-fn ltc_reflected_tangent(wo: vec3<f32>, wm: vec3<f32>, d: f32, tangent: vec3<f32>) -> vec3<f32> {
-    let tilt = tangent - dot(wm, tangent) * wm;
-    return 2.0 * (dot(wo, tilt) * wm + d * tilt);
-}
-
-/// What the interpolated numbers of layout reflected stand for, at a place within the table's ranges seen from wo in
-/// the first quadrant: they are what is left of the lobe beside the reflection at the normal in the middle of those seen.
-fn ltc_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
-    let alpha_y = max(alpha_x * ratio, LTC_LEAST_ALPHA);
-    let halfway = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z)) + vec3(0.0, 0.0, 1.0);
-    let wm = normalize(vec3(alpha_x * halfway.x, alpha_y * halfway.y, halfway.z));
-    let d = dot(wo, wm);
-    let reflected = 2.0 * d * wm - wo;
-    let k = mat3x3(
-        alpha_x * ltc_reflected_tangent(wo, wm, d, vec3(1.0, 0.0, 0.0)),
-        alpha_x * ltc_reflected_tangent(wo, wm, d, vec3(0.0, 1.0, 0.0)),
-        reflected,
-    );
-    let seen = 1.0 + ltc_smith_lambda(alpha_x, alpha_y, wo);
-    let g2_over_g1 = seen / (seen + ltc_smith_lambda(alpha_x, alpha_y, reflected));
-    let amplitude = stored.amplitude * g2_over_g1 * g2_over_g1;
-    let grazing = max(stored.fresnel + 1.0 - d, 0.0);
-    let grazing2 = grazing * grazing;
-    return LtcLobe(k * stored.m, amplitude, amplitude * (grazing2 * grazing2 * grazing));
-}
-
 /// R_z(angle) M R_z(-angle): surface and view turn about z together.
 fn ltc_turned(m: mat3x3<f32>, angle: f32) -> mat3x3<f32> {
     let turn = ltc_sin_cos(angle * 0.15915494);
@@ -220,13 +181,7 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
         let azimuth = ltc_sin_cos(phi.nearest * 0.15915494);
         view = vec3(polar.x * azimuth.y, polar.x * azimuth.x, polar.y);
     }
-    var lobe = LtcLobe(stored, texels.terms.y, texels.terms.z);
-    // Two conditions: the first is known once ltc_layout is.
-    if (ltc_layout != LTC_LAYOUT_KT2022) {
-        if ((ltc_layout == LTC_LAYOUT_REFLECTED) | (ltc_table.reading.x == LTC_LAYOUT_REFLECTED)) {
-            lobe = ltc_reflected(lobe, alpha.nearest, ratio.nearest, view);
-        }
-    }
+    var lobe = ltc_restore(LtcLobe(stored, texels.terms.y, texels.terms.z), alpha.nearest, ratio.nearest, view);
     if (ltc_table.reading.y == 1u) {
         lobe.m = ltc_turned(lobe.m, fold.phi - ltc_nodes[n.x + n.y + n.z]);
     }

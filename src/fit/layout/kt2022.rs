@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::{
     align::align,
     precision::Precision,
-    rules::{Interpolation, LayoutRules, LobeNumbers, ShaderNumbers},
+    rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
 };
 use crate::fit::{
@@ -73,7 +73,7 @@ impl LayoutRules for Rules {
         Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } }
     }
 
-    fn shader_constant(&self) -> (&'static str, u32) {
-        ("LTC_LAYOUT_KT2022", 0)
+    fn shader(&self) -> LayoutShader {
+        LayoutShader { source: include_str!("../../../shaders/layout_kt2022.wgsl"), number: 0 }
     }
 }

@@ -10,7 +10,7 @@ use super::{
     align::align_to,
     precision::Precision,
     reflection::Reflection,
-    rules::{Interpolation, LayoutRules, LobeNumbers, ShaderNumbers},
+    rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
 };
 use crate::fit::{
@@ -94,8 +94,8 @@ impl LayoutRules for Rules {
         Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } }
     }
 
-    fn shader_constant(&self) -> (&'static str, u32) {
-        ("LTC_LAYOUT_REFLECTED", 1)
+    fn shader(&self) -> LayoutShader {
+        LayoutShader { source: include_str!("../../../shaders/layout_reflected.wgsl"), number: 1 }
     }
 }
 

@@ -28,6 +28,14 @@ pub(crate) struct ShaderNumbers {
     pub(crate) fresnel: f32,
 }
 
+/// A layout's part of the shader: a function `ltc_restore_NAME`, twin of [`LayoutRules::restore_in_shader`].
+pub(crate) struct LayoutShader {
+    /// WGSL.
+    pub(crate) source: &'static str,
+    /// The number by which a shader that reads several layouts knows this one.
+    pub(crate) number: u32,
+}
+
 /// How a layout's error depends on its nodes.
 pub(crate) struct Interpolation {
     /// The error that remains with infinitely many nodes: mostly that of the best LTCs.
@@ -69,6 +77,6 @@ pub(crate) trait LayoutRules: Sync {
     /// How the error depends on the nodes.
     fn interpolation(&self) -> Interpolation;
 
-    /// The name of the layout's number in the shaders.
-    fn shader_constant(&self) -> (&'static str, u32);
+    /// The layout's part of the shader.
+    fn shader(&self) -> LayoutShader;
 }

@@ -3,7 +3,6 @@
 use super::{
     Language,
     golden::{CASES, CORNERS, Case, Golden, table},
-    sources::layout_names,
 };
 use crate::fit::Layout;
 
@@ -89,8 +88,7 @@ fn bindings(language: Language) -> &'static str {
 
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 pub(super) fn header(language: Language, layout: Layout) -> String {
-    let (name, _) = layout_names(layout);
-    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", name);
+    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name());
     let text = format!("{about}\n{TABLE}  {}\n\n{EXAMPLE}\n{}", bindings(language), check(layout));
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }

@@ -11,7 +11,7 @@ pub struct Shader {
     pub source: &'static str,
 }
 
-/// Every shader, each after those it needs. `ltc_math`, `ltc_table` and `ltc_light` are all that a renderer takes.
+/// Every shader but the layouts' parts, each after those it needs.
 pub const SHADERS: [Shader; 6] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
@@ -25,32 +25,48 @@ pub const SHADERS: [Shader; 6] = [
 const PORTED: [&str; 4] = ["ltc_math", "ltc_table", "ltc_light", "ltc_example"];
 /// What the preview takes: its own entry points in place of the example.
 const PREVIEWED: [&str; 5] = ["ltc_math", "ltc_table", "ltc_light", "ggx_reference", "sphere"];
-/// The line that leaves the layout to the table.
-const OPEN_LAYOUT: &str = "override ltc_layout: u32 = LTC_LAYOUT_OF_TABLE;";
 
-/// The named shaders as one module, in the order of [`SHADERS`].
+/// The named shaders as one text, in the order of [`SHADERS`].
 pub(in crate::view) fn joined(names: &[&str]) -> String {
     let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();
     sources.join("\n")
 }
 
-/// The module of the preview.
+/// The named shaders as one module that reads tables of these layouts.
+///
+/// `ltc_restore` is written here: with one layout it calls that one's part, with several it asks the table.
+fn module(names: &[&str], layouts: &[Layout]) -> String {
+    let call = |layout: &Layout| format!("return ltc_restore_{layout}(stored, alpha_x, ratio, wo);");
+    let body = match layouts {
+        [only] => format!("    {}\n", call(only)),
+        several => {
+            let number = |layout: &Layout| layout.rules().shader().number;
+            let cases =
+                several.iter().map(|layout| format!("        case {}u: {{ {} }}\n", number(layout), call(layout)));
+            format!(
+                "    switch ltc_table.reading.x {{\n{}        default: {{ return stored; }}\n    }}\n",
+                cases.collect::<String>()
+            )
+        }
+    };
+    let parts: Vec<&str> = layouts.iter().map(|layout| layout.rules().shader().source).collect();
+    format!(
+        "{}\n{}\n\
+        /// The lobe of interpolated numbers, at a place within the table's ranges seen from wo in the first quadrant.\n\
+        fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{body}}}\n",
+        joined(names),
+        parts.join("\n"),
+    )
+}
+
+/// The module of the preview, which reads tables of every layout.
 pub(in crate::view) fn preview_module() -> String {
-    joined(&PREVIEWED)
+    module(&PREVIEWED, Layout::ALL)
 }
 
 /// The module that other renderers take, for tables of one layout.
 pub(super) fn for_layout(layout: Layout) -> String {
-    let (_, constant) = layout_names(layout);
-    joined(&PORTED).replace(OPEN_LAYOUT, &format!("const ltc_layout: u32 = {constant};"))
-}
-
-/// A layout's name in a sentence, and in the shaders' constants.
-pub(super) fn layout_names(layout: Layout) -> (&'static str, &'static str) {
-    match layout {
-        Layout::Kt2022 => ("kt2022", "LTC_LAYOUT_KT2022"),
-        Layout::Reflected => ("reflected", "LTC_LAYOUT_REFLECTED"),
-    }
+    module(&PORTED, &[layout])
 }
 
 #[cfg(test)]
@@ -59,14 +75,25 @@ mod tests {
 
     use super::*;
 
+    /// Validates the named shaders, joined with the parts of layouts where they read a table.
     fn validate(names: &[&str]) {
         assert!(names.iter().all(|name| SHADERS.iter().any(|shader| shader.name == *name)), "{names:?}");
-        let source = joined(names);
+        if names.contains(&"ltc_table") {
+            validate_text(names, &module(names, Layout::ALL));
+            for layout in Layout::ALL {
+                validate_text(names, &module(names, &[*layout]));
+            }
+        } else {
+            validate_text(names, &joined(names));
+        }
+    }
+
+    fn validate_text(names: &[&str], source: &str) {
         let module =
-            naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+            naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
         if let Err(error) = validator.validate(&module) {
-            panic!("{names:?}: {}", error.emit_to_string(&source));
+            panic!("{names:?}: {}", error.emit_to_string(source));
         }
     }
 
@@ -84,6 +111,6 @@ mod tests {
     #[test]
     fn every_file_of_the_folder_is_listed() {
         let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders")).expect("the folder");
-        assert_eq!(SHADERS.len(), folder.count());
+        assert_eq!(SHADERS.len() + Layout::ALL.len(), folder.count());
     }
 }
