@@ -33,7 +33,7 @@ const ULPS: std::ops::RangeInclusive<i64> = -2..=2;
 const STEP: f64 = 1e-6;
 /// Samples on which two LTCs are compared, each with its like: `2^8`.
 const LOG2_SAMPLES: u32 = 8;
-/// The sharpest lobe that can be sampled; sharper ones differ from it by less than their distance is told to.
+/// The sharpest lobe that can be sampled. A sharper one differs from it by less than the precision of the distance.
 const SHARPEST: f64 = 1e-8;
 
 /// What a table answers at one corner, over all azimuths of the view on and around the folds.
@@ -47,13 +47,14 @@ pub struct Corner {
     pub theta: f64,
     /// Lookups.
     pub lookups: usize,
-    /// Of them, those that are not finite or have no positive determinant.
+    /// Lookups whose matrix is not finite or has no positive determinant.
     pub broken: usize,
     /// Largest sliced Wasserstein-1 distance to the lobe of this very configuration, not of the floor's.
     pub sw1: f64,
-    /// How much farther a step of 1e-6 moves the LTC across a fold than beside it, at most; in widths of the LTC.
+    /// Largest excess of the distance by which a step of 1e-6 moves the LTC across a fold over that of the same step
+    /// beside it, in widths of the LTC.
     pub jump: f64,
-    /// How far an LTC moves when its matrix is inverted in f32, at most; radians.
+    /// Largest distance by which inverting a matrix in f32 moves its LTC, radians.
     pub inversion: f64,
     /// The same in widths of the LTC.
     pub inversion_width: f64,
