@@ -155,13 +155,14 @@ mod tests {
     }
 
     /// A sharp LTC is a distribution in a plane; wider by a fifth, each of its quantiles lies a fifth further out.
+    /// The samples in its tails leave an error of a hundredth or two.
     #[test]
     fn a_highlight_that_is_too_wide_by_a_part_is_that_part_of_its_width_away() {
         let lobe = lobes::planted(DMat3::from_diagonal(DVec3::new(1e-2, 0.5e-2, 1.0)));
         for excess in [0.1, 0.2, 0.5] {
             let wider = (1.0 + excess) * 1e-2;
             let Distance { sw1, spread } = distance(&lobe, &DMat3::from_diagonal(DVec3::new(wider, 0.5 * wider, 1.0)));
-            assert!((sw1 / spread / excess - 1.0).abs() < 0.1, "{excess}: {}", sw1 / spread);
+            assert!((sw1 / spread - excess).abs() < 0.03, "{excess}: {}", sw1 / spread);
         }
     }
 

@@ -14,7 +14,7 @@ pub struct Floors {
     pub alpha: Moved,
     /// [`RATIO_FLOOR`].
     pub ratio: Moved,
-    /// [`ALPHA_Y_FLOOR`]: pairs of an alpha and a ratio node whose product is below it; their lobe is that of the floor.
+    /// [`ALPHA_Y_FLOOR`]: pairs of an alpha and a ratio node whose product is below it; their lobe is that of the limit.
     pub alpha_y: Moved,
     /// [`THETA_CEILING`], radians.
     pub theta: Moved,
