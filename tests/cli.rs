@@ -141,7 +141,15 @@ fn report_tells_of_tables_what_their_manifests_do_and_of_npy_files() {
     assert_eq!((&told["report"], &told["digest"]), (&manifest["report"], &manifest["table"]));
     assert_eq!(told["resolution"]["theta"], 2);
     let people = run(folder.path(), ["report", &hex[..12]]).exited(0).stdout;
-    for said in [&digest, "at 8 nodes", "at 8 places between", "worst at nodes", "0 negative", "alpha_y"] {
+    for said in [
+        &digest,
+        "error between nodes, mean",
+        "at 8 nodes",
+        "at 8 places between",
+        "worst at nodes",
+        "0 negative",
+        "alpha_y",
+    ] {
         assert!(people.contains(said), "{said} is not in\n{people}");
     }
 

@@ -1,4 +1,4 @@
-//! `report`: how good a table is, ours or another's.
+//! `report`: measures how good a table is, one of ours or a published one.
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
 
@@ -16,7 +16,7 @@ use crate::{
     fit::{Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Report, Spread, TermError, extremes, report},
 };
 
-/// What was measured, beside the figures.
+/// A table and its figures.
 struct Subject {
     digest: Digest,
     resolution: PerAxis<usize>,
@@ -50,7 +50,7 @@ fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, with_extremes: boo
     Subject { digest: *digest, resolution: table.axes.lengths(), report, corners }
 }
 
-/// The figures for people.
+/// The figures as text.
 fn text(path: &Path, subject: &Subject) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -61,6 +61,9 @@ fn text(path: &Path, subject: &Subject) -> String {
 fn write_text(out: &mut String, path: &Path, subject: &Subject) -> std::fmt::Result {
     let Subject { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners } = subject;
     let Report { nodes, between, matrices, floors, .. } = report;
+    // The figure by which tables are compared.
+    let Spread { mean, p95, max } = percent(between.width);
+    writeln!(out, "error between nodes, mean / p95 / max: {mean:.2} / {p95:.2} / {max:.2} % of the lobe's width\n")?;
     writeln!(out, "{}\n{digest}", path.display())?;
     writeln!(out, "{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi\n")?;
 
@@ -133,10 +136,10 @@ fn write_corners(out: &mut String, corners: &[Corner]) -> std::fmt::Result {
 }
 
 const HOW_TO_READ: &str = "\
-Each row is an error: 0 is perfect. The columns between nodes are what a renderer meets. Of the lobe's width,
-2 % is hardly seen and 20 % is a highlight a fifth too wide or as far from its place; even the best LTC of a lobe
-is some percent from it. Light is the part of the lobe's energy that square lights lose or gain. A negative
-determinant turns a light's winding over in a shader. docs/report.md tells more.";
+Each row is an error: 0 is perfect. A renderer meets the errors between nodes. An error of 2 % of the lobe's width
+is hardly visible; at 20 % a highlight is a fifth too wide, or misplaced by as much. Even the best LTC of a lobe
+differs from it by some percent. Light is the part of the lobe's energy that square lights lose or gain. A negative
+determinant reverses the winding of lights in a shader. docs/report.md explains all figures.";
 
 fn at(accuracy: &Accuracy, what: &str) -> String {
     format!("at {} {what}", accuracy.points)

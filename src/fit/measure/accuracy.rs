@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::measure::Figures;
+use super::figures::Figures;
 
 /// Worst configurations that are named.
 const WORST: usize = 5;

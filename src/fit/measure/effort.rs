@@ -9,7 +9,7 @@ pub const MOST_POINTS: usize = 1024;
 /// The part of the fit's time that the report may take.
 const SHARE: f64 = 0.15;
 /// What a measurement takes, on the scale of [`fit_seconds`].
-const POINT_SECONDS: f64 = 1.3e-3;
+const POINT_SECONDS: f64 = 1.8e-3;
 
 /// How many nodes, and how many configurations between nodes, the table of a recipe is measured at.
 #[must_use]

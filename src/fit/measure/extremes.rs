@@ -7,15 +7,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    distance::{Distance, LOBE_SAMPLES, Probe, SHIFT, Workspace},
-    measure::FARTHEST,
+    distance::{FARTHEST, Probe, Workspace},
+    lobe::Lobe,
+    sequence::{cosine, net},
 };
 use crate::fit::{
     Configuration, THETA_CEILING, Table,
     brdf::Ggx,
-    brdf::Mirrors,
-    math::{Lattice, cosine_hemisphere, direction, from_row_major},
-    metric::Target,
+    math::{direction, from_row_major},
 };
 
 /// Roughness along the rougher axis: a mirror, below and at the floor, and the roughest.
@@ -31,9 +30,9 @@ const BETWEEN: [f64; 2] = [0.4, 2.5];
 const ULPS: std::ops::RangeInclusive<i64> = -2..=2;
 /// A step of a configuration, radians: across a fold it may move a lobe no farther than beside it.
 const STEP: f64 = 1e-6;
-/// Samples on which two LTCs are compared, each with its like.
-const SAMPLES: usize = 256;
-/// The sharpest lobe that can be sampled; sharper ones differ from it by less than their distance is told to.
+/// Samples on which two LTCs are compared, each with its like: `2^8`.
+const LOG2_SAMPLES: u32 = 8;
+/// The sharpest lobe that can be sampled. A sharper one differs from it by less than the precision of the distance.
 const SHARPEST: f64 = 1e-8;
 
 /// What a table answers at one corner, over all azimuths of the view on and around the folds.
@@ -47,13 +46,14 @@ pub struct Corner {
     pub theta: f64,
     /// Lookups.
     pub lookups: usize,
-    /// Of them, those that are not finite or have no positive determinant.
+    /// Lookups whose matrix is not finite or has no positive determinant.
     pub broken: usize,
     /// Largest sliced Wasserstein-1 distance to the lobe of this very configuration, not of the floor's.
     pub sw1: f64,
-    /// How much farther a step of 1e-6 moves the LTC across a fold than beside it, at most; in widths of the LTC.
+    /// Largest excess of the distance by which a step of 1e-6 moves the LTC across a fold over that of the same step
+    /// beside it, in widths of the LTC.
     pub jump: f64,
-    /// How far an LTC moves when its matrix is inverted in f32, at most; radians.
+    /// Largest distance by which inverting a matrix in f32 moves its LTC, radians.
     pub inversion: f64,
     /// The same in widths of the LTC.
     pub inversion_width: f64,
@@ -63,7 +63,7 @@ pub struct Corner {
 #[must_use]
 pub fn extremes(table: &Table) -> Vec<Corner> {
     let probe = Probe::new();
-    let cosines: Vec<DVec3> = Lattice::new(SAMPLES, SHIFT).points().map(cosine_hemisphere).collect();
+    let cosines: Vec<DVec3> = net(LOG2_SAMPLES, [0, 0]).map(cosine).collect();
     let places: Vec<(f64, f64, f64)> = ALPHAS
         .into_iter()
         .flat_map(|alpha| RATIOS.into_iter().flat_map(move |ratio| THETAS.map(|theta| (alpha, ratio, theta))))
@@ -147,10 +147,8 @@ fn next(x: f64, ulps: i64) -> f64 {
 /// horizon itself no light is reflected.
 fn error(at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
     let ggx = Ggx { alpha_x: at.alpha_x.max(SHARPEST), alpha_y: at.alpha_y.max(SHARPEST) };
-    let wo = direction(at.theta.min(THETA_CEILING), at.phi);
-    let target = Target::sample(&ggx, wo, Mirrors::of(wo), Lattice::new(LOBE_SAMPLES, SHIFT));
-    let Distance { sw1, .. } = probe.distance(&target, m, work);
-    sw1
+    let lobe = Lobe::sample(&ggx, direction(at.theta.min(THETA_CEILING), at.phi));
+    probe.distance(&lobe, m, work).sw1
 }
 
 /// How much farther the middle one of three steps goes than the farther one of its neighbours, in widths.

@@ -1,17 +1,17 @@
-//! Where a node was asked for beyond what can be fitted, and what was fitted instead.
+//! Nodes that a recipe asks for beyond the limits of the fit, which lie on the limit instead.
 
 use serde::Serialize;
 
 use crate::fit::{ALPHA_FLOOR, LEAST_ALPHA, PerAxis, RATIO_FLOOR, THETA_CEILING};
 
-/// The floors of a table and what they moved.
+/// The limits of a table's axes and the nodes that they moved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Floors {
     /// [`ALPHA_FLOOR`].
     pub alpha: Moved,
     /// [`RATIO_FLOOR`].
     pub ratio: Moved,
-    /// [`LEAST_ALPHA`]: pairs of an alpha and a ratio node whose lobe is fitted with a larger smaller roughness.
+    /// [`LEAST_ALPHA`]: pairs of an alpha and a ratio node whose product is below it; their lobe is that of the limit.
     pub alpha_y: Moved,
     /// [`THETA_CEILING`], radians.
     pub theta: Moved,

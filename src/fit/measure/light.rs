@@ -4,14 +4,11 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::distance::SHIFT;
-use crate::fit::{
-    math::{Lattice, atan2, rotation_from_z, sin_cos},
-    metric::Target,
-};
+use super::{lobe::Lobe, sequence::net};
+use crate::fit::math::{atan2, rotation_from_z, sin_cos};
 
-/// Lights that a lobe is measured with.
-const LIGHTS: usize = 8;
+/// Lights that a lobe is measured with: `2^3`.
+const LOG2_LIGHTS: u32 = 3;
 /// Least and most half-width of a light, radians: from a lamp across a room to a window beside the surface.
 const HALF_WIDTH: [f64; 2] = [0.05, 0.45];
 /// The centre of a light is at least this high above the horizon.
@@ -29,23 +26,21 @@ struct SquareLight {
 
 /// Mean absolute difference, over a few lights around directions of the lobe, of the part of its energy that reaches
 /// them and the part by the LTC of `m`, a regular matrix in the tangent frame, whose inverse is `inverse`. In [0, 1].
-pub(super) fn light_error(target: &Target, inverse: &DMat3) -> f64 {
-    SquareLight::around(target)
-        .map(|light| (light.energy_of_lobe(target) - light.energy_of_ltc(inverse)).abs())
-        .sum::<f64>()
-        / LIGHTS as f64
+pub(super) fn light_error(lobe: &Lobe, inverse: &DMat3) -> f64 {
+    let errors =
+        SquareLight::around(lobe).map(|light| (light.energy_of_lobe(lobe) - light.energy_of_ltc(inverse)).abs());
+    errors.sum::<f64>() / f64::from(1 << LOG2_LIGHTS)
 }
 
 impl SquareLight {
-    /// The lights: around directions of the lobe, of widths and turned by angles that the sequences tell.
-    fn around(target: &Target) -> impl Iterator<Item = Self> {
-        let turns = Lattice::new(LIGHTS, [SHIFT[1], SHIFT[0]]).points().map(|[_, turn]| turn);
-        Lattice::new(LIGHTS, SHIFT).points().zip(turns).map(|(at, turn)| Self::new(target, at, turn))
+    /// The lights around directions of the lobe, whose widths and rotations come from nets.
+    fn around(lobe: &Lobe) -> impl Iterator<Item = Self> {
+        let turns = net(LOG2_LIGHTS, [0, 5]).map(|[_, turn]| turn);
+        net(LOG2_LIGHTS, [0, 0]).zip(turns).map(|(at, turn)| Self::new(lobe, at, turn))
     }
 
-    fn new(target: &Target, [where_, how_wide]: [f64; 2], turn: f64) -> Self {
-        let index = (where_ * target.points.len() as f64) as usize;
-        let mut centre = target.frame * (target.points[index.min(target.points.len() - 1)] + DVec3::Z);
+    fn new(lobe: &Lobe, [where_, how_wide]: [f64; 2], turn: f64) -> Self {
+        let mut centre = lobe.directions[(where_ * lobe.directions.len() as f64) as usize];
         centre.z = centre.z.max(LEAST_HEIGHT);
         let frame = rotation_from_z(centre.normalize());
         let (sin_turn, cos_turn) = sin_cos(0.5 * PI * turn);
@@ -59,17 +54,16 @@ impl SquareLight {
         }
     }
 
+    /// Whether it covers a direction.
+    fn covers(&self, w: DVec3) -> bool {
+        let reach = self.tan * w.dot(self.centre);
+        w.dot(self.x).abs() < reach && w.dot(self.y).abs() < reach && w.z > 0.0
+    }
+
     /// The part of the lobe's samples inside.
-    fn energy_of_lobe(&self, target: &Target) -> f64 {
-        // Into the lobe's frame once, rather than each sample out of it.
-        let to_lobe = target.frame.transpose();
-        let [x, y, centre, up] = [self.x, self.y, self.centre, DVec3::Z].map(|v| to_lobe * v);
-        let inside = |w: DVec3| {
-            let reach = self.tan * w.dot(centre);
-            w.dot(x).abs() < reach && w.dot(y).abs() < reach && w.dot(up) > 0.0
-        };
-        let samples = target.points.iter().zip(&target.weights);
-        samples.map(|(p, weight)| if inside(*p + DVec3::Z) { *weight } else { 0.0 }).sum()
+    fn energy_of_lobe(&self, lobe: &Lobe) -> f64 {
+        let samples = lobe.directions.iter().zip(&lobe.weights);
+        samples.map(|(w, weight)| if self.covers(*w) { *weight } else { 0.0 }).sum()
     }
 
     /// The integral of the LTC over the light in closed form: the polygon, back in cosine space, clipped at the
@@ -106,10 +100,8 @@ fn clipped(polygon: &[DVec3]) -> Vec<DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::fit::{Ltc, brdf::Mirrors, metric::planted};
-
-    const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
+    use super::{super::lobe::tests::planted, *};
+    use crate::fit::Ltc;
 
     fn skewed() -> DMat3 {
         DMat3::from_cols(DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8))
@@ -118,7 +110,7 @@ mod tests {
     #[test]
     fn the_closed_form_counts_the_samples_inside() {
         for m in [DMat3::IDENTITY, skewed(), skewed() * DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0))] {
-            let target = planted(m, NO_MIRRORS);
+            let lobe = planted(m);
             let ltc = Ltc::new(m).expect("regular");
             let mut seen = 0.0;
             // Besides those of the report, two that lie half behind the lobe, across the horizon of cosine space.
@@ -128,13 +120,9 @@ mod tests {
                 centre: (m * edge).normalize(),
                 tan: 0.5,
             });
-            for (k, light) in SquareLight::around(&target).chain(across).enumerate() {
-                let n = 1 << 16;
-                let inside = Lattice::new(n, [0.2, 0.7]).points().map(|u| ltc.sample(u)).filter(|w| {
-                    let reach = light.tan * w.dot(light.centre);
-                    w.dot(light.x).abs() < reach && w.dot(light.y).abs() < reach && w.z > 0.0
-                });
-                let (counted, found) = (inside.count() as f64 / n as f64, light.energy_of_ltc(&m.inverse()));
+            for (k, light) in SquareLight::around(&lobe).chain(across).enumerate() {
+                let inside = net(16, [3, 5]).map(|u| ltc.sample(u)).filter(|w| light.covers(*w));
+                let (counted, found) = (inside.count() as f64 / f64::from(1 << 16), light.energy_of_ltc(&m.inverse()));
                 assert!((counted - found).abs() < 5e-4, "{k}: {counted} {found}");
                 seen += found;
             }
@@ -146,10 +134,10 @@ mod tests {
     #[test]
     fn the_error_tells_right_from_wrong() {
         let m = DMat3::from_cols(DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.02, 0.0), DVec3::new(0.6, 0.0, 0.8));
-        let target = planted(m, NO_MIRRORS);
+        let lobe = planted(m);
         let away = DMat3::from_cols(m.x_axis, m.y_axis, DVec3::new(-0.6, 0.0, 0.8));
-        let right = light_error(&target, &m.inverse());
-        let wrong = light_error(&target, &away.inverse());
+        let right = light_error(&lobe, &m.inverse());
+        let wrong = light_error(&lobe, &away.inverse());
         assert!(right < 2e-3 && wrong > 0.5, "{right} {wrong}");
     }
 }

@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::{measure, places};
+use super::{
+    figures::{self, Figures},
+    places,
+};
 use crate::fit::{Configuration, Table};
 
 /// Errors over a square of configurations, at the middles of its cells.
@@ -44,7 +47,7 @@ pub fn error_map(table: &Table, ratio: f64, phi: f64, cells: usize) -> ErrorMap 
             places::configuration(roughness * roughness, ratio, middle(theta, index % cells), phi)
         })
         .collect();
-    let figures = measure::all(table, &places);
-    let all = |error: fn(&measure::Figures) -> f64| figures.iter().map(error).collect();
+    let figures = figures::all(table, &places);
+    let all = |error: fn(&Figures) -> f64| figures.iter().map(error).collect();
     ErrorMap { ratio, phi, cells, roughness, theta, width: all(|f| f.width), light: all(|f| f.light) }
 }

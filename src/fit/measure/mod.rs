@@ -1,18 +1,21 @@
 //! How good a table is: measured as a renderer meets it, through its lookup, on samples that no fit saw.
 //!
-//! Invariant: the report follows from the table, the ranges that were asked for and a number of points; it uses
-//! nothing of the fit's own loss, so a fault of that shows here.
+//! Invariant: the report depends only on the table, the ranges that were asked for and a number of points. It shares
+//! no code and no samples with the loss that fits minimise, so a fault in the loss shows here.
 
 mod accuracy;
 mod distance;
 mod effort;
 mod extremes;
+mod figures;
 mod floors;
 mod light;
+mod lobe;
 mod map;
 mod matrices;
-mod measure;
 mod places;
+mod sequence;
+mod steps;
 
 use serde::Serialize;
 
@@ -26,7 +29,7 @@ pub use matrices::{Extent, Matrices};
 use crate::fit::{PerAxis, Table};
 
 /// Version of the report. Raised whenever the same table gets another one.
-pub const REPORT_VERSION: u32 = 2;
+pub const REPORT_VERSION: u32 = 3;
 
 /// How good a table is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,7 +56,7 @@ pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: usize) -> Report
     let nodes = at_nodes.len();
     at_nodes.extend(places::between(&table.axes, points));
     // One run for both, so that threads are busy to the end.
-    let measured = measure::all(table, &at_nodes);
+    let measured = figures::all(table, &at_nodes);
     let (at_nodes, between) = measured.split_at(nodes);
     Report {
         version: REPORT_VERSION,

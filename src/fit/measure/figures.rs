@@ -1,17 +1,16 @@
 //! What a table gives at a configuration, beside the lobe that it stands for.
 
+use glam::DMat3;
 use rayon::prelude::*;
 
 use super::{
-    distance::{Distance, LOBE_SAMPLES, Probe, SHIFT, Workspace},
+    distance::{Distance, FARTHEST, Probe, Workspace},
     light::light_error,
+    lobe::Lobe,
 };
 use crate::fit::{
     ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table,
-    brdf::Ggx,
-    brdf::Mirrors,
-    math::{Lattice, direction, from_row_major},
-    metric::Target,
+    math::{direction, from_row_major},
 };
 
 /// The figures of one configuration.
@@ -28,10 +27,6 @@ pub(super) struct Figures {
     pub(super) terms: Option<[f64; 2]>,
 }
 
-/// The farthest that two distributions of directions can be from each other. A matrix that makes no distribution
-/// counts as that far.
-pub(super) const FARTHEST: f64 = 2.0;
-
 /// The figures at each place, in order.
 pub(super) fn all(table: &Table, places: &[Configuration]) -> Vec<Figures> {
     let probe = Probe::new();
@@ -40,18 +35,16 @@ pub(super) fn all(table: &Table, places: &[Configuration]) -> Vec<Figures> {
 }
 
 fn one(table: &Table, at: &Configuration, probe: &Probe, work: &mut Workspace) -> Figures {
-    let ggx = Ggx { alpha_x: at.alpha_x.max(ALPHA_FLOOR), alpha_y: at.alpha_y.max(LEAST_ALPHA) };
-    let wo = direction(at.theta, at.phi);
-    let target = Target::sample(&ggx, wo, Mirrors::of(wo), Lattice::new(LOBE_SAMPLES, SHIFT));
+    let surface = table.brdf.surface([at.alpha_x.max(ALPHA_FLOOR), at.alpha_y.max(LEAST_ALPHA)]);
+    let lobe = Lobe::sample(&*surface, direction(at.theta, at.phi));
     let found = table.lookup(at);
     let m = from_row_major(&found.matrix);
     let inverse = m.inverse();
     let is_regular = m.determinant() != 0.0 && inverse.is_finite();
-    // The spread is the lobe's alone.
-    let Distance { sw1, spread } = probe.distance(&target, if is_regular { &m } else { &target.frame }, work);
-    let (sw1, light) = if is_regular { (sw1, light_error(&target, &inverse)) } else { (FARTHEST, 1.0) };
-    let terms = found.amplitude.zip(found.fresnel).map(|(amplitude, fresnel)| {
-        [(amplitude - target.terms.amplitude).abs(), (fresnel - target.terms.fresnel).abs()]
-    });
+    // The spread does not depend on the matrix.
+    let Distance { sw1, spread } = probe.distance(&lobe, if is_regular { &m } else { &DMat3::IDENTITY }, work);
+    let (sw1, light) = if is_regular { (sw1, light_error(&lobe, &inverse)) } else { (FARTHEST, 1.0) };
+    let terms = found.amplitude.zip(found.fresnel);
+    let terms = terms.map(|(amplitude, fresnel)| [(amplitude - lobe.amplitude).abs(), (fresnel - lobe.fresnel).abs()]);
     Figures { at: *at, sw1, width: sw1 / spread, light, terms }
 }

@@ -1,0 +1,94 @@
+//! The sample points of the report: digital nets, which the fit does not use.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use glam::DVec3;
+
+use crate::fit::math::sin_cos;
+
+/// `2^log2_count` points that are spread evenly over the unit square: the net of Larcher and Pillichshammer
+/// [Kollig and Keller 2002, section 2.3].
+///
+/// The first number of point `i` of `n = 2^m` is `i / n`. In the second, bit `k` of `i` flips the binary digits `2^-1` to
+/// `2^-(k + 1)`. Every box of size `2^-a` by `2^-(m - a)` on the grid of such boxes holds exactly one point. Flipping the
+/// digits of `scramble` in all points keeps that. Points lie in the middle of their cell of the `n` by `n` grid.
+///
+/// Domain: `1 <= log2_count <= 31`.
+pub(super) fn net(log2_count: u32, scramble: [u32; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let count = 1_u32 << log2_count;
+    let place = move |digits: u32| (f64::from(digits) + 0.5) / f64::from(count);
+    (0..count).map(move |i| {
+        // `flipped` has the digits 2^-1 to 2^-(k + 1) set, as an integer over n.
+        let (mut second, mut flipped, mut rest) = (0, count >> 1, i);
+        while rest > 0 {
+            if rest & 1 == 1 {
+                second ^= flipped;
+            }
+            rest >>= 1;
+            flipped |= flipped >> 1;
+        }
+        [place((i ^ scramble[0]) & (count - 1)), place((second ^ scramble[1]) & (count - 1))]
+    })
+}
+
+/// A direction with density `cos(theta) / pi` from a point of the unit square, by the concentric map of the square onto
+/// the disk below the hemisphere [Shirley and Chiu 1997].
+pub(super) fn cosine([u, v]: [f64; 2]) -> DVec3 {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let (radius, azimuth) = if a * a > b * b {
+        (a, FRAC_PI_4 * (b / a))
+    } else if b == 0.0 {
+        (0.0, 0.0)
+    } else {
+        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+    };
+    let (sin, cos) = sin_cos(azimuth);
+    DVec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt())
+}
+
+/// A direction of the upper hemisphere with uniform density from a point of the unit square: its height is the first
+/// number [Archimedes], its azimuth the second.
+pub(super) fn uniform([u, v]: [f64; 2]) -> DVec3 {
+    let (sin, cos) = sin_cos(2.0 * PI * v);
+    let radius = (1.0 - u * u).sqrt();
+    DVec3::new(radius * cos, radius * sin, u)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_elementary_box_of_the_net_holds_one_point() {
+        let m = 8;
+        for scramble in [[0, 0], [0x9e37_79b9, 0x1234_5678]] {
+            let points: Vec<[f64; 2]> = net(m, scramble).collect();
+            assert_eq!(points.len(), 1 << m);
+            for a in 0..=m {
+                let (columns, rows) = (1_usize << a, 1_usize << (m - a));
+                let mut seen = vec![0; 1 << m];
+                for [u, v] in &points {
+                    seen[(u * columns as f64) as usize * rows + (v * rows as f64) as usize] += 1;
+                }
+                assert!(seen.iter().all(|count| *count == 1), "{columns} x {rows}: {seen:?}");
+            }
+        }
+    }
+
+    /// Means of the heights and of their squares in closed form: 2/3 and 1/2 for the cosine, 1/2 and 1/3 uniformly;
+    /// no direction in the plane is preferred.
+    #[test]
+    fn both_maps_have_the_moments_of_their_densities() {
+        for (map, first, second) in
+            [(cosine as fn([f64; 2]) -> DVec3, 2.0 / 3.0, 1.0 / 2.0), (uniform, 1.0 / 2.0, 1.0 / 3.0)]
+        {
+            let directions: Vec<DVec3> = net(12, [7, 11]).map(map).collect();
+            let mean = |f: fn(&DVec3) -> f64| directions.iter().map(f).sum::<f64>() / directions.len() as f64;
+            assert!(directions.iter().all(|w| (w.length() - 1.0).abs() < 1e-12 && w.z >= 0.0));
+            assert!((mean(|w| w.z) - first).abs() < 1e-3 && (mean(|w| w.z * w.z) - second).abs() < 1e-3);
+            let planar = 0.5 * (1.0 - second);
+            assert!((mean(|w| w.x * w.x) - planar).abs() < 1e-3 && (mean(|w| w.y * w.y) - planar).abs() < 1e-3);
+            assert!(mean(|w| w.x).abs() < 1e-3 && mean(|w| w.y).abs() < 1e-3 && mean(|w| w.x * w.y).abs() < 1e-3);
+        }
+    }
+}
