@@ -1,10 +1,13 @@
 //! ltcforge fits, stores and serves Linearly Transformed Cosine tables.
 
+#[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "client")]
 pub mod client;
 pub mod files;
 pub mod fit;
 mod library;
+#[cfg(feature = "server")]
 pub mod server;
 pub mod view;
 

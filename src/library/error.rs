@@ -28,4 +28,8 @@ pub enum Error {
         /// Why.
         source: io::Error,
     },
+    /// A shader cannot be translated.
+    #[cfg(feature = "shaders")]
+    #[error(transparent)]
+    Shader(#[from] crate::view::shaders::PortError),
 }

@@ -1,8 +1,14 @@
-//! Pictures: what a table does, its numbers and errors, and the trade-off of speed and accuracy.
+//! Shaders and pictures: what a table does, its numbers and errors, and the trade-off of speed and accuracy.
 
-pub mod parameters;
-pub mod picture;
-pub mod plots;
-pub mod preview;
 pub mod shaders;
+
+#[cfg(feature = "render")]
+pub mod parameters;
+#[cfg(feature = "render")]
+pub mod picture;
+#[cfg(feature = "render")]
+pub mod plots;
+#[cfg(feature = "render")]
+pub mod preview;
+#[cfg(feature = "render")]
 pub mod tradeoff;

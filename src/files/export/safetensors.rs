@@ -8,7 +8,7 @@
 //!
 //! Equal recipe and table give equal bytes, and no other bytes decode to them.
 
-use std::{borrow::Cow, collections::HashMap};
+use std::borrow::Cow;
 
 use half::f16;
 use safetensors::{Dtype, SafeTensors, View, serialize};
@@ -143,8 +143,8 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
             return Err(TableFileError::Tensor { name: name.clone(), detail });
         }
     }
-    let metadata = HashMap::from([(RECIPE_KEY.to_owned(), recipe::canonical_json(recipe))]);
-    serialize(tensors, Some(metadata)).map_err(|error| TableFileError::Container(error.to_string()))
+    let metadata = [(RECIPE_KEY.to_owned(), recipe::canonical_json(recipe))];
+    serialize(tensors, Some(metadata.into_iter().collect())).map_err(|error| TableFileError::Container(error.to_string()))
 }
 
 /// Reads a canonical file. Hostile bytes give an error, never a panic.

@@ -18,6 +18,7 @@ pub(crate) struct LobeNumbers {
 }
 
 /// The same in 32 bits, as a shader has them.
+#[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only previews run the shader's twin"))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ShaderNumbers {
     /// The matrix.
@@ -72,6 +73,7 @@ pub(crate) trait LayoutRules: Sync {
 
     /// Twin of the layout's part of the shader: [`LayoutRules::restore`] in 32 bits, for larger roughness, ratio and view
     /// direction.
+    #[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only previews run the shader's twin"))]
     fn restore_in_shader(&self, stored: &ShaderNumbers, alpha: f32, ratio: f32, wo: Vec3) -> ShaderNumbers;
 
     /// How the error depends on the nodes.

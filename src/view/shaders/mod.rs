@@ -11,15 +11,19 @@ mod header;
 mod language;
 mod port;
 mod sources;
-#[cfg(test)]
+#[cfg(all(test, feature = "shaders"))]
 mod tests;
+#[cfg(feature = "shaders")]
 mod translate;
 
 #[cfg(test)]
 pub(in crate::view) use golden::{CASES, CORNERS, Golden, TOLERANCE, table as golden_table};
 pub use language::Language;
+pub use port::wgsl;
+#[cfg(feature = "shaders")]
 pub use port::{PortError, port};
 #[cfg(test)]
 pub(in crate::view) use sources::joined;
+#[cfg(feature = "render")]
 pub(in crate::view) use sources::preview_module;
 pub use sources::{SHADERS, Shader};

@@ -23,6 +23,7 @@ pub const SHADERS: [Shader; 6] = [
 
 /// What a renderer takes, with the entry point that shows how to call it.
 const PORTED: [&str; 4] = ["ltc_math", "ltc_table", "ltc_light", "ltc_example"];
+#[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
 const PREVIEWED: [&str; 5] = ["ltc_math", "ltc_table", "ltc_light", "ggx_reference", "sphere"];
 
@@ -59,6 +60,7 @@ fn module(names: &[&str], layouts: &[Layout]) -> String {
     )
 }
 
+#[cfg(feature = "render")]
 /// The module of the preview, which reads tables of every layout.
 pub(in crate::view) fn preview_module() -> String {
     module(&PREVIEWED, Layout::ALL)
