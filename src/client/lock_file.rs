@@ -97,8 +97,8 @@ impl LockFile {
     }
 }
 
-/// The text of a lock file with `pin` added, or replaced if there is one of that name. An empty `text` becomes a new lock
-/// file.
+/// The text of a lock file with `pin` added, or replaced if there is one of that name. An empty `text` becomes a new
+/// lock file.
 ///
 /// # Errors
 /// When `text` is not a lock file or the result would not be one.

@@ -26,8 +26,8 @@ impl EntityTag {
         })
     }
 
-    /// Whether `If-Range` allows a range to be served, by strong comparison. A date never matches: no representation has
-    /// one.
+    /// Whether `If-Range` allows a range to be served, by strong comparison. A date never matches: no representation
+    /// has one.
     pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {
         headers.get(header::IF_RANGE).is_none_or(|field| field.as_bytes() == self.0.as_bytes())
     }

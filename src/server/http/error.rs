@@ -12,7 +12,7 @@ use crate::{
     view::parameters::ParameterFault,
 };
 
-/// When a client may try again that met a stopping service: by then it may have been restarted.
+/// When a client may try again after a request to a stopping service, which may have been restarted by then.
 const RESTART: Duration = Duration::from_secs(5);
 
 /// The problem of a service that is stopping.

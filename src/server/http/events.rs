@@ -1,9 +1,9 @@
 //! A job's changes as Server-Sent Events.
 //!
 //! The first event is the job as it is now, unless `Last-Event-ID` says that the client has seen it. An event is named
-//! `state` if the state changed and `progress` otherwise; its id is the snapshot's sequence number, its data the job. The
-//! stream ends after a final state, and when the server stops. A client that has seen the final state gets 204, which
-//! tells an `EventSource` not to reconnect.
+//! `state` if the state changed and `progress` otherwise; its id is the snapshot's sequence number, its data the job.
+//! The stream ends after a final state, and when the server stops. A client that has seen the final state gets 204,
+//! which tells an `EventSource` not to reconnect.
 
 use std::{convert::Infallible, time::Duration};
 

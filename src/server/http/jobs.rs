@@ -19,7 +19,7 @@ use super::{
 };
 use crate::server::{
     queue::{JobId, StateName},
-    service::{JobSnapshot, Service, Submission, SubmitError},
+    service::{JobSnapshot, Service, SubmitError, SubmitReply},
 };
 
 /// The longest time that a client is asked to wait before it polls a job again.
@@ -42,8 +42,8 @@ pub(super) async fn submit(
 ) -> Result<Response, Problem> {
     let submit = move |service: &Service| {
         let (status, job) = match service.submit(&document)? {
-            Submission::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
-            Submission::Ready { job, .. } => (StatusCode::OK, job),
+            SubmitReply::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
+            SubmitReply::Ready { job, .. } => (StatusCode::OK, job),
         };
         let expected = service.expected(&job.recipe);
         Ok::<_, SubmitError>((status, job, expected))
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_job_that_may_change_says_when_to_retry_after() {
+    fn only_a_job_that_may_change_has_a_retry_after() {
         let field = |state| {
             let snapshot =
                 JobSnapshot { sequence: 1, job: samples::job(state), seconds_left: Some(2.0), expected: None };

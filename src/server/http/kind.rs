@@ -31,20 +31,20 @@ pub(super) enum ProblemKind {
 }
 
 /// A row of the table.
-pub(super) struct Row {
+pub(super) struct KindRow {
     pub(super) status: StatusCode,
     /// Last segment of the problem's `type`.
     pub(super) slug: &'static str,
     pub(super) title: &'static str,
 }
 
-const fn row(status: StatusCode, slug: &'static str, title: &'static str) -> Row {
-    Row { status, slug, title }
+const fn row(status: StatusCode, slug: &'static str, title: &'static str) -> KindRow {
+    KindRow { status, slug, title }
 }
 
 impl ProblemKind {
     /// The row of this type.
-    pub(super) const fn row(self) -> Row {
+    pub(super) const fn row(self) -> KindRow {
         match self {
             Self::NotJson => row(StatusCode::BAD_REQUEST, "not-json", "The body is not JSON"),
             Self::BadBody => row(StatusCode::BAD_REQUEST, "bad-body", "The body could not be read"),

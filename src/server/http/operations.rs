@@ -1,4 +1,4 @@
-//! Calls for operators: health, readiness, metrics, version, the OpenAPI document.
+//! Calls for operators: health, readiness, metrics, version, `openapi.yaml`.
 
 use std::fmt::Write as _;
 

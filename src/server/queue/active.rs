@@ -6,8 +6,8 @@ use jiff::Timestamp;
 
 use super::{Job, JobState, record::JobRecord, task::TaskState};
 
-/// A job with its tasks. TaskKind `n` below the number of shards is shard `n`; the last task assembles the table and is
-/// waiting only while every shard is finished.
+/// A job with its tasks. Task `n` fits shard `n`; the last task assembles the table, and can be leased only once every
+/// shard is finished.
 #[derive(Debug)]
 pub(super) struct ActiveJob {
     pub(super) record: JobRecord,

@@ -29,7 +29,7 @@ pub struct Failure {
     pub detail: String,
 }
 
-/// Where a job stands.
+/// The state of a job.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "snake_case")]
 pub enum JobState {
@@ -60,7 +60,7 @@ pub struct Job {
     pub recipe: String,
     /// Its digest.
     pub recipe_digest: Digest,
-    /// Where it stands.
+    /// Its state.
     #[serde(flatten)]
     pub state: JobState,
     /// Entries of all shards.

@@ -150,7 +150,7 @@ impl Queue {
         let record = active.concluded(JobState::Failed { error }, (self.clock)());
         tracing::error!(job = %record.job.id, state = ?record.job.state, "the job failed");
         if let Err(error) = self.commit(state, conclusion(&record)) {
-            tracing::warn!(job = %record.job.id, %error, "the job's failure could not be written; it will be written with a later change");
+            tracing::warn!(job = %record.job.id, %error, "the failure of the job could not be written yet");
             state.unsaved.insert(record.job.id, record.clone());
         }
         state.conclude(&record);
@@ -169,7 +169,8 @@ impl Queue {
         Ok(())
     }
 
-    /// Waits until a task may have become available since the generation `seen`, a lease expires, or the queue is closed.
+    /// Waits until a task may have become available since the generation `seen`, a lease expires, or the queue is
+    /// closed.
     pub fn wait(&self, seen: u64) {
         let mut state = self.lock();
         while state.generation == seen && !state.closed {

@@ -90,7 +90,8 @@ impl Queue {
         let id = job.id;
         let lease = Lease { submission, task, attempt: leased.attempt() };
         active.set(task, leased.clone());
-        // A lease ends with the process. Its row only serves to count a crash as a failure, so the disk is not waited for.
+        // A lease ends with the process. Its row only serves to count a crash as a failure, so the disk is not waited
+        // for.
         let mut stored = record::put_task(&mut batch, id, task, &leased);
         if first {
             stored = stored.and_then(|()| record::put_job(&mut batch, &active.record));

@@ -50,8 +50,8 @@ impl Queue {
         Ok(rows.into_iter().filter_map(|row| Some((record::task_of_key(&row.key)?, read(row.value)))).collect())
     }
 
-    /// Up to `limit` jobs before the submission `before`, last submitted first; and the submission to pass as `before` to
-    /// get the next ones.
+    /// Up to `limit` jobs before the submission `before`, last submitted first; and the submission to pass as `before`
+    /// to get the next ones.
     ///
     /// # Errors
     /// When the database fails.

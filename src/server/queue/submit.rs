@@ -35,8 +35,8 @@ pub enum Submitted {
 }
 
 impl Queue {
-    /// Submits a job, which is durable when this returns. A queued or running job is joined. A job that has failed or was
-    /// cancelled, or whose table `has_table` says is gone, is queued again: its attempts are counted anew, and its
+    /// Submits a job, which is durable when this returns. A queued or running job is joined. A job that has failed or
+    /// was cancelled, or whose table `has_table` says is gone, is queued again: its attempts are counted anew, and its
     /// finished shards are kept as far as they are still stored.
     ///
     /// # Errors
@@ -111,8 +111,8 @@ impl Queue {
         Ok(())
     }
 
-    /// Records a done job whose table was found in the store although the queue did not know the job. A job that is queued,
-    /// running or done already stays as it is.
+    /// Records a done job whose table was found in the store although the queue did not know the job. A job that is
+    /// queued, running or done already stays as it is.
     ///
     /// # Errors
     /// When it cannot be stored.
@@ -139,8 +139,8 @@ impl Queue {
         Ok(record.job)
     }
 
-    /// Cancels a job, durably when this returns, and voids its leases. A job in a final state stays as it is. Returns the
-    /// job as it is afterwards.
+    /// Cancels a job, durably when this returns, and voids its leases. A job in a final state stays as it is. Returns
+    /// the job as it is afterwards.
     ///
     /// # Errors
     /// When it cannot be stored; then nothing has changed.

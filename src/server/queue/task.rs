@@ -38,8 +38,8 @@ pub(super) enum TaskState {
     },
 }
 
-/// The right to deliver one task. It names the submission and the attempt, so that a lease that has expired, or one from
-/// before the job was submitted again, is not taken for the current one.
+/// The right to deliver one task. It names the submission and the attempt, so that a lease that has expired, or one
+/// from before the job was submitted again, is not taken for the current one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lease {
     pub(super) submission: u64,

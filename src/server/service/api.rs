@@ -62,7 +62,7 @@ pub enum OpenError {
 
 /// The result of submitting a recipe.
 #[derive(Debug, Clone)]
-pub enum Submission {
+pub enum SubmitReply {
     /// Its job is queued or running.
     InFlight {
         /// The job.

@@ -81,8 +81,9 @@ impl ServiceState {
     /// Measures a table and makes its manifest.
     pub(super) fn make_manifest(&self, file: &[u8]) -> Result<ManifestRow, TableFileError> {
         let measure = || self.measuring_pool.install(|| self.engine.manifest(file));
-        // The caller may be a thread of the fitting pool. If it waited for the other pool, rayon would let it take other
-        // work of its own pool meanwhile, such as the endless loop of another worker. So a thread of no pool waits.
+        // The caller may be a thread of the fitting pool. If it waited for the other pool, rayon would let it take
+        // other work of its own pool meanwhile, such as the endless loop of another worker. So a thread of no pool
+        // waits.
         let made = thread::scope(|scope| scope.spawn(measure).join());
         let text = made.unwrap_or_else(|panic| resume_unwind(panic))?;
         Ok(ManifestRow { version: MANIFEST_VERSION, text })

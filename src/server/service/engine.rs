@@ -20,12 +20,12 @@ pub(super) trait Engine: Send + Sync {
     /// Reads a recipe document and plans its job.
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
 
-    /// The expected duration of the fit of a planned recipe, on one thread of the cost model's machine, and its expected
-    /// error; `None` for a recipe that this engine does not fit.
+    /// The expected duration of the fit of a planned recipe, on one thread of the cost model's machine, and its
+    /// expected error; `None` for a recipe that this engine does not fit.
     fn expect(&self, recipe: &str) -> Option<Expectation>;
 
-    /// Fits one shard of a planned recipe. `on_progress` is called with the number of entries done and may stop the fit,
-    /// whose result is then `None`.
+    /// Fits one shard of a planned recipe. `on_progress` is called with the number of entries done and may stop the
+    /// fit, whose result is then `None`.
     fn fit_shard(
         &self,
         recipe: &str,

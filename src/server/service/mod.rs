@@ -1,7 +1,7 @@
 //! The use cases: submit, work, download, preview.
 //!
-//! Invariant: nothing is fitted or rendered on a caller's thread. Tables are fitted on one rayon pool of the service and
-//! measured on another; pictures are rendered on a thread of their own.
+//! Invariant: nothing is fitted or rendered on a caller's thread. Tables are fitted on one rayon pool of the service
+//! and measured on another; pictures are rendered on a thread of their own.
 
 mod api;
 mod downloads;
@@ -20,7 +20,7 @@ mod work;
 
 pub use crate::server::store::TableRow;
 pub use api::{
-    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, Submission, SubmitError,
+    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, SubmitError, SubmitReply,
 };
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use state::Service;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::{Expected, JobSnapshot, Page, Service, ServiceError, Submission, SubmitError, state::ServiceState};
+use super::{Expected, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply, state::ServiceState};
 use crate::{
     files::digest::Digest,
     server::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted},
@@ -21,7 +21,7 @@ impl Service {
     ///
     /// # Errors
     /// See [`SubmitError`].
-    pub fn submit(&self, document: &[u8]) -> Result<Submission, SubmitError> {
+    pub fn submit(&self, document: &[u8]) -> Result<SubmitReply, SubmitError> {
         if self.state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
@@ -31,7 +31,7 @@ impl Service {
         submission
     }
 
-    /// What the fit of a stored recipe is expected to take and to give here; `None` for another fitter's.
+    /// The forecast for a stored recipe; `None` for a recipe of another fitter.
     #[must_use]
     pub fn expected(&self, recipe: &str) -> Option<Expected> {
         self.state.forecast.of(recipe)
@@ -81,21 +81,21 @@ impl Service {
 }
 
 impl ServiceState {
-    fn submit(&self, new: NewJob) -> Result<Submission, SubmitError> {
+    fn submit(&self, new: NewJob) -> Result<SubmitReply, SubmitError> {
         let digest = new.recipe_digest;
         let table = self.tables.of_recipe(digest).map_err(ServiceError::from)?;
         if let Some(table) = table {
             let job = self.queue.adopt(self.done(new, table)).map_err(ServiceError::from)?;
             return Ok(match job.state {
-                JobState::Done { .. } => Submission::Ready { job, table },
-                _ => Submission::InFlight { job, joined: true },
+                JobState::Done { .. } => SubmitReply::Ready { job, table },
+                _ => SubmitReply::InFlight { job, joined: true },
             });
         }
         let has_table = |_| self.tables.of_recipe(digest).is_ok_and(|table| table.is_some());
         match self.queue.submit(new, &has_table) {
-            Ok(Submitted::Queued(job)) => Ok(Submission::InFlight { job, joined: false }),
-            Ok(Submitted::Joined(job)) => Ok(Submission::InFlight { job, joined: true }),
-            Ok(Submitted::Done(job, table)) => Ok(Submission::Ready { job, table }),
+            Ok(Submitted::Queued(job)) => Ok(SubmitReply::InFlight { job, joined: false }),
+            Ok(Submitted::Joined(job)) => Ok(SubmitReply::InFlight { job, joined: true }),
+            Ok(Submitted::Done(job, table)) => Ok(SubmitReply::Ready { job, table }),
             Err(QueueError::Full { limit }) => Err(SubmitError::QueueFull { limit, retry_after: self.retry_after() }),
             Err(QueueError::Store(error)) => Err(SubmitError::Store(error.into())),
         }

@@ -59,8 +59,8 @@ fn end_of(service: &Service, id: JobId) -> JobState {
 
 fn submit(service: &Service, recipe: &str) -> (JobId, bool) {
     match service.submit(recipe.as_bytes()).unwrap() {
-        Submission::InFlight { job, joined } => (job.id, joined),
-        Submission::Ready { .. } => panic!("{recipe} is not to be ready yet"),
+        SubmitReply::InFlight { job, joined } => (job.id, joined),
+        SubmitReply::Ready { .. } => panic!("{recipe} is not to be ready yet"),
     }
 }
 
@@ -83,11 +83,11 @@ fn a_recipe_becomes_a_table_once() {
     assert_eq!(service.table(table).unwrap().unwrap().as_slice(), b"TABLE gold 5 0 1 2 3 4");
     assert!(service.table(Digest::of(b"unknown")).unwrap().is_none());
     match service.submit(b"gold 5").unwrap() {
-        Submission::Ready { job, table: again } => {
+        SubmitReply::Ready { job, table: again } => {
             assert_eq!((again, job.entries_done, job.entries_total), (table, 20, 20));
             assert!(job.started_at.is_some() && job.finished_at.is_some());
         }
-        Submission::InFlight { .. } => panic!("it is there"),
+        SubmitReply::InFlight { .. } => panic!("it is there"),
     }
     assert_eq!(shared.begun(), 5);
     let digest = Digest::of(b"gold 5");
@@ -189,7 +189,7 @@ fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() 
         other => panic!("{other:?}"),
     }
     assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
-    assert!(service.table(first).unwrap().is_some(), "what is stored is served");
+    assert!(service.table(first).unwrap().is_some(), "a stored table is served");
     rows.full.store(false, Ordering::Relaxed);
     fitted(&service, "gold 4");
     assert_eq!(rows.len(Tree::Results) + rows.len(Tree::Shards), 0);
@@ -275,7 +275,7 @@ fn a_lost_database_leaves_the_tables() {
     fs::remove_dir_all(dir.path().join("db")).unwrap();
     let service = start(dir.path(), &shared);
     assert_eq!(service.tables(None, 10).unwrap().items.len(), 1);
-    let Submission::Ready { job, table: again } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
+    let SubmitReply::Ready { job, table: again } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
     assert_eq!(again, table);
     assert_eq!(service.job(job.id).unwrap().unwrap().job, job, "the job can be looked up");
     assert_eq!(shared.begun(), 2);

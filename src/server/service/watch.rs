@@ -56,8 +56,8 @@ impl Hub {
         self.lock().channels.contains_key(&id)
     }
 
-    /// Notifies the followers of a job. `read` is called under the hub's lock, so that an older snapshot never follows a
-    /// newer one.
+    /// Notifies the followers of a job. `read` is called under the hub's lock, so that an older snapshot never follows
+    /// a newer one.
     pub(super) fn publish(
         &self,
         id: JobId,
@@ -115,8 +115,8 @@ impl Inner {
         JobSnapshot { sequence: self.sequence(&job, now), job, seconds_left, expected }
     }
 
-    /// Microseconds since 1970, or one more than the last number, so that numbers grow across restarts too. The number of
-    /// a final state follows from the time when it was reached, and is the same on each call.
+    /// Microseconds since 1970, or one more than the last number, so that numbers grow across restarts too. The number
+    /// of a final state follows from the time when it was reached, and is the same on each call.
     fn sequence(&mut self, job: &Job, now: Timestamp) -> u64 {
         let micros = |time: Timestamp| u64::try_from(time.as_microsecond()).unwrap_or(0);
         if let Some(finished_at) = job.finished_at {

@@ -70,8 +70,8 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// Applies `batch`; it is durable when this returns.
     ///
     /// # Errors
-    /// [`StoreError::DiskFull`], or the database's error. The batch is then not acknowledged: after the next start it may be
-    /// stored or not, but never in part.
+    /// [`StoreError::DiskFull`], or the database's error. The batch is then not acknowledged: after the next start it
+    /// may be stored or not, but never in part.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
     /// Applies `batch` without waiting for the disk; it is durable with the next [`Rows::commit`].

@@ -1,8 +1,8 @@
 //! [`Rows`] in sled.
 //!
 //! This module works around four properties of sled 0.34.7:
-//! - `flush` ends in `sync_file_range`, which does not survive a power cut. Every commit ends in an fsync of the database
-//!   file.
+//! - `flush` ends in `sync_file_range`, which does not survive a power cut. Every commit ends in an fsync of the
+//!   database file.
 //! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
 //! - After a write error, such as a full disk, an open database refuses every operation. It is closed, and the next
 //!   operation opens it again.
@@ -28,8 +28,8 @@ use super::{
 /// Memory for sled's page cache. The rows of all unfinished jobs fit into it.
 const CACHE_BYTES: u64 = 16 << 20;
 
-/// Room that a commit leaves on the disk. sled's log grows by segments of 512 KiB, of which two may be open, and sled must
-/// not run into a full disk while it writes in the background.
+/// Room that a commit leaves on the disk. sled's log grows by segments of 512 KiB, of which two may be open, and sled
+/// must not run into a full disk while it writes in the background.
 const HEADROOM_BYTES: u64 = 2 << 20;
 
 /// How long a closed database may stay locked.

@@ -62,7 +62,8 @@ impl Pictures {
         Self { tables, queue, ranking: Ranking::default(), adapter, limit }
     }
 
-    /// See [`super::super::Service::picture`].
+    /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the
+    /// picture of a tag.
     pub(in crate::server::service) fn get(
         &self,
         table: Option<Digest>,
@@ -106,7 +107,7 @@ impl Pictures {
 
     /// Starts render thread `number`; those before it hung.
     fn start_thread(&self, number: u32) -> std::io::Result<()> {
-        // A driver in which a thread hung is not used again, unless it was asked for by name.
+        // A driver in which a thread hung is not used again, unless the configuration demands it.
         let adapter = if self.adapter == Adapter::Any && number > 0 { Adapter::Cpu } else { self.adapter };
         // The thread holds the tables only while it reads one, so that the store closes with the service.
         let (queue, tables) = (Arc::clone(&self.queue), Arc::downgrade(&self.tables));

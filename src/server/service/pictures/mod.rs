@@ -1,7 +1,7 @@
 //! Previews and plots of the stored tables.
 //!
-//! Invariant: nothing is rendered on a caller's thread or on the fitting pool, and no adapter is opened before the first
-//! picture is rendered.
+//! Invariant: nothing is rendered on a caller's thread or on the fitting pool, and no adapter is opened before the
+//! first picture is rendered.
 
 mod cache;
 mod get;

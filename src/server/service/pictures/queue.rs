@@ -108,8 +108,8 @@ impl PictureQueue {
         self.state().adapter.clone()
     }
 
-    /// Adds a request. A request equal to a waiting one joins it and takes no place of its own. If no render thread runs,
-    /// or the current one hangs, `start_thread` starts one with the given number.
+    /// Adds a request. A request equal to a waiting one joins it and takes no place of its own. If no render thread
+    /// runs, or the current one hangs, `start_thread` starts one with the given number.
     pub(super) fn add(
         &self,
         request: PictureRequest,
@@ -147,8 +147,8 @@ impl PictureQueue {
         Ok(())
     }
 
-    /// Waits for the next request of which a caller still waits; `None` if the queue is closed or `thread` was abandoned.
-    /// The request counts as being rendered until [`Self::finish`].
+    /// Waits for the next request of which a caller still waits; `None` if the queue is closed or `thread` was
+    /// abandoned. The request counts as being rendered until [`Self::finish`].
     pub(super) fn next(&self, thread: u32) -> Option<PictureRequest> {
         let mut state = self.state();
         loop {

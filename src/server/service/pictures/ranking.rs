@@ -48,8 +48,8 @@ impl Rank {
 }
 
 impl Ranking {
-    /// The best table: most of the domain covered, then with terms, then the lowest mean distance between nodes, then the
-    /// newest. If no table has a manifest of the current version, the newest table.
+    /// The best table: most of the domain covered, then with terms, then the lowest mean distance between nodes, then
+    /// the newest. If no table has a manifest of the current version, the newest table.
     pub(super) fn best(&self, tables: &Tables) -> Result<Option<Digest>, ServiceError> {
         let (mut newest, mut best) = (None, None::<(Rank, Digest)>);
         let mut cursor = None;
