@@ -43,7 +43,7 @@ pub(super) fn clamped(configuration: &Configuration, table: &Table, range: &PerA
 #[derive(Debug, Default)]
 pub(super) struct Outside {
     points: u64,
-    outside: u64,
+    clamped: u64,
     ends: BTreeMap<(&'static str, bool), (u64, f64)>,
 }
 
@@ -51,7 +51,7 @@ impl Outside {
     /// Counts a point.
     pub(super) fn count(&mut self, clamped: &[Clamped]) {
         self.points += 1;
-        self.outside += u64::from(!clamped.is_empty());
+        self.clamped += u64::from(!clamped.is_empty());
         for Clamped { axis, to, is_below } in clamped {
             self.ends.entry((*axis, !is_below)).or_insert((0, *to)).0 += 1;
         }
@@ -59,14 +59,14 @@ impl Outside {
 
     /// Whether no point lay outside.
     pub(super) fn is_empty(&self) -> bool {
-        self.outside == 0
+        self.clamped == 0
     }
 }
 
 impl fmt::Display for Outside {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { points, outside, ends } = self;
-        write!(f, "{outside} of {points} points lie outside the table's range and were moved to its nearest end:")?;
+        let Self { points, clamped, ends } = self;
+        write!(f, "{clamped} of {points} points lie outside the table's range and were moved to its nearest end:")?;
         for ((axis, is_above), (count, to)) in ends {
             let side = if *is_above { "above" } else { "below" };
             write!(f, "\n  {axis} {side} {to}: {count} clamped to {to}")?;
