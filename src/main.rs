@@ -1,4 +1,4 @@
-//! The `ltcforge` command: owner of the environment and of the signals.
+//! The `ltcforge` command. It alone handles signals and reads the environment.
 
 use std::{
     io::{self, IsTerminal as _},
@@ -14,8 +14,8 @@ use tokio::{
 };
 use tracing_subscriber::EnvFilter;
 
-/// How long a command that was told to stop may put things away.
-const PUT_AWAY: Duration = Duration::from_secs(2);
+/// How long an interrupted command may take to clean up.
+const CLEAN_UP: Duration = Duration::from_secs(2);
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -41,7 +41,7 @@ fn main() -> ExitCode {
         Ok(exit) => exit.into(),
         Err(failure) => fail(failure.exit, &failure.message),
     };
-    // A request that was cut may still sit in a blocking call.
+    // A request that was cut off may still be in a blocking call.
     runtime.shutdown_background();
     exit
 }
@@ -71,7 +71,7 @@ fn listen_to_signals(
 ) -> io::Result<()> {
     let _inside = runtime.enter();
     let mut interrupts = signal(SignalKind::interrupt())?;
-    // A command that is no server dies of SIGTERM as any other does.
+    // Only a server handles SIGTERM; other commands are ended by it.
     let mut terminations = match on_interrupt {
         OnInterrupt::Finishes => Some(signal(SignalKind::terminate())?),
         OnInterrupt::Ends | OnInterrupt::Told => None,
@@ -84,7 +84,7 @@ fn listen_to_signals(
             OnInterrupt::Told => {
                 tokio::select! {
                     () = either(&mut interrupts, &mut terminations) => {}
-                    () = tokio::time::sleep(PUT_AWAY) => {}
+                    () = tokio::time::sleep(CLEAN_UP) => {}
                 }
             }
             OnInterrupt::Finishes => either(&mut interrupts, &mut terminations).await,

@@ -25,7 +25,12 @@ fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
     let fitted = run(folder.path(), ["fit", "small.json", "-o", "one", "--threads", "1"]).exited(0);
     let digest: Digest = fitted.last_line().parse().expect("a digest in the last line");
     assert!(fitted.last_line().starts_with("sha256:"));
-    assert_eq!(fitted.stderr, "", "no bar without a terminal");
+    assert!(!fitted.stderr.contains('\r'), "no bar without a terminal: {:?}", fitted.stderr);
+    for said in
+        ["16 entries in ", "% on average", &format!("next: ltcforge preview one/{}.safetensors -o", digest.hex())]
+    {
+        assert!(fitted.stderr.contains(said), "{said} is not in\n{}", fitted.stderr);
+    }
     let file = fs::read(folder.path().join(format!("one/{}.safetensors", digest.hex()))).expect("the table");
     assert_eq!(Digest::of(&file), digest);
     let manifest = fs::read(folder.path().join(format!("one/{}.manifest.json", digest.hex()))).expect("the manifest");
@@ -35,6 +40,11 @@ fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
     let again = run_with_stdin(folder.path(), ["fit", "-", "-o", "two", "--threads", "2", "--json"], SMALL).exited(0);
     let told: Value = serde_json::from_str(again.last_line()).expect("JSON");
     assert_eq!(told["table"], digest.to_string());
+    assert!(told["seconds"].as_f64() >= told["fit_seconds"].as_f64() && told["fit_seconds"].is_f64(), "{told}");
+    let report: Value = serde_json::from_slice::<Value>(&manifest).expect("JSON")["report"]["between"]["width"].take();
+    assert_eq!((&told["error"]["mean"], &told["error"]["p95"]), (&report["mean"], &report["p95"]));
+    assert!(text(&told["next"][0]).starts_with("ltcforge preview two/"), "{told}");
+    assert_eq!(again.stderr, "", "JSON says it all");
     let other = fs::read(folder.path().join(format!("two/{}.manifest.json", digest.hex()))).expect("the manifest");
     assert_eq!(other, manifest);
 
@@ -111,6 +121,65 @@ fn lookup_prints_a_matrix_for_each_point() {
     fs::write(folder.path().join(&file), damaged).expect("a damaged table");
     let refused = run_with_stdin(folder.path(), ["lookup", &file, "--points", "-"], points).exited(3);
     assert!(refused.stderr.contains("hashes to"), "{}", refused.stderr);
+}
+
+#[test]
+fn lookup_says_which_points_lie_outside_the_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = r#"{"preset": "draft", "fit": {"samples": 32, "directions": 4, "steps": 1},
+        "range": {"alpha": [0.2, 0.5], "ratio": [1, 1], "theta": [0, 1], "phi": [0, 0]},
+        "resolution": {"alpha": 2, "theta": 2}}"#;
+    let digest = run_with_stdin(folder.path(), ["fit", "-"], recipe).exited(0).last_line().to_owned();
+    let look_up = |points: &str, option: &[&str]| {
+        run_with_stdin(folder.path(), ["lookup", &digest, "--points", "-"].iter().chain(option), points).exited(0)
+    };
+    // Isotropic surfaces have no azimuth: none lies outside.
+    assert_eq!(look_up("0.2,0.2,0,0\n0.5,0.5,1,4\n", &[]).stderr, "");
+    let points = "0.1,0.1,0.5,0\n0.5,0.5,1.2,0\n0.3,0.15,0.5,0\n0.1,0.1,1.5,0\n0.3,0.3,0.5,0\n";
+    let expected = "4 of 5 points lie outside the table's range and were moved to its nearest end:\n\
+                    \x20 alpha below 0.2: 2 clamped to 0.2\n\
+                    \x20 ratio below 1: 1 clamped to 1\n\
+                    \x20 theta above 1: 2 clamped to 1\n";
+    let printed = look_up(points, &[]);
+    assert_eq!(printed.stderr, expected);
+    assert_eq!(printed.stdout.lines().count(), 6);
+    let told: Vec<Value> =
+        look_up(points, &["--json"]).stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let clamped: Vec<String> = told.iter().map(|line| line["clamped"].to_string()).collect();
+    assert_eq!(
+        clamped,
+        [r#"{"alpha":0.2}"#, r#"{"theta":1.0}"#, r#"{"ratio":1.0}"#, r#"{"alpha":0.2,"theta":1.0}"#, "{}"]
+    );
+}
+
+#[test]
+fn a_digest_as_fit_prints_it_names_the_table_in_every_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = run_with_stdin(folder.path(), ["fit", "-", "-o", "tables"], SMALL).exited(0).last_line().to_owned();
+    let beginning = &digest["sha256:".len()..][..8];
+    fs::write(folder.path().join("p.csv"), "0.5,0.5,0,0\n").expect("points");
+    let commands: [&[&str]; 5] = [
+        &["lookup", "TABLE", "--points", "p.csv"],
+        &["report", "TABLE"],
+        &["preview", "TABLE", "-o", "p.png", "--size", "64", "--adapter", "cpu"],
+        &["plot", "TABLE", "matrix", "-o", "m.png"],
+        &["verify", "TABLE"],
+    ];
+    for command in commands {
+        let with = |table: &str| -> Vec<String> { command.iter().map(|word| word.replace("TABLE", table)).collect() };
+        for table in [digest.as_str(), beginning] {
+            run(folder.path(), with(table)).exited(0);
+        }
+        let refused = run(folder.path(), with("sha256:ffff0")).exited(1);
+        let expected = "sha256:ffff0: there is no such file, and no ffff0*.safetensors in ./ and tables/; \
+                        --tables names another folder";
+        assert_eq!(refused.complaints(), [expected]);
+        run(folder.path(), with(&digest).into_iter().chain(["--tables".to_owned(), ".".to_owned()])).exited(1);
+    }
+    // The same table in both folders is one table.
+    let name = format!("{}.safetensors", &digest["sha256:".len()..]);
+    fs::copy(folder.path().join("tables").join(&name), folder.path().join(&name)).expect("a copy");
+    assert!(run(folder.path(), ["verify", beginning]).exited(0).stdout.starts_with(&name));
 }
 
 /// The bytes of a `.npy` file of 2 x 2 x 2 x 2 clamped cosines, one of them mirrored.

@@ -26,6 +26,9 @@ use super::{Exit, Failure, preview_names::AdapterName};
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
 
+/// Where the client commands look for a service when nothing says otherwise.
+pub(super) const DEFAULT_SERVER: &str = "http://127.0.0.1:8317";
+
 /// The settings of a file; those it leaves out have their defaults.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]

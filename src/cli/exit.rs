@@ -1,10 +1,10 @@
-//! Exit codes, and what becomes of each error.
+//! Exit codes, and which error leads to which.
 
-use std::{fmt::Write as _, io};
+use std::{fmt::Write as _, io, path::Path};
 
 use crate::client::{ClientError, LockFileError, PullError};
 
-/// What the process tells its caller.
+/// The exit code of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Exit {
@@ -14,7 +14,7 @@ pub enum Exit {
     Failed = 1,
     /// The command line, a recipe or a configuration is wrong.
     Usage = 2,
-    /// Bytes are not those of their digest.
+    /// A file's bytes do not have the expected digest, or are no table.
     Mismatch = 3,
     /// No server answers.
     Unavailable = 4,
@@ -24,7 +24,7 @@ pub enum Exit {
     Interrupted = 130,
 }
 
-/// Why a command did not succeed. Its message goes to standard error; an empty one says nothing.
+/// Why a command did not succeed. Its message goes to standard error; nothing is printed for an empty one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
     /// The exit code.
@@ -60,6 +60,11 @@ impl Failure {
             _ => Self::new(Exit::Failed, format!("standard output: {error}")),
         }
     }
+}
+
+/// An error about the file at `path`, on one line.
+pub(super) fn file_failure(path: &Path, error: &dyn std::fmt::Display) -> Failure {
+    Failure::new(Exit::Failed, format!("{}: {error}", path.display()))
 }
 
 impl From<ClientError> for Failure {

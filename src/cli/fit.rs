@@ -1,21 +1,27 @@
 //! `fit`: a table without a server.
 
-use std::{num::NonZeroU64, ops::ControlFlow};
+use std::{num::NonZeroU64, ops::ControlFlow, path::Path, time::Instant};
 
 use indicatif::ProgressBar;
+use serde::Serialize;
 use serde_json::json;
 
-use super::{Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress};
+use super::{
+    Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress, table_file::TABLE_FOLDERS,
+};
 use crate::{
-    client::replace_file,
-    files::manifest::manifest_json,
     files::{
         digest::Digest,
         export::{self, TableFileError},
+        manifest::manifest_json,
         recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
+        replace::replace_file,
     },
     fit::{Plan, Table, fit_plan},
 };
+
+/// So much of a digest names a table among many thousands: `sha256:` and 12 digits.
+const SHORT_DIGEST: usize = "sha256:".len() + 12;
 
 /// Fits a recipe and writes the table and its manifest.
 pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
@@ -24,24 +30,68 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let recipe = recipe::parse(&document, entry_limit).map_err(|error| bad_recipe(&args.recipe, error))?;
     let pool = args.threads.pool()?;
 
+    let started = Instant::now();
     let plan = Plan::new(&recipe);
     let bar = progress::bar(context.draws_progress, recipe.entries());
     let fitted = pool.install(|| fit(&plan, &bar, &context.interrupt));
     bar.finish_and_clear();
+    let table = fitted.ok_or_else(Failure::interrupted)?;
+    let fit_seconds = started.elapsed().as_secs_f64();
     let failed = |error: TableFileError| Failure::new(Exit::Failed, error.to_string());
-    let file = export::encode(&recipe, &fitted.ok_or_else(Failure::interrupted)?).map_err(failed)?;
+    let file = export::encode(&recipe, &table).map_err(failed)?;
     let digest = Digest::of(&file);
     let manifest = pool.install(|| manifest_json(&file)).map_err(failed)?;
 
-    // The table comes last: who finds it finds its manifest.
+    // The table is written last, so that a table in the folder always has its manifest beside it.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));
     replace_file(&manifest_path, manifest.as_bytes()).map_err(|error| file_failure(&manifest_path, &error))?;
     let table_path = args.out.join(format!("{}.safetensors", digest.hex()));
     replace_file(&table_path, &file).map_err(|error| file_failure(&table_path, &error))?;
 
-    let value = json!({ "table": digest, "file": table_path, "manifest": manifest_path, "bytes": file.len() });
+    let seconds = started.elapsed().as_secs_f64();
+    let error = headline(&manifest);
+    let name = if finds_digests_in(&args.out) {
+        digest.to_string()[..SHORT_DIGEST].to_owned()
+    } else {
+        table_path.display().to_string()
+    };
+    let next = [format!("ltcforge preview {name} -o sphere.png"), format!("ltcforge report {name}")];
+    let value = json!({
+        "table": digest, "file": table_path, "manifest": manifest_path, "bytes": file.len(),
+        "seconds": seconds, "fit_seconds": fit_seconds, "error": error, "next": next,
+    });
     print(context.stdout, json, &value, &format!("{}\n{digest}", table_path.display()))?;
+    if !json {
+        let entries = recipe.entries();
+        eprintln!("{entries} entries in {seconds:.1} s: {fit_seconds:.1} s to fit, the rest to measure the error");
+        if let Some(Headline { mean, p95 }) = error {
+            let (mean, p95) = (100.0 * mean, 100.0 * p95);
+            eprintln!(
+                "error between the nodes, in widths of the lobe: {mean:.1} % on average, {p95:.1} % at the 95th percentile"
+            );
+        }
+        eprintln!("next: {}\n      {}", next[0], next[1]);
+    }
     Ok(Exit::Ok)
+}
+
+/// A table's error in one line: how far its lobes between the nodes are from GGX, as a part of the lobe's width.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Headline {
+    mean: f64,
+    p95: f64,
+}
+
+/// The headline of the report in a manifest.
+fn headline(manifest: &str) -> Option<Headline> {
+    let manifest: serde_json::Value = serde_json::from_str(manifest).ok()?;
+    let width = manifest.pointer("/report/between/width")?;
+    Some(Headline { mean: width["mean"].as_f64()?, p95: width["p95"].as_f64()? })
+}
+
+/// Whether a digest alone finds the tables in `folder`.
+fn finds_digests_in(folder: &Path) -> bool {
+    TABLE_FOLDERS.iter().any(|searched| folder == Path::new(searched))
 }
 
 /// The table of a plan, or `None` when the user stops the fit.
@@ -53,7 +103,7 @@ pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Opti
     })
 }
 
-/// Every fault on its line.
+/// A failure that lists every fault of a recipe, one on each line.
 pub(super) fn bad_recipe(name: &str, error: RecipeError) -> Failure {
     let message = match error {
         RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
@@ -72,7 +122,7 @@ mod tests {
     use crate::files::recipe::Fault;
 
     #[test]
-    fn all_faults_of_a_recipe_are_told() {
+    fn every_fault_of_a_recipe_is_reported() {
         let fault = |pointer: &str| Fault { pointer: pointer.into(), detail: "bad".into() };
         let refused = bad_recipe("r.json", RecipeError::Faults(vec![fault("/a"), fault("/b")]));
         assert_eq!(refused.message, "r.json: /a: bad\nr.json: /b: bad");

@@ -1,4 +1,4 @@
-//! Word that the user wants to stop.
+//! The flag that the user wants to stop.
 
 use tokio::sync::watch;
 
@@ -20,7 +20,7 @@ impl Interrupt {
         *self.0.borrow()
     }
 
-    /// Resolves when the command should stop; never, if nobody is left to say so.
+    /// Resolves when the command should stop; never, if the sender is gone.
     pub async fn wait(mut self) {
         if self.0.wait_for(|interrupted| *interrupted).await.is_err() {
             std::future::pending::<()>().await;

@@ -34,15 +34,15 @@ fn show(job: &JobDocument, json: bool, context: &mut Context<'_>) -> Result<Exit
     Ok(Exit::Ok)
 }
 
-/// Follows a job; prints each news as JSON, or the digest at the end.
+/// Follows a job to its end. Prints each update as JSON, or the table's digest at the end.
 fn follow(id: JobId, json: bool, client: &Client, context: &mut Context<'_>) -> Result<Exit, Failure> {
     let bar = progress::bar(context.draws_progress, 0);
     let mut printed = Ok(());
-    let job = client.follow(id, &mut |news| {
-        bar.set_length(news.status.progress.entries_total);
-        bar.set_position(news.status.progress.entries_done);
+    let job = client.follow(id, &mut |update| {
+        bar.set_length(update.status.progress.entries_total);
+        bar.set_position(update.status.progress.entries_done);
         if json && printed.is_ok() {
-            printed = print(context.stdout, true, &news.json, "");
+            printed = print(context.stdout, true, &update.json, "");
         }
     })?;
     bar.finish_and_clear();
@@ -56,7 +56,7 @@ fn follow(id: JobId, json: bool, client: &Client, context: &mut Context<'_>) -> 
     Ok(Exit::Ok)
 }
 
-/// A job on one line: id, state, and what matters in that state.
+/// A job on one line: its id, its state, and the progress, digest or error of that state.
 fn line(job: &JobStatus) -> String {
     let done = format!("{}/{}", job.progress.entries_done, job.progress.entries_total);
     let (state, matter) = match job.state {

@@ -1,6 +1,7 @@
 //! `lookup`: what a shader would fetch from a table.
 
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{self, BufRead, BufReader, BufWriter, Write},
     path::Path,
@@ -13,13 +14,14 @@ use super::{
     args::LookupArgs,
     file_failure,
     input::AnyTable,
+    outside::{Clamped, Outside, clamped},
     points::{self, COLUMNS, Point},
 };
-use crate::fit::{LookedUp, Table};
+use crate::fit::{LookedUp, PerAxis, Table};
 
 /// Prints a matrix for each point, as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
-    let table = AnyTable::read(&args.table)?.table;
+    let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
     let (name, points): (&str, Box<dyn BufRead>) = if args.points == "-" {
         ("standard input", Box::new(io::stdin().lock()))
     } else {
@@ -27,12 +29,23 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
         (&args.points, Box::new(BufReader::new(file)))
     };
     let mut out = BufWriter::new(&mut *context.stdout);
-    look_up(&table, name, points, json, &mut out)?;
+    let outside = look_up(&table, origin.range(), name, points, json, &mut out)?;
     out.flush().map_err(|error| Failure::stdout(&error))?;
+    if !outside.is_empty() {
+        eprintln!("{outside}");
+    }
     Ok(Exit::Ok)
 }
 
-fn look_up(table: &Table, name: &str, points: impl BufRead, json: bool, out: &mut dyn Write) -> Result<(), Failure> {
+fn look_up(
+    table: &Table,
+    range: &PerAxis<[f64; 2]>,
+    name: &str,
+    points: impl BufRead,
+    json: bool,
+    out: &mut dyn Write,
+) -> Result<Outside, Failure> {
+    let mut outside = Outside::default();
     if !json {
         writeln!(out, "{}", header()).map_err(|error| Failure::stdout(&error))?;
     }
@@ -44,11 +57,13 @@ fn look_up(table: &Table, name: &str, points: impl BufRead, json: bool, out: &mu
         }
         if let Some(point) = points::parse(&line).map_err(refuse)? {
             let found = table.lookup(&point.configuration);
-            let written = if json { write_json(out, &point, &found) } else { write_row(out, &point, &found) };
+            let clamped = clamped(&point.configuration, table, range);
+            outside.count(&clamped);
+            let written = if json { write_json(out, &point, &found, &clamped) } else { write_row(out, &point, &found) };
             written.map_err(|error| Failure::stdout(&error))?;
         }
     }
-    Ok(())
+    Ok(outside)
 }
 
 fn header() -> String {
@@ -72,11 +87,14 @@ fn write_row(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Re
     writeln!(out)
 }
 
-fn write_json(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp) -> io::Result<()> {
+/// One line of JSON. `clamped` holds the axes on which the point lies outside the table, with the value used instead.
+fn write_json(out: &mut dyn Write, point: &Point<'_>, found: &LookedUp, clamped: &[Clamped]) -> io::Result<()> {
     let at = &point.configuration;
+    let clamped: BTreeMap<&str, f64> = clamped.iter().map(|clamped| (clamped.axis, clamped.to)).collect();
     let line = json!({
         "alpha_x": at.alpha_x, "alpha_y": at.alpha_y, "theta": at.theta, "phi": at.phi,
         "matrix": found.matrix, "amplitude": found.amplitude, "fresnel": found.fresnel,
+        "clamped": clamped,
     });
     writeln!(out, "{line}")
 }

@@ -10,7 +10,7 @@ const THETA_ROUNDING: f64 = 1e-7;
 /// The names of the columns, also the header line.
 pub(super) const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
 
-/// A point: its fields as they were written, and what they mean.
+/// A point: its fields as they were written, and their values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point<'a> {
     /// The fields without surrounding blanks, in the order of [`COLUMNS`].

@@ -4,13 +4,13 @@ use std::{fs, io, path::Path};
 
 use serde_json::json;
 
-use super::{Context, DEFAULT_SERVER, Exit, Failure, args::PullArgs, file_failure, print};
+use super::{Context, Exit, Failure, args::PullArgs, config_file::DEFAULT_SERVER, file_failure, print};
 use crate::{
     client::{self, Client, LockFile, LockFileError, Pin, PinState, replace_file, with_pin},
     files::digest::ParseDigestError,
 };
 
-/// The servers that a pin may come from, beside its own.
+/// The servers that a table may be downloaded from, besides the one that its pin names.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Servers<'a> {
     /// Named on the command line or in the environment: goes before a pin's own.
@@ -25,7 +25,8 @@ impl Servers<'_> {
     }
 }
 
-/// Brings every pinned table in. One that fails does not keep the others out; the first failure decides the exit code.
+/// Downloads every pinned table that is missing or differs. A failure does not stop the others; the first one decides
+/// the exit code.
 pub(super) fn run(
     args: &PullArgs,
     servers: Servers<'_>,

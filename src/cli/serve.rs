@@ -46,14 +46,14 @@ pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>
             .and_then(|()| context.stdout.flush())
             .map_err(|error| Failure::stdout(&error))?;
         let served = http::serve(listener, Arc::clone(&service), context.interrupt.clone().wait()).await;
-        // Whatever ended the server, what was acknowledged is put away.
+        // However the server ended, acknowledged work is flushed to disk.
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
         served.map_err(failed)?;
         Ok(Exit::Ok)
     })
 }
 
-/// Flags and environment over file over defaults.
+/// The settings: flags and environment go before the file, that before the defaults.
 fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
     let config = Config {
         data_dir: args.data.or(file.data).unwrap_or_else(|| DEFAULT_DATA.into()),

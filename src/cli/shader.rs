@@ -1,4 +1,4 @@
-//! `shader`: what a renderer takes home.
+//! `shader`: the lookup and the area light, as source for a renderer.
 
 use std::fs;
 
@@ -7,7 +7,8 @@ use serde_json::json;
 use super::{Context, Exit, Failure, args::ShaderArgs, file_failure, print};
 use crate::view::shaders::{Language, port};
 
-/// Writes the shader to the file, or to standard output. With `--json` a line tells of the file, or holds the text.
+/// Writes the shader to the file, or to standard output. With `--json` one line
+/// describes the file, or holds the shader's text.
 pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
     let (language, layout) = (args.language.0, args.layout.0);
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {

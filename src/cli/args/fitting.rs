@@ -1,4 +1,4 @@
-//! `serve`, `fit` and `tradeoff`: what fits tables.
+//! `serve`, `fit` and `tradeoff`: commands that fit tables.
 
 use std::{
     net::SocketAddr,
@@ -42,7 +42,7 @@ pub struct FitArgs {
     /// Folder that the table and its manifest go to
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
-    /// How many threads there are
+    /// Number of threads
     #[command(flatten)]
     pub threads: Threads,
     /// Entries the table may have [default: 2000000]
@@ -54,16 +54,16 @@ pub struct FitArgs {
 #[derive(Debug, Args)]
 pub struct TradeoffArgs {
     /// A recipe's file, `-` for stdin, or the name of a preset: the family keeps its ranges, terms, seed and solver,
-    /// and is laid around its layout, resolution and precision [default: paper]
+    /// and varies its layout, resolution and precision [default: paper]
     #[arg(long, value_name = "RECIPE")]
     pub recipe: Option<String>,
-    /// A small family: the presets and a few recipes around them
+    /// Fit a small family: the presets and a few recipes around them
     #[arg(long)]
     pub quick: bool,
     /// Folder that `tradeoff.csv`, `tradeoff.json` and `tradeoff.svg` go to
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
-    /// How many threads there are
+    /// Number of threads
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -71,13 +71,13 @@ pub struct TradeoffArgs {
 /// Threads of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Args)]
 pub struct Threads {
-    /// Threads that work, 1 to 512 [default: one for each core]
+    /// Threads to use, 1 to 512 [default: one for each core]
     #[arg(long, env = "LTCFORGE_THREADS", value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
 }
 
 impl Threads {
-    /// How many there are to be.
+    /// The number of threads.
     pub(in crate::cli) fn count(self) -> NonZeroUsize {
         self.threads.unwrap_or_else(cores)
     }
@@ -92,7 +92,7 @@ impl Threads {
     }
 }
 
-/// Most threads of a command: more only get into each other's way, and thousands bring a machine to a stop.
+/// The most threads of a command: more only slow each other down, and thousands can make a machine unusable.
 const MOST_THREADS: usize = 512;
 
 fn threads(text: &str) -> Result<NonZeroUsize, String> {

@@ -1,4 +1,4 @@
-//! `jobs`: what speaks to a server.
+//! `jobs`: commands to a server.
 
 use clap::{Args, Subcommand};
 
@@ -7,7 +7,7 @@ use crate::files::job::{JobId, StateName};
 /// `jobs`.
 #[derive(Debug, Args)]
 pub struct JobsArgs {
-    /// What to do with them
+    /// What to do
     #[command(subcommand)]
     pub action: JobsAction,
 }
@@ -28,7 +28,7 @@ pub enum JobsAction {
         /// Only jobs in this state
         #[arg(long, value_parser = parse_state, value_name = "STATE")]
         state: Option<StateName>,
-        /// Most jobs to list
+        /// List at most so many jobs
         #[arg(long, default_value_t = 50, value_name = "N")]
         limit: usize,
     },

@@ -1,5 +1,5 @@
-//! What the command line can say. A flag goes before its environment variable, that before the configuration file,
-//! that before the default.
+//! The arguments of the command line. A flag goes before its environment variable, that before the configuration
+//! file, that before the default.
 
 mod fitting;
 mod jobs;
@@ -48,9 +48,9 @@ pub enum Command {
     Lookup(LookupArgs),
     /// Measure how good a table is
     Report(ReportArgs),
-    /// Render what a table does: metal under an area light, beside the truth, as PNG
+    /// Render metal under an area light with a table, or compare it with Monte Carlo integration, as PNG
     Preview(Box<PreviewArgs>),
-    /// Draw a table: how wrong it is where, or all its numbers, as PNG
+    /// Draw where a table's errors are, or all its numbers, as PNG
     Plot(PlotArgs),
     /// Fit a family of recipes and show what speed and size cost in accuracy
     Tradeoff(TradeoffArgs),
@@ -58,9 +58,9 @@ pub enum Command {
     Shader(ShaderArgs),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
-    /// Download the tables pinned in ltcforge.lock, and leave right ones alone
+    /// Download the tables pinned in ltcforge.lock that are missing or have other bytes
     Pull(PullArgs),
-    /// Check that files are tables and hash to their names
+    /// Check that files are tables and have the digests in their names
     Verify(VerifyArgs),
     /// Print a completion script
     Completions {
@@ -74,7 +74,7 @@ pub enum Command {
 pub enum OnInterrupt {
     /// The process ends at once.
     Ends,
-    /// The command is told, and has a moment to put things away.
+    /// The command is told, and has two seconds to clean up.
     Told,
     /// The command is told and takes as long as it needs.
     Finishes,

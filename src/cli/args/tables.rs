@@ -1,4 +1,4 @@
-//! `lookup`, `report`, `pull` and `verify`: what works with tables that are there.
+//! `lookup`, `report`, `pull` and `verify`: commands on tables that exist.
 
 use std::path::PathBuf;
 
@@ -10,12 +10,20 @@ use crate::files::digest::Digest;
 /// Which table.
 #[derive(Debug, Args)]
 pub struct TableChoice {
-    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or the digest (its beginning
-    /// suffices) of a table in the folder of `--tables`
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it
+    /// (its first digits suffice) of a table in the folder of `--tables`
     pub table: String,
-    /// Folder of `<digest>.safetensors` files
-    #[arg(long, value_name = "DIR", default_value = ".")]
-    pub tables: PathBuf,
+    /// Where digests are looked for
+    #[command(flatten)]
+    pub folder: TableFolder,
+}
+
+/// Where tables are looked for by their digests.
+#[derive(Debug, Args)]
+pub struct TableFolder {
+    /// Folder of `<digest>.safetensors` files [default: the working folder, then `tables` in it]
+    #[arg(long, value_name = "DIR")]
+    pub tables: Option<PathBuf>,
 }
 
 /// `lookup`.
@@ -35,10 +43,10 @@ pub struct ReportArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
-    /// Look at the corners of the domain as well: mirrors, needles, the horizon, every fold
+    /// Measure the corners of the domain as well: mirrors, needles, the horizon, every fold
     #[arg(long)]
     pub extremes: bool,
-    /// How many threads there are
+    /// Number of threads
     #[command(flatten)]
     pub threads: Threads,
 }
@@ -52,7 +60,7 @@ pub struct PullArgs {
     /// Download nothing; fail with exit code 3 when a file is missing or has other bytes
     #[arg(long, conflicts_with = "add")]
     pub locked: bool,
-    /// Pin a table under a name first; a pin of that name is replaced
+    /// Pin a table under a name first, by its whole digest; a pin of that name is replaced
     #[arg(long, num_args = 2, value_names = ["NAME", "DIGEST"])]
     pub add: Vec<String>,
     /// Where the added table goes [default: NAME.safetensors]
@@ -63,9 +71,13 @@ pub struct PullArgs {
 /// `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// Tables; a file named after a digest must hash to it
+    /// Tables' files, or digests (their first digits suffice) of tables in the folder of `--tables`; a file named
+    /// after a digest must hash to it
     #[arg(required = true)]
-    pub files: Vec<PathBuf>,
+    pub files: Vec<String>,
+    /// Where digests are looked for
+    #[command(flatten)]
+    pub folder: TableFolder,
     /// The digest that the file must hash to, whatever its name
     #[arg(long)]
     pub digest: Option<Digest>,

@@ -144,7 +144,8 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
         }
     }
     let metadata = [(RECIPE_KEY.to_owned(), recipe::canonical_json(recipe))];
-    serialize(tensors, Some(metadata.into_iter().collect())).map_err(|error| TableFileError::Container(error.to_string()))
+    serialize(tensors, Some(metadata.into_iter().collect()))
+        .map_err(|error| TableFileError::Container(error.to_string()))
 }
 
 /// Reads a canonical file. Hostile bytes give an error, never a panic.

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DMat3;
 
-use crate::fit::axes::LEAST_ALPHA;
+use crate::fit::axes::{LEAST_ALPHA, PerAxis};
 
 /// A surface's roughness and a view direction, in the surface's tangent frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,15 @@ pub struct Configuration {
     pub theta: f64,
     /// Azimuth of the view direction, any finite angle.
     pub phi: f64,
+}
+
+impl Configuration {
+    /// The place on a table's axes that serves this configuration, by symmetry: phi in the first quadrant.
+    #[must_use]
+    pub fn folded(&self) -> PerAxis<f64> {
+        let Folded { alpha, ratio, phi, .. } = Folded::of(self);
+        PerAxis { alpha, ratio, theta: self.theta, phi }
+    }
 }
 
 /// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and how to come back from it.

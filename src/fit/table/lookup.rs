@@ -62,8 +62,7 @@ impl Table {
     pub fn lookup(&self, configuration: &Configuration) -> LookedUp {
         let folded = Folded::of(configuration);
         let axes = &self.axes;
-        // A table of isotropic surfaces with one phi serves every phi: the lobe turns with the view.
-        let turn = (axes.ratio == [1.0] && axes.phi.len() == 1).then(|| folded.phi - axes.phi[0]);
+        let turn = self.serves_every_phi().then(|| folded.phi - axes.phi[0]);
         let nearest = PerAxis {
             alpha: clamped(folded.alpha, &axes.alpha),
             ratio: clamped(folded.ratio, &axes.ratio),
@@ -75,6 +74,12 @@ impl Table {
         let [amplitude, fresnel] =
             [lobe.terms.amplitude, lobe.terms.fresnel].map(|term| self.terms.as_ref().map(|_| term));
         LookedUp { matrix: row_major(&folded.unfold(matrix)), amplitude, fresnel }
+    }
+
+    /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the view.
+    #[must_use]
+    pub fn serves_every_phi(&self) -> bool {
+        self.axes.ratio == [1.0] && self.axes.phi.len() == 1
     }
 
     /// The stored matrix and terms between the entries around a place within the nodes; terms of zero where there are

@@ -1,0 +1,46 @@
+//! From a parsed command line to the command.
+
+use clap::CommandFactory as _;
+
+use super::{
+    Cli, Command, Context, Exit, Failure,
+    config_file::{ConfigFile, DEFAULT_SERVER},
+    fit, jobs, lookup, plot, preview, pull, report, serve, shader, tradeoff, verify,
+};
+use crate::client::Client;
+
+/// Runs a command.
+///
+/// # Errors
+/// The exit code and the lines for standard error.
+pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
+    let file = ConfigFile::load(cli.config.as_deref())?;
+    let Cli { command, server, json, .. } = cli;
+    let connect = || client(server.as_deref(), &file);
+    match command {
+        Command::Serve(args) => serve::run(args, file.serve, context),
+        Command::Fit(args) => fit::run(&args, json, context),
+        Command::Lookup(args) => lookup::run(&args, json, context),
+        Command::Report(args) => report::run(&args, json, context),
+        Command::Preview(args) => preview::run(&args, json, context),
+        Command::Plot(args) => plot::run(&args, json, context),
+        Command::Tradeoff(args) => tradeoff::run(&args, json, context),
+        Command::Shader(args) => shader::run(&args, json, context),
+        Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
+        Command::Pull(args) => {
+            let servers = pull::Servers { chosen: server.as_deref(), usual: file.server.as_deref() };
+            pull::run(&args, servers, json, context)
+        }
+        Command::Verify(args) => verify::run(&args, json, context),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "ltcforge", &mut script);
+            context.stdout.write_all(&script).map_err(|error| Failure::stdout(&error))?;
+            Ok(Exit::Ok)
+        }
+    }
+}
+
+fn client(flag: Option<&str>, file: &ConfigFile) -> Result<Client, Failure> {
+    Ok(Client::new(flag.or(file.server.as_deref()).unwrap_or(DEFAULT_SERVER))?)
+}

@@ -1,0 +1,108 @@
+//! The files of tables: found by their digests, and checked.
+
+use std::{
+    collections::BTreeMap,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use super::{Exit, Failure, file_failure};
+use crate::files::{
+    digest::Digest,
+    export::{self, TableFile},
+};
+
+/// Where tables are looked for when no folder is named: where `fit` writes by default, and where the manual puts them.
+pub(super) const TABLE_FOLDERS: [&str; 2] = [".", "tables"];
+
+/// The table's file that `name` stands for: a path, or a digest or its beginning, as `fit` prints it. A digest is
+/// looked for in `folder`, or without one in each of [`TABLE_FOLDERS`].
+///
+/// # Errors
+/// When there is no such table, or several digests begin so.
+pub(super) fn table_path(name: &str, folder: Option<&Path>) -> Result<PathBuf, Failure> {
+    let path = PathBuf::from(name);
+    let beginning = name.strip_prefix("sha256:").unwrap_or(name).to_ascii_lowercase();
+    let is_digest = !beginning.is_empty() && beginning.bytes().all(|byte| byte.is_ascii_hexdigit());
+    if path.exists() || !is_digest {
+        return Ok(path);
+    }
+    let folders: Vec<&Path> = folder.map_or_else(|| TABLE_FOLDERS.map(Path::new).into(), |folder| vec![folder]);
+    // The same digest in two folders is the same table.
+    let mut found: BTreeMap<String, PathBuf> = BTreeMap::new();
+    for looked_in in &folders {
+        let entries = match fs::read_dir(looked_in) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == io::ErrorKind::NotFound && folder.is_none() => continue,
+            Err(error) => return Err(file_failure(looked_in, &error)),
+        };
+        for entry in entries {
+            let name = entry.map_err(|error| file_failure(looked_in, &error))?.file_name();
+            let Some(stem) = name.to_str().and_then(|name| name.strip_suffix(".safetensors")) else { continue };
+            if stem.len() == 64 && stem.starts_with(&beginning) {
+                let path = if *looked_in == Path::new(".") { PathBuf::from(&name) } else { looked_in.join(&name) };
+                found.entry(stem.to_owned()).or_insert(path);
+            }
+        }
+    }
+    let count = found.len();
+    let looked_in: Vec<String> = folders.iter().map(|folder| folder.join("").display().to_string()).collect();
+    let (places, other) =
+        (looked_in.join(" and "), if folder.is_none() { "; --tables names another folder" } else { "" });
+    match found.into_values().next() {
+        Some(path) if count == 1 => Ok(path),
+        Some(_) => Err(Failure::new(Exit::Usage, format!("{beginning}: {count} tables in {places} begin with this"))),
+        None => Err(Failure::new(
+            Exit::Failed,
+            format!("{name}: there is no such file, and no {beginning}*.safetensors in {places}{other}"),
+        )),
+    }
+}
+
+/// The table of a file that is what it says it is: it hashes to `expected`, or else to the digest in its name if there
+/// is one, and is well formed.
+pub(super) fn check(path: &Path, bytes: &[u8], expected: Option<Digest>) -> Result<(Digest, TableFile), Failure> {
+    let actual = Digest::of(bytes);
+    let mismatch = |reason: String| Failure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
+    if let Some(expected) = expected.or_else(|| digest_in_name(path))
+        && actual != expected
+    {
+        return Err(mismatch(format!("the file hashes to {actual}, not to {expected}")));
+    }
+    let file = export::decode(bytes).map_err(|error| mismatch(error.to_string()))?;
+    Ok((actual, file))
+}
+
+/// The digest that a file is named after.
+fn digest_in_name(path: &Path) -> Option<Digest> {
+    path.file_name()?.to_str()?.split('.').next()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_digest_is_found_by_a_unique_beginning() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for hex in ["ab".repeat(32), "ac".repeat(32)] {
+            fs::write(folder.path().join(format!("{hex}.safetensors")), "").expect("a file");
+        }
+        let find = |name: &str| table_path(name, Some(folder.path()));
+        let expected = folder.path().join(format!("{}.safetensors", "ab".repeat(32)));
+        assert_eq!(find("sha256:AB").expect("one"), expected);
+        assert_eq!(find("a").expect_err("two").exit, Exit::Usage);
+        let refused = find("sha256:ff").expect_err("none");
+        assert_eq!(refused.exit, Exit::Failed);
+        let expected = format!("no ff*.safetensors in {}/", folder.path().display());
+        assert!(refused.message.ends_with(&expected), "{}", refused.message);
+        assert_eq!(find("some/file").expect("a path"), PathBuf::from("some/file"));
+    }
+
+    #[test]
+    fn a_name_may_hold_a_digest() {
+        let hex = Digest::of(b"abc").hex();
+        assert_eq!(digest_in_name(Path::new(&format!("a/{hex}.safetensors"))), Some(Digest::of(b"abc")));
+        assert_eq!(digest_in_name(Path::new("a/metal.safetensors")), None);
+    }
+}
