@@ -13,6 +13,8 @@ use embedded_graphics::{
 
 use super::Picture;
 
+/// What is behind labels.
+pub const GROUND: [u8; 3] = [24, 24, 24];
 /// Height of a line of text beside which nothing else stands.
 pub const LINE: u32 = 18;
 /// Panels narrower than this have the smaller font.
@@ -70,6 +72,21 @@ pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, 
     let Ok(_) = Text::with_text_style(text, at, MonoTextStyle::new(font, Rgb888::WHITE), style).draw(picture);
 }
 
+/// Writes the first wording that a part of a picture, `width` wide, has room for on ground of its own, into that part's
+/// lower left corner, `(left, bottom)`. Where none fits, nothing is written.
+pub fn tag(picture: &mut Picture, wordings: &[&str], [left, bottom]: [u32; 2], width: u32) {
+    const MARGIN: u32 = 3;
+    let text = fitting(wordings, width.saturating_sub(4 * MARGIN));
+    let letter = if width < NARROW { FONT_6X10 } else { FONT_9X15 }.character_size;
+    let [across, down] = [text.len() as u32 * letter.width + 2 * MARGIN, letter.height + MARGIN];
+    if text.is_empty() || bottom < down + MARGIN {
+        return;
+    }
+    let (x, y) = (left + MARGIN, bottom - MARGIN - down);
+    picture.put(&Picture::filled(across, down, GROUND), x, y);
+    write(picture, text, x + MARGIN, y + down / 2, Anchor::Left, width);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,5 +98,20 @@ mod tests {
             [512, 153, 64, 59, 5].map(|width| fitting(&wordings, width)),
             ["|LTC - reference|", "|LTC - reference|", "difference", "d", ""]
         );
+    }
+
+    #[test]
+    fn a_tag_stays_within_its_part() {
+        let blank = Picture::filled(512, 300, [90; 3]);
+        let mut picture = blank.clone();
+        tag(&mut picture, &["alpha .05, .25"], [256, 300], 256);
+        let changed = |picture: &Picture| -> Vec<usize> {
+            (0..picture.rgb.len()).filter(|index| picture.rgb[*index] != blank.rgb[*index]).collect()
+        };
+        assert!(changed(&picture).iter().all(|index| index % 512 >= 256 && index / 512 > 270));
+        assert!(!changed(&picture).is_empty());
+        let mut picture = blank.clone();
+        tag(&mut picture, &["alpha .05, .25"], [0, 300], 64);
+        assert!(changed(&picture).is_empty(), "a label wider than its part");
     }
 }

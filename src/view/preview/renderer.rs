@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::{
-    Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
+    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
     gpu::{Gpu, GpuFailure, RenderTask, Variant},
+    panel_error::{PanelError, panel_errors},
     tone,
 };
 use crate::view::picture::Picture;
@@ -40,19 +41,9 @@ pub struct Rendered {
     pub adapter: String,
     /// For modes that compare: the error of each material, in the scene's order.
     pub errors: Vec<PanelError>,
-}
-
-/// How far table and reference are apart on one material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PanelError {
-    /// The material's roughness along its tangent.
-    pub alpha_x: f64,
-    /// And across it.
-    pub alpha_y: f64,
-    /// Mean over pixels that the surface covers, and over channels, of the absolute difference in radiance.
-    pub mean_absolute: f64,
-    /// Mean radiance of the reference over the same.
-    pub mean_radiance: f64,
+    /// For modes that show the table: the materials whose roughness lies outside its nodes. Its nearest entries stand for
+    /// them.
+    pub outside: Vec<Material>,
 }
 
 /// Renders pictures, one after another. Nothing is opened before the first.
@@ -128,24 +119,27 @@ impl Preview {
 
     fn attempt(&mut self, table: &Arc<ShaderTable>, scene: &Scene, stop: Stop<'_>) -> Result<Rendered, PreviewError> {
         let frame = Frame::new(scene, scene.mode == Mode::Lobe);
+        let outside = outside(table, scene);
         let mut errors = Vec::new();
         let picture = match scene.mode {
-            Mode::Ltc => self.picture(table, &frame, Estimator::Table, stop)?,
+            Mode::Ltc => {
+                let picture = self.picture(table, &frame, Estimator::Table, stop)?;
+                compose::warned(picture, scene, &outside)
+            }
             Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
             Mode::Difference | Mode::Strip => {
                 let ltc = self.radiances(table, &frame, Estimator::Table, stop)?;
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 errors = panel_errors(scene, &frame, &ltc, &reference);
-                let mean = errors.iter().map(|error| error.mean_absolute).sum::<f64>() / errors.len() as f64;
-                compose::compared(scene, &ltc, &reference, mean)
+                compose::compared(scene, table, &outside, [&ltc, &reference], &errors)
             }
             Mode::Lobe => {
                 let ltc = self.radiances(table, &frame, Estimator::TableLobe, stop)?;
                 let reference = self.radiances(table, &frame, Estimator::ReferenceLobe, stop)?;
-                compose::lobes(&ltc, &reference)
+                compose::lobes(scene, table, &outside, &frame, [&ltc, &reference])
             }
         };
-        Ok(Rendered { picture, adapter: self.adapter_name()?, errors })
+        Ok(Rendered { picture, adapter: self.adapter_name()?, errors, outside })
     }
 
     /// What renders: an adapter's name, or `cpu`.
@@ -265,6 +259,17 @@ impl Preview {
     }
 }
 
+/// The shown materials whose roughness lies outside the table's nodes.
+fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
+    let shown = match scene.mode {
+        Mode::Reference => 0,
+        Mode::Lobe => 1,
+        Mode::Ltc | Mode::Difference | Mode::Strip => scene.materials.len(),
+    };
+    let shown = scene.materials.iter().take(shown).copied();
+    shown.filter(|m| !cpu::covers(table, m.alpha_x as f32, m.alpha_y as f32)).collect()
+}
+
 /// All of a frame, as radiance, on the CPU.
 fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
     let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
@@ -284,27 +289,6 @@ fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'
 fn radiances(frame: &Frame, words: &[u32]) -> Radiances {
     let (pixels, _) = words.as_chunks::<3>();
     Radiances { width: frame.size, pixels: pixels.iter().map(|words| words.map(f32::from_bits)).collect() }
-}
-
-/// The error of each material over the pixels that it covers.
-fn panel_errors(scene: &Scene, frame: &Frame, ltc: &Radiances, reference: &Radiances) -> Vec<PanelError> {
-    let mut sums = vec![(0.0, 0.0, 0.0); scene.materials.len()];
-    let sum = |pixel: [f32; 3]| pixel.map(f64::from).iter().sum::<f64>() / 3.0;
-    for (index, (ltc, reference)) in (0..).zip(ltc.pixels.iter().zip(&reference.pixels)) {
-        if let Some(cell) = cpu::covering(frame, [index % frame.size, index / frame.size]) {
-            let (apart, radiance, pixels) = &mut sums[cell];
-            *apart += sum([0, 1, 2].map(|i| (ltc[i] - reference[i]).abs()));
-            *radiance += sum(*reference);
-            *pixels += 1.0;
-        }
-    }
-    let error = |(material, (apart, radiance, pixels)): (&super::Material, (f64, f64, f64))| PanelError {
-        alpha_x: material.alpha_x,
-        alpha_y: material.alpha_y,
-        mean_absolute: apart / pixels.max(1.0),
-        mean_radiance: radiance / pixels.max(1.0),
-    };
-    scene.materials.iter().zip(sums).map(error).collect()
 }
 
 #[cfg(test)]

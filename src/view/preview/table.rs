@@ -23,7 +23,12 @@ pub struct ShaderTable {
     pub(super) texels: [Vec<[f32; 4]>; 3],
     /// Whether its surfaces are isotropic with one phi, whose lobes turn with the view.
     pub(super) turns_with_view: bool,
+    /// What pictures call it.
+    pub(super) label: Option<String>,
 }
+
+/// Digits of a digest that a picture shows.
+const SHORT: usize = 8;
 
 impl ShaderTable {
     /// The table with its numbers rounded to `format`. Without terms those stand in that leave the layout's start as it
@@ -54,7 +59,14 @@ impl ShaderTable {
             },
             texels: [0, 1, 2].map(|texel| (0..table.matrix.len()).map(|index| entry(index)[texel]).collect()),
             turns_with_view: axes.ratio == [1.0] && axes.phi.len() == 1,
+            label: None,
         }
+    }
+
+    /// The same table, which pictures call by the first digits of the digest of its file.
+    #[must_use]
+    pub fn labelled(self, digest: &str) -> Self {
+        Self { label: Some(digest.chars().take(SHORT).collect()), ..self }
     }
 
     /// The number by which shaders know the layout.

@@ -22,6 +22,8 @@ const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
 /// Half a mark.
 const MARK: f64 = 4.0;
+/// Half of what is drawn around a mark that has a name.
+const RING: f64 = 7.5;
 
 /// Both schemes of colours in one file: the viewer's own preference picks.
 const STYLE: &str = "\
@@ -56,7 +58,8 @@ struct Panel {
     write_tick: fn(f64) -> String,
 }
 
-/// The picture as SVG. A row on a front is drawn full, others faint; f16 hollow; presets ringed and named.
+/// The picture as SVG. A row on a front is drawn full, others faint; f16 hollow;
+/// presets ringed and named; outliers in a square at the edge, with their values.
 #[must_use]
 pub fn picture(rows: &[Row]) -> String {
     let mut out = String::new();
@@ -154,7 +157,17 @@ fn write_panel(out: &mut String, panel: &Panel, rows: &[Row]) -> std::fmt::Resul
         let faint = if (panel.is_on_front)(row) || row.on_front.base { "" } else { " off" };
         mark(out, at(row), row.layout, &format!("{precision}{faint}"))?;
     }
-    write_presets(out, panel, rows, at)
+    let beyond: Vec<(String, [f64; 2])> = rows
+        .iter()
+        .filter_map(|row| {
+            let price = (panel.price)(row);
+            let price = x_axis.is_beyond(price).then(|| (panel.write_tick)(two_digits(price)));
+            let error = y_axis.is_beyond(row.error_mean).then(|| rounded(two_digits(row.error_mean)).to_string());
+            let values: Vec<String> = price.into_iter().chain(error).collect();
+            (!values.is_empty()).then(|| (format!("off: {}", values.join(", ")), at(row)))
+        })
+        .collect();
+    write_names(out, panel, rows, &beyond, at)
 }
 
 /// A staircase: between two points on it nothing better is known than the dearer one's error from its price on.
@@ -166,19 +179,45 @@ fn write_front(out: &mut String, class: &str, points: impl Iterator<Item = [f64;
     writeln!(out, r#"<path class="{class}" d="{steps}"/>"#)
 }
 
-fn write_presets(out: &mut String, panel: &Panel, rows: &[Row], at: impl Fn(&Row) -> [f64; 2]) -> std::fmt::Result {
-    let named: Vec<(&str, [f64; 2])> = rows.iter().filter_map(|row| row.preset.map(|name| (name, at(row)))).collect();
-    let taken: Vec<Area> = rows.iter().map(|row| Area::around(at(row), MARK + 1.0)).collect();
-    let points: Vec<[f64; 2]> = named.iter().map(|(_, point)| *point).collect();
-    let sizes: Vec<[f64; 2]> = named.iter().map(|(name, _)| [LETTER * name.len() as f64, NAME_HEIGHT]).collect();
+/// The names of presets, and the values of rows `beyond` an axis, each where it hides neither a mark nor another.
+fn write_names(
+    out: &mut String,
+    panel: &Panel,
+    rows: &[Row],
+    beyond: &[(String, [f64; 2])],
+    at: impl Fn(&Row) -> [f64; 2],
+) -> std::fmt::Result {
+    let presets = rows.iter().filter_map(|row| row.preset.map(|name| (name, at(row), true)));
+    let beyond = beyond.iter().map(|(value, at)| (value.as_str(), *at, false));
+    let named: Vec<(&str, [f64; 2], bool)> = presets.chain(beyond).collect();
+    let marks = rows.iter().map(|row| Area::around(at(row), MARK + 1.0));
+    let rings = named.iter().map(|(_, point, _)| Area::around(*point, RING + 1.0));
+    let taken: Vec<Area> = marks.chain(rings).collect();
+    let points: Vec<[f64; 2]> = named.iter().map(|(_, point, _)| *point).collect();
+    let sizes: Vec<[f64; 2]> = named.iter().map(|(name, ..)| [LETTER * name.len() as f64, NAME_HEIGHT]).collect();
     let frame = Area { left: panel.left, top: TOP, width: PANEL_WIDTH, height: PANEL_HEIGHT };
-    for ((name, [x, y]), area) in named.iter().zip(places(&points, &sizes, &taken, &frame)) {
-        let near = [x.clamp(area.left, area.left + area.width), y.clamp(area.top, area.top + area.height)];
-        writeln!(out, r#"<path class="lead" d="M{x:.1} {y:.1}L{:.1} {:.1}"/>"#, near[0], near[1])?;
-        writeln!(out, r#"<circle class="preset" cx="{x:.1}" cy="{y:.1}" r="7.5"/>"#)?;
-        writeln!(out, r#"<text class="title" x="{:.1}" y="{:.1}">{name}</text>"#, area.left, area.top + 12.0)?;
+    for ((name, [x, y], is_preset), area) in named.iter().zip(places(&points, &sizes, &taken, &frame)) {
+        if let Some(area) = area {
+            let near = [x.clamp(area.left, area.left + area.width), y.clamp(area.top, area.top + area.height)];
+            writeln!(out, r#"<path class="lead" d="M{x:.1} {y:.1}L{:.1} {:.1}"/>"#, near[0], near[1])?;
+            writeln!(out, r#"<text class="title" x="{:.1}" y="{:.1}">{name}</text>"#, area.left, area.top + 12.0)?;
+        }
+        if *is_preset {
+            writeln!(out, r#"<circle class="preset" cx="{x:.1}" cy="{y:.1}" r="{RING}"/>"#)?;
+        } else {
+            // A square around the mark: its place is the frame's edge, not its value.
+            let side = 2.0 * RING;
+            let [left, top] = [x - RING, y - RING];
+            writeln!(out, r#"<rect class="preset" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#)?;
+        }
     }
     Ok(())
+}
+
+/// A number rounded to two digits.
+fn two_digits(x: f64) -> f64 {
+    let scale = 10_f64.powi(1 - x.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
+    (x * scale).round() / scale
 }
 
 fn mark(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {

@@ -83,7 +83,8 @@ impl Studio {
         }
         // The one before makes room first: tables may be large.
         self.shader_table = None;
-        let table = Arc::new(ShaderTable::new(&self.table(digest)?, TexelFormat::F32));
+        let table = ShaderTable::new(&self.table(digest)?, TexelFormat::F32).labelled(&digest.hex());
+        let table = Arc::new(table);
         self.shader_table = Some((digest, Arc::clone(&table)));
         Ok(table)
     }

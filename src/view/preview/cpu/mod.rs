@@ -55,6 +55,23 @@ pub(super) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -
     light::Inverse::of(m).covered(&light, glam::Vec3::ZERO, glam::Mat3::IDENTITY)
 }
 
+/// Whether a table's nodes surround a roughness as the lookup folds it. Outside them it takes the nearest.
+pub(super) fn covers(table: &ShaderTable, alpha_x: f32, alpha_y: f32) -> bool {
+    /// A quotient of f32 numbers may be off a node that it stands for by this part of it.
+    const ROUNDING: f32 = 1e-6;
+    let (x, y) = (alpha_x.max(lookup::ALPHA_FLOOR), alpha_y.max(lookup::ALPHA_FLOOR));
+    let is_within = |nodes: &[f32], value: f32| {
+        let [Some(first), Some(last)] = [nodes.first(), nodes.last()] else { return false };
+        (first * (1.0 - ROUNDING)..=last * (1.0 + ROUNDING)).contains(&value)
+    };
+    is_within(&table.nodes.alpha, x.max(y)) && is_within(&table.nodes.ratio, x.min(y) / x.max(y))
+}
+
+/// Where a lobe's picture shows a direction, in pixels; `None` on the far side of the sphere of directions.
+pub(super) fn place_of_direction(frame: &Frame, w: glam::Vec3) -> Option<[f32; 2]> {
+    surface::place_of_direction(frame, w)
+}
+
 /// The cell whose surface covers a pixel, in part at least.
 pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     surface::covering(frame, pixel)
