@@ -4,6 +4,7 @@ use std::{
     env,
     io::{self, IsTerminal as _},
     os::unix::process::CommandExt as _,
+    path::Path,
     process::{self, ExitCode},
     time::Duration,
 };
@@ -53,12 +54,13 @@ fn main() -> ExitCode {
 
 /// Starts this program anew in this process with an environment in which Mesa does not look for a display.
 ///
-/// Where there is no `XDG_RUNTIME_DIR`, Mesa's layer for choosing devices has libwayland complain on standard error that
+/// Without an `XDG_RUNTIME_DIR` that is a full path, Mesa's layer for choosing devices has libwayland complain on standard error that
 /// it found none, since wgpu enables the surface extensions of every instance. `NODEVICE_SELECT` turns the layer off; a
 /// process may not change its own environment without unsafe code.
 fn keep_vulkan_from_looking_for_a_display() {
     const SWITCH: &str = "NODEVICE_SELECT";
-    if env::var_os("XDG_RUNTIME_DIR").is_some() || env::var_os(SWITCH).is_some() {
+    let is_found = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
+    if is_found || env::var_os(SWITCH).is_some() {
         return;
     }
     if let Ok(program) = env::current_exe() {

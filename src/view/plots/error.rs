@@ -14,7 +14,7 @@ const SCALE: u32 = 10;
 const ENDS: [f64; 2] = [1e-3, 1.0];
 /// Room for alpha's ticks and labels, and for its name above them.
 const LEFT: u32 = 64;
-const ABOVE: u32 = LINE;
+const ABOVE: u32 = LINE + LINE / 2;
 /// Room for theta's ticks, labels and name.
 const BELOW: u32 = TICK + 2 * LINE;
 /// Length of a labelled tick; that of a node is half as long.
@@ -72,7 +72,7 @@ fn panel(table: &Table, map: &ErrorMap, errors: &[f64]) -> Picture {
         picture.put(&Picture::filled(1, TICK, TICK_COLOUR), x, ABOVE + side);
         write(&mut picture, &number(degrees as f32), x, ABOVE + side + TICK + LINE / 2, Anchor::Middle, width);
     }
-    write(&mut picture, "alpha", LEFT - TICK - 4, LINE / 2 - 2, Anchor::Right, width);
+    write(&mut picture, "alpha", LEFT - TICK - 4, LINE / 2, Anchor::Right, width);
     let y = ABOVE + side + TICK + LINE + LINE / 2;
     write(&mut picture, "theta, degrees", LEFT + side / 2, y, Anchor::Middle, width);
     picture

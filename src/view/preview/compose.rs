@@ -95,7 +95,8 @@ pub(super) fn compared(
     let width = apart.width;
     tag_cells(&mut apart, scene, |index, material| {
         let mean = short(errors[index].mean_absolute);
-        vec![format!("{}: mean {mean}", alphas(material)), format!("mean {mean}"), mean]
+        let alphas = alphas(material);
+        vec![format!("{alphas}: mean {mean}"), format!("{alphas}: {mean}"), format!("mean {mean}"), mean]
     });
     let foot = bar(width, colour, ["0", &number(scale)], &["|difference| of radiance", "radiance"]);
     if scene.mode == Mode::Difference {

@@ -21,6 +21,13 @@ impl Area {
         Self { left: x - half, top: y - half, width: 2.0 * half, height: 2.0 * half }
     }
 
+    /// What lies within `half` of a horizontal or vertical line between two points.
+    pub(super) fn along(a: [f64; 2], b: [f64; 2], half: f64) -> Self {
+        let low = |axis: usize| a[axis].min(b[axis]) - half;
+        let length = |axis: usize| (a[axis] - b[axis]).abs() + 2.0 * half;
+        Self { left: low(0), top: low(1), width: length(0), height: length(1) }
+    }
+
     /// The squared distance from a point to the middle of this box.
     fn distance2(&self, [x, y]: [f64; 2]) -> f64 {
         (self.left + 0.5 * self.width - x).powi(2) + (self.top + 0.5 * self.height - y).powi(2)
