@@ -23,15 +23,15 @@ struct LtcTable {
 @group(0) @binding(4) var ltc_terms: texture_3d<f32>;
 @group(0) @binding(5) var ltc_sampler: sampler;
 
-/// Lets the sampler weigh phi, theta and alpha: 2 fetches a texture in place of 16. Textures then have to be
-/// filterable and the sampler linear. Many GPUs have weights of 8 bits only, which shows on sharp lobes.
+/// Lets the sampler interpolate phi, theta and alpha, with 2 fetches per texture in place of 16. Textures then have to
+/// be filterable and the sampler linear. Many GPUs interpolate with weights of 8 bits only, which shows on sharp lobes.
 override ltc_hardware_filter: bool = false;
 
 /// The stored matrix is M, the stored terms are the terms.
 const LTC_LAYOUT_KT2022: u32 = 0u;
-/// They are what is left between the lobe and its reflection, see ltc_reflected.
+/// They are relative to the reflection of the view direction, see ltc_reflected.
 const LTC_LAYOUT_REFLECTED: u32 = 1u;
-/// Whichever ltc_table.reading.x says.
+/// The layout that ltc_table.reading.x names.
 const LTC_LAYOUT_OF_TABLE: u32 = 2u;
 
 /// The layout of all tables that this shader is to read.
@@ -42,7 +42,7 @@ const LTC_ALPHA_FLOOR: f32 = 1e-4;
 /// The smaller roughness is fitted as if it were at least this.
 const LTC_ALPHA_Y_FLOOR: f32 = 1e-5;
 
-/// What a table says of a surface seen from one direction.
+/// The lobe of a surface seen from one direction.
 struct LtcLobe {
     /// Maps the clamped cosine to the lobe, in the surface's tangent frame.
     m: mat3x3<f32>,
@@ -109,7 +109,7 @@ struct LtcTexels {
     terms: vec4<f32>,
 }
 
-/// The 16 entries around a place, weighed by hand: exact weights, any texture format.
+/// The 16 entries around a place, interpolated here: exact weights, any texture format.
 fn ltc_fetch_weighed(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: LtcPlace) -> LtcTexels {
     var sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
     let last = ltc_table.nodes - vec4(1u);
@@ -129,7 +129,7 @@ fn ltc_fetch_weighed(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: Ltc
     return sum;
 }
 
-/// The same with the sampler's weights for all axes but ratio.
+/// The same, interpolated by the sampler along all axes but ratio.
 fn ltc_fetch_filtered(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: LtcPlace) -> LtcTexels {
     let n = vec4<f32>(ltc_table.nodes);
     let rows = vec2(ratio.lower, min(ratio.lower + 1u, ltc_table.nodes.y - 1u)) * ltc_table.nodes.z;
@@ -157,8 +157,8 @@ fn ltc_reflected_tangent(wo: vec3<f32>, wm: vec3<f32>, d: f32, tangent: vec3<f32
     return 2.0 * (dot(wo, tilt) * wm + d * tilt);
 }
 
-/// What the interpolated numbers of layout reflected stand for, at a place within the table's ranges seen from wo in
-/// the first quadrant: they are what is left of the lobe beside the reflection at the normal in the middle of those seen.
+/// The lobe that the interpolated numbers of layout reflected stand for, at a place within the table's ranges and seen
+/// from wo in the first quadrant. The numbers are relative to the reflection at the mean visible normal.
 fn ltc_reflected(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
     let alpha_y = max(alpha_x * ratio, LTC_ALPHA_Y_FLOOR);
     let halfway = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z)) + vec3(0.0, 0.0, 1.0);
@@ -215,7 +215,7 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
         vec3(texels.a.w, texels.b.xy),
         vec3(texels.b.zw, texels.terms.x),
     ));
-    // Outside the table's ranges all of it answers as at their nearest end.
+    // Outside the table's ranges everything is evaluated at the nearest end.
     var view = vec3(select(abs(wo.xy), abs(wo.yx), fold.swap), wo.z);
     if (theta.nearest != fold.theta || phi.nearest != fold.phi) {
         let polar = ltc_sin_cos(theta.nearest * 0.15915494);

@@ -1,4 +1,4 @@
-//! `preview`: what a table does, as a picture.
+//! `preview`: surfaces lit by a table, as a picture.
 
 use std::{fs, sync::Arc};
 
@@ -10,8 +10,8 @@ use crate::{
     view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
 };
 
-/// Renders a picture and writes it. The adapter, and the errors of modes that compare, go to standard error, or as
-/// JSON to standard output.
+/// Renders a picture and writes it. The adapter, materials outside the table, and the errors of modes that compare go to
+/// standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
     let AnyTable { digest, mut table, .. } = AnyTable::read(&args.table)?;
     if args.ggx_terms {

@@ -1,4 +1,4 @@
-//! Pictures: what a table does, its numbers and errors, and the trade-off of speed and accuracy.
+//! Pictures of tables: surfaces lit by them, their numbers and errors, and the trade-off of speed and accuracy.
 
 pub mod picture;
 pub mod plots;

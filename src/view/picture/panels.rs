@@ -26,7 +26,7 @@ pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units
     let y = 4 + BAR + LINE / 2;
     text::write(&mut picture, low, MARGIN, y, Anchor::Left, width);
     text::write(&mut picture, high, width - MARGIN, y, Anchor::Right, width);
-    // Where the unit does not fit between the ends, it is left to the reader.
+    // A unit that does not fit between the ends is left out.
     let widest = if low.len() > high.len() { low } else { high };
     let fits = |unit: &&&str| !text::fitting(&[&format!("-- {widest} {unit} {widest}")], width).is_empty();
     if let Some(unit) = units.iter().find(fits) {
@@ -62,7 +62,7 @@ pub struct Panel<'a> {
     pub title: &'a str,
     /// What it shows.
     pub picture: Picture,
-    /// What stands below, as wide as the picture.
+    /// What is drawn below, as wide as the picture.
     pub foot: Picture,
 }
 

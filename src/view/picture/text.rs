@@ -41,7 +41,7 @@ impl DrawTarget for Picture {
     }
 }
 
-/// Where a text stands from its point.
+/// Where a text is placed relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     /// It begins there.

@@ -6,13 +6,13 @@ use crate::{
     view::picture::{GROUND, Panel, Picture, bar, caption, colour, grid, headed, number, signed_colour},
 };
 
-/// Pixels that a panel is wide and high at least, as far as cells may be that large.
+/// The least width and height of a panel in pixels, as far as the largest cell allows.
 const SIDE: usize = 240;
 /// Pixels a cell at most.
 const LARGEST_CELL: usize = 24;
-/// Cells along a panel's side at most: of a table with more, nodes are left out.
+/// Most cells along a panel's side. A table with more is shown without some of its nodes.
 const MOST_CELLS: usize = 512;
-/// The part of the numbers at each end that is beyond the colours: one outlier would leave the others none.
+/// The part of the numbers at each end that the colours do not cover, since one outlier would take them all.
 const BEYOND: f64 = 0.01;
 /// What is below and above the colours, in none of theirs.
 const BELOW: [u8; 3] = [0, 220, 230];
@@ -47,14 +47,14 @@ pub(super) fn draw(table: &Table) -> Picture {
     headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, 4))
 }
 
-/// A number of each entry in storage order; `None` for what the table has not.
+/// A number of each entry in storage order; `None` for what the table lacks.
 fn numbers(table: &Table, panel: usize) -> Option<Vec<f32>> {
     let (row, column) = (panel / 4, panel % 4);
     match (column, row) {
         (0..3, _) => Some(table.matrix.iter().map(|m| m[3 * row + column]).collect()),
         (_, 0) => table.terms.as_ref().map(|terms| terms.amplitude.clone()),
         (_, 1) => table.terms.as_ref().map(|terms| terms.fresnel.clone()),
-        // A table of others does not tell.
+        // Tables of others lack it.
         _ => Some(table.node_error.clone()).filter(|errors| errors.iter().all(|error| error.is_finite())),
     }
 }
@@ -115,7 +115,7 @@ impl Scale {
 #[derive(Debug)]
 struct Tiling {
     nodes: PerAxis<usize>,
-    /// One node of how many is shown.
+    /// Every how many nodes one is shown.
     step: PerAxis<usize>,
     /// Pixels a cell.
     cell: usize,
@@ -169,7 +169,7 @@ impl Tiling {
         picture
     }
 
-    /// What the picture does not show, in words.
+    /// The nodes that the picture leaves out, in words.
     fn left_out(&self) -> String {
         let thinned = self.step.named().into_iter().filter(|(_, step)| **step > 1);
         let words: Vec<String> = thinned.map(|(axis, step)| format!("one node of {step} along {axis}")).collect();
@@ -187,7 +187,7 @@ fn place(cell_index: usize, tile: usize, cells: usize, cell: usize) -> usize {
     tile * (cells * cell + GAP) + cell_index * cell
 }
 
-/// How many nodes of each of two axes stand for one, so that no more than [`MOST_CELLS`] are left in all.
+/// Every how many nodes of each of two axes one is shown, so that they make at most [`MOST_CELLS`] cells.
 fn steps(a: usize, b: usize) -> (usize, usize) {
     let (mut step_a, mut step_b) = (1, 1);
     while a.div_ceil(step_a) * b.div_ceil(step_b) > MOST_CELLS {

@@ -61,7 +61,7 @@ fn within(text: &str, [low, high]: [f64; 2]) -> Option<f64> {
     text.parse().ok().filter(|number| (low..=high).contains(number))
 }
 
-/// A direction in which surfaces differ most from isotropic ones: between their axes.
+/// Between the axes of a surface, where an anisotropic one differs most from an isotropic one.
 impl Default for Slice {
     fn default() -> Self {
         Self { ratio: 0.25, phi: 0.7 }
@@ -69,7 +69,7 @@ impl Default for Slice {
 }
 
 impl Slice {
-    /// Where it is chosen, else where it is by default.
+    /// The slice at what is chosen, and at the defaults of what is not.
     #[must_use]
     pub fn new(ratio: Option<Ratio>, phi: Option<Azimuth>) -> Self {
         let usual = Self::default();

@@ -15,7 +15,7 @@ use crate::view::picture::Picture;
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";
 
-/// Pictures in a row at which a GPU may hang before it is left alone for good.
+/// Pictures in a row at which a GPU may hang before it is never used again.
 const MOST_HANGS: u32 = 2;
 /// Most rows, and samples, that the CPU renders between asking whether to stop.
 const ROWS: u32 = 32;
@@ -24,7 +24,7 @@ const SAMPLES: u32 = 1 << 20;
 /// What renders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adapter {
-    /// A GPU that Vulkan knows if there is one, else the CPU.
+    /// A GPU if Vulkan lists one, else the CPU.
     Any,
     /// A GPU or nothing.
     Gpu,
@@ -51,23 +51,23 @@ pub struct Rendered {
 pub struct Preview {
     adapter: Adapter,
     gpu: Gpu,
-    /// There is no GPU, or none that works: the CPU renders from now on.
+    /// There is no GPU, or none that works, so the CPU renders from now on.
     has_no_gpu: bool,
-    /// A GPU has been there.
+    /// A GPU was open before.
     had_gpu: bool,
     /// Pictures in a row at which the GPU hung.
     hangs: u32,
     progress: Progress,
 }
 
-/// Of a picture, which may take several passes.
+/// How far a picture is, which may take several passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Progress {
-    /// The GPU has not rendered any of it.
+    /// Nothing is rendered yet.
     Begun,
-    /// It has.
+    /// The GPU has rendered all there is.
     OnGpu,
-    /// The GPU failed before it had rendered any: the CPU renders all.
+    /// The GPU failed before it had rendered anything; the CPU renders all.
     OnCpu,
     /// The GPU failed after it had rendered part.
     Mixed,
@@ -80,7 +80,7 @@ impl Preview {
         Self::with_variant(adapter, Variant::default())
     }
 
-    /// One whose shaders are compiled in another way. The CPU does not know variants.
+    /// A renderer whose shaders are compiled in another way. The CPU has no variants.
     #[must_use]
     pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
         Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, progress: Progress::Begun }
@@ -103,14 +103,14 @@ impl Preview {
         self.progress = Progress::Begun;
         let rendered = self.attempt(table, scene, stop)?;
         if self.progress == Progress::Mixed {
-            // Now the CPU renders what the GPU had rendered too.
+            // A picture comes from one renderer: the CPU renders all of it.
             return self.attempt(table, scene, stop);
         }
         self.end();
         Ok(rendered)
     }
 
-    /// A picture that the GPU rendered all of ends a row of those at which it hung.
+    /// A picture that the GPU rendered resets the count of pictures at which it hung.
     fn end(&mut self) {
         if self.progress == Progress::OnGpu {
             self.hangs = 0;
@@ -177,7 +177,7 @@ impl Preview {
         Ok(Radiances { width: extent[0], pixels })
     }
 
-    /// All of a frame, to display.
+    /// A whole frame, to display.
     fn picture(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -199,7 +199,7 @@ impl Preview {
         }
     }
 
-    /// All of a frame, as radiance.
+    /// A whole frame, as radiance.
     fn radiances(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -217,7 +217,7 @@ impl Preview {
         }
     }
 
-    /// What the GPU makes of `work`; `None` where the CPU has to do it.
+    /// The result of `work` on the GPU; `None` where the CPU has to do it.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
         if self.adapter == Adapter::Cpu
             || matches!(self.progress, Progress::OnCpu | Progress::Mixed)
@@ -237,7 +237,7 @@ impl Preview {
             tracing::warn!("the CPU renders: {failure}");
             self.progress = if self.progress == Progress::OnGpu { Progress::Mixed } else { Progress::OnCpu };
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
-            // One that was lost may come back; each one that hangs is left to itself and costs its patience.
+            // A lost GPU may come back. A GPU that hangs is abandoned, and each one costs the time that it is waited for.
             self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
             return Ok(None);
         }
@@ -270,7 +270,7 @@ fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
     shown.filter(|m| !cpu::covers(table, m.alpha_x as f32, m.alpha_y as f32)).collect()
 }
 
-/// All of a frame, as radiance, on the CPU.
+/// A whole frame, as radiance, on the CPU.
 fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
     let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
     let samples = if estimator == Estimator::Reference { frame.spp } else { 1 };

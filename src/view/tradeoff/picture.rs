@@ -1,4 +1,4 @@
-//! The trade as a picture: error against seconds, and against bytes.
+//! The trade-off as a picture: error against seconds, and against bytes.
 
 use std::fmt::Write as _;
 
@@ -17,7 +17,7 @@ const PANEL_HEIGHT: f64 = 420.0;
 /// Left ends of the panels, and their width.
 const LEFT: [f64; 2] = [64.0, 624.0];
 const PANEL_WIDTH: f64 = 480.0;
-/// What a letter of a name takes at 13 pixels, and a name's height.
+/// The width of a letter at 13 pixels, and the height of a name.
 const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
 /// Half a mark.
@@ -25,7 +25,7 @@ const MARK: f64 = 4.0;
 /// Half of what is drawn around a mark that has a name.
 const RING: f64 = 7.5;
 
-/// Both schemes of colours in one file: the viewer's own preference picks.
+/// Light and dark colours in one file; the viewer's preference picks.
 const STYLE: &str = "\
 svg { font: 13px system-ui, sans-serif; --ink: #24292f; --paper: #ffffff; --grid: #d8dee4; --a: #0969da; --b: #bc4c00 }
 @media (prefers-color-scheme: dark) {

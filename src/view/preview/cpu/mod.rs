@@ -1,7 +1,7 @@
 //! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
 //!
-//! Each file stands beside a shader's and has its functions, with their names: `lookup` is `ltc_table.wgsl`, `light`
-//! is `ltc_light.wgsl`, `ggx` is `ggx_reference.wgsl`, `surface` is `sphere.wgsl`. Comments stand there.
+//! Each file mirrors a shader and has functions of the same names: `lookup` mirrors `ltc_table.wgsl`, `light`
+//! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, and `surface` `sphere.wgsl`. The shaders have the comments.
 
 mod ggx;
 mod light;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{Radiances, ShaderTable, estimator::Estimator, frame::Frame};
 
-/// A part of the picture, as radiance: that of the `extent` pixels from `corner`.
+/// The `extent` pixels from `corner` on, as radiance.
 pub(super) fn render(
     frame: &Frame,
     table: &ShaderTable,
@@ -26,8 +26,7 @@ pub(super) fn render(
     Radiances { width: extent[0], pixels: rows.collect() }
 }
 
-/// `ltc_example`: the table looked up, and the part of the lobe that a one-sided polygon covers: M, then amplitude,
-/// Fresnel term and that.
+/// `ltc_example`: M, and the amplitude, the Fresnel term and the part of the lobe that a one-sided polygon covers.
 #[cfg(test)]
 pub(super) fn lit(
     table: &ShaderTable,
@@ -72,7 +71,7 @@ pub(super) fn place_of_direction(frame: &Frame, w: glam::Vec3) -> Option<[f32; 2
     surface::place_of_direction(frame, w)
 }
 
-/// The cell whose surface covers a pixel, in part at least.
+/// The cell whose surface covers a pixel, at least in part.
 pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     surface::covering(frame, pixel)
 }
