@@ -63,7 +63,7 @@ fn panel(table: &Table, map: &ErrorMap, errors: &[f64]) -> Picture {
     for x in table.axes.theta.iter().filter_map(|theta| right(*theta)) {
         picture.put(&Picture::filled(1, TICK / 2, NODE_COLOUR), x, ABOVE + side);
     }
-    let alphas = labelled(&ALPHAS, map.roughness.map(|root| root * root), |alpha| up(alpha));
+    let alphas = labelled(&ALPHAS, map.roughness.map(|root| root * root), up);
     for (alpha, y) in alphas {
         picture.put(&Picture::filled(TICK, 1, TICK_COLOUR), LEFT - TICK, y);
         write(&mut picture, &number(alpha as f32), LEFT - TICK - 4, y, Anchor::Right, width);

@@ -14,6 +14,8 @@ const MARGIN: f64 = 0.05;
 /// Values are outliers if the axis without them is at most this part as long, and if they are at most this part of all.
 const OUTLIER_SPAN: f64 = 0.5;
 const OUTLIER_SHARE: f64 = 0.1;
+/// Values whose greatest is less than this times their least have no outliers: they are told apart anyway.
+const OUTLIER_FACTOR: f64 = 4.0;
 
 impl LogAxis {
     /// An axis that shows all positive `values` but outliers, between the coordinates `ends`. Without any, from 1 to 10.
@@ -62,6 +64,9 @@ fn without_outliers(values: &[f64]) -> &[f64] {
         [low, .., high] => (high / low).ln(),
         _ => 0.0,
     };
+    if span(values) < OUTLIER_FACTOR.ln() {
+        return values;
+    }
     // Two values have no common scale that either could be off.
     let is_shorter = |rest: &[f64]| rest.len() > 2 && span(rest) <= OUTLIER_SPAN * span(values);
     // The fewest that do, counted over both ends.
