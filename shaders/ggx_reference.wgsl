@@ -21,7 +21,7 @@ struct Light {
 
 @group(1) @binding(0) var<uniform> light: Light;
 
-/// Whether it is an ellipse. A constant of the pipeline: software drivers run both sides of a branch.
+/// Whether the light is an ellipse. This is a constant of the pipeline, since software drivers run both sides of a branch.
 override light_is_ellipse: bool = false;
 
 /// A point of the surface with its tangent frame, and what is seen from where.
@@ -35,7 +35,7 @@ struct Shaded {
     alpha: vec2<f32>,
 }
 
-/// Directions closer to the horizon than this, as cosines, are as good as below it.
+/// Directions whose cosine is below this count as below the horizon.
 const GGX_HORIZON: f32 = 1e-6;
 
 fn reference_hash(key: u32) -> u32 {
@@ -74,7 +74,7 @@ fn ggx_visible_normal(alpha: vec2<f32>, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32
     return normalize(vec3(alpha * wm.xy, max(wm.z, 0.0)));
 }
 
-/// Whether the light sends anything along wi, a direction away from the shaded point.
+/// Whether the light emits towards the shaded point along wi, a direction away from that point.
 fn light_faces(cosine: f32) -> bool {
     let towards = select(-cosine, abs(cosine), light.options.y == 1u);
     return towards > GGX_HORIZON;
@@ -114,7 +114,7 @@ fn light_point(u: vec2<f32>) -> vec3<f32> {
         let turn = sqrt(u.x) * ltc_sin_cos(u.y);
         return light.centre.xyz + turn.y * light.half_axes[0].xyz + turn.x * light.half_axes[1].xyz;
     }
-    // Which triangle: every lane takes as many steps.
+    // Find the triangle in the same number of steps for every lane.
     var i = 2u;
     for (var k = 2u; k + 1u < light.options.x; k++) {
         i += select(0u, 1u, u.x >= light.vertices[k].w);
@@ -129,8 +129,8 @@ fn light_point(u: vec2<f32>) -> vec3<f32> {
 }
 
 /// Reflected light for a Fresnel factor of one (x), and its part weighed by Schlick's (1 - wo . wm)^5 (y): the sum over
-/// `samples` samples from `first` on. Some drivers end loops after 65535 steps, those within them counted in: take
-/// no more than 1024 at a time.
+/// `samples` samples from `first` on. Some drivers end loops after 65535 steps, nested ones included, so take no more
+/// than 1024 samples at a time.
 fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> vec2<f32> {
     let a = reference_hash(key);
     let b = reference_hash(a ^ 0x9e3779b9u);
@@ -140,7 +140,7 @@ fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> vec2<f32> {
     let to_pdf = 1.0 / (4.0 * at.wo.z * (1.0 + lambda_o));
     var sum = vec2(0.0);
     for (var i = first; i < first + samples; i++) {
-        // A visible normal, and the light if it is there.
+        // Sample a visible normal, and see whether it reflects the light.
         var wm = ggx_visible_normal(at.alpha, at.wo, reference_point(i, vec2(a, b)));
         let cosine = dot(at.wo, wm);
         var wi = 2.0 * cosine * wm - at.wo;
@@ -152,7 +152,7 @@ fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> vec2<f32> {
                 sum += ggx_fresnel(cosine) * (g2_over_g1 * (of_brdf / (of_brdf + of_light)));
             }
         }
-        // A point of the light.
+        // Sample a point of the light.
         let to_light = light_point(reference_point(i, vec2(c, d))) - at.position;
         let distance2 = dot(to_light, to_light);
         let direction = to_light / sqrt(max(distance2, 1e-36));

@@ -1,4 +1,4 @@
-// Lights one surface by one light: how the other files are called, and where a port is checked. Needs ltc_math.wgsl,
+// Lights one surface by one light. It shows how to call the other files, and checks a port. Needs ltc_math.wgsl,
 // ltc_table.wgsl and ltc_light.wgsl. Replace it by your own; group 1 and LtcExample* go with it.
 
 struct LtcExampleCase {

@@ -10,8 +10,8 @@ struct LtcInverse {
     side: f32,
 }
 
-/// Of sharp lobes the inverse's numbers grow as 1 / alpha: the adjugate over its largest element does not divide by a
-/// determinant that may underflow, and leaves vertices of any size in range.
+/// The inverse's numbers grow as 1 / alpha for sharp lobes. The adjugate divided by its largest element needs no
+/// determinant, which may underflow, and keeps vertices of any size in range.
 fn ltc_inverse(m: mat3x3<f32>) -> LtcInverse {
     let x = cross(m[1], m[2]);
     let y = cross(m[2], m[0]);
@@ -46,8 +46,8 @@ fn ltc_unit(v: vec3<f32>) -> vec3<f32> {
 
 /// acos(a . b) (a x b).z / |a x b|, by the angle's sine and cosine: acos alone is inaccurate for short arcs.
 ///
-/// Of a closed outline the (a x b).z add up to those of a and b seen from any origin. From one near a small light they
-/// are of the size of their sum, which would otherwise be lost among their rounding errors.
+/// For a closed outline the sum of (a x b).z is the same for every origin. With an origin near a small light each term
+/// is as small as the sum, which rounding errors would otherwise swamp.
 fn ltc_arc(a: vec3<f32>, b: vec3<f32>, origin: vec2<f32>) -> f32 {
     let c = cross(a, b);
     let s = sqrt(dot(c, c));

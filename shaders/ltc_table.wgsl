@@ -27,14 +27,14 @@ struct LtcTable {
 @group(0) @binding(4) var ltc_terms: texture_3d<f32>;
 @group(0) @binding(5) var ltc_sampler: sampler;
 
-/// Lets the sampler weigh phi, theta and alpha: 2 fetches a texture in place of 16. Textures then have to be
-/// filterable and the sampler linear. Many GPUs have weights of 8 bits only, which shows on sharp lobes.
+/// Lets the sampler interpolate phi, theta and alpha, with 2 fetches per texture in place of 16. Textures then have to
+/// be filterable and the sampler linear. Many GPUs interpolate with weights of 8 bits only, which shows on sharp lobes.
 override ltc_hardware_filter: bool = false;
 
 /// The least roughness along either axis. Both are raised to it before their ratio is taken, so that mirrors stay isotropic.
 const LTC_LEAST_ALPHA: f32 = 1e-5;
 
-/// What a table says of a surface seen from one direction.
+/// The lobe of a surface seen from one direction.
 struct LtcLobe {
     /// Maps the clamped cosine to the lobe, in the surface's tangent frame.
     m: mat3x3<f32>,
@@ -101,7 +101,7 @@ struct LtcTexels {
     terms: vec4<f32>,
 }
 
-/// The 16 entries around a place, weighed by hand: exact weights, any texture format.
+/// The 16 entries around a place, interpolated here: exact weights, any texture format.
 fn ltc_fetch_weighed(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: LtcPlace) -> LtcTexels {
     var sum = LtcTexels(vec4(0.0), vec4(0.0), vec4(0.0));
     let last = ltc_table.nodes - vec4(1u);
@@ -121,7 +121,7 @@ fn ltc_fetch_weighed(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: Ltc
     return sum;
 }
 
-/// The same with the sampler's weights for all axes but ratio.
+/// The same, interpolated by the sampler along all axes but ratio.
 fn ltc_fetch_filtered(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: LtcPlace) -> LtcTexels {
     let n = vec4<f32>(ltc_table.nodes);
     let rows = vec2(ratio.lower, min(ratio.lower + 1u, ltc_table.nodes.y - 1u)) * ltc_table.nodes.z;
@@ -174,7 +174,7 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
         vec3(texels.a.w, texels.b.xy),
         vec3(texels.b.zw, texels.terms.x),
     ));
-    // Outside the table's ranges all of it answers as at their nearest end.
+    // Outside the table's ranges everything is evaluated at the nearest end.
     var view = vec3(select(abs(wo.xy), abs(wo.yx), fold.swap), wo.z);
     if (theta.nearest != fold.theta || phi.nearest != fold.phi) {
         let polar = ltc_sin_cos(theta.nearest * 0.15915494);

@@ -25,16 +25,16 @@ struct Scene {
 @group(1) @binding(1) var<uniform> scene: Scene;
 /// A pixel: red, green and blue as f32, or one word R, G, B, 255 from the lowest byte on.
 @group(1) @binding(2) var<storage, read_write> pixels: array<u32>;
-/// The tiles of 8 x 8 pixels that something is seen in, a workgroup each: the left upper pixel, x in the lower half.
+/// The tiles of 8 x 8 pixels that show something, one per workgroup: the upper left pixel, x in the lower half.
 @group(1) @binding(3) var<storage, read> tiles: array<u32>;
 
-/// With a constant in place of the table, to tell what looking it up costs.
+/// Puts a constant in place of the table, to measure what a lookup costs.
 override lookup_is_constant: bool = false;
 
 const SURFACE_SPHERE: u32 = 0u;
 const SURFACE_FLOOR: u32 = 1u;
 
-/// View directions below this are raised to it, as cosines: the horizon itself reflects nothing.
+/// View directions whose cosine is below this are raised to it, since the horizon itself reflects nothing.
 const LOWEST_VIEW: f32 = 1e-3;
 /// Nearer to a pole than this, circles of latitude have no direction.
 const POLE: f32 = 1e-4;

@@ -1,7 +1,10 @@
 //! The `ltcforge` command. It alone handles signals and reads the environment.
 
 use std::{
+    env,
     io::{self, IsTerminal as _},
+    os::unix::process::CommandExt as _,
+    path::Path,
     process::{self, ExitCode},
     time::Duration,
 };
@@ -19,6 +22,9 @@ const CLEAN_UP: Duration = Duration::from_secs(2);
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if cli.command.opens_vulkan() {
+        keep_vulkan_from_looking_for_a_display();
+    }
     let on_interrupt = cli.command.on_interrupt();
     log_to_stderr(if on_interrupt == OnInterrupt::Finishes { "info" } else { "warn" });
 
@@ -44,6 +50,23 @@ fn main() -> ExitCode {
     // A request that was cut off may still be in a blocking call.
     runtime.shutdown_background();
     exit
+}
+
+/// Starts this program anew in this process with an environment in which Mesa does not look for a display.
+///
+/// Without an `XDG_RUNTIME_DIR` that is a full path, Mesa's layer for choosing devices has libwayland complain on standard error that
+/// it found none, since wgpu enables the surface extensions of every instance. `NODEVICE_SELECT` turns the layer off; a
+/// process may not change its own environment without unsafe code.
+fn keep_vulkan_from_looking_for_a_display() {
+    const SWITCH: &str = "NODEVICE_SELECT";
+    let is_found = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
+    if is_found || env::var_os(SWITCH).is_some() {
+        return;
+    }
+    if let Ok(program) = env::current_exe() {
+        // This returns only when it fails, and then there is a line too many on standard error.
+        let _ = process::Command::new(program).args(env::args_os().skip(1)).env(SWITCH, "1").exec();
+    }
 }
 
 fn fail(exit: Exit, message: &str) -> ExitCode {

@@ -3,16 +3,20 @@
 mod common;
 
 use std::{
+    fs,
     io::{Read as _, Write as _},
     net::TcpStream,
     time::Duration,
 };
 
 use common::{
-    SMALL, eventually,
+    SMALL,
+    command::{Run, ltcforge, run, run_with_stdin},
+    eventually,
     server::{Answer, Server, text},
     tell_skipped,
 };
+use serde_json::Value;
 
 /// A service whose previews the CPU renders, the same on every machine.
 fn start() -> (tempfile::TempDir, Server) {
@@ -191,6 +195,51 @@ fn fitting_goes_on_while_a_picture_is_rendered() {
     assert_ne!(server.fit(&SMALL.replace("\"steps\":5", "\"steps\":2")), table);
     stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a limit");
     assert!(stream.read(&mut [0; 16]).is_err(), "the picture was there before the table");
+}
+
+/// Mesa complains of no display where there is no runtime folder, as on servers.
+#[test]
+fn the_command_keeps_vulkan_quiet_without_a_runtime_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
+    let arguments = ["preview", &fitted.last_line()[..16], "-o", "p.png", "--size", "64"];
+    for runtime_folder in [None, Some("")] {
+        let mut command = ltcforge(folder.path(), arguments);
+        command.env_remove("NODEVICE_SELECT").env_remove("XDG_RUNTIME_DIR");
+        command.envs(runtime_folder.map(|folder| ("XDG_RUNTIME_DIR", folder)));
+        let told = Run::from(command.output().expect("the binary runs")).exited(0);
+        assert!(told.stderr.contains("adapter: "), "{told:#?}");
+        assert!(!told.stderr.contains("XDG_RUNTIME_DIR"), "{told:#?}");
+        if told.stderr.contains("adapter: cpu") {
+            return tell_skipped("there is no Vulkan driver (Debian: mesa-vulkan-drivers) that could complain");
+        }
+    }
+}
+
+/// A table of few alphas and ratios shows its nearest entry for others, and the command says so.
+#[test]
+fn materials_outside_the_table_are_told_and_marked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let narrow = SMALL.replacen('{', r#"{"range":{"alpha":[0.2,0.5],"ratio":[0.3,1]},"#, 1);
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], &narrow).exited(0);
+    let told = |rest: &[&str]| {
+        let arguments = ["preview", &fitted.last_line()[..16], "-o", "p.png", "--size", "256", "--adapter", "cpu"];
+        let told = run(folder.path(), arguments.iter().chain(rest)).exited(0);
+        (told, fs::read(folder.path().join("p.png")).expect("a picture"))
+    };
+    let (inside, plain) = told(&["--alpha-x", "0.2", "--alpha-y", "0.4"]);
+    assert!(!inside.stderr.contains("outside"), "{inside:#?}");
+    // The nearest entry is that of alpha 0.5, ratio 1; only the label differs.
+    let (at_the_end, unmarked) = told(&["--alpha-x", "0.5", "--alpha-y", "0.5"]);
+    assert!(!at_the_end.stderr.contains("outside"), "{at_the_end:#?}");
+    let (beyond, marked) = told(&["--alpha-x", "0.9", "--alpha-y", "0.9"]);
+    let line = "alpha 0.9 0.9 lies outside the table, which covers alpha 0.2 to 0.5 and ratio 0.3 to 1";
+    assert!(beyond.stderr.contains(line), "{beyond:#?}");
+    assert!(marked != unmarked && unmarked != plain);
+    let (json, _) = told(&["--scene", "figure14", "--json"]);
+    let json: Value = serde_json::from_str(&json.stdout).expect("JSON");
+    let outside: Vec<&Value> = json["outside"].as_array().expect("a list").iter().map(|m| &m["alpha_y"]).collect();
+    assert_eq!(outside, [&Value::from(0.25), &0.02.into(), &1.0.into()]);
 }
 
 /// With what renders by default: a GPU, lavapipe, or without either the CPU.

@@ -1,4 +1,4 @@
-//! `preview`: what a table does, as a picture.
+//! `preview`: surfaces lit by a table, as a picture.
 
 use std::{fs, sync::Arc};
 
@@ -7,22 +7,23 @@ use serde_json::json;
 use super::{Context, Exit, Failure, args::PreviewArgs, file_failure, input::AnyTable, print};
 use crate::{
     fit::ggx_terms,
-    view::preview::{Preview, PreviewError, Rendered, ShaderTable},
+    view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
 };
 
-/// Renders a picture and writes it. The adapter, and the errors of modes that compare, go to standard error, or as
-/// JSON to standard output.
+/// Renders a picture and writes it. The adapter, materials outside the table, and the errors of modes that compare go to
+/// standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
     let AnyTable { digest, mut table, .. } = AnyTable::read(&args.table)?;
     if args.ggx_terms {
         table.terms = Some(ggx_terms(table.layout, &table.axes));
     }
-    let table = Arc::new(ShaderTable::new(&table, args.precision.0));
+    let shader_table = Arc::new(ShaderTable::new(&table, args.precision.0).labelled(&digest.hex()));
     let scene = args.scene.0.clone().into_scene();
-    let rendered = Preview::new(args.adapter.0).render(&table, &scene, &|| false).map_err(|error| failure(&error))?;
+    let rendered =
+        Preview::new(args.adapter.0).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
     let png = rendered.picture.png().map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
     fs::write(&args.out, png).map_err(|error| file_failure(&args.out, &error))?;
-    let Rendered { picture, adapter, errors } = rendered;
+    let Rendered { picture, adapter, errors, outside } = rendered;
     let errors_json: Vec<_> = errors
         .iter()
         .map(|error| {
@@ -32,14 +33,24 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
             })
         })
         .collect();
+    let outside_json: Vec<_> = outside.iter().map(|m| json!({ "alpha_x": m.alpha_x, "alpha_y": m.alpha_y })).collect();
     let value = json!({
         "file": args.out, "table": digest, "adapter": adapter,
         "width": picture.width, "height": picture.height, "errors": errors_json,
+        "outside": outside_json,
     });
     if json {
         return print(context.stdout, true, &value, "").map(|()| Exit::Ok);
     }
     eprintln!("adapter: {adapter}");
+    for Material { alpha_x, alpha_y, .. } in outside {
+        let [alpha, ratio] = [&table.axes.alpha, &table.axes.ratio].map(|nodes| (nodes[0], nodes[nodes.len() - 1]));
+        eprintln!(
+            "alpha {alpha_x} {alpha_y} lies outside the table, which covers alpha {} to {} and ratio {} to {}; its \
+             nearest entry is shown",
+            alpha.0, alpha.1, ratio.0, ratio.1
+        );
+    }
     for error in &errors {
         let (alpha_x, alpha_y) = (error.alpha_x, error.alpha_y);
         let (apart, radiance) = (error.mean_absolute, error.mean_radiance);

@@ -1,4 +1,4 @@
-//! `tradeoff`: what speed and size cost in accuracy, measured here.
+//! `tradeoff`: measures what speed and size cost in accuracy.
 
 use std::{fmt::Write as _, time::Instant};
 
@@ -14,7 +14,7 @@ use crate::{
     view::tradeoff::{Measurement, POINTS, Row, Size, csv, family, json as rows_json, off_by, picture, rows},
 };
 
-/// What the family varies when no recipe is given.
+/// The recipe that the family varies when none is given.
 const DEFAULT_RECIPE: &str = "paper";
 
 /// Fits a family of recipes one after the other, measures each table and writes the three files.
@@ -63,13 +63,13 @@ fn measure(recipe: &Recipe, bar: &ProgressBar, interrupt: &Interrupt) -> Option<
     Some(Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1 })
 }
 
-/// Processor time of this process, all its threads together: other processes do not count, however busy they are.
+/// Processor time of all threads of this process. Other processes do not count.
 fn processor_seconds() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// The presets, how far each is above the front, and how far predictions were off.
+/// The presets, whether each is on the front, and how far predictions were off.
 fn summary(rows: &[Row]) -> String {
     let mut out = format!("{:10}{:>20}{:>10}{:>10}{:>10}  on the front\n", "preset", "fit", "seconds", "error", "p95");
     for row in rows {

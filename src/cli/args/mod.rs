@@ -81,6 +81,12 @@ pub enum OnInterrupt {
 }
 
 impl Command {
+    /// Whether this command may open a Vulkan device.
+    #[must_use]
+    pub fn opens_vulkan(&self) -> bool {
+        matches!(self, Self::Preview(_) | Self::Serve(_))
+    }
+
     /// What an interrupt does to this command.
     #[must_use]
     pub fn on_interrupt(&self) -> OnInterrupt {

@@ -1,4 +1,4 @@
-//! `preview`, `plot` and `shader`: what a table does on a screen, and the table itself.
+//! `preview`, `plot` and `shader`: pictures of tables, and the shaders that read them.
 
 use std::{path::PathBuf, sync::LazyLock};
 
@@ -16,7 +16,7 @@ use crate::view::{
     preview::{Choices, Form, PARAMETERS, Parameter, Value},
 };
 
-/// `preview`. What is not given is the named scene's.
+/// `preview`. A parameter that is not given is that of the named scene.
 #[derive(Debug, Args)]
 pub struct PreviewArgs {
     /// The table
@@ -28,11 +28,11 @@ pub struct PreviewArgs {
     /// What it shows
     #[command(flatten)]
     pub scene: SceneChoices,
-    /// Bits of the table's numbers
+    /// Width of the table's numbers on the GPU
     #[arg(long, value_enum, default_value = "f32")]
     pub precision: TexelFormatName,
-    /// Take amplitude and Fresnel term of GGX itself at the table's nodes, in place of the table's if it has any; one
-    /// without them reflects all light
+    /// Take amplitude and Fresnel term of GGX itself at the table's nodes, in place of the table's own; a table without
+    /// any reflects all light
     #[arg(long)]
     pub ggx_terms: bool,
     /// What renders
@@ -94,10 +94,10 @@ pub struct PlotArgs {
     /// The picture
     #[arg(short, long, value_name = "FILE.png")]
     pub out: PathBuf,
-    /// Smaller over larger roughness of the errors, moved into the table's range [default: 0.25]
+    /// Smaller over larger roughness at which errors are shown, moved into the table's range [default: 0.25]
     #[arg(long, value_name = "X")]
     pub ratio: Option<Ratio>,
-    /// Azimuth of their view direction, radians, likewise [default: 0.7]
+    /// Azimuth of the view direction at which errors are shown, radians, likewise [default: 0.7]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub phi: Option<Azimuth>,
     /// How many threads measure
@@ -120,7 +120,7 @@ pub struct ShaderArgs {
     /// Language to write
     #[arg(long, value_enum)]
     pub language: LanguageName,
-    /// Layout of the tables that it is to read; a table's recipe names it
+    /// Layout of the tables that the shader reads; a table's recipe names it
     #[arg(long, value_enum)]
     pub layout: LayoutName,
     /// The file [default: standard output]

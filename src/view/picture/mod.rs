@@ -1,15 +1,17 @@
-//! Pictures as such: bytes, PNG, labels, false colours, panels. Neither a light nor a table is known here.
+//! Pictures as such: bytes, PNG, labels, marks, false colours, panels. This layer knows neither lights nor tables.
 //!
 //! Invariant: equal calls give equal bytes on every machine.
 
 mod colours;
+mod marks;
 mod panels;
 mod raster;
 mod srgb;
 mod text;
 
-pub use colours::colour;
-pub use panels::{GROUND, Panel, bar, caption, grid, headed, number};
+pub use colours::{colour, signed_colour};
+pub use marks::{cross, ring};
+pub use panels::{Panel, bar, caption, grid, headed, number};
 pub use raster::{Picture, PngError};
 pub use srgb::srgb;
-pub use text::{Anchor, LINE, fitting, write};
+pub use text::{Anchor, GROUND, LINE, fitting, tag, write};

@@ -2,12 +2,9 @@
 
 use super::{
     Picture,
-    colours::colour,
-    text::{self, Anchor, LINE},
+    text::{self, Anchor, GROUND, LINE},
 };
 
-/// What is behind labels.
-pub const GROUND: [u8; 3] = [24, 24, 24];
 /// Between panels.
 const GAP: u32 = 4;
 /// A colour bar's height and its distance from the panel's sides.
@@ -16,9 +13,10 @@ const MARGIN: u32 = 8;
 /// Under a panel: the bar, and a line for its ends.
 const FOOT: u32 = BAR + LINE + 8;
 
-/// The colours from one end to the other across `width` pixels, with both ends and the unit written under them.
+/// The colours of 0 to 1 across `width` pixels, with both ends written under them, and between those the first unit that
+/// fits.
 #[must_use]
-pub fn bar(width: u32, [low, high]: [&str; 2], unit: &str) -> Picture {
+pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units: &[&str]) -> Picture {
     let mut picture = Picture::filled(width, FOOT, GROUND);
     let length = width.saturating_sub(2 * MARGIN);
     for x in 0..length {
@@ -28,9 +26,10 @@ pub fn bar(width: u32, [low, high]: [&str; 2], unit: &str) -> Picture {
     let y = 4 + BAR + LINE / 2;
     text::write(&mut picture, low, MARGIN, y, Anchor::Left, width);
     text::write(&mut picture, high, width - MARGIN, y, Anchor::Right, width);
-    // Where the unit does not fit between the ends, it is left to the reader.
+    // A unit that does not fit between the ends is left out.
     let widest = if low.len() > high.len() { low } else { high };
-    if !text::fitting(&[&format!("-- {widest} {unit} {widest}")], width).is_empty() {
+    let fits = |unit: &&&str| !text::fitting(&[&format!("-- {widest} {unit} {widest}")], width).is_empty();
+    if let Some(unit) = units.iter().find(fits) {
         text::write(&mut picture, unit, width / 2, y, Anchor::Middle, width);
     }
     picture
@@ -63,7 +62,7 @@ pub struct Panel<'a> {
     pub title: &'a str,
     /// What it shows.
     pub picture: Picture,
-    /// What stands below, as wide as the picture.
+    /// What is drawn below, as wide as the picture.
     pub foot: Picture,
 }
 
@@ -101,6 +100,7 @@ pub fn headed(lines: &[&[&str]], picture: &Picture) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::picture::colour;
 
     #[test]
     fn numbers_have_three_digits() {
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn the_bar_runs_from_zero_to_the_scale() {
-        let bar = bar(256, ["0", "0.5"], "radiance");
+        let bar = bar(256, colour, ["0", "0.5"], &["radiance"]);
         let at = |x: u32| bar.rgb[(6 * bar.width + x) as usize];
         assert_eq!(at(MARGIN), colour(0.5 / 240.0));
         assert_eq!(at(255 - MARGIN), colour(239.5 / 240.0));

@@ -6,13 +6,15 @@ use embedded_graphics::{
     Drawable as _, Pixel,
     draw_target::DrawTarget,
     geometry::{OriginDimensions, Point, Size},
-    mono_font::{MonoTextStyle, ascii::FONT_6X10, ascii::FONT_9X15},
+    mono_font::{MonoFont, MonoTextStyle, ascii::FONT_6X10, ascii::FONT_9X15},
     pixelcolor::{Rgb888, RgbColor as _},
     text::{Alignment, Baseline, Text, TextStyleBuilder},
 };
 
 use super::Picture;
 
+/// What is behind labels.
+pub const GROUND: [u8; 3] = [24, 24, 24];
 /// Height of a line of text beside which nothing else stands.
 pub const LINE: u32 = 18;
 /// Panels narrower than this have the smaller font.
@@ -39,7 +41,7 @@ impl DrawTarget for Picture {
     }
 }
 
-/// Where a text stands from its point.
+/// Where a text is placed relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     /// It begins there.
@@ -53,13 +55,16 @@ pub enum Anchor {
 /// The first of some wordings that a panel of `width` has room for, or else nothing.
 #[must_use]
 pub fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
-    let letter = if width < NARROW { FONT_6X10 } else { FONT_9X15 }.character_size.width;
-    wordings.iter().find(|text| text.len() as u32 * letter <= width).copied().unwrap_or_default()
+    let fits = |text: &&&str| text.len() as u32 * font(width).character_size.width <= width;
+    wordings.iter().find(fits).copied().unwrap_or_default()
+}
+
+fn font(width: u32) -> &'static MonoFont<'static> {
+    if width < NARROW { &FONT_6X10 } else { &FONT_9X15 }
 }
 
 /// Writes a line whose vertical middle is at `y`, for a panel of `width`.
 pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, width: u32) {
-    let font = if width < NARROW { &FONT_6X10 } else { &FONT_9X15 };
     let alignment = match anchor {
         Anchor::Left => Alignment::Left,
         Anchor::Middle => Alignment::Center,
@@ -67,7 +72,23 @@ pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, 
     };
     let style = TextStyleBuilder::new().alignment(alignment).baseline(Baseline::Middle).build();
     let at = Point::new(i32::try_from(x).unwrap_or(i32::MAX), i32::try_from(y).unwrap_or(i32::MAX));
-    let Ok(_) = Text::with_text_style(text, at, MonoTextStyle::new(font, Rgb888::WHITE), style).draw(picture);
+    let Ok(_) = Text::with_text_style(text, at, MonoTextStyle::new(font(width), Rgb888::WHITE), style).draw(picture);
+}
+
+/// Writes the first wording that a part of a picture, `width` wide, has room for on ground of its own, into that part's
+/// lower left corner, `(left, bottom)`. Where none fits, nothing is written.
+pub fn tag(picture: &mut Picture, wordings: &[&str], [left, bottom]: [u32; 2], width: u32) {
+    const MARGIN: u32 = 3;
+    let letter = font(width).character_size;
+    let across = |text: &str| text.len() as u32 * letter.width + 2 * MARGIN;
+    let down = letter.height + MARGIN;
+    let Some(text) = wordings.iter().find(|text| across(text) + 2 * MARGIN <= width) else { return };
+    if bottom < down + MARGIN {
+        return;
+    }
+    let (x, y) = (left + MARGIN, bottom - MARGIN - down);
+    picture.put(&Picture::filled(across(text), down, GROUND), x, y);
+    write(picture, text, x + MARGIN, y + down / 2, Anchor::Left, width);
 }
 
 #[cfg(test)]
@@ -81,5 +102,20 @@ mod tests {
             [512, 153, 64, 59, 5].map(|width| fitting(&wordings, width)),
             ["|LTC - reference|", "|LTC - reference|", "difference", "d", ""]
         );
+    }
+
+    #[test]
+    fn a_tag_stays_within_its_part() {
+        let blank = Picture::filled(512, 300, [90; 3]);
+        let mut picture = blank.clone();
+        tag(&mut picture, &["alpha .05, .25: outside the table", "alpha .05, .25: mean .003"], [256, 300], 256);
+        let changed = |picture: &Picture| -> Vec<usize> {
+            (0..picture.rgb.len()).filter(|index| picture.rgb[*index] != blank.rgb[*index]).collect()
+        };
+        assert!(changed(&picture).iter().all(|index| index % 512 >= 256 && index / 512 > 270));
+        assert!(!changed(&picture).is_empty());
+        let mut picture = blank.clone();
+        tag(&mut picture, &["alpha .05, .25"], [0, 300], 64);
+        assert!(changed(&picture).is_empty(), "a label wider than its part");
     }
 }

@@ -3,20 +3,20 @@
 
 use crate::{
     fit::{PerAxis, Table},
-    view::picture::{GROUND, Panel, Picture, bar, caption, colour, grid, headed, number},
+    view::picture::{GROUND, Panel, Picture, bar, caption, colour, grid, headed, number, signed_colour},
 };
 
-/// Pixels that a panel is wide and high at least, as far as cells may be that large.
+/// The least width and height of a panel in pixels, as far as the largest cell allows.
 const SIDE: usize = 240;
 /// Pixels a cell at most.
 const LARGEST_CELL: usize = 24;
-/// Cells along a panel's side at most: of a table with more, nodes are left out.
+/// Most cells along a panel's side. A table with more is shown without some of its nodes.
 const MOST_CELLS: usize = 512;
-/// The part of the numbers at each end that is beyond the colours: one outlier would leave the others none.
+/// The part of the numbers at each end that the colours do not cover, since one outlier would take them all.
 const BEYOND: f64 = 0.01;
-/// What is below and above the colours.
-const BELOW: [u8; 3] = [40, 120, 255];
-const ABOVE: [u8; 3] = [60, 220, 120];
+/// What is below and above the colours, in none of theirs.
+const BELOW: [u8; 3] = [0, 220, 230];
+const ABOVE: [u8; 3] = [60, 220, 90];
 /// Pixels between tiles.
 const GAP: usize = 2;
 /// What the panels show, row by row: the matrix, and beside it what else an entry holds.
@@ -31,8 +31,10 @@ pub(super) fn draw(table: &Table) -> Picture {
         .zip(NAMES)
         .map(|(panel, title)| {
             if let Some(numbers) = numbers(table, panel) {
-                let (picture, [low, high]) = tiling.panel(width, &numbers);
-                return Panel { title, picture, foot: bar(width, [&number(low), &number(high)], "") };
+                let scale = Scale::of(&numbers, is_off_diagonal(panel));
+                let picture = tiling.panel(width, &numbers, &scale);
+                let [low, high] = [number(scale.low), number(scale.high)];
+                return Panel { title, picture, foot: bar(width, scale.colours(), [&low, &high], &scale.middle()) };
             }
             let picture = Picture::filled(width, tiling.height() as u32, GROUND);
             Panel { title, picture, foot: caption(width, &["not in this table", "none"]) }
@@ -41,19 +43,71 @@ pub(super) fn draw(table: &Table) -> Picture {
     let PerAxis { alpha, ratio, theta, phi } = tiling.nodes;
     let entries = format!("{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");
     let how = "in a tile theta to the right, alpha upwards; tiles: phi to the right, ratio upwards";
-    let beyond = "colours hold 98 % of the numbers; blue is below, green above";
+    let beyond = "colours hold 98 % of the numbers, grey is zero of signed ones; cyan is below, green above";
     headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, 4))
 }
 
-/// A number of each entry in storage order; `None` for what the table has not.
+/// A number of each entry in storage order; `None` for what the table lacks.
 fn numbers(table: &Table, panel: usize) -> Option<Vec<f32>> {
     let (row, column) = (panel / 4, panel % 4);
     match (column, row) {
         (0..3, _) => Some(table.matrix.iter().map(|m| m[3 * row + column]).collect()),
         (_, 0) => table.terms.as_ref().map(|terms| terms.amplitude.clone()),
         (_, 1) => table.terms.as_ref().map(|terms| terms.fresnel.clone()),
-        // A table of others does not tell.
+        // Tables of others lack it.
         _ => Some(table.node_error.clone()).filter(|errors| errors.iter().all(|error| error.is_finite())),
+    }
+}
+
+/// Whether a panel shows a number of the matrix beside its diagonal: such may have either sign.
+fn is_off_diagonal(panel: usize) -> bool {
+    let (row, column) = (panel / 4, panel % 4);
+    column < 3 && row != column
+}
+
+/// The colours of a panel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Scale {
+    low: f32,
+    high: f32,
+    /// From minus to plus the same number, with zero in the neutral colour.
+    is_signed: bool,
+}
+
+impl Scale {
+    /// A scale that holds all numbers but the few least and greatest. It is signed where the numbers may be by nature, or
+    /// some of those that it holds are below zero.
+    fn of(numbers: &[f32], may_be_signed: bool) -> Self {
+        let mut sorted = numbers.to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let beyond = (sorted.len() as f64 * BEYOND) as usize;
+        let (low, high) = (sorted[beyond], sorted[sorted.len() - 1 - beyond]);
+        if !may_be_signed && low >= 0.0 {
+            return Self { low, high, is_signed: false };
+        }
+        let most = low.abs().max(high.abs());
+        Self { low: -most, high: most, is_signed: true }
+    }
+
+    fn colour(&self, value: f32) -> [u8; 3] {
+        let span = self.high - self.low;
+        match value {
+            _ if value < self.low => BELOW,
+            _ if value > self.high => ABOVE,
+            _ if span > 0.0 => self.colours()((value - self.low) / span),
+            _ if self.is_signed => signed_colour(0.0),
+            _ => colour(0.0),
+        }
+    }
+
+    /// The colours of 0 to 1, the part of the way from the lower to the upper end.
+    fn colours(&self) -> fn(f32) -> [u8; 3] {
+        if self.is_signed { |part| signed_colour(2.0 * part - 1.0) } else { colour }
+    }
+
+    /// What stands under the middle of the colour bar.
+    fn middle(&self) -> Vec<&'static str> {
+        if self.is_signed { vec!["0"] } else { Vec::new() }
     }
 }
 
@@ -61,7 +115,7 @@ fn numbers(table: &Table, panel: usize) -> Option<Vec<f32>> {
 #[derive(Debug)]
 struct Tiling {
     nodes: PerAxis<usize>,
-    /// One node of how many is shown.
+    /// Every how many nodes one is shown.
     step: PerAxis<usize>,
     /// Pixels a cell.
     cell: usize,
@@ -95,14 +149,8 @@ impl Tiling {
         length(self.down(), self.cell)
     }
 
-    /// One panel, `width` pixels wide, and the ends of its colours: all numbers but the few least and greatest lie
-    /// between them.
-    fn panel(&self, width: u32, numbers: &[f32]) -> (Picture, [f32; 2]) {
-        let mut sorted = numbers.to_vec();
-        sorted.sort_by(f32::total_cmp);
-        let beyond = (sorted.len() as f64 * BEYOND) as usize;
-        let (low, high) = (sorted[beyond], sorted[sorted.len() - 1 - beyond]);
-        let spread = if high > low { high - low } else { 1.0 };
+    /// One panel, `width` pixels wide.
+    fn panel(&self, width: u32, numbers: &[f32], scale: &Scale) -> Picture {
         let mut picture = Picture::filled(width, self.height() as u32, GROUND);
         let (cell, step) = (self.cell as u32, &self.step);
         let margin = (width as usize - self.width()) / 2;
@@ -115,18 +163,13 @@ impl Tiling {
             }
             let left = place(theta / step.theta, phi / step.phi, self.across()[0], self.cell);
             let up = place(alpha / step.alpha, ratio / step.ratio, self.down()[0], self.cell);
-            let shown = match value {
-                _ if *value < low => BELOW,
-                _ if *value > high => ABOVE,
-                _ => colour((value - low) / spread),
-            };
-            let entry = Picture::filled(cell, cell, shown);
+            let entry = Picture::filled(cell, cell, scale.colour(*value));
             picture.put(&entry, (margin + left) as u32, (self.height() - up - self.cell) as u32);
         }
-        (picture, [low, high])
+        picture
     }
 
-    /// What the picture does not show, in words.
+    /// The nodes that the picture leaves out, in words.
     fn left_out(&self) -> String {
         let thinned = self.step.named().into_iter().filter(|(_, step)| **step > 1);
         let words: Vec<String> = thinned.map(|(axis, step)| format!("one node of {step} along {axis}")).collect();
@@ -144,7 +187,7 @@ fn place(cell_index: usize, tile: usize, cells: usize, cell: usize) -> usize {
     tile * (cells * cell + GAP) + cell_index * cell
 }
 
-/// How many nodes of each of two axes stand for one, so that no more than [`MOST_CELLS`] are left in all.
+/// Every how many nodes of each of two axes one is shown, so that they make at most [`MOST_CELLS`] cells.
 fn steps(a: usize, b: usize) -> (usize, usize) {
     let (mut step_a, mut step_b) = (1, 1);
     while a.div_ceil(step_a) * b.div_ceil(step_b) > MOST_CELLS {
@@ -173,9 +216,10 @@ mod tests {
     fn every_entry_has_its_own_cells() {
         let tiling = Tiling::new(PerAxis { alpha: 3, ratio: 2, theta: 4, phi: 5 });
         let numbers: Vec<f32> = (0..120_u8).map(f32::from).collect();
-        let (picture, ends) = tiling.panel(tiling.width() as u32, &numbers);
+        let scale = Scale::of(&numbers, false);
+        let picture = tiling.panel(tiling.width() as u32, &numbers, &scale);
         // The least and the greatest of 120 numbers are beyond the colours.
-        assert_eq!(ends, [1.0, 118.0]);
+        assert_eq!(scale, Scale { low: 1.0, high: 118.0, is_signed: false });
         let cells = tiling.cell * tiling.cell;
         let covered = picture.rgb.iter().filter(|pixel| **pixel != GROUND).count();
         assert_eq!(covered, 120 * cells);
@@ -187,5 +231,18 @@ mod tests {
         let value = numbers[(4 + 2) * 5 + 3];
         let (left, up) = (3 * (4 * tiling.cell + GAP) + 2 * tiling.cell, 3 * tiling.cell + GAP);
         assert_eq!(picture.rgb[(height - 1 - up) * width + left], colour((value - 1.0) / 117.0));
+    }
+
+    #[test]
+    fn zero_has_one_colour_on_every_signed_scale() {
+        let grey = signed_colour(0.0);
+        let lopsided = Scale::of(&[-0.5, 0.0, 0.1, 3.0], false);
+        assert_eq!(lopsided, Scale { low: -3.0, high: 3.0, is_signed: true });
+        for scale in [lopsided, Scale::of(&[0.0, 2.0], true), Scale::of(&[0.0; 4], true)] {
+            assert_eq!(scale.colour(0.0), grey, "{scale:?}");
+        }
+        assert_eq!([lopsided.colour(-3.1), lopsided.colour(3.1)], [BELOW, ABOVE]);
+        assert_ne!(lopsided.colour(-0.5), lopsided.colour(0.5));
+        assert_eq!(Scale::of(&[2.0; 3], false).colour(2.0), colour(0.0));
     }
 }

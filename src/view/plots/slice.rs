@@ -11,7 +11,7 @@ pub struct Slice {
     pub phi: f64,
 }
 
-/// A direction in which surfaces differ most from isotropic ones: between their axes.
+/// Between the axes of a surface, where an anisotropic one differs most from an isotropic one.
 impl Default for Slice {
     fn default() -> Self {
         Self { ratio: 0.25, phi: 0.7 }

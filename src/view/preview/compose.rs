@@ -1,15 +1,18 @@
-//! Differences, strips and lobes.
+//! Differences, strips and lobes, with what has to be written on them.
 
 use super::{
-    Mode, Scene,
+    Material, Mode, PanelError, Scene, ShaderTable, cpu,
+    frame::Frame,
     radiances::{BELOW, BESIDE, Radiances},
     tone,
 };
-use crate::view::picture::{Panel, Picture, bar, caption, colour, fitting, grid, number};
+use crate::view::picture::{Panel, Picture, bar, caption, colour, cross, fitting, grid, headed, number, ring, tag};
 
 /// What is beside a sphere of directions, and on it where nothing is below the horizon.
 const BESIDE_COLOUR: [u8; 3] = [48, 48, 48];
 const BELOW_COLOUR: [u8; 3] = [30, 34, 44];
+/// Pixels of a panel's side for each pixel of a mark's radius.
+const MARK: f32 = 64.0;
 
 /// Mean of the channels' absolute differences.
 fn difference(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -33,38 +36,146 @@ fn differences(ltc: &Radiances, reference: &Radiances, scale: f32) -> Picture {
     false_colours(ltc.width, values, scale)
 }
 
-/// The picture of mode `difference` or `strip`. `mean` is the mean absolute error.
-pub(super) fn compared(scene: &Scene, ltc: &Radiances, reference: &Radiances, mean: f64) -> Picture {
+/// A number from 0 to 1 without the zero before its point.
+fn short(x: f64) -> String {
+    let text = number(x as f32);
+    text.strip_prefix("0.").map_or_else(|| text.clone(), |digits| format!(".{digits}"))
+}
+
+fn alphas(material: &Material) -> String {
+    format!("alpha {}, {}", short(material.alpha_x), short(material.alpha_y))
+}
+
+/// Writes into the corner of each material's cell the first of its wordings that fits.
+fn tag_cells(picture: &mut Picture, scene: &Scene, wordings: impl Fn(usize, &Material) -> Vec<String>) {
+    let cells = if scene.materials.len() == 1 { 1 } else { 2 };
+    let side = picture.width / cells;
+    for (index, material) in (0_u32..).zip(&scene.materials) {
+        let (column, row) = (index % cells, index / cells);
+        let wordings = wordings(index as usize, material);
+        let wordings: Vec<&str> = wordings.iter().map(String::as_str).collect();
+        tag(picture, &wordings, [column * side, (row + 1) * side], side);
+    }
+}
+
+/// What is written on a material that the table does not cover.
+fn warnings(material: &Material) -> Vec<String> {
+    let alphas = alphas(material);
+    vec![
+        format!("{alphas}: outside the table"),
+        format!("{alphas}: outside"),
+        "outside the table".to_owned(),
+        "outside".to_owned(),
+    ]
+}
+
+/// The picture of mode `ltc`: materials that the table does not cover are marked.
+pub(super) fn warned(mut picture: Picture, scene: &Scene, outside: &[Material]) -> Picture {
+    tag_cells(
+        &mut picture,
+        scene,
+        |_, material| {
+            if outside.contains(material) { warnings(material) } else { Vec::new() }
+        },
+    );
+    picture
+}
+
+/// The picture of mode `difference` or `strip`.
+pub(super) fn compared(
+    scene: &Scene,
+    table: &ShaderTable,
+    outside: &[Material],
+    [ltc, reference]: [&Radiances; 2],
+    errors: &[PanelError],
+) -> Picture {
     let exposure = scene.exposure as f32;
     let scale = scene.difference_scale as f32;
-    let apart = differences(ltc, reference, scale);
+    let mut apart = differences(ltc, reference, scale);
     let width = apart.width;
-    let foot = bar(width, ["0", &number(scale)], "radiance");
-    let difference = fitting(&["|LTC - reference|", "difference"], width);
+    tag_cells(&mut apart, scene, |index, material| {
+        let mean = short(errors[index].mean_absolute);
+        let alphas = alphas(material);
+        vec![format!("{alphas}: mean {mean}"), format!("{alphas}: {mean}"), format!("mean {mean}"), mean]
+    });
+    let foot = bar(width, colour, ["0", &number(scale)], &["|difference| of radiance", "radiance"]);
     if scene.mode == Mode::Difference {
-        return grid(&[Panel { title: difference, picture: apart, foot }], 1);
+        let ltc = table_title(table, width / 2);
+        let title = fitting(&[&format!("|{ltc} - reference|"), "|LTC - reference|", "difference"], width).to_owned();
+        return grid(&[Panel { title: &title, picture: apart, foot }], 1);
     }
-    let ltc = tone::displayed(exposure, ltc);
-    let reference = tone::displayed(exposure, reference);
+    let mut ltc = tone::displayed(exposure, ltc);
+    let mut reference = tone::displayed(exposure, reference);
+    tag_cells(&mut reference, scene, |_, material| vec![alphas(material)]);
+    tag_cells(
+        &mut ltc,
+        scene,
+        |_, material| {
+            if outside.contains(material) { warnings(material) } else { vec![alphas(material)] }
+        },
+    );
     let samples = caption(width, &[&format!("{} samples a pixel", scene.spp), &format!("{} spp", scene.spp)]);
+    let mean = errors.iter().map(|error| error.mean_absolute).sum::<f64>() / errors.len() as f64;
     let mean = number(mean as f32);
-    let mean = caption(width, &[&format!("mean error {mean}"), &mean]);
+    let wordings = [format!("mean |difference| of radiance {mean}"), format!("mean |difference| {mean}"), mean];
+    let mean = caption(width, &wordings.each_ref().map(String::as_str));
     let panels = [
         Panel { title: fitting(&["GGX reference", "reference"], width), picture: reference, foot: samples },
-        Panel { title: "LTC", picture: ltc, foot: mean },
-        Panel { title: difference, picture: apart, foot },
+        Panel { title: &table_title(table, width), picture: ltc, foot: mean },
+        Panel { title: fitting(&["|LTC - reference|", "difference"], width), picture: apart, foot },
     ];
     grid(&panels, 3)
 }
 
-/// The picture of mode `lobe`: densities over directions, both on the scale of the reference.
-pub(super) fn lobes(ltc: &Radiances, reference: &Radiances) -> Picture {
+/// What stands above a picture by the table.
+fn table_title(table: &ShaderTable, width: u32) -> String {
+    let Some(label) = &table.label else { return "LTC".to_owned() };
+    fitting(&[&format!("LTC, table {label}"), &format!("LTC {label}"), "LTC"], width).to_owned()
+}
+
+/// The picture of mode `lobe`: densities over directions, both on the scale of the reference, with the view direction
+/// and its mirror direction marked.
+pub(super) fn lobes(
+    scene: &Scene,
+    table: &ShaderTable,
+    outside: &[Material],
+    frame: &Frame,
+    [ltc, reference]: [&Radiances; 2],
+) -> Picture {
     let peak = reference.pixels.iter().map(|pixel| pixel[0]).fold(1e-9_f32, f32::max);
-    let panel = |lobe: &Radiances| false_colours(lobe.width, lobe.pixels.iter().map(|pixel| pixel[0]), peak);
+    let wo = frame.lobe_wo;
+    let mirror = glam::Vec3::new(-wo.x, -wo.y, wo.z);
+    let panel = |lobe: &Radiances| {
+        let mut picture = false_colours(lobe.width, lobe.pixels.iter().map(|pixel| pixel[0]), peak);
+        let radius = (picture.width as f32 / MARK).max(3.0);
+        if let Some(at) = cpu::place_of_direction(frame, mirror) {
+            cross(&mut picture, at, radius);
+        }
+        if let Some(at) = cpu::place_of_direction(frame, wo) {
+            ring(&mut picture, at, radius);
+        }
+        picture
+    };
     let (ltc, reference) = (panel(ltc), panel(reference));
-    let panels = [("GGX", reference), ("LTC", ltc)].map(|(title, picture)| {
-        let foot = bar(picture.width, ["0", &number(peak)], "per steradian");
+    let title = table_title(table, ltc.width);
+    let panels = [("GGX", reference), (title.as_str(), ltc)].map(|(title, picture)| {
+        let foot = bar(picture.width, colour, ["0", &number(peak)], &["per steradian"]);
         Panel { title, picture, foot }
     });
-    grid(&panels, 2)
+    let Material { alpha_x, alpha_y, .. } = scene.materials[0];
+    let [alpha_x, alpha_y, theta, phi] = [alpha_x, alpha_y, scene.lobe.theta, scene.lobe.phi].map(|x| number(x as f32));
+    let mut lines = vec![
+        [
+            format!("alpha {alpha_x}, {alpha_y}; view direction: theta {theta}, phi {phi} rad"),
+            format!("alpha {alpha_x}, {alpha_y}; theta {theta}, phi {phi}"),
+        ],
+        ["ring: view direction; cross: its mirror direction".to_owned(), "ring: view; cross: mirror".to_owned()],
+    ];
+    if !outside.is_empty() {
+        let warning = "alpha is outside the table: its nearest entry is shown";
+        lines.push([warning.to_owned(), "outside the table".to_owned()]);
+    }
+    let lines: Vec<[&str; 2]> = lines.iter().map(|line| line.each_ref().map(String::as_str)).collect();
+    let lines: Vec<&[&str]> = lines.iter().map(<[&str; 2]>::as_slice).collect();
+    headed(&lines, &grid(&panels, 2))
 }

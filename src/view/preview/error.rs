@@ -8,7 +8,7 @@ pub enum PreviewError {
     /// Parameters are out of their bounds.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>),
-    /// A GPU was asked for, and there is none that Vulkan knows.
+    /// A GPU was asked for, and Vulkan lists none.
     #[error("no adapter: {0}")]
     NoAdapter(String),
     /// The GPU, or its driver, failed twice.

@@ -11,9 +11,9 @@ use crate::fit::{MAX_VERTICES, math::sin_cos};
 
 /// Radiance of what is not covered.
 const BACKGROUND: f32 = 0.02;
-/// How far a floor is seen, in radii of the sphere that is not there; it fades over the second half.
+/// How far a floor is seen, in radii of the scenes' sphere. It fades over the second half.
 const FLOOR_END: f32 = 12.0;
-/// View directions below this are raised to it, as cosines: the horizon itself reflects nothing.
+/// View directions whose cosine is below this are raised to it, since the horizon itself reflects nothing.
 pub(super) const LOWEST_VIEW: f32 = 1e-3;
 
 /// Uniforms of `sphere.wgsl`, except which part is rendered.
@@ -21,7 +21,7 @@ pub(super) const LOWEST_VIEW: f32 = 1e-3;
 pub(super) struct Frame {
     pub(super) surface: Surface,
     pub(super) eye: Vec3,
-    /// From the middle of the image plane at distance one to its right and upper edges, and the way to it.
+    /// From the middle of the image plane, at distance one, to its right and upper edges, and from the eye to it.
     pub(super) right: Vec3,
     pub(super) up: Vec3,
     pub(super) forward: Vec3,
@@ -185,8 +185,8 @@ fn view(camera: &Camera) -> (DVec3, [DVec3; 3]) {
     (DVec3::from(camera.target) + back * camera.distance, [right, back.cross(right), -back])
 }
 
-/// The directions in which the sphere of directions is seen: from above at 40 degrees, across the plane of view and
-/// mirror direction, the view coming from the left.
+/// From where the sphere of directions is seen: from 40 degrees above, at right angles to the plane of view direction
+/// and mirror direction, with the view direction on the left.
 fn lobe_view(phi: f64) -> (DVec3, [DVec3; 3]) {
     let ((sin, cos), (sin_e, cos_e)) = (sin_cos(phi), sin_cos(0.7));
     let right = DVec3::new(-cos, -sin, 0.0);

@@ -1,8 +1,8 @@
 //! Pictures of what a table does: metal under a polygon light, by the table and by Monte Carlo integration.
 //!
-//! The GPU runs the very shaders that users put into their own renderers; `cpu` is their twin in Rust, which renders
-//! where there is no adapter and which tests hold the GPU to. Both read a frame of numbers, and everything after
-//! radiance, from the difference to labels, is common to both. `port` hands those shaders out in other languages.
+//! The GPU runs the same shaders that users put into their own renderers. `cpu` is their twin in Rust: it renders where
+//! there is no adapter, and tests compare the GPU with it. Both read the same `frame`, and everything after radiance,
+//! such as differences and labels, is shared. `parameters` declares what callers may choose of a scene.
 //!
 //! Invariant: `preview` knows no file, HTTP or recipe; equal scenes and tables give equal bytes on the same adapter.
 
@@ -16,6 +16,7 @@ mod frame;
 mod gpu;
 mod light;
 mod named;
+mod panel_error;
 mod parameter;
 mod parameters;
 mod radiances;
@@ -30,10 +31,11 @@ pub use error::PreviewError;
 pub use estimator::{Estimator, Stop};
 pub use gpu::{Variant, Weights};
 pub use named::NamedScene;
+pub use panel_error::PanelError;
 pub use parameter::{Form, Parameter, Value};
 pub use parameters::PARAMETERS;
 pub use radiances::Radiances;
-pub use renderer::{Adapter, PanelError, Preview, Rendered};
+pub use renderer::{Adapter, Preview, Rendered};
 pub use scene::{Camera, Light, LightKind, LobeView, Material, Mode, Scene, Surface};
 pub use table::{ShaderTable, TexelFormat};
 

@@ -11,9 +11,9 @@ pub enum NamedScene {
     Figure14,
     /// A brushed metal floor seen at a grazing angle, a light standing on its far side.
     BrushedFloor,
-    /// A light of a few degrees, mirrored by metal of roughness 0.02.
+    /// A light of a few degrees, reflected by metal of roughness 0.02.
     TinyLight,
-    /// A light as large as the sphere beside it, which every point's horizon cuts.
+    /// A light beside the sphere and as large, which the horizons of most points cut.
     Horizon,
 }
 

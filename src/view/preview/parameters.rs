@@ -194,7 +194,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(tried, 55);
+        assert_eq!(tried, 53);
     }
 
     #[test]

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::{
-    Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
+    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
     gpu::{Gpu, GpuFailure, RenderTask, Variant},
+    panel_error::{PanelError, panel_errors},
     tone,
 };
 use crate::view::picture::Picture;
@@ -14,7 +15,7 @@ use crate::view::picture::Picture;
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";
 
-/// Pictures in a row at which a GPU may hang before it is left alone for good.
+/// Pictures in a row at which a GPU may hang before it is never used again.
 const MOST_HANGS: u32 = 2;
 /// Most rows, and samples, that the CPU renders between asking whether to stop.
 const ROWS: u32 = 32;
@@ -23,7 +24,7 @@ const SAMPLES: u32 = 1 << 20;
 /// What renders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adapter {
-    /// A GPU that Vulkan knows if there is one, else the CPU.
+    /// A GPU if Vulkan lists one, else the CPU.
     Any,
     /// A GPU or nothing.
     Gpu,
@@ -40,19 +41,9 @@ pub struct Rendered {
     pub adapter: String,
     /// For modes that compare: the error of each material, in the scene's order.
     pub errors: Vec<PanelError>,
-}
-
-/// How far table and reference are apart on one material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PanelError {
-    /// The material's roughness along its tangent.
-    pub alpha_x: f64,
-    /// And across it.
-    pub alpha_y: f64,
-    /// Mean over pixels that the surface covers, and over channels, of the absolute difference in radiance.
-    pub mean_absolute: f64,
-    /// Mean radiance of the reference over the same.
-    pub mean_radiance: f64,
+    /// For modes that show the table: the materials whose roughness lies outside its nodes. Its nearest entries stand for
+    /// them.
+    pub outside: Vec<Material>,
 }
 
 /// Renders pictures, one after another. Nothing is opened before the first.
@@ -60,23 +51,23 @@ pub struct PanelError {
 pub struct Preview {
     adapter: Adapter,
     gpu: Gpu,
-    /// There is no GPU, or none that works: the CPU renders from now on.
+    /// There is no GPU, or none that works, so the CPU renders from now on.
     has_no_gpu: bool,
-    /// A GPU has been there.
+    /// A GPU was open before.
     had_gpu: bool,
     /// Pictures in a row at which the GPU hung.
     hangs: u32,
     progress: Progress,
 }
 
-/// Of a picture, which may take several passes.
+/// How far a picture is, which may take several passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Progress {
-    /// The GPU has not rendered any of it.
+    /// Nothing is rendered yet.
     Begun,
-    /// It has.
+    /// The GPU has rendered all there is.
     OnGpu,
-    /// The GPU failed before it had rendered any: the CPU renders all.
+    /// The GPU failed before it had rendered anything; the CPU renders all.
     OnCpu,
     /// The GPU failed after it had rendered part.
     Mixed,
@@ -89,7 +80,7 @@ impl Preview {
         Self::with_variant(adapter, Variant::default())
     }
 
-    /// One whose shaders are compiled in another way. The CPU does not know variants.
+    /// A renderer whose shaders are compiled in another way. The CPU has no variants.
     #[must_use]
     pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
         Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, progress: Progress::Begun }
@@ -112,14 +103,14 @@ impl Preview {
         self.progress = Progress::Begun;
         let rendered = self.attempt(table, scene, stop)?;
         if self.progress == Progress::Mixed {
-            // Now the CPU renders what the GPU had rendered too.
+            // A picture comes from one renderer: the CPU renders all of it.
             return self.attempt(table, scene, stop);
         }
         self.end();
         Ok(rendered)
     }
 
-    /// A picture that the GPU rendered all of ends a row of those at which it hung.
+    /// A picture that the GPU rendered resets the count of pictures at which it hung.
     fn end(&mut self) {
         if self.progress == Progress::OnGpu {
             self.hangs = 0;
@@ -128,24 +119,27 @@ impl Preview {
 
     fn attempt(&mut self, table: &Arc<ShaderTable>, scene: &Scene, stop: Stop<'_>) -> Result<Rendered, PreviewError> {
         let frame = Frame::new(scene, scene.mode == Mode::Lobe);
+        let outside = outside(table, scene);
         let mut errors = Vec::new();
         let picture = match scene.mode {
-            Mode::Ltc => self.picture(table, &frame, Estimator::Table, stop)?,
+            Mode::Ltc => {
+                let picture = self.picture(table, &frame, Estimator::Table, stop)?;
+                compose::warned(picture, scene, &outside)
+            }
             Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
             Mode::Difference | Mode::Strip => {
                 let ltc = self.radiances(table, &frame, Estimator::Table, stop)?;
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 errors = panel_errors(scene, &frame, &ltc, &reference);
-                let mean = errors.iter().map(|error| error.mean_absolute).sum::<f64>() / errors.len() as f64;
-                compose::compared(scene, &ltc, &reference, mean)
+                compose::compared(scene, table, &outside, [&ltc, &reference], &errors)
             }
             Mode::Lobe => {
                 let ltc = self.radiances(table, &frame, Estimator::TableLobe, stop)?;
                 let reference = self.radiances(table, &frame, Estimator::ReferenceLobe, stop)?;
-                compose::lobes(&ltc, &reference)
+                compose::lobes(scene, table, &outside, &frame, [&ltc, &reference])
             }
         };
-        Ok(Rendered { picture, adapter: self.adapter_name()?, errors })
+        Ok(Rendered { picture, adapter: self.adapter_name()?, errors, outside })
     }
 
     /// What renders: an adapter's name, or `cpu`.
@@ -183,7 +177,7 @@ impl Preview {
         Ok(Radiances { width: extent[0], pixels })
     }
 
-    /// All of a frame, to display.
+    /// A whole frame, to display.
     fn picture(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -205,7 +199,7 @@ impl Preview {
         }
     }
 
-    /// All of a frame, as radiance.
+    /// A whole frame, as radiance.
     fn radiances(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -223,7 +217,7 @@ impl Preview {
         }
     }
 
-    /// What the GPU makes of `work`; `None` where the CPU has to do it.
+    /// The result of `work` on the GPU; `None` where the CPU has to do it.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
         if self.adapter == Adapter::Cpu
             || matches!(self.progress, Progress::OnCpu | Progress::Mixed)
@@ -243,7 +237,7 @@ impl Preview {
             tracing::warn!("the CPU renders: {failure}");
             self.progress = if self.progress == Progress::OnGpu { Progress::Mixed } else { Progress::OnCpu };
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
-            // One that was lost may come back; each one that hangs is left to itself and costs its patience.
+            // A lost GPU may come back. A GPU that hangs is abandoned, and each one costs the time that it is waited for.
             self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
             return Ok(None);
         }
@@ -265,7 +259,18 @@ impl Preview {
     }
 }
 
-/// All of a frame, as radiance, on the CPU.
+/// The shown materials whose roughness lies outside the table's nodes.
+fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
+    let shown = match scene.mode {
+        Mode::Reference => 0,
+        Mode::Lobe => 1,
+        Mode::Ltc | Mode::Difference | Mode::Strip => scene.materials.len(),
+    };
+    let shown = scene.materials.iter().take(shown).copied();
+    shown.filter(|m| !cpu::covers(table, m.alpha_x as f32, m.alpha_y as f32)).collect()
+}
+
+/// A whole frame, as radiance, on the CPU.
 fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
     let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
     let samples = if estimator == Estimator::Reference { frame.spp } else { 1 };
@@ -284,27 +289,6 @@ fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'
 fn radiances(frame: &Frame, words: &[u32]) -> Radiances {
     let (pixels, _) = words.as_chunks::<3>();
     Radiances { width: frame.size, pixels: pixels.iter().map(|words| words.map(f32::from_bits)).collect() }
-}
-
-/// The error of each material over the pixels that it covers.
-fn panel_errors(scene: &Scene, frame: &Frame, ltc: &Radiances, reference: &Radiances) -> Vec<PanelError> {
-    let mut sums = vec![(0.0, 0.0, 0.0); scene.materials.len()];
-    let sum = |pixel: [f32; 3]| pixel.map(f64::from).iter().sum::<f64>() / 3.0;
-    for (index, (ltc, reference)) in (0..).zip(ltc.pixels.iter().zip(&reference.pixels)) {
-        if let Some(cell) = cpu::covering(frame, [index % frame.size, index / frame.size]) {
-            let (apart, radiance, pixels) = &mut sums[cell];
-            *apart += sum([0, 1, 2].map(|i| (ltc[i] - reference[i]).abs()));
-            *radiance += sum(*reference);
-            *pixels += 1.0;
-        }
-    }
-    let error = |(material, (apart, radiance, pixels)): (&super::Material, (f64, f64, f64))| PanelError {
-        alpha_x: material.alpha_x,
-        alpha_y: material.alpha_y,
-        mean_absolute: apart / pixels.max(1.0),
-        mean_radiance: radiance / pixels.max(1.0),
-    };
-    scene.materials.iter().zip(sums).map(error).collect()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use half::f16;
 
 use crate::fit::{Layout, PerAxis, Table};
 
-/// How wide the stored numbers are.
+/// How wide the numbers of a texel are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TexelFormat {
     /// 32 bits, as fitted.
@@ -21,13 +21,18 @@ pub struct ShaderTable {
     pub(super) nodes: PerAxis<Vec<f32>>,
     /// `m00 m01 m02 m10`, `m11 m12 m20 m21`, `m22 amplitude fresnel 0` of each entry; rounded to the format.
     pub(super) texels: [Vec<[f32; 4]>; 3],
-    /// Whether its surfaces are isotropic with one phi, whose lobes turn with the view.
+    /// Whether its surfaces are isotropic and it has one phi: its lobes then turn with the view direction.
     pub(super) turns_with_view: bool,
+    /// What pictures call it.
+    pub(super) label: Option<String>,
 }
 
+/// Digits of a digest that a picture shows.
+const SHORT: usize = 8;
+
 impl ShaderTable {
-    /// The table with its numbers rounded to `format`. Without terms those stand in that leave the layout's start as it
-    /// is: for `kt2022` all is reflected white, for `reflected` as at the reflection in the middle of the lobe.
+    /// The table with its numbers rounded to `format`. A table without terms gets neutral ones: with `kt2022` all light is
+    /// reflected, with `reflected` as much as by the reflection in the middle of the lobe.
     #[must_use]
     pub fn new(table: &Table, format: TexelFormat) -> Self {
         let rounded = |x: f32| match format {
@@ -54,7 +59,14 @@ impl ShaderTable {
             },
             texels: [0, 1, 2].map(|texel| (0..table.matrix.len()).map(|index| entry(index)[texel]).collect()),
             turns_with_view: axes.ratio == [1.0] && axes.phi.len() == 1,
+            label: None,
         }
+    }
+
+    /// The same table, which pictures call by the first digits of the digest of its file.
+    #[must_use]
+    pub fn labelled(self, digest: &str) -> Self {
+        Self { label: Some(digest.chars().take(SHORT).collect()), ..self }
     }
 
     /// The number by which shaders know the layout.

@@ -1,4 +1,4 @@
-//! The two renderers against each other and against the truth.
+//! The two renderers against each other and against independent references.
 
 mod planted;
 mod polygons;
@@ -31,8 +31,8 @@ fn shader_tables() -> [Arc<ShaderTable>; 4] {
     tables.map(|(table, format)| Arc::new(ShaderTable::new(&table, format)))
 }
 
-/// The renderers that there are. Without a Vulkan adapter the CPU alone is tested, and the test says so past the
-/// harness, which would keep it to itself.
+/// The renderers of this machine. Without a Vulkan adapter only the CPU is tested, and the test says so on standard error
+/// itself, since the harness would capture it.
 fn renderers() -> Vec<Preview> {
     let mut gpu = Preview::new(Adapter::Gpu);
     let cpu = Preview::new(Adapter::Cpu);
@@ -46,12 +46,12 @@ fn renderers() -> Vec<Preview> {
     }
 }
 
-/// Says that what runs now leaves out the GPU, and why.
+/// Says that the current test leaves out the GPU, and why.
 pub(super) fn tell_skipped(reason: &str) {
     let name = std::thread::current().name().unwrap_or_default().to_owned();
     let line = format!(
         "\n*** SKIPPED ON THE GPU: {name}: {reason}\n*** Install a Vulkan driver (Debian: mesa-vulkan-drivers).\n\n"
     );
-    // A line that cannot be printed is no failure of what is tested.
+    // A line that cannot be printed does not fail the test.
     let _ = stderr().write_all(line.as_bytes());
 }

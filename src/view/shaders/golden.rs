@@ -7,7 +7,7 @@ use crate::fit::{
     math::{atan2, from_row_major},
 };
 
-/// A surface and a view that each port has to look up: every fold, and a place outside the table.
+/// A surface and a view direction to look up. The cases try every fold, and a place outside the table.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::view) struct Case {
     pub(in crate::view) alpha_x: f64,
@@ -26,7 +26,7 @@ pub(in crate::view) const CASES: [Case; 3] = [
 pub(in crate::view) const CORNERS: [[f64; 3]; 4] =
     [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
 
-/// What a port has to give.
+/// The values that a port has to reproduce.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::view) struct Golden {
     /// `M`, row-major.
@@ -41,7 +41,7 @@ pub(in crate::view) struct Golden {
 #[cfg(test)]
 pub(in crate::view) const TOLERANCE: f64 = 2e-5;
 
-/// How far apart neighbouring numbers of an entry are, for each entry before it: 2^-10, so that all are half floats.
+/// The step between the numbers of neighbouring entries: 2^-10, so that all numbers are exact in half floats.
 const STEP: f64 = 1.0 / 1024.0;
 
 /// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the

@@ -25,7 +25,7 @@ FUNCTIONS
   ltc_example calls them; it stands for your own code. All but group 0 goes with it.
 ";
 
-/// What a table consists of on the GPU, whatever the language.
+/// What a table consists of on the GPU, in every language.
 const TABLE: &str = "\
 BINDINGS OF A TABLE
   uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; 1 (layout reflected) or 0 (kt2022), not read
@@ -40,7 +40,7 @@ BINDINGS OF A TABLE
   view direction's angles in radians.
 ";
 
-/// How `ltc_example` is fed.
+/// The input and output of `ltc_example`.
 const EXAMPLE: &str = "\
 EXAMPLE
   Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, or 0 for a disk), 1 if it is

@@ -1,4 +1,4 @@
-//! Which recipes are fitted.
+//! The recipes that are fitted.
 
 use crate::{
     files::recipe::{Preset, canonical_json, parse},
@@ -10,7 +10,7 @@ use crate::{
 pub enum Size {
     /// The presets and a few recipes around them.
     Quick,
-    /// Enough to calibrate an expectation by.
+    /// Enough to calibrate predictions.
     Full,
 }
 

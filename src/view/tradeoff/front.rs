@@ -1,6 +1,6 @@
-//! What is worth its price.
+//! Pareto fronts.
 
-/// Which of several `[price, error]` pairs are on the Pareto front: no other is as good in both and better in one.
+/// Which of several `[price, error]` pairs are on the Pareto front, where no other is as good in both and better in one.
 ///
 /// Domain: finite numbers.
 #[must_use]
@@ -11,7 +11,7 @@ pub fn front(pairs: &[[f64; 2]]) -> Vec<bool> {
         price_a.total_cmp(&price_b).then(error_a.total_cmp(&error_b))
     });
     let mut on_front = vec![false; pairs.len()];
-    // The lowest error so far, and the price of who has it: an equal pair is as good.
+    // The best pair so far. An equal pair is on the front too.
     let mut best = [f64::NEG_INFINITY, f64::INFINITY];
     for index in order {
         let [price, error] = pairs[index];
@@ -30,8 +30,8 @@ pub struct Fronts {
     pub seconds: bool,
     /// Error against bytes, of all rows.
     pub bytes: bool,
-    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision: where presets
-    /// are chosen.
+    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision, between which presets
+    /// choose.
     pub base: bool,
 }
 

@@ -21,6 +21,18 @@ impl Area {
         Self { left: x - half, top: y - half, width: 2.0 * half, height: 2.0 * half }
     }
 
+    /// What lies within `half` of a horizontal or vertical line between two points.
+    pub(super) fn along(a: [f64; 2], b: [f64; 2], half: f64) -> Self {
+        let low = |axis: usize| a[axis].min(b[axis]) - half;
+        let length = |axis: usize| (a[axis] - b[axis]).abs() + 2.0 * half;
+        Self { left: low(0), top: low(1), width: length(0), height: length(1) }
+    }
+
+    /// The squared distance from a point to the middle of this box.
+    fn distance2(&self, [x, y]: [f64; 2]) -> f64 {
+        (self.left + 0.5 * self.width - x).powi(2) + (self.top + 0.5 * self.height - y).powi(2)
+    }
+
     fn is_inside(&self, frame: &Self) -> bool {
         self.left >= frame.left
             && self.top >= frame.top
@@ -35,25 +47,40 @@ const DISTANCES: [f64; 6] = [12.0, 20.0, 30.0, 44.0, 60.0, 80.0];
 const DIRECTIONS: [[f64; 2]; 8] =
     [[0.7, -0.7], [0.7, 0.7], [-0.7, -0.7], [-0.7, 0.7], [1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
 
-/// A place of `size` for each point's name, inside `frame`: the first that hides nothing, or else what hides least.
-/// Names hide each other last of all.
-pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], taken: &[Area], frame: &Area) -> Vec<Area> {
-    /// How much worse it is to hide another name than to hide a point.
-    const NAME_WEIGHT: f64 = 100.0;
+/// How far apart the places are that are tried all over the frame, when none beside the point is free.
+const STEP: f64 = 5.0;
+
+/// A place of `size` for each point's name, inside `frame`: the first beside the point that hides neither a mark in
+/// `taken` nor another name, else the nearest such place in the frame. `None` for a name for which there is none.
+pub(super) fn places(points: &[[f64; 2]], sizes: &[[f64; 2]], taken: &[Area], frame: &Area) -> Vec<Option<Area>> {
     let mut names: Vec<Area> = Vec::new();
-    for (point, size) in points.iter().zip(sizes) {
-        let cost = |area: &Area| {
-            let of_names: f64 = names.iter().map(|name| area.overlap(name)).sum();
-            let of_points: f64 = taken.iter().map(|mark| area.overlap(mark)).sum();
-            let outside = if area.is_inside(frame) { 0.0 } else { 1e9 };
-            NAME_WEIGHT * of_names + of_points + outside
-        };
-        let candidates = DISTANCES.iter().flat_map(|r| DIRECTIONS.iter().map(move |to| beside(*point, *to, *r, *size)));
-        // `min_by` keeps the first of equals.
-        let best = candidates.min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        names.extend(best);
-    }
-    names
+    let found = points.iter().zip(sizes).map(|(point, size)| {
+        let is_free =
+            |area: &Area| area.is_inside(frame) && names.iter().chain(taken).all(|other| area.overlap(other) == 0.0);
+        let beside = DISTANCES.iter().flat_map(|r| DIRECTIONS.iter().map(move |to| beside(*point, *to, *r, *size)));
+        let place = beside.into_iter().find(|area| is_free(area)).or_else(|| {
+            let free = everywhere(frame, *size).filter(|area| is_free(area));
+            // `min_by` keeps the first of equals.
+            free.min_by(|a, b| a.distance2(*point).total_cmp(&b.distance2(*point)))
+        });
+        names.extend(place);
+        place
+    });
+    found.collect()
+}
+
+/// Boxes of `size` on a grid over `frame`.
+fn everywhere(frame: &Area, [width, height]: [f64; 2]) -> impl Iterator<Item = Area> {
+    let Area { left, top, .. } = *frame;
+    let steps = [frame.width - width, frame.height - height].map(|room| (room / STEP).max(0.0) as u32);
+    (0..=steps[1]).flat_map(move |row| {
+        (0..=steps[0]).map(move |column| Area {
+            left: left + f64::from(column) * STEP,
+            top: top + f64::from(row) * STEP,
+            width,
+            height,
+        })
+    })
 }
 
 /// The box of `size` whose nearest point lies `distance` from `point` towards `to`.
@@ -77,10 +104,26 @@ mod tests {
         let points = [[290.0, 100.0], [290.0, 106.0], [290.0, 109.0], [290.0, 110.0]];
         let taken = points.map(|point| Area::around(point, 5.0));
         let found = places(&points, &[[50.0, 14.0]; 4], &taken, &frame);
-        assert_eq!(found.len(), 4);
+        assert_apart(&found, 4, &taken, &frame);
+    }
+
+    #[track_caller]
+    fn assert_apart(found: &[Option<Area>], count: usize, taken: &[Area], frame: &Area) {
+        let found: Vec<Area> = found.iter().flatten().copied().collect();
+        assert_eq!(found.len(), count);
         for (i, area) in found.iter().enumerate() {
-            assert!(area.is_inside(&frame), "{area:?}");
-            assert!(found[..i].iter().chain(&taken).all(|other| area.overlap(other) == 0.0), "{found:?}");
+            assert!(area.is_inside(frame), "{area:?}");
+            assert!(found[..i].iter().chain(taken).all(|other| area.overlap(other) == 0.0), "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_crowd_leaves_names_further_away_and_a_full_frame_leaves_none() {
+        let frame = Area { left: 0.0, top: 0.0, width: 300.0, height: 300.0 };
+        // Marks all around the points, out to where no place beside a point is free.
+        let taken: Vec<Area> =
+            (0..400_u16).map(|i| Area::around([f64::from(i % 20) * 10.0, f64::from(i / 20) * 10.0], 5.0)).collect();
+        assert_apart(&places(&[[90.0, 90.0]; 6], &[[50.0, 14.0]; 6], &taken, &frame), 6, &taken, &frame);
+        assert_eq!(places(&[[90.0, 90.0]], &[[50.0, 14.0]], &[frame], &frame), [None]);
     }
 }

@@ -1,7 +1,7 @@
-//! The trade between speed, size and accuracy: which recipes show it, which of them are worth their price, and how
-//! that is written and drawn.
+//! The trade-off between speed, size and accuracy: the recipes that show it, the Pareto fronts, and how both are written
+//! and drawn.
 //!
-//! Invariant: no clock and no file here; what was measured is handed in.
+//! Invariant: no clock and no file here. Callers measure and hand the results in.
 
 mod axis;
 mod family;

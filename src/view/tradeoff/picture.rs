@@ -1,4 +1,4 @@
-//! The trade as a picture: error against seconds, and against bytes.
+//! The trade-off as a picture: error against seconds, and against bytes.
 
 use std::fmt::Write as _;
 
@@ -17,13 +17,15 @@ const PANEL_HEIGHT: f64 = 420.0;
 /// Left ends of the panels, and their width.
 const LEFT: [f64; 2] = [64.0, 624.0];
 const PANEL_WIDTH: f64 = 480.0;
-/// What a letter of a name takes at 13 pixels, and a name's height.
+/// The width of a letter at 13 pixels, and the height of a name.
 const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
 /// Half a mark.
 const MARK: f64 = 4.0;
+/// Half of what is drawn around a mark that has a name.
+const RING: f64 = 7.5;
 
-/// Both schemes of colours in one file: the viewer's own preference picks.
+/// Light and dark colours in one file; the viewer's preference picks.
 const STYLE: &str = "\
 svg { font: 13px system-ui, sans-serif; --ink: #24292f; --paper: #ffffff; --grid: #d8dee4; --a: #0969da; --b: #bc4c00 }
 @media (prefers-color-scheme: dark) {
@@ -56,7 +58,8 @@ struct Panel {
     write_tick: fn(f64) -> String,
 }
 
-/// The picture as SVG. A row on a front is drawn full, others faint; f16 hollow; presets ringed and named.
+/// The picture as SVG. A row on a front is drawn full, others faint; f16 hollow;
+/// presets ringed and named; outliers in a square at the edge, with their values.
 #[must_use]
 pub fn picture(rows: &[Row]) -> String {
     let mut out = String::new();
@@ -145,40 +148,91 @@ fn write_panel(out: &mut String, panel: &Panel, rows: &[Row]) -> std::fmt::Resul
     )?;
 
     let at = |row: &Row| [x_axis.at((panel.price)(row)), y_axis.at(row.error_mean)];
-    write_front(out, "front", rows.iter().filter(|row| (panel.is_on_front)(row)).map(at))?;
+    let mut fronts = vec![("front", staircase(rows.iter().filter(|row| (panel.is_on_front)(row)).map(at)))];
     if panel.left == LEFT[0] {
-        write_front(out, "front base", rows.iter().filter(|row| row.on_front.base).map(at))?;
+        fronts.push(("front base", staircase(rows.iter().filter(|row| row.on_front.base).map(at))));
+    }
+    for (class, corners) in &fronts {
+        write_front(out, class, corners)?;
     }
     for row in rows {
         let precision = if row.precision == Precision::F16 { " f16" } else { "" };
         let faint = if (panel.is_on_front)(row) || row.on_front.base { "" } else { " off" };
         mark(out, at(row), row.layout, &format!("{precision}{faint}"))?;
     }
-    write_presets(out, panel, rows, at)
+    let presets =
+        rows.iter().filter_map(|row| Some(Named { name: row.preset?.to_owned(), at: at(row), is_preset: true }));
+    let outliers = rows.iter().filter_map(|row| {
+        let price = (panel.price)(row);
+        let price = x_axis.is_beyond(price).then(|| (panel.write_tick)(two_digits(price)));
+        let error = y_axis.is_beyond(row.error_mean).then(|| two_digits(row.error_mean).to_string());
+        let values: Vec<String> = price.into_iter().chain(error).collect();
+        let name = format!("off: {}", values.join(", "));
+        (!values.is_empty()).then(|| Named { name, at: at(row), is_preset: false })
+    });
+    let named: Vec<Named> = presets.chain(outliers).collect();
+    let marks = rows.iter().map(|row| Area::around(at(row), MARK + 1.0));
+    let lines =
+        fronts.iter().flat_map(|(_, corners)| corners.windows(2)).map(|ends| Area::along(ends[0], ends[1], 1.0));
+    let taken: Vec<Area> = marks.chain(lines).collect();
+    write_names(out, &Area { left: panel.left, top: TOP, width: PANEL_WIDTH, height: PANEL_HEIGHT }, &named, &taken)
 }
 
-/// A staircase: between two points on it nothing better is known than the dearer one's error from its price on.
-fn write_front(out: &mut String, class: &str, points: impl Iterator<Item = [f64; 2]>) -> std::fmt::Result {
+/// The corners of a staircase: between two points on a front nothing better is known than the dearer one's error from its
+/// price on.
+fn staircase(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = points.collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let Some(([x, y], rest)) = points.split_first().map(|(first, rest)| (*first, rest)) else { return Ok(()) };
-    let steps = rest.iter().fold(format!("M{x:.1} {y:.1}"), |path, [x, y]| format!("{path}H{x:.1}V{y:.1}"));
-    writeln!(out, r#"<path class="{class}" d="{steps}"/>"#)
+    let mut corners: Vec<[f64; 2]> = Vec::new();
+    for [x, y] in points {
+        corners.extend(corners.last().map(|[_, before]| [x, *before]));
+        corners.push([x, y]);
+    }
+    corners
 }
 
-fn write_presets(out: &mut String, panel: &Panel, rows: &[Row], at: impl Fn(&Row) -> [f64; 2]) -> std::fmt::Result {
-    let named: Vec<(&str, [f64; 2])> = rows.iter().filter_map(|row| row.preset.map(|name| (name, at(row)))).collect();
-    let taken: Vec<Area> = rows.iter().map(|row| Area::around(at(row), MARK + 1.0)).collect();
-    let points: Vec<[f64; 2]> = named.iter().map(|(_, point)| *point).collect();
-    let sizes: Vec<[f64; 2]> = named.iter().map(|(name, _)| [LETTER * name.len() as f64, NAME_HEIGHT]).collect();
-    let frame = Area { left: panel.left, top: TOP, width: PANEL_WIDTH, height: PANEL_HEIGHT };
-    for ((name, [x, y]), area) in named.iter().zip(places(&points, &sizes, &taken, &frame)) {
-        let near = [x.clamp(area.left, area.left + area.width), y.clamp(area.top, area.top + area.height)];
-        writeln!(out, r#"<path class="lead" d="M{x:.1} {y:.1}L{:.1} {:.1}"/>"#, near[0], near[1])?;
-        writeln!(out, r#"<circle class="preset" cx="{x:.1}" cy="{y:.1}" r="7.5"/>"#)?;
-        writeln!(out, r#"<text class="title" x="{:.1}" y="{:.1}">{name}</text>"#, area.left, area.top + 12.0)?;
+fn write_front(out: &mut String, class: &str, corners: &[[f64; 2]]) -> std::fmt::Result {
+    let Some(([x, y], rest)) = corners.split_first() else { return Ok(()) };
+    // Of two corners the first ends a horizontal line, the second a vertical one.
+    let steps = rest.chunks_exact(2).map(|pair| format!("H{:.1}V{:.1}", pair[1][0], pair[1][1]));
+    writeln!(out, r#"<path class="{class}" d="M{x:.1} {y:.1}{}"/>"#, steps.collect::<String>())
+}
+
+/// A mark that has a name: a preset, or an outlier with its values.
+struct Named {
+    name: String,
+    at: [f64; 2],
+    is_preset: bool,
+}
+
+/// Writes names where they hide neither each other, nor what is `taken`, nor a mark that is named.
+fn write_names(out: &mut String, frame: &Area, named: &[Named], taken: &[Area]) -> std::fmt::Result {
+    let rings = named.iter().map(|named| Area::around(named.at, RING + 1.0));
+    let taken: Vec<Area> = taken.iter().copied().chain(rings).collect();
+    let points: Vec<[f64; 2]> = named.iter().map(|named| named.at).collect();
+    let sizes: Vec<[f64; 2]> = named.iter().map(|named| [LETTER * named.name.len() as f64, NAME_HEIGHT]).collect();
+    for (Named { name, at: [x, y], is_preset }, place) in named.iter().zip(places(&points, &sizes, &taken, frame)) {
+        if let Some(area) = place {
+            let near = [x.clamp(area.left, area.left + area.width), y.clamp(area.top, area.top + area.height)];
+            writeln!(out, r#"<path class="lead" d="M{x:.1} {y:.1}L{:.1} {:.1}"/>"#, near[0], near[1])?;
+            writeln!(out, r#"<text class="title" x="{:.1}" y="{:.1}">{name}</text>"#, area.left, area.top + 12.0)?;
+        }
+        if *is_preset {
+            writeln!(out, r#"<circle class="preset" cx="{x:.1}" cy="{y:.1}" r="{RING}"/>"#)?;
+        } else {
+            // A square around the mark: its place is the frame's edge, not its value.
+            let side = 2.0 * RING;
+            let [left, top] = [x - RING, y - RING];
+            writeln!(out, r#"<rect class="preset" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#)?;
+        }
     }
     Ok(())
+}
+
+/// A number rounded to two digits, without the last digits of its binary form.
+fn two_digits(x: f64) -> f64 {
+    let scale = 10_f64.powi(1 - x.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
+    rounded((x * scale).round() / scale)
 }
 
 fn mark(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
@@ -208,5 +262,53 @@ fn bytes(tick: f64) -> String {
         tick if tick >= 1e6 => format!("{} MB", rounded(tick / 1e6)),
         tick if tick >= 1e3 => format!("{} kB", rounded(tick / 1e3)),
         _ => format!("{} B", rounded(tick)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{files::digest::Digest, fit::PerAxis, view::tradeoff::Fronts};
+
+    fn row(seconds: f64, error_mean: f64, preset: Option<&'static str>) -> Row {
+        Row {
+            recipe_digest: Digest::of(b""),
+            preset,
+            layout: Layout::Reflected,
+            resolution: PerAxis { alpha: 4, ratio: 4, theta: 4, phi: 4 },
+            samples: 128,
+            directions: 8,
+            steps: 30,
+            precision: Precision::F32,
+            entries: 256,
+            bytes: 11_264,
+            seconds,
+            wall_seconds: seconds,
+            error_mean,
+            error_p95: error_mean,
+            sw1_mean: error_mean,
+            sw1_p95: error_mean,
+            predicted_seconds: seconds,
+            predicted_error: error_mean,
+            on_front: Fronts { seconds: true, bytes: false, base: preset.is_some() },
+        }
+    }
+
+    #[test]
+    fn an_outlier_stands_at_the_edge_with_its_value() {
+        let mut rows = vec![
+            row(0.8, 0.055, Some("draft")),
+            row(1.7, 0.052, Some("standard")),
+            row(4.8, 0.051, Some("paper")),
+            row(23.0, 0.049, Some("best")),
+            row(0.5, 0.07, None),
+        ];
+        assert!(!picture(&rows).contains("off:"));
+        rows.push(row(2.0, 0.934, None));
+        let svg = picture(&rows);
+        assert_eq!(svg.matches(">off: 0.93</text>").count(), 2, "{svg}");
+        // The others still have most of the axis.
+        let ticks = |svg: &str| svg.matches("class=\"grid\"").count();
+        assert!(ticks(&svg) >= ticks(&picture(&rows[..5])));
     }
 }

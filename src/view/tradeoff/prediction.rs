@@ -1,4 +1,4 @@
-//! How far expectations were off.
+//! How far predictions were off.
 
 use serde::Serialize;
 
@@ -7,13 +7,13 @@ use super::Row;
 /// Measured over predicted: least, median and greatest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OffBy {
-    /// Of the seconds. A factor common to all three is the machine's speed.
+    /// Of the seconds. A factor that all three share is the machine's speed.
     pub seconds: [f64; 3],
     /// Of the mean error.
     pub error: [f64; 3],
 }
 
-/// How far the expectations of `rows` were off. Domain: at least one row.
+/// How far the predictions of `rows` were off. Domain: at least one row.
 #[must_use]
 pub fn off_by(rows: &[Row]) -> OffBy {
     let spread = |ratio: fn(&Row) -> f64| {

@@ -1,4 +1,4 @@
-//! A line of the trade: a recipe, what it cost and what it gave.
+//! A line of the trade-off: a recipe, its cost and its error.
 
 use serde::Serialize;
 
@@ -27,7 +27,7 @@ pub struct Measurement {
     pub sw1: Spread,
 }
 
-/// A line of the trade.
+/// A line of the trade-off.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// The recipe's digest.
@@ -50,9 +50,9 @@ pub struct Row {
     pub entries: u64,
     /// Bytes of its matrices and terms.
     pub bytes: u64,
-    /// Processor time of the fit over the threads: its time where each thread has a core of its own.
+    /// Processor time of the fit over the number of threads, which is its duration if each thread has a core.
     pub seconds: f64,
-    /// Time that passed, whatever else the machine did.
+    /// Time that passed, which depends on what else the machine did.
     pub wall_seconds: f64,
     /// Mean error between nodes as a part of the lobe's width: the error of the fronts.
     pub error_mean: f64,
@@ -62,9 +62,9 @@ pub struct Row {
     pub sw1_mean: f64,
     /// Its 95th percentile.
     pub sw1_p95: f64,
-    /// What was expected of `seconds`.
+    /// The prediction of `seconds`.
     pub predicted_seconds: f64,
-    /// What was expected of `error_mean`.
+    /// The prediction of `error_mean`.
     pub predicted_error: f64,
     /// The fronts it is on.
     pub on_front: Fronts,

@@ -1,4 +1,4 @@
-//! The trade as CSV and JSON.
+//! The trade-off as CSV and JSON.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,
                       wall_seconds,error_mean,error_p95,sw1_mean,sw1_p95,predicted_seconds,predicted_error,\
                       on_front_seconds,on_front_bytes,on_front_base";
 
-/// One line a row after a header; no field needs quotes.
+/// A header and a line per row; no field needs quotes.
 #[must_use]
 pub fn csv(rows: &[Row]) -> String {
     let mut out = format!("{HEADER}\n");

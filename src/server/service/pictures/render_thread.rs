@@ -82,7 +82,8 @@ impl RenderThread {
         }
         // Tables may be large: free the last one before the next is read.
         self.shader_table = None;
-        let table = Arc::new(ShaderTable::new(&self.table(digest)?, TexelFormat::F32));
+        let table = ShaderTable::new(&self.table(digest)?, TexelFormat::F32).labelled(&digest.hex());
+        let table = Arc::new(table);
         self.shader_table = Some((digest, Arc::clone(&table)));
         Ok(table)
     }

@@ -1,7 +1,7 @@
 //! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
 //!
-//! Each file stands beside a shader's and has its functions, with their names: `lookup` is `ltc_table.wgsl`, `light`
-//! is `ltc_light.wgsl`, `ggx` is `ggx_reference.wgsl`, `surface` is `sphere.wgsl`. Comments stand there.
+//! Each file mirrors a shader and has functions of the same names: `lookup` mirrors `ltc_table.wgsl`, `light`
+//! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, and `surface` `sphere.wgsl`. The shaders have the comments.
 
 mod ggx;
 mod light;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{Radiances, ShaderTable, estimator::Estimator, frame::Frame};
 
-/// A part of the picture, as radiance: that of the `extent` pixels from `corner`.
+/// The `extent` pixels from `corner` on, as radiance.
 pub(super) fn render(
     frame: &Frame,
     table: &ShaderTable,
@@ -26,8 +26,7 @@ pub(super) fn render(
     Radiances { width: extent[0], pixels: rows.collect() }
 }
 
-/// `ltc_example`: the table looked up, and the part of the lobe that a one-sided polygon covers: M, then amplitude,
-/// Fresnel term and that.
+/// `ltc_example`: M, and the amplitude, the Fresnel term and the part of the lobe that a one-sided polygon covers.
 #[cfg(test)]
 pub(super) fn lit(
     table: &ShaderTable,
@@ -55,7 +54,24 @@ pub(super) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -
     light::Inverse::of(m).covered(&light, glam::Vec3::ZERO, glam::Mat3::IDENTITY)
 }
 
-/// The cell whose surface covers a pixel, in part at least.
+/// Whether a table's nodes surround a roughness as the lookup folds it. Outside them it takes the nearest.
+pub(super) fn covers(table: &ShaderTable, alpha_x: f32, alpha_y: f32) -> bool {
+    /// A quotient of f32 numbers may be off a node that it stands for by this part of it.
+    const ROUNDING: f32 = 1e-6;
+    let (x, y) = (alpha_x.max(lookup::LEAST_ALPHA), alpha_y.max(lookup::LEAST_ALPHA));
+    let is_within = |nodes: &[f32], value: f32| {
+        let [Some(first), Some(last)] = [nodes.first(), nodes.last()] else { return false };
+        (first * (1.0 - ROUNDING)..=last * (1.0 + ROUNDING)).contains(&value)
+    };
+    is_within(&table.nodes.alpha, x.max(y)) && is_within(&table.nodes.ratio, x.min(y) / x.max(y))
+}
+
+/// Where a lobe's picture shows a direction, in pixels; `None` on the far side of the sphere of directions.
+pub(super) fn place_of_direction(frame: &Frame, w: glam::Vec3) -> Option<[f32; 2]> {
+    surface::place_of_direction(frame, w)
+}
+
+/// The cell whose surface covers a pixel, at least in part.
 pub(super) fn covering(frame: &Frame, pixel: [u32; 2]) -> Option<usize> {
     surface::covering(frame, pixel)
 }

@@ -101,6 +101,13 @@ fn reflected(frame: &Frame, parts: Vec2) -> Vec3 {
     (frame.f0 * (parts.x - parts.y) + Vec3::splat(parts.y)) * frame.light.radiance
 }
 
+/// The inverse of [`direction_of`], in pixels.
+pub(super) fn place_of_direction(frame: &Frame, w: Vec3) -> Option<[f32; 2]> {
+    let place = Vec2::new(w.dot(frame.right), w.dot(frame.up)) / 1.05;
+    let half = 0.5 * frame.size as f32;
+    (w.dot(frame.forward) <= 0.0).then_some([half * (1.0 + place.x), half * (1.0 - place.y)])
+}
+
 fn direction_of(frame: &Frame, place: Vec2) -> Option<Vec3> {
     let flat = place * 1.05;
     let height2 = 1.0 - flat.dot(flat);

@@ -8,7 +8,7 @@ use crate::view::{
     shaders::preview_module,
 };
 
-/// A device of the first adapter that Vulkan has: a GPU, or lavapipe in its place.
+/// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
 #[derive(Debug)]
 pub(super) struct Device {
     pub(super) wgpu: wgpu::Device,
@@ -18,15 +18,15 @@ pub(super) struct Device {
     pub(super) name: String,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
-    /// Of each estimator, for polygons and for ellipses.
+    /// The pipelines of each estimator, for polygons and for ellipses.
     pipelines: [[Option<wgpu::ComputePipeline>; 2]; Estimator::ALL.len()],
-    /// The sampler weighs entries, not the shader.
+    /// The sampler interpolates entries, not the shader.
     pub(super) samples_weighed: bool,
     lookup_is_constant: bool,
     fault: Fault,
 }
 
-/// The first error that no call returned. Left alone, wgpu would panic.
+/// The first error that no call returned. Without this, wgpu would panic.
 #[derive(Debug, Clone, Default)]
 struct Fault(Arc<Mutex<Option<String>>>);
 
@@ -128,7 +128,7 @@ impl Device {
         self.pipelines[estimator as usize][usize::from(is_ellipse)].get_or_insert_with(build).clone()
     }
 
-    /// Fails when anything has gone wrong since the device was opened.
+    /// Fails if anything has gone wrong since the device was opened.
     pub(super) fn check(&self) -> Result<(), GpuFailure> {
         match self.fault.0.lock().unwrap_or_else(PoisonError::into_inner).clone() {
             Some(message) => Err(GpuFailure::Failed(message)),
@@ -180,7 +180,7 @@ pub(super) fn layout(device: &wgpu::Device, label: &str, bindings: &[wgpu::Bindi
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // Being told of the loss of a device that is given up is no news.
+        // That a dropped device is lost is not an error.
         self.wgpu.set_device_lost_callback(|_, _| {});
     }
 }

@@ -3,7 +3,7 @@
 /// Why a GPU did not render.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(in crate::view::preview) enum GpuFailure {
-    /// There is none, or none that will do.
+    /// There is no GPU, or none that can be used.
     #[error("{0}")]
     Absent(String),
     /// It cannot hold the table.
@@ -14,10 +14,10 @@ pub(in crate::view::preview) enum GpuFailure {
         /// Most texels a side.
         most: u32,
     },
-    /// It was lost, or an operation failed.
+    /// The GPU was lost, or an operation failed.
     #[error("{0}")]
     Failed(String),
-    /// It does not come back.
+    /// The GPU does not answer.
     #[error("{0}")]
     Hangs(String),
     /// The caller told it to stop.

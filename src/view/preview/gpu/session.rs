@@ -5,12 +5,12 @@ use std::sync::Arc;
 use super::{GpuFailure, RenderTask, Variant, device::Device, table, target::Target};
 use crate::view::preview::{ShaderTable, estimator::Stop};
 
-/// A GPU that is opened by its first picture, and again after it was lost.
+/// A GPU that its first picture opens, and the next picture opens again after it was lost.
 #[derive(Debug, Default)]
 pub(in crate::view::preview) struct Gpu {
     variant: Variant,
     open: Option<Open>,
-    /// How often it renders before it fails.
+    /// How many more pictures it renders before it fails.
     #[cfg(test)]
     fails_after: Option<u32>,
 }
@@ -33,7 +33,8 @@ impl Gpu {
         Ok(self.device()?.device.name.clone())
     }
 
-    /// Renders part of a picture and returns the words of all of it. What fails is tried once more on a new device.
+    /// Renders part of a picture and returns the words of the whole picture. After a failure it tries once more on a new
+    /// device.
     pub(in crate::view::preview) fn render(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -51,7 +52,7 @@ impl Gpu {
                 self.attempt(table, task, stop).inspect_err(|_| self.open = None)
             }
             Err(failure @ GpuFailure::Hangs(_)) => {
-                // Dropping a busy device would wait for it: it is left to itself.
+                // Dropping a busy device would wait for it, so it is leaked.
                 std::mem::forget(self.open.take());
                 Err(failure)
             }
@@ -85,7 +86,7 @@ impl Gpu {
         self.open.as_mut().ok_or_else(|| GpuFailure::Absent("not open".to_owned()))
     }
 
-    /// Has it fail once it has rendered so many times.
+    /// Makes it fail after it has rendered so many times.
     #[cfg(test)]
     pub(in crate::view::preview) fn fail_after(&mut self, times: u32) {
         self.fails_after = Some(times);

@@ -61,7 +61,7 @@ impl Target {
         self.size == frame.size && (self.words == 1) == as_bytes
     }
 
-    /// Renders the task's part, and returns the words of the whole picture.
+    /// Renders the part of the task and returns the words of the whole picture.
     pub(super) fn render(
         &self,
         gpu: &mut Device,
@@ -135,7 +135,7 @@ fn wait(gpu: &Device, submission: wgpu::SubmissionIndex) -> Result<(), GpuFailur
     match gpu.wgpu.poll(until) {
         Ok(_) => gpu.check(),
         Err(wgpu::PollError::Timeout) => Err(GpuFailure::Hangs(format!("no answer within {PATIENCE:?}"))),
-        // What was submitted to a lost device is unknown to it.
+        // A lost device does not know what was submitted to it.
         Err(error) => Err(gpu.check().err().unwrap_or_else(|| GpuFailure::Failed(error.to_string()))),
     }
 }

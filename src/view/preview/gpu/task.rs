@@ -6,16 +6,16 @@ use crate::view::preview::{
     frame::{Frame, Part},
 };
 
-/// Samples that are sent to the GPU at a time: a third of a second on two slow cores, after which the caller may stop. A
-/// driver that is busy for long can neither be stopped nor dropped, but without a shader cache lavapipe takes 0.1 s to
-/// compile the reference for each part anew.
+/// Samples that are sent to the GPU at a time. They take a third of a second on two slow cores, after which the caller may
+/// stop: a driver that is busy can neither be stopped nor dropped. Smaller parts cost more, since lavapipe without a
+/// shader cache takes 0.1 s per part to compile the reference anew.
 const SAMPLES_A_PART: u32 = 1 << 24;
-/// Samples of a pixel that one pass takes. Lavapipe ends a shader's loops after 65535 steps, those within them counted
-/// in, of which a sample takes up to 15.
+/// Samples of a pixel that one pass takes. Lavapipe ends a shader's loops after 65535 steps, nested ones included, and a
+/// sample takes up to 15.
 const SAMPLES_A_PASS: u32 = 1024;
 /// Workgroups that every GPU takes in one dispatch.
 const TILES_A_PART: u32 = 65_535;
-/// What light by the table costs, in samples of the reference.
+/// The cost of light by the table, in samples of the reference.
 const TABLE_COST: u32 = 8;
 
 /// What is rendered in one go.
@@ -32,17 +32,17 @@ pub(in crate::view::preview) struct RenderTask<'a> {
 }
 
 impl<'a> RenderTask<'a> {
-    /// All of a frame.
+    /// A whole frame.
     pub(in crate::view::preview) fn whole(frame: &'a Frame, estimator: Estimator, as_bytes: bool) -> Self {
         Self { frame, estimator, corner: [0; 2], extent: [frame.size; 2], as_bytes }
     }
 
-    /// Whether one pass can do it. Several add up radiances, which bytes cannot.
+    /// Whether one pass is enough. Several passes add up radiances, which bytes to display cannot do.
     pub(in crate::view::preview) fn is_one_pass(frame: &Frame, estimator: Estimator) -> bool {
         estimator != Estimator::Reference || frame.spp <= SAMPLES_A_PASS
     }
 
-    /// What is sent to the GPU at a time: some of the tiles that are seen, and of each its samples from the first on.
+    /// The parts that are sent to the GPU one at a time: some of the tiles that are seen, and a range of their samples.
     pub(super) fn parts(&self, tiles: u32) -> impl Iterator<Item = Part> {
         let is_sampled = self.estimator == Estimator::Reference;
         let all = if is_sampled { self.frame.spp } else { 1 };

@@ -1,7 +1,7 @@
 //! The squares of pixels that a picture is rendered in.
 //!
-//! A shader computes for all pixels of a vector what it needs for one of them, and lavapipe does for none of them too:
-//! what the surface cannot cover is not sent.
+//! A shader computes for all pixels of a vector what it needs for one of them, and lavapipe does so even where it needs
+//! it for none. Tiles that the surface cannot cover are therefore not sent.
 
 use glam::Vec3;
 
@@ -32,7 +32,7 @@ impl Tiles {
     }
 }
 
-/// Whether a tile may show the surface. Never wrong when it says no.
+/// Whether a tile may show the surface. `false` is certain, `true` is not.
 fn may_show(frame: &Frame, tile: [u32; 2]) -> bool {
     let side = frame.size / frame.cells;
     let cell = tile.map(|x| (x / side).min(frame.cells - 1));

@@ -1,19 +1,19 @@
 //! Ways to compile the shaders.
 
-/// Other ways to compile the shaders, to be measured against the usual one.
+/// Another way to compile the shaders, to be measured against the usual one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Variant {
-    /// Who weighs the entries around a configuration.
+    /// What interpolates between entries.
     pub weights: Weights,
-    /// A constant stands for the table.
+    /// A constant takes the place of the table.
     pub lookup_is_constant: bool,
 }
 
-/// Who weighs the entries around a configuration.
+/// What interpolates between entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Weights {
-    /// The sampler of a software rasteriser, which is faster there and weighs in f32; else the shader, since GPUs'
-    /// samplers have weights of 8 bits.
+    /// The sampler on a software rasteriser, where it is faster and interpolates in f32; otherwise the shader, since the
+    /// samplers of GPUs have weights of 8 bits.
     #[default]
     Exact,
     /// The shader.

@@ -105,7 +105,7 @@ fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
     };
     let resources = msl::EntryPointResources {
         resources: SLOTS.iter().map(|(binding, slot, kind)| (*binding, target(*slot, *kind))).collect(),
-        // Metal does not tell how long an array is; naga wants to be told wherever one has no fixed length.
+        // Metal does not know the length of an array; naga needs it wherever that is not fixed.
         sizes_buffer: Some(SIZES_SLOT),
         ..Default::default()
     };
@@ -118,13 +118,13 @@ fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
     };
     let pipeline = msl::PipelineOptions { entry_point: Some((GROUP.0, GROUP.1.to_owned())), ..Default::default() };
     let (out, translation) = msl::write_string(module, info, &options, &pipeline).map_err(text)?;
-    // A function whose bindings are missing is left out, which is no error of the writer's.
+    // The writer leaves out a function whose bindings are missing, without an error.
     translation.entry_point_names.into_iter().collect::<Result<Vec<_>, _>>().map_err(text)?;
     Ok(out)
 }
 
 fn spirv(module: &Module, info: &ModuleInfo, source: &str) -> Result<Vec<u8>, String> {
-    // WGSL has a number among the source languages that many validators do not know yet.
+    // Many validators do not know the number of WGSL among the source languages yet.
     let language = spv::SourceLanguage::Unknown;
     let debug_info = spv::DebugInfo { source_code: source, file_name: "ltc.wgsl", language };
     let options = spv::Options {
