@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_2, ops::RangeInclusive};
 use serde_json::Value;
 
 use super::{
-    Fault,
+    fault::Fault,
     preset::Preset,
     reader::{Faults, Object, echo},
 };

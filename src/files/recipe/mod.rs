@@ -2,6 +2,7 @@
 
 mod builder;
 mod document;
+mod fault;
 mod preset;
 mod reader;
 mod strict;
@@ -16,16 +17,8 @@ use crate::{
 
 pub use builder::RecipeBuilder;
 pub use document::DEFAULT_ENTRY_LIMIT;
+pub use fault::Fault;
 pub use preset::Preset;
-
-/// One fault of a recipe document.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Fault {
-    /// RFC 6901 pointer to the field.
-    pub pointer: String,
-    /// What is wrong with it: the value, and what is allowed.
-    pub detail: String,
-}
 
 /// Why a document is not a recipe.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

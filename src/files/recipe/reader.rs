@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::Fault;
+use super::fault::Fault;
 
 /// The longest piece of an offending value that is repeated to the sender.
 const LONGEST_ECHO: usize = 80;

@@ -6,7 +6,6 @@
 use glam::Vec3;
 
 use super::{
-    align::align,
     precision::Precision,
     rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
@@ -14,6 +13,7 @@ use super::{
 use crate::fit::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
+    lobe::ltc::align,
 };
 
 pub(super) struct Rules;

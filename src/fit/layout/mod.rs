@@ -4,7 +4,6 @@
 //!
 //! Invariant: a layout knows nothing of how a lobe was fitted.
 
-mod align;
 mod kt2022;
 mod precision;
 mod reflected;
@@ -18,9 +17,6 @@ pub(crate) use rules::{Interpolation, LayoutRules, LobeNumbers, ShaderNumbers};
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 
 use super::{axes::PerAxis, named_list::named_list};
-
-#[cfg(test)]
-pub(crate) use align::align;
 
 named_list! {
     /// How configurations map to entries, and how a stored matrix maps to `M`.

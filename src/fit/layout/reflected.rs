@@ -7,7 +7,6 @@
 use glam::{Mat3, Vec3};
 
 use super::{
-    align::align_to,
     precision::Precision,
     reflection::Reflection,
     rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
@@ -16,6 +15,7 @@ use super::{
 use crate::fit::{
     axes::{LEAST_ALPHA, PerAxis},
     brdf::{LobeTerms, Mirrors},
+    lobe::ltc::align_to,
     math::pow,
 };
 

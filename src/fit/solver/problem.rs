@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec3};
 
 use crate::fit::{
-    Pulse,
     brdf::Brdf,
     metric::{Loss, Target},
+    pulse::Pulse,
 };
 
 /// How long and how finely to search.

@@ -11,9 +11,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::problem::{Effort, Problem, SolverRules};
 use crate::fit::{
-    Pulse,
     brdf::Brdf,
     math::{cosine_hemisphere, sin_cos},
+    pulse::Pulse,
 };
 
 /// Length of a step in units of the gradient. The paper gives none; at 0.1 a broad lobe is within three times its best

@@ -22,8 +22,8 @@ pub use language::Language;
 pub use port::wgsl;
 #[cfg(feature = "shaders")]
 pub use port::{PortError, port};
-#[cfg(test)]
-pub(in crate::view) use sources::joined;
 #[cfg(feature = "render")]
 pub(in crate::view) use sources::preview_module;
 pub use sources::{SHADERS, Shader};
+#[cfg(all(test, feature = "render"))]
+pub(in crate::view) use sources::{joined, table_reader};

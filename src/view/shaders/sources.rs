@@ -66,6 +66,12 @@ pub(in crate::view) fn preview_module() -> String {
     module(&PREVIEWED, Layout::ALL)
 }
 
+/// What reads tables of every layout, without an entry point.
+#[cfg(all(test, feature = "render"))]
+pub(in crate::view) fn table_reader() -> String {
+    module(&["ltc_math", "ltc_table"], Layout::ALL)
+}
+
 /// The module that other renderers take, for tables of one layout.
 pub(super) fn for_layout(layout: Layout) -> String {
     module(&PORTED, &[layout])

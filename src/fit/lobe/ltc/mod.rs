@@ -1,8 +1,10 @@
 //! Linearly Transformed Cosines: the distribution, and its integral over polygons.
 
+mod align;
 mod distribution;
 mod polygon;
 
+pub(crate) use align::{align, align_to};
 pub use distribution::Ltc;
 #[cfg(test)]
 pub(crate) use polygon::quadrature;

@@ -22,7 +22,7 @@ pub(crate) use guess::Guess;
 
 use self::minimise::{Limits, VARIABLES, Vector, minimise};
 use super::problem::{Problem, SolverRules};
-use crate::fit::{Pulse, brdf::Mirrors, math::ln, metric::Loss};
+use crate::fit::{brdf::Mirrors, math::ln, metric::Loss, pulse::Pulse};
 
 /// BFGS stops when two steps in a row lower the loss by less than this part: after some 25 evaluations. A tenth of it
 /// takes 40 and lowers a table's error by a tenth of a per cent.
@@ -155,7 +155,7 @@ mod tests {
 
     use super::*;
     use crate::fit::{
-        layout::align,
+        lobe::ltc::align,
         metric::{Metric, Samples, planted},
     };
 

@@ -5,7 +5,11 @@ use proptest::prelude::*;
 use super::*;
 use glam::DMat3;
 
-use crate::fit::{BrdfKind, Layout, Reflection, Terms};
+use crate::fit::{
+    brdf::BrdfKind,
+    layout::{Layout, Reflection},
+    table::Terms,
+};
 
 /// A table of 3 x 2 x 3 x 3 entries whose numbers are linear in the node's place: interpolation must be exact.
 fn linear() -> Table {

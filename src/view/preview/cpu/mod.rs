@@ -27,6 +27,15 @@ pub(super) fn render(
 }
 
 /// `ltc_example`: M, and the amplitude, the Fresnel term and the part of the lobe that a one-sided polygon covers.
+/// The lookup alone: `M`, row-major, amplitude, Fresnel term, and a zero.
+#[cfg(test)]
+pub(super) fn looked_up(table: &ShaderTable, alpha: [f32; 4], wo: [f32; 4]) -> [f32; 12] {
+    let [x, y, z, _] = wo;
+    let lobe = lookup::lookup(table, alpha[0], alpha[1], glam::Vec3::new(x, y, z));
+    let [a, b, c, d, e, f, g, h, i] = lobe.matrix.transpose().to_cols_array();
+    [a, b, c, d, e, f, g, h, i, lobe.amplitude, lobe.fresnel, 0.0]
+}
+
 #[cfg(test)]
 pub(super) fn lit(
     table: &ShaderTable,

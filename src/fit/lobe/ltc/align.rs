@@ -28,7 +28,7 @@ pub(crate) fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
 /// columns turned so that their upper block is symmetric.
 ///
 /// `K` is smooth, so this gauge is as continuous as that of [`align`].
-pub(super) fn align_to(reflection: &DMat3, m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
+pub(crate) fn align_to(reflection: &DMat3, m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     symmetrised(turned(align(&(reflection.inverse() * *m), mirrors, flattest)), mirrors)
 }
 

@@ -1,0 +1,156 @@
+//! One table, three lookups: of the table in 64 bits, of the shader's twin, and of the shader itself.
+
+use std::{f64::consts::PI, ops::ControlFlow};
+
+use glam::DMat3;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::tell_skipped;
+use crate::{
+    fit::{Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Recipe, Table, fit_plan, math::direction},
+    view::{
+        preview::{
+            ShaderTable, TexelFormat, cpu,
+            gpu::{GpuFailure, example},
+        },
+        shaders::table_reader,
+    },
+};
+
+/// The lookup alone, of the configurations of a case.
+const ENTRY: &str = "
+struct Case {
+    alpha: vec4<f32>,
+    wo: vec4<f32>,
+}
+
+struct Found {
+    a: vec4<f32>,
+    b: vec4<f32>,
+    c: vec4<f32>,
+}
+
+@group(1) @binding(0) var<uniform> given: array<Case, 256>;
+@group(1) @binding(1) var<storage, read_write> found: array<Found, 256>;
+
+@compute @workgroup_size(256)
+fn looked_up(@builtin(local_invocation_index) index: u32) {
+    let given = given[index];
+    let lobe = ltc_lookup(given.alpha.x, given.alpha.y, given.wo.xyz);
+    let m = transpose(lobe.m);
+    found[index] = Found(
+        vec4(m[0], m[1].x),
+        vec4(m[1].yz, m[2].xy),
+        vec4(m[2].z, lobe.amplitude, lobe.fresnel, 0.0),
+    );
+}
+";
+
+/// A small table of the whole domain, or of isotropic surfaces alone, as the fit makes it.
+fn fitted(layout: Layout, precision: Precision, isotropic: bool) -> Table {
+    let builder = Recipe::builder().layout(layout).precision(precision).resolution("alpha", 6).resolution("theta", 5);
+    let builder = if isotropic { builder.isotropic() } else { builder.resolution("ratio", 5).resolution("phi", 4) };
+    let recipe = builder.samples(64).directions(6).steps(8).build().expect("a recipe");
+    fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
+}
+
+/// Every combination of values at which something changes: floors, folds, ends.
+fn corners() -> Vec<Configuration> {
+    let alphas = [0.0, 1e-6, 1e-5, 3e-5, 1e-4, 2e-4, 0.03, 1.0];
+    let thetas = [0.0, 1e-3, 0.7, 1.57, 0.9999 * PI / 2.0, PI / 2.0];
+    let phis = (-4..=8).map(|eighth| f64::from(eighth) * PI / 4.0).collect::<Vec<f64>>();
+    let mut corners = Vec::new();
+    for alpha_x in alphas {
+        for alpha_y in alphas {
+            for theta in thetas {
+                corners.extend(phis.iter().map(|phi| Configuration { alpha_x, alpha_y, theta, phi: *phi }));
+            }
+        }
+    }
+    corners
+}
+
+/// Configurations with roughnesses of every size down to a tenth of the least, looked at from everywhere.
+fn random(count: usize) -> impl Iterator<Item = Configuration> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    let mut uniform = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    (0..count).map(move |_| Configuration {
+        alpha_x: 10_f64.powf(-6.0 * uniform()),
+        alpha_y: 10_f64.powf(-6.0 * uniform()),
+        theta: 0.5 * PI * uniform(),
+        phi: 2.0 * PI * (2.0 * uniform() - 1.0),
+    })
+}
+
+/// A configuration as the shader is given it.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Case {
+    alpha: [f32; 4],
+    wo: [f32; 4],
+}
+
+impl Case {
+    fn of(c: &Configuration) -> Self {
+        let [x, y, z] = direction(c.theta, c.phi).as_vec3().to_array();
+        Self { alpha: [c.alpha_x as f32, c.alpha_y as f32, 0.0, 0.0], wo: [x, y, z, 0.0] }
+    }
+}
+
+/// How far a lookup in 32 bits is from that of the table: the columns of `M` as parts of their own lengths, since the
+/// second column of a needle is tiny, and the terms.
+fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
+    let found = found.map(f64::from);
+    let matrix = |numbers: &[f64]| DMat3::from_cols_slice(numbers).transpose();
+    let (m, w) = (matrix(&found[..9]), matrix(&wanted.matrix));
+    let column = |i: usize| (m.col(i) - w.col(i)).length() / w.col(i).length();
+    let terms = [(found[9], wanted.amplitude), (found[10], wanted.fresnel)];
+    let terms = terms.map(|(found, wanted)| (found - wanted.expect("the recipe has terms")).abs());
+    (0..3).map(column).chain(terms).fold(0.0, f64::max)
+}
+
+/// What 32 bits leave. Directions in f32 are 6e-8 apart; where the table changes fast, near the horizon, and in columns
+/// that are differences of larger ones, that grows.
+const TOLERANCE: f64 = 2e-3;
+
+fn compare(table: &Table, format: TexelFormat, name: &str) {
+    let corners = corners();
+    let count = (10_000 + corners.len()).next_multiple_of(256);
+    let extra = count - corners.len();
+    let configurations: Vec<Configuration> = corners.into_iter().chain(random(extra)).collect();
+    let wanted: Vec<LookedUp> = configurations.iter().map(|c| table.lookup(c)).collect();
+    let cases: Vec<Case> = configurations.iter().map(Case::of).collect();
+    let shader_table = ShaderTable::new(table, format);
+
+    let twin: Vec<[f32; 12]> = cases.iter().map(|case| cpu::looked_up(&shader_table, case.alpha, case.wo)).collect();
+    let mut all = vec![("twin", twin)];
+    let (groups, rest) = cases.as_chunks::<256>();
+    assert!(rest.is_empty(), "the shader takes 256 at a time");
+    let source = table_reader() + ENTRY;
+    match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", &shader_table, groups) {
+        Ok(found) => all.push(("shader", found.into_flattened())),
+        Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
+        Err(failure) => panic!("{failure}"),
+    }
+    for (who, found) in all {
+        for ((found, wanted), at) in found.iter().zip(&wanted).zip(&configurations) {
+            let error = error(found, wanted);
+            assert!(error < TOLERANCE, "{name}, {who}: off by {error} at {at:?}:\n{found:?}\n{wanted:?}");
+        }
+    }
+}
+
+#[test]
+fn shader_twin_and_table_agree_at_every_corner_and_ten_thousand_places() {
+    for layout in Layout::ALL {
+        for (precision, format) in [(Precision::F32, TexelFormat::F32), (Precision::F16, TexelFormat::F16)] {
+            for isotropic in [false, true] {
+                let table = fitted(*layout, precision, isotropic);
+                let PerAxis { ratio, .. } = table.axes().lengths();
+                assert_eq!(isotropic, ratio == 1);
+                compare(&table, format, &format!("{layout} {precision}, isotropic: {isotropic}"));
+            }
+        }
+    }
+}
