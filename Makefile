@@ -36,14 +36,18 @@ test: packages
 	$(CARGO) test --locked
 	@$(MAKE) --no-print-directory test-native
 
-# The pinned bytes again, from a binary for this machine's own processor.
+# The pinned bytes again, by the core alone, compiled for this machine's own processor.
 test-native:
-	CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS='-C target-cpu=native' $(CARGO) build --locked
-	LTCFORGE_TEST_BINARY=$(abspath $(NATIVE_TARGET))/debug/ltcforge $(CARGO) test --locked --test same_bytes -- pinned
+	CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS='-C target-cpu=native' $(CARGO) test --locked -p ltcforge-library-test
 
+# Each feature by itself: code that another one hides must not be missed.
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --all-targets -- -D warnings
+	@set -e; for feature in '' shaders render server client cli; do \
+		echo "features: $${feature:-none}"; \
+		$(CARGO) clippy --locked --no-default-features --features "$$feature" -- -D warnings; \
+	done
 	RUSTDOCFLAGS='-D warnings' $(CARGO) doc --locked --no-deps --document-private-items
 
 fmt:

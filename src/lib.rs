@@ -1,4 +1,66 @@
-//! ltcforge fits, stores and serves Linearly Transformed Cosine tables.
+//! ltcforge makes the lookup tables with which renderers light glossy surfaces by area lights: Linearly Transformed
+//! Cosines, fitted to the GGX lobe in seconds, the same bytes on every machine.
+//!
+//! A program that only wants a table takes the core, without any feature:
+//!
+//! ```toml
+//! ltcforge = { version = "0.1", default-features = false }
+//! ```
+//!
+//! # From a recipe to a table
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use ltcforge::{Configuration, Layout, Preset, Recipe};
+//!
+//! // A recipe decides every byte of a table. One with faults is an error that lists them all.
+//! let recipe = Recipe::builder()
+//!     .preset(Preset::Draft)
+//!     .isotropic()
+//!     .resolution("alpha", 8)
+//!     .resolution("theta", 8)
+//!     .build()?;
+//!
+//! // Fitted on all cores; the next call with this recipe reads the file.
+//! let folder = tempfile::tempdir()?;
+//! let file = ltcforge::cached(&recipe, folder.path())?;
+//!
+//! // `M` for a surface and a view direction, row-major: what a shader gets.
+//! let seen = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 0.8, phi: 0.0 };
+//! let lobe = file.table().lookup(&seen);
+//! println!("{:?}, reflectance {:?}", lobe.matrix, lobe.amplitude);
+//!
+//! // How good it is: the mean error between nodes, as a part of the lobe's width.
+//! let report = file.measure();
+//! assert!(report.between.width.mean < 0.1);
+//!
+//! // The table and its manifest as files, named by the table's digest, and the shader that reads them.
+//! let (digest, path) = ltcforge::write_table(&file, folder.path())?;
+//! println!("{digest} in {}", path.display());
+//! std::fs::write(folder.path().join("ltc.wgsl"), ltcforge::wgsl(Layout::Reflected))?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`fit()`] fits without a folder, and [`Fit`] with a number of threads, with progress, and until it is told to stop. In a
+//! build script [`cached`] with `OUT_DIR` fits once. All of them fail with [`Error`].
+//!
+//! # Features
+//!
+//! | feature | adds |
+//! |---|---|
+//! | none | recipes, fits, tables, reports, files, the shader in WGSL |
+//! | `shaders` | the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
+//! | `render` | pictures: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
+//! | `server` | the HTTP service with its queue and store (axum, tokio, sled) |
+//! | `client` | calls of a service, and the lock file (ureq) |
+//! | `cli`, the default | the command `ltcforge`, with all of the above |
+//!
+//! # Worlds
+//!
+//! [`mod@fit`] is the core: equal arguments give equal bytes on every machine. [`files`] are its documents and containers.
+//! [`view`] shows tables, and holds the shaders. `server`, `client` and `cli` are built on them. Vectors and matrices in
+//! signatures are those of [`glam`].
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -12,10 +74,13 @@ pub mod server;
 pub mod view;
 
 pub use files::{
+    container::{TableFile, TableFileError},
     digest::Digest,
-    export::{TableFile, TableFileError},
     recipe::{Fault, Preset, RecipeBuilder, RecipeError},
 };
 pub use fit::{BrdfKind, Configuration, Layout, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Solver, Table};
 pub use glam;
 pub use library::{Error, Fit, cached, fit, write_table};
+pub use view::shaders::wgsl;
+#[cfg(feature = "shaders")]
+pub use view::shaders::{Language, port};

@@ -3,7 +3,7 @@
 use std::{fs, ops::ControlFlow, path::Path};
 
 use ltcforge::{
-    files::{export, recipe},
+    files::{container, recipe},
     fit::{
         Configuration, Fitter, Plan, Recipe, Table, assemble,
         brdf::Ggx,
@@ -33,7 +33,7 @@ fn fitted(recipe: &Recipe) -> Table {
 }
 
 fn bytes(recipe: &Recipe, table: &Table) -> usize {
-    export::encode(recipe, table).expect("a file").len()
+    container::encode(recipe, table).expect("a file").len()
 }
 
 #[test]

@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{
     files::{
+        container::{self, TableFileError},
         digest::Digest,
-        export::{self, TableFileError},
         manifest::manifest_json,
         recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
         replace::replace_file,
@@ -38,7 +38,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let table = fitted.ok_or_else(Failure::interrupted)?;
     let fit_seconds = started.elapsed().as_secs_f64();
     let failed = |error: TableFileError| Failure::new(Exit::Failed, error.to_string());
-    let file = export::encode(&recipe, &table).map_err(failed)?;
+    let file = container::encode(&recipe, &table).map_err(failed)?;
     let digest = Digest::of(&file);
     let manifest = pool.install(|| manifest_json(&file)).map_err(failed)?;
 

@@ -14,8 +14,8 @@ use super::{
 };
 use crate::{
     files::{
+        container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
         digest::Digest,
-        export::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
     },
     fit::{PerAxis, Recipe, Table},
 };

@@ -3,12 +3,9 @@
 use clap::{ValueEnum, builder::PossibleValue};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
-use crate::{
-    fit::Layout,
-    view::{
-        preview::{Adapter, TexelFormat},
-        shaders::Language,
-    },
+use crate::view::{
+    preview::{Adapter, TexelFormat},
+    shaders::Language,
 };
 
 /// A choice under its name on the command line.
@@ -46,11 +43,6 @@ names! {
         "hlsl" => Language::Hlsl,
         "msl" => Language::Msl,
         "spirv" => Language::Spirv,
-    }
-    /// A table's layout.
-    LayoutName(Layout) {
-        "reflected" => Layout::Reflected,
-        "kt2022" => Layout::Kt2022,
     }
     /// What renders.
     AdapterName(Adapter) {

@@ -10,7 +10,7 @@ use crate::view::shaders::{Language, port};
 /// Writes the shader to the file, or to standard output. With `--json` one line
 /// describes the file, or holds the shader's text.
 pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
-    let (language, layout) = (args.language.0, args.layout.0);
+    let (language, layout) = (args.language.0, args.layout);
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
         return Err(Failure::new(Exit::Usage, "SPIR-V is binary: name a file with -o, or redirect standard output"));
     }

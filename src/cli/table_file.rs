@@ -8,8 +8,8 @@ use std::{
 
 use super::{Exit, Failure, file_failure};
 use crate::files::{
+    container::{self, TableFile},
     digest::Digest,
-    export::{self, TableFile},
 };
 
 /// Where tables are looked for when no folder is named: where `fit` writes by default, and where the manual puts them.
@@ -69,7 +69,7 @@ pub(super) fn check(path: &Path, bytes: &[u8], expected: Option<Digest>) -> Resu
     {
         return Err(mismatch(format!("the file hashes to {actual}, not to {expected}")));
     }
-    let file = export::decode(bytes).map_err(|error| mismatch(error.to_string()))?;
+    let file = container::decode(bytes).map_err(|error| mismatch(error.to_string()))?;
     Ok((actual, file))
 }
 

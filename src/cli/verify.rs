@@ -10,7 +10,7 @@ use super::{
     file_failure, print,
     table_file::{check, table_path},
 };
-use crate::files::{digest::Digest, export::TableFile};
+use crate::files::{container::TableFile, digest::Digest};
 
 /// Checks every file; the first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {

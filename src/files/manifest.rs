@@ -5,8 +5,8 @@
 use serde::Serialize;
 
 use super::{
+    container::{self, TableFile, TableFileError},
     digest::Digest,
-    export::{self, TableFile, TableFileError},
     recipe,
 };
 use crate::fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points};
@@ -61,7 +61,7 @@ impl TableFile {
 /// # Errors
 /// When `file_bytes` is not a canonical table file.
 pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
-    let file = export::decode(file_bytes)?;
+    let file = container::decode(file_bytes)?;
     let text = recipe::canonical_json(&file.recipe);
     let not_json = |error: serde_json::Error| TableFileError::Recipe(error.to_string());
     let manifest = Manifest {

@@ -1,7 +1,7 @@
 //! Documents and containers: recipes, tables as files, digests.
 
+pub mod container;
 pub mod digest;
-pub mod export;
 pub mod job;
 pub mod manifest;
 pub mod recipe;

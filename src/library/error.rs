@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use crate::files::{export::TableFileError, recipe::RecipeError};
+use crate::files::{container::TableFileError, recipe::RecipeError};
 
 /// Why a call of the library failed.
 #[derive(Debug, thiserror::Error)]

@@ -4,7 +4,7 @@ use std::{fmt, num::NonZeroUsize, ops::ControlFlow};
 
 use super::Error;
 use crate::{
-    files::export::TableFile,
+    files::container::TableFile,
     fit::{Plan, Progress, Recipe, fit_plan},
 };
 

@@ -7,7 +7,12 @@ use std::{
 
 use super::{Error, fit};
 use crate::{
-    files::{digest::Digest, export, export::TableFile, manifest::manifest_json, replace::replace_file},
+    files::{
+        container::{self, TableFile},
+        digest::Digest,
+        manifest::manifest_json,
+        replace::replace_file,
+    },
     fit::Recipe,
 };
 
@@ -21,7 +26,7 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
     let path = folder.as_ref().join(format!("{}.safetensors", recipe.digest().hex()));
     match fs::read(&path) {
         Ok(bytes) => {
-            if let Ok(file) = export::decode(&bytes)
+            if let Ok(file) = container::decode(&bytes)
                 && file.recipe == *recipe
             {
                 return Ok(file);

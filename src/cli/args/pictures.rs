@@ -4,16 +4,19 @@ use std::{path::PathBuf, sync::LazyLock};
 
 use clap::{
     Arg, ArgMatches, Args, Command, Error, FromArgMatches, ValueEnum,
-    builder::{PossibleValuesParser, TypedValueParser as _},
+    builder::{PossibleValuesParser, TypedValueParser},
 };
 
 use super::{
-    super::preview_names::{AdapterName, LanguageName, LayoutName, TexelFormatName},
+    super::preview_names::{AdapterName, LanguageName, TexelFormatName},
     TableChoice, Threads,
 };
-use crate::view::{
-    plots::{Azimuth, Ratio},
-    preview::{Choices, Form, PARAMETERS, Parameter, Value},
+use crate::{
+    fit::Layout,
+    view::{
+        plots::{Azimuth, Ratio},
+        preview::{Choices, Form, PARAMETERS, Parameter, Value},
+    },
 };
 
 /// `preview`. A parameter that is not given is that of the named scene.
@@ -121,9 +124,15 @@ pub struct ShaderArgs {
     #[arg(long, value_enum)]
     pub language: LanguageName,
     /// Layout of the tables that the shader reads; a table's recipe names it
-    #[arg(long, value_enum)]
-    pub layout: LayoutName,
+    #[arg(long, value_parser = layout())]
+    pub layout: Layout,
     /// The file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Reads a layout by its name in recipes.
+fn layout() -> impl TypedValueParser<Value = Layout> {
+    let names = PossibleValuesParser::new(Layout::ALL.iter().map(|layout| layout.name()));
+    names.try_map(|name| Layout::from_name(&name).ok_or("is no layout"))
 }

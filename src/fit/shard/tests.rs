@@ -32,8 +32,6 @@ fn table(layout: Layout, resolution: [u32; 4]) -> Table {
     assemble(&plan, &fit_all(&plan))
 }
 
-const LAYOUTS: [Layout; 2] = [Layout::Kt2022, Layout::Reflected];
-
 const SMALL: [u32; 4] = [3, 3, 4, 3];
 
 #[test]
@@ -75,7 +73,7 @@ fn bytes_round_trip_and_other_lengths_are_refused() {
 
 #[test]
 fn stored_matrices_are_upright_with_a_third_column_of_unit_length() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         for m in &table(layout, SMALL).matrix {
             let m = from_row_major(&m.map(f64::from));
             assert!(m.determinant() > 0.0 && (m.z_axis.length() - 1.0).abs() < 1e-6, "{layout:?} {m}");
@@ -87,7 +85,7 @@ fn stored_matrices_are_upright_with_a_third_column_of_unit_length() {
 /// still upright.
 #[test]
 fn f32_matrices_of_the_sharpest_lobes_are_upright() {
-    for (seed, layout) in (0..3).flat_map(|seed| LAYOUTS.map(|layout| (seed, layout))) {
+    for (seed, layout) in (0..3).flat_map(|seed| Layout::ALL.iter().map(move |layout| (seed, *layout))) {
         for top in [1e-3, 1e-2] {
             let mut recipe = plan_of(layout, [8, 4, 4, 6]).recipe;
             recipe.range.alpha = [0.0, top];
@@ -108,7 +106,7 @@ fn f32_matrices_of_the_sharpest_lobes_are_upright() {
 /// Equation 16 of KT et al. 2022, exactly.
 #[test]
 fn symmetric_entries_have_exact_zeros() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         check_zeros(&table(layout, SMALL));
     }
 }
@@ -131,7 +129,7 @@ fn check_zeros(table: &Table) {
 /// of the gauge the halfway matrix would collapse.
 #[test]
 fn halfway_between_neighbours_no_determinant_collapses() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         check_halfway(&table(layout, [4, 4, 8, 5]));
     }
 }

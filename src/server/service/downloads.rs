@@ -4,7 +4,7 @@ use std::{panic::resume_unwind, sync::Arc, thread};
 
 use super::{Page, PictureError, PictureReply, Service, ServiceError, Subject, TableRow, state::ServiceState};
 use crate::{
-    files::{digest::Digest, export::TableFileError, manifest::MANIFEST_VERSION},
+    files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION},
     server::{
         queue::JobId,
         store::{Catalogue, ManifestRow},

@@ -7,8 +7,8 @@ use std::{
 
 use crate::{
     files::{
+        container::{self, TableFileError},
         digest::Digest,
-        export::{self, TableFileError},
         recipe::{self, RecipeError},
     },
     fit::{self, Expectation, FITTER_VERSION, Plan},
@@ -109,14 +109,14 @@ impl Engine for Fitter {
             let fitted = fit::shard_from_bytes(&bytes, entries(&plan, shard));
             all.extend(fitted.map_err(|error| format!("shard {shard}: {error}"))?);
         }
-        let file = export::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())?;
+        let file = container::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())?;
         // A file that cannot be read back is not stored.
-        export::decode(&file).map_err(|error| error.to_string())?;
+        container::decode(&file).map_err(|error| error.to_string())?;
         Ok(file)
     }
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
-        let table = export::decode(file).ok()?;
+        let table = container::decode(file).ok()?;
         let text = recipe::canonical_json(&table.recipe);
         let digest = Digest::of(text.as_bytes());
         Some((text, digest))

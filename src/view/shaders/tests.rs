@@ -3,8 +3,6 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::{golden::CASES, header::header, *};
 use crate::fit::Layout;
 
-const LAYOUTS: [Layout; 2] = [Layout::Kt2022, Layout::Reflected];
-
 fn ported(language: Language, layout: Layout) -> Vec<u8> {
     port(language, layout).unwrap_or_else(|error| panic!("{layout:?}: {error}"))
 }
@@ -29,7 +27,7 @@ fn numbers_after<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = Vec<f
 
 #[test]
 fn every_language_has_header_and_functions_of_either_layout() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         for language in Language::ALL.into_iter().filter(|language| *language != Language::Spirv) {
             let text = text(language, layout);
             let name = language.name();
@@ -82,7 +80,7 @@ fn a_translation_has_no_code_of_the_other_layout_nor_a_sampler() {
 
 #[test]
 fn wgsl_with_a_fixed_layout_is_valid() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         let text = text(Language::Wgsl, layout);
         for other in Layout::ALL {
             assert_eq!(text.contains(&format!("fn ltc_restore_{other}(")), *other == layout, "{layout} {other}");
@@ -96,7 +94,7 @@ fn wgsl_with_a_fixed_layout_is_valid() {
 
 #[test]
 fn spirv_is_words_that_begin_with_the_magic_number_and_hold_the_header() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         let bytes = ported(Language::Spirv, layout);
         assert_eq!(bytes.len() % 4, 0);
         assert_eq!(bytes[..8], [0x03, 0x02, 0x23, 0x07, 0x00, 0x03, 0x01, 0x00]);
@@ -139,7 +137,7 @@ fn the_same_arguments_give_the_same_bytes() {
 
 #[test]
 fn the_header_prints_what_the_table_gives() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         let header = header(Language::Wgsl, layout);
         let matrices: Vec<_> = numbers_after(&header, "M ").filter(|numbers| numbers.len() == 9).collect();
         let terms: Vec<_> = numbers_after(&header, "amplitude ").collect();
@@ -158,7 +156,7 @@ fn the_header_prints_what_the_table_gives() {
 fn the_cases_try_every_fold_and_the_light_matters_in_each() {
     assert!(CASES.iter().any(|case| case.alpha_y > case.alpha_x));
     assert!(CASES.iter().any(|case| case.wo[0] < 0.0) && CASES.iter().any(|case| case.wo[1] < 0.0));
-    for (layout, case) in LAYOUTS.into_iter().flat_map(|layout| CASES.map(|case| (layout, case))) {
+    for (layout, case) in Layout::ALL.iter().flat_map(|layout| CASES.map(|case| (*layout, case))) {
         let length2: f64 = case.wo.iter().map(|x| x * x).sum();
         assert!((length2 - 1.0).abs() < 1e-12);
         let covered = case.golden(layout).covered;

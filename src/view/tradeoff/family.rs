@@ -62,9 +62,12 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
             found.add(with_fit(&scaled(base, [*scale; 4]), *fit));
         }
     }
-    let other = Recipe { layout: other_layout(base.layout), ..base.clone() };
-    for fit in layout_fits {
-        found.add(with_fit(&other, *fit));
+    let other_layouts = Layout::ALL.iter().filter(|layout| **layout != base.layout);
+    let others: Vec<Recipe> = other_layouts.map(|layout| Recipe { layout: *layout, ..base.clone() }).collect();
+    for other in &others {
+        for fit in layout_fits {
+            found.add(with_fit(other, *fit));
+        }
     }
     let half = Recipe { precision: Precision::F16, ..base.clone() };
     found.add(with_fit(&half, layout_fits[layout_fits.len() - 1]));
@@ -75,18 +78,24 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
         found.add(with_fit(base, FitSettings { samples, directions, steps, ..draft }));
     }
     for scale in SCALES {
-        found.add(with_fit(&scaled(&other, [scale; 4]), draft));
+        for other in &others {
+            found.add(with_fit(&scaled(other, [scale; 4]), draft));
+        }
         found.add(with_fit(&scaled(&half, [scale; 4]), draft));
     }
     found.add(with_fit(&scaled(base, [SCALES[1]; 4]), paper));
     found.add(with_fit(&scaled(base, [SCALES[3]; 4]), paper));
-    found.add(with_fit(&other, paper));
+    for other in &others {
+        found.add(with_fit(other, paper));
+    }
     for axis in 0..4 {
         for scale in AXIS_SCALES {
             let mut scales = [1.0; 4];
             scales[axis] = scale;
             found.add(with_fit(&scaled(base, scales), draft));
-            found.add(with_fit(&scaled(&other, scales), draft));
+            for other in &others {
+                found.add(with_fit(&scaled(other, scales), draft));
+            }
         }
     }
     found.recipes
@@ -109,13 +118,6 @@ fn scaled(recipe: &Recipe, scale: [f64; 4]) -> Recipe {
         phi: nodes(phi, scale[3]),
     };
     Recipe { resolution, ..recipe.clone() }
-}
-
-fn other_layout(layout: Layout) -> Layout {
-    match layout {
-        Layout::Kt2022 => Layout::Reflected,
-        Layout::Reflected => Layout::Kt2022,
-    }
 }
 
 /// Recipes, each checked as if it were submitted, and taken once.
@@ -153,7 +155,7 @@ mod tests {
                 assert!(!found[..i].contains(recipe), "{recipe:?} stands twice");
                 assert_eq!(recipe.range, base.range);
             }
-            for layout in [Layout::Kt2022, Layout::Reflected] {
+            for &layout in Layout::ALL {
                 assert!(found.iter().any(|recipe| recipe.layout == layout));
             }
             assert!(found.iter().any(|recipe| recipe.entries() < base.entries() / 2));

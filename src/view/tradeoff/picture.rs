@@ -35,8 +35,8 @@ text { fill: #24292f; fill: var(--ink) }
 .paper { fill: #ffffff; fill: var(--paper) }
 .grid { stroke: #d8dee4; stroke: var(--grid) }
 .frame { fill: none; stroke: #57606a }
-.reflected { fill: #0969da; fill: var(--a); stroke: #0969da; stroke: var(--a) }
-.kt2022 { fill: #bc4c00; fill: var(--b); stroke: #bc4c00; stroke: var(--b) }
+.layout0 { fill: #0969da; fill: var(--a); stroke: #0969da; stroke: var(--a) }
+.layout1 { fill: #bc4c00; fill: var(--b); stroke: #bc4c00; stroke: var(--b) }
 .f16 { fill: #ffffff; fill: var(--paper) }
 .off { opacity: 0.45 }
 .front { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
@@ -103,13 +103,13 @@ fn write_picture(out: &mut String, rows: &[Row]) -> std::fmt::Result {
 fn write_legend(out: &mut String) -> std::fmt::Result {
     let y = 22.0;
     let text = |out: &mut String, x: f64, text: &str| writeln!(out, r#"<text x="{x}" y="{}">{text}</text>"#, y + 4.5);
-    mark(out, [70.0, y], Layout::Reflected, "")?;
-    text(out, 80.0, "reflected")?;
-    mark(out, [170.0, y], Layout::Kt2022, "")?;
-    text(out, 180.0, "kt2022")?;
-    mark(out, [252.0, y], Layout::Reflected, " f16")?;
+    for (layout, x) in Layout::ALL.iter().zip([70.0, 170.0]) {
+        mark(out, [x, y], *layout, "")?;
+        text(out, x + 10.0, layout.name())?;
+    }
+    mark(out, [252.0, y], Layout::ALL[0], " f16")?;
     text(out, 262.0, "hollow: f16")?;
-    mark(out, [360.0, y], Layout::Reflected, " off")?;
+    mark(out, [360.0, y], Layout::ALL[0], " off")?;
     text(out, 370.0, "faint: on no front")?;
     writeln!(out, r#"<path class="front" d="M510 {y}h28"/>"#)?;
     text(out, 546.0, "Pareto front")?;
@@ -236,16 +236,14 @@ fn two_digits(x: f64) -> f64 {
 }
 
 fn mark(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
-    match layout {
-        Layout::Reflected => {
-            writeln!(out, r#"<circle class="reflected{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#)
-        }
-        Layout::Kt2022 => {
+    match Layout::ALL.iter().position(|known| *known == layout).unwrap_or(0) {
+        0 => writeln!(out, r#"<circle class="layout0{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#),
+        number => {
             let side = 2.0 * MARK - 1.0;
             let (left, top) = (x - 0.5 * side, y - 0.5 * side);
             writeln!(
                 out,
-                r#"<rect class="kt2022{classes}" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#
+                r#"<rect class="layout{number}{classes}" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#
             )
         }
     }

@@ -11,7 +11,7 @@ use super::{
     queue::{PictureQueue, PictureRequest},
 };
 use crate::{
-    files::{digest::Digest, export},
+    files::{container, digest::Digest},
     fit::Table,
     server::service::{ServiceError, tables::Tables},
     view::{
@@ -92,7 +92,7 @@ impl RenderThread {
         let tables = self.tables.upgrade().ok_or(PictureError::Stopping)?;
         let bytes = tables.read(digest)?.ok_or(PictureError::UnknownTable(digest))?;
         drop(tables);
-        let file = export::decode(&bytes);
+        let file = container::decode(&bytes);
         let file = file.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         Ok(file.table)
     }

@@ -8,7 +8,7 @@ use std::{
 
 use super::*;
 use crate::{
-    files::{digest::Digest, export, recipe},
+    files::{container, digest::Digest, recipe},
     fit::{Plan, assemble, fit_shard},
     server::service::{Config, Service, ServiceError},
     view::{
@@ -43,7 +43,7 @@ fn start_with_table(folder: &Path) -> (Arc<Service>, Digest) {
     let plan = Plan::new(&recipe);
     let go_on = &mut |_: u64| ControlFlow::Continue(());
     let entries = fit_shard(&plan, 0, go_on).expect("not interrupted");
-    let file = export::encode(&recipe, &assemble(&plan, &entries)).expect("a file");
+    let file = container::encode(&recipe, &assemble(&plan, &entries)).expect("a file");
     let digest = service.state.tables.store.blobs.put(&file).expect("a blob");
     (service, digest)
 }

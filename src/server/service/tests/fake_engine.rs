@@ -8,7 +8,7 @@ use std::{
 
 use super::super::engine::Engine;
 use crate::{
-    files::{digest::Digest, export::TableFileError, recipe::RecipeError},
+    files::{container::TableFileError, digest::Digest, recipe::RecipeError},
     fit::Expectation,
     server::queue::NewJob,
 };

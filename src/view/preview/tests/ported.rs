@@ -19,11 +19,9 @@ use crate::{
     },
 };
 
-const LAYOUTS: [Layout; 2] = [Layout::Kt2022, Layout::Reflected];
-
 #[test]
 fn the_shaders_twin_gives_the_printed_values() {
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         for format in [TexelFormat::F32, TexelFormat::F16] {
             let table = ShaderTable::new(&golden_table(layout), format);
             for case in CASES {
@@ -73,7 +71,7 @@ fn example_lights() -> Vec<ExampleLight> {
 #[test]
 fn the_shader_that_users_take_home_gives_what_f64_does() {
     let mut covered_somewhere = 0;
-    for layout in LAYOUTS {
+    for &layout in Layout::ALL {
         let table = golden_table(layout);
         let wgsl = String::from_utf8(port(Language::Wgsl, layout).expect("WGSL")).expect("UTF-8");
         let lights = example_lights();

@@ -1,0 +1,42 @@
+//! Looks at what the build script made with ltcforge's library.
+
+include!(concat!(env!("OUT_DIR"), "/facts.rs"));
+
+/// The table, as a program would embed it.
+pub const TABLE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/table.safetensors"));
+
+/// The shader that reads it.
+pub const SHADER: &str = include_str!(concat!(env!("OUT_DIR"), "/ltc.wgsl"));
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The digest that `tests/same_bytes.rs` pins for the command, whatever this was compiled for.
+    const PINNED_DIGEST: &str = "sha256:f4c68a89fffd607ea67d27a5e24c72023f8b03d8ef91c64b74ee1b1cd9dd8acc";
+
+    #[test]
+    fn the_bytes_are_pinned() {
+        assert_eq!(DIGEST, PINNED_DIGEST);
+        assert!(SAME);
+        assert!(TABLE.len() > 108 * 4 * 12, "{}", TABLE.len());
+    }
+
+    #[test]
+    fn a_fit_reports_progress_and_stops_when_told_to() {
+        assert_eq!(ENTRIES, 108);
+        assert!(STOPPED);
+    }
+
+    #[test]
+    fn a_table_is_looked_up_measured_and_read_by_a_shader() {
+        assert!(DETERMINANT > 0.0, "{DETERMINANT}");
+        assert!(ERROR > 0.0 && ERROR < 1.0, "{ERROR}");
+        assert!(SHADER.contains("fn ltc_lookup(") && SHADER.contains("fn ltc_restore("));
+    }
+
+    #[test]
+    fn an_invalid_recipe_lists_every_fault() {
+        assert!(FAULTS.contains("/fit/samples") && FAULTS.contains("/resolution/beta"), "{FAULTS}");
+    }
+}
