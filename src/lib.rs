@@ -4,7 +4,7 @@
 //! A program that only wants a table takes the core, without any feature:
 //!
 //! ```toml
-//! ltcforge = { version = "0.1", default-features = false }
+//! ltcforge = { path = "../ltcforge", default-features = false }
 //! ```
 //!
 //! # From a recipe to a table

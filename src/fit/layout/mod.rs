@@ -13,7 +13,9 @@ mod spacing;
 
 pub use precision::Precision;
 pub use reflection::Reflection;
-pub(crate) use rules::{Interpolation, LayoutRules, LobeNumbers, ShaderNumbers};
+#[cfg(feature = "render")]
+pub(crate) use rules::ShaderNumbers;
+pub(crate) use rules::{Interpolation, LayoutRules, LobeNumbers};
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 
 use super::{axes::PerAxis, named_list::named_list};

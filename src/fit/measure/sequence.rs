@@ -47,7 +47,7 @@ pub(super) fn cosine([u, v]: [f64; 2]) -> DVec3 {
 }
 
 /// A direction of the upper hemisphere with uniform density from a point of the unit square: its height is the first
-/// number [Archimedes], its azimuth the second.
+/// number (Archimedes), its azimuth the second.
 pub(super) fn uniform([u, v]: [f64; 2]) -> DVec3 {
     let (sin, cos) = sin_cos(2.0 * PI * v);
     let radius = (1.0 - u * u).sqrt();

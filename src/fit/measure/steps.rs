@@ -56,7 +56,7 @@ impl Steps {
     /// Sorts by position: radix sort from the lowest digit up.
     fn sort(&mut self) {
         let digit = |step: u64, lowest: u32| (step >> lowest) as usize & ((1 << DIGIT_BITS) - 1);
-        let mut starts = [[0_u32; 1 << DIGIT_BITS]; DIGITS.len()];
+        let mut starts = vec![[0_u32; 1 << DIGIT_BITS]; DIGITS.len()];
         for step in &self.steps {
             for (counts, lowest) in starts.iter_mut().zip(DIGITS) {
                 counts[digit(*step, lowest)] += 1;
@@ -124,7 +124,7 @@ mod tests {
         let numbers = |n: u32, step: f64| -> Vec<(f32, f32)> {
             let weights: Vec<f64> = (1..=n).map(|i| fraction(i, 0.754_877_666_246_693)).collect();
             let total: f64 = weights.iter().sum();
-            let position = |i: u32| (fraction(i, step) - 0.4) * 10_f64.powi(-(i as i32 % 12));
+            let position = |i: u32| (fraction(i, step) - 0.4) * 10_f64.powi(-(i.cast_signed() % 12));
             (1..=n).zip(weights).map(|(i, weight)| (position(i) as f32, (weight / total) as f32)).collect()
         };
         let (f, g) = (numbers(300, 0.569_840_290_998_053), numbers(170, 0.618_033_988_749_895));

@@ -21,7 +21,7 @@ impl Service {
         self.state.tables.read(digest)
     }
 
-    /// The manifest of a table (see [`super::manifest_json`]) as JSON. It is made with the table. If it is of another
+    /// The manifest of a table (see [`crate::files::manifest::manifest_json`]) as JSON. It is made with the table. If it is of another
     /// version, or was lost with the catalogue, it is made and stored now.
     ///
     /// # Errors

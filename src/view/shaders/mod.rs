@@ -1,6 +1,6 @@
 //! The shaders in WGSL, and one file of them for other renderers, translated where its language is not WGSL.
 //!
-//! [`SHADERS`] are the files of `shaders/`. [`port`] joins those that a renderer needs for one layout of tables, puts a
+//! [`SHADERS`] are the files of `shaders/`. [`port()`] joins those that a renderer needs for one layout of tables, puts a
 //! comment above them, and has naga translate them. WGSL is handed out as it is written, without naga.
 //!
 //! Invariants: `shaders` knows neither a GPU nor a picture; only `translate` uses naga; equal arguments give equal bytes

@@ -70,9 +70,9 @@ fn without_outliers(values: &[f64]) -> &[f64] {
     // Two values have no common scale that either could be off.
     let is_shorter = |rest: &[f64]| rest.len() > 2 && span(rest) <= OUTLIER_SPAN * span(values);
     // The fewest that do, counted over both ends.
-    let mut dropped = (1..=2 * most).flat_map(|all| (0..=all).map(move |below| [below, all - below]));
+    let mut dropped = (1..=most).flat_map(|all| (0..=all).map(move |below| [below, all - below]));
     let rest = |[below, above]: [usize; 2]| values.get(below..values.len().saturating_sub(above)).unwrap_or_default();
-    let found = dropped.find(|ends| ends.iter().all(|end| *end <= most) && is_shorter(rest(*ends)));
+    let found = dropped.find(|ends| is_shorter(rest(*ends)));
     found.map_or(values, rest)
 }
 
