@@ -43,7 +43,8 @@
 //! ```
 //!
 //! [`fit()`] fits without a folder, and [`Fit`] with a number of threads, with progress, and until it is told to stop. In a
-//! build script [`cached`] with `OUT_DIR` fits once. All of them fail with [`Error`].
+//! build script [`cached`] with `OUT_DIR` fits once. All of them fail with [`Error`], into which `?` converts the errors of
+//! recipes, tables and shaders.
 //!
 //! # Features
 //!

@@ -4,8 +4,8 @@ use std::{collections::BTreeMap, fmt};
 
 use crate::fit::{Configuration, PerAxis, Table};
 
-/// How far outside its range, as a part of the value, a point may lie and still be inside: what a point's decimal or
-/// f32 digits round off.
+/// How far outside its range a point may lie and still be inside, absolute below 1 and as a part of greater values: what a
+/// point's decimal or f32 digits round off.
 const ROUNDING: f64 = 1e-6;
 
 /// A value that was replaced because it lies outside the range of its axis.

@@ -53,6 +53,44 @@ pub struct Recipe {
     pub(crate) precision: Precision,
 }
 
+impl FitSettings {
+    /// What is minimised.
+    #[must_use]
+    pub fn metric(&self) -> Metric {
+        self.metric
+    }
+
+    /// How.
+    #[must_use]
+    pub fn solver(&self) -> Solver {
+        self.solver
+    }
+
+    /// Samples of the LTC in each evaluation.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Directions that the samples are projected on.
+    #[must_use]
+    pub fn directions(&self) -> u32 {
+        self.directions
+    }
+
+    /// Most steps.
+    #[must_use]
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// Seed of the sample sequences.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+}
+
 /// What a recipe says. None of it can be changed: another recipe is built anew.
 impl Recipe {
     /// Scattering model.
@@ -83,6 +121,18 @@ impl Recipe {
     #[must_use]
     pub fn fit(&self) -> FitSettings {
         self.fit
+    }
+
+    /// Version of the fitter that the recipe is meant for.
+    #[must_use]
+    pub fn fitter(&self) -> u32 {
+        self.fitter
+    }
+
+    /// Whether amplitude and Fresnel term are stored.
+    #[must_use]
+    pub fn terms(&self) -> bool {
+        self.terms
     }
 
     /// Number format of the table.

@@ -41,11 +41,9 @@ impl From<Output> for Run {
     }
 }
 
-/// The binary in `folder`, with nothing of ours and no proxy in its environment. `LTCFORGE_TEST_BINARY` puts another build to the
-/// same tests.
+/// The binary in `folder`, with nothing of ours and no proxy in its environment.
 pub(crate) fn ltcforge<A: AsRef<OsStr>>(folder: &Path, args: impl IntoIterator<Item = A>) -> Command {
-    let binary = std::env::var_os("LTCFORGE_TEST_BINARY");
-    let mut command = Command::new(binary.unwrap_or_else(|| env!("CARGO_BIN_EXE_ltcforge").into()));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ltcforge"));
     for (name, _) in std::env::vars_os() {
         let text = name.to_string_lossy().to_ascii_lowercase();
         if text.starts_with("ltcforge_") || text.ends_with("_proxy") {

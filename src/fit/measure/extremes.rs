@@ -12,8 +12,7 @@ use super::{
     sequence::{cosine, net},
 };
 use crate::fit::{
-    Configuration, THETA_CEILING, Table,
-    brdf::Ggx,
+    BrdfKind, Configuration, THETA_CEILING, Table,
     math::{direction, from_row_major},
 };
 
@@ -111,7 +110,7 @@ fn corner(
     for phi in BETWEEN.into_iter().chain([0.0, FRAC_PI_2]) {
         let m = look(at(phi));
         if m.is_finite() && m.determinant() != 0.0 {
-            corner.sw1 = corner.sw1.max(error(&at(phi), &m, probe, work));
+            corner.sw1 = corner.sw1.max(error(table.brdf, &at(phi), &m, probe, work));
         }
     }
     for fold in FOLDS {
@@ -145,9 +144,9 @@ fn next(x: f64, ulps: i64) -> f64 {
 
 /// Distance between an LTC and the lobe it stands for. At the horizon the lobe of the ceiling stands in: at the
 /// horizon itself no light is reflected.
-fn error(at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
-    let ggx = Ggx { alpha_x: at.alpha_x.max(SHARPEST), alpha_y: at.alpha_y.max(SHARPEST) };
-    let lobe = Lobe::sample(&ggx, direction(at.theta.min(THETA_CEILING), at.phi));
+fn error(brdf: BrdfKind, at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
+    let surface = brdf.surface([at.alpha_x.max(SHARPEST), at.alpha_y.max(SHARPEST)]);
+    let lobe = Lobe::sample(&*surface, direction(at.theta.min(THETA_CEILING), at.phi));
     probe.distance(&lobe, m, work).sw1
 }
 
@@ -182,7 +181,7 @@ fn inverted_in_f32(m: &DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{BrdfKind, Layout, PerAxis};
+    use crate::fit::{Layout, PerAxis};
 
     fn table(matrix: [f32; 9]) -> Table {
         Table {

@@ -45,12 +45,12 @@ pub(super) trait Engine: Send + Sync {
 
 /// The fitter of this crate.
 #[derive(Debug, Default)]
-pub(super) struct Fitter {
+pub(super) struct FitEngine {
     /// The plan of the recipe that was used last. Shards of one job mostly follow each other.
     latest: Mutex<Option<(String, Arc<Plan>)>>,
 }
 
-impl Fitter {
+impl FitEngine {
     fn plan_of(&self, document: &str) -> Result<Arc<Plan>, String> {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((of, plan)) = latest.as_ref()
@@ -79,7 +79,7 @@ fn entries(plan: &Plan, shard: u32) -> usize {
     usize::try_from(range.end - range.start).unwrap_or(usize::MAX)
 }
 
-impl Engine for Fitter {
+impl Engine for FitEngine {
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError> {
         let parsed = recipe::parse(document, entry_limit)?;
         let plan = Plan::new(&parsed);
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn a_job_of_another_fitter_is_not_mixed_with_this_one_s() {
-        let engine = Fitter::default();
+        let engine = FitEngine::default();
         let job = engine.plan(br#"{"range": {"phi": [0, 0]}}"#, 10_000).expect("a recipe");
         let older = job.recipe.replace(&format!("\"fitter\":{FITTER_VERSION}"), "\"fitter\":1");
         assert_ne!(older, job.recipe);

@@ -32,11 +32,11 @@ impl Forecast {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::engine::Fitter, *};
+    use super::{super::engine::FitEngine, *};
 
     #[test]
     fn a_measurement_changes_the_forecast() {
-        let engine = Arc::new(Fitter::default());
+        let engine = Arc::new(FitEngine::default());
         let recipe = engine.plan(br#"{"preset": "best"}"#, 10_000).expect("a recipe").recipe;
         let model = engine.expect(&recipe).expect("this fitter's");
         let forecast = Forecast::new(engine, NonZeroUsize::new(2).expect("two"));

@@ -12,7 +12,7 @@ use jiff::Timestamp;
 
 use super::{
     Config, OpenError, Service, TableRow,
-    engine::{Engine, Fitter},
+    engine::{Engine, FitEngine},
     forecast::Forecast,
     pictures::Pictures,
     state::{ServiceState, Workers},
@@ -31,7 +31,7 @@ impl Service {
     /// When the folder is locked, not usable, or of a later version.
     pub fn open(config: Config) -> Result<Arc<Self>, OpenError> {
         let store = Store::open(&config.data_dir).map_err(|error| refusal(&config, error))?;
-        Self::open_with(config, store, Box::new(Fitter::default()))
+        Self::open_with(config, store, Box::new(FitEngine::default()))
     }
 
     /// As [`Service::open`], on a given store and engine.
