@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::fit::{Configuration, PerAxis, math::recurrence4};
+use crate::fit::{Configuration, LEAST_ALPHA, PerAxis, math::recurrence4};
 
 /// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond, a lobe lies for the most
 /// part below the horizon, and a picture shows nothing of it.
@@ -12,26 +12,30 @@ const SHIFT: [f64; 4] = [0.449_489_742_783_178, 0.316_624_790_355_4, 0.872_983_3
 /// 1 / golden ratio: multiples of it fill a circle most evenly.
 const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 
-/// Up to `most` nodes: all of them, or as many spread evenly.
+/// Up to `most` nodes that a lookup can reach: all of them, or as many spread evenly.
 ///
 /// Index `k stride mod n` for a stride near n / golden ratio that shares no divisor with n: no node comes twice, and
 /// each axis is met at all its nodes.
 pub(super) fn nodes(axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration> {
-    let entries = axes.lengths().named().iter().map(|(_, n)| **n).product::<usize>();
-    if entries <= most {
-        return (0..entries).map(|index| node(axes, index)).collect();
+    let reached = reached(axes);
+    let n = reached.len();
+    if n <= most {
+        return reached;
     }
-    let mut stride = ((entries as f64 * GOLDEN_STEP) as usize).max(1);
-    while common_divisor(stride, entries) > 1 {
+    let mut stride = ((n as f64 * GOLDEN_STEP) as usize).max(1);
+    while common_divisor(stride, n) > 1 {
         stride += 1;
     }
-    let mut index = 0;
-    (0..most)
-        .map(|_| {
-            index = (index + stride) % entries;
-            node(axes, index)
-        })
-        .collect()
+    (1..=most).map(|k| reached[k * stride % n]).collect()
+}
+
+/// The nodes in storage order, without those whose smaller roughness is below [`LEAST_ALPHA`]: a lookup raises it, and
+/// with it the ratio, so that it lands between other nodes. All nodes where there are no others.
+fn reached(axes: &PerAxis<Vec<f64>>) -> Vec<Configuration> {
+    let entries = axes.lengths().named().iter().map(|(_, n)| **n).product::<usize>();
+    let nodes = || (0..entries).map(|index| node(axes, index));
+    let reached: Vec<Configuration> = nodes().filter(|node| node.alpha_y >= LEAST_ALPHA).collect();
+    if reached.is_empty() { nodes().collect() } else { reached }
 }
 
 fn common_divisor(a: usize, b: usize) -> usize {
@@ -103,6 +107,18 @@ mod tests {
         assert!(met(|place, node| place.alpha_y == place.alpha_x * node, &axes().ratio));
         assert!(met(|place, node| place.theta == node, &axes().theta));
         assert!(met(|place, node| place.phi == node, &axes().phi));
+    }
+
+    #[test]
+    fn nodes_that_no_lookup_reaches_are_left_out_unless_there_are_no_others() {
+        // Only 1e-4 times 0.01 is below 1e-5: 15 of 180 nodes.
+        let sharp = PerAxis { alpha: vec![1e-4, 0.1, 0.5, 1.0], ratio: vec![0.01, 0.5, 1.0], ..axes() };
+        let found = nodes(&sharp, 180);
+        assert_eq!(found.len(), 165);
+        assert!(found.iter().all(|place| place.alpha_y >= LEAST_ALPHA));
+        assert!(found.contains(&configuration(1e-4, 0.5, 0.0, 0.0)));
+        let sharpest = PerAxis { alpha: vec![1e-4], ratio: vec![0.01], ..axes() };
+        assert_eq!(nodes(&sharpest, 180).len(), 15);
     }
 
     #[test]

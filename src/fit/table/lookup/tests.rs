@@ -159,9 +159,10 @@ proptest! {
         prop_assert!((found.fresnel.expect("terms") - reflection.amplitude * reflection.grazing.powi(5)).abs() < F32);
     }
 
-    /// Outside its ranges a table answers as at the nearest configuration inside, its reflection included.
+    /// Outside its ranges a table answers as at the nearest configuration inside, its reflection included. Sharper
+    /// surfaces than 1e-4 have another ratio: both roughnesses are raised to 1e-5 first.
     #[test]
-    fn outside_its_nodes_a_reflected_table_answers_as_at_their_end(a in 0.0..0.1, r in 0.0..0.2, t in 1.5..FRAC_PI_2) {
+    fn outside_its_nodes_a_reflected_table_answers_as_at_their_end(a in 1e-4..0.1, r in 0.0..0.2, t in 1.5..FRAC_PI_2) {
         let table = reflections(linear().axes, IDENTITY);
         let at = |a: f64, r: f64, t: f64| table.lookup(&Configuration { alpha_x: a, alpha_y: a * r, theta: t, phi: 0.3 });
         prop_assert!(close(at(a, r, t).matrix, at(0.1, 0.2, 1.5).matrix));
