@@ -41,6 +41,12 @@ impl DrawTarget for Picture {
     }
 }
 
+/// The digits by which a picture names a table.
+#[must_use]
+pub fn short_digest(digest: &str) -> &str {
+    digest.get(..8).unwrap_or(digest)
+}
+
 /// Where a text is placed relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
@@ -75,20 +81,30 @@ pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, 
     let Ok(_) = Text::with_text_style(text, at, MonoTextStyle::new(font(width), Rgb888::WHITE), style).draw(picture);
 }
 
-/// Writes the first wording that a part of a picture, `width` wide, has room for on ground of its own, into that part's
-/// lower left corner, `(left, bottom)`. Where none fits, nothing is written.
-pub fn tag(picture: &mut Picture, wordings: &[&str], [left, bottom]: [u32; 2], width: u32) {
-    const MARGIN: u32 = 3;
+/// Beside a tag and within it.
+const TAG_MARGIN: u32 = 3;
+
+fn tag_size(text: &str, width: u32) -> Size {
     let letter = font(width).character_size;
-    let across = |text: &str| text.len() as u32 * letter.width + 2 * MARGIN;
-    let down = letter.height + MARGIN;
-    let Some(text) = wordings.iter().find(|text| across(text) + 2 * MARGIN <= width) else { return };
-    if bottom < down + MARGIN {
+    Size::new(text.len() as u32 * letter.width + 2 * TAG_MARGIN, letter.height + TAG_MARGIN)
+}
+
+/// Whether a part of a picture, `width` wide, has room for a [`tag`].
+#[must_use]
+pub fn tag_fits(text: &str, width: u32) -> bool {
+    tag_size(text, width).width + 2 * TAG_MARGIN <= width
+}
+
+/// Writes `text` on ground of its own into the lower left corner, `(left, bottom)`, of a part of a picture, `width` wide.
+/// Nothing is written where there is no room.
+pub fn tag(picture: &mut Picture, text: &str, [left, bottom]: [u32; 2], width: u32) {
+    let size = tag_size(text, width);
+    if !tag_fits(text, width) || bottom < size.height + TAG_MARGIN {
         return;
     }
-    let (x, y) = (left + MARGIN, bottom - MARGIN - down);
-    picture.put(&Picture::filled(across(text), down, GROUND), x, y);
-    write(picture, text, x + MARGIN, y + down / 2, Anchor::Left, width);
+    let (x, y) = (left + TAG_MARGIN, bottom - TAG_MARGIN - size.height);
+    picture.put(&Picture::filled(size.width, size.height, GROUND), x, y);
+    write(picture, text, x + TAG_MARGIN, y + size.height / 2, Anchor::Left, width);
 }
 
 #[cfg(test)]
@@ -108,14 +124,14 @@ mod tests {
     fn a_tag_stays_within_its_part() {
         let blank = Picture::filled(512, 300, [90; 3]);
         let mut picture = blank.clone();
-        tag(&mut picture, &["alpha .05, .25: outside the table", "alpha .05, .25: mean .003"], [256, 300], 256);
+        tag(&mut picture, "alpha .05, .25: mean .003", [256, 300], 256);
         let changed = |picture: &Picture| -> Vec<usize> {
             (0..picture.rgb.len()).filter(|index| picture.rgb[*index] != blank.rgb[*index]).collect()
         };
         assert!(changed(&picture).iter().all(|index| index % 512 >= 256 && index / 512 > 270));
         assert!(!changed(&picture).is_empty());
         let mut picture = blank.clone();
-        tag(&mut picture, &["alpha .05, .25"], [0, 300], 64);
+        tag(&mut picture, "alpha .05, .25", [0, 300], 64);
         assert!(changed(&picture).is_empty(), "a label wider than its part");
     }
 }

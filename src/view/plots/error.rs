@@ -1,6 +1,6 @@
 //! Errors over theta, to the right, and alpha, upwards.
 
-use super::Slice;
+use super::ErrorSlice;
 use crate::{
     fit::{ErrorMap, Table, error_map},
     view::picture::{Anchor, GROUND, LINE, Panel, Picture, bar, colour, grid, headed, number, write},
@@ -26,7 +26,7 @@ const ALPHAS: [f64; 8] = [0.001, 0.01, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
 const DEGREES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 
 /// Both errors side by side.
-pub(super) fn draw(table: &Table, slice: Slice) -> Picture {
+pub(super) fn draw(table: &Table, name: &str, slice: ErrorSlice) -> Picture {
     let map = error_map(table, slice.ratio, slice.phi, CELLS);
     let panels = [("distance, % of the lobe's width", &map.width), ("light, % of the lobe", &map.light)].map(
         |(title, errors)| {
@@ -35,7 +35,7 @@ pub(super) fn draw(table: &Table, slice: Slice) -> Picture {
             Panel { title, picture, foot }
         },
     );
-    let at = format!("errors at ratio {}, phi {} rad", number(map.ratio as f32), number(map.phi as f32));
+    let at = format!("{name}: errors at ratio {}, phi {} rad", number(map.ratio as f32), number(map.phi as f32));
     let how = "alpha is spaced evenly in its square root; short ticks are the table's nodes";
     headed(&[&[&at], &[how]], &grid(&panels, 2))
 }

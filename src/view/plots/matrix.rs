@@ -24,7 +24,7 @@ const NAMES: [&str; 12] =
     ["m00", "m01", "m02", "amplitude", "m10", "m11", "m12", "fresnel", "m20", "m21", "m22", "node error"];
 
 /// Every panel, each over its own range of numbers.
-pub(super) fn draw(table: &Table) -> Picture {
+pub(super) fn draw(table: &Table, name: &str) -> Picture {
     let tiling = Tiling::new(table.axes.lengths());
     let width = tiling.width().max(SIDE) as u32;
     let panels: Vec<Panel<'_>> = (0..)
@@ -41,7 +41,7 @@ pub(super) fn draw(table: &Table) -> Picture {
         })
         .collect();
     let PerAxis { alpha, ratio, theta, phi } = tiling.nodes;
-    let entries = format!("{alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");
+    let entries = format!("{name}: {alpha} x {ratio} x {theta} x {phi} entries: alpha x ratio x theta x phi");
     let how = "in a tile theta to the right, alpha upwards; tiles: phi to the right, ratio upwards";
     let beyond = "colours hold 98 % of the numbers, grey is zero of signed ones; cyan is below, green above";
     headed(&[&[&entries], &[how], &[beyond], &[&tiling.left_out()]], &grid(&panels, 4))

@@ -12,4 +12,4 @@ mod tests;
 
 pub use parameters::{Azimuth, Ratio};
 pub use plot::Plot;
-pub use slice::Slice;
+pub use slice::ErrorSlice;

@@ -2,7 +2,7 @@
 
 use std::{f64::consts::TAU, str::FromStr};
 
-use super::{plot::Plot, slice::Slice};
+use super::{plot::Plot, slice::ErrorSlice};
 use crate::view::parameters::{ParameterFault, read_pairs};
 
 /// The ratio of a slice: 0 to 1.
@@ -36,7 +36,7 @@ fn within(text: &str, [low, high]: [f64; 2]) -> Option<f64> {
     text.parse().ok().filter(|number| (low..=high).contains(number))
 }
 
-impl Slice {
+impl ErrorSlice {
     /// The slice of the given parameters, with the default for each that is missing.
     #[must_use]
     pub fn new(ratio: Option<Ratio>, phi: Option<Azimuth>) -> Self {
@@ -60,7 +60,7 @@ impl Plot {
             }
             Ok(())
         });
-        if faults.is_empty() { Ok(Self::Error(Slice::new(ratio, phi))) } else { Err(faults) }
+        if faults.is_empty() { Ok(Self::Error(ErrorSlice::new(ratio, phi))) } else { Err(faults) }
     }
 
     /// The matrix plot, which takes no parameters.
@@ -80,10 +80,10 @@ mod tests {
 
     #[test]
     fn texts_give_the_plot_and_missing_ones_the_default() {
-        let slice = |ratio, phi| Ok(Plot::Error(Slice { ratio, phi }));
-        assert_eq!(Plot::error_from([]), Ok(Plot::Error(Slice::default())));
+        let slice = |ratio, phi| Ok(Plot::Error(ErrorSlice { ratio, phi }));
+        assert_eq!(Plot::error_from([]), Ok(Plot::Error(ErrorSlice::default())));
         assert_eq!(Plot::error_from([("phi", "-1.5"), ("ratio", "1")]), slice(1.0, -1.5));
-        assert_eq!(Plot::error_from([("ratio", "0")]), slice(0.0, Slice::default().phi));
+        assert_eq!(Plot::error_from([("ratio", "0")]), slice(0.0, ErrorSlice::default().phi));
         assert_eq!(Plot::matrix_from([]), Ok(Plot::Matrix));
     }
 

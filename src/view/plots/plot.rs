@@ -2,26 +2,30 @@
 
 use serde::Serialize;
 
-use super::{Slice, error, matrix};
-use crate::{fit::Table, view::picture::Picture};
+use super::{ErrorSlice, error, matrix};
+use crate::{
+    fit::Table,
+    view::picture::{Picture, short_digest},
+};
 
 /// A picture of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Plot {
     /// Errors over theta and alpha at one ratio and phi, between nodes and at them.
-    Error(Slice),
+    Error(ErrorSlice),
     /// Every number of every entry.
     Matrix,
 }
 
 impl Plot {
-    /// Draws it. Measures on the current rayon pool.
+    /// Draws it for the table whose file has this digest, in hexadecimal. Measures on the current rayon pool.
     #[must_use]
-    pub fn draw(&self, table: &Table) -> Picture {
+    pub fn draw(&self, table: &Table, digest: &str) -> Picture {
+        let name = format!("table {}", short_digest(digest));
         match self {
-            Self::Error(slice) => error::draw(table, *slice),
-            Self::Matrix => matrix::draw(table),
+            Self::Error(slice) => error::draw(table, &name, *slice),
+            Self::Matrix => matrix::draw(table, &name),
         }
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Where the domain is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Slice {
+pub struct ErrorSlice {
     /// Smaller over larger roughness.
     pub ratio: f64,
     /// Azimuth of the view direction, radians.
@@ -12,7 +12,7 @@ pub struct Slice {
 }
 
 /// Between the axes of a surface, where an anisotropic one differs most from an isotropic one.
-impl Default for Slice {
+impl Default for ErrorSlice {
     fn default() -> Self {
         Self { ratio: 0.25, phi: 0.7 }
     }

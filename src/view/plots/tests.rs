@@ -4,6 +4,8 @@ use crate::{
     view::picture::Picture,
 };
 
+const DIGEST: &str = "0a1b2c3d4e5f";
+
 /// Twelve entries of the identity, `bad` of which is another matrix.
 fn table(bad: usize) -> Table {
     let mut matrix = vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; 12];
@@ -24,12 +26,13 @@ fn pixel(picture: &Picture, x: u32, y: u32) -> [u8; 3] {
 
 #[test]
 fn every_name_draws_a_png_and_equal_calls_give_equal_bytes() {
-    for plot in [Plot::Matrix, Plot::Error(Slice::default())] {
+    for plot in [Plot::Matrix, Plot::Error(ErrorSlice::default())] {
         // Entries at the ratio that is shown.
-        let [first, second] = [plot.draw(&table(1)), plot.draw(&table(1))];
+        let [first, second] = [plot.draw(&table(1), DIGEST), plot.draw(&table(1), DIGEST)];
         assert!(first == second, "{plot:?}");
         assert!(first.png().expect("a PNG").starts_with(b"\x89PNG"));
-        assert!(plot.draw(&table(2)) != first, "{plot:?} does not show the bad entry");
+        assert!(plot.draw(&table(2), DIGEST) != first, "{plot:?} does not show the bad entry");
+        assert!(plot.draw(&table(1), "4e5f") != first, "{plot:?} does not name the table");
     }
 }
 
@@ -38,7 +41,7 @@ fn what_a_table_lacks_is_left_empty() {
     let mut bare = table(0);
     bare.terms = None;
     bare.node_error.fill(f32::NAN);
-    let (with, without) = (Plot::Matrix.draw(&table(0)), Plot::Matrix.draw(&bare));
+    let (with, without) = (Plot::Matrix.draw(&table(0), DIGEST), Plot::Matrix.draw(&bare, DIGEST));
     assert_eq!((with.width, with.height), (without.width, without.height));
     let differ = (0..with.height).flat_map(|y| (0..with.width).map(move |x| (x, y)));
     let differ: Vec<u32> =
@@ -49,7 +52,7 @@ fn what_a_table_lacks_is_left_empty() {
 
 #[test]
 fn a_slice_lies_within_what_the_table_covers() {
-    let draw = |ratio, phi| Plot::Error(Slice { ratio, phi }).draw(&table(1));
+    let draw = |ratio, phi| Plot::Error(ErrorSlice { ratio, phi }).draw(&table(1), DIGEST);
     assert!(draw(0.1, 3.0) == draw(0.5, 0.0));
     assert!(draw(1.0, 0.0) != draw(0.5, 0.0));
 }

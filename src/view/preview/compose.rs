@@ -6,7 +6,9 @@ use super::{
     radiances::{BELOW, BESIDE, Radiances},
     tone,
 };
-use crate::view::picture::{Panel, Picture, bar, caption, colour, cross, fitting, grid, headed, number, ring, tag};
+use crate::view::picture::{
+    Panel, Picture, bar, caption, colour, cross, fitting, grid, headed, number, ring, tag, tag_fits,
+};
 
 /// What is beside a sphere of directions, and on it where nothing is below the horizon.
 const BESIDE_COLOUR: [u8; 3] = [48, 48, 48];
@@ -43,18 +45,34 @@ fn short(x: f64) -> String {
 }
 
 fn alphas(material: &Material) -> String {
-    format!("alpha {}, {}", short(material.alpha_x), short(material.alpha_y))
+    format!("alpha {}", bare_alphas(material))
 }
 
-/// Writes into the corner of each material's cell the first of its wordings that fits.
+fn bare_alphas(material: &Material) -> String {
+    format!("{}, {}", short(material.alpha_x), short(material.alpha_y))
+}
+
+/// What is written on a material that the table covers, beside the same on one that it does not.
+fn names(material: &Material) -> Vec<String> {
+    let alphas = alphas(material);
+    vec![alphas.clone(), alphas.clone(), alphas, bare_alphas(material)]
+}
+
+/// Writes one of its wordings into the corner of each material's cell, in all cells the first one for which all have
+/// room, so that they can be compared. A cell without wordings stays as it is.
 fn tag_cells(picture: &mut Picture, scene: &Scene, wordings: impl Fn(usize, &Material) -> Vec<String>) {
     let cells = if scene.materials.len() == 1 { 1 } else { 2 };
     let side = picture.width / cells;
-    for (index, material) in (0_u32..).zip(&scene.materials) {
+    let tags: Vec<Vec<String>> =
+        scene.materials.iter().enumerate().map(|(i, material)| wordings(i, material)).collect();
+    let fits = |wording: &usize| tags.iter().filter_map(|tag| tag.get(*wording)).all(|text| tag_fits(text, side));
+    let most = tags.iter().map(Vec::len).max().unwrap_or_default();
+    let Some(chosen) = (0..most).find(fits) else { return };
+    for (index, wordings) in (0_u32..).zip(&tags) {
         let (column, row) = (index % cells, index / cells);
-        let wordings = wordings(index as usize, material);
-        let wordings: Vec<&str> = wordings.iter().map(String::as_str).collect();
-        tag(picture, &wordings, [column * side, (row + 1) * side], side);
+        if let Some(text) = wordings.get(chosen) {
+            tag(picture, text, [column * side, (row + 1) * side], side);
+        }
     }
 }
 
@@ -106,12 +124,12 @@ pub(super) fn compared(
     }
     let mut ltc = tone::displayed(exposure, ltc);
     let mut reference = tone::displayed(exposure, reference);
-    tag_cells(&mut reference, scene, |_, material| vec![alphas(material)]);
+    tag_cells(&mut reference, scene, |_, material| names(material));
     tag_cells(
         &mut ltc,
         scene,
         |_, material| {
-            if outside.contains(material) { warnings(material) } else { vec![alphas(material)] }
+            if outside.contains(material) { warnings(material) } else { names(material) }
         },
     );
     let samples = caption(width, &[&format!("{} samples a pixel", scene.spp), &format!("{} spp", scene.spp)]);
@@ -164,18 +182,24 @@ pub(super) fn lobes(
     });
     let Material { alpha_x, alpha_y, .. } = scene.materials[0];
     let [alpha_x, alpha_y, theta, phi] = [alpha_x, alpha_y, scene.lobe.theta, scene.lobe.phi].map(|x| number(x as f32));
-    let mut lines = vec![
-        [
-            format!("alpha {alpha_x}, {alpha_y}; view direction: theta {theta}, phi {phi} rad"),
-            format!("alpha {alpha_x}, {alpha_y}; theta {theta}, phi {phi}"),
-        ],
-        ["ring: view direction; cross: its mirror direction".to_owned(), "ring: view; cross: mirror".to_owned()],
+    let configuration = [
+        format!("alpha {alpha_x}, {alpha_y}; view direction: theta {theta}, phi {phi} rad"),
+        format!("alpha {alpha_x}, {alpha_y}; theta {theta}, phi {phi}"),
     ];
+    let panels = grid(&panels, 2);
+    let mut lines = if fitting(&configuration.each_ref().map(String::as_str), panels.width).is_empty() {
+        [format!("alpha {alpha_x}, {alpha_y}"), format!("theta {theta}, phi {phi}")]
+            .map(|line| [line.clone(), line])
+            .to_vec()
+    } else {
+        vec![configuration]
+    };
+    lines.push(["ring: view direction; cross: its mirror direction", "ring: view; cross: mirror"].map(str::to_owned));
     if !outside.is_empty() {
         let warning = "alpha is outside the table: its nearest entry is shown";
         lines.push([warning.to_owned(), "outside the table".to_owned()]);
     }
     let lines: Vec<[&str; 2]> = lines.iter().map(|line| line.each_ref().map(String::as_str)).collect();
     let lines: Vec<&[&str]> = lines.iter().map(<[&str; 2]>::as_slice).collect();
-    headed(&lines, &grid(&panels, 2))
+    headed(&lines, &panels)
 }

@@ -2,7 +2,10 @@
 
 use half::f16;
 
-use crate::fit::{Layout, PerAxis, Table};
+use crate::{
+    fit::{Layout, PerAxis, Table},
+    view::picture::short_digest,
+};
 
 /// How wide the numbers of a texel are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,9 +29,6 @@ pub struct ShaderTable {
     /// What pictures call it.
     pub(super) label: Option<String>,
 }
-
-/// Digits of a digest that a picture shows.
-const SHORT: usize = 8;
 
 impl ShaderTable {
     /// The table with its numbers rounded to `format`. A table without terms gets neutral ones: with `kt2022` all light is
@@ -66,7 +66,7 @@ impl ShaderTable {
     /// The same table, which pictures call by the first digits of the digest of its file.
     #[must_use]
     pub fn labelled(self, digest: &str) -> Self {
-        Self { label: Some(digest.chars().take(SHORT).collect()), ..self }
+        Self { label: Some(short_digest(digest).to_owned()), ..self }
     }
 
     /// The number by which shaders know the layout.

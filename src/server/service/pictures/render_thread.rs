@@ -67,7 +67,7 @@ impl RenderThread {
                 queue.set_adapter(&adapter);
                 (rendered.picture, adapter)
             }
-            Subject::Plot(plot) => (plot.draw(&self.table(request.table)?), CPU.into()),
+            Subject::Plot(plot) => (plot.draw(&self.table(request.table)?, &request.table.hex()), CPU.into()),
         };
         let png = picture.png().map_err(|error| PictureError::Failed(error.to_string()))?;
         let tag = tag(&request.subject, request.table, Some(&adapter))?;
