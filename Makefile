@@ -9,9 +9,11 @@ PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
 TEST_PACKAGES := spirv-tools glslang-tools
 # A layer of Mesa's looks for a display to choose a device by, and complains where there is none.
 export NODEVICE_SELECT := 1
+# Mesa asks for it although it opens no window, and complains.
+export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo test test-native lint fmt bench packages clean
+.PHONY: help demo test test-native lint lint-core fmt bench packages clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -43,12 +45,22 @@ test-native:
 # Each feature by itself: code that another one hides must not be missed.
 lint: packages
 	$(CARGO) fmt --all -- --check
-	$(CARGO) clippy --locked --all-targets -- -D warnings
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	@set -e; for feature in '' shaders render server client cli; do \
 		echo "features: $${feature:-none}"; \
 		$(CARGO) clippy --locked --no-default-features --features "$$feature" -- -D warnings; \
 	done
+	@$(MAKE) --no-print-directory lint-core
 	RUSTDOCFLAGS='-D warnings' $(CARGO) doc --locked --no-deps --document-private-items
+
+# What a Rust program takes along that only wants a table.
+CORE_CRATES := 50
+CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq
+lint-core:
+	@crates=$$($(CARGO) tree --locked -e normal --no-default-features --prefix none | sed 's/ (\*)//' | sort -u); \
+	count=$$(echo "$$crates" | wc -l); echo "crates of the core: $$count"; \
+	if [ "$$count" -gt $(CORE_CRATES) ]; then echo "more than $(CORE_CRATES)" >&2; exit 1; fi; \
+	if echo "$$crates" | grep -E '^($(CORE_WITHOUT))[- ]'; then echo 'the core must not need these' >&2; exit 1; fi
 
 fmt:
 	$(CARGO) fmt --all

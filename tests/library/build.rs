@@ -5,6 +5,7 @@ use std::{
     error::Error,
     fs,
     ops::ControlFlow,
+    os::unix::fs::MetadataExt,
     path::PathBuf,
     sync::atomic::{AtomicU64, Ordering},
 };
@@ -25,6 +26,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let table = ltcforge::cached(&recipe, &out)?;
     let bytes = table.to_bytes()?;
+    // A second call reads the file: it leaves it as it is, where a fit would write it anew.
+    let kept = out.join(format!("{}.safetensors", recipe.digest().hex()));
+    let written = fs::metadata(&kept)?.ino();
+    let hit = ltcforge::cached(&recipe, &out)? == table && fs::metadata(&kept)?.ino() == written;
 
     // The same with progress, on as many threads as there are cores; and once stopped half-way.
     let most = AtomicU64::new(0);
@@ -46,10 +51,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let facts = format!(
         "/// Digest of the table.\npub const DIGEST: &str = \"{}\";\n\
         /// Entries that the progress callback was told of.\npub const ENTRIES: u64 = {};\n\
-        /// Whether all ways to the table gave the same one.\npub const SAME: bool = {};\n\
-        /// Whether the callback stopped the fit.\npub const STOPPED: bool = {stopped};\n\
-        /// Determinant of a matrix.\npub const DETERMINANT: f64 = {determinant:?};\n\
-        /// Mean error between nodes, in lobe widths.\npub const ERROR: f64 = {error:?};\n\
+        /// Whether all ways to the table gave the same one.\npub static SAME: bool = {};\n\
+        /// Whether a cached table was read rather than fitted again.\npub static HIT: bool = {hit};\n\
+        /// Whether the callback stopped the fit.\npub static STOPPED: bool = {stopped};\n\
+        /// Determinant of a matrix.\npub static DETERMINANT: f64 = {determinant:?};\n\
+        /// Mean error between nodes, in lobe widths.\npub static ERROR: f64 = {error:?};\n\
         /// What an invalid recipe says.\npub const FAULTS: &str = {faults:?};\n",
         Digest::of(&bytes),
         most.into_inner(),

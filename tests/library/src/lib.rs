@@ -23,6 +23,11 @@ mod tests {
     }
 
     #[test]
+    fn a_cached_table_is_not_fitted_again() {
+        assert!(HIT);
+    }
+
+    #[test]
     fn a_fit_reports_progress_and_stops_when_told_to() {
         assert_eq!(ENTRIES, 108);
         assert!(STOPPED);
