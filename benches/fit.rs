@@ -14,7 +14,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 use ltcforge::{
     Recipe,
-    files::recipe::Preset,
+    files::recipe_document::Preset,
     fit::{FitSettings, Fitter, Solver, brdf::Ggx, math::sin_cos},
 };
 

@@ -12,7 +12,7 @@ use std::{
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use ltcforge::{
-    files::recipe::{self, DEFAULT_ENTRY_LIMIT},
+    files::recipe_document::{self, DEFAULT_ENTRY_LIMIT},
     fit::{Plan, Table, assemble, fit_shard},
     view::preview::{Adapter, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Variant, Weights},
 };
@@ -20,7 +20,7 @@ use ltcforge::{
 /// The table of a layout at its default resolution. How well it is fitted does not change what it costs.
 fn table(layout: &str) -> Table {
     let document = format!(r#"{{"preset": "draft", "layout": "{layout}"}}"#);
-    let plan = Plan::new(&recipe::parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe"));
+    let plan = Plan::new(&recipe_document::parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe"));
     let go_on = &mut |_: u64| ControlFlow::Continue(());
     let shards = (0..plan.shards()).map(|shard| fit_shard(&plan, shard, go_on).expect("not interrupted"));
     assemble(&plan, &shards.collect::<Vec<_>>().concat())

@@ -13,8 +13,7 @@ use std::{
 
 use glam::DMat3;
 use ltcforge::{
-    Recipe,
-    files::recipe::{Preset, RecipeBuilder},
+    Preset, Recipe, RecipeBuilder,
     fit::{
         FitSettings, Fitter, Solver,
         brdf::Ggx,

@@ -43,8 +43,7 @@
 //! ```
 //!
 //! [`fit()`] fits without a folder, and [`Fit`] with a number of threads, with progress, and until it is told to stop. In a
-//! build script [`cached`] with `OUT_DIR` fits once. All of them fail with [`Error`], into which `?` converts the errors of
-//! recipes, tables and shaders.
+//! build script [`cached`] with `OUT_DIR` fits once. All of them fail with [`Error`].
 //!
 //! # Features
 //!
@@ -77,11 +76,13 @@ pub mod view;
 pub use files::{
     container::{TableFile, TableFileError},
     digest::Digest,
-    recipe::{Fault, Preset, RecipeBuilder, RecipeError},
+    recipe_document::{Fault, Preset, RecipeError},
 };
 pub use fit::{BrdfKind, Configuration, Layout, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Solver, Table};
 pub use glam;
-pub use library::{Error, Fit, cached, fit, write_table};
-pub use view::shaders::wgsl;
 #[cfg(feature = "shaders")]
-pub use view::shaders::{Language, port};
+pub use library::shader;
+pub use library::{Error, Fit, RecipeBuilder, cached, fit, write_table};
+#[cfg(feature = "shaders")]
+pub use view::shaders::Language;
+pub use view::shaders::wgsl;

@@ -3,7 +3,7 @@
 use std::{ops::ControlFlow, sync::Arc};
 
 use ltcforge::{
-    files::recipe::{self, Preset},
+    files::recipe_document::{self, Preset},
     fit::{
         Configuration, Fitter, Plan, Table, assemble,
         brdf::Ggx,
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const PLACES: usize = 48;
 
 fn table(document: &str) -> Table {
-    let plan = Plan::new(&recipe::parse(document.as_bytes(), 10_000).expect("a recipe"));
+    let plan = Plan::new(&recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe"));
     let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
     let entries: Vec<_> = (0..plan.shards()).into_par_iter().flat_map_iter(fit).collect();
     assemble(&plan, &entries)

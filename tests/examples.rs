@@ -3,7 +3,7 @@
 use std::{fs, ops::ControlFlow, path::Path};
 
 use ltcforge::{
-    files::{container, recipe},
+    files::{container, recipe_document},
     fit::{
         Configuration, Fitter, Plan, Recipe, Table, assemble,
         brdf::Ggx,
@@ -22,7 +22,7 @@ fn example(name: &str) -> Recipe {
 }
 
 fn parse(text: &str) -> Recipe {
-    recipe::parse(text.as_bytes(), 10_000).expect("a recipe")
+    recipe_document::parse(text.as_bytes(), 10_000).expect("a recipe")
 }
 
 fn fitted(recipe: &Recipe) -> Table {

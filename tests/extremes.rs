@@ -4,7 +4,7 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow, sync::LazyLock};
 
 use glam::{DMat3, DVec3, Mat3};
 use ltcforge::{
-    files::recipe,
+    files::recipe_document,
     fit::{Configuration, Corner, Plan, Table, assemble, extremes, fit_shard},
 };
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ const INVERSION: f64 = 1e-3;
 const JUMP: f64 = 1e-9;
 
 fn fitted(recipe: &str) -> Table {
-    let plan = Plan::new(&recipe::parse(recipe.as_bytes(), 10_000).expect("a recipe"));
+    let plan = Plan::new(&recipe_document::parse(recipe.as_bytes(), 10_000).expect("a recipe"));
     let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
     let entries: Vec<_> = (0..plan.shards()).into_par_iter().flat_map_iter(fit).collect();
     assemble(&plan, &entries)

@@ -21,7 +21,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{Exit, Failure, preview_names::AdapterName};
+use super::{CommandFailure, Exit, preview_names::AdapterName};
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -55,9 +55,9 @@ impl ConfigFile {
     ///
     /// # Errors
     /// When a named file is missing, or any file is wrong.
-    pub(super) fn load(named: Option<&Path>) -> Result<Self, Failure> {
+    pub(super) fn load(named: Option<&Path>) -> Result<Self, CommandFailure> {
         let path = named.unwrap_or(Path::new(DEFAULT_FILE));
-        let refuse = |reason: String| Failure::new(Exit::Usage, format!("{}: {reason}", path.display()));
+        let refuse = |reason: String| CommandFailure::new(Exit::Usage, format!("{}: {reason}", path.display()));
         match fs::read_to_string(path) {
             Ok(text) => Self::parse(&text).map_err(refuse),
             Err(error) if error.kind() == io::ErrorKind::NotFound && named.is_none() => Ok(Self::default()),

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use tokio::runtime::Handle;
 
-use super::{Failure, Interrupt};
+use super::{CommandFailure, Interrupt};
 
 /// What a command is given by `main`.
 pub struct Context<'a> {
@@ -21,7 +21,12 @@ pub struct Context<'a> {
 }
 
 /// Prints `value` as one line of JSON, or `text` as it is.
-pub(super) fn print(stdout: &mut dyn Write, json: bool, value: &serde_json::Value, text: &str) -> Result<(), Failure> {
+pub(super) fn print(
+    stdout: &mut dyn Write,
+    json: bool,
+    value: &serde_json::Value,
+    text: &str,
+) -> Result<(), CommandFailure> {
     let written = if json { writeln!(stdout, "{value}") } else { writeln!(stdout, "{text}") };
-    written.and_then(|()| stdout.flush()).map_err(|error| Failure::stdout(&error))
+    written.and_then(|()| stdout.flush()).map_err(|error| CommandFailure::stdout(&error))
 }

@@ -26,7 +26,7 @@ pub enum Exit {
 
 /// Why a command did not succeed. Its message goes to standard error; nothing is printed for an empty one.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Failure {
+pub struct CommandFailure {
     /// The exit code.
     pub exit: Exit,
     /// One or more lines for people.
@@ -39,7 +39,7 @@ impl From<Exit> for std::process::ExitCode {
     }
 }
 
-impl Failure {
+impl CommandFailure {
     /// A failure with its message.
     #[must_use]
     pub fn new(exit: Exit, message: impl Into<String>) -> Self {
@@ -63,11 +63,11 @@ impl Failure {
 }
 
 /// An error about the file at `path`, on one line.
-pub(super) fn file_failure(path: &Path, error: &dyn std::fmt::Display) -> Failure {
-    Failure::new(Exit::Failed, format!("{}: {error}", path.display()))
+pub(super) fn file_failure(path: &Path, error: &dyn std::fmt::Display) -> CommandFailure {
+    CommandFailure::new(Exit::Failed, format!("{}: {error}", path.display()))
 }
 
-impl From<ClientError> for Failure {
+impl From<ClientError> for CommandFailure {
     fn from(error: ClientError) -> Self {
         let mut message = error.to_string();
         let exit = match error {
@@ -86,7 +86,7 @@ impl From<ClientError> for Failure {
     }
 }
 
-impl From<PullError> for Failure {
+impl From<PullError> for CommandFailure {
     fn from(error: PullError) -> Self {
         match error {
             PullError::Client(error) => error.into(),
@@ -95,7 +95,7 @@ impl From<PullError> for Failure {
     }
 }
 
-impl From<LockFileError> for Failure {
+impl From<LockFileError> for CommandFailure {
     fn from(error: LockFileError) -> Self {
         let exit = match error {
             LockFileError::Read { .. } => Exit::Failed,
@@ -108,7 +108,7 @@ impl From<LockFileError> for Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::{digest::Digest, recipe::Fault};
+    use crate::files::{digest::Digest, recipe_document::Fault};
 
     #[test]
     fn each_client_error_has_its_exit_code() {
@@ -125,7 +125,7 @@ mod tests {
         ];
         for (error, code) in cases {
             let shown = error.to_string();
-            assert_eq!(Failure::from(error).exit as u8, code, "{shown}");
+            assert_eq!(CommandFailure::from(error).exit as u8, code, "{shown}");
         }
     }
 
@@ -134,12 +134,12 @@ mod tests {
         let fault = |pointer: &str| Fault { pointer: pointer.into(), detail: "bad".into() };
         let faults = vec![fault("/a"), fault("/b")];
         let error = ClientError::Refused { url: "u".into(), status: 422, detail: "2 faults".into(), faults };
-        assert_eq!(Failure::from(error).message, "u: 2 faults (422)\n/a: bad\n/b: bad");
+        assert_eq!(CommandFailure::from(error).message, "u: 2 faults (422)\n/a: bad\n/b: bad");
     }
 
     #[test]
     fn a_reader_that_leaves_is_no_failure() {
-        assert_eq!(Failure::stdout(&io::ErrorKind::BrokenPipe.into()).exit, Exit::Ok);
-        assert_eq!(Failure::stdout(&io::ErrorKind::StorageFull.into()).exit, Exit::Failed);
+        assert_eq!(CommandFailure::stdout(&io::ErrorKind::BrokenPipe.into()).exit, Exit::Ok);
+        assert_eq!(CommandFailure::stdout(&io::ErrorKind::StorageFull.into()).exit, Exit::Failed);
     }
 }

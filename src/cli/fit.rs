@@ -7,14 +7,15 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::{
-    Context, Exit, Failure, Interrupt, args::FitArgs, file_failure, input, print, progress, table_file::TABLE_FOLDERS,
+    CommandFailure, Context, Exit, Interrupt, args::FitArgs, file_failure, input, print, progress,
+    table_file::TABLE_FOLDERS,
 };
 use crate::{
     files::{
         container::{self, TableFileError},
         digest::Digest,
         manifest::manifest_json,
-        recipe::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
+        recipe_document::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
         replace::replace_file,
     },
     fit::{Plan, Table, fit_plan},
@@ -24,10 +25,10 @@ use crate::{
 const SHORT_DIGEST: usize = "sha256:".len() + 12;
 
 /// Fits a recipe and writes the table and its manifest.
-pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let document = input::recipe_document(&args.recipe)?;
     let entry_limit = args.entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
-    let recipe = recipe::parse(&document, entry_limit).map_err(|error| bad_recipe(&args.recipe, error))?;
+    let recipe = recipe_document::parse(&document, entry_limit).map_err(|error| bad_recipe(&args.recipe, error))?;
     let pool = args.threads.pool()?;
 
     let started = Instant::now();
@@ -35,9 +36,9 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let bar = progress::bar(context.draws_progress, recipe.entries());
     let fitted = pool.install(|| fit(&plan, &bar, &context.interrupt));
     bar.finish_and_clear();
-    let table = fitted.ok_or_else(Failure::interrupted)?;
+    let table = fitted.ok_or_else(CommandFailure::interrupted)?;
     let fit_seconds = started.elapsed().as_secs_f64();
-    let failed = |error: TableFileError| Failure::new(Exit::Failed, error.to_string());
+    let failed = |error: TableFileError| CommandFailure::new(Exit::Failed, error.to_string());
     let file = container::encode(&recipe, &table).map_err(failed)?;
     let digest = Digest::of(&file);
     let manifest = pool.install(|| manifest_json(&file)).map_err(failed)?;
@@ -104,7 +105,7 @@ pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Opti
 }
 
 /// A failure that lists every fault of a recipe, one on each line.
-pub(super) fn bad_recipe(name: &str, error: RecipeError) -> Failure {
+pub(super) fn bad_recipe(name: &str, error: RecipeError) -> CommandFailure {
     let message = match error {
         RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
         RecipeError::Faults(faults) => {
@@ -113,13 +114,13 @@ pub(super) fn bad_recipe(name: &str, error: RecipeError) -> Failure {
             lines.join("\n")
         }
     };
-    Failure::new(Exit::Usage, message)
+    CommandFailure::new(Exit::Usage, message)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::recipe::Fault;
+    use crate::files::recipe_document::Fault;
 
     #[test]
     fn every_fault_of_a_recipe_is_reported() {

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    Exit, Failure,
+    CommandFailure, Exit,
     args::TableChoice,
     file_failure,
     table_file::{check, table_path},
@@ -52,7 +52,7 @@ impl AnyTable {
     ///
     /// # Errors
     /// When there is no such file, or it is no table.
-    pub(super) fn read(choice: &TableChoice) -> Result<Self, Failure> {
+    pub(super) fn read(choice: &TableChoice) -> Result<Self, CommandFailure> {
         let path = table_path(&choice.table, choice.folder.tables.as_deref())?;
         let bytes = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
         let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
@@ -60,8 +60,8 @@ impl AnyTable {
             let (digest, TableFile { table, recipe }) = check(&path, &bytes, None)?;
             return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });
         }
-        let NpyTable { table, range } =
-            decode_npy(&bytes).map_err(|error| Failure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
+        let NpyTable { table, range } = decode_npy(&bytes)
+            .map_err(|error| CommandFailure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
         Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) })
     }
 }
@@ -70,7 +70,7 @@ impl AnyTable {
 ///
 /// # Errors
 /// When it cannot be read.
-pub(super) fn recipe_document(name: &str) -> Result<Vec<u8>, Failure> {
+pub(super) fn recipe_document(name: &str) -> Result<Vec<u8>, CommandFailure> {
     if name == "-" {
         let mut document = Vec::new();
         let read = io::stdin().lock().read_to_end(&mut document);

@@ -1,7 +1,7 @@
 //! `jobs`: a server's jobs.
 
 use super::{
-    Context, Exit, Failure,
+    CommandFailure, Context, Exit,
     args::{JobsAction, JobsArgs},
     input, print, progress,
 };
@@ -11,7 +11,12 @@ use crate::{
 };
 
 /// Runs an action on jobs.
-pub(super) fn run(args: &JobsArgs, json: bool, client: &Client, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(
+    args: &JobsArgs,
+    json: bool,
+    client: &Client,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
     match &args.action {
         JobsAction::Submit { recipe, watch } => {
             let job = client.submit(&input::recipe_document(recipe)?)?;
@@ -29,13 +34,13 @@ pub(super) fn run(args: &JobsArgs, json: bool, client: &Client, context: &mut Co
     }
 }
 
-fn show(job: &JobDocument, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+fn show(job: &JobDocument, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     print(context.stdout, json, &job.json, &line(&job.status))?;
     Ok(Exit::Ok)
 }
 
 /// Follows a job to its end. Prints each update as JSON, or the table's digest at the end.
-fn follow(id: JobId, json: bool, client: &Client, context: &mut Context<'_>) -> Result<Exit, Failure> {
+fn follow(id: JobId, json: bool, client: &Client, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let bar = progress::bar(context.draws_progress, 0);
     let mut printed = Ok(());
     let job = client.follow(id, &mut |update| {
@@ -48,7 +53,7 @@ fn follow(id: JobId, json: bool, client: &Client, context: &mut Context<'_>) -> 
     bar.finish_and_clear();
     printed?;
     let Some(table) = job.status.table else {
-        return Err(Failure::new(Exit::JobFailed, line(&job.status)));
+        return Err(CommandFailure::new(Exit::JobFailed, line(&job.status)));
     };
     if !json {
         print(context.stdout, false, &job.json, &table.to_string())?;
@@ -75,13 +80,13 @@ fn line(job: &JobStatus) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{client::Progress, files::digest::Digest};
+    use crate::{client::JobProgress, files::digest::Digest};
 
     fn job(state: StateName) -> JobStatus {
         JobStatus {
             id: JobId::of_recipe(&Digest::from_bytes([0xab; 32])),
             state,
-            progress: Progress { entries_done: 3, entries_total: 16, seconds_left: Some(1.6) },
+            progress: JobProgress { entries_done: 3, entries_total: 16, seconds_left: Some(1.6) },
             attempts: 1,
             table: None,
             error: Some("no room".into()),

@@ -10,7 +10,7 @@ use std::{
 use serde_json::json;
 
 use super::{
-    Context, Exit, Failure,
+    CommandFailure, Context, Exit,
     args::LookupArgs,
     file_failure,
     input::AnyTable,
@@ -20,7 +20,7 @@ use super::{
 use crate::fit::{LookedUp, PerAxis, Table};
 
 /// Prints a matrix for each point, as it is read.
-pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
     let (name, points): (&str, Box<dyn BufRead>) = if args.points == "-" {
         ("standard input", Box::new(io::stdin().lock()))
@@ -30,7 +30,7 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
     };
     let mut out = BufWriter::new(&mut *context.stdout);
     let outside = look_up(&table, origin.range(), name, points, json, &mut out)?;
-    out.flush().map_err(|error| Failure::stdout(&error))?;
+    out.flush().map_err(|error| CommandFailure::stdout(&error))?;
     if !outside.is_empty() {
         eprintln!("{outside}");
     }
@@ -44,13 +44,13 @@ fn look_up(
     points: impl BufRead,
     json: bool,
     out: &mut dyn Write,
-) -> Result<Outside, Failure> {
+) -> Result<Outside, CommandFailure> {
     let mut outside = Outside::default();
     if !json {
-        writeln!(out, "{}", header()).map_err(|error| Failure::stdout(&error))?;
+        writeln!(out, "{}", header()).map_err(|error| CommandFailure::stdout(&error))?;
     }
     for (index, line) in points.lines().enumerate() {
-        let refuse = |reason: String| Failure::new(Exit::Usage, format!("{name}, line {}: {reason}", index + 1));
+        let refuse = |reason: String| CommandFailure::new(Exit::Usage, format!("{name}, line {}: {reason}", index + 1));
         let line = line.map_err(|error| refuse(error.to_string()))?;
         if index == 0 && points::is_header(&line) {
             continue;
@@ -60,7 +60,7 @@ fn look_up(
             let clamped = clamped(&point.configuration, table, range);
             outside.count(&clamped);
             let written = if json { write_json(out, &point, &found, &clamped) } else { write_row(out, &point, &found) };
-            written.map_err(|error| Failure::stdout(&error))?;
+            written.map_err(|error| CommandFailure::stdout(&error))?;
         }
     }
     Ok(outside)

@@ -29,7 +29,7 @@ mod verify;
 
 pub use args::{Cli, Command, OnInterrupt};
 pub use context::Context;
-pub use exit::{Exit, Failure};
+pub use exit::{CommandFailure, Exit};
 pub use interrupt::Interrupt;
 pub use run::run;
 

@@ -4,7 +4,7 @@ use std::{fs, sync::Arc};
 
 use serde_json::json;
 
-use super::{Context, Exit, Failure, args::PreviewArgs, file_failure, input::AnyTable, print};
+use super::{CommandFailure, Context, Exit, args::PreviewArgs, file_failure, input::AnyTable, print};
 use crate::{
     fit::ggx_terms,
     view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
@@ -12,7 +12,7 @@ use crate::{
 
 /// Renders a picture and writes it. The adapter, materials outside the table, and the errors of modes that compare go to
 /// standard error, or as JSON to standard output.
-pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let AnyTable { digest, mut table, .. } = AnyTable::read(&args.table)?;
     if args.ggx_terms {
         table.terms = Some(ggx_terms(table.layout, &table.axes));
@@ -21,7 +21,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     let scene = args.scene.0.clone().into_scene();
     let rendered =
         Preview::new(args.adapter.0).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
-    let png = rendered.picture.png().map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    let png = rendered.picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     fs::write(&args.out, png).map_err(|error| file_failure(&args.out, &error))?;
     let Rendered { picture, adapter, errors, outside } = rendered;
     let errors_json: Vec<_> = errors
@@ -59,7 +59,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     Ok(Exit::Ok)
 }
 
-fn failure(error: &PreviewError) -> Failure {
+fn failure(error: &PreviewError) -> CommandFailure {
     let exit = if matches!(error, PreviewError::Scene(_)) { Exit::Usage } else { Exit::Failed };
-    Failure::new(exit, error.to_string())
+    CommandFailure::new(exit, error.to_string())
 }

@@ -4,7 +4,7 @@ use std::{fs, io, path::Path};
 
 use serde_json::json;
 
-use super::{Context, Exit, Failure, args::PullArgs, config_file::DEFAULT_SERVER, file_failure, print};
+use super::{CommandFailure, Context, Exit, args::PullArgs, config_file::DEFAULT_SERVER, file_failure, print};
 use crate::{
     client::{self, Client, LockFile, LockFileError, Pin, PinState, replace_file, with_pin},
     files::digest::ParseDigestError,
@@ -20,7 +20,7 @@ pub(super) struct Servers<'a> {
 }
 
 impl Servers<'_> {
-    fn client_for(self, pin: &Pin) -> Result<Client, Failure> {
+    fn client_for(self, pin: &Pin) -> Result<Client, CommandFailure> {
         Ok(Client::new(self.chosen.or(pin.server.as_deref()).or(self.usual).unwrap_or(DEFAULT_SERVER))?)
     }
 }
@@ -32,15 +32,15 @@ pub(super) fn run(
     servers: Servers<'_>,
     json: bool,
     context: &mut Context<'_>,
-) -> Result<Exit, Failure> {
+) -> Result<Exit, CommandFailure> {
     if let [name, digest] = args.add.as_slice() {
         add(args, name, digest, servers)?;
     }
     let lock = LockFile::read(&args.lock)?;
-    let mut failures: Vec<Failure> = Vec::new();
+    let mut failures: Vec<CommandFailure> = Vec::new();
     for pin in &lock.pins {
         if context.interrupt.is_set() {
-            return Err(Failure::interrupted());
+            return Err(CommandFailure::interrupted());
         }
         let outcome = if args.locked { check(pin, &lock.folder) } else { pull(pin, &lock.folder, servers) };
         match outcome {
@@ -48,19 +48,21 @@ pub(super) fn run(
                 let value = json!({ "name": pin.name, "path": pin.path, "digest": pin.digest, "outcome": word });
                 print(context.stdout, json, &value, &format!("{} {word}: {}", pin.name, pin.path.display()))?;
             }
-            Err(failure) => failures.push(Failure::new(failure.exit, format!("{}: {}", pin.name, failure.message))),
+            Err(failure) => {
+                failures.push(CommandFailure::new(failure.exit, format!("{}: {}", pin.name, failure.message)));
+            }
         }
     }
     match failures.first().map(|first| first.exit) {
         None => Ok(Exit::Ok),
         Some(exit) => {
             let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
-            Err(Failure::new(exit, lines.join("\n")))
+            Err(CommandFailure::new(exit, lines.join("\n")))
         }
     }
 }
 
-fn pull(pin: &Pin, folder: &Path, servers: Servers<'_>) -> Result<&'static str, Failure> {
+fn pull(pin: &Pin, folder: &Path, servers: Servers<'_>) -> Result<&'static str, CommandFailure> {
     Ok(match client::pull(pin, folder, &servers.client_for(pin)?)? {
         PinState::Right => "unchanged",
         PinState::Missing => "downloaded",
@@ -68,9 +70,9 @@ fn pull(pin: &Pin, folder: &Path, servers: Servers<'_>) -> Result<&'static str, 
     })
 }
 
-fn check(pin: &Pin, folder: &Path) -> Result<&'static str, Failure> {
+fn check(pin: &Pin, folder: &Path) -> Result<&'static str, CommandFailure> {
     let path = folder.join(&pin.path);
-    let drift = |reason: String| Err(Failure::new(Exit::Mismatch, format!("{}: {reason}", path.display())));
+    let drift = |reason: String| Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display())));
     match client::check(pin, folder)? {
         PinState::Right => Ok("unchanged"),
         PinState::Missing => drift("the file is missing".into()),
@@ -79,10 +81,12 @@ fn check(pin: &Pin, folder: &Path) -> Result<&'static str, Failure> {
 }
 
 /// Writes a pin into the lock file, which is made when it is missing.
-fn add(args: &PullArgs, name: &str, digest: &str, servers: Servers<'_>) -> Result<(), Failure> {
+fn add(args: &PullArgs, name: &str, digest: &str, servers: Servers<'_>) -> Result<(), CommandFailure> {
     let pin = Pin {
         name: name.to_owned(),
-        digest: digest.parse().map_err(|error: ParseDigestError| Failure::new(Exit::Usage, error.to_string()))?,
+        digest: digest
+            .parse()
+            .map_err(|error: ParseDigestError| CommandFailure::new(Exit::Usage, error.to_string()))?,
         path: args.to.clone().unwrap_or_else(|| format!("{name}.safetensors").into()),
         server: servers.chosen.map(str::to_owned),
     };

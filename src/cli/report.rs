@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
 use serde_json::json;
 
 use super::{
-    Context, Exit, Failure,
+    CommandFailure, Context, Exit,
     args::ReportArgs,
     input::{AnyTable, Origin},
     print,
@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// A table and its figures.
-struct Subject {
+struct MeasuredTable {
     digest: Digest,
     resolution: PerAxis<usize>,
     report: Report,
@@ -25,41 +25,41 @@ struct Subject {
 }
 
 /// Measures a table and prints the figures.
-pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let read = AnyTable::read(&args.table)?;
-    let subject = args.threads.pool()?.install(|| measure(&read, args.extremes));
+    let measured = args.threads.pool()?.install(|| measure(&read, args.extremes));
     let mut value = json!({
         "file": read.path,
-        "digest": subject.digest,
-        "resolution": subject.resolution,
-        "report": subject.report,
+        "digest": measured.digest,
+        "resolution": measured.resolution,
+        "report": measured.report,
     });
-    if let Some(corners) = &subject.corners {
+    if let Some(corners) = &measured.corners {
         value["extremes"] = json!(corners);
     }
-    print(context.stdout, json, &value, text(&read.path, &subject).trim_end())?;
+    print(context.stdout, json, &value, text(&read.path, &measured).trim_end())?;
     Ok(Exit::Ok)
 }
 
-fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, with_extremes: bool) -> Subject {
+fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, with_extremes: bool) -> MeasuredTable {
     let report = match origin {
         Origin::Recipe(recipe) => table_report(table, recipe),
         Origin::Range(range) => report(table, range, MOST_POINTS),
     };
     let corners = with_extremes.then(|| extremes(table));
-    Subject { digest: *digest, resolution: table.axes.lengths(), report, corners }
+    MeasuredTable { digest: *digest, resolution: table.axes.lengths(), report, corners }
 }
 
 /// The figures as text.
-fn text(path: &Path, subject: &Subject) -> String {
+fn text(path: &Path, measured: &MeasuredTable) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = write_text(&mut out, path, subject);
+    let _ = write_text(&mut out, path, measured);
     out
 }
 
-fn write_text(out: &mut String, path: &Path, subject: &Subject) -> std::fmt::Result {
-    let Subject { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners } = subject;
+fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::fmt::Result {
+    let MeasuredTable { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners } = measured;
     let Report { nodes, between, matrices, floors, .. } = report;
     // The figure by which tables are compared.
     let Spread { mean, p95, max } = percent(between.width);

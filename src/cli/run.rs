@@ -3,7 +3,7 @@
 use clap::CommandFactory as _;
 
 use super::{
-    Cli, Command, Context, Exit, Failure,
+    Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
     fit, jobs, lookup, plot, preview, pull, report, serve, shader, tradeoff, verify,
 };
@@ -13,7 +13,7 @@ use crate::client::Client;
 ///
 /// # Errors
 /// The exit code and the lines for standard error.
-pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let file = ConfigFile::load(cli.config.as_deref())?;
     let Cli { command, server, json, .. } = cli;
     let connect = || client(server.as_deref(), &file);
@@ -35,12 +35,12 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, Failure> {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "ltcforge", &mut script);
-            context.stdout.write_all(&script).map_err(|error| Failure::stdout(&error))?;
+            context.stdout.write_all(&script).map_err(|error| CommandFailure::stdout(&error))?;
             Ok(Exit::Ok)
         }
     }
 }
 
-fn client(flag: Option<&str>, file: &ConfigFile) -> Result<Client, Failure> {
+fn client(flag: Option<&str>, file: &ConfigFile) -> Result<Client, CommandFailure> {
     Ok(Client::new(flag.or(file.server.as_deref()).unwrap_or(DEFAULT_SERVER))?)
 }

@@ -11,12 +11,12 @@ use std::{
 use tokio::net::TcpListener;
 
 use super::{
-    Context, Exit, Failure,
+    CommandFailure, Context, Exit,
     args::{ServeArgs, cores},
     config_file::ServeSection,
 };
 use crate::{
-    files::recipe::DEFAULT_ENTRY_LIMIT,
+    files::recipe_document::DEFAULT_ENTRY_LIMIT,
     server::{
         http,
         service::{Config, Service},
@@ -34,7 +34,7 @@ const MAX_ATTEMPTS: u32 = 3;
 const PICTURE_LIMIT: Duration = Duration::from_secs(30);
 
 /// Runs the service until it is interrupted.
-pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (listen, config) = settle(args, file);
     let runtime = context.runtime.clone();
     runtime.block_on(async {
@@ -44,7 +44,7 @@ pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>
         let service = opened.map_err(failed)?.map_err(failed)?;
         writeln!(context.stdout, "listening on http://{address}")
             .and_then(|()| context.stdout.flush())
-            .map_err(|error| Failure::stdout(&error))?;
+            .map_err(|error| CommandFailure::stdout(&error))?;
         let served = http::serve(listener, Arc::clone(&service), context.interrupt.clone().wait()).await;
         // However the server ended, acknowledged work is flushed to disk.
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
@@ -68,16 +68,16 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
     (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
 }
 
-fn cannot_listen(listen: SocketAddr, error: &io::Error) -> Failure {
+fn cannot_listen(listen: SocketAddr, error: &io::Error) -> CommandFailure {
     let reason = match error.kind() {
         io::ErrorKind::AddrInUse => "the port is taken".to_owned(),
         _ => error.to_string(),
     };
-    Failure::new(Exit::Failed, format!("cannot listen on {listen}: {reason}"))
+    CommandFailure::new(Exit::Failed, format!("cannot listen on {listen}: {reason}"))
 }
 
-fn failed(error: impl std::fmt::Display) -> Failure {
-    Failure::new(Exit::Failed, error.to_string())
+fn failed(error: impl std::fmt::Display) -> CommandFailure {
+    CommandFailure::new(Exit::Failed, error.to_string())
 }
 
 #[cfg(test)]

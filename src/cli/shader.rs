@@ -4,17 +4,20 @@ use std::fs;
 
 use serde_json::json;
 
-use super::{Context, Exit, Failure, args::ShaderArgs, file_failure, print};
+use super::{CommandFailure, Context, Exit, args::ShaderArgs, file_failure, print};
 use crate::view::shaders::{Language, port};
 
 /// Writes the shader to the file, or to standard output. With `--json` one line
 /// describes the file, or holds the shader's text.
-pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (language, layout) = (args.language.0, args.layout);
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
-        return Err(Failure::new(Exit::Usage, "SPIR-V is binary: name a file with -o, or redirect standard output"));
+        return Err(CommandFailure::new(
+            Exit::Usage,
+            "SPIR-V is binary: name a file with -o, or redirect standard output",
+        ));
     }
-    let shader = port(language, layout).map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    let shader = port(language, layout).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     if let Some(path) = &args.out {
         fs::write(path, &shader).map_err(|error| file_failure(path, &error))?;
         if json {
@@ -30,7 +33,7 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
             .stdout
             .write_all(&shader)
             .and_then(|()| context.stdout.flush())
-            .map_err(|error| Failure::stdout(&error))?;
+            .map_err(|error| CommandFailure::stdout(&error))?;
     }
     Ok(Exit::Ok)
 }

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Exit, Failure, file_failure};
+use super::{CommandFailure, Exit, file_failure};
 use crate::files::{
     container::{self, TableFile},
     digest::Digest,
@@ -20,7 +20,7 @@ pub(super) const TABLE_FOLDERS: [&str; 2] = [".", "tables"];
 ///
 /// # Errors
 /// When there is no such table, or several digests begin so.
-pub(super) fn table_path(name: &str, folder: Option<&Path>) -> Result<PathBuf, Failure> {
+pub(super) fn table_path(name: &str, folder: Option<&Path>) -> Result<PathBuf, CommandFailure> {
     let path = PathBuf::from(name);
     let beginning = name.strip_prefix("sha256:").unwrap_or(name).to_ascii_lowercase();
     let is_digest = !beginning.is_empty() && beginning.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -51,8 +51,10 @@ pub(super) fn table_path(name: &str, folder: Option<&Path>) -> Result<PathBuf, F
         (looked_in.join(" and "), if folder.is_none() { "; --tables names another folder" } else { "" });
     match found.into_values().next() {
         Some(path) if count == 1 => Ok(path),
-        Some(_) => Err(Failure::new(Exit::Usage, format!("{beginning}: {count} tables in {places} begin with this"))),
-        None => Err(Failure::new(
+        Some(_) => {
+            Err(CommandFailure::new(Exit::Usage, format!("{beginning}: {count} tables in {places} begin with this")))
+        }
+        None => Err(CommandFailure::new(
             Exit::Failed,
             format!("{name}: there is no such file, and no {beginning}*.safetensors in {places}{other}"),
         )),
@@ -61,9 +63,13 @@ pub(super) fn table_path(name: &str, folder: Option<&Path>) -> Result<PathBuf, F
 
 /// The table of a file that is what it says it is: it hashes to `expected`, or else to the digest in its name if there
 /// is one, and is well formed.
-pub(super) fn check(path: &Path, bytes: &[u8], expected: Option<Digest>) -> Result<(Digest, TableFile), Failure> {
+pub(super) fn check(
+    path: &Path,
+    bytes: &[u8],
+    expected: Option<Digest>,
+) -> Result<(Digest, TableFile), CommandFailure> {
     let actual = Digest::of(bytes);
-    let mismatch = |reason: String| Failure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
+    let mismatch = |reason: String| CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
     if let Some(expected) = expected.or_else(|| digest_in_name(path))
         && actual != expected
     {

@@ -6,22 +6,22 @@ use indicatif::ProgressBar;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
-use super::{Context, Exit, Failure, Interrupt, args::TradeoffArgs, file_failure, fit, input, print, progress};
+use super::{CommandFailure, Context, Exit, Interrupt, args::TradeoffArgs, file_failure, fit, input, print, progress};
 use crate::{
     client::replace_file,
-    files::recipe::{self, DEFAULT_ENTRY_LIMIT},
+    files::recipe_document::{self, DEFAULT_ENTRY_LIMIT},
     fit::{Plan, Recipe, report},
-    view::tradeoff::{Measurement, POINTS, Row, Size, csv, family, json as rows_json, off_by, picture, rows},
+    view::tradeoff::{FittedRecipe, Measurement, POINTS, Size, csv, family, json as rows_json, off_by, picture, rows},
 };
 
 /// The recipe that the family varies when none is given.
 const DEFAULT_RECIPE: &str = "paper";
 
 /// Fits a family of recipes one after the other, measures each table and writes the three files.
-pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
+pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let name = args.recipe.as_deref().unwrap_or(DEFAULT_RECIPE);
     let document = input::recipe_document(name)?;
-    let base = recipe::parse(&document, DEFAULT_ENTRY_LIMIT).map_err(|error| fit::bad_recipe(name, error))?;
+    let base = recipe_document::parse(&document, DEFAULT_ENTRY_LIMIT).map_err(|error| fit::bad_recipe(name, error))?;
     let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
 
     let size = if args.quick { Size::Quick } else { Size::Full };
@@ -30,7 +30,7 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let bar = progress::bar(context.draws_progress, recipes.iter().map(Recipe::entries).sum());
     let mut fitted = Vec::with_capacity(recipes.len());
     for recipe in recipes {
-        let measured = pool.install(|| measure(&recipe, &bar, &interrupt)).ok_or_else(Failure::interrupted)?;
+        let measured = pool.install(|| measure(&recipe, &bar, &interrupt)).ok_or_else(CommandFailure::interrupted)?;
         fitted.push((recipe, measured));
     }
     bar.finish_and_clear();
@@ -70,7 +70,7 @@ fn processor_seconds() -> f64 {
 }
 
 /// The presets, whether each is on the front, and how far predictions were off.
-fn summary(rows: &[Row]) -> String {
+fn summary(rows: &[FittedRecipe]) -> String {
     let mut out = format!("{:10}{:>20}{:>10}{:>10}{:>10}  on the front\n", "preset", "fit", "seconds", "error", "p95");
     for row in rows {
         let Some(preset) = row.preset else { continue };

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use serde_json::json;
 
 use super::{
-    Context, Exit, Failure,
+    CommandFailure, Context, Exit,
     args::VerifyArgs,
     file_failure, print,
     table_file::{check, table_path},
@@ -13,8 +13,8 @@ use super::{
 use crate::files::{container::TableFile, digest::Digest};
 
 /// Checks every file; the first that fails decides the exit code.
-pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, Failure> {
-    let mut failures: Vec<Failure> = Vec::new();
+pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let mut failures: Vec<CommandFailure> = Vec::new();
     for name in &args.files {
         let found = table_path(name, args.folder.tables.as_deref());
         let path = found.as_deref().unwrap_or(Path::new(name));
@@ -36,12 +36,12 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
         None => Ok(Exit::Ok),
         Some(exit) => {
             let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
-            Err(Failure::new(exit, lines.join("\n")))
+            Err(CommandFailure::new(exit, lines.join("\n")))
         }
     }
 }
 
-fn read(path: &Path, expected: Option<Digest>) -> Result<(Digest, TableFile), Failure> {
+fn read(path: &Path, expected: Option<Digest>) -> Result<(Digest, TableFile), CommandFailure> {
     let bytes = fs::read(path).map_err(|error| file_failure(path, &error))?;
     check(path, &bytes, expected)
 }

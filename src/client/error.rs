@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::files::{digest::Digest, recipe::Fault};
+use crate::files::{digest::Digest, recipe_document::Fault};
 
 /// A failed request. Every variant names the URL.
 #[derive(Debug, thiserror::Error)]

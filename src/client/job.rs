@@ -11,7 +11,7 @@ use crate::files::{
 
 /// The progress of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct Progress {
+pub struct JobProgress {
     /// Entries fitted.
     pub entries_done: u64,
     /// Entries of the table.
@@ -28,7 +28,7 @@ pub struct JobStatus {
     /// Its state.
     pub state: StateName,
     /// Its progress.
-    pub progress: Progress,
+    pub progress: JobProgress,
     /// The highest attempt number among its shards.
     pub attempts: u32,
     /// The table of a job that is done.

@@ -11,7 +11,7 @@ mod rest;
 
 pub use crate::files::replace::replace_file;
 pub use error::ClientError;
-pub use job::{JobDocument, JobStatus, Progress};
+pub use job::{JobDocument, JobProgress, JobStatus};
 pub use lock_file::{LockFile, LockFileError, Pin, with_pin};
 pub use pull::{PinState, PullError, check, pull};
 pub use rest::Client;

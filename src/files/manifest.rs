@@ -5,9 +5,9 @@
 use serde::Serialize;
 
 use super::{
-    container::{self, TableFile, TableFileError},
+    container::{self, TableFileError},
     digest::Digest,
-    recipe,
+    recipe_document,
 };
 use crate::fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points};
 
@@ -39,22 +39,6 @@ pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
     report(table, &recipe.range, report_points(recipe))
 }
 
-impl TableFile {
-    /// How good the table is: the report of its manifest. Runs on the current rayon pool.
-    #[must_use]
-    pub fn measure(&self) -> Report {
-        table_report(&self.table, &self.recipe)
-    }
-
-    /// The manifest as JSON.
-    ///
-    /// # Errors
-    /// As [`manifest_json`].
-    pub fn manifest(&self) -> Result<String, TableFileError> {
-        manifest_json(&self.to_bytes()?)
-    }
-}
-
 /// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon
 /// pool.
 ///
@@ -62,7 +46,7 @@ impl TableFile {
 /// When `file_bytes` is not a canonical table file.
 pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
     let file = container::decode(file_bytes)?;
-    let text = recipe::canonical_json(&file.recipe);
+    let text = recipe_document::canonical_json(&file.recipe);
     let not_json = |error: serde_json::Error| TableFileError::Recipe(error.to_string());
     let manifest = Manifest {
         table: Digest::of(file_bytes),

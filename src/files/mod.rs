@@ -4,5 +4,5 @@ pub mod container;
 pub mod digest;
 pub mod job;
 pub mod manifest;
-pub mod recipe;
+pub mod recipe_document;
 pub mod replace;

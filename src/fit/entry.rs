@@ -8,7 +8,7 @@ use super::{
     metric::{Distance, Samples, Target},
     pulse::Pulse,
     recipe::FitSettings,
-    solver::{Effort, Guess, Problem, Solver},
+    solver::{Effort, Guess, Objective, Solver},
 };
 
 /// Samples of the lobe for each sample of the LTC: they are projected once, the LTC's in every evaluation.
@@ -95,7 +95,7 @@ impl Fitter {
         let FitSettings { samples, directions, steps, seed, .. } = self.settings;
         let effort = Effort { samples: samples as usize, directions: directions as usize, steps, seed };
         let mut loss = self.seen.distance.to(target);
-        solver.rules().solve(Problem { brdf, wo, target, loss: &mut *loss, effort, stream }, pulse)
+        solver.rules().solve(Objective { brdf, wo, target, loss: &mut *loss, effort, stream }, pulse)
     }
 
     /// The matrix of solver `sgd`, whatever the settings' solver; `None` when `pulse` stops it.

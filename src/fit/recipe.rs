@@ -1,6 +1,6 @@
 //! What to fit: a complete, checked description from which every byte of a table follows.
 //!
-//! Invariant: no defaults and no JSON here; [`crate::files::recipe`] reads documents and fills presets in.
+//! Invariant: no defaults and no JSON here; [`crate::files::recipe_document`] reads documents and fills presets in.
 
 use serde::Serialize;
 

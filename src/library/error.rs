@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use crate::files::{container::TableFileError, recipe::RecipeError};
+use crate::files::{container::TableFileError, recipe_document::RecipeError};
 
 /// Why a call of the library failed.
 #[derive(Debug, thiserror::Error)]

@@ -2,10 +2,17 @@
 //!
 //! Invariant: nothing here decides anything about a table; it only calls the layers below.
 
+mod builder;
 mod error;
 mod fitting;
+#[cfg(feature = "shaders")]
+mod shader;
+mod table_file;
 mod tables;
 
+pub use builder::RecipeBuilder;
 pub use error::Error;
 pub use fitting::{Fit, fit};
+#[cfg(feature = "shaders")]
+pub use shader::shader;
 pub use tables::{cached, write_table};

@@ -9,7 +9,7 @@ use std::{
 
 use clap::Args;
 
-use super::super::{Exit, Failure, preview_names::AdapterName};
+use super::super::{CommandFailure, Exit, preview_names::AdapterName};
 
 /// `serve`.
 #[derive(Debug, Args)]
@@ -86,9 +86,9 @@ impl Threads {
     ///
     /// # Errors
     /// When the system has no more threads.
-    pub(in crate::cli) fn pool(self) -> Result<rayon::ThreadPool, Failure> {
+    pub(in crate::cli) fn pool(self) -> Result<rayon::ThreadPool, CommandFailure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.count().get()).build();
-        pool.map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+        pool.map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
     }
 }
 

@@ -7,7 +7,7 @@
 //! line of this header.
 
 use crate::{
-    files::recipe,
+    files::recipe_document,
     fit::{PerAxis, Recipe, Table},
 };
 
@@ -105,7 +105,7 @@ fn whole_domain(nodes: &PerAxis<u64>) -> Option<Recipe> {
     let PerAxis { alpha, ratio, theta, phi } = nodes;
     let resolution = format!(r#"{{"alpha": {alpha}, "ratio": {ratio}, "theta": {theta}, "phi": {phi}}}"#);
     let document = format!(r#"{{"layout": "kt2022", "resolution": {resolution}}}"#);
-    recipe::parse(document.as_bytes(), u64::MAX).ok()
+    recipe_document::parse(document.as_bytes(), u64::MAX).ok()
 }
 
 /// The header's text and the data behind it.

@@ -14,7 +14,7 @@ use half::f16;
 use safetensors::{Dtype, SafeTensors, View, serialize};
 
 use crate::{
-    files::recipe,
+    files::recipe_document,
     fit::{Precision, Recipe, Table, Terms, math::from_row_major},
 };
 
@@ -41,22 +41,6 @@ impl TableFile {
     #[must_use]
     pub fn table(&self) -> &Table {
         &self.table
-    }
-
-    /// Reads a canonical file.
-    ///
-    /// # Errors
-    /// As [`decode`].
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, TableFileError> {
-        decode(bytes)
-    }
-
-    /// The canonical file.
-    ///
-    /// # Errors
-    /// As [`encode`].
-    pub fn to_bytes(&self) -> Result<Vec<u8>, TableFileError> {
-        encode(&self.recipe, &self.table)
     }
 }
 
@@ -143,7 +127,7 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
             return Err(TableFileError::Tensor { name: name.clone(), detail });
         }
     }
-    let metadata = [(RECIPE_KEY.to_owned(), recipe::canonical_json(recipe))];
+    let metadata = [(RECIPE_KEY.to_owned(), recipe_document::canonical_json(recipe))];
     serialize(tensors, Some(metadata.into_iter().collect()))
         .map_err(|error| TableFileError::Container(error.to_string()))
 }
@@ -161,7 +145,8 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         .as_ref()
         .and_then(|metadata| metadata.get(RECIPE_KEY))
         .ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;
-    let recipe = recipe::parse_stored(text.as_bytes()).map_err(|error| TableFileError::Recipe(error.to_string()))?;
+    let recipe =
+        recipe_document::parse_stored(text.as_bytes()).map_err(|error| TableFileError::Recipe(error.to_string()))?;
 
     let axes = recipe.nodes();
     let shape = axes.lengths().named().map(|(_, n)| *n);

@@ -28,7 +28,7 @@ pub(super) const FARTHEST: f64 = 2.0;
 
 /// How far an LTC is from its lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Distance {
+pub(super) struct LobeDistance {
     /// Sliced Wasserstein-1 distance.
     pub(super) sw1: f64,
     /// The lobe's width: the mean absolute deviation of its projections from their median.
@@ -60,7 +60,7 @@ impl Probe {
     }
 
     /// The distance between `lobe` and the LTC of `m`, a regular matrix of either sign in the tangent frame.
-    pub(super) fn distance(&self, lobe: &Lobe, m: &DMat3, work: &mut Workspace) -> Distance {
+    pub(super) fn distance(&self, lobe: &Lobe, m: &DMat3, work: &mut Workspace) -> LobeDistance {
         // The directions lie evenly around the lobe. Offsets from its axis, unlike directions, keep the digits of a
         // sharp lobe in f32.
         let frame = rotation_from_z(lobe.axis);
@@ -78,7 +78,7 @@ impl Probe {
             spread += areas.deviation;
         }
         let count = self.directions.len() as f64;
-        Distance { sw1: sw1 / count, spread: spread / count }
+        LobeDistance { sw1: sw1 / count, spread: spread / count }
     }
 }
 
@@ -121,7 +121,7 @@ mod tests {
         )
     }
 
-    fn distance(lobe: &Lobe, m: &DMat3) -> Distance {
+    fn distance(lobe: &Lobe, m: &DMat3) -> LobeDistance {
         Probe::new().distance(lobe, m, &mut Workspace::default())
     }
 
@@ -161,14 +161,15 @@ mod tests {
         let lobe = lobes::planted(DMat3::from_diagonal(DVec3::new(1e-2, 0.5e-2, 1.0)));
         for excess in [0.1, 0.2, 0.5] {
             let wider = (1.0 + excess) * 1e-2;
-            let Distance { sw1, spread } = distance(&lobe, &DMat3::from_diagonal(DVec3::new(wider, 0.5 * wider, 1.0)));
+            let LobeDistance { sw1, spread } =
+                distance(&lobe, &DMat3::from_diagonal(DVec3::new(wider, 0.5 * wider, 1.0)));
             assert!((sw1 / spread - excess).abs() < 0.03, "{excess}: {}", sw1 / spread);
         }
     }
 
     /// Equation 10 of KT et al. 2022: sorted projections, quantile by quantile, exactly where all samples of a side weigh
     /// the same; and the mean deviation from the median.
-    fn by_quantiles(probe: &Probe, lobe: &Lobe, m: &DMat3) -> Distance {
+    fn by_quantiles(probe: &Probe, lobe: &Lobe, m: &DMat3) -> LobeDistance {
         const QUANTILES: usize = 1 << 12;
         let quantiles = |mut samples: Vec<(f64, f64)>| -> Vec<f64> {
             samples.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -194,7 +195,7 @@ mod tests {
             spread += of_lobe.iter().map(|x| (x - median).abs()).sum::<f64>();
         }
         let count = (QUANTILES * probe.directions.len()) as f64;
-        Distance { sw1: sw1 / count, spread: spread / count }
+        LobeDistance { sw1: sw1 / count, spread: spread / count }
     }
 
     /// Near misses, a lobe thousands of its widths away, one much too wide, one turned inside out.

@@ -4,7 +4,7 @@ use glam::DMat3;
 use rayon::prelude::*;
 
 use super::{
-    distance::{Distance, FARTHEST, Probe, Workspace},
+    distance::{FARTHEST, LobeDistance, Probe, Workspace},
     light::light_error,
     lobe::Lobe,
 };
@@ -42,7 +42,7 @@ fn one(table: &Table, at: &Configuration, probe: &Probe, work: &mut Workspace) -
     let inverse = m.inverse();
     let is_regular = m.determinant() != 0.0 && inverse.is_finite();
     // The spread does not depend on the matrix.
-    let Distance { sw1, spread } = probe.distance(&lobe, if is_regular { &m } else { &DMat3::IDENTITY }, work);
+    let LobeDistance { sw1, spread } = probe.distance(&lobe, if is_regular { &m } else { &DMat3::IDENTITY }, work);
     let (sw1, light) = if is_regular { (sw1, light_error(&lobe, &inverse)) } else { (FARTHEST, 1.0) };
     let terms = found.amplitude.zip(found.fresnel);
     let terms = terms.map(|(amplitude, fresnel)| [(amplitude - lobe.amplitude).abs(), (fresnel - lobe.fresnel).abs()]);

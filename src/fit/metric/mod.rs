@@ -9,7 +9,7 @@ mod target;
 pub(super) use distance::{Distance, Loss, MetricRules, Samples};
 #[cfg(test)]
 pub(super) use target::tests::planted;
-pub(super) use target::{Core, Target};
+pub(super) use target::{LobeCore, Target};
 
 use super::named_list::named_list;
 

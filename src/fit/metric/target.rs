@@ -22,7 +22,7 @@ pub(crate) struct Target {
     /// Weights; their sum is one.
     pub(crate) weights: Vec<f64>,
     /// Where the lobe is and how wide, in the tangential plane.
-    pub(crate) core: Core,
+    pub(crate) core: LobeCore,
     /// Amplitude and Fresnel term.
     pub(crate) terms: LobeTerms,
 }
@@ -64,7 +64,7 @@ impl Target {
         for weight in &mut weights {
             *weight /= total;
         }
-        let core = Core::of(&points, &weights, mirrors);
+        let core = LobeCore::of(&points, &weights, mirrors);
         Self { frame, mirrors, points, weights, core, terms }
     }
 }
@@ -76,14 +76,14 @@ impl Target {
 /// density proportional to `(1 + |p|^2 / a^2)^-2`, scatter `a^2 / 2`. Its variance is infinite, so moments tell how
 /// far the samples reach into the tails rather than how wide the lobe is; this estimate does not.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Core {
+pub(crate) struct LobeCore {
     /// Centre.
     pub(crate) centre: DVec2,
     /// Scatter, positive definite.
     pub(crate) scatter: DMat2,
 }
 
-impl Core {
+impl LobeCore {
     /// Samples that the estimate uses: its own error is far below what the fit corrects.
     const SAMPLES: usize = 512;
     /// Reweightings; each takes out about half of what the start is off.

@@ -3,10 +3,10 @@
 //! A new solver is its file and its line in [`Solver`].
 
 mod bfgs;
-mod problem;
+mod objective;
 mod sgd;
 
-pub(super) use problem::{Effort, Problem, SolverRules};
+pub(super) use objective::{Effort, Objective, SolverRules};
 
 pub(super) use bfgs::Guess;
 

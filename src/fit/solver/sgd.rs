@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::problem::{Effort, Problem, SolverRules};
+use super::objective::{Effort, Objective, SolverRules};
 use crate::fit::{
     brdf::Brdf,
     math::{cosine_hemisphere, sin_cos},
@@ -24,8 +24,8 @@ const RATE: f64 = 0.1;
 pub(super) struct Rules;
 
 impl SolverRules for Rules {
-    fn solve(&self, problem: Problem<'_>, pulse: &mut Pulse) -> Option<DMat3> {
-        descend(problem.brdf, problem.wo, &problem.effort, problem.stream, pulse)
+    fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
+        descend(objective.brdf, objective.wo, &objective.effort, objective.stream, pulse)
     }
 
     fn evaluations(&self, steps: u32) -> u32 {

@@ -4,7 +4,7 @@ use std::{fmt, time::Duration};
 
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
-    files::recipe::RecipeError,
+    files::recipe_document::RecipeError,
     server::{
         queue::{Failure, FailureKind},
         service::{PictureError, ServiceError, SubmitError},
@@ -109,7 +109,7 @@ mod tests {
     use axum::response::IntoResponse as _;
 
     use super::*;
-    use crate::files::recipe::Fault;
+    use crate::files::recipe_document::Fault;
 
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {

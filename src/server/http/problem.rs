@@ -10,7 +10,7 @@ use axum::{
 use serde::Serialize;
 
 use super::kind::ProblemKind;
-use crate::{files::recipe::Fault, view::parameters::ParameterFault};
+use crate::{files::recipe_document::Fault, view::parameters::ParameterFault};
 
 /// An error as it is reported to a client.
 #[derive(Debug)]

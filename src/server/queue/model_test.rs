@@ -65,7 +65,7 @@ fn action() -> impl Strategy<Value = Action> {
 
 /// What must be true of a job, given the queue's answers so far.
 #[derive(Debug, Clone)]
-struct Expected {
+struct ExpectedJob {
     stage: Stage,
     /// Shards whose completion was acknowledged in this submission, or kept from a failed one.
     finished: BTreeSet<u32>,
@@ -82,7 +82,7 @@ enum Stage {
     FailedUnsaved,
 }
 
-impl Expected {
+impl ExpectedJob {
     fn concluded(stage: Stage) -> Self {
         Self { stage, finished: BTreeSet::new() }
     }
@@ -100,7 +100,7 @@ struct Run {
     held: Vec<(LeasedTask, i64)>,
     /// Leases that are certainly not current.
     spent: Vec<LeasedTask>,
-    jobs: BTreeMap<JobId, Expected>,
+    jobs: BTreeMap<JobId, ExpectedJob>,
 }
 
 fn recipe(n: u8) -> NewJob {
@@ -187,7 +187,7 @@ impl Run {
             TaskKind::Shard(shard) => assert!(job.finished.insert(shard), "a shard was finished twice"),
             TaskKind::Assemble => {
                 assert_eq!(job.finished.len(), SHARDS as usize, "assembled before all shards were finished");
-                *job = Expected::concluded(Stage::Done);
+                *job = ExpectedJob::concluded(Stage::Done);
                 self.close(leased.job);
             }
         }
@@ -204,7 +204,7 @@ impl Run {
                     Err(_) => return,
                 }
                 if known.is_some_and(|job| job.is_open()) {
-                    self.jobs.insert(id, Expected::concluded(Stage::Cancelled));
+                    self.jobs.insert(id, ExpectedJob::concluded(Stage::Cancelled));
                     self.close(id);
                 }
             }
@@ -296,7 +296,7 @@ impl Run {
                 assert_eq!(job.attempts, 0);
                 let finished = former.map(|job| job.finished).unwrap_or_default();
                 assert_eq!(job.entries_done, 2 * finished.len() as u64, "finished shards are kept");
-                self.jobs.insert(id, Expected { stage: Stage::Open, finished });
+                self.jobs.insert(id, ExpectedJob { stage: Stage::Open, finished });
             }
             Err(QueueError::Full { .. }) => assert_eq!(open, 2),
             Err(QueueError::Store(_)) => {}

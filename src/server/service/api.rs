@@ -5,7 +5,7 @@ use std::{num::NonZeroUsize, path::PathBuf, time::Duration};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    files::{digest::Digest, recipe::RecipeError},
+    files::{digest::Digest, recipe_document::RecipeError},
     server::{
         queue::{Job, StateName},
         store::StoreError,

@@ -9,7 +9,7 @@ use crate::{
     files::{
         container::{self, TableFileError},
         digest::Digest,
-        recipe::{self, RecipeError},
+        recipe_document::{self, RecipeError},
     },
     fit::{self, Expectation, FITTER_VERSION, Plan},
     server::queue::NewJob,
@@ -59,8 +59,8 @@ impl FitEngine {
             return Ok(Arc::clone(plan));
         }
         // It was checked when it was submitted.
-        let parsed =
-            recipe::parse_stored(document.as_bytes()).map_err(|error| format!("the stored recipe: {error}"))?;
+        let parsed = recipe_document::parse_stored(document.as_bytes())
+            .map_err(|error| format!("the stored recipe: {error}"))?;
         if parsed.fitter != FITTER_VERSION {
             // Shards of two fitters must not be mixed in one table.
             return Err(format!(
@@ -81,10 +81,10 @@ fn entries(plan: &Plan, shard: u32) -> usize {
 
 impl Engine for FitEngine {
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError> {
-        let parsed = recipe::parse(document, entry_limit)?;
+        let parsed = recipe_document::parse(document, entry_limit)?;
         let plan = Plan::new(&parsed);
         let shard_entries = (0..plan.shards()).map(|n| u32::try_from(entries(&plan, n)).unwrap_or(u32::MAX)).collect();
-        let text = recipe::canonical_json(&parsed);
+        let text = recipe_document::canonical_json(&parsed);
         Ok(NewJob { recipe_digest: Digest::of(text.as_bytes()), recipe: text, shard_entries })
     }
 
@@ -117,7 +117,7 @@ impl Engine for FitEngine {
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
         let table = container::decode(file).ok()?;
-        let text = recipe::canonical_json(&table.recipe);
+        let text = recipe_document::canonical_json(&table.recipe);
         let digest = Digest::of(text.as_bytes());
         Some((text, digest))
     }

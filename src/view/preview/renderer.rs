@@ -57,14 +57,14 @@ pub struct Preview {
     had_gpu: bool,
     /// Pictures in a row at which the GPU hung.
     hangs: u32,
-    progress: Progress,
+    drawn_by: DrawnBy,
 }
 
-/// How far a picture is, which may take several passes.
+/// What has rendered a picture so far, which may take several passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Progress {
+enum DrawnBy {
     /// Nothing is rendered yet.
-    Begun,
+    Nobody,
     /// The GPU has rendered all there is.
     OnGpu,
     /// The GPU failed before it had rendered anything; the CPU renders all.
@@ -83,7 +83,7 @@ impl Preview {
     /// A renderer whose shaders are compiled in another way. The CPU has no variants.
     #[must_use]
     pub fn with_variant(adapter: Adapter, variant: Variant) -> Self {
-        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, progress: Progress::Begun }
+        Self { adapter, gpu: Gpu::new(variant), has_no_gpu: false, had_gpu: false, hangs: 0, drawn_by: DrawnBy::Nobody }
     }
 
     /// Renders a scene.
@@ -100,9 +100,9 @@ impl Preview {
         if !faults.is_empty() {
             return Err(PreviewError::Scene(faults));
         }
-        self.progress = Progress::Begun;
+        self.drawn_by = DrawnBy::Nobody;
         let rendered = self.attempt(table, scene, stop)?;
-        if self.progress == Progress::Mixed {
+        if self.drawn_by == DrawnBy::Mixed {
             // A picture comes from one renderer: the CPU renders all of it.
             return self.attempt(table, scene, stop);
         }
@@ -112,7 +112,7 @@ impl Preview {
 
     /// A picture that the GPU rendered resets the count of pictures at which it hung.
     fn end(&mut self) {
-        if self.progress == Progress::OnGpu {
+        if self.drawn_by == DrawnBy::OnGpu {
             self.hangs = 0;
         }
     }
@@ -163,7 +163,7 @@ impl Preview {
         corner: [u32; 2],
         extent: [u32; 2],
     ) -> Result<Radiances, PreviewError> {
-        self.progress = Progress::Begun;
+        self.drawn_by = DrawnBy::Nobody;
         let frame = Frame::new(scene, estimator.is_lobe());
         let task = RenderTask { frame: &frame, estimator, corner, extent, as_bytes: false };
         let Some(words) = self.on_gpu(|gpu| gpu.render(table, &task, &|| false))? else {
@@ -191,7 +191,7 @@ impl Preview {
         let task = RenderTask::whole(frame, estimator, true);
         match self.on_gpu(|gpu| gpu.render(table, &task, stop))? {
             Some(words) => {
-                self.progress = Progress::OnGpu;
+                self.drawn_by = DrawnBy::OnGpu;
                 let rgb = words.into_iter().map(|word| [word as u8, (word >> 8) as u8, (word >> 16) as u8]).collect();
                 Ok(Picture { width: frame.size, height: frame.size, rgb })
             }
@@ -210,7 +210,7 @@ impl Preview {
         let task = RenderTask::whole(frame, estimator, false);
         match self.on_gpu(|gpu| gpu.render(table, &task, stop))? {
             Some(words) => {
-                self.progress = Progress::OnGpu;
+                self.drawn_by = DrawnBy::OnGpu;
                 Ok(radiances(frame, &words))
             }
             None => on_cpu(table, frame, estimator, stop),
@@ -220,7 +220,7 @@ impl Preview {
     /// The result of `work` on the GPU; `None` where the CPU has to do it.
     fn on_gpu<T>(&mut self, work: impl FnOnce(&mut Gpu) -> Result<T, GpuFailure>) -> Result<Option<T>, PreviewError> {
         if self.adapter == Adapter::Cpu
-            || matches!(self.progress, Progress::OnCpu | Progress::Mixed)
+            || matches!(self.drawn_by, DrawnBy::OnCpu | DrawnBy::Mixed)
             || (self.adapter == Adapter::Any && self.has_no_gpu)
         {
             return Ok(None);
@@ -235,7 +235,7 @@ impl Preview {
         };
         if self.adapter == Adapter::Any {
             tracing::warn!("the CPU renders: {failure}");
-            self.progress = if self.progress == Progress::OnGpu { Progress::Mixed } else { Progress::OnCpu };
+            self.drawn_by = if self.drawn_by == DrawnBy::OnGpu { DrawnBy::Mixed } else { DrawnBy::OnCpu };
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
             // A lost GPU may come back. A GPU that hangs is abandoned, and each one costs the time that it is waited for.
             self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
@@ -298,13 +298,13 @@ mod tests {
     /// Whether a GPU that answers so is asked at all.
     fn is_asked(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
         let mut asked = false;
-        preview.progress = Progress::Begun;
+        preview.drawn_by = DrawnBy::Nobody;
         let done = preview.on_gpu(|_| {
             asked = true;
             answer
         });
         if done == Ok(Some(())) {
-            preview.progress = Progress::OnGpu;
+            preview.drawn_by = DrawnBy::OnGpu;
         }
         preview.end();
         assert!(done.is_ok(), "the CPU stands in: {done:?}");

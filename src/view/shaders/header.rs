@@ -28,8 +28,8 @@ FUNCTIONS
 /// What a table consists of on the GPU, in every language.
 const TABLE: &str = "\
 BINDINGS OF A TABLE
-  uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; 1 (layout reflected) or 0 (kt2022), not read
-            here; 1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
+  uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; the layout's number, not read here
+            ({numbers}); 1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
   nodes     storage buffer of f32: alpha's nodes, then ratio's, theta's and phi's, ascending
   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
   matrix_b  likewise: m11 m12 m20 m21
@@ -89,7 +89,9 @@ fn bindings(language: Language) -> &'static str {
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 pub(super) fn header(language: Language, layout: Layout) -> String {
     let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name());
-    let text = format!("{about}\n{TABLE}  {}\n\n{EXAMPLE}\n{}", bindings(language), check(layout));
+    let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.rules().shader().number));
+    let table = TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", "));
+    let text = format!("{about}\n{table}  {}\n\n{EXAMPLE}\n{}", bindings(language), check(layout));
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }
 

@@ -1,7 +1,7 @@
 //! The recipes that are fitted.
 
 use crate::{
-    files::recipe::{Preset, canonical_json, parse},
+    files::recipe_document::{Preset, canonical_json, parse},
     fit::{FitSettings, Layout, PerAxis, Precision, Recipe},
 };
 
@@ -138,7 +138,7 @@ impl Collector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::recipe::DEFAULT_ENTRY_LIMIT;
+    use crate::files::recipe_document::DEFAULT_ENTRY_LIMIT;
 
     fn base(document: &str) -> Recipe {
         parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe")

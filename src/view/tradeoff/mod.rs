@@ -5,16 +5,16 @@
 
 mod axis;
 mod family;
+mod fitted_recipe;
 mod front;
 mod label;
 mod picture;
 mod prediction;
-mod row;
 mod table;
 
 pub use family::{Size, family};
+pub use fitted_recipe::{FittedRecipe, Measurement, POINTS, rows};
 pub use front::{Fronts, front};
 pub use picture::picture;
 pub use prediction::{OffBy, off_by};
-pub use row::{Measurement, POINTS, Row, rows};
 pub use table::{csv, json};

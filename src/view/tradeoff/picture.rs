@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{
-    Row,
+    FittedRecipe,
     axis::LogAxis,
     label::{Area, places},
 };
@@ -48,27 +48,27 @@ text { fill: #24292f; fill: var(--ink) }
 .end { text-anchor: end }
 ";
 
-/// What a panel shows along its horizontal axis.
-struct Panel {
+/// What a chart shows along its horizontal axis.
+struct Chart {
     left: f64,
     title: &'static str,
     unit: &'static str,
-    price: fn(&Row) -> f64,
-    is_on_front: fn(&Row) -> bool,
+    price: fn(&FittedRecipe) -> f64,
+    is_on_front: fn(&FittedRecipe) -> bool,
     write_tick: fn(f64) -> String,
 }
 
 /// The picture as SVG. A row on a front is drawn full, others faint; f16 hollow;
 /// presets ringed and named; outliers in a square at the edge, with their values.
 #[must_use]
-pub fn picture(rows: &[Row]) -> String {
+pub fn picture(rows: &[FittedRecipe]) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = write_picture(&mut out, rows);
     out
 }
 
-fn write_picture(out: &mut String, rows: &[Row]) -> std::fmt::Result {
+fn write_picture(out: &mut String, rows: &[FittedRecipe]) -> std::fmt::Result {
     writeln!(
         out,
         r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and against bytes">"#
@@ -77,7 +77,7 @@ fn write_picture(out: &mut String, rows: &[Row]) -> std::fmt::Result {
     writeln!(out, r#"<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>"#)?;
     write_legend(out)?;
     let panels = [
-        Panel {
+        Chart {
             left: LEFT[0],
             title: "Error against seconds",
             unit: "seconds of the fit, every thread on a core of its own",
@@ -85,7 +85,7 @@ fn write_picture(out: &mut String, rows: &[Row]) -> std::fmt::Result {
             is_on_front: |row| row.on_front.seconds,
             write_tick: |tick| format!("{}", rounded(tick)),
         },
-        Panel {
+        Chart {
             left: LEFT[1],
             title: "Error against bytes",
             unit: "bytes of the table's numbers",
@@ -94,8 +94,8 @@ fn write_picture(out: &mut String, rows: &[Row]) -> std::fmt::Result {
             write_tick: bytes,
         },
     ];
-    for panel in &panels {
-        write_panel(out, panel, rows)?;
+    for chart in &panels {
+        write_chart(out, chart, rows)?;
     }
     writeln!(out, "</svg>")
 }
@@ -119,37 +119,37 @@ fn write_legend(out: &mut String) -> std::fmt::Result {
     text(out, 1034.0, "preset")
 }
 
-fn write_panel(out: &mut String, panel: &Panel, rows: &[Row]) -> std::fmt::Result {
+fn write_chart(out: &mut String, chart: &Chart, rows: &[FittedRecipe]) -> std::fmt::Result {
     let bottom = TOP + PANEL_HEIGHT;
-    let x_axis = LogAxis::over(rows.iter().map(panel.price), [panel.left, panel.left + PANEL_WIDTH]);
+    let x_axis = LogAxis::over(rows.iter().map(chart.price), [chart.left, chart.left + PANEL_WIDTH]);
     let y_axis = LogAxis::over(rows.iter().map(|row| row.error_mean), [bottom, TOP]);
-    let middle = panel.left + 0.5 * PANEL_WIDTH;
-    writeln!(out, r#"<text class="title middle" x="{middle}" y="58">{}</text>"#, panel.title)?;
+    let middle = chart.left + 0.5 * PANEL_WIDTH;
+    writeln!(out, r#"<text class="title middle" x="{middle}" y="58">{}</text>"#, chart.title)?;
     for tick in x_axis.ticks() {
         let x = x_axis.at(tick);
         writeln!(out, r#"<path class="grid" d="M{x:.1} {TOP}V{bottom}"/>"#)?;
-        writeln!(out, r#"<text class="middle" x="{x:.1}" y="{}">{}</text>"#, bottom + 18.0, (panel.write_tick)(tick))?;
+        writeln!(out, r#"<text class="middle" x="{x:.1}" y="{}">{}</text>"#, bottom + 18.0, (chart.write_tick)(tick))?;
     }
     for tick in y_axis.ticks() {
         let y = y_axis.at(tick);
-        writeln!(out, r#"<path class="grid" d="M{} {y:.1}h{PANEL_WIDTH}"/>"#, panel.left)?;
-        writeln!(out, r#"<text class="end" x="{}" y="{:.1}">{}</text>"#, panel.left - 7.0, y + 4.5, rounded(tick))?;
+        writeln!(out, r#"<path class="grid" d="M{} {y:.1}h{PANEL_WIDTH}"/>"#, chart.left)?;
+        writeln!(out, r#"<text class="end" x="{}" y="{:.1}">{}</text>"#, chart.left - 7.0, y + 4.5, rounded(tick))?;
     }
     writeln!(
         out,
         r#"<rect class="frame" x="{}" y="{TOP}" width="{PANEL_WIDTH}" height="{PANEL_HEIGHT}"/>"#,
-        panel.left
+        chart.left
     )?;
-    writeln!(out, r#"<text class="middle" x="{middle}" y="{}">{}</text>"#, bottom + 42.0, panel.unit)?;
-    let (x, y) = (panel.left - 48.0, TOP + 0.5 * PANEL_HEIGHT);
+    writeln!(out, r#"<text class="middle" x="{middle}" y="{}">{}</text>"#, bottom + 42.0, chart.unit)?;
+    let (x, y) = (chart.left - 48.0, TOP + 0.5 * PANEL_HEIGHT);
     writeln!(
         out,
         r#"<text class="middle" transform="translate({x} {y}) rotate(-90)">mean error between nodes, of the lobe's width</text>"#
     )?;
 
-    let at = |row: &Row| [x_axis.at((panel.price)(row)), y_axis.at(row.error_mean)];
-    let mut fronts = vec![("front", staircase(rows.iter().filter(|row| (panel.is_on_front)(row)).map(at)))];
-    if panel.left == LEFT[0] {
+    let at = |row: &FittedRecipe| [x_axis.at((chart.price)(row)), y_axis.at(row.error_mean)];
+    let mut fronts = vec![("front", staircase(rows.iter().filter(|row| (chart.is_on_front)(row)).map(at)))];
+    if chart.left == LEFT[0] {
         fronts.push(("front base", staircase(rows.iter().filter(|row| row.on_front.base).map(at))));
     }
     for (class, corners) in &fronts {
@@ -157,14 +157,14 @@ fn write_panel(out: &mut String, panel: &Panel, rows: &[Row]) -> std::fmt::Resul
     }
     for row in rows {
         let precision = if row.precision == Precision::F16 { " f16" } else { "" };
-        let faint = if (panel.is_on_front)(row) || row.on_front.base { "" } else { " off" };
+        let faint = if (chart.is_on_front)(row) || row.on_front.base { "" } else { " off" };
         mark(out, at(row), row.layout, &format!("{precision}{faint}"))?;
     }
     let presets =
         rows.iter().filter_map(|row| Some(Named { name: row.preset?.to_owned(), at: at(row), is_preset: true }));
     let outliers = rows.iter().filter_map(|row| {
-        let price = (panel.price)(row);
-        let price = x_axis.is_beyond(price).then(|| (panel.write_tick)(two_digits(price)));
+        let price = (chart.price)(row);
+        let price = x_axis.is_beyond(price).then(|| (chart.write_tick)(two_digits(price)));
         let error = y_axis.is_beyond(row.error_mean).then(|| two_digits(row.error_mean).to_string());
         let values: Vec<String> = price.into_iter().chain(error).collect();
         let name = format!("off: {}", values.join(", "));
@@ -175,7 +175,7 @@ fn write_panel(out: &mut String, panel: &Panel, rows: &[Row]) -> std::fmt::Resul
     let lines =
         fronts.iter().flat_map(|(_, corners)| corners.windows(2)).map(|ends| Area::along(ends[0], ends[1], 1.0));
     let taken: Vec<Area> = marks.chain(lines).collect();
-    write_names(out, &Area { left: panel.left, top: TOP, width: PANEL_WIDTH, height: PANEL_HEIGHT }, &named, &taken)
+    write_names(out, &Area { left: chart.left, top: TOP, width: PANEL_WIDTH, height: PANEL_HEIGHT }, &named, &taken)
 }
 
 /// The corners of a staircase: between two points on a front nothing better is known than the dearer one's error from its
@@ -268,8 +268,8 @@ mod tests {
     use super::*;
     use crate::{files::digest::Digest, fit::PerAxis, view::tradeoff::Fronts};
 
-    fn row(seconds: f64, error_mean: f64, preset: Option<&'static str>) -> Row {
-        Row {
+    fn row(seconds: f64, error_mean: f64, preset: Option<&'static str>) -> FittedRecipe {
+        FittedRecipe {
             recipe_digest: Digest::of(b""),
             preset,
             layout: Layout::Reflected,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Row;
+use super::FittedRecipe;
 
 /// Measured over predicted: least, median and greatest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -15,8 +15,8 @@ pub struct OffBy {
 
 /// How far the predictions of `rows` were off. Domain: at least one row.
 #[must_use]
-pub fn off_by(rows: &[Row]) -> OffBy {
-    let spread = |ratio: fn(&Row) -> f64| {
+pub fn off_by(rows: &[FittedRecipe]) -> OffBy {
+    let spread = |ratio: fn(&FittedRecipe) -> f64| {
         let mut ratios: Vec<f64> = rows.iter().map(ratio).collect();
         ratios.sort_by(f64::total_cmp);
         [ratios[0], ratios[ratios.len() / 2], ratios[ratios.len() - 1]]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{POINTS, Row};
+use super::{FittedRecipe, POINTS};
 use crate::fit::PerAxis;
 
 const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,directions,steps,precision,entries,bytes,seconds,\
@@ -13,7 +13,7 @@ const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,
 
 /// A header and a line per row; no field needs quotes.
 #[must_use]
-pub fn csv(rows: &[Row]) -> String {
+pub fn csv(rows: &[FittedRecipe]) -> String {
     let mut out = format!("{HEADER}\n");
     for row in rows {
         // Writing to a String cannot fail.
@@ -22,12 +22,12 @@ pub fn csv(rows: &[Row]) -> String {
     out
 }
 
-fn write_line(out: &mut String, row: &Row) -> std::fmt::Result {
+fn write_line(out: &mut String, row: &FittedRecipe) -> std::fmt::Result {
     let PerAxis { alpha, ratio, theta, phi } = row.resolution;
     // The names of recipe documents.
     let name = |value: serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     let (layout, precision) = (name(json!(row.layout)), name(json!(row.precision)));
-    let Row { samples, directions, steps, entries, bytes, on_front, .. } = row;
+    let FittedRecipe { samples, directions, steps, entries, bytes, on_front, .. } = row;
     write!(out, "{},{},{layout},{alpha},{ratio},{theta},{phi},", row.recipe_digest, row.preset.unwrap_or_default())?;
     write!(out, "{samples},{directions},{steps},{precision},{entries},{bytes},")?;
     write!(out, "{:.4},{:.4},", row.seconds, row.wall_seconds)?;
@@ -38,7 +38,7 @@ fn write_line(out: &mut String, row: &Row) -> std::fmt::Result {
 
 /// One document: how it was measured, and the rows.
 #[must_use]
-pub fn json(rows: &[Row], threads: usize) -> String {
+pub fn json(rows: &[FittedRecipe], threads: usize) -> String {
     let document = json!({ "points": POINTS, "threads": threads, "rows": rows });
     format!("{document:#}\n")
 }

@@ -11,7 +11,7 @@ fn example(terms: bool) -> (Recipe, Table) {
         r#"{{"resolution": {{"alpha": 2, "ratio": 2, "theta": 3, "phi": 2}}, "terms": {terms},
             "range": {{"alpha": [0.1, 0.4], "ratio": [0.5, 1], "theta": [0, 1.2], "phi": [0, {FRAC_PI_2}]}}}}"#
     );
-    let recipe = recipe::parse(text.as_bytes(), 24).expect("a recipe");
+    let recipe = recipe_document::parse(text.as_bytes(), 24).expect("a recipe");
     let column = |scale: f32| (0..24_u8).map(|i| scale * f32::from(i)).collect::<Vec<f32>>();
     let table = Table {
         brdf: BrdfKind::Ggx,
@@ -75,7 +75,7 @@ fn the_header_is_canonical_json_and_the_recipe_is_all_the_metadata() {
     let (_, header) = SafeTensors::read_metadata(&file).expect("a header");
     let metadata = header.metadata().as_ref().expect("metadata");
     assert_eq!(metadata.keys().collect::<Vec<_>>(), [RECIPE_KEY]);
-    assert_eq!(metadata[RECIPE_KEY], recipe::canonical_json(&example(true).0));
+    assert_eq!(metadata[RECIPE_KEY], recipe_document::canonical_json(&example(true).0));
 }
 
 #[test]

@@ -17,7 +17,7 @@ const LONGEST_STEP: f64 = 1.0;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
+pub(super) struct StopRule {
     /// Most steps.
     pub(super) steps: u32,
     /// Stop after a step that lowered the value by less than this part of it.
@@ -80,7 +80,7 @@ impl InverseHessian {
 pub(super) fn minimise(
     start: Vector,
     free: [bool; VARIABLES],
-    limits: Limits,
+    stop: StopRule,
     mut function: impl FnMut(&Vector) -> Option<(f64, Vector)>,
 ) -> Option<Vector> {
     let mut masked = |point: &Vector| {
@@ -96,7 +96,7 @@ pub(super) fn minimise(
     let (mut value, mut gradient) = masked(&point)?;
     let mut hessian = InverseHessian::identity();
     let mut small_steps = 0;
-    for _ in 0..limits.steps {
+    for _ in 0..stop.steps {
         let mut direction = hessian.times(&gradient).map(|d| -d);
         let mut slope = dot(&direction, &gradient);
         if slope >= 0.0 {
@@ -136,7 +136,7 @@ pub(super) fn minimise(
         let decrease = value - next_value;
         (point, value, gradient) = (next_point, next_value, next_gradient);
         // One short step may be the line search's; two in a row are the end.
-        small_steps = if decrease <= limits.relative_decrease * value { small_steps + 1 } else { 0 };
+        small_steps = if decrease <= stop.relative_decrease * value { small_steps + 1 } else { 0 };
         if small_steps == 2 {
             break;
         }
@@ -164,8 +164,8 @@ mod tests {
 
     #[test]
     fn finds_the_bottom_of_a_bowl() {
-        let limits = Limits { steps: 100, relative_decrease: 0.0 };
-        let minimum = minimise([0.0; VARIABLES], ALL, limits, |x| Some(bowl(x))).expect("nothing stops it");
+        let stop = StopRule { steps: 100, relative_decrease: 0.0 };
+        let minimum = minimise([0.0; VARIABLES], ALL, stop, |x| Some(bowl(x))).expect("nothing stops it");
         for (i, x) in minimum.iter().enumerate() {
             assert!((x - (i + 1) as f64 / 10.0).abs() < 1e-5, "{minimum:?}");
         }
@@ -174,8 +174,8 @@ mod tests {
     #[test]
     fn gives_up_when_told_to() {
         let mut left = 3;
-        let limits = Limits { steps: 100, relative_decrease: 0.0 };
-        let stopped = minimise([0.0; VARIABLES], ALL, limits, |x| {
+        let stop = StopRule { steps: 100, relative_decrease: 0.0 };
+        let stopped = minimise([0.0; VARIABLES], ALL, stop, |x| {
             left -= 1;
             (left > 0).then(|| bowl(x))
         });
@@ -186,17 +186,17 @@ mod tests {
     fn leaves_bound_variables_alone() {
         let mut free = ALL;
         free[3] = false;
-        let limits = Limits { steps: 100, relative_decrease: 0.0 };
-        let minimum = minimise([0.0; VARIABLES], free, limits, |x| Some(bowl(x))).expect("nothing stops it");
+        let stop = StopRule { steps: 100, relative_decrease: 0.0 };
+        let minimum = minimise([0.0; VARIABLES], free, stop, |x| Some(bowl(x))).expect("nothing stops it");
         assert_eq!(minimum[3], 0.0);
         assert!((minimum[4] - 0.5).abs() < 1e-5);
     }
 
     #[test]
     fn survives_values_that_are_not_finite() {
-        let limits = Limits { steps: 50, relative_decrease: 0.0 };
+        let stop = StopRule { steps: 50, relative_decrease: 0.0 };
         let wall = |x: &Vector| if x[0] > 0.05 { (f64::NAN, [f64::NAN; VARIABLES]) } else { bowl(x) };
-        let minimum = minimise([0.0; VARIABLES], ALL, limits, |x| Some(wall(x))).expect("nothing stops it");
+        let minimum = minimise([0.0; VARIABLES], ALL, stop, |x| Some(wall(x))).expect("nothing stops it");
         assert!(bowl(&minimum).0 < bowl(&[0.0; VARIABLES]).0 && minimum[0] <= 0.05, "{minimum:?}");
     }
 }

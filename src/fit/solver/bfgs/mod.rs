@@ -20,8 +20,8 @@ mod minimise;
 
 pub(crate) use guess::Guess;
 
-use self::minimise::{Limits, VARIABLES, Vector, minimise};
-use super::problem::{Problem, SolverRules};
+use self::minimise::{StopRule, VARIABLES, Vector, minimise};
+use super::objective::{Objective, SolverRules};
 use crate::fit::{brdf::Mirrors, math::ln, metric::Loss, pulse::Pulse};
 
 /// BFGS stops when two steps in a row lower the loss by less than this part: after some 25 evaluations. A tenth of it
@@ -34,11 +34,11 @@ const EVALUATIONS: u32 = 25;
 pub(super) struct Rules;
 
 impl SolverRules for Rules {
-    fn solve(&self, problem: Problem<'_>, pulse: &mut Pulse) -> Option<DMat3> {
-        let limits = Limits { steps: problem.effort.steps, relative_decrease: RELATIVE_DECREASE };
-        let target = problem.target;
+    fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
+        let stop = StopRule { steps: objective.effort.steps, relative_decrease: RELATIVE_DECREASE };
+        let target = objective.target;
         let guess = Guess::of(&target.core);
-        refine(problem.loss, &guess, target.mirrors, limits, pulse).map(|matrix| target.frame * matrix)
+        refine(objective.loss, &guess, target.mirrors, stop, pulse).map(|matrix| target.frame * matrix)
     }
 
     fn evaluations(&self, steps: u32) -> u32 {
@@ -124,11 +124,11 @@ const EVALUATIONS_PER_PULSE: u32 = 32;
 
 /// The matrix near `guess` with the lowest loss; `None` when `pulse` stops the search. It maps cosine space to the
 /// lobe's frame.
-fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, limits: Limits, pulse: &mut Pulse) -> Option<DMat3> {
+fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, pulse: &mut Pulse) -> Option<DMat3> {
     let mut evaluations = 0;
     // In units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
     let inv_spread = 1.0 / loss.spread();
-    let lowest = minimise([0.0; VARIABLES], free_variables(mirrors), limits, |v| {
+    let lowest = minimise([0.0; VARIABLES], free_variables(mirrors), stop, |v| {
         evaluations += 1;
         if evaluations % EVALUATIONS_PER_PULSE == 0 && pulse().is_break() {
             return None;
@@ -159,14 +159,14 @@ mod tests {
         metric::{Metric, Samples, planted},
     };
 
-    const LIMITS: Limits = Limits { steps: 100, relative_decrease: 1e-6 };
+    const STOP: StopRule = StopRule { steps: 100, relative_decrease: 1e-6 };
 
     fn fitted(matrix: DMat3, mirrors: Mirrors) -> DMat3 {
         let target = planted(matrix, mirrors);
         let mut distance = Metric::Sw1.rules().distance(&Samples { count: 2048, directions: 24, shift: [0.0; 2] });
         let guess = Guess::of(&target.core);
         let mut go_on = || ControlFlow::Continue(());
-        let found = refine(&mut *distance.to(&target), &guess, mirrors, LIMITS, &mut go_on);
+        let found = refine(&mut *distance.to(&target), &guess, mirrors, STOP, &mut go_on);
         target.frame * found.expect("nothing stops it")
     }
 

@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    files::{digest::Digest, recipe},
+    files::{digest::Digest, recipe_document},
     fit::Recipe,
     server::service::{ServiceError, tables::Tables},
 };
@@ -76,7 +76,7 @@ impl Ranking {
         }
         let Some(text) = tables.stored_manifest(table)? else { return Ok(None) };
         let manifest: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
-        let recipe = recipe::parse_stored(manifest["recipe"].to_string().as_bytes()).ok();
+        let recipe = recipe_document::parse_stored(manifest["recipe"].to_string().as_bytes()).ok();
         let error = manifest["report"]["between"]["sw1"]["mean"].as_f64();
         let rank = recipe.zip(error).map(|(recipe, error)| Rank::of(&recipe, error));
         if let Some(rank) = rank {
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     fn rank(document: &str, error: f64) -> Rank {
-        Rank::of(&recipe::parse(document.as_bytes(), 100_000).expect("a recipe"), error)
+        Rank::of(&recipe_document::parse(document.as_bytes(), 100_000).expect("a recipe"), error)
     }
 
     #[test]

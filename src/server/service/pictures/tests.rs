@@ -8,7 +8,7 @@ use std::{
 
 use super::*;
 use crate::{
-    files::{container, digest::Digest, recipe},
+    files::{container, digest::Digest, recipe_document},
     fit::{Plan, assemble, fit_shard},
     server::service::{Config, Service, ServiceError},
     view::{
@@ -39,7 +39,7 @@ fn start_with_table(folder: &Path) -> (Arc<Service>, Digest) {
     let (service, _) = start(folder, Duration::from_secs(60));
     let recipe = r#"{"preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2},
         "fit": {"samples": 64, "directions": 4, "steps": 1}}"#;
-    let recipe = recipe::parse(recipe.as_bytes(), 100).expect("a recipe");
+    let recipe = recipe_document::parse(recipe.as_bytes(), 100).expect("a recipe");
     let plan = Plan::new(&recipe);
     let go_on = &mut |_: u64| ControlFlow::Continue(());
     let entries = fit_shard(&plan, 0, go_on).expect("not interrupted");

@@ -8,7 +8,7 @@ use std::{
 
 use super::super::engine::Engine;
 use crate::{
-    files::{container::TableFileError, digest::Digest, recipe::RecipeError},
+    files::{container::TableFileError, digest::Digest, recipe_document::RecipeError},
     fit::Expectation,
     server::queue::NewJob,
 };

@@ -23,14 +23,14 @@ pub(super) struct Device {
     /// The sampler interpolates entries, not the shader.
     pub(super) samples_weighed: bool,
     lookup_is_constant: bool,
-    fault: Fault,
+    fault: FirstFault,
 }
 
 /// The first error that no call returned. Without this, wgpu would panic.
 #[derive(Debug, Clone, Default)]
-struct Fault(Arc<Mutex<Option<String>>>);
+struct FirstFault(Arc<Mutex<Option<String>>>);
 
-impl Fault {
+impl FirstFault {
     fn record(&self, message: String) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
     }
@@ -65,7 +65,7 @@ impl Device {
         let descriptor = wgpu::DeviceDescriptor { required_features: filters, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuFailure::Absent(error.to_string()))?;
-        let fault = Fault::default();
+        let fault = FirstFault::default();
         let (uncaptured, lost) = (fault.clone(), fault.clone());
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| uncaptured.record(error.to_string())));
         device.set_device_lost_callback(move |reason, message| {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{GpuFailure, RenderTask, Variant, device::Device, table, target::Target};
+use super::{GpuFailure, RenderTask, Variant, device::Device, table, target::RenderTarget};
 use crate::view::preview::{ShaderTable, estimator::Stop};
 
 /// A GPU that its first picture opens, and the next picture opens again after it was lost.
@@ -20,7 +20,7 @@ struct Open {
     device: Device,
     /// The last table, and the last frame's buffers: most pictures have the same.
     table: Option<(Arc<ShaderTable>, wgpu::BindGroup)>,
-    target: Option<Target>,
+    target: Option<RenderTarget>,
 }
 
 impl Gpu {
@@ -74,7 +74,7 @@ impl Gpu {
         *kept_table = Some((Arc::clone(table), bound.clone()));
         let target = match kept_target.take() {
             Some(last) if last.fits(task.frame, task.as_bytes) => last,
-            _ => Target::new(device, task.frame, task.as_bytes),
+            _ => RenderTarget::new(device, task.frame, task.as_bytes),
         };
         kept_target.insert(target).render(device, &bound, task, stop)
     }

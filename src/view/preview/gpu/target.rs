@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Buffers for frames of one size.
 #[derive(Debug)]
-pub(super) struct Target {
+pub(super) struct RenderTarget {
     size: u32,
     /// 32-bit words a pixel: one to display, three of radiance.
     words: u32,
@@ -32,7 +32,7 @@ pub(super) struct Target {
     group: wgpu::BindGroup,
 }
 
-impl Target {
+impl RenderTarget {
     pub(super) fn new(gpu: &Device, frame: &Frame, as_bytes: bool) -> Self {
         let words = if as_bytes { 1 } else { 3 };
         let bytes = u64::from(frame.size) * u64::from(frame.size) * u64::from(words) * 4;

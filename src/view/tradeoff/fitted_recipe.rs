@@ -6,7 +6,7 @@ use super::{Fronts, front};
 use crate::{
     files::{
         digest::Digest,
-        recipe::{self, Preset},
+        recipe_document::{self, Preset},
     },
     fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expectation},
 };
@@ -29,7 +29,7 @@ pub struct Measurement {
 
 /// A line of the trade-off.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub struct FittedRecipe {
     /// The recipe's digest.
     pub recipe_digest: Digest,
     /// The preset whose effort it has, at the base recipe's layout, resolution and precision.
@@ -72,8 +72,9 @@ pub struct Row {
 
 /// The rows of a family that was fitted on `threads` threads, in its order.
 #[must_use]
-pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> Vec<Row> {
-    let mut rows: Vec<Row> = fitted.iter().map(|(recipe, measured)| row(base, recipe, measured, threads)).collect();
+pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> Vec<FittedRecipe> {
+    let mut rows: Vec<FittedRecipe> =
+        fitted.iter().map(|(recipe, measured)| row(base, recipe, measured, threads)).collect();
     let [mut seconds, mut bytes, mut at_base] = [const { Vec::new() }; 3];
     for row in &rows {
         seconds.push([row.seconds, row.error_mean]);
@@ -91,11 +92,11 @@ pub fn rows(base: &Recipe, fitted: &[(Recipe, Measurement)], threads: usize) -> 
 }
 
 /// Whether a row differs from the base recipe by effort alone.
-fn is_base(base: &Recipe, row: &Row) -> bool {
+fn is_base(base: &Recipe, row: &FittedRecipe) -> bool {
     (row.layout, row.resolution, row.precision) == (base.layout, base.resolution, base.precision)
 }
 
-fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -> Row {
+fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -> FittedRecipe {
     let Expectation { seconds, error } = expectation(recipe);
     let effort = |of: &crate::fit::FitSettings| (of.samples, of.directions, of.steps);
     let has_effort = |preset: &Preset| effort(&preset.fit()) == effort(&recipe.fit);
@@ -104,8 +105,8 @@ fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -
         Precision::F32 => 4,
         Precision::F16 => 2,
     };
-    let mut row = Row {
-        recipe_digest: recipe::digest(recipe),
+    let mut row = FittedRecipe {
+        recipe_digest: recipe_document::digest(recipe),
         preset: None,
         layout: recipe.layout,
         resolution: recipe.resolution,

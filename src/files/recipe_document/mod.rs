@@ -1,6 +1,5 @@
 //! Recipe documents: JSON in, a complete [`Recipe`] or every fault at once out; canonical form and digest.
 
-mod builder;
 mod document;
 mod fault;
 mod preset;
@@ -15,7 +14,6 @@ use crate::{
     fit::{FITTER_VERSION, Recipe},
 };
 
-pub use builder::RecipeBuilder;
 pub use document::DEFAULT_ENTRY_LIMIT;
 pub use fault::Fault;
 pub use preset::Preset;

@@ -22,7 +22,7 @@ pub(crate) struct Effort {
 }
 
 /// A lobe whose matrix is sought.
-pub(crate) struct Problem<'a> {
+pub(crate) struct Objective<'a> {
     /// The surface.
     pub(crate) brdf: &'a dyn Brdf,
     /// View direction.
@@ -40,7 +40,7 @@ pub(crate) struct Problem<'a> {
 /// What a solver decides.
 pub(crate) trait SolverRules: Sync {
     /// The matrix of the lobe in the tangent frame; `None` when `pulse` stops the search.
-    fn solve(&self, problem: Problem<'_>, pulse: &mut Pulse) -> Option<DMat3>;
+    fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3>;
 
     /// Evaluations of loss and gradient that an entry takes when at most `steps` steps are allowed.
     fn evaluations(&self, steps: u32) -> u32;

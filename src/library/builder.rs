@@ -1,13 +1,16 @@
-//! Recipes made in code.
+//! Recipes made in code, and read from documents.
 
 use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use super::{DEFAULT_ENTRY_LIMIT, Preset, RecipeError, canonical_json, digest, document, parse};
+use super::Error;
 use crate::{
-    files::digest::Digest,
-    fit::{BrdfKind, FITTER_VERSION, Layout, Metric, Precision, Recipe, Solver},
+    files::{
+        digest::Digest,
+        recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse},
+    },
+    fit::{BrdfKind, Layout, Metric, Precision, Recipe, Solver},
 };
 
 /// Makes a [`Recipe`] field by field; what is not set has the value that a document without it has.
@@ -31,9 +34,9 @@ impl Recipe {
     /// Reads a recipe document.
     ///
     /// # Errors
-    /// Every fault of the document at once.
-    pub fn from_json(json: &[u8]) -> Result<Self, RecipeError> {
-        parse(json, DEFAULT_ENTRY_LIMIT)
+    /// [`Error::Recipe`] with every fault of the document.
+    pub fn from_json(json: &[u8]) -> Result<Self, Error> {
+        Ok(parse(json, DEFAULT_ENTRY_LIMIT)?)
     }
 
     /// The canonical JSON (RFC 8785), all defaults filled in.
@@ -139,20 +142,20 @@ impl RecipeBuilder {
     /// The recipe.
     ///
     /// # Errors
-    /// Every field that is out of its bounds or does not fit the others.
-    pub fn build(self) -> Result<Recipe, RecipeError> {
+    /// [`Error::Recipe`] with every field that is out of its bounds or does not fit the others.
+    pub fn build(self) -> Result<Recipe, Error> {
         let mut fields = self.fields;
         for (object, nested) in self.nested {
             fields.insert(object.to_owned(), Value::Object(nested));
         }
-        document::read(&Value::Object(fields), self.entry_limit, FITTER_VERSION..=FITTER_VERSION)
-            .map_err(RecipeError::Faults)
+        Ok(parse(Value::Object(fields).to_string().as_bytes(), self.entry_limit)?)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::recipe_document::RecipeError;
 
     #[test]
     fn a_built_recipe_is_that_of_its_document() {
@@ -168,14 +171,14 @@ mod tests {
             .build();
         let document = br#"{"preset": "draft", "layout": "kt2022", "precision": "f16", "terms": false,
             "resolution": {"alpha": 5}, "range": {"theta": [0, 1]}, "fit": {"samples": 64, "seed": 3}}"#;
-        assert_eq!(built, Recipe::from_json(document));
-        assert_eq!(Recipe::builder().build(), Recipe::from_json(b"{}"));
+        assert_eq!(built.expect("a recipe"), Recipe::from_json(document).expect("the same"));
+        assert_eq!(Recipe::builder().build().expect("a recipe"), Recipe::from_json(b"{}").expect("the same"));
     }
 
     #[test]
     fn an_invalid_one_names_every_fault() {
         let refused = Recipe::builder().samples(1).range("alpha", 0.5, f64::NAN).resolution("beta", 3).build();
-        let Err(RecipeError::Faults(faults)) = refused else { panic!("{refused:?}") };
+        let Err(Error::Recipe(RecipeError::Faults(faults))) = refused else { panic!("{refused:?}") };
         let pointers: Vec<&str> = faults.iter().map(|fault| fault.pointer.as_str()).collect();
         assert_eq!(pointers, ["/fit/samples", "/range/alpha", "/resolution/beta"]);
     }
