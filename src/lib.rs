@@ -42,8 +42,8 @@
 //! # }
 //! ```
 //!
-//! [`fit()`] fits without a folder, and [`Fit`] with a number of threads, with progress, and until it is told to stop. In a
-//! build script [`cached`] with `OUT_DIR` fits once. All of them fail with [`Error`].
+//! [`fit()`] fits without a folder. [`Fit`] also sets the number of threads, reports progress and can be stopped. In a
+//! build script, [`cached`] with `OUT_DIR` as the folder fits once. All of them fail with [`Error`].
 //!
 //! # Features
 //!
@@ -58,9 +58,9 @@
 //!
 //! # Worlds
 //!
-//! [`mod@fit`] is the core: equal arguments give equal bytes on every machine. [`files`] are its documents and containers.
-//! [`view`] shows tables, and holds the shaders. `server`, `client` and `cli` are built on them. Vectors and matrices in
-//! signatures are those of [`glam`].
+//! [`mod@fit`] is the core: equal arguments give equal bytes on every machine. [`files`] has its documents and
+//! containers. [`view`] shows tables, and holds the shaders. `server`, `client` and `cli` are built on them. Vectors
+//! and matrices in signatures are those of [`glam`].
 
 #[cfg(feature = "cli")]
 pub mod cli;

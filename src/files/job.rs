@@ -66,7 +66,7 @@ impl<'de> Deserialize<'de> for JobId {
         String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
     }
 }
-/// A job's state without its data: what lists are filtered by.
+/// A job's state without its data, by which lists are filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StateName {

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points};
 
-/// Version of manifests. Raised whenever the same table gets another one.
+/// Version of manifests. Raised whenever the same table gets another manifest.
 pub const MANIFEST_VERSION: u32 = REPORT_VERSION;
 
 #[derive(Debug, Serialize)]

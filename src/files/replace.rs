@@ -6,8 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Writes `bytes` to `path` and creates its folder if it is missing. After a crash or on a full disk, and for
-/// concurrent readers, there is the old file or the new one, never a part.
+/// Writes `bytes` to `path` and creates its folder if it is missing. After a crash, on a full disk, and for concurrent
+/// readers, `path` has the old file or the new one, never a part.
 ///
 /// # Errors
 /// When the folder cannot be created or the file cannot be written; no temporary file is left then.

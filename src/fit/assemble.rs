@@ -23,7 +23,8 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     let recipe = plan.recipe();
     let round = |x: f64| match recipe.precision {
         Precision::F32 => x as f32,
-        // The crate's portable conversion: the processor's own rounds twice on its way from f64.
+        // The portable conversion of the crate `half`. The processor's own instruction rounds twice between f64 and
+        // f16.
         Precision::F16 => f16::from_f64_const(x).to_f32_const(),
     };
     let stored: Vec<Stored> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::math::direction;
 
-/// The least roughness along either axis. Below it a lobe is thinner than f32 directions are apart, and nothing could be
-/// interpolated. A lookup raises both roughnesses to it before it takes their ratio, so that mirrors stay isotropic.
+/// The least roughness along either axis. Below it a lobe is thinner than the distance between neighbouring f32
+/// directions, and cannot be interpolated. A lookup raises both roughnesses to it before it takes their ratio, so that
+/// mirrors stay isotropic.
 pub const LEAST_ALPHA: f64 = 1e-5;
 
 /// One value for each axis of a table, in the order in which entries are stored: `phi` varies fastest.
@@ -32,13 +33,13 @@ impl<T> PerAxis<T> {
 
 /// A place in the space that a table covers.
 impl PerAxis<f64> {
-    /// Its roughness along x, the larger one, and along y, at least [`LEAST_ALPHA`].
+    /// The roughness along x, which is the larger one, and along y, which is at least [`LEAST_ALPHA`].
     #[must_use]
     pub fn roughness(&self) -> [f64; 2] {
         [self.alpha, (self.alpha * self.ratio).max(LEAST_ALPHA)]
     }
 
-    /// Its view direction: unit length, exactly in a coordinate plane at `phi` of zero or pi/2.
+    /// The view direction: unit length, exactly in a coordinate plane at `phi` of zero or pi/2.
     #[must_use]
     pub fn view(&self) -> DVec3 {
         direction(self.theta, self.phi)

@@ -1,24 +1,25 @@
-//! What a fit costs, as the recipe tells it before anything is fitted.
+//! The time that a fit takes, estimated from its recipe.
 
 use super::recipe::{FitSettings, Recipe};
 
-/// An evaluation of loss and gradient, for each sample and direction. Like all below it was measured on one machine,
-/// in seconds of one thread; on others their proportions count.
+/// Seconds of one evaluation of loss and gradient, for each sample and direction. All constants here are seconds of one
+/// thread, measured on one machine. On other machines only their proportions count.
 const EVALUATION_SECONDS: f64 = 4.5e-9;
-/// And for each direction: its histograms.
+/// Seconds of one evaluation for each direction, whatever the number of samples: the histograms.
 const DIRECTION_SECONDS: f64 = 0.9e-6;
-/// What else an entry takes for each sample: sampling the lobe, twice, four samples each.
+/// Seconds of an entry for each sample, beside its evaluations: the lobe is sampled twice, each time with four samples
+/// for each sample of the LTC.
 const SAMPLING_SECONDS: f64 = 1.25e-6;
-/// And in any case.
+/// Seconds of an entry that do not depend on the settings.
 const ENTRY_SECONDS: f64 = 54e-6;
 
-/// What the fit of a whole recipe takes, seconds of one thread on the machine of the constants.
+/// The time that the fit of a whole recipe takes, in seconds of one thread on the machine of the constants.
 #[must_use]
 pub fn fit_seconds(recipe: &Recipe) -> f64 {
     lobes(recipe) * entry_seconds(&recipe.fit)
 }
 
-/// What one entry's fit takes.
+/// The time that one entry's fit takes, likewise.
 fn entry_seconds(fit: &FitSettings) -> f64 {
     let evaluations = fit.solver.rules().evaluations(fit.steps);
     let (samples, directions) = (f64::from(fit.samples), f64::from(fit.directions));
@@ -26,7 +27,8 @@ fn entry_seconds(fit: &FitSettings) -> f64 {
     f64::from(evaluations) * evaluation + SAMPLING_SECONDS * samples + ENTRY_SECONDS
 }
 
-/// Entries that are fitted: where the surface is isotropic or seen from above, those of all phi share one fit.
+/// The number of entries that are fitted. Where the surface is isotropic or seen from above, the entries of all phi
+/// share one fit.
 fn lobes(recipe: &Recipe) -> f64 {
     let nodes = recipe.nodes();
     let phi = nodes.phi.len();

@@ -11,9 +11,11 @@ use super::{
     solver::{Effort, Guess, Objective, Solver},
 };
 
-/// Samples of the lobe for each sample of the LTC: they are projected once, the LTC's in every evaluation.
+/// Samples of the lobe for each sample of the LTC. The lobe can have more, because its samples are projected once and
+/// those of the LTC in every evaluation.
 const TARGET_SAMPLES_PER_SAMPLE: usize = 4;
-/// The held-out sequences are those of the fit shifted by these parts of a turn, far from any small fraction.
+/// The held-out sequences are those of the fit, shifted by these parts of a turn. Both parts are far from any fraction
+/// with a small denominator.
 const HELD_OUT_SHIFT: [f64; 2] = [0.414_213_562_373_095, 0.732_050_807_568_877];
 
 /// One fitted configuration, before alignment and storage.
@@ -23,7 +25,7 @@ pub struct FittedEntry {
     pub matrix: [f64; 9],
     /// Directional albedo for a Fresnel factor of one.
     pub amplitude: f64,
-    /// Its part weighted by Schlick's fifth power.
+    /// The same albedo, weighted by Schlick's fifth power.
     pub fresnel: f64,
     /// Sliced Wasserstein error on samples and directions that the fit did not see.
     pub error: f64,
@@ -50,7 +52,7 @@ impl Sampling {
     }
 }
 
-/// Fits configurations one after the other; what they share is prepared once.
+/// Fits configurations one after the other. The samples and directions that they share are prepared once.
 #[derive(Debug)]
 pub struct Fitter {
     settings: FitSettings,
@@ -62,7 +64,7 @@ impl Fitter {
     /// A fitter for these settings.
     #[must_use]
     pub fn new(settings: &FitSettings) -> Self {
-        // The seed turns both sequences. Multiples of an irrational number never meet.
+        // The seed shifts both sequences by multiples of irrational numbers, which never coincide.
         let turn = |base: f64, step: f64| {
             let turned = base + settings.seed as f64 * step;
             turned - turned.floor()
@@ -72,8 +74,8 @@ impl Fitter {
         Self { settings: *settings, seen: Sampling::new(settings, seen), held_out: Sampling::new(settings, held_out) }
     }
 
-    /// Fits the lobe of `brdf` for `wo` and measures the fit. `stream` chooses the random numbers of solver `sgd`. `None`
-    /// when `pulse` stops it.
+    /// Fits the lobe of `brdf` for `wo` and measures the fit. `stream` chooses the random numbers of solver `sgd`.
+    /// `None` when `pulse` stops it.
     ///
     /// Domain: roughness at least 1e-8, `wo` of unit length above the horizon.
     pub fn fit(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<FittedEntry> {
@@ -105,7 +107,7 @@ impl Fitter {
         self.solve(Solver::Sgd, brdf, wo, &target, stream, pulse)
     }
 
-    /// Hands `measure` one evaluation of loss and gradient, at the lobe's first guess, to be repeated as it likes.
+    /// Calls `measure` with a function that evaluates loss and gradient once, at the lobe's first guess.
     pub fn with_evaluation(&mut self, brdf: &dyn Brdf, wo: DVec3, measure: impl FnOnce(&mut dyn FnMut() -> f64)) {
         let target = self.seen.target(brdf, wo);
         let mut loss = self.seen.distance.to(&target);
@@ -143,7 +145,7 @@ mod tests {
         FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0 }
     }
 
-    /// A value of the set where fits are hardest, moved by a few ulps.
+    /// One of the values where fits are hardest, moved by a few ulps, or any value from `low` to `high`.
     fn hard(values: &'static [f64], low: f64, high: f64) -> impl Strategy<Value = f64> {
         let near = (prop::sample::select(values), -3_i64..=3)
             .prop_map(move |(x, ulps)| f64::from_bits(x.to_bits().saturating_add_signed(ulps)).clamp(low, high));
@@ -190,7 +192,7 @@ mod tests {
         assert!(fine < coarse, "{fine} {coarse}");
     }
 
-    /// Algorithm 3 goes the same way, only slower: after a few hundred steps a broad lobe is near its best fit.
+    /// Algorithm 3 approaches the same fit, only slower: after a few hundred steps a broad lobe is near its best fit.
     #[test]
     fn the_paper_s_descent_comes_near_the_same_error() {
         let ggx = Ggx { alpha_x: 0.8, alpha_y: 0.5 };
@@ -208,7 +210,7 @@ mod tests {
         assert_ne!(descended(0), descended(1));
     }
 
-    /// A fit of hours must hear within moments that it is to stop.
+    /// A fit that takes hours must stop within moments when it is told to.
     #[test]
     fn a_long_fit_stops_in_the_middle_of_an_entry() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };

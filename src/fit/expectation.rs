@@ -1,10 +1,10 @@
-//! What can be told of a table before it is fitted.
+//! Predicts the time of a fit and the error of its table from the recipe.
 
 use serde::Serialize;
 
 use super::{cost::fit_seconds, layout::Interpolation, math::pow, recipe::Recipe};
 
-/// What a recipe's fit is expected to take and to give.
+/// The predicted time of a recipe's fit and the predicted error of its table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Expectation {
     /// Seconds of one thread, on the machine of [`fit_seconds`].
@@ -13,16 +13,18 @@ pub struct Expectation {
     pub error: f64,
 }
 
-/// What `samples` add: `2.56 samples^-1.3`, from 64 to 2048 samples of that run.
+/// Error that a finite number of samples adds: `2.56 samples^-1.3`, read off docs/tradeoff.md's full run from 64 to
+/// 2048 samples.
 const SAMPLES: [f64; 2] = [2.56, -1.3];
-/// What `directions` add: `0.04 directions^-2`, from 4 to 32.
+/// Error that a finite number of directions adds: `0.04 directions^-2`, read off the same run from 4 to 32 directions.
 const DIRECTIONS: [f64; 2] = [0.04, -2.0];
 
 /// The expectation of a recipe.
 ///
 /// `error = limit + sum over axes of c h^2 + 2.56 samples^-1.3 + 0.04 directions^-2`, with `h` the step between nodes
-/// as the layout spaces them, 1 for the whole domain. Ten steps of `bfgs` are as good as sixty within 1 %, and f16 as
-/// f32. Calibrated over the whole domain with `bfgs`; in a part of it the limit is another.
+/// as the layout spaces them, 1 for the whole domain. Steps and precision do not enter: ten steps of `bfgs` are as good
+/// as sixty within 1 %, and f16 is as good as f32. The formula is calibrated over the whole domain with `bfgs`. In a
+/// part of the domain the limit differs.
 #[must_use]
 pub fn expectation(recipe: &Recipe) -> Expectation {
     let Interpolation { limit, step: c } = recipe.layout.rules().interpolation();
@@ -57,7 +59,7 @@ mod tests {
         }
     }
 
-    /// Tables that the calibration has not seen.
+    /// Tables that the formula was not calibrated with.
     #[test]
     fn small_tables_are_as_good_as_expected() {
         for &layout in Layout::ALL {

@@ -1,8 +1,8 @@
 //! Recipe to table: the fitting core.
 //!
-//! A configuration's path: a [`Layout`] says where it lies, `metric` samples its lobe, `solver` finds the matrix whose
-//! LTC is nearest to it, the layout says what is stored of that, and [`Table`] looks it up. `measure` judges the table
-//! and shares nothing with the metric.
+//! How a configuration becomes an entry: a [`Layout`] places it, `metric` samples its lobe, `solver` finds the matrix
+//! whose LTC is nearest to the lobe, and the layout decides which numbers are stored. [`Table`] looks them up.
+//! `measure` judges the table and shares nothing with the metric.
 //!
 //! Invariant: `fit` knows no clock, file, environment, JSON value or thread count; equal recipes give equal bytes.
 

@@ -1,9 +1,9 @@
-//! Lists of what a recipe names: one line an item, from which its name in documents and the code behind it follow.
+//! Lists of the items that a recipe can name. One line declares an item, its name in documents and the code behind it.
 
-/// Declares an enum whose variants have names in documents, and optionally the rules that stand behind each.
+/// Declares an enum whose variants have names in documents, and optionally the rules behind each name.
 ///
-/// A line reads `Variant = "name" => RULES,` where `RULES` implements the list's trait; a list without a trait has lines
-/// `Variant = "name",`. The first variant is the default.
+/// A line reads `Variant = "name" => RULES,` where `RULES` implements the list's trait; a list without a trait has
+/// lines `Variant = "name",`. The first variant is the default.
 macro_rules! named_list {
     (
         $(#[$attribute:meta])*
@@ -19,7 +19,7 @@ macro_rules! named_list {
         }
 
         impl $list {
-            /// What stands behind the name.
+            /// The rules behind the name.
             pub(crate) fn rules(self) -> &'static dyn $rules {
                 match self {
                     $(Self::$variant => &$value,)+

@@ -1,6 +1,6 @@
-//! How a long fit tells that it is alive, and is stopped.
+//! The callback that shows that a long fit is alive and can stop it.
 
 use std::ops::ControlFlow;
 
-/// Called now and then in a long fit, so that its caller knows that it is alive, and can stop it.
+/// A callback that a long fit calls at intervals, so that the caller knows that the fit is alive and can stop it.
 pub type Pulse<'a> = dyn FnMut() -> ControlFlow<()> + 'a;

@@ -1,4 +1,4 @@
-//! What to fit: a complete, checked description from which every byte of a table follows.
+//! Recipes: complete, checked descriptions of a fit, from which every byte of a table follows.
 //!
 //! Invariant: no defaults and no JSON here; [`crate::files::recipe_document`] reads documents and fills presets in.
 
@@ -18,9 +18,9 @@ pub const FITTER_VERSION: u32 = 2;
 /// How hard each entry is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FitSettings {
-    /// What is minimised.
+    /// The distance that is minimised.
     pub(crate) metric: Metric,
-    /// How.
+    /// The method that minimises it.
     pub(crate) solver: Solver,
     /// Samples of the LTC in each evaluation.
     pub(crate) samples: u32,
@@ -54,13 +54,13 @@ pub struct Recipe {
 }
 
 impl FitSettings {
-    /// What is minimised.
+    /// The distance that is minimised.
     #[must_use]
     pub fn metric(&self) -> Metric {
         self.metric
     }
 
-    /// How.
+    /// The method that minimises it.
     #[must_use]
     pub fn solver(&self) -> Solver {
         self.solver
@@ -91,7 +91,7 @@ impl FitSettings {
     }
 }
 
-/// What a recipe says. None of it can be changed: another recipe is built anew.
+/// The fields of a recipe. They cannot be changed; a different recipe is built anew.
 impl Recipe {
     /// Scattering model.
     #[must_use]
@@ -150,8 +150,8 @@ impl Recipe {
     /// Entries of the table: the product of the resolutions.
     #[must_use]
     pub fn entries(&self) -> u64 {
-        // Four u32 do not overflow u128, and a recipe past the entry limit never gets here; saturating keeps
-        // the bare function total.
+        // The product of four u32 fits u128. No recipe past the entry limit gets here; the conversion to u64 saturates
+        // so that this function cannot fail for any caller.
         let product: u128 = self.resolution.named().iter().map(|(_, n)| u128::from(**n)).product();
         u64::try_from(product).unwrap_or(u64::MAX)
     }

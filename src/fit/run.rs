@@ -1,4 +1,4 @@
-//! All entries of a plan on the cores of the current pool.
+//! Fits all entries of a plan on the threads of the current pool.
 
 use std::{
     ops::ControlFlow,
@@ -13,12 +13,12 @@ use super::{
     table::Table,
 };
 
-/// Told how many entries of a table are fitted; may stop the fit. Several threads call it.
+/// A callback that gets the number of fitted entries and may stop the fit. Several threads call it.
 pub type Progress<'a> = dyn Fn(u64) -> ControlFlow<()> + Sync + 'a;
 
 /// Fits a whole plan on the current rayon pool, whose size changes nothing; `None` when `progress` stops it.
 ///
-/// `progress` hears the count of finished entries after each of them, and now and then within a long one.
+/// `progress` gets the count of finished entries after each entry, and at intervals within a long one.
 #[must_use]
 pub fn fit_plan(plan: &Plan, progress: &Progress) -> Option<Table> {
     let finished = AtomicU64::new(0);
@@ -31,7 +31,8 @@ pub fn fit_plan(plan: &Plan, progress: &Progress) -> Option<Table> {
         })
     };
     let rows: Vec<u64> = (0..plan.rows()).collect();
-    // One row at a time, so that all threads end together; collected in the rows' order, whichever ends first.
+    // Threads take one row at a time, so that they all end together. The results are in the order of the rows,
+    // whichever row ends first.
     let fitted: Option<Vec<_>> = rows.into_par_iter().with_max_len(1).map(fit_row).collect();
     Some(assemble(plan, &fitted?.concat()))
 }

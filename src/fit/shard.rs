@@ -1,4 +1,4 @@
-//! The unit of leasing and of resuming: a fixed run of entries.
+//! Shards: fixed runs of entries, the unit in which a fit is leased and resumed.
 
 use std::ops::{ControlFlow, Range};
 
@@ -9,14 +9,14 @@ use super::{
     recipe::Recipe,
 };
 
-/// Entries that a shard has at least, unless it is the last: some hundredths of a second of work, so that little is
-/// lost with a worker and little is spent on leasing.
+/// Entries that a shard has at least, unless it is the last. They take some hundredths of a second, so that little work
+/// is lost with a worker and little time is spent on leasing.
 const SHARD_ENTRIES: u64 = 64;
 
 /// A recipe's nodes and how they are cut into shards; the recipe alone decides both.
 ///
-/// Entries that share alpha, ratio and theta, a row, also share work where symmetry makes them equal, so a shard is
-/// a whole number of rows.
+/// The entries that share alpha, ratio and theta are a row. They also share work where symmetry makes them equal, so a
+/// shard is a whole number of rows.
 #[derive(Debug, Clone)]
 pub struct Plan {
     recipe: Recipe,
@@ -85,8 +85,8 @@ impl Plan {
 
 /// Fits the entries of `shard` in storage order.
 ///
-/// `pulse` is told how many of the shard's entries are done, after every entry and now and then within a long one. It
-/// may stop the fit: then the result is `None` and nothing of the shard is kept.
+/// `pulse` gets the count of the shard's finished entries after every entry, and at intervals within a long one. It may
+/// stop the fit; then the result is `None` and nothing of the shard is kept.
 pub fn fit_shard(plan: &Plan, shard: u32, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<FittedEntry>> {
     let range = plan.shard_entries(shard);
     fit_rows(plan, range.start / plan.row_length()..range.end / plan.row_length(), pulse)
@@ -107,8 +107,8 @@ pub fn fit_rows(
     Some(entries)
 }
 
-/// Fits the entries of one row, each lobe once: seen from above, phi changes nothing; an isotropic surface turns
-/// its lobe with phi.
+/// Fits the entries of one row, each lobe once. Seen from above, the lobe is the same for every phi. On an isotropic
+/// surface it turns with phi.
 fn fit_row(
     plan: &Plan,
     row: u64,
@@ -140,8 +140,7 @@ fn fit_row(
     Some(())
 }
 
-/// The entry of a lobe that is round, without what its samples are not: x and y are alike, also where a lookup swaps
-/// them.
+/// The entry of a round lobe, without the asymmetry of its samples: x and y are equal, so that a lookup may swap them.
 fn round(entry: &FittedEntry) -> FittedEntry {
     let [xx, _, _, _, yy, _, _, _, zz] = entry.matrix;
     let radius = 0.5 * (xx + yy);
@@ -162,7 +161,7 @@ const NUMBERS: usize = 12;
 pub struct ShardBytesError {
     /// Bytes that the shard's entries take.
     pub expected: usize,
-    /// Bytes that there are.
+    /// Bytes that were found.
     pub actual: usize,
 }
 

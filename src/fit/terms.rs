@@ -1,4 +1,4 @@
-//! Terms of a table that came without them.
+//! Amplitude and Fresnel term for a table that came without them.
 
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use super::{
     table::Terms,
 };
 
-/// Samples of a lobe: its terms are within 1e-3 of their limit.
+/// Samples of a lobe. With this many its terms are within 1e-3 of their limit.
 const SAMPLES: usize = 4096;
 
 /// GGX's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on the current rayon
@@ -70,7 +70,7 @@ mod tests {
             let (found, fitted) = (ggx_terms(layout, &table.axes), table.terms.expect("the recipe asks for them"));
             assert_eq!(found.amplitude.len(), 72);
             let pairs = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-            // 2048 samples in the fit; the least amplitude, at the horizon, is 0.5.
+            // The fit takes 2048 samples of the lobe. The least amplitude, at the horizon, is 0.5.
             assert!(pairs(&found.amplitude, &fitted.amplitude) < 4e-3, "{found:?} {fitted:?}");
             assert!(pairs(&found.fresnel, &fitted.fresnel) < 4e-3, "{found:?} {fitted:?}");
         }

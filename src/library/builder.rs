@@ -13,10 +13,9 @@ use crate::{
     fit::{BrdfKind, Layout, Metric, Precision, Recipe, Solver},
 };
 
-/// Makes a [`Recipe`] field by field; what is not set has the value that a document without it has.
+/// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
 ///
-/// The fields are those of a recipe document, and so are their bounds: a builder can make nothing that a document could
-/// not say.
+/// Fields and bounds are those of a recipe document: a builder makes no recipe that a document could not describe.
 #[derive(Debug, Clone)]
 #[must_use]
 pub struct RecipeBuilder {
@@ -108,7 +107,7 @@ impl RecipeBuilder {
         self.set_in("fit", "metric", metric.name())
     }
 
-    /// How it is minimised.
+    /// The method that minimises the distance.
     pub fn solver(self, solver: Solver) -> Self {
         self.set_in("fit", "solver", solver.name())
     }

@@ -36,13 +36,14 @@ impl<'a> Fit<'a> {
         Self { recipe, threads: None, progress: None }
     }
 
-    /// Threads that fit; as many as there are cores unless set.
+    /// The number of threads; as many as there are cores unless set.
     pub fn threads(mut self, threads: NonZeroUsize) -> Self {
         self.threads = Some(threads);
         self
     }
 
-    /// Called with the count of finished entries, of [`Recipe::entries`], from several threads; may stop the fit.
+    /// A callback that gets the count of finished entries, out of [`Recipe::entries`], and may stop the fit. Several
+    /// threads call it.
     pub fn progress(mut self, progress: impl Fn(u64) -> ControlFlow<()> + Sync + 'a) -> Self {
         self.progress = Some(Box::new(progress));
         self

@@ -1,4 +1,4 @@
-//! What a Rust program calls: fits on all cores, tables kept in a folder, and one error for all of it.
+//! The functions that a Rust program calls: fits on all cores, and tables kept in a folder. They share one error type.
 //!
 //! Invariant: nothing here decides anything about a table; it only calls the layers below.
 

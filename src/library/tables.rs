@@ -41,7 +41,7 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
 }
 
 /// Writes a table and its manifest into `folder`, both named by the table's digest, and measures the table for the
-/// manifest. Gives the digest and the table's path; the manifest's ends in `.manifest.json`.
+/// manifest. Gives the digest and the table's path. The manifest's path ends in `.manifest.json`.
 ///
 /// # Errors
 /// [`Error::File`] where nothing can be written; then no half-written file is left.

@@ -1,10 +1,10 @@
-//! Tables of others: `NumPy`'s `.npy`, as KT et al. published theirs.
+//! Tables in `NumPy`'s `.npy` format, in which KT et al. published theirs.
 //!
 //! f32, little-endian, C order, shape `[alpha, ratio, theta, phi, 3, 3]`: `M` row-major at the nodes of layout
 //! `kt2022` over the whole domain. The file names neither nodes nor terms nor errors.
 //!
-//! A reader of its own: those on crates.io bring a parser for all Python literals, a C compiler included, for the one
-//! line of this header.
+//! The reader is written here, because those on crates.io bring a parser for all Python literals, a C compiler
+//! included, to read the one line of the header.
 
 use crate::{
     files::recipe_document,
@@ -14,10 +14,10 @@ use crate::{
 /// The bytes that every `.npy` file begins with.
 pub const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 
-/// A table that was read, and what its axes cover.
+/// A table that was read, and the ranges of its axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NpyTable {
-    /// The table, without terms; its `node_error` is NaN throughout, for the file does not tell.
+    /// The table, without terms; its `node_error` is NaN throughout, because the file does not contain it.
     pub table: Table,
     /// Lowest and highest value on each axis.
     pub range: PerAxis<[f64; 2]>,
@@ -37,9 +37,9 @@ pub enum NpyError {
     Kind {
         /// The header's field.
         field: &'static str,
-        /// What it says.
+        /// The field's value.
         found: String,
-        /// What it should say.
+        /// The value that it should have.
         wanted: &'static str,
     },
     /// More or fewer bytes than the shape takes.
@@ -50,22 +50,22 @@ pub enum NpyError {
         /// Bytes that follow the header.
         actual: usize,
     },
-    /// A number that is infinite or none.
+    /// A number that is infinite or NaN.
     #[error("element {index} is {value}, not a finite number")]
     NotFinite {
         /// Its index in storage order.
         index: usize,
-        /// What it is.
+        /// The number as text.
         value: String,
     },
 }
 
-/// Reads a table. Hostile bytes give an error, never a panic, and no more memory is taken than they have.
+/// Reads a table. Hostile bytes give an error, never a panic, and take memory only in proportion to their length.
 ///
 /// Matrices with negative determinant are let through: the published table has 48.
 ///
 /// # Errors
-/// Names what is wrong.
+/// The error names the fault.
 pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
     let (header, data) = split(bytes)?;
     let Header { descr, fortran_order, shape } = Header::parse(header)?;
@@ -100,7 +100,8 @@ pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
     Ok(NpyTable { table, range: recipe.range })
 }
 
-/// A recipe with so many nodes of layout `kt2022` over the whole domain; of how it was fitted nothing is known.
+/// A recipe with these numbers of nodes in layout `kt2022` over the whole domain. The file does not say how it was
+/// fitted.
 fn whole_domain(nodes: &PerAxis<u64>) -> Option<Recipe> {
     let PerAxis { alpha, ratio, theta, phi } = nodes;
     let resolution = format!(r#"{{"alpha": {alpha}, "ratio": {ratio}, "theta": {theta}, "phi": {phi}}}"#);
@@ -123,7 +124,7 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), NpyError> {
     Ok((header, data))
 }
 
-/// What a header says.
+/// The fields of a header.
 struct Header {
     descr: String,
     fortran_order: bool,
@@ -165,7 +166,7 @@ impl Header {
     }
 }
 
-/// The few Python literals that a header has.
+/// A reader of the few Python literals that a header has.
 struct Reader<'a> {
     rest: &'a str,
 }
@@ -187,7 +188,7 @@ impl<'a> Reader<'a> {
         NpyError::Header(format!("{wanted} was expected, found «{found}»"))
     }
 
-    /// A string in either kind of quotes; an escape stands for itself.
+    /// A string in either kind of quotes. Escapes are not interpreted.
     fn string(&mut self) -> Result<&'a str, NpyError> {
         for quote in ["'", "\""] {
             if self.take(quote) {

@@ -24,20 +24,20 @@ const RECIPE_KEY: &str = "ltcforge";
 /// A canonical file that was read back.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableFile {
-    /// What was fitted.
+    /// The recipe that was fitted.
     pub(crate) recipe: Recipe,
-    /// What came out.
+    /// The fitted table.
     pub(crate) table: Table,
 }
 
 impl TableFile {
-    /// What was fitted.
+    /// The recipe that was fitted.
     #[must_use]
     pub fn recipe(&self) -> &Recipe {
         &self.recipe
     }
 
-    /// What came out.
+    /// The fitted table.
     #[must_use]
     pub fn table(&self) -> &Table {
         &self.table
@@ -91,7 +91,7 @@ impl View for Tensor {
     }
 }
 
-/// Numbers in a precision that holds them exactly.
+/// A tensor of numbers in a precision that holds them exactly.
 fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<Item = &'a f32>) -> Tensor {
     let values = values.into_iter();
     let (dtype, bytes) = match precision {
@@ -135,7 +135,7 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
 /// Reads a canonical file. Hostile bytes give an error, never a panic.
 ///
 /// # Errors
-/// Names what is wrong: container, recipe, a tensor's type, shape or numbers, or the form.
+/// The error names the fault: container, recipe, a tensor's type, shape or numbers, or the form.
 pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
     let container = |error: safetensors::SafeTensorError| TableFileError::Container(error.to_string());
     let (_, header) = SafeTensors::read_metadata(bytes).map_err(container)?;
@@ -178,7 +178,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         }
     };
     let terms = if recipe.terms {
-        // What layout reflected has in place of a Fresnel term may be negative.
+        // The number that layout `reflected` stores for the Fresnel term may be negative.
         let (amplitude, fresnel) = (not_negative("amplitude")?, finite("fresnel", &shape)?);
         Some(Terms { amplitude, fresnel })
     } else {

@@ -1,4 +1,4 @@
-//! The fields of a recipe document: their defaults, bounds, and what must agree between them.
+//! The fields of a recipe document: their defaults, their bounds, and the rules that connect them.
 
 use std::{f64::consts::FRAC_PI_2, ops::RangeInclusive};
 
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, PerAxis, Precision, Recipe, Solver};
 
-/// Entries a table may have unless the caller raises it.
+/// Entries that a table may have unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
 const FIELDS: [&str; 9] = ["preset", "fitter", "brdf", "layout", "resolution", "range", "fit", "terms", "precision"];
@@ -20,7 +20,7 @@ const FIT_FIELDS: [&str; 6] = ["metric", "solver", "samples", "directions", "ste
 
 /// Most nodes on an axis: more than any texture has texels along a side.
 const MOST_NODES: u32 = 16_384;
-/// Bounds of the number of samples: fewer do not tell a lobe's width, and past the upper bound their f32 counts
+/// Bounds of the number of samples: fewer do not determine a lobe's width, and past the upper bound their f32 counts
 /// are no longer exact.
 const SAMPLES: [u32; 2] = [32, 65_536];
 /// Bounds of the number of directions: seven free numbers need a few.
@@ -30,7 +30,7 @@ const STEPS: [u32; 2] = [1, 100_000];
 /// Greatest seed: whole numbers up to here are exact in every JSON reader.
 const MOST_SEED: u64 = (1 << 53) - 1;
 
-/// What a preset leaves to the defaults.
+/// The default range of each axis, for every preset.
 const DOMAIN: PerAxis<[f64; 2]> =
     PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
 
@@ -59,7 +59,7 @@ fn named<T: Copy>(items: &[T], name: fn(T) -> &'static str) -> Vec<(&'static str
     items.iter().map(|item| (name(*item), *item)).collect()
 }
 
-/// A recipe may name the fitter it was made for; that of an older one tells what is in its table.
+/// A recipe may name the fitter that it was made for. The recipe of a stored table may name an older fitter.
 fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults) -> u32 {
     let Some(value) = root.get("fitter") else { return FITTER_VERSION };
     let version = value.as_u64().and_then(|version| u32::try_from(version).ok());
@@ -126,7 +126,7 @@ fn check_entries(recipe: &Recipe, entry_limit: u64, faults: &mut Faults) {
     }
 }
 
-/// Floors move nodes together at the end of a range; no two may meet.
+/// Floors move nodes at the end of a range closer together. No two nodes may coincide.
 fn check_nodes(recipe: &Recipe, faults: &mut Faults) {
     let axes = recipe.nodes();
     let ranges = recipe.range.named();

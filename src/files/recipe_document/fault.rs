@@ -1,4 +1,4 @@
-//! What is wrong with a document.
+//! The faults of documents.
 
 /// One fault of a recipe document.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -1,4 +1,5 @@
-//! Recipe documents: JSON in, a complete [`Recipe`] or every fault at once out; canonical form and digest.
+//! Recipe documents: JSON is read into a complete [`Recipe`] or a list of all faults. Also a recipe's canonical form
+//! and digest.
 
 mod document;
 mod fault;
@@ -24,7 +25,7 @@ pub enum RecipeError {
     /// Not JSON, or JSON that names a field twice.
     #[error("not JSON: {0}")]
     Json(String),
-    /// JSON, but not a recipe: every fault, in the order of the fields' reading.
+    /// JSON, but not a recipe: every fault, in the order in which the fields are read.
     #[error("the recipe has {} fault(s): {}", .0.len(), list(.0))]
     Faults(Vec<Fault>),
 }
@@ -36,7 +37,7 @@ fn list(faults: &[Fault]) -> String {
 /// Reads a recipe document that is to be fitted, fills in its preset and the defaults, and checks it.
 ///
 /// # Errors
-/// Every fault of the document at once; another fitter's version is one.
+/// Every fault of the document at once. The version of another fitter is a fault.
 pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
     read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION)
 }

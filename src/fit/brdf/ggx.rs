@@ -211,7 +211,8 @@ mod tests {
                 cells += 1.0;
             }
             assert!(cells > 10.0);
-            // Chi-square with n degrees of freedom has mean n and variance 2 n; five deviations never happen.
+            // Chi-square with n degrees of freedom has mean n and variance 2 n. A value five standard deviations above
+            // the mean does not occur.
             let limit: f64 = cells + 5.0 * f64::sqrt(2.0 * cells);
             assert!(chi2 < limit, "{ggx:?} {theta} {phi}: {chi2} over {cells} cells");
             assert!((rare.0 - rare.1).abs() < 5.0 * f64::sqrt(rare.1 + 1.0), "{rare:?}");

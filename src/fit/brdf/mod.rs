@@ -1,6 +1,6 @@
 //! Scattering models that tables are fitted to, one file each.
 //!
-//! A new model is its file and its line in [`BrdfKind`].
+//! A new model needs a file and a line in [`BrdfKind`].
 
 mod ggx;
 mod scattering;

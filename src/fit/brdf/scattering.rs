@@ -1,4 +1,4 @@
-//! What a scattering model is.
+//! The interface of a scattering model.
 
 use glam::DVec3;
 
@@ -27,17 +27,16 @@ pub trait Brdf: Sync {
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
 }
 
-/// What is left of the light that a lobe reflects: `reflectance = F0 (amplitude - fresnel) + F90 fresnel`
-/// [Hill and Heitz 2016].
+/// The terms of a lobe's reflectance: `reflectance = F0 (amplitude - fresnel) + F90 fresnel` [Hill and Heitz 2016].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LobeTerms {
     /// Directional albedo for a Fresnel factor of one; for GGX `E[G2/G1]` over visible normals.
     pub(crate) amplitude: f64,
-    /// Its part that Schlick's fifth power weighs; for GGX `E[G2/G1 (1 - wo.wm)^5]` over visible normals.
+    /// The same albedo, weighted by Schlick's fifth power; for GGX `E[G2/G1 (1 - wo.wm)^5]` over visible normals.
     pub(crate) fresnel: f64,
 }
 
-/// What a scattering model says of itself.
+/// A scattering model as an item of [`super::BrdfKind`].
 pub(crate) trait BrdfRules: Sync {
     /// The surface of these roughnesses along x and y, both in (0, 1].
     fn surface(&self, roughness: [f64; 2]) -> Box<dyn Brdf>;

@@ -12,7 +12,7 @@ pub(crate) struct Mirrors {
 }
 
 impl Mirrors {
-    /// Those of the lobe of an anisotropic, axis-aligned surface seen from `wo`.
+    /// The symmetries of the lobe of an anisotropic, axis-aligned surface seen from `wo`.
     pub(crate) fn of(wo: DVec3) -> Self {
         Self { x: wo.x == 0.0, y: wo.y == 0.0 }
     }

@@ -19,7 +19,7 @@ use crate::fit::{
 pub(super) struct Rules;
 
 impl LayoutRules for Rules {
-    /// The paper's.
+    /// The paper's resolution.
     fn default_resolution(&self) -> PerAxis<u32> {
         PerAxis { alpha: 8, ratio: 8, theta: 8, phi: 8 }
     }
@@ -39,8 +39,8 @@ impl LayoutRules for Rules {
         }
     }
 
-    /// The block is the lobe's own: ten times wider than numbers of 24 bits need, so that a shader's inverse of a needle
-    /// at the horizon stays within 1e-3.
+    /// The block is that of the lobe itself. The limit is ten times wider than numbers of 24 bits need, so that a
+    /// shader's inverse of a needle at the horizon stays within 1e-3.
     fn flattest(&self, precision: Precision) -> f64 {
         match precision {
             Precision::F32 => 1e-4,
@@ -67,8 +67,8 @@ impl LayoutRules for Rules {
         *stored
     }
 
-    // Both numbers are read off docs/tradeoff.md's full run, preset `draft` with one axis changed at a time: the added
-    // error over the difference of the squared steps.
+    // The numbers are read off docs/tradeoff.md's full run, at preset `draft` with one axis changed at a time. Those of
+    // the steps are the added error over the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } }
     }

@@ -1,6 +1,6 @@
 //! Layouts, one file each: where a table's nodes lie, what an entry stores of its lobe, and how a lookup undoes that.
 //!
-//! A new layout is its file, its part of the shader, and its line in [`Layout`].
+//! A new layout needs a file, a part of the shader, and a line in [`Layout`].
 //!
 //! Invariant: a layout knows nothing of how a lobe was fitted.
 
@@ -38,8 +38,8 @@ impl Layout {
         self.rules().nodes(range, resolution)
     }
 
-    /// The step between neighbouring nodes of each axis where they are evenly spaced, as a part of the whole domain
-    /// there: 1 for the two ends alone, 0 for a single node.
+    /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced, as a part of
+    /// the whole domain: 1 for two nodes at the domain's ends, 0 for a single node.
     pub(crate) fn steps(self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<f64> {
         spacing::steps(&self.rules().spacing(), range, resolution)
     }

@@ -1,4 +1,4 @@
-//! How wide stored numbers are.
+//! The number formats of stored tables.
 
 use crate::fit::named_list::named_list;
 

@@ -1,8 +1,8 @@
 //! Layout `reflected`, the default: nodes denser where lobes change faster, and `K^-1 M` with the [`Reflection`] `K`.
 //!
-//! Nodes are uniform in `u`, with alpha = `u^1.6`, ratio = `u^1.3`, theta = `1 - (1 - u)^2` of the way to its ceiling and
-//! phi = `u pi/2`, from one end of the range to the other, or the floor: a part of the domain is divided as the whole
-//! is.
+//! Nodes are uniform in `u`, with alpha = `u^1.6`, ratio = `u^1.3`, theta = `1 - (1 - u)^2` of the way to its ceiling
+//! and phi = `u pi/2`. They reach from one end of the range, or the floor, to the other end. A part of the domain is
+//! divided as the whole domain is.
 
 use glam::{Mat3, Vec3};
 
@@ -88,8 +88,8 @@ impl LayoutRules for Rules {
         ShaderNumbers { matrix: k * stored.matrix, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
     }
 
-    // Both numbers are read off docs/tradeoff.md's full run, preset `draft` with one axis changed at a time: the added
-    // error over the difference of the squared steps.
+    // The numbers are read off docs/tradeoff.md's full run, at preset `draft` with one axis changed at a time. Those of
+    // the steps are the added error over the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } }
     }
@@ -100,7 +100,8 @@ impl LayoutRules for Rules {
 }
 
 impl Reflection {
-    /// The inverse of [`Reflection::terms`]. The lobe of a view above the horizon has an amplitude.
+    /// The inverse of [`Reflection::terms`]. Domain: an amplitude above zero, which every lobe of a view above the
+    /// horizon has.
     fn relative_terms(&self, terms: LobeTerms) -> LobeTerms {
         let grazing = pow(terms.fresnel / terms.amplitude, 0.2);
         LobeTerms { amplitude: terms.amplitude / self.amplitude, fresnel: grazing - self.grazing }

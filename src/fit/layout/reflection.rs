@@ -1,4 +1,5 @@
-//! What is known of a lobe before anything is fitted. Layout `reflected` stores how the truth differs from it.
+//! An approximation of a lobe that is known before anything is fitted. Layout `reflected` stores how the fitted lobe
+//! differs from it.
 
 use glam::{DMat3, DVec3};
 
@@ -7,34 +8,36 @@ use crate::fit::{
     brdf::{Ggx, LobeTerms},
 };
 
-/// A lobe in first order: the reflection at the middle one of the visible normals, and how it moves with the normal.
+/// A lobe to first order: the reflection at the middle one of the visible normals, and how the reflected direction
+/// moves with the normal.
 ///
-/// In the space where the surface is a hemisphere, normals seen from `wo_std = (ax x, ay y, z) / |..|` lie around
-/// the one halfway between `wo_std` and +z [after Dupuy and Benyoub 2023]. Back on the surface that is `wm`, and with
-/// `d = wo.wm` the light that it reflects is `r = 2 d wm - wo`. A normal that tilts along a tangent `t` moves the
-/// reflected direction along
+/// In the space where the surface is a hemisphere, normals seen from `wo_std = (ax x, ay y, z) / |..|` lie around the
+/// one halfway between `wo_std` and +z [after Dupuy and Benyoub 2023]. On the surface itself this normal is `wm`. With
+/// `d = wo.wm` it reflects light from `r = 2 d wm - wo`. A normal that tilts along a tangent `t` moves the reflected
+/// direction along
 ///
 /// ```text
 /// J t = 2 ((wo.t') wm + d t'),    t' = t - (wm.t) wm
 /// ```
 ///
-/// and normals tilt by about `ax`, so that the lobe is near the LTC of `K = [ax J x, ax J y, r]`. For a sharp lobe
-/// away from the horizon `K diag(1, ay/ax, 1)` is its LTC; for others the matrix between the two is a smooth function
-/// of everything. Both columns have the factor `ax`: with `ay` in the second, whatever bends a needle sideways would
-/// be told in units of its vanishing width.
+/// Normals tilt by about `ax`, so the lobe is near the LTC of `K = [ax J x, ax J y, r]`. For a sharp lobe away from the
+/// horizon `K diag(1, ay/ax, 1)` is its LTC. For other lobes the matrix between `K` and that of the LTC is a smooth
+/// function of roughness and view. Both columns have the factor `ax`. With `ay` in the second column, the sideways bend
+/// of a needle would be stored in units of its vanishing width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflection {
     /// `K`.
     pub matrix: DMat3,
-    /// `(G2/G1)^2` of `r`: near the amplitude where the lobe is sharp, whose tails lose about as much again.
+    /// `(G2/G1)^2` of `r`: near the amplitude of a sharp lobe, whose tails lose about as much light again as its
+    /// middle.
     pub amplitude: f64,
     /// `1 - d`: its fifth power is Schlick's weight of `r`.
     pub grazing: f64,
 }
 
 impl Reflection {
-    /// Of a surface seen from `wo`. Domain: `ggx.alpha_x > 0`, `wo` of unit length above the horizon. The determinant
-    /// of `K` is positive.
+    /// The reflection of a surface seen from `wo`. Domain: `ggx.alpha_x > 0`, `wo` of unit length above the horizon.
+    /// The determinant of `K` is positive.
     #[must_use]
     pub fn of(ggx: &Ggx, wo: DVec3) -> Self {
         let Ggx { alpha_x, alpha_y } = *ggx;
@@ -54,14 +57,16 @@ impl Reflection {
         }
     }
 
-    /// That of a GGX surface at a place of a table. It is the start for lobes of every scattering model.
+    /// The reflection of a GGX surface at a place of a table. Lobes of every scattering model are stored relative to
+    /// it.
     #[must_use]
     pub fn at(place: &PerAxis<f64>) -> Self {
         let [alpha_x, alpha_y] = place.roughness();
         Self::of(&Ggx { alpha_x, alpha_y }, place.view())
     }
 
-    /// Amplitude and Fresnel term of a lobe, from what is stored: `A = a (G2/G1)^2`, `F = A (s + 1 - d)^5`.
+    /// Amplitude and Fresnel term of a lobe from the stored numbers `a` and `s`: `A = a (G2/G1)^2`,
+    /// `F = A (s + 1 - d)^5`.
     #[must_use]
     pub(crate) fn terms(&self, stored: LobeTerms) -> LobeTerms {
         let amplitude = stored.amplitude * self.amplitude;
@@ -86,7 +91,7 @@ mod tests {
     }
 
     proptest! {
-        /// The tangents by central differences of the reflection itself.
+        /// Compares the columns with central differences of the reflection itself.
         #[test]
         fn columns_are_derivatives_of_the_reflection(
             alpha_x in 0.01..1.0, ratio in 0.0..1.0, theta in 0.0..1.55, phi in 0.0..FRAC_PI_2,

@@ -4,11 +4,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::fit::{axes::PerAxis, math::pow};
 
-/// The sharpest roughness that is fitted. Below it the lobe is a mirror's for every light a scene can hold.
+/// The least roughness that is fitted. Below it the lobe is that of a mirror for every light that a scene can hold.
 pub const ALPHA_FLOOR: f64 = 1e-4;
 /// The smallest ratio that is fitted: a needle ten thousand times longer than wide.
 pub const RATIO_FLOOR: f64 = 1e-4;
-/// The steepest view that is fitted; at the horizon itself no light is reflected [KT et al. 2022, published table].
+/// The most grazing view that is fitted; at the horizon itself no light is reflected [KT et al. 2022, published table].
 pub const THETA_CEILING: f64 = 0.9999 * FRAC_PI_2;
 
 /// Where nodes lie, as an ascending function of even steps.
@@ -39,12 +39,13 @@ impl Spacing {
         }
     }
 
-    /// The step of `n` values over a range, where they are even, as a part of that from 0 to `whole`.
+    /// The step between `n` values over a range, in the variable in which they are evenly spaced, as a part of the
+    /// interval from 0 to `whole`.
     pub(super) fn step(self, [low, high]: [f64; 2], n: u32, whole: f64) -> f64 {
         (self.invert(high) - self.invert(low)) / self.invert(whole) / f64::from(n.saturating_sub(1).max(1))
     }
 
-    /// `n` values from one end of a range to the other, both met exactly; its beginning for `n` of one.
+    /// `n` values from one end of a range to the other, with both ends exact. A single value is the lower end.
     pub(super) fn divide(self, [low, high]: [f64; 2], n: u32) -> Vec<f64> {
         let last = n.saturating_sub(1).max(1);
         let [from, to] = [low, high].map(|end| self.invert(end));

@@ -1,3 +1,3 @@
-//! Lobe models: what stands for a scattering lobe at run time. One folder each.
+//! Lobe models: distributions that stand for a scattering lobe at run time. One folder each.
 
 pub mod ltc;

@@ -22,7 +22,7 @@ pub fn rotation_from_z(axis: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(1.0 - x * x * k, -x * y * k, -x), DVec3::new(-x * y * k, 1.0 - y * y * k, -y), axis)
 }
 
-/// `R_z(angle) M R_z(-angle)`: what the matrix of a lobe becomes when surface and view turn about z together.
+/// `R_z(angle) M R_z(-angle)`: the matrix of a lobe after surface and view have turned about z together.
 #[must_use]
 pub fn turned_about_z(m: DMat3, angle: f64) -> DMat3 {
     let (sin, cos) = sin_cos(angle);

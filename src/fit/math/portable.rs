@@ -62,7 +62,7 @@ mod tests {
         assert_eq!(sin_cos(2.0 * PI), (0.0, 1.0));
     }
 
-    /// Bits, not tolerances: a change of `libm` that moves a last bit changes tables.
+    /// Compares bits, without a tolerance: a change of `libm` that moves a last bit changes tables.
     #[test]
     fn bits_are_pinned() {
         assert_eq!(sin(1.0).to_bits(), 0x3fea_ed54_8f09_0cee);

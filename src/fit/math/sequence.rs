@@ -13,9 +13,10 @@ const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 /// its opposite.
 ///
 /// Point `i` of `n` is `((i + 1/2) / n + shift_0 mod 1, ((g i mod n) + 1/2) / n + shift_1 mod 1)`: both numbers are
-/// stratified exactly. `g` is the number without a common factor with `n`, near `n` over the golden ratio, whose
-/// continued fraction `g / n` has the smallest sum of quotients, which bounds the discrepancy [Niederreiter 1992,
-/// theorem 5.17]. For a Fibonacci number `n` that is the one before it, and the lattice is Fibonacci's.
+/// stratified exactly. `g` has no common factor with `n` and is near `n` over the golden ratio. Of such numbers it is
+/// the one for which the continued fraction of `g / n` has the smallest sum of quotients, which bounds the discrepancy
+/// [Niederreiter 1992, theorem 5.17]. For a Fibonacci number `n`, `g` is the Fibonacci number before it, and the
+/// lattice is Fibonacci's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
     count: usize,
@@ -83,7 +84,8 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
 
 /// Direction `i` of `n` spread evenly over the upper hemisphere on a Fibonacci spiral turned by `shift` turns.
 ///
-/// Each stands for itself and its opposite: what is measured along an axis does not depend on its sign.
+/// Each direction stands for itself and its opposite: a distance measured along an axis does not depend on the axis's
+/// sign.
 #[must_use]
 pub fn fibonacci_hemisphere(i: usize, n: usize, shift: f64) -> DVec3 {
     let z = (i as f64 + 0.5) / n as f64;
@@ -92,7 +94,7 @@ pub fn fibonacci_hemisphere(i: usize, n: usize, shift: f64) -> DVec3 {
     DVec3::new(radius * cos, radius * sin, z)
 }
 
-/// The part of a non-negative number behind the point.
+/// The fractional part of a non-negative number.
 fn fract(x: f64) -> f64 {
     x - x.floor()
 }
@@ -101,7 +103,7 @@ fn fract(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Every elementary interval of a good set of 144 points holds its share, give or take one.
+    /// Each strip and each square holds about its share of the 144 points.
     #[test]
     fn the_lattice_is_even_in_strips_and_in_squares() {
         let n = 144;
@@ -171,7 +173,7 @@ mod tests {
         }
     }
 
-    /// Of directions spread evenly over the hemisphere, the mean of `d d^T` is a third of the identity.
+    /// The mean of `d d^T` over directions spread evenly over the hemisphere is a third of the identity.
     #[test]
     fn directions_weigh_all_axes_alike() {
         let n = 256;

@@ -1,13 +1,13 @@
-//! Angles in f32, in plain arithmetic: what a shader computes, bit for bit on any processor.
+//! Angles in f32 by plain arithmetic, as a shader computes them, with the same bits on any processor.
 //!
-//! Graphics drivers may be off by thousands of ulps in `atan2`, and in `sin` by 2^-11. The shaders write these
-//! polynomials out instead; here they stand for the CPU. Coefficients: Cephes, `atanf`, `sinf` and `cosf`.
+//! Graphics drivers may be off by thousands of ulps in `atan2`, and in `sin` by 2^-11. The shaders contain these
+//! polynomials instead; this is their copy for the CPU. Coefficients: Cephes, `atanf`, `sinf` and `cosf`.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-/// tan(pi / 8): beyond it the polynomial's argument is taken from pi/4.
+/// tan(pi / 8). Beyond it the polynomial is evaluated for the angle's difference from pi/4.
 const TAN_EIGHTH: f32 = 0.414_213_56;
-/// Stands for the length of the zero vector, whose angle is zero.
+/// Replaces the length of the zero vector, so that its angle is zero.
 const TINY: f32 = 1e-37;
 
 /// The angle of `(x, y)` from +x, in [0, pi]. Error below 4e-7. Domain: `y >= 0`; zero for the zero vector.

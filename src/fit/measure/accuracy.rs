@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::figures::Figures;
 
-/// Worst configurations that are named.
+/// The number of worst configurations that are named.
 const WORST: usize = 5;
 
 /// How far a table is from the lobes over a set of configurations.
@@ -31,7 +31,7 @@ pub struct Accuracy {
 pub struct Spread {
     /// Mean.
     pub mean: f64,
-    /// What one configuration in twenty exceeds.
+    /// The error that one configuration in twenty exceeds.
     pub p95: f64,
     /// Largest.
     pub max: f64,

@@ -125,7 +125,8 @@ mod tests {
         Probe::new().distance(lobe, m, &mut Workspace::default())
     }
 
-    /// On the normal, cosine and uniform distribution are `z^2` and `z`; in the plane, a semicircle and `(x + 1) / 2`.
+    /// Along the normal the cumulative distributions of cosine and uniform hemisphere are `z^2` and `z`. Along a
+    /// direction in the plane they are that of a semicircle and `(x + 1) / 2`.
     #[test]
     fn cosine_and_uniform_hemisphere_are_as_far_apart_as_their_integrals_say() {
         let hemisphere: Vec<_> = net(12, [3, 9]).map(|u| (uniform(u), 1.0)).collect();
@@ -154,8 +155,8 @@ mod tests {
         }
     }
 
-    /// A sharp LTC is a distribution in a plane; wider by a fifth, each of its quantiles lies a fifth further out.
-    /// The samples in its tails leave an error of a hundredth or two.
+    /// A sharp LTC is a distribution in a plane. If it is wider by a fifth, each of its quantiles lies a fifth farther
+    /// out. The samples in its tails leave an error of a hundredth or two.
     #[test]
     fn a_highlight_that_is_too_wide_by_a_part_is_that_part_of_its_width_away() {
         let lobe = lobes::planted(DMat3::from_diagonal(DVec3::new(1e-2, 0.5e-2, 1.0)));
@@ -167,8 +168,8 @@ mod tests {
         }
     }
 
-    /// Equation 10 of KT et al. 2022: sorted projections, quantile by quantile, exactly where all samples of a side weigh
-    /// the same; and the mean deviation from the median.
+    /// Equation 10 of KT et al. 2022: sorted projections, compared quantile by quantile. It is exact where all samples
+    /// of a side have the same weight. Also the mean deviation from the median.
     fn by_quantiles(probe: &Probe, lobe: &Lobe, m: &DMat3) -> LobeDistance {
         const QUANTILES: usize = 1 << 12;
         let quantiles = |mut samples: Vec<(f64, f64)>| -> Vec<f64> {
@@ -217,8 +218,8 @@ mod tests {
         }
     }
 
-    /// What is left is the samples' own: the tails of a sharp lobe fall with the square of the distance, so the few
-    /// samples out there carry a part of the mean that grows and shrinks with their number.
+    /// The distance that is left comes from sampling. The tails of a sharp lobe fall with the square of the distance,
+    /// so the few samples in the tails carry a part of the mean that grows and shrinks with their number.
     #[test]
     fn the_lobe_s_own_matrix_is_nearest() {
         for (scale, left) in [(1.0, 0.01), (1e-4, 0.08)] {

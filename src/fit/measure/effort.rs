@@ -2,13 +2,13 @@
 
 use crate::fit::{Recipe, fit_seconds};
 
-/// Least and most configurations at nodes, and again between them.
+/// Least configurations at nodes, and again between them.
 const LEAST_POINTS: usize = 8;
 /// Most configurations at nodes, and again between them.
 pub const MOST_POINTS: usize = 1024;
 /// The part of the fit's time that the report may take.
 const SHARE: f64 = 0.15;
-/// What a measurement takes, on the scale of [`fit_seconds`].
+/// The time that one measurement takes, on the scale of [`fit_seconds`].
 const POINT_SECONDS: f64 = 1.8e-3;
 
 /// How many nodes, and how many configurations between nodes, the table of a recipe is measured at.

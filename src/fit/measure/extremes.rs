@@ -1,4 +1,4 @@
-//! What a table answers at the corners of its domain, where lobes degenerate and renderers divide by zero.
+//! The answers of a table at the corners of its domain, where lobes degenerate and renderers divide by zero.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -16,7 +16,7 @@ use crate::fit::{
     math::{direction, from_row_major},
 };
 
-/// Roughness along the rougher axis: a mirror, below and at the floor, and the roughest.
+/// Roughness along the rougher axis: a mirror, values below and around the floor, and the roughest surface.
 const ALPHAS: [f64; 6] = [0.0, 1e-8, 1e-5, 1e-4, 1e-3, 1.0];
 /// Smaller over larger roughness: a line, needles, isotropic.
 const RATIOS: [f64; 4] = [0.0, 1e-6, 1e-3, 1.0];
@@ -29,12 +29,12 @@ const BETWEEN: [f64; 2] = [0.4, 2.5];
 const ULPS: std::ops::RangeInclusive<i64> = -2..=2;
 /// A step of a configuration, radians: across a fold it may move a lobe no farther than beside it.
 const STEP: f64 = 1e-6;
-/// Samples on which two LTCs are compared, each with its like: `2^8`.
+/// Samples on which two LTCs are compared, each with the same sample of the other: `2^8`.
 const LOG2_SAMPLES: u32 = 8;
 /// The sharpest lobe that can be sampled. A sharper one differs from it by less than the precision of the distance.
 const SHARPEST: f64 = 1e-8;
 
-/// What a table answers at one corner, over all azimuths of the view on and around the folds.
+/// The answers of a table at one corner, over all azimuths of the view on and around the folds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Corner {
     /// Larger roughness.
@@ -49,8 +49,8 @@ pub struct Corner {
     pub broken: usize,
     /// Largest sliced Wasserstein-1 distance to the lobe of this very configuration, not of the floor's.
     pub sw1: f64,
-    /// Largest excess of the distance by which a step of 1e-6 moves the LTC across a fold over that of the same step
-    /// beside it, in widths of the LTC.
+    /// How much farther a step of 1e-6 moves the LTC across a fold than the same step beside the fold, at most, in
+    /// widths of the LTC.
     pub jump: f64,
     /// Largest distance by which inverting a matrix in f32 moves its LTC, radians.
     pub inversion: f64,
@@ -58,7 +58,7 @@ pub struct Corner {
     pub inversion_width: f64,
 }
 
-/// What a table answers at every corner. Runs on the current rayon pool; its size changes nothing.
+/// The answers of a table at every corner. Runs on the current rayon pool; its size changes nothing.
 #[must_use]
 pub fn extremes(table: &Table) -> Vec<Corner> {
     let probe = Probe::new();
@@ -129,7 +129,7 @@ fn corner(
     corner
 }
 
-/// The configuration whose surface is turned by a quarter: the same lobe, turned.
+/// The configuration whose surface is turned by a quarter turn. Its lobe is the same lobe, turned.
 fn swapped(c: Configuration) -> Configuration {
     Configuration { alpha_x: c.alpha_y, alpha_y: c.alpha_x, phi: c.phi + FRAC_PI_2, ..c }
 }
@@ -142,8 +142,8 @@ fn next(x: f64, ulps: i64) -> f64 {
     f64::from_bits(x.to_bits().saturating_add_signed(ulps))
 }
 
-/// Distance between an LTC and the lobe it stands for. At the horizon the lobe of the ceiling stands in: at the
-/// horizon itself no light is reflected.
+/// Distance between an LTC and the lobe it stands for. At the horizon itself no light is reflected, so the lobe at the
+/// ceiling takes its place.
 fn error(brdf: BrdfKind, at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
     let surface = brdf.surface([at.alpha_x.max(SHARPEST), at.alpha_y.max(SHARPEST)]);
     let lobe = Lobe::sample(&*surface, direction(at.theta.min(THETA_CEILING), at.phi));
@@ -157,7 +157,7 @@ fn jump(walk: &[DMat3; 4], cosines: &[DVec3]) -> f64 {
 }
 
 /// Mean distance between the directions that two matrices make of the same samples: an upper bound of the Wasserstein
-/// distance between their LTCs. The farthest possible for a matrix that makes none.
+/// distance between their LTCs. [`FARTHEST`] for a matrix that makes no directions.
 fn distance(a: &DMat3, b: &DMat3, cosines: &[DVec3]) -> f64 {
     let sum: f64 = cosines.iter().map(|c| ((*a * *c).normalize() - (*b * *c).normalize()).length()).sum();
     let mean = sum / cosines.len() as f64;
@@ -172,7 +172,7 @@ fn width(m: &DMat3, cosines: &[DVec3]) -> f64 {
     width.max(f64::MIN_POSITIVE)
 }
 
-/// The matrix whose inverse is what a shader computes: that of the nearest f32 matrix, by cofactors, in f32.
+/// The matrix whose inverse is the one that a shader computes: from the nearest f32 matrix, by cofactors, in f32.
 fn inverted_in_f32(m: &DMat3) -> DMat3 {
     let inverse: Mat3 = m.as_mat3().inverse();
     inverse.as_dmat3().inverse()

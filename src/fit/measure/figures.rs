@@ -1,4 +1,4 @@
-//! What a table gives at a configuration, beside the lobe that it stands for.
+//! The errors of a table at a configuration, compared with the lobe that it stands for.
 
 use glam::DMat3;
 use rayon::prelude::*;

@@ -17,7 +17,7 @@ pub struct Floors {
     pub theta: Moved,
 }
 
-/// What a floor moved.
+/// The nodes and entries that a floor moved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Moved {
     /// The floor's value.
@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(counts(found.alpha_y), (1, 20));
         assert_eq!(counts(found.theta), (1, 30));
 
-        // Nodes that were asked for right there have not moved.
+        // Nodes that were asked for exactly on the limits have not moved.
         let exact = PerAxis {
             alpha: [ALPHA_FLOOR, 1.0],
             ratio: [RATIO_FLOOR, 1.0],

@@ -1,4 +1,4 @@
-//! The light of square lights in a lobe and in an LTC.
+//! The energy of a lobe and of an LTC in square lights.
 
 use std::f64::consts::PI;
 
@@ -24,8 +24,9 @@ struct SquareLight {
     tan: f64,
 }
 
-/// Mean absolute difference, over a few lights around directions of the lobe, of the part of its energy that reaches
-/// them and the part by the LTC of `m`, a regular matrix in the tangent frame, whose inverse is `inverse`. In [0, 1].
+/// Mean absolute difference, over a few lights around directions of the lobe, between the part of the lobe's energy in
+/// a light and the part of the LTC's energy there. `inverse` is the inverse of the LTC's matrix, which is regular and
+/// in the tangent frame. In [0, 1].
 pub(super) fn light_error(lobe: &Lobe, inverse: &DMat3) -> f64 {
     let errors =
         SquareLight::around(lobe).map(|light| (light.energy_of_lobe(lobe) - light.energy_of_ltc(inverse)).abs());
@@ -54,20 +55,20 @@ impl SquareLight {
         }
     }
 
-    /// Whether it covers a direction.
+    /// Whether the light covers a direction.
     fn covers(&self, w: DVec3) -> bool {
         let reach = self.tan * w.dot(self.centre);
         w.dot(self.x).abs() < reach && w.dot(self.y).abs() < reach && w.z > 0.0
     }
 
-    /// The part of the lobe's samples inside.
+    /// The part of the lobe's samples inside the light.
     fn energy_of_lobe(&self, lobe: &Lobe) -> f64 {
         let samples = lobe.directions.iter().zip(&lobe.weights);
         samples.map(|(w, weight)| if self.covers(*w) { *weight } else { 0.0 }).sum()
     }
 
-    /// The integral of the LTC over the light in closed form: the polygon, back in cosine space, clipped at the
-    /// horizon, is `sum angle(v_i, v_i+1) (v_i x v_i+1 / |v_i x v_i+1|).z / (2 pi)` [Heitz et al. 2016, section 4].
+    /// The integral of the LTC over the light in closed form. For the polygon in cosine space, clipped at the horizon,
+    /// it is `sum angle(v_i, v_i+1) (v_i x v_i+1 / |v_i x v_i+1|).z / (2 pi)` [Heitz et al. 2016, section 4].
     fn energy_of_ltc(&self, inverse: &DMat3) -> f64 {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         let corner = |(x, y): (f64, f64)| self.centre + self.tan * (x * self.x + y * self.y);
@@ -113,7 +114,8 @@ mod tests {
             let lobe = planted(m);
             let ltc = Ltc::new(m).expect("regular");
             let mut seen = 0.0;
-            // Besides those of the report, two that lie half behind the lobe, across the horizon of cosine space.
+            // Besides the lights of the report, two lights that lie half behind the lobe, across the horizon of cosine
+            // space.
             let across = [DVec3::X, DVec3::Y].map(|edge| SquareLight {
                 x: rotation_from_z((m * edge).normalize()).x_axis,
                 y: rotation_from_z((m * edge).normalize()).y_axis,
@@ -130,7 +132,7 @@ mod tests {
         }
     }
 
-    /// A lobe and its own matrix agree; one that looks elsewhere loses about all the energy.
+    /// A lobe and its own matrix agree. A matrix whose lobe points elsewhere loses about all the energy.
     #[test]
     fn the_error_tells_right_from_wrong() {
         let m = DMat3::from_cols(DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.02, 0.0), DVec3::new(0.6, 0.0, 0.8));

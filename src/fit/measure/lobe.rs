@@ -76,7 +76,7 @@ pub(super) mod tests {
         Lobe::of(directions, weights)
     }
 
-    /// Against the integral of the BRDF itself over the hemisphere, by the midpoint rule.
+    /// Compares with the integral of the BRDF itself over the hemisphere, by the midpoint rule.
     #[test]
     fn mean_and_reflectance_are_those_of_the_brdf() {
         for (alpha_x, alpha_y, theta, phi) in [(1.0, 1.0, 0.0, 0.0), (0.6, 0.2, 1.1, 0.9), (0.3, 0.9, 1.4, 2.5)] {

@@ -11,15 +11,15 @@ use crate::fit::{Configuration, Table};
 /// Errors over a square of configurations, at the middles of its cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMap {
-    /// Smaller over larger roughness, of all.
+    /// Smaller over larger roughness of all configurations.
     pub ratio: f64,
-    /// Azimuth of the view direction of all, radians, in [0, pi/2].
+    /// Azimuth of the view direction of all configurations, radians, in [0, pi/2].
     pub phi: f64,
     /// Cells a side.
     pub cells: usize,
-    /// What the rows cover, upwards: the square root of alpha.
+    /// The range of the rows, upwards: the square root of alpha.
     pub roughness: [f64; 2],
-    /// What the columns cover: polar angle of the view direction, radians.
+    /// The range of the columns: polar angle of the view direction, radians.
     pub theta: [f64; 2],
     /// Distance between lobe and LTC as a part of the lobe's width, row by row from the smoothest.
     pub width: Vec<f64>,
@@ -27,8 +27,8 @@ pub struct ErrorMap {
     pub light: Vec<f64>,
 }
 
-/// Measures a table over `cells` by `cells` configurations of one `ratio` and `phi`, which are moved into what the
-/// table's axes cover. Runs on the current rayon pool; its size changes nothing.
+/// Measures a table over `cells` by `cells` configurations of one `ratio` and `phi`, which are moved into the ranges of
+/// the table's axes. Runs on the current rayon pool; its size changes nothing.
 ///
 /// Domain: a table with at least one node on each axis, finite numbers.
 #[must_use]

@@ -1,4 +1,4 @@
-//! The stored matrices as such: whether a shader can invert them.
+//! Whether a shader can invert the stored matrices.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use crate::fit::{Table, math::from_row_major};
 pub struct Matrices {
     /// Entries of the table.
     pub entries: usize,
-    /// Entries whose determinant is negative: their distribution is right, but a light's winding turns over.
+    /// Entries whose determinant is negative: their distribution is right, but a light's winding is reversed.
     pub negative_determinants: usize,
     /// Entries whose matrix has no inverse: they make no distribution. They are left out of the extents.
     pub singular: usize,

@@ -28,7 +28,7 @@ pub use matrices::{Extent, Matrices};
 
 use crate::fit::{PerAxis, Table};
 
-/// Version of the report. Raised whenever the same table gets another one.
+/// Version of the report. Raised whenever the same table gets another report.
 pub const REPORT_VERSION: u32 = 3;
 
 /// How good a table is.
@@ -36,19 +36,19 @@ pub const REPORT_VERSION: u32 = 3;
 pub struct Report {
     /// [`REPORT_VERSION`].
     pub version: u32,
-    /// Errors at nodes: what the fit and the number format leave.
+    /// Errors at nodes, which the fit and the number format leave.
     pub nodes: Accuracy,
-    /// Errors between nodes: what a renderer meets, interpolation included.
+    /// Errors between nodes, which a renderer meets, interpolation included.
     pub between: Accuracy,
-    /// The stored matrices as such.
+    /// Determinants and condition numbers of the stored matrices.
     pub matrices: Matrices,
-    /// Where a node was asked for beyond what can be fitted.
+    /// Nodes that were asked for beyond the limits of the fit.
     pub floors: Floors,
 }
 
 /// Measures a table at up to `points` nodes and at `points` configurations between them.
 ///
-/// `range` is what was asked for on each axis, from which floors may have moved the table's nodes. Runs on the current
+/// `range` is the range that was asked for on each axis; floors may have moved the table's nodes. Runs on the current
 /// rayon pool; its size changes nothing. Domain: a table with at least one node on each axis, finite numbers.
 #[must_use]
 pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: usize) -> Report {

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::fit::{Configuration, LEAST_ALPHA, PerAxis, math::recurrence4};
 
-/// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond, a lobe lies for the most
-/// part below the horizon, and a picture shows nothing of it.
+/// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond that angle most of a lobe lies
+/// below the horizon, and a picture shows nothing of the lobe.
 const STEEPEST: f64 = 0.99 * FRAC_PI_2;
 /// Where the sequence between the nodes begins.
 const SHIFT: [f64; 4] = [0.449_489_742_783_178, 0.316_624_790_355_4, 0.872_983_346_207_417, 0.123_105_625_617_661];
@@ -14,8 +14,8 @@ const GOLDEN_STEP: f64 = 0.618_033_988_749_894_9;
 
 /// Up to `most` nodes that a lookup can reach: all of them, or as many spread evenly.
 ///
-/// Index `k stride mod n` for a stride near n / golden ratio that shares no divisor with n: no node comes twice, and
-/// each axis is met at all its nodes.
+/// The indices are `k stride mod n`, for a stride near n / golden ratio that shares no divisor with n. No node comes
+/// twice, and every node of each axis is among them.
 pub(super) fn nodes(axes: &PerAxis<Vec<f64>>, most: usize) -> Vec<Configuration> {
     let reached = reached(axes);
     let n = reached.len();

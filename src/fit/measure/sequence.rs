@@ -9,9 +9,10 @@ use crate::fit::math::sin_cos;
 /// `2^log2_count` points that are spread evenly over the unit square: the net of Larcher and Pillichshammer
 /// [Kollig and Keller 2002, section 2.3].
 ///
-/// The first number of point `i` of `n = 2^m` is `i / n`. In the second, bit `k` of `i` flips the binary digits `2^-1` to
-/// `2^-(k + 1)`. Every box of size `2^-a` by `2^-(m - a)` on the grid of such boxes holds exactly one point. Flipping the
-/// digits of `scramble` in all points keeps that. Points lie in the middle of their cell of the `n` by `n` grid.
+/// The first number of point `i` of `n = 2^m` is `i / n`. In the second, bit `k` of `i` flips the binary digits `2^-1`
+/// to `2^-(k + 1)`. Every box of size `2^-a` by `2^-(m - a)` on the grid of such boxes holds exactly one point.
+/// Flipping the digits of `scramble` in all points keeps that. Points lie in the middle of their cell of the `n` by `n`
+/// grid.
 ///
 /// Domain: `1 <= log2_count <= 31`.
 pub(super) fn net(log2_count: u32, scramble: [u32; 2]) -> impl Iterator<Item = [f64; 2]> {

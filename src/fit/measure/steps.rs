@@ -2,14 +2,15 @@
 
 /// The steps of `F - G` along a line: up by its weight at each sample of F, down at each of G.
 ///
-/// One word a step: above, the position's bits, changed so that they sort as the number does; below, the weight's.
+/// Each step is one word. Its upper half has the bits of the position, changed so that they sort as the number does.
+/// Its lower half has the bits of the weight.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
     steps: Vec<u64>,
     spare: Vec<u64>,
 }
 
-/// What [`Steps::areas`] integrates.
+/// The integrals that [`Steps::areas`] gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Areas {
     /// The integral of `|F - G|`: the Wasserstein-1 distance of the two.
@@ -20,7 +21,7 @@ pub(super) struct Areas {
 
 /// Digits in which steps are sorted, by their lowest bit.
 const DIGITS: [u32; 3] = [32, 43, 54];
-/// Bits of a digit; of the last there are ten.
+/// Bits of a digit; the last digit has ten.
 const DIGIT_BITS: u32 = 11;
 const SIGN: u32 = 1 << 31;
 
@@ -78,8 +79,8 @@ impl Steps {
     }
 }
 
-/// The bits of a number, changed so that they sort as it does: all of a negative number's are inverted, of another the
-/// sign alone.
+/// The bits of a number, changed so that they sort as the number does: all bits of a negative number are inverted, and
+/// only the sign of any other number.
 fn ordered(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits & SIGN == 0 { bits | SIGN } else { !bits }
@@ -96,7 +97,7 @@ mod tests {
 
     fn areas(f: &[(f32, f32)], g: &[(f32, f32)]) -> Areas {
         let mut steps = Steps::default();
-        // What an earlier call left does not count.
+        // Steps of an earlier call do not count.
         steps.extend([(7.0, 1.0), (-7.0, -1.0)].into_iter());
         steps.areas();
         steps.clear();
@@ -110,14 +111,14 @@ mod tests {
         // A quarter moves up by a half, three quarters down by a half; the median is 1.
         let found = areas(&[(1.0, 0.75), (0.0, 0.25)], &[(0.5, 1.0)]);
         assert_eq!(found, Areas { between: 0.5, deviation: 0.25 });
-        // Across zero; 0.5 to -3, 0.25 to -1 and 0.25 to 1.
+        // Samples on both sides of zero: 0.5 moves to -3, 0.25 to -1 and 0.25 to 1.
         let found = areas(&[(-2.0, 0.5), (2.0, 0.5)], &[(1.0, 0.25), (-1.0, 0.25), (-3.0, 0.5)]);
         assert_eq!(found, Areas { between: 0.5 + 0.75 + 0.25, deviation: 2.0 });
         // Both signs of zero are one place, and equal distributions have no distance.
         assert_eq!(areas(&[(-0.0, 0.5), (0.0, 0.5)], &[(0.0, 1.0)]), Areas { between: 0.0, deviation: 0.0 });
     }
 
-    /// Against the cumulative distributions counted anew at each place, for numbers of all sizes.
+    /// Compares with cumulative distributions that are counted anew at each place, for numbers of all sizes.
     #[test]
     fn many_samples_have_the_areas_that_counting_gives() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

@@ -53,7 +53,7 @@ fn a_good_table_is_good_at_its_nodes_and_worse_between() {
     assert_eq!(nodes.worst.len(), 5);
 }
 
-/// The report's distance and the fit's own, measured on other samples by other code, agree on what the fit made.
+/// The report and the fit measure distances by different code on different samples. They agree on a fitted table.
 #[test]
 fn the_error_at_nodes_is_that_of_a_finer_fitter() {
     let (recipe, table) = small();
@@ -82,7 +82,7 @@ fn a_spoiled_entry_is_named_as_the_worst() {
         let worst = found.nodes.worst[0];
         assert_eq!((worst.alpha_x, worst.alpha_y, worst.theta, worst.phi), (0.2, 0.06, 0.7, FRAC_PI_2));
         assert!(worst.width > 1.0 && worst.sw1 > 0.3, "{worst:?}");
-        // What makes no distribution is as far as can be, and no number that JSON lacks.
+        // A matrix that makes no distribution counts as the farthest distance, not as a number that JSON lacks.
         assert_eq!((worst.sw1 == 2.0, found.matrices.singular), (farthest, usize::from(farthest)));
         assert!(worst.width.is_finite() && found.nodes.light.max > 0.1);
     }

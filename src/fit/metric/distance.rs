@@ -1,4 +1,4 @@
-//! What a metric is.
+//! The interface of a metric.
 
 use glam::DMat3;
 
@@ -15,7 +15,7 @@ pub(crate) struct Samples {
     pub(crate) shift: [f64; 2],
 }
 
-/// What a metric decides.
+/// A metric as an item of [`super::Metric`].
 pub(crate) trait MetricRules: Sync {
     /// The metric over these samples.
     fn distance(&self, samples: &Samples) -> Box<dyn Distance>;

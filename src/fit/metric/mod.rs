@@ -1,6 +1,7 @@
-//! Distances between a lobe and an LTC that a fit can minimise, one file each, and the lobe as they see it.
+//! Distances between a lobe and an LTC that a fit can minimise, one file each, and the samples of the lobe that they
+//! compare.
 //!
-//! A new metric is its file and its line in [`Metric`].
+//! A new metric needs a file and a line in [`Metric`].
 
 mod distance;
 mod sw1;

@@ -1,13 +1,14 @@
 //! The sliced Wasserstein-1 distance between a lobe and an LTC, and its gradient, without sorting.
 //!
-//! On one direction `d` the distance is the area between two cumulative distributions, `integral |F(x) - G(x)| dx`.
-//! G belongs to the lobe and never changes; it is tabulated once. F is that of the LTC's samples, projected on `d`.
-//! Both are histograms on the same nodes in which a sample is shared by the two nodes around it in proportion
-//! (cloud-in-cell), so F moves continuously with the samples, and the cost is linear in their number.
+//! On one direction `d` the distance is the area between two cumulative distributions, `integral |F(x) - G(x)| dx`. G
+//! belongs to the lobe and never changes; it is tabulated once. F belongs to the LTC's samples, projected on `d`. Both
+//! are histograms on the same nodes. The two nodes around a sample share it in proportion (cloud-in-cell), so F moves
+//! continuously with the samples, and the cost is linear in their number.
 //!
-//! The nodes lie at `centre +- width (2^e (1 + k / 32) - 1)`: evenly spaced where the lobe is, and in proportion to
-//! the distance from it in its tails, so that lobes with a sharp core and far tails lose neither. The bits of the
-//! f32 number `1 + |x - centre| / width` are that position, as exponent and mantissa; no logarithm is taken.
+//! The nodes lie at `centre +- width (2^e (1 + k / 32) - 1)`: evenly spaced in the lobe's core, and in its tails spaced
+//! in proportion to the distance from the core, so that lobes with a sharp core and far tails lose neither. The
+//! exponent and mantissa of the f32 number `1 + |x - centre| / width` give the position among the nodes; no logarithm
+//! is taken.
 
 use glam::{DMat3, DVec3};
 
@@ -28,7 +29,7 @@ const ONE_BITS: i32 = 0x3f80_0000;
 /// Most octaves on each side, so that positions fit an i32: a tail of 4 million widths.
 const MOST_OCTAVES: i32 = 22;
 
-/// Fixed samples of the clamped cosine, one array a coordinate.
+/// Fixed samples of the clamped cosine.
 #[derive(Debug, Clone)]
 struct CosineSamples {
     points: Vec<DVec3>,
@@ -41,7 +42,7 @@ impl CosineSamples {
     }
 }
 
-/// What is known of the target along one direction.
+/// The target along one direction.
 #[derive(Debug, Clone)]
 struct Slice {
     direction: [f32; 3],
@@ -325,7 +326,7 @@ mod tests {
     /// A neighbour of the lobe in its own frame.
     fn near(target: &Target, scale: f64) -> DMat3 {
         let m = target.frame.transpose() * lobe(scale);
-        // With a slope that a sharp lobe does not have, a sample or two would fall behind it.
+        // The slope shrinks with the lobe. With a larger slope, a sample or two would fall behind a sharp lobe.
         let slope = scale * DVec2::new(0.02, -0.03);
         m * DMat3::from_cols(
             DVec3::new(1.1, 0.05, slope.x),
@@ -377,7 +378,8 @@ mod tests {
             let m = near(&target, scale) * far;
             let (value, gradient) = loss.value_and_gradient(&m);
             assert_eq!(value, loss.value(&m));
-            // Small beside the lobe's width, large beside the distance of its samples, whose kinks average out.
+            // Small compared with the lobe's width, large compared with the spacing of its samples, so that their kinks
+            // average out.
             let step = 3e-3 * scale;
             let norm = gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>().sqrt();
             for k in 0..9 {

@@ -1,4 +1,5 @@
-//! The lobe that one entry is fitted to: weighted samples in a frame of its own, and what is read off them once.
+//! The lobe that one entry is fitted to: weighted samples in a frame of its own, and the quantities that are computed
+//! from them once.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
@@ -13,7 +14,7 @@ use crate::fit::{
 /// digits in f32: `p.z = -(p.x^2 + p.y^2) / (1 + z)` instead of `z - 1`.
 #[derive(Debug, Clone)]
 pub(crate) struct Target {
-    /// Rotation from the lobe's frame, its mean direction +z, to the tangent frame.
+    /// Rotation from the lobe's frame, whose +z is the mean direction, to the tangent frame.
     pub(crate) frame: DMat3,
     /// Symmetries of the lobe.
     pub(crate) mirrors: Mirrors,
@@ -21,7 +22,7 @@ pub(crate) struct Target {
     pub(crate) points: Vec<DVec3>,
     /// Weights; their sum is one.
     pub(crate) weights: Vec<f64>,
-    /// Where the lobe is and how wide, in the tangential plane.
+    /// Location and width of the lobe in the tangential plane.
     pub(crate) core: LobeCore,
     /// Amplitude and Fresnel term.
     pub(crate) terms: LobeTerms,
@@ -56,7 +57,7 @@ impl Target {
     fn of_directions(directions: &[DVec3], mut weights: Vec<f64>, mirrors: Mirrors, terms: LobeTerms) -> Self {
         let total: f64 = weights.iter().sum();
         let sum = directions.iter().zip(&weights).fold(DVec3::ZERO, |sum, (wi, weight)| sum + *weight * *wi);
-        // The samples are not quite symmetric where the lobe is; its mean direction is made so.
+        // The samples of a symmetric lobe are not quite symmetric; their mean direction is made so.
         let axis = DVec3::new(if mirrors.x { 0.0 } else { sum.x }, if mirrors.y { 0.0 } else { sum.y }, sum.z);
         let frame = rotation_from_z(axis.normalize());
         let to_lobe = frame.transpose();
@@ -73,8 +74,8 @@ impl Target {
 /// degrees of freedom.
 ///
 /// That is the distribution which a sharp GGX lobe and a sharp LTC both have there: for `M = diag(a, a, 1)`, `p` has
-/// density proportional to `(1 + |p|^2 / a^2)^-2`, scatter `a^2 / 2`. Its variance is infinite, so moments tell how
-/// far the samples reach into the tails rather than how wide the lobe is; this estimate does not.
+/// density proportional to `(1 + |p|^2 / a^2)^-2`, scatter `a^2 / 2`. Its variance is infinite, so moments measure how
+/// far the samples reach into the tails. The estimate by maximum likelihood measures how wide the lobe is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LobeCore {
     /// Centre.
@@ -84,9 +85,9 @@ pub(crate) struct LobeCore {
 }
 
 impl LobeCore {
-    /// Samples that the estimate uses: its own error is far below what the fit corrects.
+    /// Samples that the estimate uses. Its error is far below the correction that the fit makes.
     const SAMPLES: usize = 512;
-    /// Reweightings; each takes out about half of what the start is off.
+    /// Reweightings; each removes about half of the remaining error.
     const ROUNDS: usize = 12;
     /// Least scatter along any axis: the square of a width in which f32 still resolves a lobe at distance one.
     const LEAST: f64 = 1e-18;
@@ -101,7 +102,7 @@ impl LobeCore {
             let (mut weight_sum, mut sum, mut outer) = (0.0, DVec2::ZERO, DMat2::ZERO);
             for (p, w) in chosen() {
                 let d = p - core.centre;
-                // (nu + 2) / (nu + d^T S^-1 d) for nu = 2; the first round, without a scatter, is plain moments.
+                // (nu + 2) / (nu + d^T S^-1 d) for nu = 2. The first round has no scatter and takes plain moments.
                 let w = w * 4.0 / (2.0 + d.dot(inverse * d));
                 weight_sum += w;
                 sum += w * p;
@@ -123,8 +124,8 @@ impl LobeCore {
 
     /// Centre and width of the projections on a direction `d` in the lobe's frame.
     ///
-    /// Off the tangential plane it is `p.z = -|p|^2 / 2` to first order that counts, whose median and spread are
-    /// half the trace of the scatter.
+    /// Perpendicular to the tangential plane, `p.z` is `-|p|^2 / 2` to leading order. The median and the spread of
+    /// `|p|^2 / 2` are half the trace of the scatter.
     pub(crate) fn project(&self, d: DVec3) -> (f64, f64) {
         let half_trace = 0.5 * (self.scatter.x_axis.x + self.scatter.y_axis.y);
         let tangential = d.truncate();
@@ -144,7 +145,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::fit::lobe::ltc::Ltc;
 
-    /// The target of a lobe that is itself an LTC: what a fit of it should give back.
+    /// The target of a lobe that is itself the LTC of `matrix`. A fit should find this matrix again.
     pub(crate) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let n = 8192;

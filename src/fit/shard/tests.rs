@@ -81,8 +81,8 @@ fn stored_matrices_are_upright_with_a_third_column_of_unit_length() {
     }
 }
 
-/// Mirror-like lobes down to the horizon, among them lines that fit best without any width: what f32 holds of them is
-/// still upright.
+/// Mirror-like lobes down to the horizon. Some of them are lines, which fit best without any width; their f32 matrices
+/// are still upright.
 #[test]
 fn f32_matrices_of_the_sharpest_lobes_are_upright() {
     for (seed, layout) in (0..3).flat_map(|seed| Layout::ALL.iter().map(move |layout| (seed, *layout))) {
@@ -103,7 +103,7 @@ fn f32_matrices_of_the_sharpest_lobes_are_upright() {
     }
 }
 
-/// Equation 16 of KT et al. 2022, exactly.
+/// The zeros of equation 16 of KT et al. 2022 hold exactly.
 #[test]
 fn symmetric_entries_have_exact_zeros() {
     for &layout in Layout::ALL {
@@ -125,8 +125,8 @@ fn check_zeros(table: &Table) {
     assert_eq!(xx, yy, "a round lobe");
 }
 
-/// Between two neighbours in any axis no aligned matrix turns by more than its neighbourhood asks for: with a jump
-/// of the gauge the halfway matrix would collapse.
+/// Aligned matrices change little between neighbours along any axis. If the gauge jumped between two of them, the
+/// matrix halfway would collapse.
 #[test]
 fn halfway_between_neighbours_no_determinant_collapses() {
     for &layout in Layout::ALL {

@@ -1,6 +1,6 @@
-//! How a distance is minimised, one file or folder each.
+//! Solvers: methods that minimise a distance, one file or folder each.
 //!
-//! A new solver is its file and its line in [`Solver`].
+//! A new solver needs a file and a line in [`Solver`].
 
 mod bfgs;
 mod objective;
@@ -17,7 +17,7 @@ named_list! {
     pub enum Solver: SolverRules {
         /// BFGS on the seven free numbers, over fixed low-discrepancy samples.
         Bfgs = "bfgs" => bfgs::Rules,
-        /// Stochastic gradient descent on all nine, over random samples [KT et al. 2022, Algorithm 3].
+        /// Stochastic gradient descent on all nine numbers, over random samples [KT et al. 2022, Algorithm 3].
         Sgd = "sgd" => sgd::Rules,
     }
 }

@@ -1,4 +1,4 @@
-//! What a solver is given, and what it is.
+//! The interface of a solver and its input.
 
 use glam::{DMat3, DVec3};
 
@@ -13,7 +13,7 @@ use crate::fit::{
 pub(crate) struct Effort {
     /// Samples of lobe and LTC in each step.
     pub(crate) samples: usize,
-    /// Directions that they are projected on.
+    /// Directions that the samples are projected on.
     pub(crate) directions: usize,
     /// Most steps.
     pub(crate) steps: u32,
@@ -37,7 +37,7 @@ pub(crate) struct Objective<'a> {
     pub(crate) stream: u64,
 }
 
-/// What a solver decides.
+/// A solver as an item of [`super::Solver`].
 pub(crate) trait SolverRules: Sync {
     /// The matrix of the lobe in the tangent frame; `None` when `pulse` stops the search.
     fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3>;

@@ -53,7 +53,7 @@ impl Uniform {
         DVec3::new(radius * cos, radius * sin, z)
     }
 
-    /// Algorithm 1: from the density proportional to the cosine-weighted lobe.
+    /// Algorithm 1: a direction drawn from the density proportional to the cosine-weighted lobe.
     fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3) -> DVec3 {
         loop {
             let u = self.pair();
@@ -71,7 +71,7 @@ const STEPS_PER_PULSE: u32 = 8;
 /// The matrix after all steps, from the identity, in the tangent frame; `None` when `pulse` stops the descent. Its
 /// determinant may have either sign.
 fn descend(brdf: &dyn Brdf, wo: DVec3, effort: &Effort, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
-    // Streams of one seed are told apart by a multiplier that mixes every bit of the entry's number.
+    // A multiplier that mixes every bit of the entry's number separates the streams of one seed.
     let seed = effort.seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(seed));
     let n = effort.samples;

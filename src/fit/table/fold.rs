@@ -1,4 +1,4 @@
-//! Any configuration from the part of their space that a table covers.
+//! Maps any configuration to the part of the domain that a table covers, and its matrix back.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,7 +28,7 @@ impl Configuration {
     }
 }
 
-/// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and how to come back from it.
+/// A configuration with `alpha_x >= alpha_y` and phi in the first quadrant, and how to return to the original.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Folded {
     pub(super) alpha: f64,
@@ -41,9 +41,10 @@ pub(super) struct Folded {
 }
 
 impl Folded {
-    /// [KT et al. 2022, equations 13 and 15].
+    /// Folds a configuration [KT et al. 2022, equations 13 and 15].
     pub(super) fn of(c: &Configuration) -> Self {
-        // Whole turns first. The remainder of a tiny negative angle rounds to a whole turn, which is none.
+        // Removes whole turns first. The remainder of a tiny negative angle rounds to a whole turn, which folds to
+        // zero.
         let turned = c.phi.rem_euclid(2.0 * PI);
         let (phi, mirror_x, mirror_y) = if turned <= FRAC_PI_2 {
             (turned, false, false)
@@ -115,7 +116,7 @@ mod tests {
             let c = Configuration { alpha_x, alpha_y, theta, phi };
             let folded = Folded::of(&c);
             prop_assert!((0.0..=FRAC_PI_2).contains(&folded.phi) && (0.0..=1.0).contains(&folded.ratio));
-            // F is what unfolding does to a matrix's last column.
+            // F is the map that unfolding applies to a matrix's last column.
             let f = |w: DVec3| folded.unfold(DMat3::from_cols(DVec3::ZERO, DVec3::ZERO, w)).z_axis;
             let (wo, wi) = (view(theta, folded.phi), view(wi_theta, wi_phi));
             prop_assert!((f(wo) - view(theta, phi)).length() < 1e-12);

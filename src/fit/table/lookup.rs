@@ -8,14 +8,14 @@ use crate::fit::{
     math::{from_row_major, row_major, turned_about_z},
 };
 
-/// What a table says of a configuration.
+/// The numbers of a table at a configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookedUp {
     /// `M` in the surface's tangent frame, row-major.
     pub matrix: [f64; 9],
     /// Directional albedo for a Fresnel factor of one, if the table has terms.
     pub amplitude: Option<f64>,
-    /// Its part weighted by Schlick's fifth power, if the table has terms.
+    /// The same albedo, weighted by Schlick's fifth power, if the table has terms.
     pub fresnel: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ struct Between {
 }
 
 impl Between {
-    /// Where `x` lies among ascending nodes; outside them, at the nearest.
+    /// The place of `x` among ascending nodes; outside them, the nearest node.
     fn find(nodes: &[f64], x: f64) -> Self {
         let upper = nodes.partition_point(|node| *node <= x);
         if upper == 0 || upper == nodes.len() {
@@ -38,7 +38,7 @@ impl Between {
         Self { lower: upper - 1, weight: (x - low) / (high - low) }
     }
 
-    /// The nodes with their weights; a node without weight is left out, it may not exist.
+    /// The nodes with their weights. A node without weight is left out, because it may not exist.
     fn corners(self) -> impl Iterator<Item = (usize, f64)> {
         [(self.lower, 1.0 - self.weight), (self.lower + 1, self.weight)].into_iter().filter(|(_, weight)| *weight > 0.0)
     }
@@ -54,10 +54,11 @@ fn clamped(x: f64, nodes: &[f64]) -> f64 {
 }
 
 impl Table {
-    /// The table at a configuration: all four quadrants of phi, either roughness larger; outside the table's ranges
-    /// the nearest configuration inside. Between nodes, weights are linear along each axis.
+    /// The numbers of the table at a configuration. Phi may lie in any quadrant, and either roughness may be the larger
+    /// one. Outside the table's ranges the nearest configuration inside answers. Between nodes, weights are linear
+    /// along each axis.
     ///
-    /// Domain: finite numbers. A table without entries has no lookup: its axes are never empty.
+    /// Domain: finite numbers, and a table with at least one node on each axis.
     #[must_use]
     pub fn lookup(&self, configuration: &Configuration) -> LookedUp {
         let folded = Folded::of(configuration);
@@ -76,14 +77,15 @@ impl Table {
         LookedUp { matrix: row_major(&folded.unfold(matrix)), amplitude, fresnel }
     }
 
-    /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the view.
+    /// Whether this is a table of isotropic surfaces with one phi, which serves every phi: the lobe turns with the
+    /// view.
     #[must_use]
     pub fn serves_every_phi(&self) -> bool {
         self.axes.ratio == [1.0] && self.axes.phi.len() == 1
     }
 
-    /// The stored matrix and terms between the entries around a place within the nodes; terms of zero where there are
-    /// none.
+    /// The stored matrix and terms, interpolated between the entries around a place within the nodes. The terms are
+    /// zero in a table without terms.
     fn interpolate(&self, place: &PerAxis<f64>) -> LobeNumbers {
         let axes = &self.axes;
         let place = PerAxis {

@@ -15,7 +15,7 @@ pub use lookup::LookedUp;
 pub struct Terms {
     /// Directional albedo for a Fresnel factor of one.
     pub(crate) amplitude: Vec<f32>,
-    /// The part of it that Schlick's fifth power weighs.
+    /// The same albedo, weighted by Schlick's fifth power.
     pub(crate) fresnel: Vec<f32>,
 }
 
@@ -24,7 +24,7 @@ pub struct Terms {
 pub struct Table {
     /// The scattering model that was fitted.
     pub(crate) brdf: BrdfKind,
-    /// What the numbers mean.
+    /// The layout, which defines what the stored numbers mean.
     pub(crate) layout: Layout,
     /// Ascending nodes of each axis.
     pub(crate) axes: PerAxis<Vec<f64>>,
@@ -43,7 +43,7 @@ impl Table {
         self.brdf
     }
 
-    /// What the stored numbers mean.
+    /// The layout, which defines what the stored numbers mean.
     #[must_use]
     pub fn layout(&self) -> Layout {
         self.layout
@@ -55,7 +55,7 @@ impl Table {
         &self.axes
     }
 
-    /// Stored matrices, row-major, an entry each.
+    /// Stored matrices, row-major, one for each entry.
     #[must_use]
     pub fn matrices(&self) -> &[[f32; 9]] {
         &self.matrix
@@ -81,7 +81,7 @@ impl Terms {
         &self.amplitude
     }
 
-    /// Its part that Schlick's fifth power weighs.
+    /// The same albedo, weighted by Schlick's fifth power.
     #[must_use]
     pub fn fresnel(&self) -> &[f32] {
         &self.fresnel

@@ -43,7 +43,7 @@ fn headers_of_every_version_order_and_spacing_are_read() {
     }
 }
 
-/// The published table has some: they are for the report to tell.
+/// The published table has matrices with a negative determinant. The report counts them.
 #[test]
 fn negative_determinants_are_let_through() {
     let flipped = [1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0];

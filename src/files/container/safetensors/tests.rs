@@ -29,7 +29,7 @@ fn file(terms: bool) -> Vec<u8> {
     encode(&recipe, &table).expect("a consistent table")
 }
 
-/// The file of an example that `change` has made wrong.
+/// The error that decoding gives for an example that `change` has made wrong.
 fn broken(change: impl FnOnce(&mut Recipe, &mut Table)) -> TableFileError {
     let (mut recipe, mut table) = example(true);
     change(&mut recipe, &mut table);
@@ -60,7 +60,7 @@ fn a_file_of_half_floats_takes_half_the_bytes() {
     assert_eq!(decode(&file_of_halves), Ok(TableFile { recipe, table }));
 }
 
-/// A fitter reads what older ones made, under their version; a newer one's it cannot know.
+/// A fitter reads tables of older fitters, which keep their version. It does not read those of a newer fitter.
 #[test]
 fn tables_of_older_fitters_can_be_read() {
     let (mut recipe, table) = example(true);
@@ -113,7 +113,7 @@ fn numbers_that_make_no_table_are_named() {
 fn tensors_that_the_recipe_does_not_ask_for_are_not_canonical() {
     assert_eq!(broken(|recipe, _| recipe.terms = false), TableFileError::NotCanonical);
     let mut padded = file(true);
-    // One more blank in the header, which safetensors allows, moves the data by one.
+    // Eight more blanks in the header, which safetensors allows, move the data.
     let length = u64::from_le_bytes(padded[..8].try_into().expect("eight bytes")) + 8;
     padded[..8].copy_from_slice(&length.to_le_bytes());
     let end = length as usize;
@@ -135,7 +135,8 @@ fn other_containers_and_recipes_are_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Each table has one file: what decodes after a bit has changed encodes to exactly the changed bytes.
+    /// Each table has one file: if a file decodes after a bit has changed, its table encodes to exactly the changed
+    /// bytes.
     #[test]
     fn a_changed_bit_is_an_error_or_another_table(at in 0..file(true).len() * 8) {
         let mut bytes = file(true);

@@ -7,12 +7,12 @@ use crate::fit::{brdf::Mirrors, math::rotation_from_z};
 /// The matrix of the same distribution whose first two columns are turned so that, seen along the third, their
 /// block is symmetric and positive definite.
 ///
-/// `M R_z` makes the same distribution as `M` for every rotation `R_z`, and so does `M diag(1, -1, 1)`
-/// [KT et al. 2022, section 5]; neither moves the third column. With `M = R M'`, `R` the smallest rotation that
-/// takes +z to that column's direction, `det M'` is the upper-left block's determinant times a length, so the block
-/// has a positive determinant where M has, and exactly one rotation, its polar factor, makes it symmetric and
-/// positive definite. It is continuous in M. The paper's choice, nearest to the identity, jumps where a lobe is far
-/// from the pole. Domain: `M` regular, its third column not along -z.
+/// `M R_z` makes the same distribution as `M` for every rotation `R_z`, and so does `M diag(1, -1, 1)` [KT et al. 2022,
+/// section 5]; neither moves the third column. Let `M = R M'`, where `R` is the smallest rotation that takes +z to that
+/// column's direction. Then `det M'` is the determinant of the upper-left block times a length, so the block has a
+/// positive determinant where `M` has one. Exactly one rotation, the block's polar factor, makes the block symmetric
+/// and positive definite. This rotation is continuous in `M`. The paper's choice, the matrix nearest to the identity,
+/// jumps where a lobe is far from the pole. Domain: `M` regular, its third column not along -z.
 ///
 /// The block is opened until its eigenvalues have at least the ratio `flattest`.
 pub(crate) fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
@@ -24,16 +24,16 @@ pub(crate) fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     symmetrised(frame * opened(turned(local), flattest), mirrors)
 }
 
-/// What lies between a lobe's reflection `K` and its matrix `M`: `K^-1 M`, opened like an aligned matrix, its first two
-/// columns turned so that their upper block is symmetric.
+/// The matrix `K^-1 M` between a lobe's reflection `K` and its matrix `M`. It is opened like an aligned matrix, and its
+/// first two columns are turned so that their upper block is symmetric.
 ///
 /// `K` is smooth, so this gauge is as continuous as that of [`align`].
 pub(crate) fn align_to(reflection: &DMat3, m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     symmetrised(turned(align(&(reflection.inverse() * *m), mirrors, flattest)), mirrors)
 }
 
-/// Turns the first two columns so that their upper block is symmetric and, where its determinant is positive, positive
-/// definite: its polar factor.
+/// Turns the first two columns by the polar factor of their upper block. The block becomes symmetric and, where its
+/// determinant is positive, positive definite.
 fn turned(mut local: DMat3) -> DMat3 {
     let (x, y) = (local.x_axis, local.y_axis);
     let (cos, sin) = (x.x + y.y, x.y - y.x);
@@ -47,7 +47,8 @@ fn turned(mut local: DMat3) -> DMat3 {
     local
 }
 
-/// Opens a block that is nearly a line: to its smaller eigenvalue goes what it lacks of `flattest` times the larger.
+/// Opens a block that is nearly a line: adds to its diagonal what the smaller eigenvalue lacks of `flattest` times the
+/// larger one.
 fn opened(mut m: DMat3, flattest: f64) -> DMat3 {
     let (xx, xy, yy) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);
     let (half_trace, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));

@@ -1,15 +1,17 @@
 //! The integral of a distribution over a polygon, in closed form.
 //!
-//! Seen from the origin, a polygon's edges are arcs of great circles. The clamped cosine over it is the z of its
-//! vector form factor, `1/(2 pi) sum acos(a . b) (a x b).z / |a x b|` over its edges from `a` to `b` on the unit
-//! sphere, once the part below the horizon is cut off [Lambert 1760; Heitz, Dupuy, Hill, Neubelt 2016, equation 11].
+//! Seen from the origin, a polygon's edges are arcs of great circles. The integral of the clamped cosine over the
+//! polygon is the z of its vector form factor, `1/(2 pi) sum acos(a . b) (a x b).z / |a x b|` over its edges from `a`
+//! to `b` on the unit sphere, once the part below the horizon is cut off [Lambert 1760; Heitz, Dupuy, Hill, Neubelt
+//! 2016, equation 11].
 //!
-//! Of a small polygon the `(a x b).z` cancel: they are of the size of its edges, their sum is of the size of its area.
-//! Around a closed outline they add up to `((a - o) x (b - o)).z` for any `o`, and with `o` on the polygon those are as
-//! small as their sum. So an edge adds this, and `(a x b).z (acos(a . b) / |a x b| - 1)` for its bend.
+//! For a small polygon the terms `(a x b).z` cancel: each is of the size of an edge, their sum is of the size of the
+//! area. Around a closed outline the terms `((a - o) x (b - o)).z` have the same sum for any `o`. With `o` on the
+//! polygon, they are as small as their sum. So an edge adds this term, and `(a x b).z (acos(a . b) / |a x b| - 1)` for
+//! its bend.
 //!
-//! A convex polygon crosses the horizon at most twice, so that edges can be cut and added one after another, and one
-//! arc along the horizon closes what is left: no list of clipped vertices is ever made.
+//! A convex polygon crosses the horizon at most twice. So edges can be cut and added one after another, and one arc
+//! along the horizon closes the outline. No list of clipped vertices is made.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -18,19 +20,19 @@ use glam::DVec3;
 use super::Ltc;
 use crate::fit::math::atan2_upper;
 
-/// Most vertices of a light in the shaders; cut at the horizon it has one more.
+/// Most vertices of a light in the shaders. A light that is cut at the horizon has one more.
 pub const MAX_VERTICES: usize = 8;
 
 /// The sides from which a polygon can be seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sides {
-    /// Only that from which its vertices run clockwise.
+    /// Only the side from which the vertices run clockwise.
     One,
-    /// Both.
+    /// Both sides.
     Two,
 }
 
-/// Numbers that the integral is written for: f64, and f32 as in the shaders.
+/// The number types of the integral: f64, and f32 as in the shaders.
 pub trait Scalar:
     Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -40,7 +42,7 @@ pub trait Scalar:
     const ONE: Self;
     /// One turn.
     const TAU: Self;
-    /// The shortest length that a vector has a direction for.
+    /// The shortest length of a vector that has a direction.
     const SHORTEST: Self;
     /// The square root.
     #[must_use]
@@ -99,7 +101,7 @@ impl<T: Scalar> Clip<T> {
         Self { sum: T::ZERO, origin, previous: vertex, previous_unit: origin, leaves: nowhere, enters: nowhere }
     }
 
-    /// Adds what lies above the horizon of the edge to the next vertex.
+    /// Adds the part of the edge to the next vertex that lies above the horizon.
     pub fn edge_to(&mut self, vertex: [T; 3]) {
         let (a, b) = (self.previous, vertex);
         let (a_unit, b_unit) = (self.previous_unit, unit(vertex));
@@ -125,8 +127,8 @@ impl<T: Scalar> Clip<T> {
         (self.sum + closing) / T::TAU
     }
 
-    /// An edge's part of the sum; its angle from sine and cosine, which is accurate for every length of arc where `acos`
-    /// is not.
+    /// An edge's part of the sum. Its angle comes from sine and cosine, which is accurate for every length of arc;
+    /// `acos` is not.
     fn arc(&self, a: [T; 3], b: [T; 3]) -> T {
         let c = cross(a, b);
         let sin = dot(c, c).sqrt();
@@ -135,7 +137,7 @@ impl<T: Scalar> Clip<T> {
     }
 }
 
-/// The vector on the unit sphere; zero for one that has no direction.
+/// The vector scaled to the unit sphere; zero for a vector without a direction.
 fn unit<T: Scalar>(v: [T; 3]) -> [T; 3] {
     let length = dot(v, v).sqrt();
     if length > T::SHORTEST { [v[0] / length, v[1] / length, v[2] / length] } else { [T::ZERO; 3] }
@@ -160,7 +162,7 @@ impl Ltc {
     #[must_use]
     pub fn polygon(&self, vertices: &[DVec3], sides: Sides) -> f64 {
         let inverse = self.inverse();
-        // A mirroring matrix turns the polygon over.
+        // A matrix that mirrors reverses the polygon's winding.
         let side = if inverse.determinant() < 0.0 { -1.0 } else { 1.0 };
         let Some(last) = vertices.last() else { return 0.0 };
         let mut clip = Clip::begin((inverse * *last).to_array());

@@ -4,8 +4,8 @@ use glam::{DMat2, DMat3, DVec2};
 
 use crate::fit::{math::symmetric_sqrt, metric::LobeCore};
 
-/// The `M = [[root^2, centre], [0, 1]]` of an LTC whose core lies and scatters as the lobe's does. Maps cosine space
-/// to the lobe's frame.
+/// The `M = [[root^2, centre], [0, 1]]` of an LTC whose core has the location and scatter of the lobe's. Maps cosine
+/// space to the lobe's frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Guess {
     /// Square root of the upper-left block, symmetric and positive definite like the block.
@@ -15,8 +15,9 @@ pub(crate) struct Guess {
 }
 
 impl Guess {
-    /// For a sharp lobe the block is `sqrt(2 S)` with the scatter `S` of [`LobeCore`]. The clamped cosine itself,
-    /// `M = I`, scatters by 0.2 along either axis, where the factor 2 has become 5; in between it follows the trace.
+    /// For a sharp lobe the block is `sqrt(2 S)` with the scatter `S` of [`LobeCore`]. The clamped cosine itself, `M = I`,
+    /// has a scatter of 0.2 along either axis and needs a factor of 5 in place of 2. In between, the factor is linear
+    /// in the trace.
     pub(crate) fn of(core: &LobeCore) -> Self {
         let trace = core.scatter.x_axis.x + core.scatter.y_axis.y;
         Self { root: symmetric_sqrt(symmetric_sqrt(core.scatter * (2.0 + 7.5 * trace))), centre: core.centre }

@@ -3,7 +3,7 @@
 /// Most variables.
 pub(super) const VARIABLES: usize = 7;
 
-/// A point, a gradient, a direction.
+/// A point, a gradient or a direction.
 pub(super) type Vector = [f64; VARIABLES];
 
 /// A step must give at least this part of the decrease that the gradient promises (Armijo).
@@ -48,8 +48,8 @@ impl InverseHessian {
         self.rows.map(|row| dot(&row, v))
     }
 
-    /// `H <- (I - rho s y^T) H (I - rho y s^T) + rho s s^T` with `rho = 1 / (y^T s)`, for the step `s` and the
-    /// change `y` of the gradient. A step along which the slope fell teaches nothing and is passed over.
+    /// `H <- (I - rho s y^T) H (I - rho y s^T) + rho s s^T` with `rho = 1 / (y^T s)`, for the step `s` and the change
+    /// `y` of the gradient. A step along which the slope fell is ignored: it shows no positive curvature.
     fn learn(&mut self, s: &Vector, y: &Vector) {
         let ys = dot(y, s);
         let yy = dot(y, y);
@@ -74,7 +74,7 @@ impl InverseHessian {
 }
 
 /// Minimises `function`, which gives value and gradient, from `start`. Variables that are not `free` stay put. Where
-/// `function` gives nothing the search is given up, and so is its result.
+/// `function` gives `None` the search ends with `None`.
 ///
 /// Returns the lowest point that was found. A value that is not finite counts as too high.
 pub(super) fn minimise(
@@ -135,7 +135,7 @@ pub(super) fn minimise(
         hessian.learn(&s, &y);
         let decrease = value - next_value;
         (point, value, gradient) = (next_point, next_value, next_gradient);
-        // One short step may be the line search's; two in a row are the end.
+        // The line search may cause one short step. Two in a row mean convergence.
         small_steps = if decrease <= stop.relative_decrease * value { small_steps + 1 } else { 0 };
         if small_steps == 2 {
             break;

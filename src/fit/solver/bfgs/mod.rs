@@ -8,10 +8,11 @@
 //!     | lx ly 1 |   |   0    0          1     |
 //! ```
 //!
-//! A symmetric block takes out the rotation about z that leaves a clamped cosine unchanged, the corner the scale.
-//! All seven are of order one for every lobe, however sharp or thin: `A` tells how its axes change, `a` how far it
-//! moves in units of its width, and `l` the slope of the plane that the first two columns span, which is zero in
-//! the limit of a mirror. Where the lobe has a mirror symmetry, the numbers that would break it are not free.
+//! The symmetry of the block removes the rotation about z that leaves a clamped cosine unchanged. The 1 in the corner
+//! removes the scale. All seven numbers are of order one for every lobe, however sharp or thin: `A` changes the lobe's
+//! axes, `a` moves the lobe, in units of its width, and `l` is the slope of the plane that the first two columns span,
+//! which is zero in the limit of a mirror. Where the lobe has a mirror symmetry, the numbers that would break it are
+//! not free.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
@@ -24,10 +25,10 @@ use self::minimise::{StopRule, VARIABLES, Vector, minimise};
 use super::objective::{Objective, SolverRules};
 use crate::fit::{brdf::Mirrors, math::ln, metric::Loss, pulse::Pulse};
 
-/// BFGS stops when two steps in a row lower the loss by less than this part: after some 25 evaluations. A tenth of it
-/// takes 40 and lowers a table's error by a tenth of a per cent.
+/// BFGS stops when two steps in a row lower the loss by less than this part: after some 25 evaluations. A limit of a
+/// tenth of this takes 40 evaluations and lowers a table's error by a tenth of a per cent.
 const RELATIVE_DECREASE: f64 = 1e-4;
-/// Evaluations until it has converged.
+/// Evaluations until BFGS has converged.
 const EVALUATIONS: u32 = 25;
 
 /// BFGS as an item of [`super::Solver`].
@@ -46,11 +47,11 @@ impl SolverRules for Rules {
     }
 }
 
-/// Cost of a slope of one, in units of the lobe's width. A sharp lobe hardly feels its columns' slope: left alone,
-/// the samples' noise would set it. A broad one hardly feels this cost.
+/// Cost of a slope of one, in units of the lobe's width. The slope of its columns hardly changes a sharp lobe; without
+/// this cost the samples' noise would set it. The cost hardly changes the fit of a broad lobe.
 const SLOPE_COST: f64 = 1e-4;
-/// Cost of an e-fold less area, in units of the lobe's width. A lobe that is a curved line would flatten `M` until
-/// no f32 number could hold its determinant; other lobes hardly feel it.
+/// Cost of an area that is smaller by a factor of e, in units of the lobe's width. Without it a lobe that is a curved
+/// line would flatten `M` until no f32 number could hold its determinant. It hardly changes the fit of other lobes.
 const AREA_COST: f64 = 1e-4;
 
 /// The seven numbers as matrices.
@@ -93,7 +94,7 @@ impl Parts {
         let by_slope = by_m.x_axis.z * flat.x_axis.truncate()
             + by_m.y_axis.z * flat.y_axis.truncate()
             + by_m.z_axis.z * flat.z_axis.truncate();
-        // Through the slope: a flat element also moves the element below it.
+        // Through the slope, an element of the flat matrix also moves the third row's element below it.
         let by_flat = |column: DVec3| column.truncate() + self.slope * column.z;
         let by_block = DMat2::from_cols(by_flat(by_m.x_axis), by_flat(by_m.y_axis));
         let by_shape = guess.root * by_block * guess.root;
@@ -102,7 +103,7 @@ impl Parts {
         [by_shape.x_axis.x, by_xy, by_shape.y_axis.y, by_shift.x, by_shift.y, by_slope.x, by_slope.y]
     }
 
-    /// What keeps `M` regular, `SLOPE_COST |l|^2 - AREA_COST ln det(I + A)`, and its gradient.
+    /// The cost that keeps `M` regular, `SLOPE_COST |l|^2 - AREA_COST ln det(I + A)`, and its gradient.
     fn cost(&self) -> (f64, Vector) {
         let area = self.shape.determinant();
         let by_area = AREA_COST / area;
@@ -113,20 +114,22 @@ impl Parts {
     }
 }
 
-/// The numbers that a lobe with these symmetries leaves free: those with an even count of each mirrored axis.
+/// The numbers that a lobe with these symmetries leaves free: those in whose name (`xx`, `xy`, `yy`, `ax`, `ay`, `lx`,
+/// `ly`) each mirrored axis stands an even number of times.
 fn free_variables(mirrors: Mirrors) -> [bool; VARIABLES] {
     let Mirrors { x, y } = mirrors;
     [true, !(x || y), true, !x, !y, !x, !y]
 }
 
-/// Evaluations between two pulses: a pulse costs nothing beside them, and the largest allowed ones take seconds.
+/// Evaluations between two pulses. A pulse costs nothing compared with them, and with the largest settings allowed they
+/// take seconds.
 const EVALUATIONS_PER_PULSE: u32 = 32;
 
 /// The matrix near `guess` with the lowest loss; `None` when `pulse` stops the search. It maps cosine space to the
 /// lobe's frame.
 fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, pulse: &mut Pulse) -> Option<DMat3> {
     let mut evaluations = 0;
-    // In units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
+    // The loss is in units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
     let inv_spread = 1.0 / loss.spread();
     let lowest = minimise([0.0; VARIABLES], free_variables(mirrors), stop, |v| {
         evaluations += 1;
@@ -134,7 +137,8 @@ fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, 
             return None;
         }
         let parts = Parts::of(v);
-        // The upright side: a mirrored `M` is the same distribution as an upright one, a flat one is none.
+        // Only upright matrices are searched: a mirrored `M` makes the same distribution as an upright one, and a flat
+        // one makes none.
         if parts.shape.determinant() <= 0.0 || parts.shape.x_axis.x <= 0.0 {
             return Some((f64::INFINITY, [0.0; VARIABLES]));
         }
@@ -181,7 +185,7 @@ mod tests {
         let cases = [
             (DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8)),
             (DVec3::new(0.05, 0.0, 0.02), DVec3::new(0.01, 0.02, 0.0), DVec3::new(-0.7, -0.5, 0.4)),
-            // Sharp: its tilt cannot be seen, so the planted one has none.
+            // A sharp lobe. A tilt would not show, so the planted matrix has none.
             (DVec3::new(8e-4, 0.0, -6e-4), DVec3::new(0.0, 2e-4, 0.0), DVec3::new(0.6, 0.0, 0.8)),
         ];
         for (x, y, z) in cases {

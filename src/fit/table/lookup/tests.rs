@@ -47,7 +47,7 @@ fn matrix(a: f64, r: f64, t: f64, p: f64) -> [f64; 9] {
     [1.0 + a, 0.1 * p, 0.2 * t, 0.05 * r, 1.0 + r, 0.3 * p, 0.1 * a, 0.2 * p, 1.0 + t]
 }
 
-/// What f32 storage leaves of a number of order one.
+/// A bound of the rounding error of a number of order one in f32.
 const F32: f64 = 3e-7;
 
 fn close(a: [f64; 9], b: [f64; 9]) -> bool {
@@ -95,7 +95,7 @@ fn on_a_node_the_stored_entry_answers_exactly() {
     let table = linear();
     for (index, stored) in table.matrix.iter().enumerate() {
         let (a, r) = (table.axes.alpha[index / 18], table.axes.ratio[index / 9 % 2]);
-        // A ratio of 1 is met exactly; 0.2 is only met where a * 0.2 / a is 0.2 again.
+        // The lookup finds a ratio of 1 exactly, and 0.2 only where a * 0.2 / a is 0.2 again.
         if a * r / a == r {
             let phi = table.axes.phi[index % 3];
             let found = at(a, a * r, table.axes.theta[index / 3 % 3], phi);
@@ -123,7 +123,7 @@ fn an_isotropic_table_turns_with_the_view() {
     let m = from_row_major(&stored);
     for phi in [0.0, 0.4, FRAC_PI_2, 2.0, PI, 4.0, 5.5, -0.3] {
         let found = table.lookup(&Configuration { alpha_x: 0.5, alpha_y: 0.5, theta: 0.7, phi });
-        // Up to the gauge: what both make of the directions that a rotation about z leaves, z itself, and of M M^T.
+        // Both are equal up to the gauge: a rotation about z changes neither the third column nor M M^T.
         let (found, wanted) = (from_row_major(&found.matrix), turned_about_z(m, phi));
         assert!((found.z_axis - wanted.z_axis).length() < F32, "{phi}: {found} {wanted}");
         let square = |m: glam::DMat3| m * m.transpose();
@@ -131,7 +131,7 @@ fn an_isotropic_table_turns_with_the_view() {
     }
 }
 
-/// A table of layout `reflected` that adds nothing to the reflection: what it answers is the reflection's own.
+/// A table of layout `reflected` with the same matrix in every entry, and with terms that are the reflection's own.
 fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
     let entries = axes.named().iter().map(|(_, nodes)| nodes.len()).product();
     Table {

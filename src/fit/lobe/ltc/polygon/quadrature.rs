@@ -1,4 +1,4 @@
-//! Random polygons and matrices, and what they integrate to by another method.
+//! Random polygons and matrices, and their integrals by another method.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Nodes and weights of Gauss-Legendre of order 8 on [-1, 1], those on one side.
+/// The positive nodes, with their weights, of the Gauss-Legendre rule of order 8 on [-1, 1].
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -14,9 +14,10 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// The part of `M c`, for clamped-cosine `c`, that falls into the polygon: for each azimuth of `c` the directions whose
-/// image lies inside all edges' planes are an interval, and the cosine over it is known; the azimuth is summed by
-/// Gauss's rule between the azimuths at which the interval's ends change. No edge integral, no clipping, no inverse.
+/// The part of `M c`, for clamped-cosine `c`, that falls into the polygon. For each azimuth of `c`, the directions
+/// whose image lies inside the planes of all edges are an interval, over which the integral of the cosine is known.
+/// Gauss's rule integrates over the azimuth, between the azimuths at which the interval's ends change. The method has
+/// no edge integral, no clipping and no inverse.
 pub(crate) fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
     let n = polygon.len();
     let inside = polygon.iter().sum::<DVec3>();
@@ -38,7 +39,7 @@ pub(crate) fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
     cuts.sort_by(f64::total_cmp);
     let at = |azimuth: f64| {
         let (sin, cos) = azimuth.sin_cos();
-        // Directions (t cos, t sin, 1) for t in [0, inf): each plane says slope t + z >= 0.
+        // Directions (t cos, t sin, 1) for t in [0, inf): each plane demands slope t + z >= 0.
         let (mut low, mut high) = (0.0_f64, f64::INFINITY);
         for plane in &planes {
             let slope = plane.x * cos + plane.y * sin;
@@ -50,7 +51,7 @@ pub(crate) fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
                 return 0.0;
             }
         }
-        // The cosine up to t is sin^2 / (2 pi) = t^2 / (1 + t^2) / (2 pi).
+        // The integral of the cosine up to t is sin^2 / (2 pi) = t^2 / (1 + t^2) / (2 pi).
         let up_to = |t: f64| if t.is_finite() { t * t / (1.0 + t * t) } else { 1.0 };
         if high > low { (up_to(high) - up_to(low)) / TAU } else { 0.0 }
     };
@@ -67,8 +68,8 @@ pub(crate) fn polygon(centre: DVec3, axes: [DVec3; 2], mut angles: Vec<f64>) -> 
     angles.into_iter().map(|angle| centre + axes[0] * angle.cos() + axes[1] * angle.sin()).collect()
 }
 
-/// As many as are asked for, always the same: a convex polygon of 3 to 8 vertices, and a matrix, every other one as of a
-/// lobe.
+/// `count` cases, the same in every run. Each is a convex polygon of 3 to 8 vertices and a matrix; every other matrix
+/// is like that of a lobe.
 pub(crate) fn random_cases(count: usize) -> impl Iterator<Item = (Vec<DVec3>, DMat3)> {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(4));
     (0..count).map(move |i| (draw.polygon(), draw.matrix(i)))
@@ -92,7 +93,7 @@ impl Draw {
         polygon(self.vector() * 2.0, axes, angles)
     }
 
-    /// Every other one as of a lobe: sharp, needle-like, seen from anywhere.
+    /// A random matrix. Every other one is like that of a lobe: sharp, needle-like, seen from any direction.
     fn matrix(&mut self, i: usize) -> DMat3 {
         if i % 2 == 1 {
             return DMat3::from_cols(self.vector(), self.vector(), self.vector() + DVec3::Z);

@@ -24,7 +24,8 @@ fn ten_thousand_polygons_agree_with_quadrature() {
     assert!(clipped > 3000 && lit > 3000, "{clipped} clipped, {lit} lit");
 }
 
-/// The closed form of a square patch seen from under a corner, as every text on form factors has it.
+/// The square is four patches, each with a corner straight above the origin. Texts on form factors have the closed form
+/// of such a patch.
 #[test]
 fn a_square_above_has_the_form_factor_of_the_books() {
     let square = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| DVec3::new(x, y, 1.0));
@@ -60,7 +61,7 @@ fn below_the_horizon_is_exactly_nothing() {
     assert_eq!(cosine.polygon(&flat[..2], Sides::Two), 0.0);
 }
 
-/// The integral in f32, with a matrix that was inverted and scaled as the shader does it.
+/// The integral in f32, with the inverse of `m` scaled as in the shader.
 fn in_f32(m: DMat3, polygon: &[DVec3]) -> f32 {
     let inverse = m.inverse();
     let scale = inverse.to_cols_array().into_iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
@@ -72,7 +73,7 @@ fn in_f32(m: DMat3, polygon: &[DVec3]) -> f32 {
     clip.finish()
 }
 
-/// Zero, the horizon, a right angle and their neighbours among ordinary numbers.
+/// An ordinary number, zero, one, or a number close to zero.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![-3.0..3.0, Just(0.0), Just(1.0), (-3_i64..3).prop_map(|ulps| ulps as f64 * 1e-16), -1e-6..1e-6]
 }
@@ -93,7 +94,7 @@ proptest! {
         vertices in prop::collection::vec((coordinate(), coordinate(), coordinate()), 3..=MAX_VERTICES),
         alpha_x in hard_alpha(), alpha_y in hard_alpha(), theta in hard_theta(), phi in prop_oneof![0.0..TAU, Just(0.0), Just(FRAC_PI_2)],
     ) {
-        // Any closed outline, degenerate ones too.
+        // Any closed outline, also a degenerate one.
         let outline: Vec<DVec3> = vertices.into_iter().map(DVec3::from).collect();
         let m = mirror_like(alpha_x, alpha_y, theta, phi);
         if let Some(ltc) = Ltc::new(m) {
@@ -113,7 +114,7 @@ proptest! {
         let outline = polygon(DVec3::from(centre), [DVec3::from(first), DVec3::from(second)], angles);
         let m = mirror_like(alpha_x, alpha_y, theta, phi);
         let exact = Ltc::new(m).expect("regular").polygon(&outline, Sides::Two);
-        // Degenerate slivers seen edge on lose digits, but no more than this.
+        // Degenerate slivers that are seen edge on lose digits, but no more than this.
         prop_assert!((f64::from(in_f32(m, &outline)).abs() - exact).abs() < 1e-3, "{}", exact);
     }
 }
