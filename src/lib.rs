@@ -78,7 +78,9 @@ pub use files::{
     digest::Digest,
     recipe_document::{Fault, Preset, RecipeError},
 };
-pub use fit::{BrdfKind, Configuration, Layout, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Solver, Table};
+pub use fit::{
+    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Solver, Table,
+};
 pub use glam;
 #[cfg(feature = "shaders")]
 pub use library::shader;

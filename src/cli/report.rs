@@ -12,8 +12,7 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
-    files::manifest::table_report,
-    fit::{Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Report, Spread, TermError, extremes, report},
+    fit::{Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Report, Spread, TermError, extremes, report, report_points},
 };
 
 /// A table and its figures.
@@ -27,7 +26,7 @@ struct MeasuredTable {
 /// Measures a table and prints the figures.
 pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let read = AnyTable::read(&args.table)?;
-    let measured = args.threads.pool()?.install(|| measure(&read, args.extremes));
+    let measured = args.threads.pool()?.install(|| measure(&read, args));
     let mut value = json!({
         "file": read.path,
         "digest": measured.digest,
@@ -41,12 +40,13 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
     Ok(Exit::Ok)
 }
 
-fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, with_extremes: bool) -> MeasuredTable {
-    let report = match origin {
-        Origin::Recipe(recipe) => table_report(table, recipe),
-        Origin::Range(range) => report(table, range, MOST_POINTS),
+fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs) -> MeasuredTable {
+    let (range, usual) = match origin {
+        Origin::Recipe(recipe) => (&recipe.range, report_points(recipe)),
+        Origin::Range(range) => (range, MOST_POINTS),
     };
-    let corners = with_extremes.then(|| extremes(table));
+    let report = report(table, range, args.points.map_or(usual, |points| points as usize));
+    let corners = args.extremes.then(|| extremes(table));
     MeasuredTable { digest: *digest, resolution: table.axes.lengths(), report, corners }
 }
 

@@ -31,6 +31,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     let column = |value: fn(&Stored) -> f64| stored.iter().map(|entry| round(value(entry))).collect();
     Table {
         brdf: recipe.brdf,
+        lobe: recipe.lobe,
         layout: recipe.layout,
         axes: plan.nodes().clone(),
         matrix: stored.iter().map(|entry| entry.matrix.map(round)).collect(),

@@ -13,7 +13,7 @@ pub struct Expectation {
     pub error: f64,
 }
 
-/// Error that a finite number of samples adds: `2.56 samples^-1.3`, read off docs/tradeoff.md's full run from 64 to
+/// Error that a finite number of samples adds: `2.56 samples^-1.3`, read off a full run of docs/tradeoff.md from 64 to
 /// 2048 samples.
 const SAMPLES: [f64; 2] = [2.56, -1.3];
 /// Error that a finite number of directions adds: `0.04 directions^-2`, read off the same run from 4 to 32 directions.
@@ -40,8 +40,8 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
 mod tests {
     use super::*;
     use crate::fit::{
-        BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, PerAxis, Plan, Precision, Solver, assemble, fit_shard,
-        report,
+        BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver, assemble,
+        fit_shard, report,
     };
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
@@ -50,6 +50,7 @@ mod tests {
         Recipe {
             fitter: FITTER_VERSION,
             brdf: BrdfKind::Ggx,
+            lobe: LobeModel::Ltc,
             layout,
             resolution: PerAxis { alpha, ratio, theta, phi },
             range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] },

@@ -36,6 +36,7 @@ pub use expectation::{Expectation, expectation};
 #[cfg(feature = "render")]
 pub(crate) use layout::ShaderNumbers;
 pub use layout::{ALPHA_FLOOR, Layout, Precision, RATIO_FLOOR, Reflection, THETA_CEILING};
+pub use lobe::LobeModel;
 #[cfg(test)]
 pub(crate) use lobe::ltc::quadrature;
 pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Scalar, Sides};

@@ -8,6 +8,7 @@ use super::{
     axes::PerAxis,
     brdf::BrdfKind,
     layout::{Layout, Precision},
+    lobe::LobeModel,
     metric::Metric,
     solver::Solver,
 };
@@ -39,6 +40,10 @@ pub struct Recipe {
     pub(crate) fitter: u32,
     /// Scattering model.
     pub(crate) brdf: BrdfKind,
+    /// The distribution that stands for a lobe. The canonical form names it only where it is not the default, so that
+    /// recipes keep their digests.
+    #[serde(skip_serializing_if = "LobeModel::is_default")]
+    pub(crate) lobe: LobeModel,
     /// Layout of the table.
     pub(crate) layout: Layout,
     /// Nodes on each axis.
@@ -97,6 +102,12 @@ impl Recipe {
     #[must_use]
     pub fn brdf(&self) -> BrdfKind {
         self.brdf
+    }
+
+    /// The distribution that stands for a lobe.
+    #[must_use]
+    pub fn lobe(&self) -> LobeModel {
+        self.lobe
     }
 
     /// Layout of the table.

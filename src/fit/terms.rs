@@ -41,7 +41,7 @@ mod tests {
 
     use super::*;
     use crate::fit::{
-        BrdfKind, FITTER_VERSION, FitSettings, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
+        BrdfKind, FITTER_VERSION, FitSettings, LobeModel, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
     };
 
     #[test]
@@ -51,6 +51,7 @@ mod tests {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
                 brdf: BrdfKind::Ggx,
+                lobe: LobeModel::Ltc,
                 layout,
                 resolution: PerAxis { alpha: 3, ratio: 3, theta: 4, phi: 2 },
                 range: PerAxis { alpha: one, ratio: one, theta: quarter, phi: quarter },

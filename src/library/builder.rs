@@ -10,7 +10,7 @@ use crate::{
         digest::Digest,
         recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse},
     },
-    fit::{BrdfKind, Layout, Metric, Precision, Recipe, Solver},
+    fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Solver},
 };
 
 /// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
@@ -70,6 +70,11 @@ impl RecipeBuilder {
     /// The scattering model.
     pub fn brdf(self, brdf: BrdfKind) -> Self {
         self.set("brdf", brdf.name())
+    }
+
+    /// The distribution that stands for a lobe.
+    pub fn lobe(self, lobe: LobeModel) -> Self {
+        self.set("lobe", lobe.name())
     }
 
     /// How the table stores lobes.

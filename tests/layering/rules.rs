@@ -7,9 +7,9 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     ("fit::math", &[]),
     ("fit::axes", &["fit::math"]),
     ("fit::brdf", &["fit::named_list", "fit::axes", "fit::math"]),
-    ("fit::lobe", &["fit::brdf", "fit::math"]),
+    ("fit::lobe", &["fit::named_list", "fit::brdf", "fit::math"]),
     ("fit::layout", &["fit::named_list", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
-    ("fit::table", &["fit::layout", "fit::brdf", "fit::axes", "fit::math"]),
+    ("fit::table", &["fit::layout", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
     ("fit::metric", &["fit::named_list", "fit::lobe", "fit::brdf", "fit::math"]),
     ("fit::solver", &["fit::named_list", "fit::pulse", "fit::metric", "fit::lobe", "fit::brdf", "fit::math"]),
     (

@@ -43,6 +43,10 @@ pub struct ReportArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
+    /// Nodes to measure, and as many configurations between them, 8 to 1000000 [default: as many as the manifest's report,
+    /// which depend on the recipe; 1024 of a `.npy` file]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
+    pub points: Option<u32>,
     /// Measure the corners of the domain as well: mirrors, needles, the horizon, every fold
     #[arg(long)]
     pub extremes: bool,

@@ -185,7 +185,15 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
         None
     };
     let node_error = not_negative("node_error")?;
-    let table = Table { brdf: recipe.brdf, layout: recipe.layout, axes, matrix: matrix.to_vec(), terms, node_error };
+    let table = Table {
+        brdf: recipe.brdf,
+        lobe: recipe.lobe,
+        layout: recipe.layout,
+        axes,
+        matrix: matrix.to_vec(),
+        terms,
+        node_error,
+    };
     if encode(&recipe, &table)? != bytes {
         return Err(TableFileError::NotCanonical);
     }

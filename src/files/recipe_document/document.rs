@@ -9,12 +9,15 @@ use super::{
     preset::Preset,
     reader::{Faults, Object, echo},
 };
-use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, PerAxis, Precision, Recipe, Solver};
+use crate::fit::{
+    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Solver,
+};
 
 /// Entries that a table may have unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
-const FIELDS: [&str; 9] = ["preset", "fitter", "brdf", "layout", "resolution", "range", "fit", "terms", "precision"];
+const FIELDS: [&str; 10] =
+    ["preset", "fitter", "brdf", "lobe", "layout", "resolution", "range", "fit", "terms", "precision"];
 const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 const FIT_FIELDS: [&str; 6] = ["metric", "solver", "samples", "directions", "steps", "seed"];
 
@@ -41,6 +44,7 @@ pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u
     let presets = Preset::ALL.map(|preset| (preset.name(), preset));
     let preset = root.choice("preset", &presets, Preset::Standard, &mut faults);
     let brdf = root.choice("brdf", &named(BrdfKind::ALL, BrdfKind::name), BrdfKind::ALL[0], &mut faults);
+    let lobe = root.choice("lobe", &named(LobeModel::ALL, LobeModel::name), LobeModel::ALL[0], &mut faults);
     let layout = root.choice("layout", &named(Layout::ALL, Layout::name), Layout::ALL[0], &mut faults);
     let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
     let terms = root.boolean("terms", true, &mut faults);
@@ -48,7 +52,7 @@ pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u
     let fit = read_fit(&root, preset, &mut faults);
     let range = read_range(&root, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
-    let recipe = Recipe { fitter, brdf, layout, resolution, range, fit, terms, precision };
+    let recipe = Recipe { fitter, brdf, lobe, layout, resolution, range, fit, terms, precision };
     check_entries(&recipe, entry_limit, &mut faults);
     check_nodes(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }

@@ -67,7 +67,7 @@ impl LayoutRules for Rules {
         *stored
     }
 
-    // The numbers are read off docs/tradeoff.md's full run, at preset `draft` with one axis changed at a time. Those of
+    // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those of
     // the steps are the added error over the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } }

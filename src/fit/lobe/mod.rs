@@ -1,3 +1,31 @@
-//! Lobe models: distributions that stand for a scattering lobe at run time. One folder each.
+//! Lobe models: the distributions that stand for a lobe in a table, one folder each.
+//!
+//! A new model needs a folder and a line in [`LobeModel`].
 
 pub mod ltc;
+mod rules;
+
+pub(crate) use rules::{LobeDistribution, LobeModelRules};
+
+use super::named_list::named_list;
+
+named_list! {
+    /// The distribution that stands for a lobe in a table.
+    pub enum LobeModel: LobeModelRules {
+        /// A linearly transformed cosine [Heitz et al. 2016].
+        Ltc = "ltc" => ltc::Rules,
+    }
+}
+
+impl LobeModel {
+    /// The distribution of the nine numbers of a lookup; `None` where they make none.
+    pub(crate) fn distribution(self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
+        self.rules().distribution(numbers)
+    }
+
+    /// Whether a recipe that does not name a model means this one.
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a field by reference")]
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::ALL[0]
+    }
+}

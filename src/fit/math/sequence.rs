@@ -1,6 +1,6 @@
 //! Low-discrepancy point sets and their maps to hemispheres.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::DVec3;
 
@@ -80,6 +80,22 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let radius = u[0].sqrt();
     let (sin, cos) = sin_cos(2.0 * PI * u[1]);
     DVec3::new(radius * cos, radius * sin, (1.0 - u[0]).max(0.0).sqrt())
+}
+
+/// A direction with density `cos(theta) / pi` from a point of the unit square, by the concentric map of the square onto
+/// the disk below the hemisphere [Shirley and Chiu 1997].
+#[must_use]
+pub fn concentric_cosine([u, v]: [f64; 2]) -> DVec3 {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let (radius, azimuth) = if a * a > b * b {
+        (a, FRAC_PI_4 * (b / a))
+    } else if b == 0.0 {
+        (0.0, 0.0)
+    } else {
+        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+    };
+    let (sin, cos) = sin_cos(azimuth);
+    DVec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt())
 }
 
 /// Direction `i` of `n` spread evenly over the upper hemisphere on a Fibonacci spiral turned by `shift` turns.

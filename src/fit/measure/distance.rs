@@ -6,14 +6,14 @@
 //!
 //! Invariant: nothing here comes from the loss that fits minimise, neither code nor samples.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::{
     lobe::Lobe,
-    sequence::{cosine, net, uniform},
+    sequence::{net, uniform},
     steps::Steps,
 };
-use crate::fit::math::rotation_from_z;
+use crate::fit::{lobe::LobeDistribution, math::rotation_from_z};
 
 /// Samples of the LTC: `2^11`.
 const LOG2_SAMPLES: u32 = 11;
@@ -22,11 +22,11 @@ const SCRAMBLE: [u32; 2] = [0x1b87_3593, 0x7f4a_7c15];
 /// Directions that both are projected on: `2^5`.
 const LOG2_DIRECTIONS: u32 = 5;
 
-/// The farthest that two distributions of directions can be from each other. A matrix that makes no distribution
-/// counts as that far.
+/// The farthest that two distributions of directions can be from each other. Numbers that make no distribution count as
+/// that far.
 pub(super) const FARTHEST: f64 = 2.0;
 
-/// How far an LTC is from its lobe.
+/// How far a distribution is from the lobe that it stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LobeDistance {
     /// Sliced Wasserstein-1 distance.
@@ -39,46 +39,53 @@ pub(super) struct LobeDistance {
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     lobe: Offsets,
-    ltc: Offsets,
+    model: Offsets,
     steps: Steps,
 }
 
 /// The fixed samples and directions.
 #[derive(Debug)]
 pub(super) struct Probe {
-    cosines: Vec<DVec3>,
+    points: Vec<[f64; 2]>,
     directions: Vec<DVec3>,
 }
 
 impl Probe {
     pub(super) fn new() -> Self {
         Self {
-            cosines: net(LOG2_SAMPLES, SCRAMBLE).map(cosine).collect(),
+            points: net(LOG2_SAMPLES, SCRAMBLE).collect(),
             // A projection on -d mirrors that on d, so half of the sphere stands for all of it.
             directions: net(LOG2_DIRECTIONS, [0, 0]).map(uniform).collect(),
         }
     }
 
-    /// The distance between `lobe` and the LTC of `m`, a regular matrix of either sign in the tangent frame.
-    pub(super) fn distance(&self, lobe: &Lobe, m: &DMat3, work: &mut Workspace) -> LobeDistance {
+    /// The distance between `lobe` and the distribution that stands for it; [`FARTHEST`] where there is none.
+    pub(super) fn distance(
+        &self,
+        lobe: &Lobe,
+        model: Option<&dyn LobeDistribution>,
+        work: &mut Workspace,
+    ) -> LobeDistance {
         // The directions lie evenly around the lobe. Offsets from its axis, unlike directions, keep the digits of a
         // sharp lobe in f32.
         let frame = rotation_from_z(lobe.axis);
         work.lobe.fill(lobe.directions.iter().map(|w| *w - lobe.axis));
-        work.ltc.fill(self.cosines.iter().map(|c| (*m * *c).normalize() - lobe.axis));
-        let share = -1.0 / self.cosines.len() as f32;
+        let samples = model.iter().flat_map(|model| self.points.iter().map(|u| model.sample(*u)));
+        work.model.fill(samples.map(|w| w - lobe.axis));
+        let share = -1.0 / self.points.len() as f32;
         let (mut sw1, mut spread) = (0.0, 0.0);
         for direction in &self.directions {
             let d = (frame * *direction).as_vec3().to_array();
             work.steps.clear();
             work.steps.extend(work.lobe.projections(d).zip(lobe.weights.iter().map(|weight| *weight as f32)));
-            work.steps.extend(work.ltc.projections(d).map(|x| (x, share)));
+            work.steps.extend(work.model.projections(d).map(|x| (x, share)));
             let areas = work.steps.areas();
             sw1 += areas.between;
             spread += areas.deviation;
         }
         let count = self.directions.len() as f64;
-        LobeDistance { sw1: sw1 / count, spread: spread / count }
+        let sw1 = if model.is_some() { sw1 / count } else { FARTHEST };
+        LobeDistance { sw1, spread: spread / count }
     }
 }
 
@@ -111,7 +118,10 @@ impl Offsets {
 mod tests {
     use std::f64::consts::PI;
 
+    use glam::DMat3;
+
     use super::{super::lobe::tests as lobes, *};
+    use crate::fit::Ltc;
 
     fn lobe(scale: f64) -> DMat3 {
         DMat3::from_cols(
@@ -121,8 +131,12 @@ mod tests {
         )
     }
 
+    fn ltc(m: &DMat3) -> Ltc {
+        Ltc::new(*m).expect("a regular matrix")
+    }
+
     fn distance(lobe: &Lobe, m: &DMat3) -> LobeDistance {
-        Probe::new().distance(lobe, m, &mut Workspace::default())
+        Probe::new().distance(lobe, Some(&ltc(m)), &mut Workspace::default())
     }
 
     /// Along the normal the cumulative distributions of cosine and uniform hemisphere are `z^2` and `z`. Along a
@@ -137,7 +151,7 @@ mod tests {
             (DVec3::Y, 0.5 - 4.0 / (3.0 * PI), 0.5),
         ] {
             let probe = Probe { directions: vec![direction], ..Probe::new() };
-            let found = probe.distance(&hemisphere, &DMat3::IDENTITY, &mut Workspace::default());
+            let found = probe.distance(&hemisphere, Some(&ltc(&DMat3::IDENTITY)), &mut Workspace::default());
             assert!((found.sw1 / sw1 - 1.0).abs() < 0.01, "{direction}: {found:?} {sw1}");
             assert!((found.spread / spread - 1.0).abs() < 0.01, "{direction}: {found:?} {spread}");
         }
@@ -168,6 +182,13 @@ mod tests {
         }
     }
 
+    #[test]
+    fn no_distribution_is_farthest_and_the_lobe_keeps_its_width() {
+        let target = lobes::planted(lobe(0.1));
+        let found = Probe::new().distance(&target, None, &mut Workspace::default());
+        assert_eq!(found, LobeDistance { sw1: FARTHEST, ..distance(&target, &lobe(0.1)) });
+    }
+
     /// Equation 10 of KT et al. 2022: sorted projections, compared quantile by quantile. It is exact where all samples
     /// of a side have the same weight. Also the mean deviation from the median.
     fn by_quantiles(probe: &Probe, lobe: &Lobe, m: &DMat3) -> LobeDistance {
@@ -189,8 +210,9 @@ mod tests {
         let frame = rotation_from_z(lobe.axis);
         for d in probe.directions.iter().map(|d| frame * *d) {
             let of_lobe = quantiles(lobe.directions.iter().zip(&lobe.weights).map(|(w, x)| (d.dot(*w), *x)).collect());
-            let share = 1.0 / probe.cosines.len() as f64;
-            let of_ltc = quantiles(probe.cosines.iter().map(|c| (d.dot((*m * *c).normalize()), share)).collect());
+            let (share, ltc) = (1.0 / probe.points.len() as f64, ltc(m));
+            let of_ltc =
+                quantiles(probe.points.iter().map(|u| (d.dot(LobeDistribution::sample(&ltc, *u)), share)).collect());
             let median = of_lobe[QUANTILES / 2];
             sw1 += of_lobe.iter().zip(&of_ltc).map(|(a, b)| (a - b).abs()).sum::<f64>();
             spread += of_lobe.iter().map(|x| (x - median).abs()).sum::<f64>();
@@ -210,7 +232,7 @@ mod tests {
             let far = DMat3::from_cols(scale * DVec3::X, scale * DVec3::Y, DVec3::new(0.3, -0.4, 0.2));
             let flipped = DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
             for m in [lobe(scale) * near, far, DMat3::IDENTITY, lobe(scale) * near * flipped] {
-                let found = probe.distance(&target, &m, &mut Workspace::default());
+                let found = probe.distance(&target, Some(&ltc(&m)), &mut Workspace::default());
                 let exact = by_quantiles(&probe, &target, &m);
                 assert!((found.sw1 / exact.sw1 - 1.0).abs() < 1e-4, "{scale}: {found:?} {exact:?}");
                 assert!((found.spread / exact.spread - 1.0).abs() < 1e-4, "{scale}: {found:?} {exact:?}");

@@ -9,11 +9,11 @@ use serde::Serialize;
 use super::{
     distance::{FARTHEST, Probe, Workspace},
     lobe::Lobe,
-    sequence::{cosine, net},
+    sequence::net,
 };
 use crate::fit::{
-    BrdfKind, Configuration, THETA_CEILING, Table,
-    math::{direction, from_row_major},
+    Configuration, THETA_CEILING, Table,
+    math::{concentric_cosine, direction, from_row_major, row_major},
 };
 
 /// Roughness along the rougher axis: a mirror, values below and around the floor, and the roughest surface.
@@ -62,7 +62,7 @@ pub struct Corner {
 #[must_use]
 pub fn extremes(table: &Table) -> Vec<Corner> {
     let probe = Probe::new();
-    let cosines: Vec<DVec3> = net(LOG2_SAMPLES, [0, 0]).map(cosine).collect();
+    let cosines: Vec<DVec3> = net(LOG2_SAMPLES, [0, 0]).map(concentric_cosine).collect();
     let places: Vec<(f64, f64, f64)> = ALPHAS
         .into_iter()
         .flat_map(|alpha| RATIOS.into_iter().flat_map(move |ratio| THETAS.map(|theta| (alpha, ratio, theta))))
@@ -110,7 +110,7 @@ fn corner(
     for phi in BETWEEN.into_iter().chain([0.0, FRAC_PI_2]) {
         let m = look(at(phi));
         if m.is_finite() && m.determinant() != 0.0 {
-            corner.sw1 = corner.sw1.max(error(table.brdf, &at(phi), &m, probe, work));
+            corner.sw1 = corner.sw1.max(error(table, &at(phi), &m, probe, work));
         }
     }
     for fold in FOLDS {
@@ -144,10 +144,11 @@ fn next(x: f64, ulps: i64) -> f64 {
 
 /// Distance between an LTC and the lobe it stands for. At the horizon itself no light is reflected, so the lobe at the
 /// ceiling takes its place.
-fn error(brdf: BrdfKind, at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
-    let surface = brdf.surface([at.alpha_x.max(SHARPEST), at.alpha_y.max(SHARPEST)]);
+fn error(table: &Table, at: &Configuration, m: &DMat3, probe: &Probe, work: &mut Workspace) -> f64 {
+    let surface = table.brdf.surface([at.alpha_x.max(SHARPEST), at.alpha_y.max(SHARPEST)]);
     let lobe = Lobe::sample(&*surface, direction(at.theta.min(THETA_CEILING), at.phi));
-    probe.distance(&lobe, m, work).sw1
+    let model = table.lobe.distribution(&row_major(m));
+    probe.distance(&lobe, model.as_deref(), work).sw1
 }
 
 /// How much farther the middle one of three steps goes than the farther one of its neighbours, in widths.
@@ -181,11 +182,12 @@ fn inverted_in_f32(m: &DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Layout, PerAxis};
+    use crate::fit::{BrdfKind, Layout, LobeModel, PerAxis};
 
     fn table(matrix: [f32; 9]) -> Table {
         Table {
             brdf: BrdfKind::Ggx,
+            lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
             axes: PerAxis { alpha: vec![1e-4], ratio: vec![1e-4, 1.0], theta: vec![0.0], phi: vec![0.0] },
             matrix: vec![matrix; 2],

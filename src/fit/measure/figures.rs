@@ -1,23 +1,19 @@
 //! The errors of a table at a configuration, compared with the lobe that it stands for.
 
-use glam::DMat3;
 use rayon::prelude::*;
 
 use super::{
-    distance::{FARTHEST, LobeDistance, Probe, Workspace},
+    distance::{LobeDistance, Probe, Workspace},
     light::light_error,
     lobe::Lobe,
 };
-use crate::fit::{
-    ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table,
-    math::{direction, from_row_major},
-};
+use crate::fit::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table, math::direction};
 
 /// The figures of one configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Figures {
     pub(super) at: Configuration,
-    /// Sliced Wasserstein-1 distance between lobe and LTC.
+    /// Sliced Wasserstein-1 distance between the lobe and the distribution that stands for it.
     pub(super) sw1: f64,
     /// The same as a part of the lobe's width.
     pub(super) width: f64,
@@ -38,12 +34,10 @@ fn one(table: &Table, at: &Configuration, probe: &Probe, work: &mut Workspace) -
     let surface = table.brdf.surface([at.alpha_x.max(ALPHA_FLOOR), at.alpha_y.max(LEAST_ALPHA)]);
     let lobe = Lobe::sample(&*surface, direction(at.theta, at.phi));
     let found = table.lookup(at);
-    let m = from_row_major(&found.matrix);
-    let inverse = m.inverse();
-    let is_regular = m.determinant() != 0.0 && inverse.is_finite();
-    // The spread does not depend on the matrix.
-    let LobeDistance { sw1, spread } = probe.distance(&lobe, if is_regular { &m } else { &DMat3::IDENTITY }, work);
-    let (sw1, light) = if is_regular { (sw1, light_error(&lobe, &inverse)) } else { (FARTHEST, 1.0) };
+    let model = table.lobe.distribution(&found.matrix);
+    let model = model.as_deref();
+    let LobeDistance { sw1, spread } = probe.distance(&lobe, model, work);
+    let light = model.map_or(1.0, |model| light_error(&lobe, model));
     let terms = found.amplitude.zip(found.fresnel);
     let terms = terms.map(|(amplitude, fresnel)| [(amplitude - lobe.amplitude).abs(), (fresnel - lobe.fresnel).abs()]);
     Figures { at: *at, sw1, width: sw1 / spread, light, terms }

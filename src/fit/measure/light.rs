@@ -1,11 +1,14 @@
-//! The energy of a lobe and of an LTC in square lights.
+//! The energy of a lobe, and of the distribution that stands for it, in square lights.
 
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::{lobe::Lobe, sequence::net};
-use crate::fit::math::{atan2, rotation_from_z, sin_cos};
+use crate::fit::{
+    lobe::LobeDistribution,
+    math::{rotation_from_z, sin_cos},
+};
 
 /// Lights that a lobe is measured with: `2^3`.
 const LOG2_LIGHTS: u32 = 3;
@@ -25,11 +28,10 @@ struct SquareLight {
 }
 
 /// Mean absolute difference, over a few lights around directions of the lobe, between the part of the lobe's energy in
-/// a light and the part of the LTC's energy there. `inverse` is the inverse of the LTC's matrix, which is regular and
-/// in the tangent frame. In [0, 1].
-pub(super) fn light_error(lobe: &Lobe, inverse: &DMat3) -> f64 {
+/// a light and the part of the energy of `model` there, the distribution that stands for the lobe. In [0, 1].
+pub(super) fn light_error(lobe: &Lobe, model: &dyn LobeDistribution) -> f64 {
     let errors =
-        SquareLight::around(lobe).map(|light| (light.energy_of_lobe(lobe) - light.energy_of_ltc(inverse)).abs());
+        SquareLight::around(lobe).map(|light| (light.energy_of_lobe(lobe) - light.energy_of_model(model)).abs());
     errors.sum::<f64>() / f64::from(1 << LOG2_LIGHTS)
 }
 
@@ -67,21 +69,11 @@ impl SquareLight {
         samples.map(|(w, weight)| if self.covers(*w) { *weight } else { 0.0 }).sum()
     }
 
-    /// The integral of the LTC over the light in closed form. For the polygon in cosine space, clipped at the horizon,
-    /// it is `sum angle(v_i, v_i+1) (v_i x v_i+1 / |v_i x v_i+1|).z / (2 pi)` [Heitz et al. 2016, section 4].
-    fn energy_of_ltc(&self, inverse: &DMat3) -> f64 {
+    /// The part of the distribution over the part of the light above the surface's horizon.
+    fn energy_of_model(&self, model: &dyn LobeDistribution) -> f64 {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         let corner = |(x, y): (f64, f64)| self.centre + self.tan * (x * self.x + y * self.y);
-        let above: Vec<DVec3> = clipped(&corners.map(corner)).iter().map(|v| *inverse * *v).collect();
-        let polygon: Vec<DVec3> = clipped(&above).iter().map(|v| v.normalize_or_zero()).collect();
-        let edge = |(from, to): (&DVec3, &DVec3)| {
-            let normal = from.cross(*to);
-            let length = normal.length();
-            if length > 0.0 { atan2(length, from.dot(*to)) * normal.z / length } else { 0.0 }
-        };
-        let next = polygon.iter().cycle().skip(1);
-        // A matrix with negative determinant turns the polygon over.
-        (polygon.iter().zip(next).map(edge).sum::<f64>() / (2.0 * PI)).abs()
+        model.covered(&clipped(&corners.map(corner)))
     }
 }
 
@@ -101,6 +93,8 @@ fn clipped(polygon: &[DVec3]) -> Vec<DVec3> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DMat3;
+
     use super::{super::lobe::tests::planted, *};
     use crate::fit::Ltc;
 
@@ -124,7 +118,7 @@ mod tests {
             });
             for (k, light) in SquareLight::around(&lobe).chain(across).enumerate() {
                 let inside = net(16, [3, 5]).map(|u| ltc.sample(u)).filter(|w| light.covers(*w));
-                let (counted, found) = (inside.count() as f64 / f64::from(1 << 16), light.energy_of_ltc(&m.inverse()));
+                let (counted, found) = (inside.count() as f64 / f64::from(1 << 16), light.energy_of_model(&ltc));
                 assert!((counted - found).abs() < 5e-4, "{k}: {counted} {found}");
                 seen += found;
             }
@@ -138,8 +132,8 @@ mod tests {
         let m = DMat3::from_cols(DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.02, 0.0), DVec3::new(0.6, 0.0, 0.8));
         let lobe = planted(m);
         let away = DMat3::from_cols(m.x_axis, m.y_axis, DVec3::new(-0.6, 0.0, 0.8));
-        let right = light_error(&lobe, &m.inverse());
-        let wrong = light_error(&lobe, &away.inverse());
+        let right = light_error(&lobe, &Ltc::new(m).expect("regular"));
+        let wrong = light_error(&lobe, &Ltc::new(away).expect("regular"));
         assert!(right < 2e-3 && wrong > 0.5, "{right} {wrong}");
     }
 }

@@ -76,7 +76,7 @@ fn frobenius(m: &glam::DMat3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{BrdfKind, Layout, PerAxis};
+    use crate::fit::{BrdfKind, Layout, LobeModel, PerAxis};
 
     #[test]
     fn negative_and_singular_matrices_are_counted_apart() {
@@ -89,8 +89,15 @@ mod tests {
             diagonal(0.5, -0.5, 1.0),
             diagonal(0.5, 0.0, 1.0),
         ];
-        let table =
-            Table { brdf: BrdfKind::Ggx, layout: Layout::Kt2022, axes, matrix, terms: None, node_error: vec![0.0; 4] };
+        let table = Table {
+            brdf: BrdfKind::Ggx,
+            lobe: LobeModel::Ltc,
+            layout: Layout::Kt2022,
+            axes,
+            matrix,
+            terms: None,
+            node_error: vec![0.0; 4],
+        };
         let found = Matrices::of(&table);
         assert_eq!((found.entries, found.negative_determinants, found.singular), (4, 1, 1));
         assert_eq!(found.determinant, Extent { min: -0.25, max: 1.0 });

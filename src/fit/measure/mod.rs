@@ -29,7 +29,7 @@ pub use matrices::{Extent, Matrices};
 use crate::fit::{PerAxis, Table};
 
 /// Version of the report. Raised whenever the same table gets another report.
-pub const REPORT_VERSION: u32 = 3;
+pub const REPORT_VERSION: u32 = 4;
 
 /// How good a table is.
 #[derive(Debug, Clone, PartialEq, Serialize)]

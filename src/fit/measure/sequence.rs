@@ -1,6 +1,6 @@
 //! The sample points of the report: digital nets, which the fit does not use.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
@@ -32,21 +32,6 @@ pub(super) fn net(log2_count: u32, scramble: [u32; 2]) -> impl Iterator<Item = [
     })
 }
 
-/// A direction with density `cos(theta) / pi` from a point of the unit square, by the concentric map of the square onto
-/// the disk below the hemisphere [Shirley and Chiu 1997].
-pub(super) fn cosine([u, v]: [f64; 2]) -> DVec3 {
-    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    let (radius, azimuth) = if a * a > b * b {
-        (a, FRAC_PI_4 * (b / a))
-    } else if b == 0.0 {
-        (0.0, 0.0)
-    } else {
-        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
-    };
-    let (sin, cos) = sin_cos(azimuth);
-    DVec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt())
-}
-
 /// A direction of the upper hemisphere with uniform density from a point of the unit square: its height is the first
 /// number (Archimedes), its azimuth the second.
 pub(super) fn uniform([u, v]: [f64; 2]) -> DVec3 {
@@ -58,6 +43,7 @@ pub(super) fn uniform([u, v]: [f64; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::math::concentric_cosine;
 
     #[test]
     fn every_elementary_box_of_the_net_holds_one_point() {
@@ -81,7 +67,7 @@ mod tests {
     #[test]
     fn both_maps_have_the_moments_of_their_densities() {
         for (map, first, second) in
-            [(cosine as fn([f64; 2]) -> DVec3, 2.0 / 3.0, 1.0 / 2.0), (uniform, 1.0 / 2.0, 1.0 / 3.0)]
+            [(concentric_cosine as fn([f64; 2]) -> DVec3, 2.0 / 3.0, 1.0 / 2.0), (uniform, 1.0 / 2.0, 1.0 / 3.0)]
         {
             let directions: Vec<DVec3> = net(12, [7, 11]).map(map).collect();
             let mean = |f: fn(&DVec3) -> f64| directions.iter().map(f).sum::<f64>() / directions.len() as f64;

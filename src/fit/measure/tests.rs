@@ -2,8 +2,8 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
 use super::*;
 use crate::fit::{
-    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, Metric, Plan, Precision, Recipe, Solver,
-    assemble, brdf::Ggx, fit_shard,
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, Plan, Precision, Recipe,
+    Solver, assemble, brdf::Ggx, fit_shard,
 };
 
 fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, solver: Solver) -> Recipe {
@@ -11,6 +11,7 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, s
     Recipe {
         fitter: FITTER_VERSION,
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         resolution: PerAxis { alpha, ratio, theta, phi },
         range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter },

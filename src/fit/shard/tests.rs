@@ -1,7 +1,9 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::fit::{BrdfKind, FITTER_VERSION, FitSettings, Layout, Metric, Precision, Solver, Table, assemble};
+use crate::fit::{
+    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Precision, Solver, Table, assemble,
+};
 
 /// The plan of the whole domain at a resolution, fitted coarsely.
 fn plan(resolution: [u32; 4]) -> Plan {
@@ -13,6 +15,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout,
         resolution: PerAxis { alpha, ratio, theta, phi },
         range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter },

@@ -5,7 +5,7 @@
 mod fold;
 mod lookup;
 
-use super::{axes::PerAxis, brdf::BrdfKind, layout::Layout};
+use super::{axes::PerAxis, brdf::BrdfKind, layout::Layout, lobe::LobeModel};
 
 pub use fold::Configuration;
 pub use lookup::LookedUp;
@@ -24,6 +24,8 @@ pub struct Terms {
 pub struct Table {
     /// The scattering model that was fitted.
     pub(crate) brdf: BrdfKind,
+    /// The distribution that stands for a lobe.
+    pub(crate) lobe: LobeModel,
     /// The layout, which defines what the stored numbers mean.
     pub(crate) layout: Layout,
     /// Ascending nodes of each axis.
@@ -41,6 +43,12 @@ impl Table {
     #[must_use]
     pub fn brdf(&self) -> BrdfKind {
         self.brdf
+    }
+
+    /// The distribution that stands for a lobe.
+    #[must_use]
+    pub fn lobe(&self) -> LobeModel {
+        self.lobe
     }
 
     /// The layout, which defines what the stored numbers mean.

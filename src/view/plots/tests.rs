@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    fit::{BrdfKind, Layout, PerAxis, Table, Terms},
+    fit::{BrdfKind, Layout, LobeModel, PerAxis, Table, Terms},
     view::picture::Picture,
 };
 
@@ -12,6 +12,7 @@ fn table(bad: usize) -> Table {
     matrix[bad] = [0.2, 0.0, 0.5, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0];
     Table {
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![0.25, 1.0], ratio: vec![0.5, 1.0], theta: vec![0.0, 0.5, 1.0], phi: vec![0.0] },
         matrix,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::fit::{
-    BrdfKind, Configuration, Layout, Ltc, PerAxis, Sides, Table, Terms,
+    BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
     math::{atan2, from_row_major},
 };
 
@@ -59,6 +59,7 @@ pub(in crate::view) fn table(layout: Layout) -> Table {
     let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * STEP) as f32;
     Table {
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout,
         axes,
         matrix: (0..entries).map(|entry| std::array::from_fn(|k| number(entry, k))).collect(),

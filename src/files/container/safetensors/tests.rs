@@ -3,7 +3,7 @@ use std::f64::consts::FRAC_PI_2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::{BrdfKind, Layout};
+use crate::fit::{BrdfKind, Layout, LobeModel};
 
 /// A recipe of 2 x 2 x 3 x 2 entries, and a table of made-up numbers for it.
 fn example(terms: bool) -> (Recipe, Table) {
@@ -15,6 +15,7 @@ fn example(terms: bool) -> (Recipe, Table) {
     let column = |scale: f32| (0..24_u8).map(|i| scale * f32::from(i)).collect::<Vec<f32>>();
     let table = Table {
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout: Layout::Reflected,
         axes: recipe.nodes(),
         matrix: column(0.01).into_iter().map(|x| [0.5, x, 0.0, 0.0, 0.3, 0.0, x, 0.0, 1.0]).collect(),

@@ -8,6 +8,7 @@ use glam::DMat3;
 use crate::fit::{
     brdf::BrdfKind,
     layout::{Layout, Reflection},
+    lobe::LobeModel,
     table::Terms,
 };
 
@@ -21,6 +22,7 @@ fn linear() -> Table {
     };
     let mut table = Table {
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes: axes.clone(),
         matrix: vec![],
@@ -114,6 +116,7 @@ fn an_isotropic_table_turns_with_the_view() {
     let stored = [0.5, 0.0, -0.4, 0.0, 0.3, 0.0, 0.2, 0.0, 1.0];
     let table = Table {
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![0.5], ratio: vec![1.0], theta: vec![0.7], phi: vec![0.0] },
         matrix: vec![stored.map(|x| x as f32)],
@@ -136,6 +139,7 @@ fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
     let entries = axes.named().iter().map(|(_, nodes)| nodes.len()).product();
     Table {
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout: Layout::Reflected,
         axes,
         matrix: vec![matrix; entries],

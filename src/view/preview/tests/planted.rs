@@ -1,7 +1,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::fit::{
-    BrdfKind, Layout, PerAxis, Table, Terms,
+    BrdfKind, Layout, LobeModel, PerAxis, Table, Terms,
     math::{row_major, sin_cos},
 };
 
@@ -85,6 +85,7 @@ fn table(axes: PerAxis<Vec<f64>>, entry: impl Fn(usize) -> (DMat3, f64, f64)) ->
     let entries: Vec<(DMat3, f64, f64)> = (0..alpha * ratio * theta * phi).map(entry).collect();
     Table {
         brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes,
         matrix: entries.iter().map(|(m, ..)| row_major(m).map(|x| x as f32)).collect(),

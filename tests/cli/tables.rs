@@ -1,22 +1,16 @@
-//! The command line, by its output and its exit codes.
+//! Commands that make, read and measure tables.
 
-mod common;
+use std::fs;
 
-use std::{
-    fs,
-    io::{BufRead as _, BufReader},
-    net::TcpListener,
-    thread,
-};
+use ltcforge::files::digest::Digest;
+use serde_json::Value;
 
-use common::{
+use crate::common::{
     ENDLESS, SMALL,
-    command::{Run, ltcforge, run, run_with_stdin, signal},
+    command::{ltcforge, run, run_with_stdin, signal},
     eventually,
     server::{Server, text},
 };
-use ltcforge::files::digest::Digest;
-use serde_json::Value;
 
 #[test]
 fn fit_writes_a_table_under_its_digest_with_any_number_of_threads() {
@@ -209,6 +203,9 @@ fn report_tells_of_tables_what_their_manifests_do_and_of_npy_files() {
     let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
     assert_eq!((&told["report"], &told["digest"]), (&manifest["report"], &manifest["table"]));
     assert_eq!(told["resolution"]["theta"], 2);
+    assert_eq!(json(&[&hex[..12], "--points", "11"])["report"]["between"]["points"], 11);
+    let refused = run(folder.path(), ["report", hex, "--points", "7"]).exited(2);
+    assert!(refused.stderr.contains("7 is not in 8..=1000000"), "{}", refused.stderr);
     let people = run(folder.path(), ["report", &hex[..12]]).exited(0).stdout;
     for said in [
         &digest,
@@ -258,177 +255,4 @@ fn verify_holds_files_to_their_names() {
     fs::write(folder.path().join(&name), &bad).expect("a damaged table");
     run(folder.path(), ["verify", &name]).exited(3);
     run(folder.path(), ["verify", "none"]).exited(1);
-}
-
-#[test]
-fn jobs_are_worked_with_from_the_command_line() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(&folder.path().join("data"), &[]);
-    let jobs = |args: &[&str], input: &str| {
-        run_with_stdin(folder.path(), ["jobs", "--server", server.url.as_str()].iter().chain(args), input)
-    };
-    let watched = jobs(&["submit", "-", "--watch"], SMALL).exited(0);
-    let digest = watched.last_line().to_owned();
-    assert!(digest.starts_with("sha256:"), "{watched:#?}");
-    let submitted = jobs(&["submit", "-"], SMALL).exited(0);
-    assert!(submitted.stdout.ends_with(&format!("done {digest}\n")), "{}", submitted.stdout);
-    let id = submitted.stdout.split(' ').next().expect("an id");
-    let shown: Value = serde_json::from_str(&jobs(&["show", id, "--json"], "").exited(0).stdout).expect("JSON");
-    assert_eq!(shown["table"], digest);
-    assert_eq!(jobs(&["watch", id], "").exited(0).last_line(), digest);
-    assert_eq!(jobs(&["list", "--state", "done"], "").exited(0).stdout, submitted.stdout);
-
-    let running: Value =
-        serde_json::from_str(&jobs(&["submit", "-", "--json"], ENDLESS).exited(0).stdout).expect("JSON");
-    let id = text(&running["id"]);
-    assert!(jobs(&["cancel", id], "").exited(0).stdout.contains(" cancelled "));
-    assert!(jobs(&["watch", id], "").exited(5).stderr.contains("cancelled"));
-
-    assert!(jobs(&["show", &"0".repeat(32)], "").exited(1).stderr.contains("404"));
-    let refused = jobs(&["submit", "-"], r#"{"preset":"draft","colour":1}"#).exited(2);
-    assert!(refused.stderr.contains("/colour"), "{}", refused.stderr);
-}
-
-#[test]
-fn a_missing_server_is_told_from_a_refusal() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let ended = run(folder.path(), ["jobs", "list", "--server", "http://127.0.0.1:9"]).exited(4);
-    assert!(ended.stderr.contains("http://127.0.0.1:9/v1/jobs"), "{}", ended.stderr);
-}
-
-#[test]
-fn a_proxy_is_asked_for_other_machines_alone() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &[]);
-    let proxy = TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let url = format!("http://{}", proxy.local_addr().expect("an address"));
-    let list = |server: &str| {
-        let mut command = ltcforge(folder.path(), ["jobs", "list", "--server", server]);
-        Run::from(command.env("ALL_PROXY", &url).output().expect("the binary runs"))
-    };
-    let asked = thread::spawn(move || {
-        let (stream, _) = proxy.accept().expect("a connection");
-        BufReader::new(stream).lines().next().expect("a line").expect("text")
-    });
-    list(&server.url).exited(0);
-    list("http://tables.invalid").exited(4);
-    assert!(asked.join().expect("a request").contains("tables.invalid"));
-}
-
-#[test]
-fn settings_come_from_flag_environment_file_and_default_in_this_order() {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("ltcforge.toml"), "server = 'http://127.0.0.1:1'").expect("a file");
-    let asked = |flag: Option<&str>, variable: Option<&str>| {
-        let mut command = ltcforge(folder.path(), ["jobs", "list"]);
-        command.args(flag.map(|flag| ["--server", flag]).into_iter().flatten());
-        command.envs(variable.map(|value| ("LTCFORGE_SERVER", value)));
-        String::from_utf8(command.output().expect("the binary runs").stderr).expect("UTF-8")
-    };
-    let (flag, variable) = ("http://127.0.0.1:3", "http://127.0.0.1:2");
-    assert!(asked(Some(flag), Some(variable)).contains(flag));
-    assert!(asked(None, Some(variable)).contains(variable));
-    assert!(asked(None, None).contains("http://127.0.0.1:1/"));
-    fs::write(folder.path().join("ltcforge.toml"), "colour = 1").expect("a file");
-    run(folder.path(), ["jobs", "list"]).exited(2);
-    run(folder.path(), ["jobs", "list", "--config", "none.toml"]).exited(2);
-}
-
-#[test]
-fn wrong_lines_end_with_2_and_completions_are_printed() {
-    let folder = tempfile::tempdir().expect("a folder");
-    run(folder.path(), ["fit"]).exited(2);
-    run(folder.path(), ["serve", "--listen", "nowhere"]).exited(2);
-    assert!(run(folder.path(), ["completions", "bash"]).exited(0).stdout.contains("ltcforge"));
-}
-
-#[test]
-fn a_server_ends_with_0_on_either_signal() {
-    for name in ["TERM", "INT"] {
-        let folder = tempfile::tempdir().expect("a folder");
-        Server::start(folder.path(), &[]).stop(name).exited(0);
-    }
-}
-
-#[test]
-fn preview_writes_a_picture_and_says_what_rendered_it() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
-    let beginning = &fitted.last_line()[..16];
-    let arguments = ["preview", beginning, "-o", "p.png", "--size", "64", "--spp", "2", "--adapter", "cpu"];
-    let told = run(folder.path(), arguments.iter().chain(&["--mode", "strip", "--scene", "figure14"])).exited(0);
-    assert!(told.stderr.starts_with("adapter: cpu\n"), "{told:#?}");
-    assert_eq!(told.stderr.matches("mean absolute error").count(), 4);
-    let file = fs::read(folder.path().join("p.png")).expect("the picture");
-    assert!(file.starts_with(b"\x89PNG\r\n"));
-
-    // One material takes the place of the scene's four.
-    let one = ["--mode", "difference", "--scene", "figure14", "--alpha-x", "0.2", "--json"];
-    let told = run(folder.path(), arguments.iter().chain(&one)).exited(0);
-    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-    assert_eq!(told["errors"].as_array().map(Vec::len), Some(1));
-    assert_eq!((&told["adapter"], &told["errors"][0]["alpha_x"]), (&"cpu".into(), &0.2.into()));
-
-    let refused =
-        run(folder.path(), arguments.iter().chain(&["--alpha-y", "2", "--light-centre", "-1,0,200"])).exited(2);
-    assert_eq!(
-        refused.complaints(),
-        ["alpha_y is 2, not within 0 to 1", "light_centre is 200, not within -100 to 100"]
-    );
-}
-
-/// No driver, no difference but who renders.
-#[test]
-fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
-    let hide = |adapter: &str| {
-        let arguments = ["preview", &fitted.last_line()[..16], "-o", "p.png", "--size", "64", "--adapter", adapter];
-        let mut command = ltcforge(folder.path(), arguments);
-        command.envs(["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/nowhere.json")));
-        common::command::Run::from(command.output().expect("the binary runs"))
-    };
-    let told = hide("any").exited(0);
-    assert!(told.stderr.contains("adapter: cpu\n"), "{told:#?}");
-    assert!(hide("gpu").exited(1).stderr.contains("no adapter"));
-}
-
-#[test]
-fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
-    let folder = tempfile::tempdir().expect("a folder");
-    for language in ["wgsl", "glsl", "hlsl", "msl", "spirv"] {
-        for layout in ["reflected", "kt2022"] {
-            let arguments = ["shader", "--language", language, "--layout", layout];
-            let told = run(folder.path(), arguments.iter().chain(&["-o", "s", "--json"])).exited(0);
-            let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
-            let file = fs::read(folder.path().join("s")).expect("the shader");
-            assert_eq!((&told["language"], &told["layout"]), (&language.into(), &layout.into()));
-            assert_eq!(told["bytes"], file.len());
-            let start: &[u8] = if language == "spirv" { b"\x03\x02\x23\x07" } else { b"// Linearly Transformed" };
-            assert!(file.starts_with(start), "{language}");
-            let output = ltcforge(folder.path(), arguments).output().expect("the binary runs");
-            assert!(output.status.success() && output.stdout == file, "{language}");
-        }
-    }
-    let wgsl = ["shader", "--language", "wgsl", "--layout", "kt2022", "--json"];
-    let told: Value = serde_json::from_str(&run(folder.path(), wgsl).exited(0).stdout).expect("JSON");
-    assert!(told["source"].as_str().expect("text").contains("fn ltc_lookup("));
-}
-
-#[test]
-fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let cases: [&[&str]; 5] = [
-        &["--language", "cg", "--layout", "kt2022"],
-        &["--language", "wgsl", "--layout", "square"],
-        &["--language", "wgsl"],
-        &["--layout", "kt2022"],
-        &["--language", "spirv", "--layout", "kt2022", "--json"],
-    ];
-    for case in cases {
-        let refused = run(folder.path(), ["shader"].iter().chain(case)).exited(2);
-        assert!(refused.stdout.is_empty() && !refused.stderr.is_empty(), "{case:?}");
-    }
-    let nowhere = ["shader", "--language", "glsl", "--layout", "kt2022", "-o", "none/s.glsl"];
-    assert!(run(folder.path(), nowhere).exited(1).stderr.contains("none/s.glsl"));
 }

@@ -1,0 +1,30 @@
+//! Linearly Transformed Cosines as a lobe model.
+
+use glam::DVec3;
+
+use super::{Ltc, Sides};
+use crate::fit::{
+    lobe::rules::{LobeDistribution, LobeModelRules},
+    math::{concentric_cosine, from_row_major},
+};
+
+/// LTCs as an item of [`crate::fit::LobeModel`]; the nine numbers are the matrix, row-major.
+pub(in crate::fit::lobe) struct Rules;
+
+impl LobeModelRules for Rules {
+    fn distribution(&self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
+        Ltc::new(from_row_major(numbers)).map(|ltc| Box::new(ltc) as Box<dyn LobeDistribution>)
+    }
+}
+
+impl LobeDistribution for Ltc {
+    /// By another map of the square than [`Ltc::sample`], which resembles that of the fit's loss: a report shares no code
+    /// with the loss.
+    fn sample(&self, u: [f64; 2]) -> DVec3 {
+        (self.matrix() * concentric_cosine(u)).normalize()
+    }
+
+    fn covered(&self, polygon: &[DVec3]) -> f64 {
+        self.polygon(polygon, Sides::Two)
+    }
+}

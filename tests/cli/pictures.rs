@@ -1,0 +1,93 @@
+//! Commands that render and translate.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::common::{
+    SMALL,
+    command::{ltcforge, run, run_with_stdin},
+};
+
+#[test]
+fn preview_writes_a_picture_and_says_what_rendered_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
+    let beginning = &fitted.last_line()[..16];
+    let arguments = ["preview", beginning, "-o", "p.png", "--size", "64", "--spp", "2", "--adapter", "cpu"];
+    let told = run(folder.path(), arguments.iter().chain(&["--mode", "strip", "--scene", "figure14"])).exited(0);
+    assert!(told.stderr.starts_with("adapter: cpu\n"), "{told:#?}");
+    assert_eq!(told.stderr.matches("mean absolute error").count(), 4);
+    let file = fs::read(folder.path().join("p.png")).expect("the picture");
+    assert!(file.starts_with(b"\x89PNG\r\n"));
+
+    // One material takes the place of the scene's four.
+    let one = ["--mode", "difference", "--scene", "figure14", "--alpha-x", "0.2", "--json"];
+    let told = run(folder.path(), arguments.iter().chain(&one)).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    assert_eq!(told["errors"].as_array().map(Vec::len), Some(1));
+    assert_eq!((&told["adapter"], &told["errors"][0]["alpha_x"]), (&"cpu".into(), &0.2.into()));
+
+    let refused =
+        run(folder.path(), arguments.iter().chain(&["--alpha-y", "2", "--light-centre", "-1,0,200"])).exited(2);
+    assert_eq!(
+        refused.complaints(),
+        ["alpha_y is 2, not within 0 to 1", "light_centre is 200, not within -100 to 100"]
+    );
+}
+
+/// No driver, no difference but who renders.
+#[test]
+fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
+    let hide = |adapter: &str| {
+        let arguments = ["preview", &fitted.last_line()[..16], "-o", "p.png", "--size", "64", "--adapter", adapter];
+        let mut command = ltcforge(folder.path(), arguments);
+        command.envs(["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/nowhere.json")));
+        crate::common::command::Run::from(command.output().expect("the binary runs"))
+    };
+    let told = hide("any").exited(0);
+    assert!(told.stderr.contains("adapter: cpu\n"), "{told:#?}");
+    assert!(hide("gpu").exited(1).stderr.contains("no adapter"));
+}
+
+#[test]
+fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for language in ["wgsl", "glsl", "hlsl", "msl", "spirv"] {
+        for layout in ["reflected", "kt2022"] {
+            let arguments = ["shader", "--language", language, "--layout", layout];
+            let told = run(folder.path(), arguments.iter().chain(&["-o", "s", "--json"])).exited(0);
+            let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+            let file = fs::read(folder.path().join("s")).expect("the shader");
+            assert_eq!((&told["language"], &told["layout"]), (&language.into(), &layout.into()));
+            assert_eq!(told["bytes"], file.len());
+            let start: &[u8] = if language == "spirv" { b"\x03\x02\x23\x07" } else { b"// Linearly Transformed" };
+            assert!(file.starts_with(start), "{language}");
+            let output = ltcforge(folder.path(), arguments).output().expect("the binary runs");
+            assert!(output.status.success() && output.stdout == file, "{language}");
+        }
+    }
+    let wgsl = ["shader", "--language", "wgsl", "--layout", "kt2022", "--json"];
+    let told: Value = serde_json::from_str(&run(folder.path(), wgsl).exited(0).stdout).expect("JSON");
+    assert!(told["source"].as_str().expect("text").contains("fn ltc_lookup("));
+}
+
+#[test]
+fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cases: [&[&str]; 5] = [
+        &["--language", "cg", "--layout", "kt2022"],
+        &["--language", "wgsl", "--layout", "square"],
+        &["--language", "wgsl"],
+        &["--layout", "kt2022"],
+        &["--language", "spirv", "--layout", "kt2022", "--json"],
+    ];
+    for case in cases {
+        let refused = run(folder.path(), ["shader"].iter().chain(case)).exited(2);
+        assert!(refused.stdout.is_empty() && !refused.stderr.is_empty(), "{case:?}");
+    }
+    let nowhere = ["shader", "--language", "glsl", "--layout", "kt2022", "-o", "none/s.glsl"];
+    assert!(run(folder.path(), nowhere).exited(1).stderr.contains("none/s.glsl"));
+}
