@@ -15,7 +15,7 @@ use glam::DVec3;
 use ltcforge::{
     Recipe,
     files::recipe_document::Preset,
-    fit::{FitSettings, Fitter, Solver, brdf::Ggx, math::sin_cos},
+    fit::{FitSettings, Fitter, Pulse, Solver, brdf::Ggx, math::sin_cos},
 };
 
 /// The paper's schedule [KT et al. 2022, section 4].
@@ -61,7 +61,7 @@ fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSet
 /// Fits every lobe once.
 fn fit_all(fitter: &mut Fitter) {
     for (alpha_x, alpha_y, theta, phi) in LOBES {
-        black_box(fitter.fit(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut go_on));
+        black_box(fitter.fit(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut Pulse::new(&mut go_on)));
     }
 }
 
@@ -96,7 +96,12 @@ fn paper_step(criterion: &mut Criterion) {
     group.bench_function("2048 x 64", |bencher| {
         bencher.iter(|| {
             for (alpha_x, alpha_y, theta, phi) in LOBES {
-                black_box(descend.descended(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut go_on));
+                black_box(descend.descended(
+                    &Ggx { alpha_x, alpha_y },
+                    view(theta, phi),
+                    0,
+                    &mut Pulse::new(&mut go_on),
+                ));
             }
         });
     });
@@ -120,7 +125,12 @@ fn speed_up(_: &mut Criterion) {
         steps.push(
             timed(&mut || {
                 for (alpha_x, alpha_y, theta, phi) in LOBES {
-                    black_box(theirs.descended(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut go_on));
+                    black_box(theirs.descended(
+                        &Ggx { alpha_x, alpha_y },
+                        view(theta, phi),
+                        0,
+                        &mut Pulse::new(&mut go_on),
+                    ));
                 }
             }) / (LOBES.len() as u32 * STEPS),
         );

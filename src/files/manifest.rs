@@ -5,11 +5,11 @@
 use serde::Serialize;
 
 use super::{
-    container::{self, TableFileError},
+    container::{self, TableFile, TableFileError},
     digest::Digest,
     recipe_document,
 };
-use crate::fit::{REPORT_VERSION, Recipe, Report, Table, report, report_points};
+use crate::fit::{GoOn, REPORT_VERSION, Recipe, Report, Table, report, report_points, report_while};
 
 /// Version of manifests. Raised whenever the same table gets another manifest.
 pub const MANIFEST_VERSION: u32 = REPORT_VERSION;
@@ -39,13 +39,27 @@ pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
     report(table, &recipe.range, report_points(recipe))
 }
 
-/// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon
-/// pool.
+/// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon pool.
 ///
 /// # Errors
 /// When `file_bytes` is not a canonical table file.
 pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
     let file = container::decode(file_bytes)?;
+    let report = table_report(&file.table, &file.recipe);
+    json(file_bytes, &file, report)
+}
+
+/// As [`manifest_json`]; `None` as soon as `go_on` says no.
+///
+/// # Errors
+/// As [`manifest_json`].
+pub fn manifest_json_while(go_on: &GoOn, file_bytes: &[u8]) -> Result<Option<String>, TableFileError> {
+    let file = container::decode(file_bytes)?;
+    let report = report_while(go_on, &file.table, &file.recipe.range, report_points(&file.recipe));
+    report.map(|report| json(file_bytes, &file, report)).transpose()
+}
+
+fn json(file_bytes: &[u8], file: &TableFile, report: Report) -> Result<String, TableFileError> {
     let text = recipe_document::canonical_json(&file.recipe);
     let not_json = |error: serde_json::Error| TableFileError::Recipe(error.to_string());
     let manifest = Manifest {
@@ -54,7 +68,7 @@ pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
         recipe: serde_json::from_str(&text).map_err(not_json)?,
         bytes: file_bytes.len(),
         entries: file.table.matrix.len(),
-        report: table_report(&file.table, &file.recipe),
+        report,
         exports: vec![],
     };
     let mut json = serde_json::to_string_pretty(&manifest).map_err(not_json)?;

@@ -6,7 +6,7 @@ use super::{
     brdf::{Brdf, LobeTerms, Mirrors},
     math::{Lattice, row_major},
     metric::{Distance, Samples, Target},
-    pulse::Pulse,
+    pulse::{Pulse, unstopped},
     recipe::FitSettings,
     solver::{Effort, Guess, Objective, Solver},
 };
@@ -82,7 +82,8 @@ impl Fitter {
         let target = self.seen.target(brdf, wo);
         let matrix = self.solve(self.settings.solver, brdf, wo, &target, stream, pulse)?;
         let LobeTerms { amplitude, fresnel } = target.terms;
-        Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error: self.error(brdf, wo, &matrix) })
+        let error = self.held_out_error(brdf, wo, &matrix, pulse)?;
+        Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error })
     }
 
     fn solve(
@@ -96,7 +97,7 @@ impl Fitter {
     ) -> Option<DMat3> {
         let FitSettings { samples, directions, steps, seed, .. } = self.settings;
         let effort = Effort { samples: samples as usize, directions: directions as usize, steps, seed };
-        let mut loss = self.seen.distance.to(target);
+        let mut loss = self.seen.distance.to(target, pulse)?;
         solver.rules().solve(Objective { brdf, wo, target, loss: &mut *loss, effort, stream }, pulse)
     }
 
@@ -110,16 +111,22 @@ impl Fitter {
     /// Calls `measure` with a function that evaluates loss and gradient once, at the lobe's first guess.
     pub fn with_evaluation(&mut self, brdf: &dyn Brdf, wo: DVec3, measure: impl FnOnce(&mut dyn FnMut() -> f64)) {
         let target = self.seen.target(brdf, wo);
-        let mut loss = self.seen.distance.to(&target);
+        let mut beat = unstopped;
+        let mut pulse = Pulse::new(&mut beat);
+        let Some(mut loss) = self.seen.distance.to(&target, &mut pulse) else { return };
         let matrix = Guess::of(&target.core).matrix();
-        measure(&mut || loss.value_and_gradient(&matrix).0);
+        measure(&mut || loss.value_and_gradient(&matrix, &mut pulse).map_or(f64::NAN, |(value, _)| value));
     }
 
     /// The metric's distance between the lobe and the LTC of `matrix` on the held-out samples.
     pub fn error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3) -> f64 {
+        self.held_out_error(brdf, wo, matrix, &mut Pulse::new(&mut unstopped)).unwrap_or(f64::NAN)
+    }
+
+    fn held_out_error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3, pulse: &mut Pulse) -> Option<f64> {
         let target = self.held_out.target(brdf, wo);
         let matrix = target.frame.transpose() * *matrix;
-        self.held_out.distance.to(&target).value(&matrix)
+        self.held_out.distance.to(&target, pulse)?.value(&matrix, pulse)
     }
 }
 
@@ -137,7 +144,7 @@ mod tests {
     };
 
     fn fit(settings: FitSettings, ggx: &Ggx, wo: DVec3, stream: u64) -> FittedEntry {
-        let fitted = Fitter::new(&settings).fit(ggx, wo, stream, &mut || ControlFlow::Continue(()));
+        let fitted = Fitter::new(&settings).fit(ggx, wo, stream, &mut Pulse::new(&mut unstopped));
         fitted.expect("nothing stops it")
     }
 
@@ -210,13 +217,34 @@ mod tests {
         assert_ne!(descended(0), descended(1));
     }
 
-    /// A fit that takes hours must stop within moments when it is told to.
+    /// The largest settings that a recipe may have take minutes an entry. Every beat can stop them, and a beat comes for
+    /// each 2^23 projections of a sample on a direction: while the lobe is tabulated, within an evaluation and within a
+    /// step.
     #[test]
-    fn a_long_fit_stops_in_the_middle_of_an_entry() {
+    fn an_entry_of_any_size_is_stopped_within_a_moment() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
+        let (samples, directions) = (16_384, 256);
+        // The tabulation of both sample sets, and one evaluation; of `sgd` also the sorts of its one step.
+        let least = |solver: Solver| {
+            let sorts = if solver == Solver::Sgd { 16 } else { 1 };
+            ((2 * 4 + sorts + 1) * samples as usize * directions as usize) >> 23
+        };
         for solver in [Solver::Bfgs, Solver::Sgd] {
-            let mut fitter = Fitter::new(&settings(solver, 256, 8, 100_000));
-            assert_eq!(fitter.fit(&ggx, direction(1.0, 0.6), 0, &mut || ControlFlow::Break(())), None, "{solver:?}");
+            let settings = settings(solver, samples, directions, 1);
+            let stopped_at = |stop: usize| {
+                let mut beats = 0;
+                let mut beat = || {
+                    beats += 1;
+                    if beats == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                };
+                let entry = Fitter::new(&settings).fit(&ggx, direction(1.0, 0.6), 0, &mut Pulse::new(&mut beat));
+                (beats, entry)
+            };
+            let (beats, entry) = stopped_at(usize::MAX);
+            assert!(entry.is_some() && beats >= least(solver), "{solver}: {beats} beats");
+            for stop in [1, beats / 2, beats] {
+                assert_eq!(stopped_at(stop), (stop, None), "{solver}");
+            }
         }
     }
 }

@@ -41,8 +41,8 @@ pub use lobe::LobeModel;
 pub(crate) use lobe::ltc::quadrature;
 pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Scalar, Sides};
 pub use measure::{
-    Accuracy, Corner, ErrorMap, Extent, Floors, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread,
-    TermError, Worst, error_map, extremes, report, report_points,
+    Accuracy, Corner, ErrorMap, Extent, Floors, GoOn, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread,
+    TermError, Worst, error_map, extremes, report, report_points, report_while,
 };
 pub use metric::Metric;
 pub use pulse::Pulse;

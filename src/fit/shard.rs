@@ -6,6 +6,7 @@ use super::{
     axes::PerAxis,
     entry::{FittedEntry, Fitter},
     math::{from_row_major, row_major, turned_about_z},
+    pulse::Pulse,
     recipe::Recipe,
 };
 
@@ -122,7 +123,7 @@ fn fit_row(
     let mut fit = |phi: f64, index: u64, done: u64, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>| {
         let place = PerAxis { phi, ..place };
         let surface = plan.recipe.brdf.surface_at(&place);
-        fitter.fit(&*surface, place.view(), index, &mut || pulse(done))
+        fitter.fit(&*surface, place.view(), index, &mut Pulse::new(&mut || pulse(done)))
     };
     let done = entries.len() as u64;
     let shared = if from_above || isotropic { Some(fit(0.0, first, done, pulse)?) } else { None };

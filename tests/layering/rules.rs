@@ -10,7 +10,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     ("fit::lobe", &["fit::named_list", "fit::brdf", "fit::math"]),
     ("fit::layout", &["fit::named_list", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
     ("fit::table", &["fit::layout", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
-    ("fit::metric", &["fit::named_list", "fit::lobe", "fit::brdf", "fit::math"]),
+    ("fit::metric", &["fit::named_list", "fit::pulse", "fit::lobe", "fit::brdf", "fit::math"]),
     ("fit::solver", &["fit::named_list", "fit::pulse", "fit::metric", "fit::lobe", "fit::brdf", "fit::math"]),
     (
         "fit",

@@ -9,6 +9,9 @@ use super::{
 };
 use crate::fit::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table, math::direction};
 
+/// Asked whether a measurement is to go on. Several threads ask.
+pub type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;
+
 /// The figures of one configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Figures {
@@ -27,6 +30,13 @@ pub(super) struct Figures {
 pub(super) fn all(table: &Table, places: &[Configuration]) -> Vec<Figures> {
     let probe = Probe::new();
     let measure = |work: &mut Workspace, at: &Configuration| one(table, at, &probe, work);
+    places.par_iter().with_max_len(4).map_init(Workspace::default, measure).collect()
+}
+
+/// The figures at each place, in order; `None` when `go_on`, which is asked before each place, says no.
+pub(super) fn all_while(go_on: &GoOn, table: &Table, places: &[Configuration]) -> Option<Vec<Figures>> {
+    let probe = Probe::new();
+    let measure = |work: &mut Workspace, at: &Configuration| go_on().then(|| one(table, at, &probe, work));
     places.par_iter().with_max_len(4).map_init(Workspace::default, measure).collect()
 }
 

@@ -22,11 +22,13 @@ use serde::Serialize;
 pub use accuracy::{Accuracy, Spread, TermError, Worst};
 pub use effort::{MOST_POINTS, report_points};
 pub use extremes::{Corner, extremes};
+pub use figures::GoOn;
 pub use floors::{Floors, Moved};
 pub use map::{ErrorMap, error_map};
 pub use matrices::{Extent, Matrices};
 
-use crate::fit::{PerAxis, Table};
+use crate::fit::{Configuration, PerAxis, Table};
+use figures::Figures;
 
 /// Version of the report. Raised whenever the same table gets another report.
 pub const REPORT_VERSION: u32 = 4;
@@ -52,18 +54,40 @@ pub struct Report {
 /// rayon pool; its size changes nothing. Domain: a table with at least one node on each axis, finite numbers.
 #[must_use]
 pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: usize) -> Report {
-    let mut at_nodes = places::nodes(&table.axes, points);
-    let nodes = at_nodes.len();
-    at_nodes.extend(places::between(&table.axes, points));
-    // One run for both, so that threads are busy to the end.
-    let measured = figures::all(table, &at_nodes);
-    let (at_nodes, between) = measured.split_at(nodes);
-    Report {
-        version: REPORT_VERSION,
-        nodes: Accuracy::of(at_nodes),
-        between: Accuracy::of(between),
-        matrices: Matrices::of(table),
-        floors: Floors::of(&table.axes, range),
+    let places = Places::of(table, points);
+    places.report(&figures::all(table, &places.all), table, range)
+}
+
+/// As [`report`]; `None` as soon as `go_on`, which is asked every few milliseconds, says no.
+#[must_use]
+pub fn report_while(go_on: &GoOn, table: &Table, range: &PerAxis<[f64; 2]>, points: usize) -> Option<Report> {
+    let places = Places::of(table, points);
+    Some(places.report(&figures::all_while(go_on, table, &places.all)?, table, range))
+}
+
+/// Nodes, and after them configurations between nodes: both are measured in one run, so that threads are busy to the end.
+struct Places {
+    all: Vec<Configuration>,
+    nodes: usize,
+}
+
+impl Places {
+    fn of(table: &Table, points: usize) -> Self {
+        let mut all = places::nodes(&table.axes, points);
+        let nodes = all.len();
+        all.extend(places::between(&table.axes, points));
+        Self { all, nodes }
+    }
+
+    fn report(&self, measured: &[Figures], table: &Table, range: &PerAxis<[f64; 2]>) -> Report {
+        let (at_nodes, between) = measured.split_at(self.nodes);
+        Report {
+            version: REPORT_VERSION,
+            nodes: Accuracy::of(at_nodes),
+            between: Accuracy::of(between),
+            matrices: Matrices::of(table),
+            floors: Floors::of(&table.axes, range),
+        }
     }
 }
 

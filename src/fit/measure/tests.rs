@@ -1,4 +1,8 @@
-use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
+use std::{
+    f64::consts::FRAC_PI_2,
+    ops::ControlFlow,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 use super::*;
 use crate::fit::{
@@ -117,4 +121,20 @@ fn points_grow_with_the_fit_between_their_bounds() {
     };
     let shared = report_points(&isotropic);
     assert!(shared.abs_diff(points([64, 2, 32, 1], 512, 24)) <= shared / 20, "{shared}");
+}
+
+#[test]
+fn a_report_stops_as_soon_as_it_is_told_to() {
+    let (recipe, table) = small();
+    let asked = AtomicUsize::new(0);
+    let go_on = |most: usize| {
+        asked.store(0, Ordering::Relaxed);
+        report_while(&|| asked.fetch_add(1, Ordering::Relaxed) < most, &table, &recipe.range, 40)
+    };
+    assert_eq!(go_on(usize::MAX), Some(report(&table, &recipe.range, 40)));
+    let places = asked.load(Ordering::Relaxed);
+    assert!(places > 40, "it was asked {places} times");
+    assert_eq!(go_on(3), None);
+    // Each thread may have asked once more.
+    assert!(asked.load(Ordering::Relaxed) <= 3 + rayon::current_num_threads());
 }

@@ -3,6 +3,7 @@
 use glam::DMat3;
 
 use super::target::Target;
+use crate::fit::pulse::Pulse;
 
 /// The fixed samples of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,18 +24,18 @@ pub(crate) trait MetricRules: Sync {
 
 /// A metric with its fixed samples: prepared once for all entries.
 pub(crate) trait Distance: std::fmt::Debug {
-    /// The distance to one target.
-    fn to<'a>(&'a mut self, target: &Target) -> Box<dyn Loss + 'a>;
+    /// The distance to one target; `None` when `pulse` stops its preparation.
+    fn to<'a>(&'a mut self, target: &Target, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>>;
 }
 
-/// The distance between one target and the LTC of a matrix.
+/// The distance between one target and the LTC of a matrix. Evaluations give `None` when `pulse` stops them.
 pub(crate) trait Loss {
     /// Mean standard deviation of the target's projections: the unit in which losses are measured.
     fn spread(&self) -> f64;
 
     /// The distance at `m`, a matrix from cosine space to the lobe's frame with positive determinant.
-    fn value(&mut self, m: &DMat3) -> f64;
+    fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64>;
 
     /// The distance at `m` and its gradient by the elements of `m`.
-    fn value_and_gradient(&mut self, m: &DMat3) -> (f64, DMat3);
+    fn value_and_gradient(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<(f64, DMat3)>;
 }

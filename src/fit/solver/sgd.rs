@@ -65,8 +65,8 @@ impl Uniform {
     }
 }
 
-/// Steps between two pulses.
-const STEPS_PER_PULSE: u32 = 8;
+/// Work of a step for each sample and direction, in projections: two sorts.
+const SORTING: usize = 16;
 
 /// The matrix after all steps, from the identity, in the tangent frame; `None` when `pulse` stops the descent. Its
 /// determinant may have either sign.
@@ -78,10 +78,7 @@ fn descend(brdf: &dyn Brdf, wo: DVec3, effort: &Effort, stream: u64, pulse: &mut
     let mut m = DMat3::IDENTITY;
     let (mut lobe, mut cosine, mut ltc) = (vec![DVec3::ZERO; n], vec![DVec3::ZERO; n], vec![DVec3::ZERO; n]);
     let (mut gradient, mut wanted, mut order) = (vec![DVec3::ZERO; n], vec![0.0; n], vec![(0.0, 0_usize); n]);
-    for step in 0..effort.steps {
-        if step % STEPS_PER_PULSE == 0 && pulse().is_break() {
-            return None;
-        }
+    for _ in 0..effort.steps {
         for wi in &mut lobe {
             *wi = random.lobe(brdf, wo);
         }
@@ -93,6 +90,7 @@ fn descend(brdf: &dyn Brdf, wo: DVec3, effort: &Effort, stream: u64, pulse: &mut
         }
         gradient.fill(DVec3::ZERO);
         for _ in 0..effort.directions {
+            pulse.worked(SORTING * n)?;
             let d = random.direction();
             wanted.iter_mut().zip(&lobe).for_each(|(x, wi)| *x = d.dot(*wi));
             wanted.sort_unstable_by(f64::total_cmp);

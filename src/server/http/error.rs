@@ -83,12 +83,13 @@ impl From<PictureError> for Problem {
 
 impl From<ServiceError> for Problem {
     fn from(error: ServiceError) -> Self {
-        tracing::error!("{error}");
         let kind = match error {
+            ServiceError::Stopping => return stopping(),
             ServiceError::Corrupt { .. } => ProblemKind::DamagedBlob,
             ServiceError::DiskFull => ProblemKind::DiskFull,
             ServiceError::Storage(_) => ProblemKind::Storage,
         };
+        tracing::error!("{error}");
         Self::new(kind, error.to_string())
     }
 }

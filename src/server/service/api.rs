@@ -117,6 +117,9 @@ pub enum ServiceError {
     /// The disk is full.
     #[error("the disk of the data folder is full")]
     DiskFull,
+    /// The service stops and does not begin or finish what takes long.
+    #[error("the service is stopping")]
+    Stopping,
     /// Any other error of the storage.
     #[error("storage: {0}")]
     Storage(String),

@@ -5,6 +5,7 @@ use std::{panic::resume_unwind, sync::Arc, thread};
 use super::{Page, PictureError, PictureReply, Service, ServiceError, Subject, TableRow, state::ServiceState};
 use crate::{
     files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION},
+    fit::GoOn,
     server::{
         queue::JobId,
         store::{Catalogue, ManifestRow},
@@ -33,8 +34,9 @@ impl Service {
         if let Some(text) = state.tables.stored_manifest(digest)? {
             return Ok(Some(text));
         }
-        let made = state.make_manifest(&file);
-        let manifest = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        let made = state.make_manifest(&file, &|| !state.is_stopping());
+        let made = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        let manifest = made.ok_or(ServiceError::Stopping)?;
         state.tables.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
         Ok(Some(manifest.text))
     }
@@ -78,15 +80,15 @@ impl Service {
 }
 
 impl ServiceState {
-    /// Measures a table and makes its manifest.
-    pub(super) fn make_manifest(&self, file: &[u8]) -> Result<ManifestRow, TableFileError> {
-        let measure = || self.measuring_pool.install(|| self.engine.manifest(file));
+    /// Measures a table and makes its manifest; `None` as soon as `go_on` says no.
+    pub(super) fn make_manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<ManifestRow>, TableFileError> {
+        let measure = || self.measuring_pool.install(|| self.engine.manifest(file, go_on));
         // The caller may be a thread of the fitting pool. If it waited for the other pool, rayon would let it take
         // other work of its own pool meanwhile, such as the endless loop of another worker. So a thread of no pool
         // waits.
         let made = thread::scope(|scope| scope.spawn(measure).join());
         let text = made.unwrap_or_else(|panic| resume_unwind(panic))?;
-        Ok(ManifestRow { version: MANIFEST_VERSION, text })
+        Ok(text.map(|text| ManifestRow { version: MANIFEST_VERSION, text }))
     }
 }
 

@@ -9,9 +9,10 @@ use crate::{
     files::{
         container::{self, TableFileError},
         digest::Digest,
+        manifest::manifest_json_while,
         recipe_document::{self, RecipeError},
     },
-    fit::{self, Expectation, FITTER_VERSION, Plan},
+    fit::{self, Expectation, FITTER_VERSION, GoOn, Plan},
     server::queue::NewJob,
 };
 
@@ -39,8 +40,8 @@ pub(super) trait Engine: Send + Sync {
     /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
 
-    /// The manifest of a canonical file. Measures the table on the current rayon pool.
-    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError>;
+    /// The manifest of a canonical file; `None` as soon as `go_on` says no. Measures the table on the current rayon pool.
+    fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError>;
 }
 
 /// The fitter of this crate.
@@ -122,8 +123,8 @@ impl Engine for FitEngine {
         Some((text, digest))
     }
 
-    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError> {
-        crate::files::manifest::manifest_json(file)
+    fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
+        manifest_json_while(go_on, file)
     }
 }
 

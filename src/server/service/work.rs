@@ -110,7 +110,13 @@ impl ServiceState {
     fn assemble(&self, task: &LeasedTask) -> Result<(), TaskError> {
         let Some(results) = self.queue.results(&task.lease)? else { return Ok(()) };
         let file = self.engine.assemble(&task.recipe, results).map_err(TaskError::Failed)?;
-        let manifest = self.make_manifest(&file).map_err(|error| TaskError::Failed(error.to_string()))?;
+        // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
+        let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
+        let manifest = self.make_manifest(&file, &go_on).map_err(|error| TaskError::Failed(error.to_string()))?;
+        let Some(manifest) = manifest else {
+            self.queue.give_back(&task.lease)?;
+            return Ok(());
+        };
         let digest = self.tables.store.blobs.put(&file)?;
         let row = TableRow {
             digest,

@@ -121,21 +121,12 @@ fn free_variables(mirrors: Mirrors) -> [bool; VARIABLES] {
     [true, !(x || y), true, !x, !y, !x, !y]
 }
 
-/// Evaluations between two pulses. A pulse costs nothing compared with them, and with the largest settings allowed they
-/// take seconds.
-const EVALUATIONS_PER_PULSE: u32 = 32;
-
 /// The matrix near `guess` with the lowest loss; `None` when `pulse` stops the search. It maps cosine space to the
 /// lobe's frame.
 fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, pulse: &mut Pulse) -> Option<DMat3> {
-    let mut evaluations = 0;
     // The loss is in units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
     let inv_spread = 1.0 / loss.spread();
     let lowest = minimise([0.0; VARIABLES], free_variables(mirrors), stop, |v| {
-        evaluations += 1;
-        if evaluations % EVALUATIONS_PER_PULSE == 0 && pulse().is_break() {
-            return None;
-        }
         let parts = Parts::of(v);
         // Only upright matrices are searched: a mirrored `M` makes the same distribution as an upright one, and a flat
         // one makes none.
@@ -143,7 +134,7 @@ fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, 
             return Some((f64::INFINITY, [0.0; VARIABLES]));
         }
         let flat = parts.flat(guess);
-        let (value, by_m) = loss.value_and_gradient(&parts.tilted(flat));
+        let (value, by_m) = loss.value_and_gradient(&parts.tilted(flat), pulse)?;
         let mut gradient = parts.pull_back(guess, &flat, &(by_m * inv_spread));
         let (cost, by_cost) = parts.cost();
         gradient.iter_mut().zip(by_cost).for_each(|(slope, cost)| *slope += cost);
@@ -155,12 +146,11 @@ fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, 
 
 #[cfg(test)]
 mod tests {
-    use std::ops::ControlFlow;
-
     use super::*;
     use crate::fit::{
         lobe::ltc::align,
         metric::{Metric, Samples, planted},
+        pulse::unstopped,
     };
 
     const STOP: StopRule = StopRule { steps: 100, relative_decrease: 1e-6 };
@@ -169,8 +159,10 @@ mod tests {
         let target = planted(matrix, mirrors);
         let mut distance = Metric::Sw1.rules().distance(&Samples { count: 2048, directions: 24, shift: [0.0; 2] });
         let guess = Guess::of(&target.core);
-        let mut go_on = || ControlFlow::Continue(());
-        let found = refine(&mut *distance.to(&target), &guess, mirrors, STOP, &mut go_on);
+        let mut beat = unstopped;
+        let mut pulse = Pulse::new(&mut beat);
+        let mut loss = distance.to(&target, &mut pulse).expect("nothing stops it");
+        let found = refine(&mut *loss, &guess, mirrors, STOP, &mut pulse);
         target.frame * found.expect("nothing stops it")
     }
 

@@ -9,7 +9,7 @@ use std::{
 use super::super::engine::Engine;
 use crate::{
     files::{container::TableFileError, digest::Digest, recipe_document::RecipeError},
-    fit::Expectation,
+    fit::{Expectation, GoOn},
     server::queue::NewJob,
 };
 
@@ -102,8 +102,8 @@ impl Engine for FakeEngine {
         Some((recipe, digest))
     }
 
-    fn manifest(&self, file: &[u8]) -> Result<String, TableFileError> {
+    fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
         self.0.behaviour.lock().unwrap().manifests += 1;
-        Ok(format!("of {} bytes", file.len()))
+        Ok(go_on().then(|| format!("of {} bytes", file.len())))
     }
 }

@@ -4,30 +4,20 @@
 //! belongs to the lobe and never changes; it is tabulated once. F belongs to the LTC's samples, projected on `d`. Both
 //! are histograms on the same nodes. The two nodes around a sample share it in proportion (cloud-in-cell), so F moves
 //! continuously with the samples, and the cost is linear in their number.
-//!
-//! The nodes lie at `centre +- width (2^e (1 + k / 32) - 1)`: evenly spaced in the lobe's core, and in its tails spaced
-//! in proportion to the distance from the core, so that lobes with a sharp core and far tails lose neither. The
-//! exponent and mantissa of the f32 number `1 + |x - centre| / width` give the position among the nodes; no logarithm
-//! is taken.
+
+mod slice;
 
 use glam::{DMat3, DVec3};
 
+use self::slice::{Slice, split};
 use super::{
     distance::{Distance, Loss, MetricRules, Samples},
     target::Target,
 };
-use crate::fit::math::{Lattice, cosine_hemisphere, fibonacci_hemisphere};
-
-/// Mantissa bits that number the cells of an octave: 32 cells, a core cell is 1/32 of the lobe's width.
-const CELL_BITS: u32 = 5;
-/// Mantissa bits that are left for the position inside a cell.
-const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1 - CELL_BITS;
-/// One cell in the fixed-point positions.
-const CELL: i32 = 1 << FRACTION_BITS;
-/// Bits of 1.0, where positions start.
-const ONE_BITS: i32 = 0x3f80_0000;
-/// Most octaves on each side, so that positions fit an i32: a tail of 4 million widths.
-const MOST_OCTAVES: i32 = 22;
+use crate::fit::{
+    math::{Lattice, cosine_hemisphere, fibonacci_hemisphere},
+    pulse::Pulse,
+};
 
 /// Fixed samples of the clamped cosine.
 #[derive(Debug, Clone)]
@@ -40,84 +30,6 @@ impl CosineSamples {
     fn new(lattice: Lattice) -> Self {
         Self { points: lattice.points().map(cosine_hemisphere).collect() }
     }
-}
-
-/// The target along one direction.
-#[derive(Debug, Clone)]
-struct Slice {
-    direction: [f32; 3],
-    centre: f32,
-    inv_width: f32,
-    /// Fixed-point position of the centre: half the number of cells.
-    middle: i32,
-    /// G at the node after each cell.
-    cumulative: Vec<f32>,
-    /// Length of each cell in x.
-    length: Vec<f32>,
-}
-
-impl Slice {
-    /// Projection of an offset on the direction.
-    #[inline]
-    fn project(&self, x: f32, y: f32, z: f32) -> f32 {
-        self.direction[0] * x + self.direction[1] * y + self.direction[2] * z
-    }
-
-    /// Fixed-point position of a projection. Monotonic; projections off the end are put just before the last node.
-    #[inline]
-    fn locate(&self, x: f32) -> i32 {
-        let y = (x - self.centre) * self.inv_width;
-        let from_middle = ((1.0 + y.abs()).to_bits().cast_signed() - ONE_BITS).min(self.middle - 1);
-        // All ones for a negative y, else zero: negates without a branch.
-        let sign = y.to_bits().cast_signed() >> 31;
-        ((from_middle ^ sign) - sign) + self.middle
-    }
-
-    fn new(target: &Target, direction: DVec3) -> Self {
-        let (centre, width) = target.core.project(direction);
-        let mut slice = Self {
-            direction: direction.as_vec3().to_array(),
-            centre: centre as f32,
-            inv_width: (1.0 / width) as f32,
-            middle: i32::MAX,
-            cumulative: Vec::new(),
-            length: Vec::new(),
-        };
-        let project = |slice: &Self, p: &DVec3| {
-            let [x, y, z] = p.as_vec3().to_array();
-            slice.project(x, y, z)
-        };
-        let distance = |p: &DVec3| (project(&slice, p) - slice.centre).abs();
-        let farthest = target.points.iter().map(distance).fold(0.0, f32::max) * slice.inv_width;
-        // One octave more than the target needs: an LTC may be wider.
-        let octaves = (((1.0 + farthest).to_bits().cast_signed() - ONE_BITS) >> (FRACTION_BITS + CELL_BITS)) + 2;
-        let side = octaves.min(MOST_OCTAVES) << CELL_BITS;
-        slice.middle = side * CELL;
-        let node = |c: i32| {
-            let from_middle = c - side;
-            let distance = f64::from(f32::from_bits((from_middle.abs() * CELL + ONE_BITS) as u32)) - 1.0;
-            width * if from_middle < 0 { -distance } else { distance }
-        };
-        let mut mass = vec![0.0; 2 * side as usize + 1];
-        for (point, weight) in target.points.iter().zip(&target.weights) {
-            let (cell, fraction) = split(slice.locate(project(&slice, point)));
-            mass[cell] += weight * f64::from(1.0 - fraction);
-            mass[cell + 1] += weight * f64::from(fraction);
-        }
-        let mut below = 0.0;
-        for (c, mass) in (0..2 * side).zip(mass) {
-            below += mass;
-            slice.cumulative.push(below as f32);
-            slice.length.push((node(c + 1) - node(c)) as f32);
-        }
-        slice
-    }
-}
-
-/// Cell of a fixed-point position, and where in the cell it is, in [0, 1).
-#[inline]
-fn split(position: i32) -> (usize, f32) {
-    ((position >> FRACTION_BITS) as usize, (position & (CELL - 1)) as f32 * (1.0 / CELL as f32))
 }
 
 /// The sliced Wasserstein distance as an item of [`super::Metric`].
@@ -143,8 +55,8 @@ struct SlicedWasserstein {
 }
 
 impl Distance for SlicedWasserstein {
-    fn to<'a>(&'a mut self, target: &Target) -> Box<dyn Loss + 'a> {
-        Box::new(SlicedLoss::new(target, &self.samples, &self.directions, &mut self.buffers))
+    fn to<'a>(&'a mut self, target: &Target, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>> {
+        Some(Box::new(SlicedLoss::new(target, &self.samples, &self.directions, &mut self.buffers, pulse)?))
     }
 }
 
@@ -180,11 +92,18 @@ struct Buffers {
 }
 
 impl<'a> SlicedLoss<'a> {
-    /// Tabulates `target` along `directions` (unit vectors in the lobe's frame).
-    fn new(target: &Target, samples: &'a CosineSamples, directions: &[DVec3], buffers: &'a mut Buffers) -> Self {
-        let slices: Vec<Slice> = directions.iter().map(|d| Slice::new(target, *d)).collect();
+    /// Tabulates `target` along `directions` (unit vectors in the lobe's frame); `None` when `pulse` stops it.
+    fn new(
+        target: &Target,
+        samples: &'a CosineSamples,
+        directions: &[DVec3],
+        buffers: &'a mut Buffers,
+        pulse: &mut Pulse,
+    ) -> Option<Self> {
+        let slice = |d: &DVec3| pulse.worked(target.points.len()).map(|()| Slice::new(target, *d));
+        let slices: Vec<Slice> = directions.iter().map(slice).collect::<Option<_>>()?;
         let spread = directions.iter().map(|d| target.core.project(*d).1).sum::<f64>() / directions.len() as f64;
-        Self { samples, slices, spread, buffers }
+        Some(Self { samples, slices, spread, buffers })
     }
 
     /// Fills the buffers with the directions that `m` makes of the samples.
@@ -215,6 +134,17 @@ impl<'a> SlicedLoss<'a> {
         }
     }
 
+    /// The mean distance along the slices; leaves its gradient by each sample's direction in the buffers when asked to.
+    fn mean<const GRADIENT: bool>(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
+        self.transform(m);
+        let mut sum = 0.0;
+        for slice in &self.slices {
+            pulse.worked(self.samples.points.len())?;
+            sum += slice_loss::<GRADIENT>(slice, self.buffers);
+        }
+        Some(sum / self.slices.len() as f64)
+    }
+
     /// From the gradient by directions `f = M c / |M c|` to that by `M`:
     /// `dL/dM = sum_i ((g_i - f_i (f_i . g_i)) / |M c_i|) c_i^T`.
     fn pull_back(&self) -> DMat3 {
@@ -235,18 +165,13 @@ impl Loss for SlicedLoss<'_> {
         self.spread
     }
 
-    fn value(&mut self, m: &DMat3) -> f64 {
-        self.transform(m);
-        let (slices, buffers) = (&self.slices, &mut *self.buffers);
-        slices.iter().map(|slice| slice_loss::<false>(slice, buffers)).sum::<f64>() / slices.len() as f64
+    fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
+        self.mean::<false>(m, pulse)
     }
 
-    fn value_and_gradient(&mut self, m: &DMat3) -> (f64, DMat3) {
-        self.transform(m);
-        let (slices, buffers) = (&self.slices, &mut *self.buffers);
-        let count = slices.len() as f64;
-        let value = slices.iter().map(|slice| slice_loss::<true>(slice, buffers)).sum::<f64>() / count;
-        (value, self.pull_back() * (1.0 / count))
+    fn value_and_gradient(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
+        let value = self.mean::<true>(m, pulse)?;
+        Some((value, self.pull_back() * (1.0 / self.slices.len() as f64)))
     }
 }
 
@@ -303,7 +228,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::fit::{brdf::Mirrors, metric::planted};
+    use crate::fit::{brdf::Mirrors, metric::planted, pulse::unstopped};
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
@@ -321,6 +246,20 @@ mod tests {
             DVec3::new(-0.2 * scale, 0.4 * scale, 0.0),
             DVec3::new(-0.6, 0.2, 0.8),
         )
+    }
+
+    fn loss<'a>(
+        target: &Target,
+        samples: &'a CosineSamples,
+        directions: &[DVec3],
+        buffers: &'a mut Buffers,
+    ) -> SlicedLoss<'a> {
+        SlicedLoss::new(target, samples, directions, buffers, &mut Pulse::new(&mut unstopped))
+            .expect("nothing stops it")
+    }
+
+    fn value(loss: &mut SlicedLoss<'_>, m: &DMat3) -> f64 {
+        loss.value(m, &mut Pulse::new(&mut unstopped)).expect("nothing stops it")
     }
 
     /// A neighbour of the lobe in its own frame.
@@ -358,7 +297,7 @@ mod tests {
             let (samples, directions) = (samples(2048), directions(16));
             let m = near(&target, scale);
             let mut buffers = Buffers::default();
-            let loss = SlicedLoss::new(&target, &samples, &directions, &mut buffers).value(&m);
+            let loss = value(&mut loss(&target, &samples, &directions, &mut buffers), &m);
             let exact = by_sorting(&target, &m, &samples, &directions);
             assert!((loss / exact - 1.0).abs() < 0.01, "{scale}: {loss} {exact}");
         }
@@ -370,14 +309,15 @@ mod tests {
             let target = planted(lobe(scale), NO_MIRRORS);
             let (samples, directions) = (samples(8192), directions(16));
             let mut buffers = Buffers::default();
-            let mut loss = SlicedLoss::new(&target, &samples, &directions, &mut buffers);
+            let mut loss = loss(&target, &samples, &directions, &mut buffers);
             // Far enough from the lobe for the two cumulatives to cross in few places: at a crossing the
             // distance has a kink.
             let far =
                 DMat3::from_cols(DVec3::new(1.8, 0.3, 0.0), DVec3::new(0.3, 0.5, 0.1), DVec3::new(0.5, -0.4, 1.0));
             let m = near(&target, scale) * far;
-            let (value, gradient) = loss.value_and_gradient(&m);
-            assert_eq!(value, loss.value(&m));
+            let found = loss.value_and_gradient(&m, &mut Pulse::new(&mut unstopped));
+            let (at_m, gradient) = found.expect("nothing stops it");
+            assert_eq!(at_m, value(&mut loss, &m));
             // Small compared with the lobe's width, large compared with the spacing of its samples, so that their kinks
             // average out.
             let step = 3e-3 * scale;
@@ -388,7 +328,7 @@ mod tests {
                     numbers[k] += by;
                     DMat3::from_cols_array(&numbers)
                 };
-                let difference = loss.value(&moved(step)) - loss.value(&moved(-step));
+                let difference = value(&mut loss, &moved(step)) - value(&mut loss, &moved(-step));
                 let slope = difference / (2.0 * step);
                 let analytic = gradient.to_cols_array()[k];
                 assert!((slope - analytic).abs() < 0.01 * norm, "{scale} {k}: {slope} {analytic}");
@@ -401,9 +341,9 @@ mod tests {
         let target = planted(lobe(0.3), NO_MIRRORS);
         let (samples, directions) = (samples(1024), directions(16));
         let mut buffers = Buffers::default();
-        let mut loss = SlicedLoss::new(&target, &samples, &directions, &mut buffers);
-        let at_truth = loss.value(&(target.frame.transpose() * lobe(0.3)));
-        let nearby = loss.value(&near(&target, 0.3));
+        let mut loss = loss(&target, &samples, &directions, &mut buffers);
+        let at_truth = value(&mut loss, &(target.frame.transpose() * lobe(0.3)));
+        let nearby = value(&mut loss, &near(&target, 0.3));
         assert!(at_truth < 0.1 * nearby && at_truth < 0.02 * loss.spread(), "{at_truth} {nearby}");
     }
 }
