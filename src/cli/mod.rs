@@ -8,6 +8,7 @@ mod config_file;
 mod context;
 mod exit;
 mod fit;
+mod fsck;
 mod input;
 mod interrupt;
 mod jobs;

@@ -5,7 +5,7 @@ use clap::CommandFactory as _;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    fit, jobs, lookup, plot, preview, pull, report, serve, shader, tradeoff, verify,
+    fit, fsck, jobs, lookup, plot, preview, pull, report, serve, shader, tradeoff, verify,
 };
 use crate::client::Client;
 
@@ -19,6 +19,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
     let connect = || client(server.as_deref(), &file);
     match command {
         Command::Serve(args) => serve::run(args, file.serve, context),
+        Command::Fsck(args) => fsck::run(args, file.serve, json, context),
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),
         Command::Report(args) => report::run(&args, json, context),

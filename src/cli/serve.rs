@@ -25,9 +25,9 @@ use crate::{
 };
 
 const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 8317);
-const DEFAULT_DATA: &str = "ltcforge-data";
+pub(super) const DEFAULT_DATA: &str = "ltcforge-data";
 const DEFAULT_QUEUE_LIMIT: usize = 64;
-/// A worker renews its lease with every entry and, in the largest ones, every 32 evaluations.
+/// A worker renews its lease several times a second.
 const LEASE_TTL: Duration = Duration::from_secs(60);
 const MAX_ATTEMPTS: u32 = 3;
 /// Most pictures take less than a second; the largest references minutes.

@@ -34,6 +34,14 @@ pub struct ServeArgs {
     pub adapter: Option<AdapterName>,
 }
 
+/// `fsck`.
+#[derive(Debug, Args)]
+pub struct FsckArgs {
+    /// Folder of jobs and tables of a service that is not running [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
 /// `fit`.
 #[derive(Debug, Args)]
 pub struct FitArgs {

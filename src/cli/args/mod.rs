@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
-pub(super) use fitting::{FitArgs, ServeArgs, Threads, TradeoffArgs, cores};
+pub(super) use fitting::{FitArgs, FsckArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs};
 pub(super) use tables::{LookupArgs, PullArgs, ReportArgs, TableChoice, VerifyArgs};
@@ -42,6 +42,8 @@ const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failed, 2 usage, 3 verification mi
 pub enum Command {
     /// Run the HTTP service
     Serve(ServeArgs),
+    /// Check the data folder of a service, and mend what can be mended
+    Fsck(FsckArgs),
     /// Fit a table without a server; the last line of stdout is its digest
     Fit(FitArgs),
     /// Print the matrices that a shader would fetch from a table, as CSV
@@ -91,7 +93,7 @@ impl Command {
     #[must_use]
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
-            Self::Serve(_) => OnInterrupt::Finishes,
+            Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Pull(_) => OnInterrupt::Told,
             Self::Lookup(_)
             | Self::Report(_)

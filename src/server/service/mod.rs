@@ -9,6 +9,7 @@ mod engine;
 mod forecast;
 mod open;
 mod pictures;
+mod reconcile;
 mod speed;
 mod state;
 mod submit;
@@ -23,4 +24,5 @@ pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, SubmitError, SubmitReply,
 };
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
+pub use reconcile::{CheckReport, Reconciled, check};
 pub use state::Service;

@@ -2,6 +2,7 @@
 
 use std::{
     num::NonZeroU32,
+    path::Path,
     sync::{
         Arc,
         atomic::{AtomicBool, AtomicU64},
@@ -11,17 +12,18 @@ use std::{
 use jiff::Timestamp;
 
 use super::{
-    Config, OpenError, Service, TableRow,
+    Config, OpenError, Service,
     engine::{Engine, FitEngine},
     forecast::Forecast,
     pictures::Pictures,
+    reconcile::reconcile,
     state::{ServiceState, Workers},
     tables::Tables,
     watch::Hub,
 };
 use crate::server::{
     queue::{Clock, Limits, Queue},
-    store::{Batch, Catalogue, Store, StoreError, StoreOpenError},
+    store::{Store, StoreOpenError},
 };
 
 impl Service {
@@ -43,9 +45,7 @@ impl Service {
             max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
         };
         let prepared = (|| {
-            if store.database_is_new {
-                rebuild_catalogue(&store, engine.as_ref())?;
-            }
+            reconcile(&store, engine.as_ref())?;
             Queue::open(Arc::clone(&store.rows), limits, Arc::clone(&clock))
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
@@ -90,35 +90,18 @@ fn pool(config: &Config, name: &'static str) -> Result<rayon::ThreadPool, OpenEr
         .map_err(|error| refusal(config, StoreOpenError::Unusable(std::io::Error::other(error))))
 }
 
-/// Adds every blob that is a table to the catalogue.
-fn rebuild_catalogue(store: &Store, engine: &dyn Engine) -> Result<(), StoreError> {
-    let mut tables = 0_usize;
-    for blob in store.blobs.list()? {
-        let bytes = match store.blobs.get(blob.digest) {
-            Ok(Some(bytes)) => bytes,
-            // The store has moved it to quarantine and logged it.
-            Ok(None) | Err(StoreError::Corrupt { .. }) => continue,
-            Err(error) => return Err(error),
-        };
-        let Some((recipe, recipe_digest)) = engine.recognise(&bytes) else { continue };
-        let row =
-            TableRow { digest: blob.digest, recipe_digest, bytes: bytes.len() as u64, created_at: blob.stored_at };
-        let mut batch = Batch::default();
-        batch.extend(Catalogue::entry(&row, &recipe)?);
-        store.rows.commit(&batch)?;
-        tables += 1;
-    }
-    if tables > 0 {
-        tracing::warn!(tables, "the catalogue was rebuilt from the blobs");
-    }
-    Ok(())
+fn refusal(config: &Config, error: StoreOpenError) -> OpenError {
+    OpenError::of(&config.data_dir, error)
 }
 
-fn refusal(config: &Config, error: StoreOpenError) -> OpenError {
-    let path = config.data_dir.clone();
-    match error {
-        StoreOpenError::Locked => OpenError::Locked(path),
-        StoreOpenError::Unusable(source) => OpenError::Unusable { path, source },
-        StoreOpenError::FromTheFuture { found, known } => OpenError::FromTheFuture { path, found, known },
+impl OpenError {
+    /// The error of the store in `folder`.
+    pub(super) fn of(folder: &Path, error: StoreOpenError) -> Self {
+        let path = folder.to_owned();
+        match error {
+            StoreOpenError::Locked => Self::Locked(path),
+            StoreOpenError::Unusable(source) => Self::Unusable { path, source },
+            StoreOpenError::FromTheFuture { found, known } => Self::FromTheFuture { path, found, known },
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The catalogue: which table belongs to which recipe, and the manifests.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -110,6 +110,45 @@ impl Catalogue {
             tables.extend(self.read::<TableRow>(Tree::Tables, digest)?);
         }
         Ok((tables, next))
+    }
+
+    /// The tables that are in the catalogue with all their rows: their own, their place in the list, and their recipe's.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn complete(&self) -> Result<BTreeSet<Digest>, StoreError> {
+        let listed: BTreeSet<Vec<u8>> = self
+            .rows
+            .scan(Tree::TablesByAge, &[])?
+            .into_iter()
+            .filter(|row| row.value.is_some())
+            .map(|row| row.key)
+            .collect();
+        let mut complete = BTreeSet::new();
+        for row in self.rows.scan(Tree::Tables, &[])? {
+            let Some(row) = row.value.and_then(|value| serde_json::from_slice::<TableRow>(&value).ok()) else {
+                continue;
+            };
+            if listed.contains(&age_key(&row)) && self.recipe(row.recipe_digest)?.is_some() {
+                complete.insert(row.digest);
+            }
+        }
+        Ok(complete)
+    }
+
+    /// The change that removes places in the list whose table has no row.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn dangling(&self) -> Result<Batch, StoreError> {
+        let mut batch = Batch::default();
+        for row in self.rows.scan(Tree::TablesByAge, &[])? {
+            let table = row.key.get(8..).map(|digest| self.read::<TableRow>(Tree::Tables, digest)).transpose()?;
+            if table.flatten().is_none_or(|table| age_key(&table) != row.key) {
+                batch.remove(Tree::TablesByAge, row.key);
+            }
+        }
+        Ok(batch)
     }
 
     /// Number of tables, and the size of all their files in bytes.

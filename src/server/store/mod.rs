@@ -6,6 +6,7 @@
 //! DIR/lock                  locked by the process that has opened the folder
 //! DIR/blobs/ab/ab12...      tables, named by their digest
 //! DIR/db/                   sled: jobs, shards and their results until the table is stored, the catalogue
+//! DIR/jobs.log              the journal of jobs, from which those that sled lost are restored
 //! DIR/quarantine/           damaged files
 //! ```
 
@@ -13,6 +14,7 @@ mod blob;
 mod catalogue;
 mod error;
 mod files;
+mod journal;
 #[cfg(test)]
 pub(crate) mod memory;
 mod migrations;
@@ -27,7 +29,7 @@ pub(crate) use files::copy_folder;
 pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
 pub use error::StoreError;
-pub use open::{Store, StoreOpenError};
+pub use open::{Findings, Store, StoreOpenError};
 pub use rows::{Batch, Row, Rows};
 pub use sled_rows::SledRows;
 pub use tree::Tree;

@@ -8,9 +8,8 @@ use std::{
 };
 
 use super::{
-    Blobs, FileBlobs, Rows, SledRows, StoreError, files,
-    migrations::MigrationError,
-    sled_rows::{SledOpenError, SyncFn},
+    Blobs, FileBlobs, Rows, SledRows, StoreError, files, journal::JournalledRows, migrations::MigrationError,
+    sled_rows::SledOpenError,
 };
 
 /// The opened data folder. Other processes are locked out until it is dropped.
@@ -20,11 +19,23 @@ pub struct Store {
     pub blobs: Arc<dyn Blobs>,
     /// Jobs, shards and the catalogue.
     pub rows: Arc<dyn Rows>,
-    /// Whether the database is new: because the folder is, because the old one was damaged and copied to quarantine, or
-    /// because sled found its file truncated and started over. The catalogue must then be rebuilt from the blobs.
-    pub database_is_new: bool,
+    /// What was wrong when it was opened. The catalogue must then be compared with the blobs.
+    pub found: Findings,
     /// Dropping it unlocks the folder.
     _lock: File,
+}
+
+/// What was wrong with a store when it was opened.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Findings {
+    /// The database did not open or could not be read: a part of it, or an empty one, took its place.
+    pub database_was_replaced: bool,
+    /// Rows that do not match their seal. They count as absent.
+    pub damaged_rows: usize,
+    /// Rows of jobs that the database had lost, and that the journal had.
+    pub restored_rows: usize,
+    /// Damaged entries of the journal.
+    pub damaged_journal_entries: usize,
 }
 
 /// Why a data folder did not open.
@@ -59,7 +70,8 @@ impl From<StoreError> for StoreOpenError {
 impl Store {
     /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
     ///
-    /// A database that does not open is copied to `quarantine/db-N` and replaced by an empty one.
+    /// Every row of the database is read and checked. A database that does not open or cannot be read is copied to
+    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost are restored from their journal.
     ///
     /// # Errors
     /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
@@ -68,8 +80,10 @@ impl Store {
         let lock = lock(&dir.join("lock"))?;
         let quarantine = dir.join("quarantine");
         let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
-        let rows = open_rows(&dir.join("db"), &quarantine)?;
-        Ok(Self { blobs: Arc::new(blobs), database_is_new: rows.was_empty, rows: Arc::new(rows), _lock: lock })
+        let mut found = Findings::default();
+        let rows = open_rows(&dir.join("db"), &quarantine, &mut found)?;
+        let rows = with_journal(rows, &dir.join("jobs.log"), &mut found)?;
+        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, _lock: lock })
     }
 }
 
@@ -90,15 +104,18 @@ fn lock(path: &Path) -> Result<File, StoreOpenError> {
     }
 }
 
-fn open_rows(folder: &Path, quarantine: &Path) -> Result<SledRows, StoreOpenError> {
-    let sync = || -> SyncFn { Box::new(File::sync_all) };
+/// The database of `folder`, after every row of it was read. One that does not open or cannot be read is copied to
+/// `quarantine` and replaced by an empty one. `found` is told what went wrong.
+fn open_rows(folder: &Path, quarantine: &Path, found: &mut Findings) -> Result<SledRows, StoreOpenError> {
     files::make_folder(folder)?;
     let had_bytes = fs::metadata(folder.join("db")).map_or(0, |metadata| metadata.len());
-    let reason = match SledRows::open(folder, sync()) {
-        Ok(rows) => {
+    let reason = match open_and_read(folder) {
+        Ok((rows, damaged_rows)) => {
             if rows.was_empty && had_bytes > 0 {
-                tracing::error!(had_bytes, "sled could not read its file and started over; unfinished jobs are lost");
+                tracing::error!(had_bytes, "sled could not read its file and started over");
+                found.database_was_replaced = true;
             }
+            found.damaged_rows = damaged_rows;
             return Ok(rows);
         }
         Err(SledOpenError::Damaged(reason)) => reason,
@@ -107,23 +124,52 @@ fn open_rows(folder: &Path, quarantine: &Path) -> Result<SledRows, StoreOpenErro
     // The copy is made before sled changes the files any further.
     let copied_to = files::copy_to_quarantine(folder, quarantine, "db")?;
     tracing::error!(reason, copied_to = %copied_to.display(), "the database is damaged; a copy was made in quarantine");
-    // A damaged snapshot prevents opening. The log has everything that is in a snapshot.
+    found.database_was_replaced = true;
+    // A damaged snapshot prevents opening. The log has everything that is in a snapshot, unless it is damaged as well.
     if files::remove_matching(folder, "snap.")? > 0 {
-        match SledRows::open(folder, sync()) {
-            Ok(rows) if !rows.was_empty => {
-                tracing::warn!("the database was opened without its snapshots; nothing is lost");
+        match open_and_read(folder) {
+            Ok((rows, damaged_rows)) if !rows.was_empty => {
+                tracing::warn!("the database was opened without its snapshots");
+                found.damaged_rows = damaged_rows;
                 return Ok(rows);
             }
             Ok(_) | Err(SledOpenError::Damaged(_)) => {}
             Err(error) => return Err(refusal(error)),
         }
     }
-    tracing::error!(
-        "starting with an empty database; unfinished jobs are lost, and the catalogue is rebuilt from the blobs"
-    );
+    tracing::error!("starting with an empty database");
     fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
     files::make_folder(folder)?;
-    SledRows::open(folder, sync()).map_err(refusal)
+    SledRows::open(folder, Box::new(File::sync_all)).map_err(refusal)
+}
+
+fn open_and_read(folder: &Path) -> Result<(SledRows, usize), SledOpenError> {
+    let rows = SledRows::open(folder, Box::new(File::sync_all))?;
+    let damaged = rows.read_all().map_err(|error| SledOpenError::Damaged(error.to_string()))?;
+    Ok((rows, damaged))
+}
+
+/// Compares the database with the journal of jobs and says what was lost.
+fn with_journal(rows: SledRows, path: &Path, found: &mut Findings) -> Result<JournalledRows<SledRows>, StoreOpenError> {
+    let (rows, restored) = JournalledRows::open(rows, path)?;
+    found.restored_rows = restored.rows;
+    found.damaged_journal_entries = restored.damaged_entries;
+    if restored.rows > 0 {
+        tracing::error!(
+            rows = restored.rows,
+            "the database had lost changes of jobs; they are restored from the journal"
+        );
+    }
+    if restored.damaged_entries > 0 {
+        tracing::error!(
+            entries = restored.damaged_entries,
+            "entries of the journal of jobs are damaged; a job that only they knew is lost"
+        );
+    }
+    if found.damaged_rows > 0 {
+        tracing::error!(rows = found.damaged_rows, "rows of the database do not match their seal");
+    }
+    Ok(rows)
 }
 
 fn refusal(error: SledOpenError) -> StoreOpenError {
@@ -157,7 +203,7 @@ mod tests {
         one_job(&store);
         drop(store);
         let store = Store::open(dir.path()).unwrap();
-        assert!(!store.database_is_new);
+        assert_eq!(store.found, Findings::default());
         assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
     }
 
@@ -180,6 +226,57 @@ mod tests {
         assert!(!dir.path().join("quarantine").exists());
     }
 
+    /// Bits flipped, pages zeroed and ends cut off all over sled's file, after a clean close and in the state that
+    /// kill -9 leaves.
+    #[test]
+    fn no_damage_to_the_database_loses_a_job() {
+        const JOBS: u32 = 12;
+        let of = |n: u32| format!("job {n} {}", "x".repeat(600));
+        let dir = tempfile::tempdir().unwrap();
+        let (open, killed) = (dir.path().join("open"), dir.path().join("killed"));
+        let store = Store::open(&open).unwrap();
+        for n in 0..JOBS {
+            let mut batch = Batch::default();
+            batch.put(Tree::Jobs, n.to_be_bytes(), of(n));
+            batch.put(Tree::JobOrder, n.to_be_bytes(), n.to_be_bytes());
+            store.rows.commit(&batch).unwrap();
+        }
+        files::copy_folder(&open, &killed).unwrap();
+        drop(store);
+        // There is a snapshot after a second start.
+        drop(Store::open(&open).unwrap());
+        let (mut damaged, mut restored) = (0, 0);
+        for from in [&open, &killed] {
+            let whole = fs::read(from.join("db/db")).unwrap();
+            let used = whole.iter().rposition(|byte| *byte != 0).unwrap_or_default() + 1;
+            for step in 0..16 {
+                let at = used * step / 16;
+                let end = (at + 4096).min(used);
+                for kind in 0..3 {
+                    let mut bytes = whole.clone();
+                    match kind {
+                        0 => bytes[at] ^= 1 << (step % 8),
+                        1 => bytes[at..end].fill(0),
+                        _ => bytes.truncate(at),
+                    }
+                    let copy = dir.path().join("copy");
+                    files::copy_folder(from, &copy).unwrap();
+                    fs::write(copy.join("db/db"), bytes).unwrap();
+                    let store = Store::open(&copy).unwrap();
+                    for n in 0..JOBS {
+                        let found = store.rows.get(Tree::Jobs, &n.to_be_bytes());
+                        assert_eq!(found.unwrap().unwrap(), of(n).as_bytes(), "damage {kind} at {at}");
+                    }
+                    damaged += 1;
+                    restored += usize::from(store.found.restored_rows > 0);
+                    drop(store);
+                    fs::remove_dir_all(copy).unwrap();
+                }
+            }
+        }
+        assert!(restored > damaged / 4, "only {restored} of {damaged} damages concerned a job");
+    }
+
     fn snapshots(dir: &Path) -> Vec<PathBuf> {
         let files = fs::read_dir(dir.join("db")).unwrap().map(|entry| entry.unwrap().path());
         files.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("snap.")).collect()
@@ -189,7 +286,6 @@ mod tests {
     fn a_database_that_does_not_open_is_copied_to_quarantine_and_the_blobs_stay() {
         let dir = tempfile::tempdir().unwrap();
         let store = Store::open(dir.path()).unwrap();
-        assert!(store.database_is_new);
         (0..50).for_each(|_| one_job(&store));
         let digest = store.blobs.put(b"table").unwrap();
         drop(store);
@@ -199,15 +295,16 @@ mod tests {
         let length = fs::metadata(&db).unwrap().len();
         fs::write(&db, vec![0x5a; usize::try_from(length).unwrap()]).unwrap();
         let store = Store::open(dir.path()).unwrap();
-        assert!(store.database_is_new);
-        assert!(store.rows.get(Tree::Jobs, b"key").unwrap().is_none());
+        assert!(store.found.database_was_replaced);
+        assert_eq!(store.found.restored_rows, 1);
+        assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
         assert_eq!(store.blobs.get(digest).unwrap().unwrap(), b"table");
         let aside = fs::read(dir.path().join("quarantine/db-1/db")).unwrap();
         assert_eq!((aside.len() as u64, aside[0]), (length, 0x5a));
     }
 
     #[test]
-    fn a_truncated_database_never_prevents_the_start_and_a_loss_is_reported() {
+    fn a_truncated_database_never_prevents_the_start_and_loses_no_job() {
         for cut in [0, 1, 100, 4096] {
             let dir = tempfile::tempdir().unwrap();
             let store = Store::open(dir.path()).unwrap();
@@ -217,8 +314,7 @@ mod tests {
             let db = dir.path().join("db/db");
             fs::write(&db, &fs::read(&db).unwrap()[..cut]).unwrap();
             let store = Store::open(dir.path()).unwrap();
-            let lost = store.rows.get(Tree::Jobs, b"key").unwrap().is_none();
-            assert!(!lost || store.database_is_new, "cut at {cut}");
+            assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job", "cut at {cut}");
             one_job(&store);
         }
     }
@@ -236,7 +332,6 @@ mod tests {
             fs::write(path, bytes).unwrap();
         }
         let store = Store::open(dir.path()).unwrap();
-        assert!(!store.database_is_new);
         assert!(store.rows.get(Tree::Jobs, b"key").unwrap().is_some());
     }
 }
