@@ -1,4 +1,4 @@
-//! A table that was damaged on the disk is never served.
+//! What was damaged on the disk is never served, and what can be made again is.
 
 mod common;
 
@@ -7,7 +7,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use common::{SMALL, server::Server};
+use common::{
+    SMALL,
+    command::run,
+    server::{Server, text},
+};
 
 /// Every file below `folder`.
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -102,4 +106,37 @@ fn a_damaged_table_has_no_picture() {
     server.get(&picture).with_status(404);
     assert_eq!(server.fit(SMALL), digest);
     server.get(&picture).with_status(200);
+}
+
+/// Without the database every job and table is still there: jobs from their journal, the catalogue from the blobs.
+#[test]
+fn a_zeroed_database_loses_neither_jobs_nor_tables() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let digest = server.fit(SMALL);
+    let ids = |server: &Server| server.get("/v1/jobs").with_status(200).json()["items"][0]["id"].clone();
+    let id = ids(&server);
+    assert_eq!(server.stop("TERM").code, Some(0));
+    let database = folder.path().join("db/db");
+    let length = fs::metadata(&database).expect("the database").len();
+    fs::write(&database, vec![0; usize::try_from(length).expect("a length")]).expect("a damaged database");
+    let server = Server::start(folder.path(), &[]);
+    assert_eq!(ids(&server), id);
+    let job = server.get(&format!("/v1/jobs/{}", text(&id))).with_status(200).json();
+    assert_eq!((&job["state"], &job["table"]), (&"done".into(), &digest.as_str().into()));
+    assert_eq!(server.get("/v1/tables").with_status(200).json()["items"][0]["digest"], digest);
+    assert_eq!(server.stop("TERM").code, Some(0));
+}
+
+#[test]
+fn fsck_tells_a_sound_folder_from_a_damaged_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, ..) = damage(&folder.path().join("data"));
+    let fsck = || run(folder.path(), ["fsck", "--data", "data"]);
+    let told = fsck().exited(3).stdout;
+    assert!(told.contains(&format!("{digest}: its file is damaged")), "{told}");
+    assert!(told.contains(&format!("{digest}: its file is missing; it was taken out")), "{told}");
+    // What could be mended is: the table can be fitted again.
+    assert!(fsck().exited(0).stdout.contains("nothing is wrong"));
+    run(folder.path(), ["fsck", "--data", "none"]).exited(1);
 }

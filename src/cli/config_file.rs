@@ -9,6 +9,7 @@
 //! workers = 8
 //! queue_limit = 64
 //! entry_limit = 2000000
+//! job_seconds = 86400
 //! adapter = "cpu"
 //! ```
 
@@ -47,6 +48,7 @@ pub(super) struct ServeSection {
     pub(super) workers: Option<NonZeroUsize>,
     pub(super) queue_limit: Option<NonZeroUsize>,
     pub(super) entry_limit: Option<NonZeroU64>,
+    pub(super) job_seconds: Option<NonZeroU64>,
     pub(super) adapter: Option<AdapterName>,
 }
 

@@ -27,6 +27,8 @@ use crate::{
 const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 8317);
 pub(super) const DEFAULT_DATA: &str = "ltcforge-data";
 const DEFAULT_QUEUE_LIMIT: usize = 64;
+/// A day.
+const DEFAULT_JOB_SECONDS: u64 = 86_400;
 /// A worker renews its lease several times a second.
 const LEASE_TTL: Duration = Duration::from_secs(60);
 const MAX_ATTEMPTS: u32 = 3;
@@ -60,6 +62,7 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
         workers: args.workers.or(file.workers).unwrap_or_else(cores),
         queue_limit: args.queue_limit.or(file.queue_limit).map_or(DEFAULT_QUEUE_LIMIT, NonZeroUsize::get),
         entry_limit: args.entry_limit.or(file.entry_limit).map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get),
+        job_seconds: args.job_seconds.or(file.job_seconds).map_or(DEFAULT_JOB_SECONDS, NonZeroU64::get),
         lease_ttl: LEASE_TTL,
         max_attempts: MAX_ATTEMPTS,
         adapter: args.adapter.or(file.adapter).map_or(Adapter::Any, |name| name.0),
@@ -85,8 +88,15 @@ mod tests {
     use super::*;
     use crate::cli::preview_names::AdapterName;
 
-    const NOTHING: ServeArgs =
-        ServeArgs { listen: None, data: None, workers: None, queue_limit: None, entry_limit: None, adapter: None };
+    const NOTHING: ServeArgs = ServeArgs {
+        listen: None,
+        data: None,
+        workers: None,
+        queue_limit: None,
+        entry_limit: None,
+        job_seconds: None,
+        adapter: None,
+    };
 
     #[test]
     fn a_flag_goes_before_the_file_and_that_before_the_default() {

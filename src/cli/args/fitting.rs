@@ -29,6 +29,9 @@ pub struct ServeArgs {
     /// Entries a table may have [default: 2000000]
     #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
     pub entry_limit: Option<NonZeroU64>,
+    /// Seconds that a job may take, as predicted when it is submitted [default: 86400]
+    #[arg(long, env = "LTCFORGE_JOB_SECONDS", value_name = "N")]
+    pub job_seconds: Option<NonZeroU64>,
     /// What renders previews [default: any]
     #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
     pub adapter: Option<AdapterName>,

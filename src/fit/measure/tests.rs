@@ -135,6 +135,6 @@ fn a_report_stops_as_soon_as_it_is_told_to() {
     let places = asked.load(Ordering::Relaxed);
     assert!(places > 40, "it was asked {places} times");
     assert_eq!(go_on(3), None);
-    // Each thread may have asked once more.
-    assert!(asked.load(Ordering::Relaxed) <= 3 + rayon::current_num_threads());
+    // After the answer no place is begun; other threads may have asked at the same time.
+    assert!(asked.load(Ordering::Relaxed) < places, "it went on to the end");
 }

@@ -54,6 +54,7 @@ impl From<SubmitError> for Problem {
             SubmitError::QueueFull { retry_after, .. } => {
                 Self::new(ProblemKind::QueueFull, detail).with_retry_after(retry_after)
             }
+            SubmitError::TooExpensive { .. } => Self::new(ProblemKind::TooExpensive, detail),
             SubmitError::Stopping => stopping(),
             SubmitError::Store(error) => error.into(),
         }

@@ -19,6 +19,7 @@ pub(super) enum ProblemKind {
     UnknownRecipe,
     MethodNotAllowed,
     RangeNotSatisfiable,
+    TooExpensive,
     QueueFull,
     TooSlow,
     RenderFailed,
@@ -64,6 +65,7 @@ impl ProblemKind {
                 row(StatusCode::RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The range lies outside the file")
             }
             Self::BadRecipe => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-recipe", "The recipe has faults"),
+            Self::TooExpensive => row(StatusCode::UNPROCESSABLE_ENTITY, "too-expensive", "The fit would take too long"),
             Self::QueueFull => row(StatusCode::TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
             Self::TooSlow => row(StatusCode::SERVICE_UNAVAILABLE, "too-slow", "The picture took too long"),
             Self::RenderFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed"),

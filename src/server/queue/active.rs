@@ -17,6 +17,8 @@ pub(super) struct ActiveJob {
     leased: BTreeMap<u32, u64>,
     shards_unfinished: usize,
     entries_finished: u64,
+    /// Number of the last lease of one of its tasks, of all that the queue gave; 0 before the first.
+    pub(super) last_served: u64,
 }
 
 impl ActiveJob {
@@ -28,6 +30,7 @@ impl ActiveJob {
             waiting: BTreeSet::new(),
             leased: BTreeMap::new(),
             entries_finished: 0,
+            last_served: 0,
             tasks: vec![],
         };
         active.tasks = vec![TaskState::new(); tasks.len()];
@@ -85,6 +88,11 @@ impl ActiveJob {
     /// The task to lease next.
     pub(super) fn next_waiting(&self) -> Option<u32> {
         self.waiting.first().copied()
+    }
+
+    /// How many of its tasks are leased.
+    pub(super) fn tasks_leased(&self) -> usize {
+        self.leased.len()
     }
 
     /// Records how many entries of a leased shard are done.

@@ -45,7 +45,7 @@ pub enum QueueError {
     Store(#[from] StoreError),
 }
 
-/// Durable jobs in the order of their submission.
+/// Durable jobs, which share the workers evenly.
 ///
 /// The lock is held while a change is written, so that only durable changes can be seen.
 pub struct Queue {
@@ -58,10 +58,12 @@ pub struct Queue {
 
 #[derive(Debug, Default)]
 pub(super) struct QueueState {
-    /// Unfinished jobs by submission. The first one takes precedence.
+    /// Unfinished jobs by submission.
     pub(super) active: BTreeMap<u64, ActiveJob>,
     pub(super) by_id: HashMap<JobId, u64>,
     pub(super) next_submission: u64,
+    /// Leases given so far.
+    pub(super) leases: u64,
     /// Jobs in final states.
     pub(super) concluded: HashMap<StateName, u64>,
     /// Jobs that failed while their row could not be written. Each later commit writes them too.

@@ -4,6 +4,7 @@ use jiff::Timestamp;
 
 use super::{
     Failure, JobState, Lease, Queue, StaleLease,
+    active::ActiveJob,
     jobs::{QueueState, conclusion},
     record,
     task::TaskState,
@@ -63,23 +64,43 @@ pub enum LeaseError {
 }
 
 impl Queue {
-    /// Leases the next task: the first waiting one of the job that was submitted first.
+    /// Leases a waiting task of the job that has the fewest leased, and of such jobs the one that was served longest ago:
+    /// jobs share the workers evenly, and a new one is served next.
     pub fn lease(&self, worker: u32) -> Offer {
         let mut state = self.lock();
         if state.closed {
             return Offer::Closed;
         }
+        let leased = self.lease_of(&mut state, worker, |_| true);
+        leased.map_or(Offer::Nothing { seen: state.generation }, Offer::Task)
+    }
+
+    /// For a worker in the middle of the task of `own`: leases a task of another job that no worker works for, if there is
+    /// one. `newcomers` restricts that to jobs that were never served.
+    pub fn lease_unserved(&self, worker: u32, own: &Lease, newcomers: bool) -> Option<LeasedTask> {
+        let mut state = self.lock();
+        if state.closed || state.active.len() < 2 {
+            return None;
+        }
+        self.lease_of(&mut state, worker, |active| {
+            active.record.submission != own.submission
+                && active.tasks_leased() == 0
+                && (!newcomers || active.last_served == 0)
+        })
+    }
+
+    fn lease_of(&self, state: &mut QueueState, worker: u32, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
         let now = (self.clock)();
         let until = self.expiry(now);
-        let next = state.active.iter().find_map(|(submission, active)| Some((*submission, active.next_waiting()?)));
-        let leased = next.and_then(|(submission, task)| {
-            let active = state.active.get_mut(&submission)?;
-            let leased = active.tasks.get(task as usize)?.lease(worker, until).ok()?;
-            Some((submission, task, active, leased))
-        });
-        let Some((submission, task, active, leased)) = leased else {
-            return Offer::Nothing { seen: state.generation };
-        };
+        let waiting = state.active.iter().filter(|(_, active)| of(active));
+        let waiting = waiting.filter_map(|(submission, active)| Some((*submission, active, active.next_waiting()?)));
+        let next =
+            waiting.min_by_key(|(submission, active, _)| (active.tasks_leased(), active.last_served, *submission));
+        let (submission, _, task) = next?;
+        let active = state.active.get_mut(&submission)?;
+        let leased = active.tasks.get(task as usize)?.lease(worker, until).ok()?;
+        state.leases += 1;
+        active.last_served = state.leases;
         let mut batch = Batch::default();
         let job = &mut active.record.job;
         let first = job.state == JobState::Queued;
@@ -108,7 +129,7 @@ impl Queue {
         };
         state.next_expiry = Some(state.next_expiry.map_or(until, |expiry| expiry.min(until)));
         state.changed_jobs.insert(id);
-        Offer::Task(leased)
+        Some(leased)
     }
 
     /// Records the entries done so far and renews the lease, in memory only.
@@ -246,5 +267,79 @@ impl Queue {
 
     fn expiry(&self, now: Timestamp) -> Timestamp {
         now.checked_add(self.limits.lease_ttl).unwrap_or(Timestamp::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{num::NonZeroU32, sync::Arc, time::Duration};
+
+    use super::*;
+    use crate::server::{
+        queue::{Limits, NewJob},
+        store::memory::MemoryRows,
+    };
+
+    fn queue() -> Queue {
+        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN };
+        Queue::open(Arc::new(MemoryRows::default()), limits, Arc::new(Timestamp::now)).unwrap()
+    }
+
+    fn submit(queue: &Queue, name: &str, shards: usize) {
+        let new = NewJob {
+            recipe: name.to_owned(),
+            recipe_digest: Digest::of(name.as_bytes()),
+            shard_entries: vec![1; shards],
+        };
+        queue.submit(new, &|_| false).unwrap();
+    }
+
+    fn lease(queue: &Queue) -> LeasedTask {
+        match queue.lease(0) {
+            Offer::Task(task) => task,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn jobs_share_the_workers_evenly_and_a_new_one_is_next() {
+        let queue = queue();
+        submit(&queue, "long", 9);
+        assert_eq!([lease(&queue), lease(&queue)].map(|task| task.recipe), ["long", "long"]);
+        submit(&queue, "new", 9);
+        let tasks: Vec<LeasedTask> = (0..4).map(|_| lease(&queue)).collect();
+        let names: Vec<&str> = tasks.iter().map(|task| task.recipe.as_str()).collect();
+        // Two each; of equals the one that was served longest ago.
+        assert_eq!(names, ["new", "new", "long", "new"]);
+    }
+
+    #[test]
+    fn one_worker_alternates() {
+        let queue = queue();
+        submit(&queue, "a", 3);
+        submit(&queue, "b", 3);
+        let names: Vec<String> = (0..4)
+            .map(|_| {
+                let task = lease(&queue);
+                queue.complete(&task.lease, b"result").unwrap();
+                task.recipe
+            })
+            .collect();
+        assert_eq!(names, ["a", "b", "a", "b"]);
+    }
+
+    #[test]
+    fn a_worker_in_the_middle_of_a_task_gets_one_of_a_job_without_workers_only() {
+        let queue = queue();
+        submit(&queue, "long", 9);
+        let own = lease(&queue);
+        assert_eq!(queue.lease_unserved(0, &own.lease, false), None, "there is no other job");
+        submit(&queue, "new", 9);
+        let other = queue.lease_unserved(0, &own.lease, true).expect("a job that was never served");
+        assert_eq!(other.recipe, "new");
+        assert_eq!(queue.lease_unserved(1, &own.lease, false), None, "it has a worker");
+        queue.complete(&other.lease, b"result").unwrap();
+        assert_eq!(queue.lease_unserved(0, &own.lease, true), None, "it was served");
+        assert!(queue.lease_unserved(0, &own.lease, false).is_some());
     }
 }

@@ -21,6 +21,11 @@ impl Queue {
         self.find(&self.lock(), id)
     }
 
+    /// Whether a job is queued or running.
+    pub fn is_active(&self, id: JobId) -> bool {
+        self.lock().by_id.contains_key(&id)
+    }
+
     pub(super) fn find(&self, state: &QueueState, id: JobId) -> Result<Option<Job>, StoreError> {
         if let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) {
             return Ok(Some(active.job()));

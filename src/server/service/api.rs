@@ -1,6 +1,10 @@
 //! The types of the service's interface, which HTTP and the command line use.
 
-use std::{num::NonZeroUsize, path::PathBuf, time::Duration};
+use std::{
+    num::NonZeroUsize,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +12,7 @@ use crate::{
     files::{digest::Digest, recipe_document::RecipeError},
     server::{
         queue::{Job, StateName},
-        store::StoreError,
+        store::{StoreError, StoreOpenError},
     },
     view::preview::Adapter,
 };
@@ -24,6 +28,8 @@ pub struct Config {
     pub queue_limit: usize,
     /// Entries a table may have.
     pub entry_limit: u64,
+    /// Seconds that a job's fit may take, as predicted when it is submitted.
+    pub job_seconds: u64,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
     /// How often a task may fail before its job does.
@@ -60,6 +66,18 @@ pub enum OpenError {
     },
 }
 
+impl OpenError {
+    /// The error of the store in `folder`.
+    pub(super) fn of(folder: &Path, error: StoreOpenError) -> Self {
+        let path = folder.to_owned();
+        match error {
+            StoreOpenError::Locked => Self::Locked(path),
+            StoreOpenError::Unusable(source) => Self::Unusable { path, source },
+            StoreOpenError::FromTheFuture { found, known } => Self::FromTheFuture { path, found, known },
+        }
+    }
+}
+
 /// The result of submitting a recipe.
 #[derive(Debug, Clone)]
 pub enum SubmitReply {
@@ -92,6 +110,17 @@ pub enum SubmitError {
         limit: usize,
         /// When to try again.
         retry_after: Duration,
+    },
+    /// Its fit would take too long.
+    #[error(
+        "the fit is predicted to take {predicted:.0} s on this machine, and a job may take {limit} s; fewer entries, samples, \
+        directions or steps take less, and `--job-seconds` of the service raises the limit"
+    )]
+    TooExpensive {
+        /// Predicted seconds, with all workers on the job.
+        predicted: f64,
+        /// The limit in seconds.
+        limit: u64,
     },
     /// The service is stopping.
     #[error("the service is stopping")]

@@ -2,7 +2,6 @@
 
 use std::{
     num::NonZeroU32,
-    path::Path,
     sync::{
         Arc,
         atomic::{AtomicBool, AtomicU64},
@@ -92,16 +91,4 @@ fn pool(config: &Config, name: &'static str) -> Result<rayon::ThreadPool, OpenEr
 
 fn refusal(config: &Config, error: StoreOpenError) -> OpenError {
     OpenError::of(&config.data_dir, error)
-}
-
-impl OpenError {
-    /// The error of the store in `folder`.
-    pub(super) fn of(folder: &Path, error: StoreOpenError) -> Self {
-        let path = folder.to_owned();
-        match error {
-            StoreOpenError::Locked => Self::Locked(path),
-            StoreOpenError::Unusable(source) => Self::Unusable { path, source },
-            StoreOpenError::FromTheFuture { found, known } => Self::FromTheFuture { path, found, known },
-        }
-    }
 }

@@ -91,6 +91,11 @@ impl ServiceState {
                 _ => SubmitReply::InFlight { job, joined: true },
             });
         }
+        let predicted = self.forecast.of(&new.recipe).map_or(0.0, |expected| expected.seconds);
+        let limit = self.config.job_seconds;
+        if predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&digest)) {
+            return Err(SubmitError::TooExpensive { predicted, limit });
+        }
         let has_table = |_| self.tables.of_recipe(digest).is_ok_and(|table| table.is_some());
         match self.queue.submit(new, &has_table) {
             Ok(Submitted::Queued(job)) => Ok(SubmitReply::InFlight { job, joined: false }),

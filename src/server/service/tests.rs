@@ -28,6 +28,7 @@ fn config(dir: &Path) -> Config {
         workers: NonZeroUsize::new(2).unwrap(),
         queue_limit: 2,
         entry_limit: 100,
+        job_seconds: 86_400,
         lease_ttl: Duration::from_secs(60),
         adapter: crate::view::preview::Adapter::Cpu,
         max_attempts: 3,
@@ -331,4 +332,36 @@ fn followers_of_finished_jobs_cost_nothing() {
     assert!(matches!(receiver.borrow().job.state, JobState::Done { .. }));
     assert!(!service.state.hub.is_watched(id));
     assert!(service.watch(JobId::of_recipe(&Digest::of(b"unknown"))).unwrap().is_none());
+}
+
+/// Its shards may take minutes. Nothing of them is lost when a worker turns to the small job in the middle of one.
+#[test]
+fn a_small_job_is_done_while_a_long_one_has_all_workers() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    shared.set(|b| b.endless = Some("long 6".to_owned()));
+    let service = start(dir.path(), &shared);
+    let (long, _) = submit(&service, "long 6");
+    shared.wait_for_begun(2);
+    fitted(&service, "small 3");
+    assert_eq!(service.job(long).unwrap().unwrap().job.state, JobState::Running);
+    shared.set(|b| b.endless = None);
+    assert!(matches!(end_of(&service, long), JobState::Done { .. }));
+    let behaviour = shared.behaviour.lock().unwrap();
+    assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
+}
+
+#[test]
+fn a_job_that_would_take_too_long_is_refused_with_the_prediction() {
+    let dir = tempfile::tempdir().unwrap();
+    let engine = || Box::new(FakeEngine(Arc::new(Shared::default())));
+    let config = |job_seconds| Config { job_seconds, ..config(dir.path()) };
+    let service = Service::open_with(config(3), Store::open(dir.path()).unwrap(), engine()).unwrap();
+    // Two workers share the eight seconds that the engine expects.
+    let refused = service.submit(b"gold 2").unwrap_err();
+    assert!(matches!(refused, SubmitError::TooExpensive { predicted: 4.0, limit: 3 }), "{refused}");
+    assert!(refused.to_string().contains("4 s") && refused.to_string().contains("--job-seconds"), "{refused}");
+    drop(service);
+    let service = Service::open_with(config(4), Store::open(dir.path()).unwrap(), engine()).unwrap();
+    fitted(&service, "gold 2");
 }

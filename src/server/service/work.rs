@@ -5,7 +5,7 @@ use std::{
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::atomic::Ordering,
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use super::{TableRow, state::ServiceState};
@@ -37,14 +37,44 @@ impl From<LeaseError> for TaskError {
     }
 }
 
+/// How long a worker is on a task before it may lend itself to another job.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// Tasks that a worker may be in the middle of at the same time.
+const DEEPEST: u32 = 4;
+
+/// A worker in the middle of tasks: it may turn from the last one to a job that no worker works for.
+#[derive(Clone, Copy)]
+struct Worker<'a> {
+    number: u32,
+    /// Tasks that wait while it does another.
+    depth: u32,
+    /// Renews the leases of those tasks.
+    renew: &'a dyn Fn(),
+}
+
+/// The time of a worker on one task: its own, and that lent to tasks of other jobs.
+struct TimeShare {
+    since: Instant,
+    /// Length of the last task of another job.
+    lent_last: Duration,
+    lent: Duration,
+}
+
+impl TimeShare {
+    fn begin() -> Self {
+        Self { since: Instant::now(), lent_last: Duration::ZERO, lent: Duration::ZERO }
+    }
+}
+
 impl ServiceState {
     /// Does tasks until the queue is closed.
-    pub(super) fn work(&self, worker: u32) {
+    pub(super) fn work(&self, number: u32) {
         loop {
-            match self.queue.lease(worker) {
+            match self.queue.lease(number) {
                 Offer::Task(task) => {
                     self.publish_changes();
-                    self.deliver(&task);
+                    self.deliver(&task, Worker { number, depth: 1, renew: &|| () });
                 }
                 Offer::Nothing { seen } => self.queue.wait(seen),
                 Offer::Closed => return,
@@ -54,10 +84,10 @@ impl ServiceState {
     }
 
     /// Does a leased task. A failure ends the task or the job, never the service.
-    fn deliver(&self, task: &LeasedTask) {
+    fn deliver(&self, task: &LeasedTask, worker: Worker<'_>) {
         let done = catch_unwind(AssertUnwindSafe(|| match task.kind {
-            TaskKind::Shard(shard) => self.fit(task, shard),
-            TaskKind::Assemble => self.assemble(task),
+            TaskKind::Shard(shard) => self.fit(task, shard, worker),
+            TaskKind::Assemble => self.assemble(task, worker),
         }));
         let error = match done {
             Ok(Ok(())) => return,
@@ -80,23 +110,26 @@ impl ServiceState {
         }
     }
 
-    fn fit(&self, task: &LeasedTask, shard: u32) -> Result<(), TaskError> {
+    fn fit(&self, task: &LeasedTask, shard: u32, worker: Worker<'_>) -> Result<(), TaskError> {
         let mut fitted = 0;
+        let mut share = TimeShare::begin();
+        let started = Instant::now();
         let mut on_progress = |done: u64| {
             self.entries_fitted.fetch_add(done.saturating_sub(fitted), Ordering::Relaxed);
             fitted = done;
+            (worker.renew)();
             if self.is_stopping() || self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
             if self.hub.is_watched(task.job) {
                 self.publish(task.job);
             }
+            self.lend(task, done, worker, &mut share);
             ControlFlow::Continue(())
         };
-        let started = Instant::now();
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
-                let seconds = started.elapsed().as_secs_f64();
+                let seconds = started.elapsed().saturating_sub(share.lent).as_secs_f64();
                 if let Some(job) = self.queue.job(task.job)? {
                     self.forecast.learn(&task.recipe, fitted as f64 / job.entries_total as f64, seconds);
                 }
@@ -107,11 +140,36 @@ impl ServiceState {
         Ok(())
     }
 
-    fn assemble(&self, task: &LeasedTask) -> Result<(), TaskError> {
+    /// Does a task of a job that no worker works for, in the middle of `task`, of which `done` entries are fitted: a
+    /// shard may take minutes, and nothing of it would be left if it were given back. A new job is served at once, any
+    /// other when `task` has had as long as the last one.
+    fn lend(&self, task: &LeasedTask, done: u64, worker: Worker<'_>, share: &mut TimeShare) {
+        let own = share.since.elapsed();
+        if own < SLICE || worker.depth >= DEEPEST {
+            return;
+        }
+        let newcomers = own < share.lent_last;
+        let Some(other) = self.queue.lease_unserved(worker.number, &task.lease, newcomers) else { return };
+        self.publish_changes();
+        let begun = Instant::now();
+        let renew = || {
+            (worker.renew)();
+            // If the lease has ended, the task hears of it at its next entry.
+            let _ = self.queue.progress(&task.lease, done);
+        };
+        self.deliver(&other, Worker { number: worker.number, depth: worker.depth + 1, renew: &renew });
+        self.publish_changes();
+        share.lent_last = begun.elapsed();
+        share.lent += share.lent_last;
+        share.since = Instant::now();
+    }
+
+    fn assemble(&self, task: &LeasedTask, worker: Worker<'_>) -> Result<(), TaskError> {
         let Some(results) = self.queue.results(&task.lease)? else { return Ok(()) };
         let file = self.engine.assemble(&task.recipe, results).map_err(TaskError::Failed)?;
         // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
         let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
+        (worker.renew)();
         let manifest = self.make_manifest(&file, &go_on).map_err(|error| TaskError::Failed(error.to_string()))?;
         let Some(manifest) = manifest else {
             self.queue.give_back(&task.lease)?;

@@ -27,6 +27,8 @@ pub(super) struct Behaviour {
     pub(super) panics: u32,
     /// While set, each fit pauses after its first entry.
     pub(super) held: bool,
+    /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop.
+    pub(super) endless: Option<String>,
 }
 
 #[derive(Debug, Default)]
@@ -80,6 +82,11 @@ impl Engine for FakeEngine {
         };
         self.0.changed.notify_all();
         assert!(!panics, "the lobe fell over");
+        while self.0.behaviour.lock().unwrap().endless.as_deref() == Some(recipe) {
+            if on_progress(1).is_break() {
+                return Ok(None);
+            }
+        }
         for done in 1..=u64::from(ENTRIES) {
             if on_progress(done).is_break() {
                 return Ok(None);
