@@ -10,6 +10,11 @@
 //! queue_limit = 64
 //! entry_limit = 2000000
 //! adapter = "cpu"
+//! allow_host = ["farm", "farm.example"]
+//! allow_origin = ["https://wiki.example"]
+//! connections = 1024
+//! connections_per_address = 512
+//! client_seconds = 30
 //! ```
 
 use std::{
@@ -22,6 +27,7 @@ use std::{
 use serde::Deserialize;
 
 use super::{CommandFailure, Exit, preview_names::AdapterName};
+use crate::server::http::{AllowedHost, AllowedOrigin};
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -48,6 +54,11 @@ pub(super) struct ServeSection {
     pub(super) queue_limit: Option<NonZeroUsize>,
     pub(super) entry_limit: Option<NonZeroU64>,
     pub(super) adapter: Option<AdapterName>,
+    pub(super) allow_host: Option<Vec<AllowedHost>>,
+    pub(super) allow_origin: Option<Vec<AllowedOrigin>>,
+    pub(super) connections: Option<NonZeroUsize>,
+    pub(super) connections_per_address: Option<NonZeroUsize>,
+    pub(super) client_seconds: Option<NonZeroU64>,
 }
 
 impl ConfigFile {
@@ -89,6 +100,8 @@ mod tests {
             "[serve]\nworkers = 0",
             "[serve]\nlisten = 'x'",
             "[serve]\nadapter = 'x'",
+            "[serve]\nallow_host = ['http://farm']",
+            "[serve]\nallow_origin = 'https://farm'",
             "=",
         ] {
             assert!(ConfigFile::parse(text).is_err(), "{text}");
