@@ -21,6 +21,7 @@ pub(super) enum ProblemKind {
     UnknownRecipe,
     MethodNotAllowed,
     SlowRequest,
+    PreconditionFailed,
     UriTooLong,
     RangeNotSatisfiable,
     WrongHost,
@@ -69,6 +70,9 @@ impl ProblemKind {
             }
             Self::SlowRequest => {
                 row(StatusCode::REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive")
+            }
+            Self::PreconditionFailed => {
+                row(StatusCode::PRECONDITION_FAILED, "precondition-failed", "There is another version")
             }
             Self::UriTooLong => row(StatusCode::URI_TOO_LONG, "uri-too-long", "Path and query are too long"),
             Self::BodyTooLarge => row(StatusCode::PAYLOAD_TOO_LARGE, "body-too-large", "The body is too large"),
