@@ -26,7 +26,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{CommandFailure, Exit, preview_names::AdapterName};
+use super::{CommandFailure, Exit, args::ClientSeconds, preview_names::AdapterName};
 use crate::server::http::{AllowedHost, AllowedOrigin};
 
 /// The file that is read when none is named.
@@ -58,7 +58,7 @@ pub(super) struct ServeSection {
     pub(super) allow_origin: Option<Vec<AllowedOrigin>>,
     pub(super) connections: Option<NonZeroUsize>,
     pub(super) connections_per_address: Option<NonZeroUsize>,
-    pub(super) client_seconds: Option<NonZeroU64>,
+    pub(super) client_seconds: Option<ClientSeconds>,
 }
 
 impl ConfigFile {
@@ -100,6 +100,7 @@ mod tests {
             "[serve]\nworkers = 0",
             "[serve]\nlisten = 'x'",
             "[serve]\nadapter = 'x'",
+            "[serve]\nclient_seconds = 86401",
             "[serve]\nallow_host = ['http://farm']",
             "[serve]\nallow_origin = 'https://farm'",
             "=",

@@ -1,13 +1,13 @@
 //! How `serve` meets its clients: names, origins, limits of connections, file descriptors.
 
-use std::{
-    num::{NonZeroU64, NonZeroUsize},
-    time::Duration,
-};
+use std::num::NonZeroUsize;
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-use super::{args::ConnectionArgs, config_file::ServeSection};
+use super::{
+    args::{ClientSeconds, ConnectionArgs},
+    config_file::ServeSection,
+};
 use crate::server::http::{ConnectionLimits, Options, Sites};
 
 /// The settings: flags and environment go before the file, that before the defaults. A list replaces a list.
@@ -23,7 +23,7 @@ pub(super) fn settle(args: ConnectionArgs, file: &ServeSection, descriptors: Opt
     }
     let per_address = args.connections_per_address.or(file.connections_per_address);
     let per_address = per_address.map_or(within.connections.div_ceil(2), NonZeroUsize::get).min(within.connections);
-    let seconds = args.client_seconds.or(file.client_seconds).map(NonZeroU64::get).map(Duration::from_secs);
+    let seconds = args.client_seconds.or(file.client_seconds).map(ClientSeconds::duration);
     let limits = ConnectionLimits {
         per_address,
         head: seconds.unwrap_or(default.head),
@@ -75,7 +75,7 @@ mod tests {
         let file = ServeSection {
             connections: NonZeroUsize::new(10),
             connections_per_address: NonZeroUsize::new(9),
-            client_seconds: NonZeroU64::new(5),
+            client_seconds: "5".parse().ok(),
             ..ServeSection::default()
         };
         assert_eq!(limits(&no_flags, &file, None), (10, 9, 5));

@@ -1,8 +1,9 @@
 //! `serve`: whom it serves, and how many at a time.
 
-use std::num::{NonZeroU64, NonZeroUsize};
+use std::{num::NonZeroUsize, str::FromStr, time::Duration};
 
 use clap::Args;
+use serde::Deserialize;
 
 use crate::server::http::{AllowedHost, AllowedOrigin};
 
@@ -21,8 +22,39 @@ pub struct ConnectionArgs {
     /// Connections open at the same time from one address [default: half of --connections]
     #[arg(long, env = "LTCFORGE_CONNECTIONS_PER_ADDRESS", value_name = "N")]
     pub connections_per_address: Option<NonZeroUsize>,
-    /// Seconds that a client may take to send a request's head, to send its body, or to read more of an answer
-    /// [default: 30]
+    /// Seconds that a client may take to send a request's head, to send its body, or to read more of an answer, 1 to
+    /// 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
-    pub client_seconds: Option<NonZeroU64>,
+    pub client_seconds: Option<ClientSeconds>,
+}
+
+/// Seconds that the service waits for a client, at most a day.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "u64")]
+pub struct ClientSeconds(u64);
+
+impl ClientSeconds {
+    const MOST: u64 = 86_400;
+
+    /// As a time.
+    pub(in crate::cli) fn duration(self) -> Duration {
+        Duration::from_secs(self.0)
+    }
+}
+
+impl TryFrom<u64> for ClientSeconds {
+    type Error = String;
+
+    fn try_from(seconds: u64) -> Result<Self, String> {
+        let is_allowed = (1..=Self::MOST).contains(&seconds);
+        is_allowed.then_some(Self(seconds)).ok_or_else(|| format!("it is a number from 1 to {}", Self::MOST))
+    }
+}
+
+impl FromStr for ClientSeconds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::try_from(text.parse().unwrap_or(0))
+    }
 }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
-pub(super) use connections::ConnectionArgs;
+pub(super) use connections::{ClientSeconds, ConnectionArgs};
 pub(super) use fitting::{FitArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs};
@@ -154,6 +154,8 @@ mod tests {
             "ltcforge serve --allow-host http://farm",
             "ltcforge serve --allow-origin farm",
             "ltcforge serve --connections 0",
+            "ltcforge serve --client-seconds 0",
+            "ltcforge serve --client-seconds 18446744073709551615",
         ];
         for line in lines {
             assert_eq!(parse(line).expect_err(line).exit_code(), 2, "{line}");
