@@ -67,6 +67,12 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     ask("HEAD", &[("if-none-match", &format!("\"x\", W/{tag}"))]).with_status(304);
     assert_eq!(ask("GET", &[("if-none-match", "\"x\"")]).with_status(200).body, file);
 
+    // If-Match goes before If-None-Match, and compares strongly.
+    ask("GET", &[("if-match", &tag)]).with_status(200);
+    ask("HEAD", &[("if-match", &format!("W/{tag}"))]).with_status(412);
+    let other = ask("GET", &[("if-match", "\"x\""), ("if-none-match", &tag)]).with_status(412);
+    assert_eq!(other.json()["type"], "/problems/precondition-failed");
+
     let (head, tail) = (ask("GET", &[("range", "bytes=0-99")]), ask("GET", &[("range", "bytes=100-")]));
     assert_eq!(tail.header("content-range"), Some(format!("bytes 100-{}/{}", file.len() - 1, file.len()).as_str()));
     assert_eq!([head.with_status(206).body, tail.with_status(206).body].concat(), file);
@@ -170,8 +176,8 @@ fn events(server: &Server, id: &str, last_event_id: Option<&str>) -> (u16, Vec<(
 #[test]
 fn events_lead_to_the_final_state_and_resume() {
     let folder = tempfile::tempdir().expect("a folder");
-    // One worker takes long enough for more than one event.
-    let server = Server::start(folder.path(), &["--workers", "1"]);
+    // One worker takes long enough for more than one event, and longer than a client may be silent.
+    let server = Server::start(folder.path(), &["--workers", "1", "--client-seconds", "1"]);
     let id = text(&server.submit(LARGE).with_status(202).json()["id"]).to_owned();
 
     let (_, all) = events(&server, &id, None);

@@ -11,6 +11,11 @@
 //! entry_limit = 2000000
 //! job_seconds = 86400
 //! adapter = "cpu"
+//! allow_host = ["farm", "farm.example"]
+//! allow_origin = ["https://wiki.example"]
+//! connections = 1024
+//! connections_per_address = 512
+//! client_seconds = 30
 //! ```
 
 use std::{
@@ -22,7 +27,8 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{CommandFailure, Exit, preview_names::AdapterName};
+use super::{CommandFailure, Exit, args::ClientSeconds, preview_names::AdapterName};
+use crate::server::http::{AllowedHost, AllowedOrigin};
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -50,6 +56,11 @@ pub(super) struct ServeSection {
     pub(super) entry_limit: Option<NonZeroU64>,
     pub(super) job_seconds: Option<NonZeroU64>,
     pub(super) adapter: Option<AdapterName>,
+    pub(super) allow_host: Option<Vec<AllowedHost>>,
+    pub(super) allow_origin: Option<Vec<AllowedOrigin>>,
+    pub(super) connections: Option<NonZeroUsize>,
+    pub(super) connections_per_address: Option<NonZeroUsize>,
+    pub(super) client_seconds: Option<ClientSeconds>,
 }
 
 impl ConfigFile {
@@ -91,6 +102,9 @@ mod tests {
             "[serve]\nworkers = 0",
             "[serve]\nlisten = 'x'",
             "[serve]\nadapter = 'x'",
+            "[serve]\nclient_seconds = 86401",
+            "[serve]\nallow_host = ['http://farm']",
+            "[serve]\nallow_origin = 'https://farm'",
             "=",
         ] {
             assert!(ConfigFile::parse(text).is_err(), "{text}");

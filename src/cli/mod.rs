@@ -5,6 +5,7 @@
 
 mod args;
 mod config_file;
+mod connections;
 mod context;
 mod exit;
 mod fit;

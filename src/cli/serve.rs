@@ -14,6 +14,7 @@ use super::{
     CommandFailure, Context, Exit,
     args::{ServeArgs, cores},
     config_file::ServeSection,
+    connections,
 };
 use crate::{
     files::recipe_document::DEFAULT_ENTRY_LIMIT,
@@ -37,6 +38,7 @@ const PICTURE_LIMIT: Duration = Duration::from_secs(30);
 
 /// Runs the service until it is interrupted.
 pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let options = connections::settle(args.connections.clone(), &file, connections::raise_descriptor_limit());
     let (listen, config) = settle(args, file);
     let runtime = context.runtime.clone();
     runtime.block_on(async {
@@ -47,10 +49,8 @@ pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>
         writeln!(context.stdout, "listening on http://{address}")
             .and_then(|()| context.stdout.flush())
             .map_err(|error| CommandFailure::stdout(&error))?;
-        let served = http::serve(listener, Arc::clone(&service), context.interrupt.clone().wait()).await;
-        // However the server ended, acknowledged work is flushed to disk.
+        http::serve(listener, Arc::clone(&service), options, context.interrupt.clone().wait()).await;
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
-        served.map_err(failed)?;
         Ok(Exit::Ok)
     })
 }
@@ -86,24 +86,27 @@ fn failed(error: impl std::fmt::Display) -> CommandFailure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::preview_names::AdapterName;
+    use crate::cli::{args::ConnectionArgs, preview_names::AdapterName};
 
-    const NOTHING: ServeArgs = ServeArgs {
-        listen: None,
-        data: None,
-        workers: None,
-        queue_limit: None,
-        entry_limit: None,
-        job_seconds: None,
-        adapter: None,
-    };
+    fn nothing() -> ServeArgs {
+        ServeArgs {
+            listen: None,
+            data: None,
+            workers: None,
+            queue_limit: None,
+            entry_limit: None,
+            job_seconds: None,
+            adapter: None,
+            connections: ConnectionArgs::default(),
+        }
+    }
 
     #[test]
     fn a_flag_goes_before_the_file_and_that_before_the_default() {
         let adapter = Some(AdapterName(Adapter::Cpu));
         let (data, queue_limit) = (Some("file".into()), NonZeroUsize::new(5));
         let file = ServeSection { data, queue_limit, adapter, ..Default::default() };
-        let flags = ServeArgs { data: Some("flag".into()), ..NOTHING };
+        let flags = ServeArgs { data: Some("flag".into()), ..nothing() };
         let (listen, config) = settle(flags, file);
         assert_eq!(config.data_dir.to_str(), Some("flag"));
         assert_eq!(config.queue_limit, 5);

@@ -22,7 +22,7 @@ pub(crate) const LARGE: &str =
 pub(crate) const ENDLESS: &str = r#"{"preset":"best","resolution":{"alpha":16,"ratio":16,"theta":16,"phi":16}}"#;
 
 /// How long a condition may take to come true. No test measures time: this only ends one that hangs.
-const DEADLINE: Duration = Duration::from_secs(120);
+pub(crate) const DEADLINE: Duration = Duration::from_secs(120);
 
 /// Says past the harness, which would keep it to itself, that the running test leaves something out, and why.
 pub(crate) fn tell_skipped(reason: &str) {

@@ -3,7 +3,7 @@
 use std::{
     io::{BufRead as _, BufReader, Read as _},
     path::Path,
-    process::Child,
+    process::{Child, Command, Stdio},
     thread::{self, JoinHandle},
 };
 
@@ -64,7 +64,24 @@ impl Server {
         let data = data.to_str().expect("a path in UTF-8");
         let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data];
         let folder = tempfile::tempdir().expect("a folder");
-        let mut child = ltcforge(folder.path(), fixed.iter().chain(args)).spawn().expect("the binary runs");
+        let command = ltcforge(folder.path(), fixed.iter().chain(args));
+        Self::of(command, folder)
+    }
+
+    /// Starts it with `descriptors` file descriptors at most.
+    pub(crate) fn start_within(descriptors: u32, data: &Path, args: &[&str]) -> Self {
+        let data = data.to_str().expect("a path in UTF-8");
+        let folder = tempfile::tempdir().expect("a folder");
+        let plain = ltcforge(folder.path(), ["serve", "--listen", "127.0.0.1:0", "--data", data].iter().chain(args));
+        // Only a shell can limit one child alone.
+        let mut command = limited(&plain, descriptors);
+        command.current_dir(folder.path());
+        Self::of(command, folder)
+    }
+
+    /// Runs `command`, a service, in `folder`.
+    fn of(mut command: Command, folder: TempDir) -> Self {
+        let mut child = command.spawn().expect("the binary runs");
         let mut pipe = child.stderr.take().expect("a pipe");
         let stderr = thread::spawn(move || {
             let mut text = String::new();
@@ -178,6 +195,21 @@ impl Drop for Server {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// `command` as a shell runs it with `descriptors` file descriptors at most.
+fn limited(command: &Command, descriptors: u32) -> Command {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("ulimit -n {descriptors} && exec \"$@\""), "sh"]);
+    shell.arg(command.get_program()).args(command.get_args());
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => shell.env(name, value),
+            None => shell.env_remove(name),
+        };
+    }
+    shell.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    shell
 }
 
 /// A client that takes each answer as it is, by no proxy, and does not wait for ever.

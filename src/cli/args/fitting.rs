@@ -9,7 +9,10 @@ use std::{
 
 use clap::Args;
 
-use super::super::{CommandFailure, Exit, preview_names::AdapterName};
+use super::{
+    super::{CommandFailure, Exit, preview_names::AdapterName},
+    ConnectionArgs,
+};
 
 /// `serve`.
 #[derive(Debug, Args)]
@@ -35,6 +38,9 @@ pub struct ServeArgs {
     /// What renders previews [default: any]
     #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
     pub adapter: Option<AdapterName>,
+    /// Whom it serves
+    #[command(flatten)]
+    pub connections: ConnectionArgs,
 }
 
 /// `fsck`.

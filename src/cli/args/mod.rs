@@ -1,6 +1,7 @@
 //! The arguments of the command line. A flag goes before its environment variable, that before the configuration
 //! file, that before the default.
 
+mod connections;
 mod fitting;
 mod jobs;
 mod pictures;
@@ -11,6 +12,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
+pub(super) use connections::{ClientSeconds, ConnectionArgs};
 pub(super) use fitting::{FitArgs, FsckArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs};
@@ -151,6 +153,11 @@ mod tests {
             "ltcforge fit draft --threads 513",
             "ltcforge serve --workers 99999",
             "ltcforge verify --digest 12 file",
+            "ltcforge serve --allow-host http://farm",
+            "ltcforge serve --allow-origin farm",
+            "ltcforge serve --connections 0",
+            "ltcforge serve --client-seconds 0",
+            "ltcforge serve --client-seconds 18446744073709551615",
         ];
         for line in lines {
             assert_eq!(parse(line).expect_err(line).exit_code(), 2, "{line}");

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use tokio::sync::watch;
 
-use super::{error, problem::Problem};
+use super::{error, limits::ConnectionLimits, problem::Problem};
 use crate::server::service::Service;
 
 /// The state of the router.
 #[derive(Debug, Clone)]
 pub(super) struct Api {
     pub(super) service: Arc<Service>,
+    pub(super) limits: Arc<ConnectionLimits>,
     /// Becomes true when the server stops; open event streams then end.
     pub(super) stopping: watch::Receiver<bool>,
 }

@@ -2,6 +2,8 @@
 
 use axum::http::{HeaderMap, header};
 
+use super::{kind::ProblemKind, problem::Problem};
+
 /// A strong entity tag with its quotes, such as `"sha256:…"`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct EntityTag(String);
@@ -15,6 +17,23 @@ impl EntityTag {
     /// The tag as a header field has it.
     pub(super) fn as_str(&self) -> &str {
         &self.0
+    }
+
+    /// Checks `If-Match`, by strong comparison.
+    ///
+    /// # Errors
+    /// 412 if the client asks for another representation only.
+    pub(super) fn check_if_match(&self, headers: &HeaderMap) -> Result<(), Problem> {
+        let mut fields = headers.get_all(header::IF_MATCH).iter().peekable();
+        if fields.peek().is_none() {
+            return Ok(());
+        }
+        let mut wanted = fields.filter_map(|field| field.to_str().ok()).flat_map(tags);
+        if wanted.any(|tag| tag == "*" || tag == self.0) {
+            return Ok(());
+        }
+        let detail = format!("the entity tag is {}, which If-Match does not list", self.0);
+        Err(Problem::new(ProblemKind::PreconditionFailed, detail))
     }
 
     /// Whether `If-None-Match` says that the client has this representation, by weak comparison.
@@ -65,6 +84,19 @@ mod tests {
         let two_fields = [(header::IF_NONE_MATCH, r#""x""#), (header::IF_NONE_MATCH, r#""sha256:ab""#)];
         assert!(tag.is_known_to(&headers(&two_fields)));
         assert!(!tag.is_known_to(&HeaderMap::new()));
+    }
+
+    #[test]
+    fn if_match_compares_strongly_over_all_members() {
+        let tag = EntityTag::strong("sha256:ab");
+        assert!(tag.check_if_match(&HeaderMap::new()).is_ok());
+        for wanted in [r#""sha256:ab""#, r#""x" , "sha256:ab""#, "*"] {
+            assert!(tag.check_if_match(&headers(&[(header::IF_MATCH, wanted)])).is_ok(), "{wanted}");
+        }
+        for other in [r#"W/"sha256:ab""#, r#""sha256:cd""#, "", r#""*""#] {
+            let problem = tag.check_if_match(&headers(&[(header::IF_MATCH, other)])).expect_err(other);
+            assert_eq!(problem.status().as_u16(), 412, "{other}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use axum::{
 };
 use serde::{Deserialize, de::DeserializeOwned};
 
-use super::{kind::ProblemKind, problem::Problem};
+use super::{api::Api, kind::ProblemKind, problem::Problem};
 
 /// Longest request body. A recipe takes less than one kilobyte.
 pub const BODY_LIMIT_BYTES: usize = 64 * 1024;
@@ -110,18 +110,35 @@ impl TryFrom<String> for PageLimit {
 /// The bytes of a recipe document, not parsed yet.
 pub(super) struct RecipeBody(pub(super) Bytes);
 
-impl<S: Send + Sync> FromRequest<S> for RecipeBody {
+impl FromRequest<Api> for RecipeBody {
     type Rejection = Problem;
 
-    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
+    async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
         check_content_type(request.headers())?;
-        Bytes::from_request(request, state).await.map(Self).map_err(|rejection| unreadable(&rejection))
+        check_content_length(request.headers())?;
+        let limit = api.limits.body;
+        let body = tokio::time::timeout(limit, Bytes::from_request(request, api)).await.map_err(|_| {
+            let detail = format!("the body of the request was not complete within {} s", limit.as_secs_f64());
+            Problem::new(ProblemKind::SlowRequest, detail)
+        })?;
+        body.map(Self).map_err(|rejection| unreadable(&rejection))
     }
+}
+
+fn too_large() -> Problem {
+    Problem::new(ProblemKind::BodyTooLarge, format!("a recipe takes at most {BODY_LIMIT_BYTES} bytes"))
+}
+
+/// Refuses a body that is announced as too large before any of it is read. A client that waits for `100 Continue` then
+/// sends none of it.
+fn check_content_length(headers: &HeaderMap) -> Result<(), Problem> {
+    let announced = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
+    if announced.is_some_and(|length| length > BODY_LIMIT_BYTES as u64) { Err(too_large()) } else { Ok(()) }
 }
 
 fn unreadable(rejection: &BytesRejection) -> Problem {
     if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
-        Problem::new(ProblemKind::BodyTooLarge, format!("a recipe takes at most {BODY_LIMIT_BYTES} bytes"))
+        too_large()
     } else {
         Problem::new(ProblemKind::BadBody, rejection.body_text())
     }

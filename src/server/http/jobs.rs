@@ -19,7 +19,7 @@ use super::{
 };
 use crate::server::{
     queue::{JobId, StateName},
-    service::{JobSnapshot, Service, SubmitError, SubmitReply},
+    service::{JobCursor, JobSnapshot, Service, SubmitError, SubmitReply},
 };
 
 /// The longest time that a client is asked to wait before it polls a job again.
@@ -29,7 +29,7 @@ const LONGEST_RETRY: Duration = Duration::from_secs(30);
 #[serde(deny_unknown_fields)]
 pub(super) struct ListParameters {
     state: Option<StateName>,
-    cursor: Option<String>,
+    cursor: Option<JobCursor>,
     #[serde(default)]
     limit: PageLimit,
 }
@@ -66,7 +66,7 @@ pub(super) async fn list(
     QueryOf(parameters): QueryOf<ListParameters>,
 ) -> Result<Json<PageView<JobView>>, Problem> {
     let ListParameters { state, cursor, limit } = parameters;
-    let page = api.call(move |service| service.jobs(state, cursor.as_deref(), limit.0)).await?;
+    let page = api.call(move |service| service.jobs(state, cursor, limit.0)).await?;
     Ok(Json(PageView::new(page, |snapshot| JobView::of_snapshot(&snapshot))?))
 }
 

@@ -5,6 +5,7 @@ use axum::http::StatusCode;
 /// The type of a problem: decides its status, its title and the `type` in its document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ProblemKind {
+    BadRequest,
     NotJson,
     BadRecipe,
     BodyTooLarge,
@@ -13,14 +14,21 @@ pub(super) enum ProblemKind {
     BadParameter,
     BadScene,
     BadPlot,
+    ForeignOrigin,
     NoSuchPath,
     UnknownJob,
     UnknownTable,
     UnknownRecipe,
     MethodNotAllowed,
+    SlowRequest,
+    PreconditionFailed,
+    UriTooLong,
     RangeNotSatisfiable,
     TooExpensive,
+    WrongHost,
+    HeadTooLarge,
     QueueFull,
+    TooManyConnections,
     TooSlow,
     RenderFailed,
     Stopping,
@@ -47,11 +55,13 @@ impl ProblemKind {
     /// The row of this type.
     pub(super) const fn row(self) -> KindRow {
         match self {
+            Self::BadRequest => row(StatusCode::BAD_REQUEST, "bad-request", "The request is malformed"),
             Self::NotJson => row(StatusCode::BAD_REQUEST, "not-json", "The body is not JSON"),
             Self::BadBody => row(StatusCode::BAD_REQUEST, "bad-body", "The body could not be read"),
             Self::BadParameter => row(StatusCode::BAD_REQUEST, "bad-parameter", "A parameter is malformed"),
             Self::BadScene => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-scene", "The scene has faults"),
             Self::BadPlot => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-plot", "The plot has faults"),
+            Self::ForeignOrigin => row(StatusCode::FORBIDDEN, "foreign-origin", "The page is of another site"),
             Self::NoSuchPath => row(StatusCode::NOT_FOUND, "no-such-path", "There is no such path"),
             Self::UnknownJob => row(StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
             Self::UnknownTable => row(StatusCode::NOT_FOUND, "unknown-table", "There is no such table"),
@@ -59,6 +69,13 @@ impl ProblemKind {
             Self::MethodNotAllowed => {
                 row(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method")
             }
+            Self::SlowRequest => {
+                row(StatusCode::REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive")
+            }
+            Self::PreconditionFailed => {
+                row(StatusCode::PRECONDITION_FAILED, "precondition-failed", "There is another version")
+            }
+            Self::UriTooLong => row(StatusCode::URI_TOO_LONG, "uri-too-long", "Path and query are too long"),
             Self::BodyTooLarge => row(StatusCode::PAYLOAD_TOO_LARGE, "body-too-large", "The body is too large"),
             Self::NotJsonType => row(StatusCode::UNSUPPORTED_MEDIA_TYPE, "not-json-type", "A recipe is sent as JSON"),
             Self::RangeNotSatisfiable => {
@@ -66,7 +83,14 @@ impl ProblemKind {
             }
             Self::BadRecipe => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-recipe", "The recipe has faults"),
             Self::TooExpensive => row(StatusCode::UNPROCESSABLE_ENTITY, "too-expensive", "The fit would take too long"),
+            Self::WrongHost => row(StatusCode::MISDIRECTED_REQUEST, "wrong-host", "The service has another name"),
+            Self::HeadTooLarge => {
+                row(StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE, "head-too-large", "The head is too large")
+            }
             Self::QueueFull => row(StatusCode::TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
+            Self::TooManyConnections => {
+                row(StatusCode::SERVICE_UNAVAILABLE, "too-many-connections", "Too many connections are open")
+            }
             Self::TooSlow => row(StatusCode::SERVICE_UNAVAILABLE, "too-slow", "The picture took too long"),
             Self::RenderFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed"),
             Self::Stopping => row(StatusCode::SERVICE_UNAVAILABLE, "stopping", "The service is stopping"),

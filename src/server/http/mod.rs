@@ -5,20 +5,25 @@
 
 mod api;
 mod conditional;
+mod connection;
 mod error;
 mod events;
 mod extract;
 mod jobs;
 mod kind;
+mod limits;
 mod operations;
 mod pictures;
 mod problem;
 mod range;
 mod routes;
 mod serve;
+mod sites;
 mod tables;
 mod views;
 
 pub use extract::BODY_LIMIT_BYTES;
+pub use limits::ConnectionLimits;
 pub use routes::{ROUTES, Route};
-pub use serve::serve;
+pub use serve::{Options, serve};
+pub use sites::{AllowedHost, AllowedOrigin, SiteError, Sites};

@@ -10,7 +10,12 @@ use axum::{
 };
 use serde::Serialize;
 
-use super::{api::Api, error, problem::Problem};
+use super::{
+    api::Api,
+    error,
+    extract::{NoParameters, QueryOf},
+    problem::Problem,
+};
 use crate::{
     fit::FITTER_VERSION,
     server::{
@@ -35,29 +40,29 @@ pub(super) struct Build {
 }
 
 /// `GET /healthz`: the process answers.
-pub(super) async fn healthz() -> Json<Status> {
+pub(super) async fn healthz(_: QueryOf<NoParameters>) -> Json<Status> {
     Json(Status { status: "ok" })
 }
 
 /// `GET /readyz`: the service accepts jobs and works on them.
-pub(super) async fn readyz(State(api): State<Api>) -> Result<Json<Status>, Problem> {
+pub(super) async fn readyz(State(api): State<Api>, _: QueryOf<NoParameters>) -> Result<Json<Status>, Problem> {
     let ready = api.call(|service| Ok::<_, ServiceError>(service.is_ready())).await?;
     if ready && !*api.stopping.borrow() { Ok(Json(Status { status: "ready" })) } else { Err(error::stopping()) }
 }
 
 /// `GET /metrics`.
-pub(super) async fn metrics(State(api): State<Api>) -> Result<Response, Problem> {
+pub(super) async fn metrics(State(api): State<Api>, _: QueryOf<NoParameters>) -> Result<Response, Problem> {
     let metrics = api.call(crate::server::service::Service::metrics).await?;
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], exposition(&metrics)).into_response())
 }
 
 /// `GET /version`.
-pub(super) async fn version() -> Json<Build> {
+pub(super) async fn version(_: QueryOf<NoParameters>) -> Json<Build> {
     Json(Build { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
 }
 
 /// `GET /openapi.yaml`.
-pub(super) async fn openapi() -> Response {
+pub(super) async fn openapi(_: QueryOf<NoParameters>) -> Response {
     ([(header::CONTENT_TYPE, "application/yaml")], OPENAPI).into_response()
 }
 

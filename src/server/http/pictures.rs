@@ -78,8 +78,14 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     let conditions = headers.clone();
     let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&conditions);
     let pending = match api.call(move |service| service.picture(table, subject, is_known)).await? {
-        PictureReply::Known { tag, adapter } => return unchanged(tag, &adapter, caching),
-        PictureReply::Ready(file) => return whole(file, caching),
+        PictureReply::Known { tag, adapter } => {
+            EntityTag::strong(tag).check_if_match(&headers)?;
+            return unchanged(tag, &adapter, caching);
+        }
+        PictureReply::Ready(file) => {
+            EntityTag::strong(file.tag).check_if_match(&headers)?;
+            return whole(file, caching);
+        }
         PictureReply::Pending(pending) => pending,
     };
     let mut stopping = api.stopping.clone();
@@ -87,6 +93,7 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
         file = pending.file() => file?,
         _ = stopping.wait_for(|stopping| *stopping) => return Err(error::stopping()),
     };
+    EntityTag::strong(file.tag).check_if_match(&headers)?;
     // Until the first picture the adapter is not known, and the tag depends on it.
     if EntityTag::strong(file.tag).is_known_to(&headers) {
         return unchanged(file.tag, &file.adapter, caching);

@@ -4,13 +4,16 @@ use std::time::Duration;
 
 use axum::{
     Json,
-    http::{HeaderValue, header},
+    http::{HeaderValue, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use serde::Serialize;
 
 use super::kind::ProblemKind;
 use crate::{files::recipe_document::Fault, view::parameters::ParameterFault};
+
+/// Faults that a problem lists: more would only repeat what a client has to mend first.
+const MOST_FAULTS: usize = 100;
 
 /// An error as it is reported to a client.
 #[derive(Debug)]
@@ -60,14 +63,28 @@ impl Problem {
         Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
     }
 
-    /// The same with a list of the request's faults.
+    /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
     pub(super) fn with_errors<F: Into<FaultView>>(self, errors: Vec<F>) -> Self {
-        Self { errors: errors.into_iter().map(Into::into).collect(), ..self }
+        let detail = match errors.len().checked_sub(MOST_FAULTS) {
+            Some(more @ 1..) => format!("{}; the first {MOST_FAULTS} are listed, {more} more are not", self.detail),
+            _ => self.detail,
+        };
+        Self { detail, errors: errors.into_iter().take(MOST_FAULTS).map(Into::into).collect(), ..self }
     }
 
     /// The same with a `Retry-After` field.
     pub(super) fn with_retry_after(self, after: Duration) -> Self {
         Self { retry_after: Some(after), ..self }
+    }
+
+    /// The status to answer with.
+    pub(super) fn status(&self) -> StatusCode {
+        self.kind.row().status
+    }
+
+    /// The value of its `Retry-After` field, if it has one.
+    pub(super) fn retry_after_seconds(&self) -> Option<u64> {
+        self.retry_after.map(whole_seconds)
     }
 
     /// The document that a client reads.
@@ -85,12 +102,16 @@ impl Problem {
 
 /// Whole seconds for `Retry-After`, at least one.
 pub(super) fn retry_after_value(after: Duration) -> HeaderValue {
-    HeaderValue::from(after.as_secs_f64().ceil().max(1.0) as u64)
+    HeaderValue::from(whole_seconds(after))
+}
+
+fn whole_seconds(after: Duration) -> u64 {
+    after.as_secs_f64().ceil().max(1.0) as u64
 }
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let status = self.kind.row().status;
+        let status = self.status();
         let retry_after = self.retry_after;
         let mut response = (status, Json(self.into_view())).into_response();
         let headers = response.headers_mut();
@@ -121,6 +142,18 @@ mod tests {
             Problem::new(ProblemKind::QueueFull, "").with_retry_after(Duration::from_millis(1200)).into_response();
         assert_eq!(response.headers()[header::RETRY_AFTER], "2");
         assert_eq!(response.headers()[header::CONTENT_TYPE], "application/problem+json");
+    }
+
+    #[test]
+    fn a_long_list_of_faults_is_cut_and_says_so() {
+        let listed = |count: usize| {
+            let faults = vec![Fault { pointer: "/x".into(), detail: "unknown field".into() }; count];
+            let problem = Problem::new(ProblemKind::BadRecipe, format!("{count} faults")).with_errors(faults);
+            let view = problem.into_view();
+            (view.errors.len(), view.detail)
+        };
+        assert_eq!(listed(100), (100, "100 faults".to_owned()));
+        assert_eq!(listed(137), (100, "137 faults; the first 100 are listed, 37 more are not".to_owned()));
     }
 
     #[test]

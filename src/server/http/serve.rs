@@ -1,56 +1,61 @@
 //! Serving until a shutdown.
 
-use std::{future::Future, io, sync::Arc, time::Duration};
+use std::{future::Future, sync::Arc};
 
-use axum::{Router, extract::DefaultBodyLimit};
+use axum::{Router, extract::DefaultBodyLimit, middleware::from_fn_with_state};
 use tokio::{net::TcpListener, sync::watch};
-use tower_http::trace::{DefaultMakeSpan, DefaultOnResponse, TraceLayer};
+use tower_http::trace::{DefaultMakeSpan, DefaultOnFailure, DefaultOnResponse, TraceLayer};
 use tracing::Level;
 
-use super::{api::Api, extract::BODY_LIMIT_BYTES, routes};
+use super::{
+    api::Api,
+    connection,
+    extract::BODY_LIMIT_BYTES,
+    limits::ConnectionLimits,
+    routes,
+    sites::{self, Sites},
+};
 use crate::server::service::Service;
 
-/// How long open responses may take to finish once the service is told to stop.
-const DRAIN: Duration = Duration::from_secs(10);
+/// How the service meets its clients.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Options {
+    /// The limits of connections.
+    pub limits: ConnectionLimits,
+    /// Names and origins that are served beyond the service's own.
+    pub sites: Sites,
+}
 
 /// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more, ends event streams, gives open
-/// responses ten seconds to finish, and returns.
-///
-/// # Errors
-/// When the listener fails.
+/// responses the time of [`ConnectionLimits::drain`] to finish, and returns.
 pub async fn serve(
     listener: TcpListener,
     service: Arc<Service>,
-    shutdown: impl Future<Output = ()> + Send + 'static,
-) -> io::Result<()> {
+    options: Options,
+    shutdown: impl Future<Output = ()> + Send,
+) {
     let (stop, stopping) = watch::channel(false);
-    let mut stopped = stopping.clone();
-    let app = router(Api { service, stopping });
-    let server = axum::serve(listener, app).with_graceful_shutdown(async move {
+    let limits = Arc::new(options.limits);
+    let api = Api { service, limits: Arc::clone(&limits), stopping: stopping.clone() };
+    let served = connection::serve(listener, router(api, options.sites), limits, stopping);
+    let stopped = async {
         shutdown.await;
         stop.send_replace(true);
-    });
-    let drained = async move {
-        // The sender lives in the server's future, so an error means that the server has ended already.
-        let _ = stopped.wait_for(|stopping| *stopping).await;
-        tokio::time::sleep(DRAIN).await;
     };
-    tokio::select! {
-        served = server => served,
-        () = drained => {
-            tracing::warn!("connections still open after {DRAIN:?} were closed");
-            Ok(())
-        }
-    }
+    tokio::join!(served, stopped);
 }
 
-fn router(api: Api) -> Router {
+/// The routes with what every request passes. A line for each request is logged at level `debug`: at the default level
+/// the log tells of the service, not of its clients.
+fn router(api: Api, sites: Sites) -> Router {
     let trace = TraceLayer::new_for_http()
         .make_span_with(DefaultMakeSpan::new().level(Level::INFO))
-        .on_response(DefaultOnResponse::new().level(Level::INFO));
+        .on_response(DefaultOnResponse::new().level(Level::DEBUG))
+        .on_failure(DefaultOnFailure::new().level(Level::DEBUG));
     routes::router()
         .fallback(routes::no_such_path)
         .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
+        .layer(from_fn_with_state(Arc::new(sites), sites::check))
         .layer(trace)
         .with_state(api)
 }

@@ -22,7 +22,10 @@ use super::{
     range::{self, Requested},
     views::{PageView, RecipeView},
 };
-use crate::{files::digest::Digest, server::service::TableRow};
+use crate::{
+    files::digest::Digest,
+    server::service::{TableCursor, TableRow},
+};
 
 /// A table's bytes never change under its digest.
 const FOREVER: &str = "public, max-age=31536000, immutable";
@@ -30,7 +33,7 @@ const FOREVER: &str = "public, max-age=31536000, immutable";
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ListParameters {
-    cursor: Option<String>,
+    cursor: Option<TableCursor>,
     #[serde(default)]
     limit: PageLimit,
 }
@@ -41,7 +44,7 @@ pub(super) async fn list(
     QueryOf(parameters): QueryOf<ListParameters>,
 ) -> Result<Json<PageView<TableRow>>, Problem> {
     let ListParameters { cursor, limit } = parameters;
-    let page = api.call(move |service| service.tables(cursor.as_deref(), limit.0)).await?;
+    let page = api.call(move |service| service.tables(cursor.as_ref(), limit.0)).await?;
     Ok(Json(PageView::new(page, Ok)?))
 }
 
@@ -97,6 +100,7 @@ impl AsRef<[u8]> for File {
 /// 13.2.2.
 fn respond(digest: &Digest, method: &Method, headers: &HeaderMap, file: Bytes) -> Result<Response, Problem> {
     let tag = EntityTag::strong(digest);
+    tag.check_if_match(headers)?;
     if tag.is_known_to(headers) {
         return finish(validators(StatusCode::NOT_MODIFIED, &tag), Body::empty());
     }
@@ -190,6 +194,19 @@ mod tests {
         assert_eq!(response.status(), 304);
         assert_eq!(response.headers()[header::ETAG], tag);
         assert_eq!(body(response).await, "");
+    }
+
+    #[test]
+    fn another_version_than_the_wanted_one_is_412() {
+        let tag = format!("\"{}\"", Digest::of(FILE));
+        assert_eq!(get(&[(header::IF_MATCH, &tag)]).status(), 200);
+        let headers = HeaderMap::from_iter([
+            (header::IF_MATCH, HeaderValue::from_static("\"other\"")),
+            // If-Match takes precedence over If-None-Match.
+            (header::IF_NONE_MATCH, HeaderValue::from_str(&tag).expect("a field value")),
+        ]);
+        let refused = respond(&Digest::of(FILE), &Method::GET, &headers, Bytes::from_static(FILE));
+        assert_eq!(refused.expect_err("another version").status(), 412);
     }
 
     #[tokio::test]

@@ -2,7 +2,9 @@
 
 use std::{panic::resume_unwind, sync::Arc, thread};
 
-use super::{Page, PictureError, PictureReply, Service, ServiceError, Subject, TableRow, state::ServiceState};
+use super::{
+    Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow, state::ServiceState,
+};
 use crate::{
     files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION},
     fit::GoOn,
@@ -45,10 +47,9 @@ impl Service {
     ///
     /// # Errors
     /// When the store fails.
-    pub fn tables(&self, cursor: Option<&str>, limit: usize) -> Result<Page<TableRow>, ServiceError> {
-        let cursor = cursor.and_then(from_hex);
-        let (items, next) = self.state.tables.catalogue.page(cursor.as_deref(), limit)?;
-        Ok(Page { items, next: next.map(|key| to_hex(&key)) })
+    pub fn tables(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<TableRow>, ServiceError> {
+        let (items, next) = self.state.tables.catalogue.page(cursor.map(|cursor| cursor.0.as_slice()), limit)?;
+        Ok(Page { items, next: next.map(|key| TableCursor(key).to_string()) })
     }
 
     /// A known recipe's canonical JSON and its table, if it has been fitted.
@@ -90,18 +91,4 @@ impl ServiceState {
         let text = made.unwrap_or_else(|panic| resume_unwind(panic))?;
         Ok(text.map(|text| ManifestRow { version: MANIFEST_VERSION, text }))
     }
-}
-
-fn to_hex(bytes: &[u8]) -> String {
-    use std::fmt::Write as _;
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut hex, byte| {
-        // Writing to a String cannot fail.
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    })
-}
-
-fn from_hex(text: &str) -> Option<Vec<u8>> {
-    let digits = text.as_bytes().chunks(2);
-    digits.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok()).collect()
 }

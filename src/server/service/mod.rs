@@ -4,6 +4,7 @@
 //! and measured on another; pictures are rendered on a thread of their own.
 
 mod api;
+mod cursor;
 mod downloads;
 mod engine;
 mod forecast;
@@ -23,6 +24,7 @@ pub use crate::server::store::TableRow;
 pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, SubmitError, SubmitReply,
 };
+pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::{CheckReport, Reconciled, check};
 pub use state::Service;

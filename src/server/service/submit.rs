@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 
-use super::{Expected, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply, state::ServiceState};
+use super::{
+    Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply, state::ServiceState,
+};
 use crate::{
     files::digest::Digest,
     server::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted},
@@ -48,17 +50,16 @@ impl Service {
     /// Jobs, newest first.
     ///
     /// # Errors
-    /// When the store fails. An unknown cursor starts from the newest.
+    /// When the store fails.
     pub fn jobs(
         &self,
         state: Option<StateName>,
-        cursor: Option<&str>,
+        cursor: Option<JobCursor>,
         limit: usize,
     ) -> Result<Page<JobSnapshot>, ServiceError> {
-        let before = cursor.and_then(|cursor| cursor.parse().ok());
-        let (jobs, next) = self.state.queue.list(state, before, limit)?;
+        let (jobs, next) = self.state.queue.list(state, cursor.map(|cursor| cursor.0), limit)?;
         let items = jobs.into_iter().map(|job| self.state.hub.snapshot(job)).collect();
-        Ok(Page { items, next: next.map(|next| next.to_string()) })
+        Ok(Page { items, next: next.map(|next| JobCursor(next).to_string()) })
     }
 
     /// Cancels a job. A finished job stays as it is. Returns the job as it is afterwards.

@@ -125,7 +125,7 @@ fn equal_recipes_share_a_job_and_the_queue_has_a_limit() {
     let newest = service.jobs(None, None, 2).unwrap();
     let names: Vec<_> = newest.items.iter().map(|snapshot| snapshot.job.recipe.as_str()).collect();
     assert_eq!(names, ["copper 1", "silver 1"]);
-    let rest = service.jobs(None, newest.next.as_deref(), 2).unwrap();
+    let rest = service.jobs(None, newest.next.map(|next| next.parse().unwrap()), 2).unwrap();
     assert_eq!((rest.items[0].job.recipe.as_str(), rest.next), ("gold 3", None));
 }
 

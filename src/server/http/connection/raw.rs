@@ -1,0 +1,93 @@
+//! Answers that no handler gives, as bytes: to connections beyond a limit, and in place of hyper's own.
+
+use std::fmt::Write as _;
+
+use super::super::{kind::ProblemKind, problem::Problem};
+
+/// Longer than any answer that hyper writes by itself.
+const LONGEST_BARE: usize = 256;
+
+/// A whole answer with the problem's document, after which the connection is closed.
+pub(super) fn answer(problem: Problem) -> Vec<u8> {
+    let retry_after = problem.retry_after_seconds();
+    let status = problem.status();
+    // A document of texts and numbers is always JSON.
+    let body = serde_json::to_vec(&problem.into_view()).unwrap_or_default();
+    let mut head = format!(
+        "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncontent-length: {}\r\nconnection: close\r\n",
+        body.len()
+    );
+    if let Some(seconds) = retry_after {
+        // Writing to a String cannot fail.
+        let _ = write!(head, "retry-after: {seconds}\r\n");
+    }
+    head.push_str("\r\n");
+    [head.into_bytes(), body].concat()
+}
+
+/// The answer to write in place of `written`, if that is one that hyper gives by itself to a head that it cannot read:
+/// a status and no document. Every other answer of this kind has a content type.
+pub(super) fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
+    if written.len() > LONGEST_BARE {
+        return None;
+    }
+    let text = std::str::from_utf8(written).ok()?;
+    let text = text.strip_prefix("HTTP/1.1 ").or_else(|| text.strip_prefix("HTTP/1.0 "))?;
+    let (status, fields) = text.strip_suffix("\r\n\r\n")?.split_once("\r\n")?;
+    let is_bare = fields.split("\r\n").all(|field| match field.split_once(": ") {
+        Some((name, value)) if name.eq_ignore_ascii_case("content-length") => value == "0",
+        Some((name, _)) => name.eq_ignore_ascii_case("connection") || name.eq_ignore_ascii_case("date"),
+        None => false,
+    });
+    if is_bare { unreadable_head(status.get(..3)?).map(answer) } else { None }
+}
+
+fn unreadable_head(status: &str) -> Option<Problem> {
+    let (kind, detail) = match status {
+        "400" => (ProblemKind::BadRequest, "the head of the request is not that of HTTP/1.1"),
+        "414" => (ProblemKind::UriTooLong, "path and query of a request take at most 65534 bytes"),
+        "431" => (ProblemKind::HeadTooLarge, "the head of a request takes at most 131072 bytes and 100 fields"),
+        _ => return None,
+    };
+    Some(Problem::new(kind, detail))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn only_an_answer_without_a_document_is_replaced() {
+        let bare = |status: &str| {
+            format!("HTTP/1.1 {status}\r\nconnection: close\r\ncontent-length: 0\r\ndate: Thu, 01 Jan 1970\r\n\r\n")
+        };
+        for status in ["400 Bad Request", "414 URI Too Long", "431 Request Header Fields Too Large"] {
+            let problem = in_place_of(bare(status).as_bytes()).expect(status);
+            let text = String::from_utf8(problem).expect("UTF-8");
+            assert!(text.starts_with(&format!("HTTP/1.1 {}", &status[..4])), "{text}");
+            assert!(text.contains("application/problem+json") && text.contains("/problems/"), "{text}");
+        }
+        let others = [
+            bare("200 OK"),
+            bare("404 Not Found"),
+            bare("400 Bad Request").replace("length: 0", "length: 7"),
+            bare("400 Bad Request").replace("date:", "content-type:"),
+            bare("400 Bad Request") + "x",
+            String::new(),
+        ];
+        for other in others {
+            assert_eq!(in_place_of(other.as_bytes()), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn an_answer_is_as_long_as_it_says() {
+        let problem = Problem::new(ProblemKind::TooManyConnections, "x").with_retry_after(Duration::from_secs(2));
+        let text = String::from_utf8(answer(problem)).expect("UTF-8");
+        let (head, body) = text.split_once("\r\n\r\n").expect("a head");
+        assert!(head.contains(&format!("content-length: {}", body.len())), "{head}");
+        assert!(head.contains("retry-after: ") && head.starts_with("HTTP/1.1 503 Service Unavailable\r\n"), "{head}");
+    }
+}

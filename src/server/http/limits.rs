@@ -1,0 +1,69 @@
+//! What the service grants to connections.
+
+use std::time::Duration;
+
+/// Longest head of a request: request line and header fields.
+pub(super) const HEAD_LIMIT_BYTES: usize = 128 * 1024;
+
+/// File descriptors that connections leave to the rest of the process. A service without clients has 15 open, more with
+/// a GPU; 16 are for connections that are being refused, the others for the store.
+const RESERVED_DESCRIPTORS: u64 = 80;
+
+/// Fewest connections, however few descriptors there are.
+const FEWEST_CONNECTIONS: usize = 4;
+
+/// The limits of connections. The defaults fit one machine and a team.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ConnectionLimits {
+    /// Connections that may be open at the same time.
+    pub connections: usize,
+    /// Those of them that may come from one address. An IPv6 network of 64 bits counts as one address.
+    pub per_address: usize,
+    /// How long a connection may go without the complete head of a request: from its start or from the end of its last
+    /// answer. It limits slow heads and idle connections alike.
+    pub head: Duration,
+    /// How long the body of a request may take to arrive.
+    pub body: Duration,
+    /// How long a client may take to read some more of an answer: 16 KiB, or the rest. A stream that has nothing to
+    /// send is not limited.
+    pub stall: Duration,
+    /// How long open answers may take once the service is told to stop.
+    pub drain: Duration,
+}
+
+impl Default for ConnectionLimits {
+    fn default() -> Self {
+        Self {
+            connections: 1024,
+            per_address: 512,
+            head: Duration::from_secs(30),
+            body: Duration::from_secs(30),
+            stall: Duration::from_secs(30),
+            drain: Duration::from_secs(10),
+        }
+    }
+}
+
+impl ConnectionLimits {
+    /// The same with at most as many connections as a process with `descriptors` file descriptors can hold open while
+    /// the store still gets those that it needs.
+    #[must_use]
+    pub fn within(self, descriptors: u64) -> Self {
+        let left = usize::try_from(descriptors.saturating_sub(RESERVED_DESCRIPTORS)).unwrap_or(usize::MAX);
+        let connections = self.connections.min(left.max(FEWEST_CONNECTIONS));
+        Self { connections, per_address: self.per_address.min(connections), ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn connections_leave_descriptors_to_the_store() {
+        let within = |descriptors| ConnectionLimits::default().within(descriptors);
+        assert_eq!(within(1 << 20), ConnectionLimits::default());
+        assert_eq!((within(128).connections, within(128).per_address), (48, 48));
+        assert_eq!(within(0).connections, FEWEST_CONNECTIONS);
+    }
+}

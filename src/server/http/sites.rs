@@ -1,0 +1,280 @@
+//! Which names the service answers to, and which web pages it listens to.
+//!
+//! A browser lets any page send requests to any address. Two fields of a request say where it comes from. `Host` is the
+//! name that the page was told to ask for: an attacker's domain may resolve to this machine, and its pages then count
+//! as the service's own (DNS rebinding). `Origin` is the site of the page that sends the request.
+
+use std::{fmt, net::IpAddr, str::FromStr, sync::Arc};
+
+use axum::{
+    extract::{Request, State},
+    http::{HeaderMap, Uri, Version, header, uri::Authority},
+    middleware::Next,
+    response::{IntoResponse as _, Response},
+};
+use serde::Deserialize;
+
+use super::{connection::LocalAddress, kind::ProblemKind, problem::Problem};
+
+/// Names and origins that the service serves beyond its own.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Sites {
+    /// Names by which clients may call the service.
+    pub hosts: Vec<AllowedHost>,
+    /// Origins of web pages that may send requests.
+    pub origins: Vec<AllowedOrigin>,
+}
+
+/// A name or an address, with a port if only that one is meant.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
+pub struct AllowedHost {
+    name: String,
+    port: Option<u16>,
+}
+
+/// The origin of a web page: scheme, host, and port if it is not the usual one.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
+pub struct AllowedOrigin(String);
+
+/// Why a text is not a host or an origin.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("«{text}» is not {expected}")]
+pub struct SiteError {
+    text: String,
+    expected: &'static str,
+}
+
+impl FromStr for AllowedHost {
+    type Err = SiteError;
+
+    fn from_str(text: &str) -> Result<Self, SiteError> {
+        let expected = "a host: a host is a name or an address, such as farm.example or farm.example:8317";
+        host(text).ok_or_else(|| SiteError { text: text.to_owned(), expected })
+    }
+}
+
+impl FromStr for AllowedOrigin {
+    type Err = SiteError;
+
+    fn from_str(text: &str) -> Result<Self, SiteError> {
+        let is_origin = text.split_once("://").is_some_and(|(scheme, authority)| {
+            !scheme.is_empty() && scheme.bytes().all(|byte| byte.is_ascii_alphanumeric()) && host(authority).is_some()
+        });
+        let expected = "an origin: an origin is a scheme and a host without a path, such as https://farm.example";
+        if is_origin { Ok(Self(text.to_ascii_lowercase())) } else { Err(SiteError { text: text.to_owned(), expected }) }
+    }
+}
+
+impl TryFrom<String> for AllowedHost {
+    type Error = SiteError;
+
+    fn try_from(text: String) -> Result<Self, SiteError> {
+        text.parse()
+    }
+}
+
+impl TryFrom<String> for AllowedOrigin {
+    type Error = SiteError;
+
+    fn try_from(text: String) -> Result<Self, SiteError> {
+        text.parse()
+    }
+}
+
+impl fmt::Display for AllowedHost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)?;
+        self.port.map_or(Ok(()), |port| write!(f, ":{port}"))
+    }
+}
+
+/// Host and port of an authority, the host in lower case and an IPv6 address in brackets.
+fn host(text: &str) -> Option<AllowedHost> {
+    let authority: Authority = text.parse().ok()?;
+    let name = authority.host().to_ascii_lowercase();
+    let port = authority.port_u16();
+    let length = name.len() + authority.port().map_or(0, |port| 1 + port.as_str().len());
+    // An authority may also have a user and a port that is no number; a host has neither.
+    (!name.is_empty() && length == text.len() && port.is_some() == authority.port().is_some())
+        .then_some(AllowedHost { name, port })
+}
+
+impl Sites {
+    /// Whether a request is for this service, and from no foreign page.
+    ///
+    /// # Errors
+    /// The problem to answer with: 400, 421 or 403.
+    fn check(&self, request: &Request) -> Result<(), Problem> {
+        let local = request.extensions().get::<LocalAddress>().copied();
+        let asked = asked_host(request.uri(), request.headers(), request.version())?;
+        if let Some(asked) = &asked {
+            self.check_host(asked, local)?;
+        }
+        let Some(origin) = request.headers().get(header::ORIGIN) else { return Ok(()) };
+        let origin = String::from_utf8_lossy(origin.as_bytes()).to_ascii_lowercase();
+        // A page that the service has served itself, or a proxy in front of it.
+        let own = asked.is_some_and(|asked| {
+            let site = asked.to_string();
+            origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://")) == Some(site.as_str())
+        });
+        if own || self.origins.iter().any(|allowed| allowed.0 == origin) {
+            return Ok(());
+        }
+        let detail = format!(
+            "pages of «{origin}» may not send requests to this service; `ltcforge serve --allow-origin` allows an origin"
+        );
+        Err(Problem::new(ProblemKind::ForeignOrigin, detail))
+    }
+
+    fn check_host(&self, asked: &AllowedHost, local: Option<LocalAddress>) -> Result<(), Problem> {
+        let is_own = local.is_some_and(|local| is_own(asked, local));
+        let is_allowed = |allowed: &AllowedHost| {
+            allowed.name == asked.name && allowed.port.is_none_or(|port| asked.port.unwrap_or(80) == port)
+        };
+        if is_own || self.hosts.iter().any(is_allowed) {
+            return Ok(());
+        }
+        let detail =
+            format!("«{asked}» is not a name of this service; `ltcforge serve --allow-host {}` adds it", asked.name);
+        Err(Problem::new(ProblemKind::WrongHost, detail))
+    }
+}
+
+/// Whether a host is the address at which the request arrived. On a loopback address, all loopback addresses and
+/// `localhost` are the same.
+fn is_own(asked: &AllowedHost, LocalAddress(local): LocalAddress) -> bool {
+    let ip = local.ip().to_canonical();
+    let literal = asked.name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
+    let is_same = match literal {
+        Ok(literal) => literal.to_canonical() == ip || (literal.is_loopback() && ip.is_loopback()),
+        Err(_) => asked.name == "localhost" && ip.is_loopback(),
+    };
+    is_same && asked.port.unwrap_or(80) == local.port()
+}
+
+/// The host that a request asks for: that of an absolute URI, which a proxy is sent, and else the field `Host`. `None`
+/// if neither is there, which only HTTP/1.0 allows.
+fn asked_host(uri: &Uri, headers: &HeaderMap, version: Version) -> Result<Option<AllowedHost>, Problem> {
+    let refuse = |detail: String| Problem::new(ProblemKind::BadRequest, detail);
+    let mut fields = headers.get_all(header::HOST).iter();
+    let field = fields.next();
+    if fields.next().is_some() {
+        return Err(refuse("the request has more than one Host field".to_owned()));
+    }
+    let text = match (uri.authority(), field) {
+        (Some(authority), _) => authority.as_str(),
+        (None, Some(field)) => field.to_str().unwrap_or_default(),
+        (None, None) if version == Version::HTTP_10 => return Ok(None),
+        (None, None) => return Err(refuse("the request has no Host field".to_owned())),
+    };
+    let host = host(text).ok_or_else(|| refuse(format!("«{text}» is not a host with an optional port")))?;
+    Ok(Some(host))
+}
+
+/// The layer that refuses requests by [`Sites::check`].
+pub(super) async fn check(State(sites): State<Arc<Sites>>, request: Request, next: Next) -> Response {
+    match sites.check(&request) {
+        Ok(()) => next.run(request).await,
+        Err(problem) => problem.into_response(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::body::Body;
+
+    use super::*;
+
+    /// The status with which a request is refused, `None` if it is served.
+    fn refused(local: &str, uri: &str, fields: &[(&str, &str)]) -> Option<u16> {
+        let sites = Sites {
+            hosts: vec!["farm".parse().expect("a host"), "[2001:db8::1]:80".parse().expect("a host")],
+            origins: vec!["https://wiki.example".parse().expect("an origin")],
+        };
+        let mut request = Request::builder().uri(uri);
+        for (name, value) in fields {
+            request = request.header(*name, *value);
+        }
+        let mut request = request.body(Body::empty()).expect("a request");
+        request.extensions_mut().insert(LocalAddress(local.parse().expect("an address")));
+        sites.check(&request).err().map(|problem| problem.status().as_u16())
+    }
+
+    const LOOPBACK: &str = "127.0.0.1:8317";
+    const LAN: &str = "10.0.0.5:8317";
+
+    #[test]
+    fn a_service_answers_to_its_own_address_and_to_allowed_names() {
+        let cases = [
+            (LOOPBACK, "127.0.0.1:8317", None),
+            (LOOPBACK, "localhost:8317", None),
+            (LOOPBACK, "LocalHost:8317", None),
+            (LOOPBACK, "[::1]:8317", None),
+            (LOOPBACK, "localhost", Some(421)),
+            (LOOPBACK, "localhost:80", Some(421)),
+            (LOOPBACK, "10.0.0.5:8317", Some(421)),
+            (LOOPBACK, "attacker.example:8317", Some(421)),
+            (LOOPBACK, "localhost.attacker.example:8317", Some(421)),
+            ("127.0.0.1:80", "localhost", None),
+            ("[::ffff:127.0.0.1]:8317", "localhost:8317", None),
+            (LAN, "10.0.0.5:8317", None),
+            (LAN, "10.0.0.6:8317", Some(421)),
+            (LAN, "localhost:8317", Some(421)),
+            (LAN, "attacker.example:8317", Some(421)),
+            (LAN, "farm:8317", None),
+            (LAN, "FARM", None),
+            (LAN, "farm.example", Some(421)),
+            (LAN, "[2001:db8::1]", None),
+            (LAN, "[2001:db8::1]:8317", Some(421)),
+            (LAN, "user@farm", Some(400)),
+            (LAN, "farm:port", Some(400)),
+            (LAN, "farm/x", Some(400)),
+            (LAN, "", Some(400)),
+        ];
+        for (local, host, status) in cases {
+            assert_eq!(refused(local, "/healthz", &[("host", host)]), status, "{host} at {local}");
+        }
+    }
+
+    #[test]
+    fn a_request_says_once_for_whom_it_is() {
+        assert_eq!(refused(LOOPBACK, "/", &[]), Some(400));
+        assert_eq!(refused(LOOPBACK, "/", &[("host", "localhost:8317"), ("host", "farm")]), Some(400));
+        // The name in an absolute URI is the one that counts.
+        let host = [("host", "localhost:8317")];
+        assert_eq!(refused(LOOPBACK, "http://attacker.example/", &host), Some(421));
+        assert_eq!(refused(LOOPBACK, "http://localhost:8317/", &host), None);
+    }
+
+    #[test]
+    fn only_own_and_allowed_pages_may_send_requests() {
+        let cases = [
+            ("http://localhost:8317", None),
+            ("https://localhost:8317", None),
+            ("https://wiki.example", None),
+            ("HTTPS://Wiki.example", None),
+            ("http://wiki.example", Some(403)),
+            ("https://wiki.example.attacker.example", Some(403)),
+            ("http://localhost:3000", Some(403)),
+            ("http://127.0.0.1:8317", Some(403)),
+            ("null", Some(403)),
+            ("", Some(403)),
+        ];
+        for (origin, status) in cases {
+            let fields = [("host", "localhost:8317"), ("origin", origin)];
+            assert_eq!(refused(LOOPBACK, "/v1/jobs", &fields), status, "{origin}");
+        }
+    }
+
+    #[test]
+    fn settings_that_could_never_match_are_refused() {
+        for host in ["", "http://farm", "farm/", "a b", "user@farm", "farm:port", "farm:"] {
+            assert!(host.parse::<AllowedHost>().is_err(), "{host}");
+        }
+        for origin in ["", "farm", "https://", "https://farm/", "null", "*", "https://a@farm"] {
+            assert!(origin.parse::<AllowedOrigin>().is_err(), "{origin}");
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Clients that mean harm or do not go on: foreign pages, other names, slow requests, idle connections.
+
+mod common;
+
+use std::{
+    fmt::Write as _,
+    io::{Read as _, Write as _},
+    net::{Shutdown, TcpStream},
+};
+
+use common::{
+    SMALL, eventually,
+    openapi::{DOCUMENT, faults},
+    server::{Server, text},
+};
+use serde_json::Value;
+
+/// A connection on which `request` was sent.
+fn send(server: &Server, request: &str) -> TcpStream {
+    let address = server.url.strip_prefix("http://").expect("an http URL");
+    let mut tcp = TcpStream::connect(address).expect("a connection");
+    tcp.set_read_timeout(Some(common::DEADLINE)).expect("a time limit");
+    // The service may have closed the connection already.
+    let _ = tcp.write_all(request.as_bytes());
+    tcp
+}
+
+/// Status, head and body of what the service sends until it closes the connection.
+#[track_caller]
+fn answer(tcp: TcpStream) -> (u16, String, String) {
+    try_answer(tcp).expect("an answer")
+}
+
+/// The same; `None` if the connection is closed without an answer.
+fn try_answer(mut tcp: TcpStream) -> Option<(u16, String, String)> {
+    let mut all = String::new();
+    tcp.read_to_string(&mut all).ok()?;
+    let (head, body) = all.split_once("\r\n\r\n")?;
+    let status = head.split(' ').nth(1)?.parse().ok()?;
+    Some((status, head.to_owned(), body.to_owned()))
+}
+
+/// The problem with which `request` is answered; the file has it.
+#[track_caller]
+fn problem(server: &Server, request: &str, status: u16, kind: &str) -> Value {
+    let (answered, head, body) = answer(send(server, request));
+    assert_eq!(answered, status, "{request}: {head}");
+    assert!(head.contains("content-type: application/problem+json"), "{head}");
+    let problem: Value = serde_json::from_str(&body).expect("a document");
+    assert_eq!(faults(&DOCUMENT["components"]["schemas"]["Problem"], &problem), [""; 0], "{problem:#}");
+    assert_eq!(problem["type"], format!("/problems/{kind}"), "{problem:#}");
+    assert!(DOCUMENT["x-any-path"][status.to_string()].is_object(), "{status} is not in the file");
+    problem
+}
+
+/// The head of a request that closes the connection, with more fields.
+fn request(line: &str, fields: &[(&str, &str)]) -> String {
+    let mut head = format!("{line} HTTP/1.1\r\nconnection: close\r\n");
+    for (name, value) in fields {
+        write!(head, "{name}: {value}\r\n").expect("a String takes all");
+    }
+    head + "\r\n"
+}
+
+fn host(server: &Server) -> &str {
+    server.url.strip_prefix("http://").expect("an http URL")
+}
+
+#[test]
+fn another_name_is_refused_unless_it_is_allowed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--allow-host", "farm,other:80"]);
+    let port = host(&server).rsplit(':').next().expect("a port");
+    let ask = |name: &str| request("GET /healthz", &[("host", name)]);
+    for own in [host(&server), &format!("localhost:{port}"), &format!("[::1]:{port}"), "farm", "FARM:1", "other"] {
+        assert_eq!(answer(send(&server, &ask(own))).0, 200, "{own}");
+    }
+    for foreign in ["attacker.example", &format!("attacker.example:{port}"), "localhost:1", "other:81", "10.0.0.1"] {
+        let refused = problem(&server, &ask(foreign), 421, "wrong-host");
+        assert!(text(&refused["detail"]).contains("--allow-host"), "{refused:#}");
+    }
+    problem(&server, &request("GET /healthz", &[]), 400, "bad-request");
+    // A path that is not there tells a foreign page no more.
+    problem(&server, &request("GET /nothing", &[("host", "attacker.example")]), 421, "wrong-host");
+}
+
+#[test]
+fn a_foreign_page_is_refused_unless_it_is_allowed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--allow-origin", "https://wiki.example"]);
+    let own = format!("http://{}", host(&server));
+    let post = |origin: &str| {
+        let length = SMALL.len().to_string();
+        let fields = [("host", host(&server)), ("origin", origin), ("content-length", &length)];
+        request("POST /v1/jobs", &fields) + SMALL
+    };
+    for foreign in ["http://attacker.example", "null", "http://localhost:1", "https://wiki.example.attacker.example"] {
+        let refused = problem(&server, &post(foreign), 403, "foreign-origin");
+        assert!(text(&refused["detail"]).contains("--allow-origin"), "{refused:#}");
+    }
+    let jobs = server.get("/v1/jobs").with_status(200).json();
+    assert_eq!(jobs["items"], Value::Array(vec![]), "a refused request leaves no job");
+    for allowed in [own.as_str(), "https://wiki.example"] {
+        assert!(answer(send(&server, &post(allowed))).0 < 300, "{allowed}");
+    }
+}
+
+#[test]
+fn a_slow_request_is_told_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &["--client-seconds", "1"]);
+    let head = problem(&server, "GET /healthz HTTP/1.1\r\nhost:", 408, "slow-request");
+    assert!(text(&head["detail"]).contains("the head of the request was not complete within 1 s"), "{head:#}");
+    let fields = [("host", host(&server)), ("content-length", "100")];
+    let body = problem(&server, &(request("POST /v1/jobs", &fields) + "{"), 408, "slow-request");
+    assert!(text(&body["detail"]).contains("the body of the request was not complete within 1 s"), "{body:#}");
+    let mut silent = Vec::new();
+    send(&server, "").read_to_end(&mut silent).expect("the end of the connection");
+    assert_eq!(silent, b"", "an idle connection is closed without a word");
+}
+
+#[test]
+fn a_body_that_says_it_is_too_long_is_refused_before_it_is_sent() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let post = |length: &str| {
+        let fields = [("host", host(&server)), ("expect", "100-continue"), ("content-length", length)];
+        request("POST /v1/jobs", &fields)
+    };
+    let (status, head, body) = answer(send(&server, &post("65537")));
+    assert_eq!(status, 413, "{head}");
+    assert!(body.contains("/problems/body-too-large"), "{body}");
+    let mut tcp = send(&server, &post("2"));
+    let mut go_on = [0; 25];
+    tcp.read_exact(&mut go_on).expect("an interim answer");
+    assert_eq!(&go_on, b"HTTP/1.1 100 Continue\r\n\r\n");
+    tcp.shutdown(Shutdown::Both).expect("an open connection");
+}
+
+#[test]
+fn idle_connections_leave_files_to_the_store() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start_within(128, folder.path(), &[]);
+    // The client keeps the connection of this request, so it has one when there are no more.
+    server.get("/healthz").with_status(200);
+    let idle: Vec<TcpStream> = (0..200).map(|_| send(&server, "")).collect();
+    let healthy = request("GET /healthz", &[("host", host(&server))]);
+    // Of many connections that are refused at the same time, some are closed without an answer.
+    let (head, body) = eventually("a refusal", || {
+        let (status, head, body) = try_answer(send(&server, &healthy))?;
+        (status == 503).then_some((head, body))
+    });
+    assert!(head.contains("retry-after: ") && body.contains("--connections-per-address"), "{head}\n{body}");
+    server.fit(SMALL);
+    drop(idle);
+    eventually("room for a connection", || (try_answer(send(&server, &healthy))?.0 == 200).then_some(()));
+}
+
+#[test]
+fn the_log_says_nothing_of_a_request() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    for path in ["/healthz", "/v1/jobs", "/v1/jobs/xyz", "/nothing"] {
+        server.get(path);
+    }
+    let run = server.stop("TERM").exited(0);
+    assert!(!run.stderr.contains("request") && !run.stderr.contains("/healthz"), "{}", run.stderr);
+}
