@@ -12,6 +12,7 @@ mod input;
 mod interrupt;
 mod jobs;
 mod lookup;
+mod output;
 mod outside;
 mod plot;
 mod points;
@@ -33,5 +34,5 @@ pub use exit::{CommandFailure, Exit};
 pub use interrupt::Interrupt;
 pub use run::run;
 
-use context::print;
+use context::{print, shown};
 use exit::file_failure;

@@ -8,12 +8,14 @@ use std::{
     time::Duration,
 };
 
+use serde_json::json;
 use tokio::net::TcpListener;
 
 use super::{
     CommandFailure, Context, Exit,
     args::{ServeArgs, cores},
     config_file::ServeSection,
+    print,
 };
 use crate::{
     files::recipe_document::DEFAULT_ENTRY_LIMIT,
@@ -34,7 +36,12 @@ const MAX_ATTEMPTS: u32 = 3;
 const PICTURE_LIMIT: Duration = Duration::from_secs(30);
 
 /// Runs the service until it is interrupted.
-pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(
+    args: ServeArgs,
+    file: ServeSection,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
     let (listen, config) = settle(args, file);
     let runtime = context.runtime.clone();
     runtime.block_on(async {
@@ -42,9 +49,8 @@ pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>
         let address = listener.local_addr().map_err(|error| cannot_listen(listen, &error))?;
         let opened = tokio::task::spawn_blocking(|| Service::open(config)).await;
         let service = opened.map_err(failed)?.map_err(failed)?;
-        writeln!(context.stdout, "listening on http://{address}")
-            .and_then(|()| context.stdout.flush())
-            .map_err(|error| CommandFailure::stdout(&error))?;
+        let url = format!("http://{address}");
+        print(context.stdout, json, &json!({ "listening": url }), &format!("listening on {url}"))?;
         let served = http::serve(listener, Arc::clone(&service), context.interrupt.clone().wait()).await;
         // However the server ended, acknowledged work is flushed to disk.
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
