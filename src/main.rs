@@ -10,7 +10,7 @@ use std::{
 };
 
 use clap::Parser as _;
-use ltcforge::cli::{self, Cli, Context, Exit, Interrupt, OnInterrupt};
+use ltcforge::cli::{self, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt};
 use tokio::{
     signal::unix::{Signal, SignalKind, signal},
     sync::watch,
@@ -21,7 +21,16 @@ use tracing_subscriber::EnvFilter;
 const CLEAN_UP: Duration = Duration::from_secs(2);
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() && env::args_os().any(|argument| argument == "--json") => {
+            let text = error.render().to_string();
+            let message = text.trim_end();
+            return fail(&CommandFailure::new(Exit::Usage, message.strip_prefix("error: ").unwrap_or(message)), true);
+        }
+        Err(error) => error.exit(),
+    };
+    let json = cli.json;
     if cli.command.opens_vulkan() {
         keep_vulkan_from_looking_for_a_display();
     }
@@ -30,11 +39,11 @@ fn main() -> ExitCode {
 
     let runtime = match tokio::runtime::Builder::new_multi_thread().enable_all().build() {
         Ok(runtime) => runtime,
-        Err(error) => return fail(Exit::Failed, &error.to_string()),
+        Err(error) => return fail(&CommandFailure::new(Exit::Failed, error.to_string()), json),
     };
     let (tell, interrupt) = Interrupt::channel();
     if let Err(error) = listen_to_signals(&runtime, tell, on_interrupt) {
-        return fail(Exit::Failed, &format!("signals: {error}"));
+        return fail(&CommandFailure::new(Exit::Failed, format!("signals: {error}")), json);
     }
     let mut context = Context {
         stdout: &mut io::stdout(),
@@ -45,7 +54,7 @@ fn main() -> ExitCode {
     };
     let exit = match cli::run(cli, &mut context) {
         Ok(exit) => exit.into(),
-        Err(failure) => fail(failure.exit, &failure.message),
+        Err(failure) => fail(&failure, json),
     };
     // A request that was cut off may still be in a blocking call.
     runtime.shutdown_background();
@@ -69,11 +78,16 @@ fn keep_vulkan_from_looking_for_a_display() {
     }
 }
 
-fn fail(exit: Exit, message: &str) -> ExitCode {
-    for line in message.lines() {
-        eprintln!("ltcforge: {line}");
+/// Says on standard error why the command failed: as lines, or as one document of JSON.
+fn fail(failure: &CommandFailure, json: bool) -> ExitCode {
+    if !json {
+        for line in failure.message.lines() {
+            eprintln!("ltcforge: {line}");
+        }
+    } else if !failure.message.is_empty() {
+        eprintln!("{}", failure.json());
     }
-    exit.into()
+    failure.exit.into()
 }
 
 /// Logs to standard error what `LTCFORGE_LOG` asks for, such as `debug` or `ltcforge::server::http=trace`.

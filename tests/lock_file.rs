@@ -2,7 +2,16 @@
 
 mod common;
 
-use std::{fs, path::Path, time::SystemTime};
+use std::{
+    ffi::OsStr,
+    fs,
+    io::{Read as _, Write as _},
+    net::TcpListener,
+    os::unix::ffi::OsStrExt as _,
+    path::Path,
+    thread,
+    time::SystemTime,
+};
 
 use common::{
     SMALL,
@@ -36,6 +45,8 @@ fn a_pinned_table_is_brought_in_once_and_held_to_its_hash() {
     assert_eq!(Digest::of(&fs::read(&file).expect("the table")).to_string(), digest);
     let lock = fs::read_to_string(project.join("ltcforge.lock")).expect("a lock file");
     assert!(lock.contains(&digest) && lock.contains("assets/metal.safetensors"), "{lock}");
+    let bytes = fs::metadata(&file).expect("the table").len();
+    assert!(lock.contains(&format!("bytes = {bytes}\n")), "{lock}");
 
     // What is right is neither touched nor asked for.
     let before = modified(&file);
@@ -84,4 +95,61 @@ fn a_lock_file_that_is_wrong_is_refused_before_anything_is_written() {
     assert!(!folder.path().join("ltcforge.lock").exists());
     fs::write(folder.path().join("ltcforge.lock"), "version = 2").expect("a lock file");
     pull(folder.path(), NOBODY, &[]).exited(2);
+}
+
+#[test]
+fn a_pin_is_written_once_its_table_is_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(&folder.path().join("data"), &[]);
+    let project = folder.path().join("project");
+    fs::create_dir(&project).expect("a project");
+    let add = |name: &str, digest: &str, url: &str| pull(&project, url, &["--add", name, digest, "--to", "sub/t"]);
+    let missing = Digest::of(b"missing").to_string();
+    add("metal", &missing, NOBODY).exited(4);
+    add("metal", &missing, &server.url).exited(1);
+    assert_eq!(fs::read_dir(&project).expect("the project").count(), 0, "nothing was made");
+
+    // An older pin of the name stays as it was.
+    let digest = server.fit(SMALL);
+    let added = add("metal", &digest, &server.url).exited(0);
+    assert_eq!(added.stdout, "metal downloaded: sub/t\n");
+    let lock = fs::read(project.join("ltcforge.lock")).expect("a lock file");
+    add("metal", &missing, &server.url).exited(1);
+    assert_eq!(fs::read(project.join("ltcforge.lock")).expect("the lock file"), lock);
+}
+
+#[test]
+fn a_path_that_the_lock_file_cannot_hold_is_refused_first() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = Digest::of(b"").to_string();
+    let words = ["pull", "--server", NOBODY, "--add", "metal", &digest, "--to"].map(OsStr::new);
+    let refused = run(folder.path(), words.into_iter().chain([OsStr::from_bytes(b"odd\xff")])).exited(2);
+    assert!(refused.stderr.contains("is not UTF-8"), "{refused:#?}");
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 0);
+}
+
+#[test]
+fn an_endless_table_is_cut_at_the_size_that_the_lock_file_states() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let url = format!("http://{}", listener.local_addr().expect("an address"));
+    thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.expect("a connection");
+            let _ = stream.read(&mut [0; 4096]);
+            let mut sent = stream.write_all(b"HTTP/1.1 200 OK\r\nconnection: close\r\n\r\n");
+            while sent.is_ok() {
+                sent = stream.write_all(&[0; 8192]);
+            }
+        }
+    });
+    let pin = format!("version = 1\n[[table]]\nname = \"metal\"\ndigest = \"{}\"\npath = \"t\"\n", Digest::of(b""));
+    let lock = folder.path().join("ltcforge.lock");
+    fs::write(&lock, format!("{pin}bytes = 1000000\n")).expect("a lock file");
+    let refused = pull(folder.path(), &url, &[]).exited(1);
+    assert!(refused.stderr.contains("longer than 1000000 bytes, the size that the lock file states"), "{refused:#?}");
+    fs::write(&lock, pin).expect("a lock file");
+    let refused = pull(folder.path(), &url, &["--table-limit", "2000000"]).exited(1);
+    assert!(refused.stderr.contains("longer than 2000000 bytes, the limit for tables"), "{refused:#?}");
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "nothing is left");
 }

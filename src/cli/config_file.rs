@@ -19,7 +19,7 @@
 //! ```
 
 use std::{
-    fs, io,
+    io,
     net::SocketAddr,
     num::{NonZeroU64, NonZeroUsize},
     path::{Path, PathBuf},
@@ -28,10 +28,16 @@ use std::{
 use serde::Deserialize;
 
 use super::{CommandFailure, Exit, args::ClientSeconds, preview_names::AdapterName};
-use crate::server::http::{AllowedHost, AllowedOrigin};
+use crate::{
+    files::bounded::read_file,
+    server::http::{AllowedHost, AllowedOrigin},
+};
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
+
+/// Longest configuration file that is read.
+const LIMIT_BYTES: u64 = 1 << 20;
 
 /// Where the client commands look for a service when nothing says otherwise.
 pub(super) const DEFAULT_SERVER: &str = "http://127.0.0.1:8317";
@@ -71,8 +77,11 @@ impl ConfigFile {
     pub(super) fn load(named: Option<&Path>) -> Result<Self, CommandFailure> {
         let path = named.unwrap_or(Path::new(DEFAULT_FILE));
         let refuse = |reason: String| CommandFailure::new(Exit::Usage, format!("{}: {reason}", path.display()));
-        match fs::read_to_string(path) {
-            Ok(text) => Self::parse(&text).map_err(refuse),
+        match read_file(path, LIMIT_BYTES) {
+            Ok(bytes) => {
+                let text = str::from_utf8(&bytes).map_err(|error| refuse(error.to_string()))?;
+                Self::parse(text).map_err(refuse)
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound && named.is_none() => Ok(Self::default()),
             Err(error) => Err(refuse(error.to_string())),
         }

@@ -1,6 +1,6 @@
 //! What `main` hands to a command, and how a command prints.
 
-use std::io::Write;
+use std::{io::Write, path::Path};
 
 use tokio::runtime::Handle;
 
@@ -18,6 +18,11 @@ pub struct Context<'a> {
     pub interrupt: Interrupt,
     /// Runs the HTTP server.
     pub runtime: Handle,
+}
+
+/// A path as text for people and JSON. What is not UTF-8 in it is replaced: JSON has no other text.
+pub(super) fn shown(path: &Path) -> String {
+    path.display().to_string()
 }
 
 /// Prints `value` as one line of JSON, or `text` as it is.

@@ -24,7 +24,8 @@ pub enum Exit {
     Interrupted = 130,
 }
 
-/// Why a command did not succeed. Its message goes to standard error; nothing is printed for an empty one.
+/// Why a command did not succeed. Its message goes to standard error, as lines or as JSON; nothing is printed for an
+/// empty one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CommandFailure {
     /// The exit code.
@@ -44,6 +45,12 @@ impl CommandFailure {
     #[must_use]
     pub fn new(exit: Exit, message: impl Into<String>) -> Self {
         Self { exit, message: message.into() }
+    }
+
+    /// What goes to standard error under `--json`: one document on one line.
+    #[must_use]
+    pub fn json(&self) -> String {
+        serde_json::json!({ "error": self.message, "exit": self.exit as u8 }).to_string()
     }
 
     /// The user stopped it.
@@ -71,6 +78,7 @@ impl From<ClientError> for CommandFailure {
     fn from(error: ClientError) -> Self {
         let mut message = error.to_string();
         let exit = match error {
+            ClientError::BadUrl { .. } => Exit::Usage,
             ClientError::Unavailable { .. } => Exit::Unavailable,
             ClientError::Mismatch { .. } => Exit::Mismatch,
             ClientError::Refused { faults, .. } if !faults.is_empty() => {
@@ -80,7 +88,7 @@ impl From<ClientError> for CommandFailure {
                 }
                 Exit::Usage
             }
-            ClientError::Refused { .. } | ClientError::Unexpected { .. } => Exit::Failed,
+            ClientError::Refused { .. } | ClientError::Unexpected { .. } | ClientError::TooLong { .. } => Exit::Failed,
         };
         Self::new(exit, message)
     }
@@ -91,6 +99,7 @@ impl From<PullError> for CommandFailure {
         match error {
             PullError::Client(error) => error.into(),
             PullError::File { .. } => Self::new(Exit::Failed, error.to_string()),
+            PullError::Stopped => Self::interrupted(),
         }
     }
 }
@@ -122,6 +131,8 @@ mod tests {
             (refused(422, vec![fault]), 2),
             (refused(404, vec![]), 1),
             (ClientError::Unexpected { url: url(), reason: "x".into() }, 1),
+            (ClientError::TooLong { url: url(), limit_bytes: 1, origin: "a limit" }, 1),
+            (ClientError::BadUrl { url: url() }, 2),
         ];
         for (error, code) in cases {
             let shown = error.to_string();
@@ -135,6 +146,12 @@ mod tests {
         let faults = vec![fault("/a"), fault("/b")];
         let error = ClientError::Refused { url: "u".into(), status: 422, detail: "2 faults".into(), faults };
         assert_eq!(CommandFailure::from(error).message, "u: 2 faults (422)\n/a: bad\n/b: bad");
+    }
+
+    #[test]
+    fn a_failure_is_one_line_of_json() {
+        let failure = CommandFailure::new(Exit::Usage, "a\n«b»");
+        assert_eq!(failure.json(), r#"{"error":"a\n«b»","exit":2}"#);
     }
 
     #[test]

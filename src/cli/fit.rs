@@ -7,8 +7,8 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, args::FitArgs, file_failure, input, print, progress,
-    table_file::TABLE_FOLDERS,
+    CommandFailure, Context, Exit, Interrupt, args::FitArgs, file_failure, input, output::check_output_folder, print,
+    progress, shown, table_file::TABLE_FOLDERS,
 };
 use crate::{
     files::{
@@ -16,7 +16,7 @@ use crate::{
         digest::Digest,
         manifest::manifest_json,
         recipe_document::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
-        replace::replace_file,
+        replace::{PairError, replace_pair},
     },
     fit::{Plan, Table, fit_plan},
 };
@@ -29,6 +29,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let document = input::recipe_document(&args.recipe)?;
     let entry_limit = args.entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
     let recipe = recipe_document::parse(&document, entry_limit).map_err(|error| bad_recipe(&args.recipe, error))?;
+    check_output_folder(&args.out)?;
     let pool = args.threads.pool()?;
 
     let started = Instant::now();
@@ -45,20 +46,17 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
 
     // The table is written last, so that a table in the folder always has its manifest beside it.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));
-    replace_file(&manifest_path, manifest.as_bytes()).map_err(|error| file_failure(&manifest_path, &error))?;
     let table_path = args.out.join(format!("{}.safetensors", digest.hex()));
-    replace_file(&table_path, &file).map_err(|error| file_failure(&table_path, &error))?;
+    replace_pair((&manifest_path, manifest.as_bytes()), (&table_path, &file))
+        .map_err(|PairError { path, source }| file_failure(&path, &source))?;
 
     let seconds = started.elapsed().as_secs_f64();
     let error = headline(&manifest);
-    let name = if finds_digests_in(&args.out) {
-        digest.to_string()[..SHORT_DIGEST].to_owned()
-    } else {
-        table_path.display().to_string()
-    };
+    let name =
+        if finds_digests_in(&args.out) { digest.to_string()[..SHORT_DIGEST].to_owned() } else { shown(&table_path) };
     let next = [format!("ltcforge preview {name} -o sphere.png"), format!("ltcforge report {name}")];
     let value = json!({
-        "table": digest, "file": table_path, "manifest": manifest_path, "bytes": file.len(),
+        "table": digest, "file": shown(&table_path), "manifest": shown(&manifest_path), "bytes": file.len(),
         "seconds": seconds, "fit_seconds": fit_seconds, "error": error, "next": next,
     });
     print(context.stdout, json, &value, &format!("{}\n{digest}", table_path.display()))?;
@@ -105,7 +103,8 @@ pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Opti
 }
 
 /// A failure that lists every fault of a recipe, one on each line.
-pub(super) fn bad_recipe(name: &str, error: RecipeError) -> CommandFailure {
+pub(super) fn bad_recipe(name: &Path, error: RecipeError) -> CommandFailure {
+    let name = name.display();
     let message = match error {
         RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
         RecipeError::Faults(faults) => {
@@ -125,7 +124,7 @@ mod tests {
     #[test]
     fn every_fault_of_a_recipe_is_reported() {
         let fault = |pointer: &str| Fault { pointer: pointer.into(), detail: "bad".into() };
-        let refused = bad_recipe("r.json", RecipeError::Faults(vec![fault("/a"), fault("/b")]));
+        let refused = bad_recipe(Path::new("r.json"), RecipeError::Faults(vec![fault("/a"), fault("/b")]));
         assert_eq!(refused.message, "r.json: /a: bad\nr.json: /b: bad");
         assert_eq!(refused.exit, Exit::Usage);
     }

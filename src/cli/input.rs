@@ -1,8 +1,7 @@
 //! Recipes and tables as the command line names them.
 
 use std::{
-    fs,
-    io::{self, Read as _},
+    io,
     path::{Path, PathBuf},
 };
 
@@ -14,11 +13,15 @@ use super::{
 };
 use crate::{
     files::{
+        bounded::{read_file, read_stream},
         container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
         digest::Digest,
     },
     fit::{PerAxis, Recipe, Table},
 };
+
+/// Longest recipe that is read. The service takes 64 KiB.
+const RECIPE_LIMIT_BYTES: u64 = 1 << 20;
 
 /// A table that was read: one of ltcforge's files, or a `.npy` file.
 pub(super) struct AnyTable {
@@ -51,10 +54,10 @@ impl AnyTable {
     /// Reads a table. The file's first bytes or its extension say which format it has.
     ///
     /// # Errors
-    /// When there is no such file, or it is no table.
+    /// When there is no such file, it is longer than the limit, or it is no table.
     pub(super) fn read(choice: &TableChoice) -> Result<Self, CommandFailure> {
         let path = table_path(&choice.table, choice.folder.tables.as_deref())?;
-        let bytes = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+        let bytes = read_file(&path, choice.folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
         let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
         if !is_npy {
             let (digest, TableFile { table, recipe }) = check(&path, &bytes, None)?;
@@ -69,17 +72,13 @@ impl AnyTable {
 /// The document that `name` stands for: `-` is stdin, a bare word is a preset, anything else a file.
 ///
 /// # Errors
-/// When it cannot be read.
-pub(super) fn recipe_document(name: &str) -> Result<Vec<u8>, CommandFailure> {
-    if name == "-" {
-        let mut document = Vec::new();
-        let read = io::stdin().lock().read_to_end(&mut document);
-        read.map_err(|error| file_failure(Path::new("standard input"), &error))?;
-        Ok(document)
-    } else if is_preset_name(name) {
-        Ok(serde_json::json!({ "preset": name }).to_string().into_bytes())
-    } else {
-        fs::read(name).map_err(|error| file_failure(Path::new(name), &error))
+/// When it cannot be read, or is longer than [`RECIPE_LIMIT_BYTES`].
+pub(super) fn recipe_document(name: &Path) -> Result<Vec<u8>, CommandFailure> {
+    match name.to_str() {
+        Some("-") => read_stream(io::stdin().lock(), RECIPE_LIMIT_BYTES)
+            .map_err(|error| file_failure(Path::new("standard input"), &error)),
+        Some(preset) if is_preset_name(preset) => Ok(serde_json::json!({ "preset": preset }).to_string().into_bytes()),
+        _ => read_file(name, RECIPE_LIMIT_BYTES).map_err(|error| file_failure(name, &error)),
     }
 }
 
@@ -90,17 +89,21 @@ fn is_preset_name(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]
     fn a_bare_word_is_a_preset_and_anything_else_a_file() {
-        assert_eq!(recipe_document("paper").expect("a preset"), br#"{"preset":"paper"}"#);
+        assert_eq!(recipe_document(Path::new("paper")).expect("a preset"), br#"{"preset":"paper"}"#);
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("recipe.json");
         fs::write(&path, "{}").expect("a file");
-        assert_eq!(recipe_document(path.to_str().expect("UTF-8")).expect("a file"), b"{}");
-        let refused = recipe_document("./none.json").expect_err("no file");
+        assert_eq!(recipe_document(&path).expect("a file"), b"{}");
+        let refused = recipe_document(Path::new("./none.json")).expect_err("no file");
         assert_eq!(refused.exit, Exit::Failed);
         assert!(refused.message.starts_with("./none.json: "), "{}", refused.message);
+        let refused = recipe_document(Path::new("/dev/zero")).expect_err("no end");
+        assert!(refused.message.contains("longer than 1048576 bytes"), "{}", refused.message);
     }
 }

@@ -4,7 +4,6 @@ use std::{
     collections::BTreeMap,
     fs::File,
     io::{self, BufRead, BufReader, BufWriter, Write},
-    path::Path,
 };
 
 use serde_json::json;
@@ -16,22 +15,41 @@ use super::{
     input::AnyTable,
     outside::{Clamped, Outside, clamped},
     points::{self, COLUMNS, Point},
+    shown,
 };
-use crate::fit::{LookedUp, PerAxis, Table};
+use crate::{
+    files::bounded::read_line,
+    fit::{LookedUp, PerAxis, Table},
+};
+
+/// Longest line of points that is read: four numbers take a hundred bytes.
+const LINE_LIMIT_BYTES: u64 = 4096;
+
+/// Some editors put this before the first line.
+const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// Prints a matrix for each point, as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
-    let (name, points): (&str, Box<dyn BufRead>) = if args.points == "-" {
-        ("standard input", Box::new(io::stdin().lock()))
+    let (name, points): (String, Box<dyn BufRead>) = if args.points.as_os_str() == "-" {
+        ("standard input".to_owned(), Box::new(io::stdin().lock()))
     } else {
-        let file = File::open(&args.points).map_err(|error| file_failure(Path::new(&args.points), &error))?;
-        (&args.points, Box::new(BufReader::new(file)))
+        let refuse = |error: io::Error| file_failure(&args.points, &error);
+        let file = File::open(&args.points).map_err(refuse)?;
+        if file.metadata().map_err(refuse)?.is_dir() {
+            let name = args.points.display();
+            return Err(CommandFailure::new(
+                Exit::Usage,
+                format!("{name}: this is a folder, not a CSV file of points"),
+            ));
+        }
+        (shown(&args.points), Box::new(BufReader::new(file)))
     };
     let mut out = BufWriter::new(&mut *context.stdout);
-    let outside = look_up(&table, origin.range(), name, points, json, &mut out)?;
+    let outside = look_up(&table, origin.range(), &name, points, json, &mut out)?;
     out.flush().map_err(|error| CommandFailure::stdout(&error))?;
-    if !outside.is_empty() {
+    // As JSON, each line says it of its point.
+    if !json && !outside.is_empty() {
         eprintln!("{outside}");
     }
     Ok(Exit::Ok)
@@ -41,7 +59,7 @@ fn look_up(
     table: &Table,
     range: &PerAxis<[f64; 2]>,
     name: &str,
-    points: impl BufRead,
+    mut points: impl BufRead,
     json: bool,
     out: &mut dyn Write,
 ) -> Result<Outside, CommandFailure> {
@@ -49,13 +67,22 @@ fn look_up(
     if !json {
         writeln!(out, "{}", header()).map_err(|error| CommandFailure::stdout(&error))?;
     }
-    for (index, line) in points.lines().enumerate() {
-        let refuse = |reason: String| CommandFailure::new(Exit::Usage, format!("{name}, line {}: {reason}", index + 1));
-        let line = line.map_err(|error| refuse(error.to_string()))?;
-        if index == 0 && points::is_header(&line) {
+    let mut line = Vec::new();
+    for index in 0_u64.. {
+        let at_line = |exit, reason: String| CommandFailure::new(exit, format!("{name}, line {}: {reason}", index + 1));
+        let refuse = |reason: String| at_line(Exit::Usage, reason);
+        match read_line(&mut points, &mut line, LINE_LIMIT_BYTES) {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(error) if error.kind() == io::ErrorKind::FileTooLarge => return Err(refuse(error.to_string())),
+            Err(error) => return Err(at_line(Exit::Failed, error.to_string())),
+        }
+        let text = str::from_utf8(&line).map_err(|_| refuse("this is not UTF-8".to_owned()))?;
+        let text = if index == 0 { text.trim_start_matches(BYTE_ORDER_MARK) } else { text };
+        if index == 0 && points::is_header(text) {
             continue;
         }
-        if let Some(point) = points::parse(&line).map_err(refuse)? {
+        if let Some(point) = points::parse(text).map_err(refuse)? {
             let found = table.lookup(&point.configuration);
             let clamped = clamped(&point.configuration, table, range);
             outside.count(&clamped);

@@ -14,6 +14,7 @@ mod input;
 mod interrupt;
 mod jobs;
 mod lookup;
+mod output;
 mod outside;
 mod plot;
 mod points;
@@ -35,5 +36,5 @@ pub use exit::{CommandFailure, Exit};
 pub use interrupt::Interrupt;
 pub use run::run;
 
-use context::print;
+use context::{print, shown};
 use exit::file_failure;

@@ -1,15 +1,13 @@
 //! `plot`: a table as a picture.
 
-use std::fs;
-
 use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
     args::{PlotArgs, PlotName},
-    file_failure,
     input::AnyTable,
-    print,
+    output::OutputFile,
+    print, shown,
 };
 use crate::view::plots::{ErrorSlice, Plot};
 
@@ -25,11 +23,13 @@ pub(super) fn run(args: &PlotArgs, json: bool, context: &mut Context<'_>) -> Res
         }
         PlotName::Matrix => Plot::Matrix,
     };
+    let out = OutputFile::check(&args.out)?;
     let read = AnyTable::read(&args.table)?;
     let picture = args.threads.pool()?.install(|| plot.draw(&read.table, &read.digest.hex()));
     let png = picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-    fs::write(&args.out, png).map_err(|error| file_failure(&args.out, &error))?;
-    let value = json!({ "file": args.out, "table": read.digest, "width": picture.width, "height": picture.height });
-    print(context.stdout, json, &value, &args.out.display().to_string())?;
+    out.write(&png)?;
+    let value =
+        json!({ "file": shown(&args.out), "table": read.digest, "width": picture.width, "height": picture.height });
+    print(context.stdout, json, &value, &shown(&args.out))?;
     Ok(Exit::Ok)
 }

@@ -1,10 +1,10 @@
 //! `preview`: surfaces lit by a table, as a picture.
 
-use std::{fs, sync::Arc};
+use std::sync::Arc;
 
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::PreviewArgs, file_failure, input::AnyTable, print};
+use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
 use crate::{
     fit::ggx_terms,
     view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
@@ -13,6 +13,7 @@ use crate::{
 /// Renders a picture and writes it. The adapter, materials outside the table, and the errors of modes that compare go to
 /// standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let out = OutputFile::check(&args.out)?;
     let AnyTable { digest, mut table, .. } = AnyTable::read(&args.table)?;
     if args.ggx_terms {
         table.terms = Some(ggx_terms(table.layout, &table.axes));
@@ -22,7 +23,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     let rendered =
         Preview::new(args.adapter.0).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
     let png = rendered.picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-    fs::write(&args.out, png).map_err(|error| file_failure(&args.out, &error))?;
+    out.write(&png)?;
     let Rendered { picture, adapter, errors, outside } = rendered;
     let errors_json: Vec<_> = errors
         .iter()
@@ -35,7 +36,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         .collect();
     let outside_json: Vec<_> = outside.iter().map(|m| json!({ "alpha_x": m.alpha_x, "alpha_y": m.alpha_y })).collect();
     let value = json!({
-        "file": args.out, "table": digest, "adapter": adapter,
+        "file": shown(&args.out), "table": digest, "adapter": adapter,
         "width": picture.width, "height": picture.height, "errors": errors_json,
         "outside": outside_json,
     });

@@ -1,13 +1,22 @@
 //! `pull`: the tables pinned in the lock file.
 
-use std::{fs, io, path::Path};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::PullArgs, config_file::DEFAULT_SERVER, file_failure, print};
+use super::{
+    CommandFailure, Context, Exit, Interrupt, args::PullArgs, config_file::DEFAULT_SERVER, file_failure,
+    output::check_output_folder, print, shown,
+};
 use crate::{
-    client::{self, Client, LockFile, LockFileError, Pin, PinState, replace_file, with_pin},
-    files::digest::ParseDigestError,
+    client::{self, Client, Limits, LockFile, LockFileError, Pin, PinState, read_text, with_pin},
+    files::{
+        digest::ParseDigestError,
+        replace::{folder_of, replace_file},
+    },
 };
 
 /// The servers that a table may be downloaded from, besides the one that its pin names.
@@ -19,9 +28,29 @@ pub(super) struct Servers<'a> {
     pub(super) usual: Option<&'a str>,
 }
 
-impl Servers<'_> {
-    fn client_for(self, pin: &Pin) -> Result<Client, CommandFailure> {
-        Ok(Client::new(self.chosen.or(pin.server.as_deref()).or(self.usual).unwrap_or(DEFAULT_SERVER))?)
+/// How tables are downloaded.
+#[derive(Debug)]
+struct Downloads<'a> {
+    servers: Servers<'a>,
+    limits: Limits,
+    interrupt: Interrupt,
+}
+
+impl Downloads<'_> {
+    fn client(&self, server: Option<&str>) -> Result<Client, CommandFailure> {
+        let Servers { chosen, usual } = self.servers;
+        let server = chosen.or(server).or(usual).unwrap_or(DEFAULT_SERVER);
+        Ok(Client::with_limits(server, self.limits)?)
+    }
+
+    /// Downloads the table of a pin if it is missing or differs, and says what was done.
+    fn pull(&self, pin: &Pin, folder: &Path) -> Result<&'static str, CommandFailure> {
+        let client = self.client(pin.server.as_deref())?;
+        Ok(match client::pull(pin, folder, &client, &|| self.interrupt.is_set())? {
+            PinState::Right => "unchanged",
+            PinState::Missing => "downloaded",
+            PinState::Different { .. } => "replaced",
+        })
     }
 }
 
@@ -33,25 +62,37 @@ pub(super) fn run(
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    if let [name, digest] = args.add.as_slice() {
-        add(args, name, digest, servers)?;
-    }
+    let limits = Limits { table_bytes: args.limit.table_limit, ..Limits::USUAL };
+    let downloads = Downloads { servers, limits, interrupt: context.interrupt.clone() };
+    // A wrong URL is told before anything is done.
+    downloads.client(None)?;
+    let added = match args.add.as_slice() {
+        [name, digest] => Some((name, add(args, name, digest, &downloads)?)),
+        _ => None,
+    };
     let lock = LockFile::read(&args.lock)?;
     let mut failures: Vec<CommandFailure> = Vec::new();
     for pin in &lock.pins {
         if context.interrupt.is_set() {
             return Err(CommandFailure::interrupted());
         }
-        let outcome = if args.locked { check(pin, &lock.folder) } else { pull(pin, &lock.folder, servers) };
-        match outcome {
-            Ok(word) => {
-                let value = json!({ "name": pin.name, "path": pin.path, "digest": pin.digest, "outcome": word });
-                print(context.stdout, json, &value, &format!("{} {word}: {}", pin.name, pin.path.display()))?;
-            }
-            Err(failure) => {
-                failures.push(CommandFailure::new(failure.exit, format!("{}: {}", pin.name, failure.message)));
-            }
+        let outcome = match added {
+            Some((name, word)) if *name == pin.name => Ok(word),
+            _ if args.locked => check(pin, &lock.folder),
+            _ => downloads.pull(pin, &lock.folder),
+        };
+        let (word, detail) = match &outcome {
+            Ok(word) => (*word, None),
+            Err(failure) => ("failed", Some(&failure.message)),
+        };
+        let mut value = json!({ "name": pin.name, "path": shown(&pin.path), "digest": pin.digest, "outcome": word });
+        if let Some(detail) = detail {
+            value["detail"] = json!(detail);
         }
+        if json || outcome.is_ok() {
+            print(context.stdout, json, &value, &format!("{} {word}: {}", pin.name, pin.path.display()))?;
+        }
+        failures.extend(outcome.err().map(|failure| named(&pin.name, &failure)));
     }
     match failures.first().map(|first| first.exit) {
         None => Ok(Exit::Ok),
@@ -62,12 +103,9 @@ pub(super) fn run(
     }
 }
 
-fn pull(pin: &Pin, folder: &Path, servers: Servers<'_>) -> Result<&'static str, CommandFailure> {
-    Ok(match client::pull(pin, folder, &servers.client_for(pin)?)? {
-        PinState::Right => "unchanged",
-        PinState::Missing => "downloaded",
-        PinState::Different { .. } => "replaced",
-    })
+/// The failure of the pin `name`.
+fn named(name: &str, failure: &CommandFailure) -> CommandFailure {
+    CommandFailure::new(failure.exit, format!("{name}: {}", failure.message))
 }
 
 fn check(pin: &Pin, folder: &Path) -> Result<&'static str, CommandFailure> {
@@ -80,21 +118,33 @@ fn check(pin: &Pin, folder: &Path) -> Result<&'static str, CommandFailure> {
     }
 }
 
-/// Writes a pin into the lock file, which is made when it is missing.
-fn add(args: &PullArgs, name: &str, digest: &str, servers: Servers<'_>) -> Result<(), CommandFailure> {
-    let pin = Pin {
+/// Downloads a table and then writes its pin into the lock file, which is made when it is missing. Says what was done with
+/// the table's file.
+///
+/// # Errors
+/// When the pin is not allowed, which is told first, or the table cannot be downloaded. The lock file is then as before.
+fn add(args: &PullArgs, name: &str, digest: &str, downloads: &Downloads<'_>) -> Result<&'static str, CommandFailure> {
+    let mut pin = Pin {
         name: name.to_owned(),
         digest: digest
             .parse()
             .map_err(|error: ParseDigestError| CommandFailure::new(Exit::Usage, error.to_string()))?,
-        path: args.to.clone().unwrap_or_else(|| format!("{name}.safetensors").into()),
-        server: servers.chosen.map(str::to_owned),
+        path: args.to.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.safetensors"))),
+        bytes: None,
+        server: downloads.servers.chosen.map(str::to_owned),
     };
-    let old = match fs::read_to_string(&args.lock) {
+    let old = match read_text(&args.lock) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
         Err(source) => return Err(LockFileError::Read { path: args.lock.clone(), source }.into()),
     };
+    with_pin(&old, &pin)?;
+    check_output_folder(folder_of(&args.lock))?;
+    let folder = args.lock.parent().unwrap_or(Path::new(""));
+    let word = downloads.pull(&pin, folder).map_err(|failure| named(name, &failure))?;
+    let file = folder.join(&pin.path);
+    pin.bytes = Some(file.metadata().map_err(|error| file_failure(&file, &error))?.len());
     let new = with_pin(&old, &pin)?;
-    replace_file(&args.lock, new.as_bytes()).map_err(|error| file_failure(&args.lock, &error))
+    replace_file(&args.lock, new.as_bytes()).map_err(|error| file_failure(&args.lock, &error))?;
+    Ok(word)
 }

@@ -8,7 +8,7 @@ use super::{
     CommandFailure, Context, Exit,
     args::ReportArgs,
     input::{AnyTable, Origin},
-    print,
+    print, shown,
 };
 use crate::{
     files::digest::Digest,
@@ -28,7 +28,7 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
     let read = AnyTable::read(&args.table)?;
     let measured = args.threads.pool()?.install(|| measure(&read, args));
     let mut value = json!({
-        "file": read.path,
+        "file": shown(&read.path),
         "digest": measured.digest,
         "resolution": measured.resolution,
         "report": measured.report,

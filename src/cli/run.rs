@@ -1,11 +1,12 @@
 //! From a parsed command line to the command.
 
 use clap::CommandFactory as _;
+use serde_json::json;
 
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    fit, fsck, jobs, lookup, plot, preview, pull, report, serve, shader, tradeoff, verify,
+    fit, fsck, jobs, lookup, plot, preview, print, pull, report, serve, shader, tradeoff, verify,
 };
 use crate::client::Client;
 
@@ -18,7 +19,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
     let Cli { command, server, json, .. } = cli;
     let connect = || client(server.as_deref(), &file);
     match command {
-        Command::Serve(args) => serve::run(args, file.serve, context),
+        Command::Serve(args) => serve::run(args, file.serve, json, context),
         Command::Fsck(args) => fsck::run(args, file.serve, json, context),
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),
@@ -36,7 +37,9 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "ltcforge", &mut script);
-            context.stdout.write_all(&script).map_err(|error| CommandFailure::stdout(&error))?;
+            let script = String::from_utf8_lossy(&script);
+            let value = json!({ "shell": shell.to_string(), "script": script });
+            print(context.stdout, json, &value, script.trim_end())?;
             Ok(Exit::Ok)
         }
     }

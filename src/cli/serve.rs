@@ -8,13 +8,14 @@ use std::{
     time::Duration,
 };
 
+use serde_json::json;
 use tokio::net::TcpListener;
 
 use super::{
     CommandFailure, Context, Exit,
     args::{ServeArgs, cores},
     config_file::ServeSection,
-    connections,
+    connections, print,
 };
 use crate::{
     files::recipe_document::DEFAULT_ENTRY_LIMIT,
@@ -37,7 +38,12 @@ const MAX_ATTEMPTS: u32 = 3;
 const PICTURE_LIMIT: Duration = Duration::from_secs(30);
 
 /// Runs the service until it is interrupted.
-pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+pub(super) fn run(
+    args: ServeArgs,
+    file: ServeSection,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
     let options = connections::settle(args.connections.clone(), &file, connections::raise_descriptor_limit());
     let (listen, config) = settle(args, file);
     let runtime = context.runtime.clone();
@@ -46,9 +52,8 @@ pub(super) fn run(args: ServeArgs, file: ServeSection, context: &mut Context<'_>
         let address = listener.local_addr().map_err(|error| cannot_listen(listen, &error))?;
         let opened = tokio::task::spawn_blocking(|| Service::open(config)).await;
         let service = opened.map_err(failed)?.map_err(failed)?;
-        writeln!(context.stdout, "listening on http://{address}")
-            .and_then(|()| context.stdout.flush())
-            .map_err(|error| CommandFailure::stdout(&error))?;
+        let url = format!("http://{address}");
+        print(context.stdout, json, &json!({ "listening": url }), &format!("listening on {url}"))?;
         http::serve(listener, Arc::clone(&service), options, context.interrupt.clone().wait()).await;
         tokio::task::spawn_blocking(move || service.stop()).await.map_err(failed)?;
         Ok(Exit::Ok)

@@ -1,10 +1,8 @@
 //! `shader`: the lookup and the area light, as source for a renderer.
 
-use std::fs;
-
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::ShaderArgs, file_failure, print};
+use super::{CommandFailure, Context, Exit, args::ShaderArgs, output::OutputFile, print, shown};
 use crate::view::shaders::{Language, port};
 
 /// Writes the shader to the file, or to standard output. With `--json` one line
@@ -17,11 +15,13 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
             "SPIR-V is binary: name a file with -o, or redirect standard output",
         ));
     }
+    let out = args.out.as_deref().map(OutputFile::check).transpose()?;
     let shader = port(language, layout).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-    if let Some(path) = &args.out {
-        fs::write(path, &shader).map_err(|error| file_failure(path, &error))?;
+    if let (Some(out), Some(path)) = (&out, &args.out) {
+        out.write(&shader)?;
         if json {
-            let value = json!({ "file": path, "language": language.name(), "layout": layout, "bytes": shader.len() });
+            let value =
+                json!({ "file": shown(path), "language": language.name(), "layout": layout, "bytes": shader.len() });
             print(context.stdout, true, &value, "")?;
         }
     } else if json {

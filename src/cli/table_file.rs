@@ -20,12 +20,13 @@ pub(super) const TABLE_FOLDERS: [&str; 2] = [".", "tables"];
 ///
 /// # Errors
 /// When there is no such table, or several digests begin so.
-pub(super) fn table_path(name: &str, folder: Option<&Path>) -> Result<PathBuf, CommandFailure> {
-    let path = PathBuf::from(name);
-    let beginning = name.strip_prefix("sha256:").unwrap_or(name).to_ascii_lowercase();
+pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, CommandFailure> {
+    // A name that is not UTF-8 is a path.
+    let text = name.to_str().unwrap_or_default();
+    let beginning = text.strip_prefix("sha256:").unwrap_or(text).to_ascii_lowercase();
     let is_digest = !beginning.is_empty() && beginning.bytes().all(|byte| byte.is_ascii_hexdigit());
-    if path.exists() || !is_digest {
-        return Ok(path);
+    if name.exists() || !is_digest {
+        return Ok(name.to_owned());
     }
     let folders: Vec<&Path> = folder.map_or_else(|| TABLE_FOLDERS.map(Path::new).into(), |folder| vec![folder]);
     // The same digest in two folders is the same table.
@@ -56,7 +57,7 @@ pub(super) fn table_path(name: &str, folder: Option<&Path>) -> Result<PathBuf, C
         }
         None => Err(CommandFailure::new(
             Exit::Failed,
-            format!("{name}: there is no such file, and no {beginning}*.safetensors in {places}{other}"),
+            format!("{text}: there is no such file, and no {beginning}*.safetensors in {places}{other}"),
         )),
     }
 }
@@ -94,7 +95,7 @@ mod tests {
         for hex in ["ab".repeat(32), "ac".repeat(32)] {
             fs::write(folder.path().join(format!("{hex}.safetensors")), "").expect("a file");
         }
-        let find = |name: &str| table_path(name, Some(folder.path()));
+        let find = |name: &str| table_path(Path::new(name), Some(folder.path()));
         let expected = folder.path().join(format!("{}.safetensors", "ab".repeat(32)));
         assert_eq!(find("sha256:AB").expect("one"), expected);
         assert_eq!(find("a").expect_err("two").exit, Exit::Usage);

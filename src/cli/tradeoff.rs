@@ -1,15 +1,20 @@
 //! `tradeoff`: measures what speed and size cost in accuracy.
 
-use std::{fmt::Write as _, time::Instant};
+use std::{fmt::Write as _, path::Path, time::Instant};
 
 use indicatif::ProgressBar;
 use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, Interrupt, args::TradeoffArgs, file_failure, fit, input, print, progress};
+use super::{
+    CommandFailure, Context, Exit, Interrupt, args::TradeoffArgs, file_failure, fit, input,
+    output::check_output_folder, print, progress, shown,
+};
 use crate::{
-    client::replace_file,
-    files::recipe_document::{self, DEFAULT_ENTRY_LIMIT},
+    files::{
+        recipe_document::{self, DEFAULT_ENTRY_LIMIT},
+        replace::replace_file,
+    },
     fit::{Plan, Recipe, report},
     view::tradeoff::{FittedRecipe, Measurement, POINTS, Size, csv, family, json as rows_json, off_by, picture, rows},
 };
@@ -19,9 +24,10 @@ const DEFAULT_RECIPE: &str = "paper";
 
 /// Fits a family of recipes one after the other, measures each table and writes the three files.
 pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let name = args.recipe.as_deref().unwrap_or(DEFAULT_RECIPE);
+    let name = args.recipe.as_deref().unwrap_or(Path::new(DEFAULT_RECIPE));
     let document = input::recipe_document(name)?;
     let base = recipe_document::parse(&document, DEFAULT_ENTRY_LIMIT).map_err(|error| fit::bad_recipe(name, error))?;
+    check_output_folder(&args.out)?;
     let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
 
     let size = if args.quick { Size::Quick } else { Size::Full };
@@ -42,13 +48,13 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     for (name, text) in files {
         let path = args.out.join(name);
         replace_file(&path, text.as_bytes()).map_err(|error| file_failure(&path, &error))?;
-        paths.push(path);
+        paths.push(shown(&path));
     }
     let value = json!({ "files": paths, "recipes": rows.len(), "predicted": off_by(&rows) });
     let mut text = summary(&rows);
     for path in &paths {
         text.push('\n');
-        text.push_str(&path.display().to_string());
+        text.push_str(path);
     }
     print(context.stdout, json, &value, &text)?;
     Ok(Exit::Ok)

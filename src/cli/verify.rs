@@ -1,31 +1,32 @@
 //! `verify`: whether files are tables and have the right digests.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
     args::VerifyArgs,
-    file_failure, print,
+    file_failure, print, shown,
     table_file::{check, table_path},
 };
-use crate::files::{container::TableFile, digest::Digest};
+use crate::files::{bounded::read_file, container::TableFile, digest::Digest};
 
 /// Checks every file; the first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let mut failures: Vec<CommandFailure> = Vec::new();
+    let limit = args.folder.limit.table_limit;
     for name in &args.files {
         let found = table_path(name, args.folder.tables.as_deref());
-        let path = found.as_deref().unwrap_or(Path::new(name));
-        match found.clone().and_then(|path| read(&path, args.digest)) {
+        let path = found.as_deref().unwrap_or(name);
+        match found.clone().and_then(|path| read(&path, args.digest, limit)) {
             Ok((digest, _)) => {
-                let value = json!({ "file": path, "digest": digest, "ok": true });
+                let value = json!({ "file": shown(path), "digest": digest, "ok": true });
                 print(context.stdout, json, &value, &format!("{}: ok, {digest}", path.display()))?;
             }
             Err(failure) => {
                 if json {
-                    let value = json!({ "file": path, "ok": false, "detail": failure.message });
+                    let value = json!({ "file": shown(path), "ok": false, "detail": failure.message });
                     print(context.stdout, true, &value, "")?;
                 }
                 failures.push(failure);
@@ -41,13 +42,15 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
     }
 }
 
-fn read(path: &Path, expected: Option<Digest>) -> Result<(Digest, TableFile), CommandFailure> {
-    let bytes = fs::read(path).map_err(|error| file_failure(path, &error))?;
+fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, TableFile), CommandFailure> {
+    let bytes = read_file(path, limit_bytes).map_err(|error| file_failure(path, &error))?;
     check(path, &bytes, expected)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]
@@ -56,9 +59,11 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join(format!("{hex}.safetensors"));
         fs::write(&path, "other").expect("a file");
-        let refused = read(&path, None).expect_err("other bytes");
+        let refused = read(&path, None, 5).expect_err("other bytes");
         assert_eq!(refused.exit, Exit::Mismatch);
         assert!(refused.message.contains(&Digest::of(b"other").to_string()), "{}", refused.message);
-        assert_eq!(read(&folder.path().join("none"), None).expect_err("no file").exit, Exit::Failed);
+        assert_eq!(read(&folder.path().join("none"), None, 5).expect_err("no file").exit, Exit::Failed);
+        let refused = read(&path, None, 4).expect_err("too long");
+        assert!(refused.message.contains("longer than 4 bytes"), "{}", refused.message);
     }
 }

@@ -7,6 +7,12 @@ use crate::files::{digest::Digest, recipe_document::Fault};
 /// A failed request. Every variant names the URL.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
+    /// The URL of the server is none.
+    #[error("{url}: this is not the URL of a server, such as http://127.0.0.1:8317")]
+    BadUrl {
+        /// What was given.
+        url: String,
+    },
     /// No service answers at this URL, or it says that it is unavailable.
     #[error("{url}: the server is unavailable: {reason}")]
     Unavailable {
@@ -34,6 +40,16 @@ pub enum ClientError {
         url: String,
         /// What is wrong with the response.
         reason: String,
+    },
+    /// The response is longer than a limit.
+    #[error("{url}: the answer is longer than {limit_bytes} bytes, {origin}")]
+    TooLong {
+        /// The requested URL.
+        url: String,
+        /// The limit.
+        limit_bytes: u64,
+        /// Where it comes from.
+        origin: &'static str,
     },
     /// The bytes do not have the requested digest.
     #[error("{url}: the bytes hash to {actual}, but {expected} was requested")]

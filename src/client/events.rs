@@ -2,8 +2,8 @@
 
 use std::io::{self, BufRead, Read as _};
 
-/// Longest line that is read. A job's document takes about one kilobyte.
-const LINE_LIMIT_BYTES: u64 = 1 << 20;
+/// Longest event that is read, and longest line. A job's document takes about one kilobyte.
+const EVENT_LIMIT_BYTES: u64 = 1 << 20;
 
 /// One event.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -26,9 +26,9 @@ fn next(stream: &mut impl BufRead) -> io::Result<Option<Event>> {
     let mut line = String::new();
     loop {
         line.clear();
-        stream.by_ref().take(LINE_LIMIT_BYTES).read_line(&mut line)?;
+        stream.by_ref().take(EVENT_LIMIT_BYTES).read_line(&mut line)?;
         let Some(content) = line.strip_suffix('\n') else {
-            return if line.len() as u64 == LINE_LIMIT_BYTES { Err(too_long()) } else { Ok(None) };
+            return if line.len() as u64 == EVENT_LIMIT_BYTES { Err(too_long()) } else { Ok(None) };
         };
         let content = content.strip_suffix('\r').unwrap_or(content);
         if content.is_empty() {
@@ -47,6 +47,9 @@ fn next(stream: &mut impl BufRead) -> io::Result<Option<Event>> {
                 }
                 event.data.push_str(value);
                 has_data = true;
+                if event.data.len() as u64 > EVENT_LIMIT_BYTES {
+                    return Err(too_long());
+                }
             }
             // Comments have an empty name; names of events and retry times are not needed.
             _ => {}
@@ -55,7 +58,7 @@ fn next(stream: &mut impl BufRead) -> io::Result<Option<Event>> {
 }
 
 fn too_long() -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, format!("a line is longer than {LINE_LIMIT_BYTES} bytes"))
+    io::Error::new(io::ErrorKind::InvalidData, format!("an event is longer than {EVENT_LIMIT_BYTES} bytes"))
 }
 
 #[cfg(test)]
@@ -84,9 +87,10 @@ mod tests {
     }
 
     #[test]
-    fn an_endless_line_is_an_error() {
-        let text = "x".repeat(1 << 21);
-        let read: io::Result<Vec<_>> = events(text.as_bytes()).take(1).collect();
-        assert!(read.is_err());
+    fn an_endless_line_or_event_is_an_error() {
+        for text in ["x".repeat(1 << 21), "data: x\n".repeat(1 << 20)] {
+            let read: io::Result<Vec<_>> = events(text.as_bytes()).take(1).collect();
+            assert!(read.is_err());
+        }
     }
 }

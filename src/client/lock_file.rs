@@ -7,22 +7,26 @@
 //! name = "metal"
 //! digest = "sha256:ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
 //! path = "assets/metal.safetensors"
+//! bytes = 77880 # optional: no longer file is downloaded
 //! server = "https://ltc.example.org" # optional
 //! ```
 
 use std::{
     collections::BTreeSet,
-    fs, io,
+    io,
     path::{Component, Path, PathBuf},
 };
 
 use serde::Deserialize;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, value};
 
-use crate::files::digest::Digest;
+use crate::files::{bounded::read_file, digest::Digest};
 
 /// The only version of the format.
 const VERSION: u32 = 1;
+
+/// Longest lock file that is read: some ten thousand pins.
+const LIMIT_BYTES: u64 = 4 << 20;
 
 /// One table that a project uses.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
@@ -34,6 +38,9 @@ pub struct Pin {
     pub digest: Digest,
     /// Where its file is: relative to the lock file's folder, and below it.
     pub path: PathBuf,
+    /// Its size: a longer download is cut off.
+    #[serde(default)]
+    pub bytes: Option<u64>,
     /// The server that has it, if not the default one.
     #[serde(default)]
     pub server: Option<String>,
@@ -76,6 +83,12 @@ pub enum LockFileError {
     /// A path leads out of the lock file's folder.
     #[error("the path «{0}» is not allowed: paths are relative and stay below the lock file's folder")]
     Path(String),
+    /// A path cannot be written in a file of text.
+    #[error("the path «{0}» is not UTF-8 and cannot be written into a lock file")]
+    NotText(String),
+    /// A number is greater than TOML allows.
+    #[error("a table of {0} bytes is too long for a lock file")]
+    Bytes(u64),
 }
 
 #[derive(Debug, Deserialize)]
@@ -92,16 +105,25 @@ impl LockFile {
     /// # Errors
     /// When it cannot be read or is not a lock file.
     pub fn read(path: &Path) -> Result<Self, LockFileError> {
-        let text = fs::read_to_string(path).map_err(|source| LockFileError::Read { path: path.into(), source })?;
+        let text = read_text(path).map_err(|source| LockFileError::Read { path: path.into(), source })?;
         Ok(Self { pins: parse(&text)?, folder: path.parent().map(Path::to_owned).unwrap_or_default() })
     }
+}
+
+/// The text of the lock file at `path`.
+///
+/// # Errors
+/// The system's; also when the file is longer than 4 MiB or not UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read_file(path, LIMIT_BYTES)?;
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.utf8_error()))
 }
 
 /// The text of a lock file with `pin` added, or replaced if there is one of that name. An empty `text` becomes a new
 /// lock file.
 ///
 /// # Errors
-/// When `text` is not a lock file or the result would not be one.
+/// When `text` is not a lock file or the result would not be one, and when the pin's path is not UTF-8.
 pub fn with_pin(text: &str, pin: &Pin) -> Result<String, LockFileError> {
     let mut document: DocumentMut = text.parse().map_err(syntax)?;
     if document.is_empty() {
@@ -116,10 +138,10 @@ pub fn with_pin(text: &str, pin: &Pin) -> Result<String, LockFileError> {
     let same_name = |table: &Table| table.get("name").and_then(Item::as_str) == Some(&pin.name);
     let present = tables.iter().position(same_name);
     if let Some(table) = present.and_then(|index| tables.get_mut(index)) {
-        fill(table, pin);
+        fill(table, pin)?;
     } else {
         let mut table = Table::new();
-        fill(&mut table, pin);
+        fill(&mut table, pin)?;
         tables.push(table);
     }
     let text = document.to_string();
@@ -127,14 +149,20 @@ pub fn with_pin(text: &str, pin: &Pin) -> Result<String, LockFileError> {
     Ok(text)
 }
 
-fn fill(table: &mut Table, pin: &Pin) {
+fn fill(table: &mut Table, pin: &Pin) -> Result<(), LockFileError> {
+    let path = pin.path.to_str().ok_or_else(|| LockFileError::NotText(pin.path.display().to_string()))?;
     table.insert("name", value(&pin.name));
     table.insert("digest", value(pin.digest.to_string()));
-    table.insert("path", value(pin.path.to_string_lossy().into_owned()));
+    table.insert("path", value(path));
+    match pin.bytes {
+        Some(bytes) => table.insert("bytes", value(i64::try_from(bytes).map_err(|_| LockFileError::Bytes(bytes))?)),
+        None => table.remove("bytes"),
+    };
     match &pin.server {
         Some(server) => table.insert("server", value(server)),
         None => table.remove("server"),
     };
+    Ok(())
 }
 
 fn parse(text: &str) -> Result<Vec<Pin>, LockFileError> {
@@ -167,6 +195,8 @@ fn syntax(error: impl std::fmt::Display) -> LockFileError {
 
 #[cfg(test)]
 mod tests {
+    use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
+
     use super::*;
 
     fn pin(name: &str, path: &str, server: Option<&str>) -> Pin {
@@ -174,6 +204,7 @@ mod tests {
             name: name.into(),
             digest: Digest::of(name.as_bytes()),
             path: path.into(),
+            bytes: server.map(|_| 7),
             server: server.map(Into::into),
         }
     }
@@ -202,6 +233,13 @@ mod tests {
             let refused = with_pin("", &pin("a", path, None));
             assert!(matches!(refused, Err(LockFileError::Path(_))), "{path}: {refused:?}");
         }
+    }
+
+    #[test]
+    fn a_path_that_is_no_text_is_refused() {
+        let path = OsStr::from_bytes(b"a\xffb").into();
+        let refused = with_pin("", &Pin { path, ..pin("a", "x", None) });
+        assert!(matches!(refused, Err(LockFileError::NotText(_))), "{refused:?}");
     }
 
     #[test]

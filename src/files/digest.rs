@@ -1,6 +1,10 @@
 //! SHA-256 digests: the names of recipes and tables.
 
-use std::{fmt, str::FromStr};
+use std::{
+    fmt,
+    io::{self, Read},
+    str::FromStr,
+};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest as _, Sha256};
@@ -19,6 +23,23 @@ impl Digest {
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
+    }
+
+    /// The digest of all that `stream` gives, which is not kept in memory.
+    ///
+    /// # Errors
+    /// The stream's.
+    pub fn of_stream(mut stream: impl Read) -> io::Result<Self> {
+        let mut hasher = Hasher::default();
+        let mut chunk = vec![0; 1 << 16];
+        loop {
+            match stream.read(&mut chunk) {
+                Ok(0) => return Ok(hasher.digest()),
+                Ok(read) => hasher.update(&chunk[..read]),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
     }
 
     /// A digest from its 32 raw bytes.
@@ -42,6 +63,23 @@ impl Digest {
             let _ = write!(hex, "{byte:02x}");
             hex
         })
+    }
+}
+
+/// Hashes bytes that come in parts.
+#[derive(Debug, Clone, Default)]
+pub struct Hasher(Sha256);
+
+impl Hasher {
+    /// Adds the next part.
+    pub fn update(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+
+    /// The digest of all parts.
+    #[must_use]
+    pub fn digest(self) -> Digest {
+        Digest(self.0.finalize().into())
     }
 }
 
@@ -102,6 +140,15 @@ mod tests {
         assert_eq!(digest.to_string().parse(), Ok(digest));
         assert_eq!(ABC.parse(), Ok(digest));
         assert_eq!(ABC.to_uppercase().parse(), Ok(digest));
+    }
+
+    #[test]
+    fn a_stream_has_the_digest_of_its_bytes() {
+        let bytes: Vec<u8> = (0..200_000_u32).map(|i| i as u8).collect();
+        assert_eq!(Digest::of_stream(bytes.as_slice()).expect("bytes in memory"), Digest::of(&bytes));
+        let mut hasher = Hasher::default();
+        bytes.chunks(777).for_each(|part| hasher.update(part));
+        assert_eq!(hasher.digest(), Digest::of(&bytes));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Documents and containers: recipes, tables as files, digests.
 
+pub mod bounded;
 pub mod container;
 pub mod digest;
 pub mod job;

@@ -11,7 +11,7 @@ use crate::{
         container::{self, TableFile},
         digest::Digest,
         manifest::manifest_json,
-        replace::replace_file,
+        replace::{PairError, replace_file, replace_pair},
     },
     fit::Recipe,
 };
@@ -44,21 +44,17 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
 /// manifest. Gives the digest and the table's path. The manifest's path ends in `.manifest.json`.
 ///
 /// # Errors
-/// [`Error::File`] where nothing can be written; then no half-written file is left.
+/// [`Error::File`] where one of them cannot be written; then no half-written file is left, and no manifest without its
+/// table.
 pub fn write_table(file: &TableFile, folder: impl AsRef<Path>) -> Result<(Digest, PathBuf), Error> {
     let bytes = file.to_bytes()?;
     let digest = Digest::of(&bytes);
     let manifest = manifest_json(&bytes)?;
-    let write = |name: String, bytes: &[u8]| {
-        let path = folder.as_ref().join(name);
-        match replace_file(&path, bytes) {
-            Ok(()) => Ok(path),
-            Err(source) => Err(Error::File { path, source }),
-        }
-    };
+    let manifest_path = folder.as_ref().join(format!("{}.manifest.json", digest.hex()));
+    let path = folder.as_ref().join(format!("{}.safetensors", digest.hex()));
     // The table comes last, so that there is no table without its manifest.
-    write(format!("{}.manifest.json", digest.hex()), manifest.as_bytes())?;
-    let path = write(format!("{}.safetensors", digest.hex()), &bytes)?;
+    replace_pair((&manifest_path, manifest.as_bytes()), (&path, &bytes))
+        .map_err(|PairError { path, source }| Error::File { path, source })?;
     Ok((digest, path))
 }
 
@@ -97,5 +93,13 @@ mod tests {
         assert_eq!(Digest::of(&fs::read(path).expect("the table")), digest);
         let manifest = folder.path().join(format!("new/{}.manifest.json", digest.hex()));
         assert!(fs::read_to_string(manifest).expect("the manifest").contains(&digest.to_string()));
+
+        // A table that cannot be written leaves no manifest behind.
+        let blocked = folder.path().join("blocked");
+        let in_the_way = blocked.join(format!("{}.safetensors", digest.hex()));
+        fs::create_dir_all(&in_the_way).expect("a folder in the way");
+        let failed = write_table(&file, &blocked).expect_err("no table");
+        assert!(matches!(failed, Error::File { path, .. } if path == in_the_way));
+        assert_eq!(fs::read_dir(&blocked).expect("the folder").count(), 1);
     }
 }

@@ -3,6 +3,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod answers;
+mod outputs;
 mod pictures;
 mod service;
 mod tables;

@@ -55,7 +55,7 @@ pub struct FsckArgs {
 #[derive(Debug, Args)]
 pub struct FitArgs {
     /// A recipe's file, `-` for stdin, or the name of a preset
-    pub recipe: String,
+    pub recipe: PathBuf,
     /// Folder that the table and its manifest go to
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub out: PathBuf,
@@ -73,7 +73,7 @@ pub struct TradeoffArgs {
     /// A recipe's file, `-` for stdin, or the name of a preset: the family keeps its ranges, terms, seed and solver,
     /// and varies its layout, resolution and precision [default: paper]
     #[arg(long, value_name = "RECIPE")]
-    pub recipe: Option<String>,
+    pub recipe: Option<PathBuf>,
     /// Fit a small family: the presets and a few recipes around them
     #[arg(long)]
     pub quick: bool,

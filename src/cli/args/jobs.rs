@@ -1,5 +1,7 @@
 //! `jobs`: commands to a server.
 
+use std::path::PathBuf;
+
 use clap::{Args, Subcommand};
 
 use crate::files::job::{JobId, StateName};
@@ -18,7 +20,7 @@ pub enum JobsAction {
     /// Submit a recipe
     Submit {
         /// A recipe's file, `-` for stdin, or the name of a preset
-        recipe: String,
+        recipe: PathBuf,
         /// Follow the job to its end; the last line of stdout is the table's digest
         #[arg(long)]
         watch: bool,

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Threads;
-use crate::files::digest::Digest;
+use crate::{client::Limits, files::digest::Digest};
 
 /// Which table.
 #[derive(Debug, Args)]
 pub struct TableChoice {
     /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it
     /// (its first digits suffice) of a table in the folder of `--tables`
-    pub table: String,
+    pub table: PathBuf,
     /// Where digests are looked for
     #[command(flatten)]
     pub folder: TableFolder,
@@ -24,6 +24,17 @@ pub struct TableFolder {
     /// Folder of `<digest>.safetensors` files [default: the working folder, then `tables` in it]
     #[arg(long, value_name = "DIR")]
     pub tables: Option<PathBuf>,
+    /// How long a table may be
+    #[command(flatten)]
+    pub limit: TableLimit,
+}
+
+/// How long a table may be.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct TableLimit {
+    /// Longest table that is read or downloaded
+    #[arg(long, env = "LTCFORGE_TABLE_LIMIT", value_name = "BYTES", default_value_t = Limits::USUAL.table_bytes)]
+    pub table_limit: u64,
 }
 
 /// `lookup`.
@@ -34,7 +45,7 @@ pub struct LookupArgs {
     pub table: TableChoice,
     /// CSV with `alpha_x,alpha_y,theta,phi` on each line, angles in radians; `-` for stdin
     #[arg(long, value_name = "CSV")]
-    pub points: String,
+    pub points: PathBuf,
 }
 
 /// `report`.
@@ -64,12 +75,15 @@ pub struct PullArgs {
     /// Download nothing; fail with exit code 3 when a file is missing or has other bytes
     #[arg(long, conflicts_with = "add")]
     pub locked: bool,
-    /// Pin a table under a name first, by its whole digest; a pin of that name is replaced
+    /// Download a table and pin it under a name, by its whole digest; a pin of that name is replaced
     #[arg(long, num_args = 2, value_names = ["NAME", "DIGEST"])]
     pub add: Vec<String>,
     /// Where the added table goes [default: NAME.safetensors]
     #[arg(long, requires = "add", value_name = "PATH")]
     pub to: Option<PathBuf>,
+    /// How long a table may be whose size the lock file does not state
+    #[command(flatten)]
+    pub limit: TableLimit,
 }
 
 /// `verify`.
@@ -78,7 +92,7 @@ pub struct VerifyArgs {
     /// Tables' files, or digests (their first digits suffice) of tables in the folder of `--tables`; a file named
     /// after a digest must hash to it
     #[arg(required = true)]
-    pub files: Vec<String>,
+    pub files: Vec<PathBuf>,
     /// Where digests are looked for
     #[command(flatten)]
     pub folder: TableFolder,

@@ -1,0 +1,119 @@
+//! What a command writes: checked before the work, and replaced as a whole after it.
+
+use std::{
+    fs::{self, OpenOptions},
+    io,
+    path::{Path, PathBuf},
+};
+
+use super::{CommandFailure, file_failure};
+use crate::files::replace::{check_folder, folder_of, replace_file};
+
+/// A file that a command will write.
+#[derive(Debug)]
+pub(super) struct OutputFile {
+    /// As the user named it.
+    path: PathBuf,
+    place: Place,
+}
+
+#[derive(Debug)]
+enum Place {
+    /// A file, there or not, that is replaced as a whole.
+    File(PathBuf),
+    /// A device or a pipe, which is written to.
+    Stream,
+}
+
+impl OutputFile {
+    /// Checks that `path` can be written. Changes nothing.
+    ///
+    /// # Errors
+    /// When it is a folder, its folder is missing, or one of the two cannot be written.
+    pub(super) fn check(path: &Path) -> Result<Self, CommandFailure> {
+        let refuse = |error: &dyn std::fmt::Display| file_failure(path, error);
+        let place = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return Err(refuse(&"this is a folder; name a file in it")),
+            Ok(found) if found.is_file() => {
+                // Opened as it is, to see whether that is allowed. A link stays a link: its target is replaced.
+                OpenOptions::new().write(true).open(path).map_err(|error| refuse(&error))?;
+                Place::File(fs::canonicalize(path).map_err(|error| refuse(&error))?)
+            }
+            Ok(_) => Place::Stream,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Place::File(path.to_owned()),
+            Err(error) => return Err(refuse(&error)),
+        };
+        if let Place::File(file) = &place {
+            let folder = folder_of(file);
+            if file.file_name().is_none() {
+                return Err(refuse(&"this names no file"));
+            }
+            if !folder.is_dir() {
+                return Err(refuse(&format!("there is no folder {}", folder.display())));
+            }
+            check_folder(folder).map_err(|error| refuse(&format!("no file can be made in its folder: {error}")))?;
+        }
+        Ok(Self { path: path.to_owned(), place })
+    }
+
+    /// Writes the file. Where that fails, the old one stays as it was.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub(super) fn write(&self, bytes: &[u8]) -> Result<(), CommandFailure> {
+        let written = match &self.place {
+            Place::File(file) => replace_file(file, bytes),
+            Place::Stream => fs::write(&self.path, bytes),
+        };
+        written.map_err(|error| file_failure(&self.path, &error))
+    }
+}
+
+/// Checks that files can be made in `folder`, which is made later where it is missing. Changes nothing.
+///
+/// # Errors
+/// Why that is not possible.
+pub(super) fn check_output_folder(folder: &Path) -> Result<(), CommandFailure> {
+    check_folder(folder).map_err(|error| file_failure(folder, &format!("no file can be made there: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::symlink;
+
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_through_a_link_and_a_device_is_written_to() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        fs::write(&file, "old").expect("a file");
+        symlink(&file, &link).expect("a link");
+        OutputFile::check(&link).expect("a file").write(b"new").expect("the file");
+        assert!(link.is_symlink());
+        assert_eq!(fs::read(&file).expect("the file"), b"new");
+
+        OutputFile::check(Path::new("/dev/null")).expect("a device").write(b"new").expect("the device");
+        assert!(!fs::metadata("/dev/null").expect("the device").is_file());
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_told_first() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("file"), "old").expect("a file");
+        for (wrong, said) in [
+            (folder.path().to_owned(), "this is a folder"),
+            (path("none/p.png"), "there is no folder"),
+            (path("file/p.png"), "Not a directory"),
+            ("/proc/p.png".into(), "no file can be made"),
+            (PathBuf::new(), "names no file"),
+        ] {
+            let refused = OutputFile::check(&wrong).expect_err(said);
+            assert!(refused.message.contains(said), "{}", refused.message);
+        }
+        OutputFile::check(&path("new")).expect("a new file");
+        assert_eq!(fs::read(path("file")).expect("the file"), b"old");
+        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
+    }
+}

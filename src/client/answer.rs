@@ -1,0 +1,90 @@
+//! The body of an answer, read within limits.
+
+use std::{
+    io::{self, Read as _, Write},
+    time::{Duration, Instant},
+};
+
+use ureq::{Body, http::Response};
+
+use super::{
+    ClientError,
+    limits::{Limits, Pace},
+};
+
+/// How much of an answer is read, and what says so.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SizeLimit {
+    pub(super) bytes: u64,
+    /// Where the limit comes from, for people.
+    pub(super) origin: &'static str,
+}
+
+/// Why a body was not written to the end.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CopyError {
+    #[error(transparent)]
+    Client(#[from] ClientError),
+    /// It could not be written.
+    #[error(transparent)]
+    Write(io::Error),
+    #[error("it was stopped")]
+    Stopped,
+}
+
+/// Writes the body of an answer to `sink`, part by part, as it comes.
+///
+/// # Errors
+/// When the body is longer than `size`, slower than `limits` or takes longer than `time`; when `sink` fails; when
+/// `should_stop` says so, which is asked after each part.
+pub(super) fn copy(
+    url: &str,
+    response: Response<Body>,
+    (size, time, limits): (SizeLimit, Duration, Limits),
+    should_stop: &dyn Fn() -> bool,
+    sink: &mut dyn Write,
+) -> Result<(), CopyError> {
+    let too_long = || ClientError::TooLong { url: url.to_owned(), limit_bytes: size.bytes, origin: size.origin };
+    let body = response.into_body();
+    if body.content_length().is_some_and(|length| length > size.bytes) {
+        return Err(too_long().into());
+    }
+    let start = Instant::now();
+    let mut pace = Pace::new(limits, time);
+    let mut reader = body.into_reader();
+    let mut chunk = vec![0; 1 << 16];
+    let mut total = 0;
+    loop {
+        if should_stop() {
+            return Err(CopyError::Stopped);
+        }
+        let read = match reader.read(&mut chunk) {
+            Ok(0) => return Ok(()),
+            Ok(read) => read,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(ClientError::transport(url, &ureq::Error::from(error)).into()),
+        };
+        total += read as u64;
+        if total > size.bytes {
+            return Err(too_long().into());
+        }
+        let in_time = pace.read(read as u64, start.elapsed());
+        in_time.map_err(|reason| ClientError::Unavailable { url: url.to_owned(), reason })?;
+        sink.write_all(&chunk[..read]).map_err(CopyError::Write)?;
+    }
+}
+
+/// The body of an answer that is a document.
+///
+/// # Errors
+/// See [`copy`].
+pub(super) fn document(url: &str, response: Response<Body>, limits: Limits) -> Result<Vec<u8>, ClientError> {
+    let size = SizeLimit { bytes: limits.document_bytes, origin: "the client's limit for documents" };
+    let mut bytes = Vec::new();
+    match copy(url, response, (size, limits.document_time, limits), &|| false, &mut bytes) {
+        Ok(()) => Ok(bytes),
+        Err(CopyError::Client(error)) => Err(error),
+        // Memory takes all bytes, and nobody stops this.
+        Err(error) => Err(ClientError::Unexpected { url: url.to_owned(), reason: error.to_string() }),
+    }
+}

@@ -1,0 +1,90 @@
+//! A table on its way from a server.
+
+use std::io::{self, Write};
+
+use ureq::{Body, http::Response};
+
+use super::{
+    ClientError, Limits,
+    answer::{self, CopyError, SizeLimit},
+};
+use crate::files::digest::{Digest, Hasher};
+
+/// The answer to the request for a table, of which nothing was read yet.
+#[derive(Debug)]
+pub struct Download {
+    url: String,
+    response: Response<Body>,
+    digest: Digest,
+    limits: Limits,
+}
+
+/// Why a table was not downloaded.
+#[derive(Debug, thiserror::Error)]
+pub enum DownloadError {
+    /// The server's answer is not the table.
+    #[error(transparent)]
+    Client(#[from] ClientError),
+    /// The table could not be written.
+    #[error(transparent)]
+    Write(#[from] io::Error),
+    /// The user stopped it.
+    #[error("the download was stopped")]
+    Stopped,
+}
+
+impl Download {
+    pub(super) fn new(url: String, response: Response<Body>, digest: Digest, limits: Limits) -> Self {
+        Self { url, response, digest, limits }
+    }
+
+    /// Writes the table to `sink` as it comes, and checks its hash. It may be as long as `stated_bytes`, what the lock file
+    /// says, or else as the limit of the client. `should_stop` is asked after each part.
+    ///
+    /// # Errors
+    /// See [`DownloadError`]. What was written to `sink` by then is not to be used.
+    pub fn write_to(
+        self,
+        stated_bytes: Option<u64>,
+        should_stop: &dyn Fn() -> bool,
+        sink: &mut dyn Write,
+    ) -> Result<(), DownloadError> {
+        let Self { url, response, digest: expected, limits } = self;
+        let size = match stated_bytes {
+            Some(bytes) => SizeLimit { bytes, origin: "the size that the lock file states" },
+            None => SizeLimit { bytes: limits.table_bytes, origin: "the limit for tables; --table-limit sets another" },
+        };
+        let mut sink = HashingWriter { sink, hasher: Hasher::default() };
+        answer::copy(&url, response, (size, limits.table_time, limits), should_stop, &mut sink)?;
+        let actual = sink.hasher.digest();
+        if actual == expected { Ok(()) } else { Err(ClientError::Mismatch { url, expected, actual }.into()) }
+    }
+}
+
+impl From<CopyError> for DownloadError {
+    fn from(error: CopyError) -> Self {
+        match error {
+            CopyError::Client(error) => Self::Client(error),
+            CopyError::Write(error) => Self::Write(error),
+            CopyError::Stopped => Self::Stopped,
+        }
+    }
+}
+
+/// Hashes what it passes on.
+struct HashingWriter<'a> {
+    sink: &'a mut dyn Write,
+    hasher: Hasher,
+}
+
+impl Write for HashingWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.sink.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.sink.flush()
+    }
+}

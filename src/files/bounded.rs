@@ -1,0 +1,87 @@
+//! Files and lines read up to a stated length.
+
+use std::{
+    fs::File,
+    io::{self, BufRead, Read},
+    path::Path,
+};
+
+/// The bytes of a file of at most `most_bytes`. A file that says it is longer is not read at all.
+///
+/// # Errors
+/// The system's; [`io::ErrorKind::FileTooLarge`] for a longer file.
+pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    if file.metadata()?.len() > most_bytes {
+        return Err(too_long("file", most_bytes));
+    }
+    read_stream(file, most_bytes)
+}
+
+/// The bytes of a stream of at most `most_bytes`.
+///
+/// # Errors
+/// The system's; [`io::ErrorKind::FileTooLarge`] for a longer stream, of which one more byte is read.
+pub fn read_stream(stream: impl Read, most_bytes: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    stream.take(most_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most_bytes { Err(too_long("file", most_bytes)) } else { Ok(bytes) }
+}
+
+/// Reads the next line into `line`, without its line break. `false` at the end.
+///
+/// # Errors
+/// The system's; [`io::ErrorKind::FileTooLarge`] for a line of more than `most_bytes`.
+pub fn read_line(stream: &mut impl BufRead, line: &mut Vec<u8>, most_bytes: u64) -> io::Result<bool> {
+    line.clear();
+    // Two more bytes: a line break.
+    stream.by_ref().take(most_bytes.saturating_add(2)).read_until(b'\n', line)?;
+    let is_line = !line.is_empty();
+    if line.last() == Some(&b'\n') {
+        line.pop();
+        line.pop_if(|byte| *byte == b'\r');
+    }
+    if line.len() as u64 > most_bytes { Err(too_long("line", most_bytes)) } else { Ok(is_line) }
+}
+
+fn too_long(what: &str, most_bytes: u64) -> io::Error {
+    io::Error::new(io::ErrorKind::FileTooLarge, format!("the {what} is longer than {most_bytes} bytes, the limit"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_its_limit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("file");
+        std::fs::write(&path, "abc").expect("a file");
+        assert_eq!(read_file(&path, 3).expect("three bytes"), b"abc");
+        let refused = read_file(&path, 2).expect_err("a byte more");
+        assert_eq!(refused.to_string(), "the file is longer than 2 bytes, the limit");
+        // This one says that it is empty, and never ends.
+        assert_eq!(read_file(Path::new("/dev/zero"), 9).expect_err("endless").kind(), io::ErrorKind::FileTooLarge);
+    }
+
+    #[test]
+    fn lines_end_at_line_breaks_and_at_the_end() {
+        let mut stream: &[u8] = b"abc\r\n\nab";
+        let mut line = Vec::new();
+        for expected in [&b"abc"[..], b"", b"ab"] {
+            assert!(read_line(&mut stream, &mut line, 3).expect("a line"));
+            assert_eq!(line, expected);
+        }
+        assert!(!read_line(&mut stream, &mut line, 3).expect("the end"));
+    }
+
+    #[test]
+    fn a_longer_line_is_refused() {
+        let mut line = Vec::new();
+        for stream in [&b"abcd\n"[..], b"abcd", b"abcdefgh"] {
+            assert!(read_line(&mut { stream }, &mut line, 3).is_err(), "{stream:?}");
+        }
+        let mut endless = io::BufReader::new(io::repeat(0));
+        assert!(read_line(&mut endless, &mut line, 4096).is_err());
+    }
+}
