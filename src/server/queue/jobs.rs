@@ -186,6 +186,13 @@ impl Queue {
         }
     }
 
+    /// Waits for `time`, or until the queue is closed.
+    pub fn pause(&self, time: Duration) {
+        let state = self.lock();
+        let waited = self.changed.wait_timeout_while(state, time, |state| !state.closed);
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    }
+
     /// Leases no more tasks and wakes all workers that wait for one. Tasks may still be completed or given back.
     pub fn close(&self) {
         let mut state = self.lock();

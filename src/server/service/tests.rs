@@ -365,3 +365,24 @@ fn a_job_that_would_take_too_long_is_refused_with_the_prediction() {
     let service = Service::open_with(config(4), Store::open(dir.path()).unwrap(), engine()).unwrap();
     fitted(&service, "gold 2");
 }
+
+/// A lack of descriptors is no fault of the job's.
+#[test]
+fn a_job_outlasts_a_lack_of_descriptors() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let rows = Arc::new(MemoryRows::default());
+    let store = Store::with_rows(dir.path(), rows.clone());
+    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
+    shared.set(|b| b.held = true);
+    let (id, _) = submit(&service, "gold 4");
+    shared.wait_for_begun(2);
+    rows.without_descriptors.store(true, Ordering::Relaxed);
+    shared.set(|b| b.held = false);
+    while rows.refused.load(Ordering::Relaxed) < 2 {
+        std::thread::yield_now();
+    }
+    rows.without_descriptors.store(false, Ordering::Relaxed);
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    assert_eq!(service.metrics().unwrap().shard_failures, 0);
+}

@@ -23,7 +23,7 @@ enum TaskError {
     /// The task itself failed and is tried again.
     #[error("{0}")]
     Failed(String),
-    /// The store failed, so that another attempt would not help.
+    /// The store failed. Another attempt helps only where [`StoreError::is_passing`].
     #[error(transparent)]
     Store(#[from] StoreError),
 }
@@ -39,6 +39,9 @@ impl From<LeaseError> for TaskError {
 
 /// How long a worker is on a task before it may lend itself to another job.
 const SLICE: Duration = Duration::from_millis(100);
+
+/// How long a worker waits after an error that passes, such as a lack of file descriptors.
+const RETRY: Duration = Duration::from_secs(1);
 
 /// Tasks that a worker may be in the middle of at the same time.
 const DEEPEST: u32 = 4;
@@ -97,6 +100,12 @@ impl ServiceState {
         let reported = match error {
             TaskError::Stale(error) => Err(error),
             TaskError::Failed(error) => self.queue.fail(&task.lease, &error),
+            TaskError::Store(error) if error.is_passing() => {
+                tracing::warn!(job = %task.job, task = ?task.kind, %error, "the task is tried again");
+                let given_back = self.queue.give_back(&task.lease);
+                self.queue.pause(RETRY);
+                given_back
+            }
             TaskError::Store(error) => {
                 let kind = match error {
                     StoreError::DiskFull => FailureKind::DiskFull,

@@ -52,9 +52,28 @@ impl StoreError {
     pub(super) fn of_sled(error: &sled::Error) -> Self {
         match error {
             sled::Error::Io(source) if is_full(source.kind()) => Self::DiskFull,
+            sled::Error::Io(source) if is_passing(source) => {
+                let code = source.raw_os_error().unwrap_or_default();
+                Self::Io { path: "the database".into(), source: io::Error::from_raw_os_error(code) }
+            }
             other => Self::Database(other.to_string()),
         }
     }
+}
+
+impl StoreError {
+    /// Whether the process or the machine lacked something for a moment, such as a free descriptor: the same operation
+    /// may succeed later.
+    #[must_use]
+    pub fn is_passing(&self) -> bool {
+        matches!(self, Self::Io { source, .. } if is_passing(source))
+    }
+}
+
+fn is_passing(source: &io::Error) -> bool {
+    use rustix::io::Errno;
+    let passing = [Errno::MFILE, Errno::NFILE, Errno::NOMEM, Errno::AGAIN, Errno::INTR].map(Errno::raw_os_error);
+    source.raw_os_error().is_some_and(|code| passing.contains(&code))
 }
 
 /// Whether this kind of error means that the disk is full.
@@ -65,6 +84,16 @@ pub(super) fn is_full(kind: io::ErrorKind) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_lack_of_descriptors_passes_and_a_refused_permission_does_not() {
+        let of = |code| StoreError::of_io("x", io::Error::from_raw_os_error(code)).is_passing();
+        assert!(of(rustix::io::Errno::MFILE.raw_os_error()));
+        assert!(!of(rustix::io::Errno::ACCESS.raw_os_error()));
+        let of_sled = |code| StoreError::of_sled(&sled::Error::Io(io::Error::from_raw_os_error(code)));
+        assert!(of_sled(rustix::io::Errno::MFILE.raw_os_error()).is_passing());
+        assert!(!StoreError::DiskFull.is_passing());
+    }
 
     #[test]
     fn a_full_disk_is_distinguished_from_other_errors() {

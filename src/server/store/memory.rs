@@ -19,6 +19,10 @@ pub(crate) struct MemoryRows {
     durable: Mutex<Map>,
     /// While set, every write fails.
     pub(crate) full: AtomicBool,
+    /// While set, the process has no descriptor left for a write.
+    pub(crate) without_descriptors: AtomicBool,
+    /// Writes that failed for lack of a descriptor.
+    pub(crate) refused: AtomicU64,
     /// Number of acknowledged commits.
     pub(crate) commits: AtomicU64,
 }
@@ -66,6 +70,11 @@ impl Rows for MemoryRows {
     fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
         if self.full.load(Ordering::Relaxed) {
             return Err(StoreError::DiskFull);
+        }
+        if self.without_descriptors.load(Ordering::Relaxed) {
+            self.refused.fetch_add(1, Ordering::Relaxed);
+            let source = std::io::Error::from_raw_os_error(rustix::io::Errno::MFILE.raw_os_error());
+            return Err(StoreError::of_io("db", source));
         }
         let mut rows = self.rows.lock().unwrap();
         for (tree, key, value) in &batch.changes {
