@@ -66,8 +66,8 @@ fmt:
 	$(CARGO) fmt --all
 
 bench: packages
-	$(CARGO) bench --locked --bench fit
-	$(CARGO) bench --locked --bench preview
+	$(CARGO) bench --locked -p ltcforge-benches --bench fit
+	$(CARGO) bench --locked -p ltcforge-benches --bench preview
 
 clean:
 	$(CARGO) clean

@@ -11,7 +11,7 @@ use std::{
 };
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use glam::DVec3;
+use ltcforge::glam::DVec3;
 use ltcforge::{
     Recipe,
     files::recipe_document::Preset,

@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use glam::DMat3;
+use ltcforge::glam::DMat3;
 use ltcforge::{
     Preset, Recipe, RecipeBuilder,
     fit::{

@@ -4,7 +4,11 @@
 mod common;
 
 mod answers;
+mod lock_file;
 mod outputs;
 mod pictures;
+mod same_bytes;
 mod service;
 mod tables;
+mod tradeoff;
+mod translations;

@@ -12,7 +12,7 @@ pub const SHADER: &str = include_str!(concat!(env!("OUT_DIR"), "/ltc.wgsl"));
 mod tests {
     use super::*;
 
-    /// The digest that `tests/same_bytes.rs` pins for the command, whatever this was compiled for.
+    /// The digest that `tests/cli/same_bytes.rs` pins for the command, whatever this was compiled for.
     const PINNED_DIGEST: &str = "sha256:f4c68a89fffd607ea67d27a5e24c72023f8b03d8ef91c64b74ee1b1cd9dd8acc";
 
     #[test]

@@ -1,14 +1,12 @@
 //! Clients that mean harm or do not go on: foreign pages, other names, slow requests, idle connections.
 
-mod common;
-
 use std::{
     fmt::Write as _,
     io::{Read as _, Write as _},
     net::{Shutdown, TcpStream},
 };
 
-use common::{
+use crate::common::{
     SMALL, eventually,
     openapi::{DOCUMENT, faults},
     server::{Server, text},
@@ -19,7 +17,7 @@ use serde_json::Value;
 fn send(server: &Server, request: &str) -> TcpStream {
     let address = server.url.strip_prefix("http://").expect("an http URL");
     let mut tcp = TcpStream::connect(address).expect("a connection");
-    tcp.set_read_timeout(Some(common::DEADLINE)).expect("a time limit");
+    tcp.set_read_timeout(Some(crate::common::DEADLINE)).expect("a time limit");
     // The service may have closed the connection already.
     let _ = tcp.write_all(request.as_bytes());
     tcp

@@ -1,8 +1,6 @@
 //! The same recipe gives the same bytes, whoever fits it.
 
-mod common;
-
-use common::{LARGE, command::run_with_stdin, server::Server};
+use crate::common::{LARGE, command::run_with_stdin, server::Server};
 
 /// A table with every kind of entry: seen from above, isotropic, on the folds, grazing, and in between.
 const PINNED_RECIPE: &str =

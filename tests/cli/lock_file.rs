@@ -1,7 +1,5 @@
 //! A project pins its tables by hash.
 
-mod common;
-
 use std::{
     ffi::OsStr,
     fs,
@@ -13,7 +11,7 @@ use std::{
     time::SystemTime,
 };
 
-use common::{
+use crate::common::{
     SMALL,
     command::{Run, run},
     server::Server,

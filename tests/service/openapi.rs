@@ -1,10 +1,8 @@
 //! `openapi.yaml` and the router say the same, and the file is sound in itself.
 
-mod common;
-
 use std::collections::BTreeSet;
 
-use common::{
+use crate::common::{
     openapi::{DOCUMENT, METHODS, faults, resolve},
     server::Server,
 };
@@ -43,7 +41,7 @@ fn every_documented_call_is_answered_by_its_own_handler() {
         assert_eq!(server.get(path).with_status(404).json()["type"], "/problems/no-such-path", "{path}");
     }
     let served = server.get("/openapi.yaml").with_status(200).body;
-    assert_eq!(served, include_bytes!("../openapi.yaml"));
+    assert_eq!(served, include_bytes!("../../openapi.yaml"));
 }
 
 #[test]

@@ -1,7 +1,5 @@
 //! A full disk fails the job, not the service.
 
-mod common;
-
 use std::{
     fs,
     io::Write as _,
@@ -9,7 +7,7 @@ use std::{
     process::Command,
 };
 
-use common::{
+use crate::common::{
     server::{Server, text},
     tell_skipped,
 };

@@ -1,8 +1,6 @@
 //! Bad input gets a clear answer, and nothing is lost.
 
-mod common;
-
-use common::{
+use crate::common::{
     SMALL,
     command::run,
     server::{Answer, Server},
@@ -182,10 +180,10 @@ fn every_fault_of_a_plot_s_parameters_is_listed() {
 fn a_full_queue_asks_to_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::start(folder.path(), &["--queue-limit", "1"]);
-    let id = server.submit(common::ENDLESS).with_status(202).json()["id"].clone();
+    let id = server.submit(crate::common::ENDLESS).with_status(202).json()["id"].clone();
     let refused = server.submit(SMALL).with_status(429);
     assert!(refused.header("retry-after").is_some());
-    let joined = server.submit(common::ENDLESS).with_status(202).json();
+    let joined = server.submit(crate::common::ENDLESS).with_status(202).json();
     assert_eq!(joined["id"], id, "an equal recipe takes no second place");
 }
 

@@ -1,8 +1,6 @@
 //! A service that is killed in the middle of a job goes on where it was.
 
-mod common;
-
-use common::{
+use crate::common::{
     LARGE,
     command::run_with_stdin,
     server::{Server, text},

@@ -1,10 +1,8 @@
 //! `ltcforge tradeoff`, on tables of a few entries.
 
-mod common;
-
 use std::{collections::BTreeMap, fs};
 
-use common::command::{run, run_with_stdin};
+use crate::common::command::{run, run_with_stdin};
 use serde_json::Value;
 
 /// Little to fit, whatever the effort.

@@ -1,10 +1,8 @@
 //! The whole job over HTTP: a recipe in, a table by its hash out.
 
-mod common;
-
 use std::io::{BufRead as _, BufReader};
 
-use common::{
+use crate::common::{
     ENDLESS, LARGE, SMALL,
     server::{Server, text},
 };

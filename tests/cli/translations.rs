@@ -1,14 +1,12 @@
 //! The shaders that users take home, by the compilers and validators of others.
 
-mod common;
-
 use std::{
     io::ErrorKind,
     path::Path,
     process::{Command, Output},
 };
 
-use common::{command::run, tell_skipped};
+use crate::common::{command::run, tell_skipped};
 
 /// What a program of Debian's package says of a file; nothing where it is not installed.
 fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option<Output> {

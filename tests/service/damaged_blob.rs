@@ -1,13 +1,11 @@
 //! What was damaged on the disk is never served, and what can be made again is.
 
-mod common;
-
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-use common::{
+use crate::common::{
     SMALL,
     command::run,
     server::{Server, text},

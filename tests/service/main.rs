@@ -1,0 +1,12 @@
+//! The service, over HTTP and through what happens to its process and its disk.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod clients;
+mod crash;
+mod damaged_blob;
+mod disk_full;
+mod jobs;
+mod openapi;
