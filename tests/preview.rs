@@ -154,7 +154,7 @@ fn a_full_queue_refuses_and_clients_that_go_make_room() {
         .map(|n| {
             let mut stream = TcpStream::connect(&address).expect("a connection");
             let query = format!("mode=reference&size=2048&spp=4096&rotation={n}e-3&table={table}");
-            write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: x\r\n\r\n").expect("a request");
+            write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: {address}\r\n\r\n").expect("a request");
             stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a limit");
             stream
         })
@@ -188,10 +188,10 @@ fn fitting_goes_on_while_a_picture_is_rendered() {
     let (_folder, server) = start();
     let table = server.fit(SMALL);
     let address = server.url.strip_prefix("http://").expect("an address").to_owned();
-    let mut stream = TcpStream::connect(address).expect("a connection");
+    let mut stream = TcpStream::connect(&address).expect("a connection");
     // Minutes of work.
     let query = format!("mode=reference&size=2048&spp=4096&table={table}");
-    write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: x\r\n\r\n").expect("a request");
+    write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: {address}\r\n\r\n").expect("a request");
     assert_ne!(server.fit(&SMALL.replace("\"steps\":5", "\"steps\":2")), table);
     stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a limit");
     assert!(stream.read(&mut [0; 16]).is_err(), "the picture was there before the table");

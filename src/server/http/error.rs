@@ -69,6 +69,7 @@ impl From<PictureError> for Problem {
             PictureError::QueueFull { retry_after, .. } => {
                 Self::new(ProblemKind::QueueFull, detail).with_retry_after(retry_after)
             }
+            PictureError::TooExpensive { .. } => Self::new(ProblemKind::TooExpensive, detail),
             PictureError::TooSlow { retry_after, .. } => {
                 Self::new(ProblemKind::TooSlow, detail).with_retry_after(retry_after)
             }
@@ -116,13 +117,14 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 12] = [
+        let cases: [(Problem, u16); 13] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
             (SubmitError::Stopping.into(), 503),
             (PictureError::NoTable.into(), 404),
             (PictureError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
+            (PictureError::TooExpensive { predicted: 31.0, limit: RESTART }.into(), 422),
             (PictureError::TooSlow { limit: RESTART, retry_after: RESTART }.into(), 503),
             (PictureError::Failed("x".into()).into(), 500),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),

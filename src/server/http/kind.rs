@@ -82,7 +82,7 @@ impl ProblemKind {
                 row(StatusCode::RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The range lies outside the file")
             }
             Self::BadRecipe => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-recipe", "The recipe has faults"),
-            Self::TooExpensive => row(StatusCode::UNPROCESSABLE_ENTITY, "too-expensive", "The fit would take too long"),
+            Self::TooExpensive => row(StatusCode::UNPROCESSABLE_ENTITY, "too-expensive", "It would take too long"),
             Self::WrongHost => row(StatusCode::MISDIRECTED_REQUEST, "wrong-host", "The service has another name"),
             Self::HeadTooLarge => {
                 row(StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE, "head-too-large", "The head is too large")

@@ -36,7 +36,7 @@ pub struct Config {
     pub max_attempts: u32,
     /// What renders previews.
     pub adapter: Adapter,
-    /// How long a picture may take, waiting included.
+    /// How long a picture may take, from when it starts to be rendered.
     pub picture_limit: Duration,
 }
 
@@ -215,7 +215,7 @@ pub struct PictureCounts {
     pub failed: u64,
     /// The callers withdrew, or the time ran out.
     pub given_up: u64,
-    /// The queue was full.
+    /// The queue was full, or the picture would have taken too long.
     pub refused: u64,
 }
 

@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Configurations measured a side: about four to a cell of the default table.
-const CELLS: usize = 40;
+pub(super) const CELLS: usize = 40;
 /// Pixels a configuration.
 const SCALE: u32 = 10;
 /// Colours run from the one error to the other, evenly in its logarithm.

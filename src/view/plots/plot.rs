@@ -19,6 +19,15 @@ pub enum Plot {
 }
 
 impl Plot {
+    /// Configurations at which the table is measured for it, whatever the table.
+    #[must_use]
+    pub fn configurations(&self) -> u32 {
+        match self {
+            Self::Error(_) => (error::CELLS * error::CELLS) as u32,
+            Self::Matrix => 0,
+        }
+    }
+
     /// Draws it for the table whose file has this digest, in hexadecimal. Measures on the current rayon pool.
     #[must_use]
     pub fn draw(&self, table: &Table, digest: &str) -> Picture {

@@ -9,6 +9,7 @@
 mod bounds;
 mod choices;
 mod compose;
+mod cost;
 mod cpu;
 mod error;
 mod estimator;

@@ -1,18 +1,12 @@
 //! Getting a picture: of which table, from memory or from the render thread.
 
-use std::{
-    sync::Arc,
-    thread,
-    time::{Duration, Instant},
-};
-
-use tokio::sync::oneshot;
+use std::{sync::Arc, time::Duration};
 
 use super::{
     picture::{CPU, PictureError, PictureFile, Subject, tag},
-    queue::{PictureQueue, PictureRequest},
     ranking::Ranking,
-    render_thread::RenderThread,
+    request::{PictureRequest, Receipt, Reply},
+    threads::RenderThreads,
 };
 use crate::{
     files::digest::Digest,
@@ -20,14 +14,16 @@ use crate::{
     view::preview::Adapter,
 };
 
+/// How often a waiting caller looks whether the render thread hung.
+const WATCH: Duration = Duration::from_secs(5);
+
 /// The pictures of the stored tables.
 #[derive(Debug)]
 pub(in crate::server::service) struct Pictures {
     tables: Arc<Tables>,
-    queue: Arc<PictureQueue>,
+    threads: RenderThreads,
     ranking: Ranking,
-    adapter: Adapter,
-    /// How long a picture may take, waiting included.
+    /// How long a picture may take, from when it starts to be rendered.
     limit: Duration,
 }
 
@@ -50,16 +46,16 @@ pub enum PictureReply {
 /// A picture that is not ready yet. Dropping this withdraws the request.
 #[derive(Debug)]
 pub struct PendingPicture {
-    file: oneshot::Receiver<Result<PictureFile, PictureError>>,
-    deadline: Instant,
+    receipt: Receipt,
+    threads: RenderThreads,
     limit: Duration,
 }
 
 impl Pictures {
     /// Pictures that `adapter` renders, each within `limit`. No adapter is opened yet.
     pub(in crate::server::service) fn new(tables: Arc<Tables>, adapter: Adapter, limit: Duration) -> Self {
-        let queue = Arc::new(PictureQueue::default());
-        Self { tables, queue, ranking: Ranking::default(), adapter, limit }
+        let threads = RenderThreads::new(&tables, adapter);
+        Self { tables, threads, ranking: Ranking::default(), limit }
     }
 
     /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the
@@ -80,7 +76,7 @@ impl Pictures {
             None => self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?,
         };
         let key = tag(&subject, table, None)?;
-        if let Some(file) = self.queue.cached(key) {
+        if let Some(file) = self.threads.queue.cached(key) {
             return Ok(if is_known(file.tag) {
                 PictureReply::Known { tag: file.tag, adapter: file.adapter }
             } else {
@@ -88,7 +84,7 @@ impl Pictures {
             });
         }
         let adapter = match &subject {
-            Subject::Scene(_) => self.queue.adapter(),
+            Subject::Scene(_) => self.threads.queue.adapter(),
             Subject::Plot(_) => Some(CPU.into()),
         };
         if let Some(adapter) = adapter {
@@ -97,54 +93,51 @@ impl Pictures {
                 return Ok(PictureReply::Known { tag, adapter });
             }
         }
-        let (reply, file) = oneshot::channel();
+        let (reply, receipt) = Reply::new();
         let limit = self.limit;
-        let deadline = Instant::now() + limit;
-        let request = PictureRequest { key, table, subject, deadline, limit, replies: vec![reply] };
-        self.queue.add(request, |number| self.start_thread(number))?;
-        Ok(PictureReply::Pending(PendingPicture { file, deadline, limit }))
-    }
-
-    /// Starts render thread `number`; those before it hung.
-    fn start_thread(&self, number: u32) -> std::io::Result<()> {
-        // A driver in which a thread hung is not used again, unless the configuration demands it.
-        let adapter = if self.adapter == Adapter::Any && number > 0 { Adapter::Cpu } else { self.adapter };
-        // The thread holds the tables only while it reads one, so that the store closes with the service.
-        let (queue, tables) = (Arc::clone(&self.queue), Arc::downgrade(&self.tables));
-        let run = move || {
-            RenderThread::new(adapter, tables).run(&queue, number);
-            queue.thread_ended(number);
-        };
-        thread::Builder::new().name("preview".to_owned()).spawn(run).map(drop)
+        self.threads.add(PictureRequest { key, table, subject, limit, replies: vec![reply] })?;
+        Ok(PictureReply::Pending(PendingPicture { receipt, threads: self.threads.clone(), limit }))
     }
 
     /// How many pictures ended in which way.
     pub(in crate::server::service) fn counts(&self) -> PictureCounts {
-        self.queue.counts()
+        self.threads.queue.counts()
     }
 
     /// Accepts no more requests, drops the waiting ones and ends the render thread.
     pub(in crate::server::service) fn close(&self) {
-        self.queue.close();
+        self.threads.queue.close();
     }
 
     /// The queue, for tests.
     #[cfg(test)]
-    pub(super) fn queue(&self) -> &PictureQueue {
-        &self.queue
+    pub(super) fn queue(&self) -> &super::queue::PictureQueue {
+        &self.threads.queue
     }
 }
 
 impl PendingPicture {
-    /// The picture, once it is ready.
+    /// The picture, once it is ready. It waits for as long as others are rendered before it; the time limit counts from
+    /// when it starts to be rendered.
     ///
     /// # Errors
     /// See [`PictureError`].
     pub async fn file(self) -> Result<PictureFile, PictureError> {
-        match tokio::time::timeout_at(self.deadline.into(), self.file).await {
-            Ok(Ok(result)) => result,
-            Ok(Err(_)) => Err(PictureError::Stopping),
-            Err(_) => Err(PictureError::too_slow(self.limit)),
-        }
+        let Self { receipt: Receipt { mut started, file }, threads, limit } = self;
+        let mut watch = tokio::time::interval(WATCH);
+        let started = loop {
+            tokio::select! {
+                started = &mut started => break started,
+                _ = watch.tick() => threads.replace_hung(),
+            }
+        };
+        let result = match started {
+            Ok(deadline) => {
+                tokio::time::timeout_at(deadline.into(), file).await.map_err(|_| PictureError::too_slow(limit))?
+            }
+            // It never starts: the reason is there already, unless the service is stopping.
+            Err(_) => file.await,
+        };
+        result.unwrap_or(Err(PictureError::Stopping))
     }
 }

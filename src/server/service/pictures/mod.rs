@@ -8,9 +8,14 @@ mod get;
 mod picture;
 mod queue;
 mod ranking;
+mod rate;
+mod rates;
 mod render_thread;
+mod request;
 #[cfg(test)]
 mod tests;
+mod threads;
+mod waiting;
 
 pub(super) use get::Pictures;
 pub use get::{PendingPicture, PictureReply};

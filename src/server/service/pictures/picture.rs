@@ -17,6 +17,10 @@ pub(super) const CPU: &str = "cpu";
 /// When to try again after a picture that took too long.
 const RETRY_SLOW: Duration = Duration::from_secs(30);
 
+/// The cost of measuring a table at one configuration, in samples of the reference: a plot of 1600 takes as long as a
+/// picture of some fifty million samples.
+const CONFIGURATION_COST: f64 = 32_768.0;
+
 /// What a picture of a table shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -25,6 +29,16 @@ pub enum Subject {
     Scene(Box<Scene>),
     /// The table's numbers or errors.
     Plot(Plot),
+}
+
+impl Subject {
+    /// How much work it is, in samples of the reference.
+    pub(super) fn cost(&self) -> f64 {
+        match self {
+            Self::Scene(scene) => scene.cost(),
+            Self::Plot(plot) => f64::from(plot.configurations()) * CONFIGURATION_COST,
+        }
+    }
 }
 
 /// A rendered picture.
@@ -55,8 +69,20 @@ pub enum PictureError {
         /// When to try again.
         retry_after: Duration,
     },
-    /// It was not ready in time.
-    #[error("the picture was not ready within {} s", .limit.as_secs_f64())]
+    /// Rendering it would take too long.
+    #[error(
+        "the picture is predicted to take {:.0} s on this machine, and a picture may take {} s",
+        .predicted.ceil(),
+        .limit.as_secs_f64()
+    )]
+    TooExpensive {
+        /// Predicted seconds.
+        predicted: f64,
+        /// How long it may take.
+        limit: Duration,
+    },
+    /// Rendering it took too long.
+    #[error("the picture was not rendered within {} s", .limit.as_secs_f64())]
     TooSlow {
         /// How long it may take.
         limit: Duration,

@@ -1,19 +1,20 @@
 //! The queue of requested pictures before the render thread, and the pictures that it rendered.
 
 use std::{
-    collections::VecDeque,
     io,
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
-use tokio::sync::oneshot;
-
 use super::{
     cache::Cache,
     picture::{PictureError, PictureFile, Subject},
+    rate::Took,
+    rates::{Rates, RendererKind},
+    request::PictureRequest,
+    waiting::Waiting,
 };
-use crate::{files::digest::Digest, server::service::PictureCounts};
+use crate::{files::digest::Digest, server::service::PictureCounts, view::preview::Adapter};
 
 /// Pictures that may wait or be rendered at the same time: one, and eight behind it.
 const LIMIT: usize = 9;
@@ -27,37 +28,8 @@ const HUNG_AFTER: Duration = Duration::from_secs(20);
 /// How long the end of the service waits for the render thread.
 const CLOSE_LIMIT: Duration = Duration::from_secs(5);
 
-/// A picture to render.
-#[derive(Debug)]
-pub(super) struct PictureRequest {
-    /// The tag without an adapter: equal requests have equal keys.
-    pub(super) key: Digest,
-    pub(super) table: Digest,
-    pub(super) subject: Subject,
-    pub(super) deadline: Instant,
-    /// How long it may take in all.
-    pub(super) limit: Duration,
-    /// One for each caller that waits; closed if the caller no longer does.
-    pub(super) replies: Vec<oneshot::Sender<Result<PictureFile, PictureError>>>,
-}
-
-impl PictureRequest {
-    /// Whether no caller waits any more.
-    pub(super) fn is_withdrawn(&self) -> bool {
-        self.replies.iter().all(oneshot::Sender::is_closed)
-    }
-
-    /// Sends the result to every caller.
-    pub(super) fn reply(self, result: &Result<PictureFile, PictureError>) {
-        for reply in self.replies {
-            // An error means that this caller no longer waits.
-            let _ = reply.send(result.clone());
-        }
-    }
-}
-
 /// The queue and the pictures rendered so far.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct PictureQueue {
     state: Mutex<State>,
     changed: Condvar,
@@ -65,7 +37,7 @@ pub(super) struct PictureQueue {
 
 #[derive(Debug)]
 struct State {
-    waiting: VecDeque<PictureRequest>,
+    waiting: Waiting,
     /// The deadline of the picture that is being rendered.
     rendering: Option<Instant>,
     thread_runs: bool,
@@ -73,27 +45,74 @@ struct State {
     thread: u32,
     is_closed: bool,
     cache: Cache,
+    /// What may render scenes.
+    allowed: Adapter,
     /// What rendered the last scene.
     adapter: Option<Arc<str>>,
+    rates: Rates,
     counts: PictureCounts,
 }
 
-impl Default for State {
-    fn default() -> Self {
-        Self {
-            waiting: VecDeque::new(),
+impl State {
+    /// What will render a picture.
+    fn kind(&self, subject: &Subject) -> RendererKind {
+        RendererKind::expected(subject, self.adapter.as_deref(), self.allowed)
+    }
+
+    /// Refuses a request whose picture is predicted to take longer than it may.
+    fn check_cost(&mut self, request: &PictureRequest) -> Result<(), PictureError> {
+        let (subject, limit) = (&request.subject, request.limit);
+        let predicted = self.rates.seconds(self.kind(subject), subject.cost(), Instant::now());
+        if predicted <= limit.as_secs_f64() {
+            return Ok(());
+        }
+        self.counts.refused += 1;
+        Err(PictureError::TooExpensive { predicted, limit })
+    }
+
+    fn remove_withdrawn(&mut self) {
+        self.counts.given_up += self.waiting.remove_withdrawn() as u64;
+    }
+
+    /// Abandons a render thread that hung.
+    fn abandon_hung(&mut self) {
+        if self.rendering.is_some_and(|deadline| Instant::now() > deadline + HUNG_AFTER) {
+            tracing::warn!("the render thread hung; it is abandoned and another one takes its place");
+            self.thread += 1;
+            self.counts.given_up += 1;
+            (self.rendering, self.thread_runs) = (None, false);
+        }
+    }
+
+    /// Starts a render thread if none runs.
+    fn ensure_thread(&mut self, start_thread: impl FnOnce(u32) -> io::Result<()>) -> Result<(), PictureError> {
+        if !self.thread_runs {
+            start_thread(self.thread)
+                .map_err(|error| PictureError::Failed(format!("the render thread did not start: {error}")))?;
+            self.thread_runs = true;
+        }
+        Ok(())
+    }
+}
+
+impl PictureQueue {
+    /// An empty queue of pictures whose scenes `allowed` renders.
+    pub(super) fn new(allowed: Adapter) -> Self {
+        let state = State {
+            waiting: Waiting::default(),
             rendering: None,
             thread_runs: false,
             thread: 0,
             is_closed: false,
             cache: Cache::new(CACHE_BYTES),
+            allowed,
             adapter: None,
+            rates: Rates::new(Instant::now()),
             counts: PictureCounts::default(),
-        }
+        };
+        Self { state: Mutex::new(state), changed: Condvar::new() }
     }
-}
 
-impl PictureQueue {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -108,8 +127,9 @@ impl PictureQueue {
         self.state().adapter.clone()
     }
 
-    /// Adds a request. A request equal to a waiting one joins it and takes no place of its own. If no render thread
-    /// runs, or the current one hangs, `start_thread` starts one with the given number.
+    /// Adds a request, unless its picture is predicted to take too long. A request equal to a waiting one joins it and
+    /// takes no place of its own. If no render thread runs, or the current one hangs, `start_thread` starts one with the
+    /// given number.
     pub(super) fn add(
         &self,
         request: PictureRequest,
@@ -119,17 +139,10 @@ impl PictureQueue {
         if state.is_closed {
             return Err(PictureError::Stopping);
         }
-        if state.rendering.is_some_and(|deadline| Instant::now() > deadline + HUNG_AFTER) {
-            tracing::warn!("the render thread hung; it is abandoned and another one takes its place");
-            state.thread += 1;
-            state.counts.given_up += 1;
-            (state.rendering, state.thread_runs) = (None, false);
-        }
-        let before = state.waiting.len();
-        state.waiting.retain(|request| !request.is_withdrawn());
-        state.counts.given_up += (before - state.waiting.len()) as u64;
-        if let Some(same) = state.waiting.iter_mut().find(|other| other.key == request.key) {
-            same.deadline = same.deadline.max(request.deadline);
+        state.abandon_hung();
+        state.remove_withdrawn();
+        state.check_cost(&request)?;
+        if let Some(same) = state.waiting.find(request.key) {
             same.replies.extend(request.replies);
             return Ok(());
         }
@@ -137,33 +150,57 @@ impl PictureQueue {
             state.counts.refused += 1;
             return Err(PictureError::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
         }
-        if !state.thread_runs {
-            start_thread(state.thread)
-                .map_err(|error| PictureError::Failed(format!("the render thread did not start: {error}")))?;
-            state.thread_runs = true;
-        }
-        state.waiting.push_back(request);
+        state.ensure_thread(start_thread)?;
+        state.waiting.add(request);
         self.changed.notify_all();
         Ok(())
     }
 
-    /// Waits for the next request of which a caller still waits; `None` if the queue is closed or `thread` was
-    /// abandoned. The request counts as being rendered until [`Self::finish`].
-    pub(super) fn next(&self, thread: u32) -> Option<PictureRequest> {
+    /// Replaces the render thread if it hangs.
+    pub(super) fn replace_hung(&self, start_thread: impl FnOnce(u32) -> io::Result<()>) {
+        let mut state = self.state();
+        state.abandon_hung();
+        if !state.is_closed
+            && state.waiting.len() > 0
+            && let Err(error) = state.ensure_thread(start_thread)
+        {
+            tracing::warn!("{error}");
+        }
+    }
+
+    /// Waits for the next request of which a caller still waits, and tells it when its time ends; `None` if the queue is
+    /// closed or `thread` was abandoned. The request counts as being rendered until [`Self::finish`]. What was found to
+    /// be slow since a request came may have it refused.
+    pub(super) fn next(&self, thread: u32) -> Option<(PictureRequest, Instant)> {
         let mut state = self.state();
         loop {
             if state.is_closed || state.thread != thread {
                 return None;
             }
-            match state.waiting.pop_front() {
-                Some(request) if request.is_withdrawn() => state.counts.given_up += 1,
-                Some(request) => {
-                    state.rendering = Some(request.deadline);
-                    return Some(request);
-                }
-                None => state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
+            state.remove_withdrawn();
+            let Some(mut request) = state.waiting.take() else {
+                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            if let Err(error) = state.check_cost(&request) {
+                request.reply(&Err(error));
+                continue;
             }
+            let deadline = Instant::now() + request.limit;
+            state.rendering = Some(deadline);
+            request.start(deadline);
+            return Some((request, deadline));
         }
+    }
+
+    /// What will render a picture.
+    pub(super) fn kind(&self, subject: &Subject) -> RendererKind {
+        self.state().kind(subject)
+    }
+
+    /// Takes into account what a picture took.
+    pub(super) fn learn(&self, kind: RendererKind, cost: f64, took: Took) {
+        self.state().rates.learn(kind, cost, took, Instant::now());
     }
 
     /// Keeps a picture in memory.

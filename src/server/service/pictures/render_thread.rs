@@ -8,7 +8,10 @@ use std::{
 
 use super::{
     picture::{CPU, PictureError, PictureFile, Subject, tag},
-    queue::{PictureQueue, PictureRequest},
+    queue::PictureQueue,
+    rate::Took,
+    rates::RendererKind,
+    request::PictureRequest,
 };
 use crate::{
     files::{container, digest::Digest},
@@ -35,8 +38,8 @@ impl RenderThread {
 
     /// Renders what is requested until the queue is closed or has abandoned this thread, which has a number.
     pub(super) fn run(mut self, queue: &PictureQueue, number: u32) {
-        while let Some(request) = queue.next(number) {
-            let rendered = catch_unwind(AssertUnwindSafe(|| self.render(&request, queue)));
+        while let Some((request, deadline)) = queue.next(number) {
+            let rendered = catch_unwind(AssertUnwindSafe(|| self.render(&request, deadline, queue)));
             let result = rendered.unwrap_or_else(|_| {
                 // The panic may have left the device in any state.
                 self.preview = Preview::new(self.adapter);
@@ -47,27 +50,49 @@ impl RenderThread {
         }
     }
 
-    fn render(&mut self, request: &PictureRequest, queue: &PictureQueue) -> Result<PictureFile, PictureError> {
+    fn render(
+        &mut self,
+        request: &PictureRequest,
+        deadline: Instant,
+        queue: &PictureQueue,
+    ) -> Result<PictureFile, PictureError> {
         // An equal picture may have been rendered since this one was requested.
         if let Some(file) = queue.cached(request.key) {
             return Ok(file);
         }
-        let stop = || Instant::now() >= request.deadline || request.is_withdrawn() || queue.is_closed();
+        let stop = || Instant::now() >= deadline || request.is_withdrawn() || queue.is_closed();
         if stop() {
             return Err(stopped(queue, request));
         }
+        let (kind, cost) = (queue.kind(&request.subject), request.subject.cost());
         let (picture, adapter): (Picture, Arc<str>) = match &request.subject {
             Subject::Scene(scene) => {
                 let table = self.shader_table(request.table)?;
+                let start = Instant::now();
                 let rendered = self.preview.render(&table, scene, &stop).map_err(|error| match error {
-                    PreviewError::Stopped => stopped(queue, request),
+                    PreviewError::Stopped => {
+                        if Instant::now() >= deadline {
+                            queue.learn(kind, cost, Took::GivenUp(request.limit));
+                        }
+                        stopped(queue, request)
+                    }
                     other => PictureError::Failed(other.to_string()),
                 })?;
-                let adapter = rendered.adapter.into();
+                let adapter: Arc<str> = rendered.adapter.into();
+                // Where another renderer stands in for one that failed, the time is not its own.
+                if RendererKind::of_scene(&adapter) == kind {
+                    queue.learn(kind, cost, Took::Finished(start.elapsed()));
+                }
                 queue.set_adapter(&adapter);
                 (rendered.picture, adapter)
             }
-            Subject::Plot(plot) => (plot.draw(&self.table(request.table)?, &request.table.hex()), CPU.into()),
+            Subject::Plot(plot) => {
+                let table = self.table(request.table)?;
+                let start = Instant::now();
+                let picture = plot.draw(&table, &request.table.hex());
+                queue.learn(kind, cost, Took::Finished(start.elapsed()));
+                (picture, CPU.into())
+            }
         };
         let png = picture.png().map_err(|error| PictureError::Failed(error.to_string()))?;
         let tag = tag(&request.subject, request.table, Some(&adapter))?;

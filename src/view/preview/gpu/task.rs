@@ -2,6 +2,7 @@
 
 use super::tiles;
 use crate::view::preview::{
+    cost::TABLE_COST,
     estimator::Estimator,
     frame::{Frame, Part},
 };
@@ -15,8 +16,6 @@ const SAMPLES_A_PART: u32 = 1 << 24;
 const SAMPLES_A_PASS: u32 = 1024;
 /// Workgroups that every GPU takes in one dispatch.
 const TILES_A_PART: u32 = 65_535;
-/// The cost of light by the table, in samples of the reference.
-const TABLE_COST: u32 = 8;
 
 /// What is rendered in one go.
 #[derive(Debug)]
