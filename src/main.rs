@@ -73,7 +73,7 @@ fn keep_vulkan_from_looking_for_a_display() {
         return;
     }
     if let Ok(program) = env::current_exe() {
-        // This returns only when it fails, and then there is a line too many on standard error.
+        // This returns only when it fails, and then Mesa's warning shows.
         let _ = process::Command::new(program).args(env::args_os().skip(1)).env(SWITCH, "1").exec();
     }
 }

@@ -187,6 +187,10 @@ impl Queue {
         let mut state = self.lock();
         let error = format!("the results of shards {lost:?} are lost or damaged");
         self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, &error)?;
+        if !state.active.contains_key(&lease.submission) {
+            // That was its last attempt, and the job has failed.
+            return Ok(None);
+        }
         for shard in lost {
             let waiting = TaskState::new();
             let mut batch = Batch::default();

@@ -28,7 +28,9 @@ impl Queue {
             for row in queue.rows.scan(Tree::Jobs, &[])? {
                 let record = row.value.and_then(|value| serde_json::from_slice::<JobRecord>(&value).ok());
                 let Some(record) = record else {
-                    tracing::error!(key = ?row.key, "a job's row is damaged; the job is lost and can be submitted again");
+                    let job =
+                        JobId::from_slice(&row.key).map_or_else(|| format!("{:02x?}", row.key), |id| id.to_string());
+                    tracing::error!(job, "a job's row is damaged; the job is lost and can be submitted again");
                     obsolete.remove(Tree::Jobs, row.key);
                     continue;
                 };

@@ -385,4 +385,5 @@ fn a_job_outlasts_a_lack_of_descriptors() {
     rows.without_descriptors.store(false, Ordering::Relaxed);
     assert!(matches!(end_of(&service, id), JobState::Done { .. }));
     assert_eq!(service.metrics().unwrap().shard_failures, 0);
+    assert!(shared.behaviour.lock().unwrap().begun.values().all(|begun| *begun == 1), "a fitted shard was thrown away");
 }

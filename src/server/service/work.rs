@@ -43,8 +43,9 @@ const SLICE: Duration = Duration::from_millis(100);
 /// How long a worker waits after an error that passes, such as a lack of file descriptors.
 const RETRY: Duration = Duration::from_secs(1);
 
-/// Tasks that a worker may be in the middle of at the same time.
+/// Tasks that a worker may be in the middle of when it turns to a job that was served before, and to a new one.
 const DEEPEST: u32 = 4;
+const DEEPEST_FOR_NEW: u32 = 32;
 
 /// A worker in the middle of tasks: it may turn from the last one to a job that no worker works for.
 #[derive(Clone, Copy)]
@@ -53,7 +54,7 @@ struct Worker<'a> {
     /// Tasks that wait while it does another.
     depth: u32,
     /// Renews the leases of those tasks.
-    renew: &'a dyn Fn(),
+    renew: &'a (dyn Fn() + Sync),
 }
 
 /// The time of a worker on one task: its own, and that lent to tasks of other jobs.
@@ -139,14 +140,30 @@ impl ServiceState {
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
                 let seconds = started.elapsed().saturating_sub(share.lent).as_secs_f64();
-                if let Some(job) = self.queue.job(task.job)? {
+                // Without the job's row the forecast learns nothing.
+                if let Ok(Some(job)) = self.queue.job(task.job) {
                     self.forecast.learn(&task.recipe, fitted as f64 / job.entries_total as f64, seconds);
                 }
-                self.queue.complete(&task.lease, &result)?;
+                self.complete(task, &result, worker)?;
             }
             None => self.queue.give_back(&task.lease)?,
         }
         Ok(())
+    }
+
+    /// Stores a shard's result. An error that passes is waited out, because the shard may have taken minutes.
+    fn complete(&self, task: &LeasedTask, result: &[u8], worker: Worker<'_>) -> Result<(), LeaseError> {
+        loop {
+            match self.queue.complete(&task.lease, result) {
+                Err(LeaseError::Store(error)) if error.is_passing() && !self.is_stopping() => {
+                    tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result is stored again");
+                    self.queue.pause(RETRY);
+                    (worker.renew)();
+                    self.queue.progress(&task.lease, 0)?;
+                }
+                done => return done,
+            }
+        }
     }
 
     /// Does a task of a job that no worker works for, in the middle of `task`, of which `done` entries are fitted: a
@@ -154,10 +171,10 @@ impl ServiceState {
     /// other when `task` has had as long as the last one.
     fn lend(&self, task: &LeasedTask, done: u64, worker: Worker<'_>, share: &mut TimeShare) {
         let own = share.since.elapsed();
-        if own < SLICE || worker.depth >= DEEPEST {
+        if own < SLICE || worker.depth >= DEEPEST_FOR_NEW {
             return;
         }
-        let newcomers = own < share.lent_last;
+        let newcomers = own < share.lent_last || worker.depth >= DEEPEST;
         let Some(other) = self.queue.lease_unserved(worker.number, &task.lease, newcomers) else { return };
         self.publish_changes();
         let begun = Instant::now();
@@ -177,8 +194,10 @@ impl ServiceState {
         let Some(results) = self.queue.results(&task.lease)? else { return Ok(()) };
         let file = self.engine.assemble(&task.recipe, results).map_err(TaskError::Failed)?;
         // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
-        let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
-        (worker.renew)();
+        let go_on = || {
+            (worker.renew)();
+            !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok()
+        };
         let manifest = self.make_manifest(&file, &go_on).map_err(|error| TaskError::Failed(error.to_string()))?;
         let Some(manifest) = manifest else {
             self.queue.give_back(&task.lease)?;

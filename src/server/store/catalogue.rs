@@ -170,7 +170,9 @@ impl Catalogue {
         let mut batch = Batch::default();
         batch.remove(Tree::Tables, *digest.as_bytes());
         batch.remove(Tree::TablesByAge, age_key(&row));
-        batch.remove(Tree::Recipes, *row.recipe_digest.as_bytes());
+        if self.recipe(row.recipe_digest)?.is_none_or(|(_, table)| table == digest) {
+            batch.remove(Tree::Recipes, *row.recipe_digest.as_bytes());
+        }
         batch.remove(Tree::Manifests, *digest.as_bytes());
         self.rows.commit(&batch)?;
         Ok(true)

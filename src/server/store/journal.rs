@@ -1,11 +1,12 @@
 //! The journal of jobs: every change of a job's row, appended to a file beside the database.
 //!
-//! sled can lose rows of a damaged file without an error. What the journal has and the database lacks is restored when
-//! the store is opened, so a job that was acknowledged is lost only if both files are damaged at its place.
+//! sled can lose rows of a damaged file without an error. Rows that the journal has and the database lacks, or has with a
+//! broken seal, are restored when the store is opened. A row that is intact stays as it is, because the journal may be
+//! the older one of the two: a job is then at worst fitted again.
 //!
 //! An entry is a line: 16 hexadecimal digits of its seal, and the changes of a batch, each as tree, key and value in
-//! hexadecimal, `-` for a row that was removed. A line break begins an entry, so that one that was cut off by a crash or a
-//! full disk ends where the next begins.
+//! hexadecimal, `-` for a row that was removed. A line break begins an entry and another ends it, so that one that was cut
+//! off by a crash or a full disk ends where the next begins.
 
 use std::{
     collections::BTreeMap,
@@ -23,6 +24,9 @@ use super::{Batch, Row, Rows, StoreError, Tree, files};
 /// The trees whose changes are kept. All others can be made again: shards by fitting, the catalogue from the blobs.
 const KEPT: [Tree; 2] = [Tree::Jobs, Tree::JobOrder];
 
+/// Bytes that are appended before the journal is written anew.
+const MOST_APPENDED: usize = 64 << 20;
+
 /// A row by the name of its tree and its key.
 type Place = (&'static str, Vec<u8>);
 
@@ -32,7 +36,7 @@ type Latest = BTreeMap<Place, Option<Vec<u8>>>;
 /// What was found when the journal was compared with the database.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Restored {
-    /// Rows that the database had lost, or had in an older state.
+    /// Rows that the database had lost.
     pub(super) rows: usize,
     /// Entries of the journal that are damaged, an interrupted last one not counted.
     pub(super) damaged_entries: usize,
@@ -43,7 +47,8 @@ pub(super) struct Restored {
 pub(super) struct JournalledRows<R> {
     rows: R,
     path: PathBuf,
-    file: Mutex<File>,
+    /// The journal, and how many bytes were appended since it was written anew.
+    file: Mutex<(File, usize)>,
 }
 
 impl<R: Rows> JournalledRows<R> {
@@ -65,7 +70,8 @@ impl<R: Rows> JournalledRows<R> {
                 rows.scan(tree, &[])?.into_iter().map(|Row { key, value }| (key, value)).collect();
             for ((_, key), value) in latest.iter().filter(|((name, _), _)| *name == tree.name()) {
                 match value {
-                    Some(value) if stored.get(key).is_none_or(|stored| stored.as_ref() != Some(value)) => {
+                    // Missing, or with a broken seal.
+                    Some(value) if stored.get(key).is_none_or(Option::is_none) => {
                         lost.put(tree, key.clone(), value.clone());
                     }
                     None if stored.contains_key(key) => lost.remove(tree, key.clone()),
@@ -77,28 +83,39 @@ impl<R: Rows> JournalledRows<R> {
         if !lost.is_empty() {
             rows.commit(&lost)?;
         }
-        let mut all = String::new();
-        for tree in KEPT {
-            for Row { key, value } in rows.scan(tree, &[])? {
-                // A damaged row that the journal does not have stays where it is, for the queue to report.
-                let Some(value) = value else { continue };
-                let mut row = Batch::default();
-                row.put(tree, key, value);
-                // An entry each, so that damage costs one row.
-                all.extend(entry(&row));
-            }
-        }
-        files::write_durably(path, all.as_bytes())?;
-        let file = OpenOptions::new().append(true).open(path).map_err(of_io)?;
-        Ok((Self { rows, path: path.to_owned(), file: Mutex::new(file) }, restored))
+        let file = write_anew(&rows, path)?;
+        Ok((Self { rows, path: path.to_owned(), file: Mutex::new((file, 0)) }, restored))
     }
 
     fn append(&self, batch: &Batch, sync: bool) -> Result<(), StoreError> {
         let Some(entry) = entry(batch) else { return Ok(()) };
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let (file, appended) = &mut *guard;
+        *appended += entry.len();
+        if *appended > MOST_APPENDED {
+            // The database has this change already.
+            *guard = (write_anew(&self.rows, &self.path)?, 0);
+            return Ok(());
+        }
         let written = file.write_all(entry.as_bytes()).and_then(|()| if sync { file.sync_data() } else { Ok(()) });
         written.map_err(|source| StoreError::of_io(&self.path, source))
     }
+}
+
+/// Writes a journal of the rows as they are, an entry each, and opens it to append.
+fn write_anew(rows: &impl Rows, path: &Path) -> Result<File, StoreError> {
+    let mut all = String::new();
+    for tree in KEPT {
+        for Row { key, value } in rows.scan(tree, &[])? {
+            // A damaged row that the journal does not have stays where it is, for the queue to report.
+            let Some(value) = value else { continue };
+            let mut row = Batch::default();
+            row.put(tree, key, value);
+            all.extend(entry(&row));
+        }
+    }
+    files::write_durably(path, all.as_bytes())?;
+    OpenOptions::new().append(true).open(path).map_err(|source| StoreError::of_io(path, source))
 }
 
 impl<R: Rows> Rows for JournalledRows<R> {
@@ -140,18 +157,18 @@ fn entry(batch: &Batch) -> Option<String> {
             None => changes.push('-'),
         }
     }
-    (!changes.is_empty()).then(|| format!("\n{}{changes}", seal(&changes)))
+    (!changes.is_empty()).then(|| format!("\n{}{changes}\n", seal(&changes)))
 }
 
-/// The rows that a journal's entries leave, and how many entries are damaged. A last entry without an end is one that was
-/// never acknowledged.
+/// The rows that a journal's entries leave, and how many entries are damaged. A last entry that was cut off was never
+/// acknowledged.
 fn read(bytes: &[u8]) -> (Latest, usize) {
     let (mut latest, mut damaged) = (Latest::new(), 0);
     let mut lines = bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()).peekable();
     while let Some(line) = lines.next() {
         match changes(line) {
             Some(changes) => latest.extend(changes),
-            None if lines.peek().is_none() => {}
+            None if lines.peek().is_none() && !bytes.ends_with(b"\n") => {}
             None => damaged += 1,
         }
     }
@@ -231,22 +248,21 @@ mod tests {
     }
 
     #[test]
-    fn what_the_database_lost_or_has_in_an_older_state_is_restored() {
+    fn what_the_database_lost_is_restored_and_what_it_has_stays() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("jobs.log");
         journal(&path);
-        let older = MemoryRows::default();
-        older.commit(&job("b", Some("b queued"))).unwrap();
-        older.commit(&job("c", Some("c queued"))).unwrap();
-        let (rows, restored) = JournalledRows::open(older, &path).unwrap();
-        assert_eq!(jobs(&rows), ["a queued", "b done", "d queued"]);
+        let partial = MemoryRows::default();
+        partial.commit(&job("a", Some("a cancelled"))).unwrap();
+        let (rows, restored) = JournalledRows::open(partial, &path).unwrap();
+        assert_eq!(jobs(&rows), ["a cancelled", "b done", "d queued"]);
         assert_eq!(rows.get(Tree::JobOrder, b"order of d").unwrap().unwrap(), b"d");
         assert_eq!(restored.damaged_entries, 0);
-        assert!(restored.rows >= 5, "{restored:?}");
+        assert!(restored.rows >= 4, "{restored:?}");
         drop(rows);
         // The journal was written anew, and nothing more is to restore.
         let (rows, _) = JournalledRows::open(MemoryRows::default(), &path).unwrap();
-        assert_eq!(jobs(&rows), ["a queued", "b done", "d queued"]);
+        assert_eq!(jobs(&rows), ["a cancelled", "b done", "d queued"]);
         let (_, restored) = JournalledRows::open(rows.rows, &path).unwrap();
         assert_eq!(restored, Restored::default());
     }
@@ -257,8 +273,9 @@ mod tests {
         let path = dir.path().join("jobs.log");
         journal(&path);
         let whole = fs::read(&path).unwrap();
-        let last = whole.iter().rposition(|byte| *byte == b'\n').unwrap();
-        for cut in last + 1..whole.len() {
+        let end = whole.len() - 1;
+        let last = whole[..end].iter().rposition(|byte| *byte == b'\n').unwrap();
+        for cut in last + 1..end {
             fs::write(&path, &whole[..cut]).unwrap();
             let (rows, restored) = JournalledRows::open(MemoryRows::default(), &path).unwrap();
             // The last entry removed c.
@@ -266,6 +283,24 @@ mod tests {
             assert_eq!(restored.damaged_entries, 0);
             rows.commit(&job("e", Some("e queued"))).unwrap();
         }
+    }
+
+    /// A whole entry was acknowledged, even if it is the last one. What an older entry says of its job does not undo what
+    /// the database has.
+    #[test]
+    fn a_damaged_last_entry_is_counted_and_reverts_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("jobs.log");
+        let (rows, _) = JournalledRows::open(MemoryRows::default(), &path).unwrap();
+        rows.commit(&job("a", Some("a queued"))).unwrap();
+        rows.commit(&job("a", Some("a cancelled"))).unwrap();
+        let mut bytes = fs::read(&path).unwrap();
+        let near_end = bytes.len() - 4;
+        bytes[near_end] ^= 1;
+        fs::write(&path, bytes).unwrap();
+        let (rows, restored) = JournalledRows::open(rows.rows, &path).unwrap();
+        assert_eq!(restored, Restored { rows: 0, damaged_entries: 1 });
+        assert_eq!(jobs(&rows), ["a cancelled"]);
     }
 
     #[test]

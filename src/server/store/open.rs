@@ -155,15 +155,12 @@ fn with_journal(rows: SledRows, path: &Path, found: &mut Findings) -> Result<Jou
     found.restored_rows = restored.rows;
     found.damaged_journal_entries = restored.damaged_entries;
     if restored.rows > 0 {
-        tracing::error!(
-            rows = restored.rows,
-            "the database had lost changes of jobs; they are restored from the journal"
-        );
+        tracing::error!(rows = restored.rows, "the database had lost rows of jobs; they are restored from the journal");
     }
     if restored.damaged_entries > 0 {
         tracing::error!(
             entries = restored.damaged_entries,
-            "entries of the journal of jobs are damaged; a job that only they knew is lost"
+            "entries of the journal of jobs are damaged; a job that the database lacks as well is lost"
         );
     }
     if found.damaged_rows > 0 {

@@ -178,8 +178,8 @@ fn write_chart(out: &mut String, chart: &Chart, rows: &[FittedRecipe]) -> std::f
     write_names(out, &Area { left: chart.left, top: TOP, width: PANEL_WIDTH, height: PANEL_HEIGHT }, &named, &taken)
 }
 
-/// The corners of a staircase: between two points on a front nothing better is known than the dearer one's error from its
-/// price on.
+/// The corners of a staircase: from the price of one point on a front to that of the next, the best known error is that
+/// of the first.
 fn staircase(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = points.collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));

@@ -26,7 +26,6 @@ pub(super) fn render(
     Radiances { width: extent[0], pixels: rows.collect() }
 }
 
-/// `ltc_example`: M, and the amplitude, the Fresnel term and the part of the lobe that a one-sided polygon covers.
 /// The lookup alone: `M`, row-major, amplitude, Fresnel term, and a zero.
 #[cfg(test)]
 pub(super) fn looked_up(table: &ShaderTable, alpha: [f32; 4], wo: [f32; 4]) -> [f32; 12] {
@@ -36,6 +35,7 @@ pub(super) fn looked_up(table: &ShaderTable, alpha: [f32; 4], wo: [f32; 4]) -> [
     [a, b, c, d, e, f, g, h, i, lobe.amplitude, lobe.fresnel, 0.0]
 }
 
+/// `ltc_example`: M, and the amplitude, the Fresnel term and the part of the lobe that a one-sided polygon covers.
 #[cfg(test)]
 pub(super) fn lit(
     table: &ShaderTable,
