@@ -3,6 +3,7 @@
 pub mod bounded;
 pub mod container;
 pub mod digest;
+pub mod hex;
 pub mod job;
 pub mod manifest;
 pub mod recipe_document;

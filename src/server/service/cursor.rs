@@ -4,6 +4,8 @@ use std::{fmt, str::FromStr};
 
 use serde::Deserialize;
 
+use crate::files::hex::{from_hex, to_hex};
+
 /// Longest key of a table in the order of age.
 const LONGEST_KEY: usize = 64;
 
@@ -42,13 +44,14 @@ impl FromStr for TableCursor {
     type Err = CursorError;
 
     fn from_str(text: &str) -> Result<Self, CursorError> {
-        from_hex(text).map(Self).ok_or_else(|| CursorError(text.to_owned()))
+        let key = from_hex(text).filter(|key| (1..=LONGEST_KEY).contains(&key.len()));
+        key.map(Self).ok_or_else(|| CursorError(text.to_owned()))
     }
 }
 
 impl fmt::Display for TableCursor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        f.write_str(&to_hex(&self.0))
     }
 }
 
@@ -66,15 +69,6 @@ impl TryFrom<String> for TableCursor {
     fn try_from(text: String) -> Result<Self, CursorError> {
         text.parse()
     }
-}
-
-fn from_hex(text: &str) -> Option<Vec<u8>> {
-    let is_hex = text.bytes().all(|byte| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte));
-    if !is_hex || text.is_empty() || !text.len().is_multiple_of(2) || text.len() > 2 * LONGEST_KEY {
-        return None;
-    }
-    let pairs = text.as_bytes().chunks(2);
-    pairs.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok()).collect()
 }
 
 #[cfg(test)]

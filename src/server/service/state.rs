@@ -69,8 +69,8 @@ impl Workers {
 }
 
 impl Service {
-    /// Stops the service: no more tasks are leased or pictures rendered, running shards are given back after their
-    /// current entry, and the store is flushed.
+    /// Stops the service: no more tasks are leased or pictures rendered, running shards are given back within
+    /// a moment, and the store is flushed.
     pub fn stop(&self) {
         // The queue is closed first; otherwise a worker could give its shard back and lease it again.
         self.state.queue.close();

@@ -10,7 +10,6 @@
 
 use std::{
     collections::BTreeMap,
-    fmt::Write as _,
     fs::{self, File, OpenOptions},
     io::{self, Write as _},
     path::{Path, PathBuf},
@@ -20,6 +19,7 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{Batch, Row, Rows, StoreError, Tree, files};
+use crate::files::hex::{from_hex, to_hex};
 
 /// The trees whose changes are kept. All others can be made again: shards by fitting, the catalogue from the blobs.
 const KEPT: [Tree; 2] = [Tree::Jobs, Tree::JobOrder];
@@ -150,12 +150,9 @@ fn entry(batch: &Batch) -> Option<String> {
         changes.push(' ');
         changes.push_str(tree.name());
         changes.push(' ');
-        push_hex(&mut changes, key);
+        changes.push_str(&to_hex(key));
         changes.push(' ');
-        match value {
-            Some(value) => push_hex(&mut changes, value),
-            None => changes.push('-'),
-        }
+        changes.push_str(&value.as_deref().map_or_else(|| "-".to_owned(), to_hex));
     }
     (!changes.is_empty()).then(|| format!("\n{}{changes}\n", seal(&changes)))
 }
@@ -193,23 +190,7 @@ fn changes(line: &[u8]) -> Option<Vec<(Place, Option<Vec<u8>>)>> {
 }
 
 fn seal(changes: &str) -> String {
-    let hash = Sha256::digest(changes.as_bytes());
-    let mut seal = String::with_capacity(16);
-    push_hex(&mut seal, &hash[..8]);
-    seal
-}
-
-fn push_hex(text: &mut String, bytes: &[u8]) {
-    for byte in bytes {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{byte:02x}");
-    }
-}
-
-fn from_hex(text: &str) -> Option<Vec<u8>> {
-    let digits = text.as_bytes();
-    let pair = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok();
-    if digits.len().is_multiple_of(2) { digits.chunks(2).map(pair).collect() } else { None }
+    to_hex(&Sha256::digest(changes.as_bytes())[..8])
 }
 
 #[cfg(test)]

@@ -1,0 +1,39 @@
+//! Bytes as hexadecimal digits.
+
+use std::fmt::Write as _;
+
+/// The bytes as lower-case digits, two a byte.
+#[must_use]
+pub fn to_hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut hex, byte| {
+        // Writing to a String cannot fail.
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    })
+}
+
+/// The inverse of [`to_hex`]; `None` for any text that it does not make.
+#[must_use]
+pub fn from_hex(text: &str) -> Option<Vec<u8>> {
+    let is_hex = text.bytes().all(|byte| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte));
+    if !is_hex || !text.len().is_multiple_of(2) {
+        return None;
+    }
+    let pairs = text.as_bytes().chunks(2);
+    pairs.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_and_bytes_round_trip_and_nothing_else_is_read() {
+        let all: Vec<u8> = (0..=255).collect();
+        assert_eq!(from_hex(&to_hex(&all)), Some(all));
+        assert_eq!(to_hex(&[0, 1, 0xfe]), "0001fe");
+        for text in ["0", "0g", "FE", "+1", "0x", "é"] {
+            assert_eq!(from_hex(text), None, "{text}");
+        }
+    }
+}
