@@ -18,7 +18,7 @@ mod expectation;
 mod layout;
 mod measure;
 mod metric;
-mod named_list;
+pub(crate) mod named_list;
 mod pulse;
 mod recipe;
 mod run;
@@ -39,7 +39,7 @@ pub use layout::{ALPHA_FLOOR, Layout, Precision, RATIO_FLOOR, Reflection, THETA_
 pub use lobe::LobeModel;
 #[cfg(test)]
 pub(crate) use lobe::ltc::quadrature;
-pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Scalar, Sides};
+pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides};
 pub use measure::{
     Accuracy, Corner, ErrorMap, Extent, Floors, GoOn, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread,
     TermError, Worst, error_map, extremes, report, report_points, report_while,

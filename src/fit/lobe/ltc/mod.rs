@@ -10,4 +10,4 @@ pub use distribution::Ltc;
 pub(super) use model::Rules;
 #[cfg(test)]
 pub(crate) use polygon::quadrature;
-pub use polygon::{Clip, MAX_VERTICES, Scalar, Sides};
+pub use polygon::{Clip, MAX_VERTICES, Sides};

@@ -13,12 +13,10 @@
 //! A convex polygon crosses the horizon at most twice. So edges can be cut and added one after another, and one arc
 //! along the horizon closes the outline. No list of clipped vertices is made.
 
-use std::ops::{Add, Div, Mul, Sub};
-
 use glam::DVec3;
 
 use super::Ltc;
-use crate::fit::math::atan2_upper;
+use crate::fit::math::{Scalar, cross, dot, minus, unit};
 
 /// Most vertices of a light in the shaders. A light that is cut at the horizon has one more.
 pub const MAX_VERTICES: usize = 8;
@@ -30,52 +28,6 @@ pub enum Sides {
     One,
     /// Both sides.
     Two,
-}
-
-/// The number types of the integral: f64, and f32 as in the shaders.
-pub trait Scalar:
-    Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
-    /// Zero.
-    const ZERO: Self;
-    /// One.
-    const ONE: Self;
-    /// One turn.
-    const TAU: Self;
-    /// The shortest length of a vector that has a direction.
-    const SHORTEST: Self;
-    /// The square root.
-    #[must_use]
-    fn sqrt(self) -> Self;
-    /// The angle of `(x, y)` from +x, in [0, pi]. Domain: `y >= 0`.
-    #[must_use]
-    fn atan2_upper(y: Self, x: Self) -> Self;
-}
-
-impl Scalar for f64 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const TAU: Self = std::f64::consts::TAU;
-    const SHORTEST: Self = 1e-150;
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    fn atan2_upper(y: Self, x: Self) -> Self {
-        libm::atan2(y, x)
-    }
-}
-
-impl Scalar for f32 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const TAU: Self = std::f32::consts::TAU;
-    const SHORTEST: Self = 1e-18;
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    fn atan2_upper(y: Self, x: Self) -> Self {
-        atan2_upper(y, x)
-    }
 }
 
 /// The integral of the clamped cosine over a convex polygon, added up edge by edge.
@@ -135,24 +87,6 @@ impl<T: Scalar> Clip<T> {
         let bend = if sin > T::SHORTEST { T::atan2_upper(sin, dot(a, b)) / sin - T::ONE } else { T::ZERO };
         cross(minus(a, self.origin), minus(b, self.origin))[2] + c[2] * bend
     }
-}
-
-/// The vector scaled to the unit sphere; zero for a vector without a direction.
-fn unit<T: Scalar>(v: [T; 3]) -> [T; 3] {
-    let length = dot(v, v).sqrt();
-    if length > T::SHORTEST { [v[0] / length, v[1] / length, v[2] / length] } else { [T::ZERO; 3] }
-}
-
-fn dot<T: Scalar>(a: [T; 3], b: [T; 3]) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn minus<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 impl Ltc {

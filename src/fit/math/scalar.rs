@@ -1,0 +1,103 @@
+//! The number types of light integrals: f64, and f32 as the shaders compute.
+//!
+//! A light integral is written once for both. In f64 it is the library's, in f32 it is the shader's twin.
+
+use std::{
+    fmt::Debug,
+    ops::{Add, Div, Mul, Neg, Sub},
+};
+
+use super::{atan2, atan2_upper, ln, single};
+
+/// A number of a light integral.
+pub trait Scalar:
+    Copy
+    + Debug
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// One turn.
+    const TAU: Self;
+    /// The shortest length of a vector that has a direction.
+    const SHORTEST: Self;
+    /// The nearest number of this type.
+    #[must_use]
+    fn of(x: f64) -> Self;
+    /// The square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// The natural logarithm. Domain: `self > 0`, normal.
+    #[must_use]
+    fn ln(self) -> Self;
+    /// The angle of `(x, y)` from +x, in [0, pi]. Domain: `y >= 0`.
+    #[must_use]
+    fn atan2_upper(y: Self, x: Self) -> Self;
+
+    /// The angle of `(x, y)` from +x, in [-pi, pi].
+    #[must_use]
+    fn atan2(y: Self, x: Self) -> Self {
+        let upper = Self::atan2_upper(y.abs(), x);
+        if y < Self::ZERO { -upper } else { upper }
+    }
+    /// The number without its sign.
+    #[must_use]
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+    /// The larger of two numbers; `other` where `self` is NaN.
+    #[must_use]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    /// The smaller of two numbers; `other` where `self` is NaN.
+    #[must_use]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+}
+
+impl Scalar for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const TAU: Self = std::f64::consts::TAU;
+    const SHORTEST: Self = 1e-150;
+    fn of(x: f64) -> Self {
+        x
+    }
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    fn ln(self) -> Self {
+        ln(self)
+    }
+    fn atan2_upper(y: Self, x: Self) -> Self {
+        atan2(y, x)
+    }
+}
+
+impl Scalar for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const TAU: Self = std::f32::consts::TAU;
+    const SHORTEST: Self = 1e-18;
+    fn of(x: f64) -> Self {
+        x as Self
+    }
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    fn ln(self) -> Self {
+        single::ln(self)
+    }
+    fn atan2_upper(y: Self, x: Self) -> Self {
+        atan2_upper(y, x)
+    }
+}
