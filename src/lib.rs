@@ -69,6 +69,7 @@ pub mod client;
 pub mod files;
 pub mod fit;
 mod library;
+pub mod light;
 #[cfg(feature = "server")]
 pub mod server;
 pub mod view;

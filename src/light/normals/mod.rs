@@ -1,0 +1,128 @@
+//! The light of a polygon on GGX, in the space of its normals: exact but for the weight of shadowing, and no table.
+//!
+//! The light reflected from a polygon P of radiance one, for a Fresnel factor of one, is
+//!
+//! ```text
+//! integral over P of D(h) G2 / (4 cos_o) dwi = integral over H(P) of Dv(h) (G2 / G1) dh,   Dv = G1 (wo . h) D / cos_o
+//! ```
+//!
+//! where H(P) are the half vectors `h = normalize(wo + wi)` [Walter et al. 2007]. With `c = normalize(A^-1 h)`,
+//! `A = diag(alpha_x, alpha_y, 1)`, the normals of GGX are a clamped cosine, `D(h) h.z dh = c.z / pi dc`, and the visible
+//! ones the projection of the hemisphere along `A wo` [Heitz 2018]. So the integral of `Dv` over a region is the form
+//! factor of the region's image C(P) for a receiver with the normal `A wo`:
+//!
+//! ```text
+//! V = 2 / (cos_o + |A wo|) (A wo) . F,     F = 1/(2 pi) closed integral of c x dc along the outline of C(P)
+//! ```
+//!
+//! The edges of a light become arcs of cones of the second degree, over which the integral is elementary
+//! ([`edge`]). The weight `G2 / G1`, and Schlick's fifth power, are smooth; they are averaged over a few normals of the
+//! triangles into which the region falls around its mean normal ([`weight`]). `docs/normals.md` derives all of it.
+//!
+//! Every direction above the surface has its half vector above it and in front of the viewer, so a light is cut at the
+//! surface and nowhere else.
+
+mod edge;
+mod eigen;
+mod outline;
+mod weight;
+
+use self::{
+    edge::{arc_bend, curved_part},
+    outline::{Corner, Parts, outline},
+    weight::View,
+};
+use crate::fit::{
+    Sides,
+    math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
+    named_list::named_list,
+};
+
+named_list! {
+    /// How the weight `G2 / G1` is averaged over a light. The integral of the visible normals is exact under each.
+    pub enum WeightRule {
+        /// Over seven normals of each triangle between the mean normal and an edge; the horizon is an edge split in two.
+        Seven = "seven",
+        /// The weight of the mean normal.
+        Mean = "mean",
+        /// As [`Self::Seven`], each edge split in two and the horizon in four.
+        Fine = "fine",
+    }
+}
+
+impl WeightRule {
+    fn parts(self) -> Parts {
+        match self {
+            Self::Mean => Parts { edge: 1, horizon: 1 },
+            Self::Seven => Parts { edge: 1, horizon: 2 },
+            Self::Fine => Parts { edge: 2, horizon: 4 },
+        }
+    }
+}
+
+/// What GGX reflects of a polygon of radiance one towards `wo`: for a Fresnel factor of one, and its part weighed by
+/// Schlick's `(1 - wo . h)^5`, both in [0, 1].
+///
+/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z; the lit side is
+/// that from which they run clockwise. Domain: `alpha` in [1e-5, 1], `wo` of length one with `z > 0`, finite vertices.
+#[must_use]
+pub fn reflected<T: Scalar>(
+    alpha: [T; 2],
+    wo: Triple<T>,
+    vertices: &[Triple<T>],
+    sides: Sides,
+    rule: WeightRule,
+) -> [T; 2] {
+    let view = View::new(alpha, wo);
+    let corners = outline(vertices, rule.parts(), alpha, wo);
+    if corners.len() < 3 {
+        return [T::ZERO; 2];
+    }
+    let next = |i: usize| &corners[(i + 1) % corners.len()];
+    let curved: Vec<Triple<T>> =
+        corners.iter().enumerate().map(|(i, corner)| curved_part(alpha, wo, corner, next(i))).collect();
+
+    // F, up to a factor: its plane part around the first corner.
+    let origin = corners[0].c;
+    let mut flux = [T::ZERO; 3];
+    for (i, (corner, curved)) in corners.iter().zip(&curved).enumerate() {
+        flux = plus(flux, plus(*curved, cross(minus(corner.c, origin), minus(next(i).c, origin))));
+    }
+    let seen = dot(flux, view.stretched);
+    let side = if seen < T::ZERO { -T::ONE } else { T::ONE };
+    if sides == Sides::One && seen < T::ZERO {
+        return [T::ZERO; 2];
+    }
+    let to_part = side * T::of(2.0) / ((wo[2] + view.length) * T::TAU);
+    let mean_normal = unit(scaled(flux, side));
+    let [energy, fresnel] = if rule == WeightRule::Mean {
+        scaled_pair(view.weight(mean_normal), to_part * seen)
+    } else {
+        fan(&view, &corners, &curved, mean_normal, to_part)
+    };
+    [energy.max(T::ZERO).min(T::ONE), fresnel.max(T::ZERO).min(T::ONE)]
+}
+
+fn scaled_pair<T: Scalar>([x, y]: [T; 2], by: T) -> [T; 2] {
+    [x * by, y * by]
+}
+
+/// The sum over the triangles between the mean normal `tip` and each edge's image: the exact part of the visible normals
+/// in it, times the mean of their weights.
+fn fan<T: Scalar>(view: &View<T>, corners: &[Corner<T>], curved: &[Triple<T>], tip: Triple<T>, to_part: T) -> [T; 2] {
+    let at_tip = view.sample(tip);
+    let spoke = |corner: &Corner<T>| (corner.c, view.sample(corner.c), arc_bend(tip, corner.c));
+    let (mut from, mut sum) = (spoke(&corners[0]), [T::ZERO; 2]);
+    for (i, curved) in curved.iter().enumerate() {
+        let to = spoke(&corners[(i + 1) % corners.len()]);
+        let plane = cross(minus(from.0, tip), minus(to.0, tip));
+        let flux = plus(plus(plane, *curved), minus(from.2, to.2));
+        let centroid = unit(flux);
+        let centroid = if dot(centroid, tip) < T::ZERO { scaled(centroid, -T::ONE) } else { centroid };
+        let mean = view.mean(centroid, [tip, from.0, to.0], [at_tip, from.1, to.1]);
+        let part = to_part * dot(flux, view.stretched);
+        sum = [sum[0] + part * mean[0], sum[1] + part * mean[1]];
+        from = to;
+    }
+    sum
+}
