@@ -26,3 +26,15 @@ fn ltc_sin_cos(turns: f32) -> vec2<f32> {
     let swapped = select(vec2(s, c), vec2(c, s), (q & 1u) == 1u);
     return vec2(select(swapped.x, -swapped.x, q >= 2u), select(swapped.y, -swapped.y, q == 1u || q == 2u));
 }
+
+/// The natural logarithm of a normal number above zero, by the series of artanh((m - 1) / (m + 1)). Error below 3e-7 times
+/// its size.
+fn ltc_log(x: f32) -> f32 {
+    // The bits of sqrt(1/2): x = m 2^e with m from there to sqrt 2.
+    let bits = bitcast<i32>(x) - 0x3f3504f3;
+    let m = bitcast<f32>((bits & 0x007fffff) + 0x3f3504f3);
+    let s = (m - 1.0) / (m + 1.0);
+    let z = s * s;
+    let series = (((0.22222222 * z + 0.2857143) * z + 0.4) * z + 0.6666667) * z * s + 2.0 * s;
+    return f32(bits >> 23u) * 0.69314718 + series;
+}

@@ -121,6 +121,17 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
     return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered);
 }
 
+/// Radiance towards the eye, by the closed form in the space of normals.
+fn shade_by_normals(at: Shaded) -> vec3<f32> {
+    let to_local = transpose(mat3x3(at.x, at.y, at.z));
+    var vertices: array<vec3<f32>, 8>;
+    for (var i = 0u; i < light.options.x; i++) {
+        vertices[i] = to_local * (light.vertices[i].xyz - at.position);
+    }
+    let view = normals_view(at.alpha.x, at.alpha.y, at.wo);
+    return reflected(normals_polygon(view, &vertices, light.options.x, light.options.y == 1u, light.options.z));
+}
+
 /// Radiance from the two parts of what is reflected of white light, f90 = 1.
 fn reflected(parts: vec2<f32>) -> vec3<f32> {
     return (scene.f0.xyz * (parts.x - parts.y) + vec3(parts.y)) * light.radiance.x;
@@ -156,6 +167,20 @@ fn surface_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
         radiance = mix(radiance, shade_by_table(seen.at), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_normals(seen.at), seen.coverage);
     }
     write(pixel, radiance);
 }

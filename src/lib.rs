@@ -88,4 +88,4 @@ pub use library::shader;
 pub use library::{Error, Fit, RecipeBuilder, cached, fit, write_table};
 #[cfg(feature = "shaders")]
 pub use view::shaders::Language;
-pub use view::shaders::wgsl;
+pub use view::shaders::{LitBy, wgsl};

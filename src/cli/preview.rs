@@ -29,7 +29,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         .iter()
         .map(|error| {
             json!({
-                "alpha_x": error.alpha_x, "alpha_y": error.alpha_y,
+                "model": error.model, "alpha_x": error.alpha_x, "alpha_y": error.alpha_y,
                 "mean_absolute_error": error.mean_absolute, "mean_radiance": error.mean_radiance,
             })
         })
@@ -55,7 +55,8 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     for error in &errors {
         let (alpha_x, alpha_y) = (error.alpha_x, error.alpha_y);
         let (apart, radiance) = (error.mean_absolute, error.mean_radiance);
-        eprintln!("alpha {alpha_x} {alpha_y}: mean absolute error {apart:.5} of mean radiance {radiance:.5}");
+        let model = error.model;
+        eprintln!("{model}, alpha {alpha_x} {alpha_y}: mean absolute error {apart:.5} of mean radiance {radiance:.5}");
     }
     Ok(Exit::Ok)
 }

@@ -1,18 +1,16 @@
 //! The shader in another language.
 
 use super::Error;
-use crate::{
-    fit::Layout,
-    view::shaders::{self, Language},
-};
+use crate::view::shaders::{self, Language, LitBy};
 
-/// The shader that reads tables of `layout`, in `language`: UTF-8, or the words of SPIR-V in little-endian order.
+/// The shader that reads tables of a layout, or that needs none, in `language`: UTF-8, or the words of SPIR-V in
+/// little-endian order.
 ///
-/// Text begins with a comment that explains how to bind a table and lists values that a port has to reproduce. SPIR-V
-/// holds that comment in its `OpSource`.
+/// Text begins with a comment that explains how to call it and lists values that a port has to reproduce. SPIR-V holds
+/// that comment in its `OpSource`.
 ///
 /// # Errors
 /// [`Error::Shader`] when naga does not translate the shader, which is a defect of this crate.
-pub fn shader(language: Language, layout: Layout) -> Result<Vec<u8>, Error> {
-    Ok(shaders::port(language, layout)?)
+pub fn shader(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Error> {
+    Ok(shaders::port(language, lit_by)?)
 }

@@ -13,6 +13,7 @@ use super::{
 };
 use crate::{
     fit::Layout,
+    light::LightModel,
     view::{
         plots::{Azimuth, Ratio},
         preview::{Choices, Form, PARAMETERS, Parameter, Value},
@@ -123,12 +124,21 @@ pub struct ShaderArgs {
     /// Language to write
     #[arg(long, value_enum)]
     pub language: LanguageName,
-    /// Layout of the tables that the shader reads; a table's recipe names it
-    #[arg(long, value_parser = layout())]
-    pub layout: Layout,
+    /// What the shader lights by
+    #[arg(long, value_parser = model(), default_value = "ltc")]
+    pub model: LightModel,
+    /// Layout of the tables that the shader reads, for model ltc; a table's recipe names it
+    #[arg(long, value_parser = layout(), required_if_eq("model", "ltc"))]
+    pub layout: Option<Layout>,
     /// The file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Reads a model by its name.
+fn model() -> impl TypedValueParser<Value = LightModel> {
+    let names = PossibleValuesParser::new(LightModel::ALL.iter().map(|model| model.name()));
+    names.try_map(|name| LightModel::from_name(&name).ok_or("is no model"))
 }
 
 /// Reads a layout by its name in recipes.

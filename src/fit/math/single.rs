@@ -45,7 +45,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
 ///
 /// `x = m 2^e` with `m` in [sqrt(1/2), sqrt 2): `ln x = e ln 2 + 2 artanh((m - 1) / (m + 1))`, by the series of artanh.
 #[must_use]
-pub fn ln(x: f32) -> f32 {
+pub(super) fn ln(x: f32) -> f32 {
     // The bits of sqrt(1/2): what is above them in the exponent's place is e.
     let bits = x.to_bits().wrapping_sub(0x3f35_04f3);
     let exponent = (bits as i32) >> 23;

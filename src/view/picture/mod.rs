@@ -11,7 +11,7 @@ mod text;
 
 pub use colours::{colour, signed_colour};
 pub use marks::{cross, ring};
-pub use panels::{Panel, bar, caption, grid, headed, number};
+pub use panels::{Panel, bar, beside, caption, grid, headed, number};
 pub use raster::{Picture, PngError};
 pub use srgb::srgb;
 pub use text::{Anchor, GROUND, LINE, fitting, short_digest, tag, tag_fits, write};

@@ -83,6 +83,20 @@ pub fn grid(panels: &[Panel<'_>], columns: u32) -> Picture {
     whole
 }
 
+/// Pictures beside each other, level at the top.
+#[must_use]
+pub fn beside(pictures: &[Picture]) -> Picture {
+    let width = pictures.iter().map(|picture| picture.width + GAP).sum::<u32>().saturating_sub(GAP);
+    let height = pictures.iter().map(|picture| picture.height).max().unwrap_or_default();
+    let mut whole = Picture::filled(width.max(1), height.max(1), GROUND);
+    let mut left = 0;
+    for picture in pictures {
+        whole.put(picture, left, 0);
+        left += picture.width + GAP;
+    }
+    whole
+}
+
 /// A picture under lines of text, each in the first wording that fits.
 #[must_use]
 pub fn headed(lines: &[&[&str]], picture: &Picture) -> Picture {

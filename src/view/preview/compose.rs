@@ -6,8 +6,11 @@ use super::{
     radiances::{BELOW, BESIDE, Radiances},
     tone,
 };
-use crate::view::picture::{
-    Panel, Picture, bar, caption, colour, cross, fitting, grid, headed, number, ring, tag, tag_fits,
+use crate::{
+    light::LightModel,
+    view::picture::{
+        Panel, Picture, bar, beside, caption, colour, cross, fitting, grid, headed, number, ring, tag, tag_fits,
+    },
 };
 
 /// What is beside a sphere of directions, and on it where nothing is below the horizon.
@@ -111,15 +114,13 @@ pub(super) fn compared(
     let scale = scene.difference_scale as f32;
     let mut apart = differences(ltc, reference, scale);
     let width = apart.width;
-    tag_cells(&mut apart, scene, |index, material| {
-        let mean = short(errors[index].mean_absolute);
-        let alphas = alphas(material);
-        vec![format!("{alphas}: mean {mean}"), format!("{alphas}: {mean}"), format!("mean {mean}"), mean]
-    });
-    let foot = bar(width, colour, ["0", &number(scale)], &["|difference| of radiance", "radiance"]);
+    tag_cells(&mut apart, scene, |index, material| mean_tags(&errors[index], material));
+    let foot = scale_bar(width, scale);
+    let short = short_title(scene.model);
     if scene.mode == Mode::Difference {
-        let ltc = table_title(table, width / 2);
-        let title = fitting(&[&format!("|{ltc} - reference|"), "|LTC - reference|", "difference"], width).to_owned();
+        let ltc = model_title(scene.model, table, width / 2);
+        let titles = [format!("|{ltc} - reference|"), format!("|{short} - reference|"), "difference".to_owned()];
+        let title = fitting(&titles.each_ref().map(String::as_str), width).to_owned();
         return grid(&[Panel { title: &title, picture: apart, foot }], 1);
     }
     let mut ltc = tone::displayed(exposure, ltc);
@@ -132,17 +133,94 @@ pub(super) fn compared(
             if outside.contains(material) { warnings(material) } else { names(material) }
         },
     );
-    let samples = caption(width, &[&format!("{} samples a pixel", scene.spp), &format!("{} spp", scene.spp)]);
+    let title = format!("|{short} - reference|");
+    let panels = [
+        Panel {
+            title: fitting(&["GGX reference", "reference"], width),
+            picture: reference,
+            foot: samples(scene, width),
+        },
+        Panel { title: &model_title(scene.model, table, width), picture: ltc, foot: mean_error(errors, width) },
+        Panel { title: fitting(&[&title, "difference"], width), picture: apart, foot },
+    ];
+    grid(&panels, 3)
+}
+
+/// The picture of mode `models`: the reference and each model above how far it is from the reference.
+pub(super) fn models(
+    scene: &Scene,
+    table: &ShaderTable,
+    outside: &[Material],
+    lit: &[(LightModel, Radiances)],
+    reference: &Radiances,
+    errors: &[PanelError],
+) -> Picture {
+    let (exposure, scale) = (scene.exposure as f32, scene.difference_scale as f32);
+    let width = reference.width;
+    let mut truth = tone::displayed(exposure, reference);
+    tag_cells(&mut truth, scene, |_, material| names(material));
+    let mut columns = vec![grid(
+        &[Panel {
+            title: fitting(&["GGX reference", "reference"], width),
+            picture: truth,
+            foot: samples(scene, width),
+        }],
+        1,
+    )];
+    for (model, radiances) in lit {
+        let own: Vec<PanelError> = errors.iter().filter(|error| error.model == *model).copied().collect();
+        let mut shown = tone::displayed(exposure, radiances);
+        let warns = |material: &Material| *model == LightModel::Ltc && outside.contains(material);
+        tag_cells(&mut shown, scene, |_, m| if warns(m) { warnings(m) } else { names(m) });
+        let mut apart = differences(radiances, reference, scale);
+        tag_cells(&mut apart, scene, |index, material| mean_tags(&own[index], material));
+        let title = format!("|{} - reference|", short_title(*model));
+        let panels = [
+            Panel { title: &model_title(*model, table, width), picture: shown, foot: mean_error(&own, width) },
+            Panel { title: fitting(&[&title, "difference"], width), picture: apart, foot: scale_bar(width, scale) },
+        ];
+        columns.push(grid(&panels, 1));
+    }
+    beside(&columns)
+}
+
+/// The colours of differences.
+fn scale_bar(width: u32, scale: f32) -> Picture {
+    bar(width, colour, ["0", &number(scale)], &["|difference| of radiance", "radiance"])
+}
+
+/// How many samples the reference took.
+fn samples(scene: &Scene, width: u32) -> Picture {
+    caption(width, &[&format!("{} samples a pixel", scene.spp), &format!("{} spp", scene.spp)])
+}
+
+/// The mean error over all materials.
+fn mean_error(errors: &[PanelError], width: u32) -> Picture {
     let mean = errors.iter().map(|error| error.mean_absolute).sum::<f64>() / errors.len() as f64;
     let mean = number(mean as f32);
     let wordings = [format!("mean |difference| of radiance {mean}"), format!("mean |difference| {mean}"), mean];
-    let mean = caption(width, &wordings.each_ref().map(String::as_str));
-    let panels = [
-        Panel { title: fitting(&["GGX reference", "reference"], width), picture: reference, foot: samples },
-        Panel { title: &table_title(table, width), picture: ltc, foot: mean },
-        Panel { title: fitting(&["|LTC - reference|", "difference"], width), picture: apart, foot },
-    ];
-    grid(&panels, 3)
+    caption(width, &wordings.each_ref().map(String::as_str))
+}
+
+/// What is written on a material's differences.
+fn mean_tags(error: &PanelError, material: &Material) -> Vec<String> {
+    let (mean, alphas) = (short(error.mean_absolute), alphas(material));
+    vec![format!("{alphas}: mean {mean}"), format!("{alphas}: {mean}"), format!("mean {mean}"), mean]
+}
+
+/// What stands above a picture by a model.
+fn model_title(model: LightModel, table: &ShaderTable, width: u32) -> String {
+    match model {
+        LightModel::Ltc => table_title(table, width),
+        LightModel::Normals => fitting(&["normals, no table", "normals"], width).to_owned(),
+    }
+}
+
+fn short_title(model: LightModel) -> &'static str {
+    match model {
+        LightModel::Ltc => "LTC",
+        LightModel::Normals => "normals",
+    }
 }
 
 /// What stands above a picture by the table.

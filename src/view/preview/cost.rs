@@ -1,9 +1,12 @@
 //! How much work a picture is.
 
 use super::scene::{Mode, Scene};
+use crate::light::LightModel;
 
 /// The cost of light by the table, in samples of the reference.
 pub(super) const TABLE_COST: u32 = 8;
+/// The cost of light by the closed form in the space of normals.
+pub(super) const NORMALS_COST: u32 = 12;
 
 impl Scene {
     /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the
@@ -12,7 +15,11 @@ impl Scene {
     #[must_use]
     pub fn cost(&self) -> f64 {
         let (table, reference) = (f64::from(TABLE_COST), f64::from(self.spp));
+        let normals = f64::from(NORMALS_COST);
         let of_a_pixel = match self.mode {
+            Mode::Ltc if self.model == LightModel::Normals => normals,
+            Mode::Difference | Mode::Strip if self.model == LightModel::Normals => normals + reference,
+            Mode::Models => table + normals + reference,
             Mode::Ltc => table,
             Mode::Reference => reference,
             Mode::Difference | Mode::Strip => table + reference,

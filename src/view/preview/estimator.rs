@@ -1,5 +1,7 @@
 //! What a renderer is asked for.
 
+use crate::light::LightModel;
+
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
 
@@ -8,6 +10,8 @@ pub type Stop<'a> = &'a dyn Fn() -> bool;
 pub enum Estimator {
     /// Radiance by the table.
     Table,
+    /// Radiance by the closed form in the space of normals.
+    Normals,
     /// Radiance by Monte Carlo integration.
     Reference,
     /// The table's lobe.
@@ -18,7 +22,16 @@ pub enum Estimator {
 
 impl Estimator {
     /// Every estimator.
-    pub const ALL: [Self; 4] = [Self::Table, Self::Reference, Self::TableLobe, Self::ReferenceLobe];
+    pub const ALL: [Self; 5] = [Self::Table, Self::Normals, Self::Reference, Self::TableLobe, Self::ReferenceLobe];
+
+    /// That of light by a model.
+    #[must_use]
+    pub fn of(model: LightModel) -> Self {
+        match model {
+            LightModel::Ltc => Self::Table,
+            LightModel::Normals => Self::Normals,
+        }
+    }
 
     /// Whether it estimates a lobe, not radiance.
     pub(super) fn is_lobe(self) -> bool {

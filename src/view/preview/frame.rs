@@ -7,7 +7,10 @@ use super::{
     light::{Ellipse, Outline},
     scene::MAX_MATERIALS,
 };
-use crate::fit::{MAX_VERTICES, math::sin_cos};
+use crate::{
+    fit::{MAX_VERTICES, math::sin_cos},
+    light::normals::WeightRule,
+};
 
 /// Radiance of what is not covered.
 const BACKGROUND: f32 = 0.02;
@@ -38,6 +41,7 @@ pub(super) struct Frame {
     /// Cells a side.
     pub(super) cells: u32,
     pub(super) spp: u32,
+    pub(super) weight: WeightRule,
     pub(super) light: FrameLight,
 }
 
@@ -112,6 +116,7 @@ impl Frame {
             size: scene.size,
             cells,
             spp: scene.spp,
+            weight: scene.weight,
             light: FrameLight {
                 vertices: vertices.into_iter().map(DVec3::as_vec3).collect(),
                 area_up_to: area_up_to.into_iter().map(|share| share as f32).collect(),
@@ -172,7 +177,7 @@ impl Frame {
         }
         words.vector(light.normal, light.area);
         words.vector(Vec3::splat(light.radiance), 0.0);
-        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), 0, 0]);
+        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), self.weight as u32, 0]);
         words.0
     }
 }

@@ -1,10 +1,14 @@
-//! How far table and reference are apart.
+//! How far a model and the reference are apart.
+
+use crate::light::LightModel;
 
 use super::{Material, Radiances, Scene, cpu, frame::Frame};
 
-/// How far table and reference are apart on one material.
+/// How far a model and the reference are apart on one material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PanelError {
+    /// The model.
+    pub model: LightModel,
     /// The material's roughness along its tangent.
     pub alpha_x: f64,
     /// And across it.
@@ -16,18 +20,25 @@ pub struct PanelError {
 }
 
 /// The error of each material over the pixels that it covers.
-pub(super) fn panel_errors(scene: &Scene, frame: &Frame, ltc: &Radiances, reference: &Radiances) -> Vec<PanelError> {
+pub(super) fn panel_errors(
+    scene: &Scene,
+    frame: &Frame,
+    model: LightModel,
+    lit: &Radiances,
+    reference: &Radiances,
+) -> Vec<PanelError> {
     let mut sums = vec![(0.0, 0.0, 0.0); scene.materials.len()];
     let sum = |pixel: [f32; 3]| pixel.map(f64::from).iter().sum::<f64>() / 3.0;
-    for (index, (ltc, reference)) in (0..).zip(ltc.pixels.iter().zip(&reference.pixels)) {
+    for (index, (lit, reference)) in (0..).zip(lit.pixels.iter().zip(&reference.pixels)) {
         if let Some(cell) = cpu::covering(frame, [index % frame.size, index / frame.size]) {
             let (apart, radiance, pixels) = &mut sums[cell];
-            *apart += sum([0, 1, 2].map(|i| (ltc[i] - reference[i]).abs()));
+            *apart += sum([0, 1, 2].map(|i| (lit[i] - reference[i]).abs()));
             *radiance += sum(*reference);
             *pixels += 1.0;
         }
     }
     let error = |(material, (apart, radiance, pixels)): (&Material, (f64, f64, f64))| PanelError {
+        model,
         alpha_x: material.alpha_x,
         alpha_y: material.alpha_y,
         mean_absolute: apart / pixels.max(1.0),

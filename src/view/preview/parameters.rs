@@ -7,6 +7,7 @@ use super::{
     LightKind, Material, Mode, NamedScene, Scene,
     parameter::{Form, Parameter},
 };
+use crate::light::{LightModel, normals::WeightRule};
 
 /// Where things may stand, in radii of the sphere.
 const PLACE: f64 = 100.0;
@@ -19,7 +20,7 @@ const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
 /// Every parameter. They are set in this order: the named scene first, then what differs from it.
-pub static PARAMETERS: [Parameter; 23] = [
+pub static PARAMETERS: [Parameter; 25] = [
     name(
         "scene",
         "Named set-up",
@@ -35,6 +36,20 @@ pub static PARAMETERS: [Parameter; 23] = [
         || names(&Mode::ALL, Mode::name),
         |s| Mode::ALL.iter().position(|mode| *mode == s.mode),
         |s, i| s.mode = Mode::ALL[i],
+    ),
+    name(
+        "model",
+        "What stands for GGX where it is lit",
+        || names(LightModel::ALL, LightModel::name),
+        |s| LightModel::ALL.iter().position(|model| *model == s.model),
+        |s, i| s.model = LightModel::ALL[i],
+    ),
+    name(
+        "weight",
+        "How model normals averages the weight of shadowing",
+        || names(WeightRule::ALL, WeightRule::name),
+        |s| WeightRule::ALL.iter().position(|rule| *rule == s.weight),
+        |s, i| s.weight = WeightRule::ALL[i],
     ),
     whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
     whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),

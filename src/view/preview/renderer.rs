@@ -10,7 +10,7 @@ use super::{
     panel_error::{PanelError, panel_errors},
     tone,
 };
-use crate::view::picture::Picture;
+use crate::{light::LightModel, view::picture::Picture};
 
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";
@@ -123,15 +123,25 @@ impl Preview {
         let mut errors = Vec::new();
         let picture = match scene.mode {
             Mode::Ltc => {
-                let picture = self.picture(table, &frame, Estimator::Table, stop)?;
+                let picture = self.picture(table, &frame, Estimator::of(scene.model), stop)?;
                 compose::warned(picture, scene, &outside)
             }
             Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
             Mode::Difference | Mode::Strip => {
-                let ltc = self.radiances(table, &frame, Estimator::Table, stop)?;
+                let lit = self.radiances(table, &frame, Estimator::of(scene.model), stop)?;
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
-                errors = panel_errors(scene, &frame, &ltc, &reference);
-                compose::compared(scene, table, &outside, [&ltc, &reference], &errors)
+                errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
+                compose::compared(scene, table, &outside, [&lit, &reference], &errors)
+            }
+            Mode::Models => {
+                let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
+                let mut lit = Vec::with_capacity(LightModel::ALL.len());
+                for model in LightModel::ALL {
+                    let radiances = self.radiances(table, &frame, Estimator::of(*model), stop)?;
+                    errors.extend(panel_errors(scene, &frame, *model, &radiances, &reference));
+                    lit.push((*model, radiances));
+                }
+                compose::models(scene, table, &outside, &lit, &reference, &errors)
             }
             Mode::Lobe => {
                 let ltc = self.radiances(table, &frame, Estimator::TableLobe, stop)?;
@@ -262,9 +272,9 @@ impl Preview {
 /// The shown materials whose roughness lies outside the table's nodes.
 fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
     let shown = match scene.mode {
-        Mode::Reference => 0,
+        _ if !scene.shows(LightModel::Ltc) => 0,
         Mode::Lobe => 1,
-        Mode::Ltc | Mode::Difference | Mode::Strip => scene.materials.len(),
+        _ => scene.materials.len(),
     };
     let shown = scene.materials.iter().take(shown).copied();
     shown.filter(|m| !cpu::covers(table, m.alpha_x as f32, m.alpha_y as f32)).collect()

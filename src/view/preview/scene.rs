@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::light::{LightModel, normals::WeightRule};
+
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;
 
@@ -27,6 +29,10 @@ pub struct Scene {
     pub spp: u32,
     /// What is shown of it.
     pub mode: Mode,
+    /// What stands for GGX where it is lit.
+    pub model: LightModel,
+    /// How model `normals` averages the weight of shadowing.
+    pub weight: WeightRule,
     /// Radiance is multiplied by this before it is displayed.
     pub exposure: f64,
     /// The difference, in radiance, at the end of the colour bar.
@@ -115,7 +121,7 @@ pub struct LobeView {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// Light by the table.
+    /// Light by the model.
     Ltc,
     /// Light by Monte Carlo integration of the BRDF itself.
     Reference,
@@ -123,13 +129,15 @@ pub enum Mode {
     Difference,
     /// The three side by side.
     Strip,
+    /// Both models beside the reference, and how far each is from it.
+    Models,
     /// The BRDF's lobe beside the fitted one, over the directions.
     Lobe,
 }
 
 impl Mode {
     /// Every mode.
-    pub const ALL: [Self; 5] = [Self::Ltc, Self::Reference, Self::Difference, Self::Strip, Self::Lobe];
+    pub const ALL: [Self; 6] = [Self::Ltc, Self::Reference, Self::Difference, Self::Strip, Self::Models, Self::Lobe];
 
     /// Its name in parameters.
     #[must_use]
@@ -139,6 +147,7 @@ impl Mode {
             Self::Reference => "reference",
             Self::Difference => "difference",
             Self::Strip => "strip",
+            Self::Models => "models",
             Self::Lobe => "lobe",
         }
     }
@@ -149,16 +158,37 @@ impl Scene {
     #[must_use]
     pub fn canonical(self) -> Self {
         let usual = Self { mode: self.mode, size: self.size, ..Self::default() };
+        let weight = if self.shows(LightModel::Normals) { self.weight } else { usual.weight };
         match self.mode {
-            Mode::Ltc => Self { spp: usual.spp, lobe: usual.lobe, difference_scale: usual.difference_scale, ..self },
-            Mode::Reference => Self { lobe: usual.lobe, difference_scale: usual.difference_scale, ..self },
+            Mode::Ltc => {
+                let Self { spp, lobe, difference_scale, .. } = usual;
+                Self { spp, lobe, difference_scale, weight, ..self }
+            }
+            Mode::Reference => {
+                let Self { lobe, difference_scale, model, .. } = usual;
+                Self { lobe, difference_scale, model, weight, ..self }
+            }
             // False colours are of radiance, whatever it is displayed like.
-            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, ..self },
-            Mode::Strip => Self { lobe: usual.lobe, ..self },
+            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, weight, ..self },
+            Mode::Strip => Self { lobe: usual.lobe, weight, ..self },
+            Mode::Models => Self { lobe: usual.lobe, model: usual.model, ..self },
             Mode::Lobe => {
                 let roughness = |material: &Material| Material { rotation: 0.0, ..*material };
                 Self { materials: self.materials.iter().take(1).map(roughness).collect(), lobe: self.lobe, ..usual }
             }
+        }
+    }
+}
+
+impl Scene {
+    /// Whether the picture shows light by a model.
+    #[must_use]
+    pub fn shows(&self, model: LightModel) -> bool {
+        match self.mode {
+            Mode::Ltc | Mode::Difference | Mode::Strip => self.model == model,
+            Mode::Models => true,
+            Mode::Lobe => model == LightModel::Ltc,
+            Mode::Reference => false,
         }
     }
 }
@@ -188,6 +218,8 @@ impl Default for Scene {
             size: 512,
             spp: 64,
             mode: Mode::Ltc,
+            model: LightModel::Ltc,
+            weight: WeightRule::Seven,
             exposure: 1.0,
             difference_scale: 0.2,
         }

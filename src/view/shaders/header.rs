@@ -63,7 +63,7 @@ fn bindings(language: Language) -> &'static str {
             set 1, of the example: case 0, result 1
   Sampled images, no sampler: the entries are weighed here."
         }
-        Language::Glsl => {
+        Language::Glsl | Language::GlslEs => {
             "\
   here      uniform block 0, nodes: storage block 1, textures: units 0, 1 and 2
             of the example: uniform block 2, storage block 3
@@ -92,6 +92,11 @@ pub(super) fn header(language: Language, layout: Layout) -> String {
     let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.rules().shader().number));
     let table = TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", "));
     let text = format!("{about}\n{table}  {}\n\n{EXAMPLE}\n{}", bindings(language), check(layout));
+    commented(&text)
+}
+
+/// The text in lines that begin with `//`.
+pub(super) fn commented(text: &str) -> String {
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }
 
@@ -128,12 +133,12 @@ fn shown(case: &Case, golden: &Golden) -> String {
     )
 }
 
-fn listed(numbers: &[f64]) -> String {
+pub(super) fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
 /// Six decimals, without a sign on zero.
-fn fixed(x: f64) -> String {
+pub(super) fn fixed(x: f64) -> String {
     let text = format!("{x:.6}");
     if text == "-0.000000" { "0.000000".to_owned() } else { text }
 }

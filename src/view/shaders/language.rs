@@ -7,6 +7,8 @@ pub enum Language {
     Wgsl,
     /// GLSL 4.50 for OpenGL.
     Glsl,
+    /// GLSL ES 3.10 for OpenGL ES.
+    GlslEs,
     /// HLSL for shader model 5.1.
     Hlsl,
     /// Metal Shading Language 2.0.
@@ -17,7 +19,7 @@ pub enum Language {
 
 impl Language {
     /// Every language.
-    pub const ALL: [Self; 5] = [Self::Wgsl, Self::Glsl, Self::Hlsl, Self::Msl, Self::Spirv];
+    pub const ALL: [Self; 6] = [Self::Wgsl, Self::Glsl, Self::GlslEs, Self::Hlsl, Self::Msl, Self::Spirv];
 
     /// Its name on the command line.
     #[must_use]
@@ -25,6 +27,7 @@ impl Language {
         match self {
             Self::Wgsl => "wgsl",
             Self::Glsl => "glsl",
+            Self::GlslEs => "glsl-es",
             Self::Hlsl => "hlsl",
             Self::Msl => "msl",
             Self::Spirv => "spirv",

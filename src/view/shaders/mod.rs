@@ -1,6 +1,6 @@
 //! The shaders in WGSL, and one file of them for other renderers, translated where its language is not WGSL.
 //!
-//! [`SHADERS`] are the files of `shaders/`. [`port()`] joins those that a renderer needs for one layout of tables, puts a
+//! [`SHADERS`] are the files of `shaders/`. [`port()`] joins those that a renderer needs for one layout of tables, or for none, puts a
 //! comment above them, and has naga translate them. WGSL is handed out as it is written, without naga.
 //!
 //! Invariants: `shaders` knows neither a GPU nor a picture; only `translate` uses naga; equal arguments give equal bytes
@@ -9,6 +9,8 @@
 mod golden;
 mod header;
 mod language;
+mod lit_by;
+mod normals_header;
 mod port;
 mod sources;
 #[cfg(all(test, feature = "shaders"))]
@@ -19,6 +21,7 @@ mod translate;
 #[cfg(test)]
 pub(in crate::view) use golden::{CASES, CORNERS, Golden, TOLERANCE, table as golden_table};
 pub use language::Language;
+pub use lit_by::LitBy;
 pub use port::wgsl;
 #[cfg(feature = "shaders")]
 pub use port::{PortError, port};

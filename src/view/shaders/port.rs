@@ -1,9 +1,8 @@
-//! A shader for other renderers, in their language and for one layout of tables.
+//! A shader for other renderers, in their language.
 
 #[cfg(feature = "shaders")]
 use super::translate::translate;
-use super::{header::header, language::Language, sources::for_layout};
-use crate::fit::Layout;
+use super::{header::header, language::Language, lit_by::LitBy, normals_header::normals_header, sources::ported};
 
 /// Why there is no translation: a defect of the shaders or of naga, since no argument of the caller leads here.
 #[cfg(feature = "shaders")]
@@ -16,29 +15,38 @@ pub struct PortError {
     pub reason: String,
 }
 
-/// The shader that reads tables of `layout`, in WGSL as it is written here.
+/// The shader that lights by a table of some layout, or without one, in WGSL as it is written here.
 ///
-/// It begins with a comment that explains how to bind a table and lists values that a port has to reproduce.
+/// It begins with a comment that explains how to call it and lists values that a port has to reproduce.
 #[must_use]
-pub fn wgsl(layout: Layout) -> String {
-    format!("{}\n{}", header(Language::Wgsl, layout), for_layout(layout))
+pub fn wgsl(lit_by: impl Into<LitBy>) -> String {
+    let lit_by = lit_by.into();
+    format!("{}\n{}", comment(Language::Wgsl, lit_by), ported(lit_by))
 }
 
-/// The shader that reads tables of `layout`, in `language`: UTF-8, or the words of SPIR-V in little-endian order.
+/// The comment at the top.
+pub(super) fn comment(language: Language, lit_by: LitBy) -> String {
+    match lit_by {
+        LitBy::Table(layout) => header(language, layout),
+        LitBy::Normals => normals_header(language),
+    }
+}
+
+/// The same shader in `language`: UTF-8, or the words of SPIR-V in little-endian order.
 ///
-/// Text begins with a comment that explains how to bind a table and lists values that a port has to reproduce. SPIR-V
-/// holds that comment in its `OpSource`.
+/// SPIR-V holds the comment in its `OpSource`.
 ///
 /// # Errors
 /// naga does not translate the shader.
 #[cfg(feature = "shaders")]
-pub fn port(language: Language, layout: Layout) -> Result<Vec<u8>, PortError> {
+pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, PortError> {
+    let lit_by = lit_by.into();
     if language == Language::Wgsl {
-        return Ok(wgsl(layout).into_bytes());
+        return Ok(wgsl(lit_by).into_bytes());
     }
-    let header = header(language, layout);
-    let source = format!("{header}\n{}", for_layout(layout));
-    let body = translate(language, &source).map_err(|reason| PortError { language, reason })?;
+    let header = comment(language, lit_by);
+    let source = format!("{header}\n{}", ported(lit_by));
+    let body = translate(language, lit_by, &source).map_err(|reason| PortError { language, reason })?;
     let is_text = language != Language::Spirv;
     Ok(if is_text { [header.as_bytes(), b"\n", &body].concat() } else { body })
 }

@@ -1,5 +1,6 @@
 //! The sources in WGSL, and how they are joined.
 
+use super::LitBy;
 use crate::fit::Layout;
 
 /// A file of `shaders/`.
@@ -12,20 +13,23 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 6] = [
+pub const SHADERS: [Shader; 8] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
     Shader { name: "ltc_light", source: include_str!("../../../shaders/ltc_light.wgsl") },
+    Shader { name: "normals_light", source: include_str!("../../../shaders/normals_light.wgsl") },
     Shader { name: "ltc_example", source: include_str!("../../../shaders/ltc_example.wgsl") },
+    Shader { name: "normals_example", source: include_str!("../../../shaders/normals_example.wgsl") },
     Shader { name: "ggx_reference", source: include_str!("../../../shaders/ggx_reference.wgsl") },
     Shader { name: "sphere", source: include_str!("../../../shaders/sphere.wgsl") },
 ];
 
-/// What a renderer takes, with the entry point that shows how to call it.
+/// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
 const PORTED: [&str; 4] = ["ltc_math", "ltc_table", "ltc_light", "ltc_example"];
+const PORTED_NORMALS: [&str; 3] = ["ltc_math", "normals_light", "normals_example"];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 5] = ["ltc_math", "ltc_table", "ltc_light", "ggx_reference", "sphere"];
+const PREVIEWED: [&str; 6] = ["ltc_math", "ltc_table", "ltc_light", "normals_light", "ggx_reference", "sphere"];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
 pub(in crate::view) fn joined(names: &[&str]) -> String {
@@ -72,9 +76,12 @@ pub(in crate::view) fn table_reader() -> String {
     module(&["ltc_math", "ltc_table"], Layout::ALL)
 }
 
-/// The module that other renderers take, for tables of one layout.
-pub(super) fn for_layout(layout: Layout) -> String {
-    module(&PORTED, &[layout])
+/// The module that other renderers take.
+pub(super) fn ported(lit_by: LitBy) -> String {
+    match lit_by {
+        LitBy::Table(layout) => module(&PORTED, &[layout]),
+        LitBy::Normals => joined(&PORTED_NORMALS),
+    }
 }
 
 #[cfg(test)]
@@ -110,8 +117,10 @@ mod tests {
         validate(&["ltc_math"]);
         validate(&["ltc_math", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
+        validate(&["ltc_math", "normals_light"]);
         validate(&["ltc_math", "ltc_table", "ltc_light"]);
         validate(&PORTED);
+        validate(&PORTED_NORMALS);
         validate(&["ltc_math", "ggx_reference"]);
         validate(&PREVIEWED);
     }

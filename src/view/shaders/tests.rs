@@ -1,14 +1,15 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use super::{golden::CASES, header::header, *};
+use super::{golden::CASES, header::header, normals_header::normals_header, *};
 use crate::fit::Layout;
 
-fn ported(language: Language, layout: Layout) -> Vec<u8> {
-    port(language, layout).unwrap_or_else(|error| panic!("{layout:?}: {error}"))
+fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
+    let lit_by = lit_by.into();
+    port(language, lit_by).unwrap_or_else(|error| panic!("{lit_by:?}: {error}"))
 }
 
-fn text(language: Language, layout: Layout) -> String {
-    String::from_utf8(ported(language, layout)).expect("UTF-8")
+fn text(language: Language, lit_by: impl Into<LitBy>) -> String {
+    String::from_utf8(ported(language, lit_by)).expect("UTF-8")
 }
 
 /// Code without its comments, which the header is.
@@ -49,12 +50,30 @@ fn every_language_has_header_and_functions_of_either_layout() {
 }
 
 #[test]
+fn every_language_has_the_shader_without_a_table() {
+    for language in Language::ALL.into_iter().filter(|language| *language != Language::Spirv) {
+        let (text, name) = (text(language, LitBy::Normals), language.name());
+        let header = normals_header(language);
+        assert!(header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 124), "{name}");
+        assert!(text.starts_with(&header), "{name}");
+        let code = code(&text);
+        for function in ["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"] {
+            assert!(code.contains(&format!("{function}(")), "{name}: {function}");
+        }
+        assert!(!code.contains("ltc_table") && !code.contains("sampler"), "{name} needs a table");
+    }
+    let binary = ported(Language::Spirv, LitBy::Normals);
+    assert_eq!(binary[..4], [0x03, 0x02, 0x23, 0x07]);
+}
+
+#[test]
 fn languages_look_like_themselves() {
     // GLSL has one name for an entry point.
     let entries =
         [(Language::Glsl, "void main()"), (Language::Hlsl, "void ltc_example()"), (Language::Msl, "void ltc_example(")];
     let signs = [
         (Language::Glsl, "#version 450"),
+        (Language::GlslEs, "#version 310 es"),
         (Language::Hlsl, "[numthreads(1, 1, 1)]"),
         (Language::Msl, "#include <metal_stdlib>"),
     ];

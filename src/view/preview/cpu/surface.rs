@@ -7,11 +7,15 @@ use super::{
     light::Inverse,
     lookup::{LEAST_ALPHA, lookup},
 };
-use crate::view::preview::{
-    ShaderTable, Surface,
-    estimator::Estimator,
-    frame::{Frame, LOWEST_VIEW},
-    radiances::{BELOW, BESIDE},
+use crate::{
+    fit::Sides,
+    light::normals,
+    view::preview::{
+        ShaderTable, Surface,
+        estimator::Estimator,
+        frame::{Frame, LOWEST_VIEW},
+        radiances::{BELOW, BESIDE},
+    },
 };
 
 const POLE: f32 = 1e-4;
@@ -21,6 +25,7 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
     let (place, cell) = place_of(frame, at);
     match estimator {
         Estimator::Table => surface(frame, place, cell, |at| by_table(frame, table, at)),
+        Estimator::Normals => surface(frame, place, cell, |at| by_normals(frame, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
             let parts = ggx::reference(shaded, &frame.light, frame.spp, at[1] * frame.size + at[0]);
             reflected(frame, parts)
@@ -95,6 +100,15 @@ fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
     let covered = Inverse::of(lobe.matrix).covered(&frame.light, at.position, to_local);
     reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered)
+}
+
+fn by_normals(frame: &Frame, at: &Shaded) -> Vec3 {
+    let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
+    let light = &frame.light;
+    let vertices: Vec<[f32; 3]> = light.vertices.iter().map(|v| (to_local * (*v - at.position)).to_array()).collect();
+    let sides = if light.two_sided { Sides::Two } else { Sides::One };
+    let parts = normals::reflected(at.alpha.to_array(), at.wo.to_array(), &vertices, sides, frame.weight);
+    reflected(frame, Vec2::from(parts))
 }
 
 fn reflected(frame: &Frame, parts: Vec2) -> Vec3 {

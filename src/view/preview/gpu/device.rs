@@ -140,6 +140,7 @@ impl Device {
 fn entry_point(estimator: Estimator) -> &'static str {
     match estimator {
         Estimator::Table => "surface_by_table",
+        Estimator::Normals => "surface_by_normals",
         Estimator::Reference => "surface_by_reference",
         Estimator::TableLobe => "lobe_by_table",
         Estimator::ReferenceLobe => "lobe_by_reference",

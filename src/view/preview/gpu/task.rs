@@ -2,7 +2,7 @@
 
 use super::tiles;
 use crate::view::preview::{
-    cost::TABLE_COST,
+    cost::NORMALS_COST,
     estimator::Estimator,
     frame::{Frame, Part},
 };
@@ -45,7 +45,7 @@ impl<'a> RenderTask<'a> {
     pub(super) fn parts(&self, tiles: u32) -> impl Iterator<Item = Part> {
         let is_sampled = self.estimator == Estimator::Reference;
         let all = if is_sampled { self.frame.spp } else { 1 };
-        let cost = if is_sampled { all.min(SAMPLES_A_PASS) } else { TABLE_COST };
+        let cost = if is_sampled { all.min(SAMPLES_A_PASS) } else { NORMALS_COST };
         let most = (SAMPLES_A_PART / cost / (tiles::SIDE * tiles::SIDE)).min(TILES_A_PART);
         let as_bytes = self.as_bytes;
         (0..tiles).step_by(most as usize).flat_map(move |first_tile| {

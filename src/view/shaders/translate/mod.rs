@@ -12,14 +12,13 @@ use naga::{
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
-use super::Language;
-
-/// The function that keeps all others in a translation.
-const ENTRY_POINT: &str = "ltc_example";
-const GROUP: (ShaderStage, &str) = (ShaderStage::Compute, ENTRY_POINT);
+use super::{Language, LitBy};
 
 /// Where a resource goes in languages without groups: what OpenGL calls its binding and Metal its index.
-const SLOTS: [(ResourceBinding, u8, Resource); 7] = [
+type Slot = (ResourceBinding, u8, Resource);
+
+/// The slots of a shader that reads a table.
+const TABLE_SLOTS: [Slot; 7] = [
     (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
     (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Buffer),
     (ResourceBinding { group: 0, binding: 2 }, 0, Resource::Texture),
@@ -27,6 +26,12 @@ const SLOTS: [(ResourceBinding, u8, Resource); 7] = [
     (ResourceBinding { group: 0, binding: 4 }, 2, Resource::Texture),
     (ResourceBinding { group: 1, binding: 0 }, 2, Resource::Buffer),
     (ResourceBinding { group: 1, binding: 1 }, 3, Resource::WrittenBuffer),
+];
+
+/// The slots of a shader that reads none.
+const NORMALS_SLOTS: [Slot; 2] = [
+    (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
+    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::WrittenBuffer),
 ];
 
 /// Metal's buffer of the lengths of arrays.
@@ -41,21 +46,32 @@ enum Resource {
 }
 
 /// The WGSL module `source` in `language`, as UTF-8 or as the words of SPIR-V; the error is naga's.
-pub(super) fn translate(language: Language, source: &str) -> Result<Vec<u8>, String> {
+pub(super) fn translate(language: Language, lit_by: LitBy, source: &str) -> Result<Vec<u8>, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     let info = validate(&module)?;
-    let constants = PipelineConstants::from_iter([("ltc_hardware_filter".to_owned(), 0.0)]);
-    let (module, _) = process_overrides(&module, &info, Some(GROUP), &constants).map_err(text)?;
+    // The function that keeps all others in a translation.
+    let entry = lit_by.entry_point();
+    let (slots, filter): (&[Slot], _) = match lit_by {
+        LitBy::Table(_) => (&TABLE_SLOTS, Some(("ltc_hardware_filter".to_owned(), 0.0))),
+        LitBy::Normals => (&NORMALS_SLOTS, None),
+    };
+    let constants = PipelineConstants::from_iter(filter);
+    let stage = Some((ShaderStage::Compute, entry));
+    let (module, _) = process_overrides(&module, &info, stage, &constants).map_err(text)?;
     let mut module = module.into_owned();
     fold::known_branches(&mut module);
     compact(&mut module, KeepUnused::No);
     let info = validate(&module)?;
     match language {
         Language::Wgsl => Ok(source.into()),
-        Language::Glsl => glsl(&module, &info).map(String::into_bytes),
-        Language::Hlsl => hlsl(&module, &info).map(String::into_bytes),
-        Language::Msl => msl(&module, &info).map(String::into_bytes),
-        Language::Spirv => spirv(&module, &info, source),
+        Language::Glsl => glsl(&module, &info, glsl::Version::Desktop(450), entry, slots).map(String::into_bytes),
+        Language::GlslEs => {
+            let version = glsl::Version::Embedded { version: 310, is_webgl: false };
+            glsl(&module, &info, version, entry, slots).map(String::into_bytes)
+        }
+        Language::Hlsl => hlsl(&module, &info, entry).map(String::into_bytes),
+        Language::Msl => msl(&module, &info, entry, slots).map(String::into_bytes),
+        Language::Spirv => spirv(&module, &info, entry, source),
     }
 }
 
@@ -69,17 +85,20 @@ fn validate(module: &Module) -> Result<ModuleInfo, String> {
         .map_err(|error| format!("{:?}", error.into_inner()))
 }
 
-fn glsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+fn glsl(
+    module: &Module,
+    info: &ModuleInfo,
+    version: glsl::Version,
+    entry: &str,
+    slots: &[Slot],
+) -> Result<String, String> {
     let options = glsl::Options {
-        version: glsl::Version::Desktop(450),
-        binding_map: SLOTS.iter().map(|(binding, slot, _)| (*binding, *slot)).collect(),
+        version,
+        binding_map: slots.iter().map(|(binding, slot, _)| (*binding, *slot)).collect(),
         ..Default::default()
     };
-    let pipeline = glsl::PipelineOptions {
-        shader_stage: ShaderStage::Compute,
-        entry_point: ENTRY_POINT.to_owned(),
-        multiview: None,
-    };
+    let pipeline =
+        glsl::PipelineOptions { shader_stage: ShaderStage::Compute, entry_point: entry.to_owned(), multiview: None };
     let mut out = String::new();
     let mut writer =
         glsl::Writer::new(&mut out, module, info, &options, &pipeline, BoundsCheckPolicies::default()).map_err(text)?;
@@ -87,16 +106,16 @@ fn glsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
     Ok(out)
 }
 
-fn hlsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+fn hlsl(module: &Module, info: &ModuleInfo, entry: &str) -> Result<String, String> {
     // Without a map a binding's group is its space and its number the register's, which is what the header tells.
     let options = hlsl::Options { restrict_indexing: false, force_loop_bounding: false, ..Default::default() };
-    let pipeline = hlsl::PipelineOptions { entry_point: Some((GROUP.0, GROUP.1.to_owned())) };
+    let pipeline = hlsl::PipelineOptions { entry_point: Some((ShaderStage::Compute, entry.to_owned())) };
     let mut out = String::new();
     hlsl::Writer::new(&mut out, &options, &pipeline).write(module, info, None).map_err(text)?;
     Ok(out)
 }
 
-fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+fn msl(module: &Module, info: &ModuleInfo, entry: &str, slots: &[Slot]) -> Result<String, String> {
     let target = |slot: u8, kind: Resource| msl::BindTarget {
         buffer: (kind != Resource::Texture).then_some(slot),
         texture: (kind == Resource::Texture).then_some(slot),
@@ -104,26 +123,27 @@ fn msl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
         ..Default::default()
     };
     let resources = msl::EntryPointResources {
-        resources: SLOTS.iter().map(|(binding, slot, kind)| (*binding, target(*slot, *kind))).collect(),
+        resources: slots.iter().map(|(binding, slot, kind)| (*binding, target(*slot, *kind))).collect(),
         // Metal does not know the length of an array; naga needs it wherever that is not fixed.
         sizes_buffer: Some(SIZES_SLOT),
         ..Default::default()
     };
     let options = msl::Options {
         lang_version: (2, 0),
-        per_entry_point_map: [(ENTRY_POINT.to_owned(), resources)].into(),
+        per_entry_point_map: [(entry.to_owned(), resources)].into(),
         fake_missing_bindings: false,
         force_loop_bounding: false,
         ..Default::default()
     };
-    let pipeline = msl::PipelineOptions { entry_point: Some((GROUP.0, GROUP.1.to_owned())), ..Default::default() };
+    let pipeline =
+        msl::PipelineOptions { entry_point: Some((ShaderStage::Compute, entry.to_owned())), ..Default::default() };
     let (out, translation) = msl::write_string(module, info, &options, &pipeline).map_err(text)?;
     // The writer leaves out a function whose bindings are missing, without an error.
     translation.entry_point_names.into_iter().collect::<Result<Vec<_>, _>>().map_err(text)?;
     Ok(out)
 }
 
-fn spirv(module: &Module, info: &ModuleInfo, source: &str) -> Result<Vec<u8>, String> {
+fn spirv(module: &Module, info: &ModuleInfo, entry: &str, source: &str) -> Result<Vec<u8>, String> {
     // Many validators do not know the number of WGSL among the source languages yet.
     let language = spv::SourceLanguage::Unknown;
     let debug_info = spv::DebugInfo { source_code: source, file_name: "ltc.wgsl", language };
@@ -134,7 +154,7 @@ fn spirv(module: &Module, info: &ModuleInfo, source: &str) -> Result<Vec<u8>, St
         force_loop_bounding: false,
         ..Default::default()
     };
-    let pipeline = spv::PipelineOptions { shader_stage: ShaderStage::Compute, entry_point: ENTRY_POINT.to_owned() };
+    let pipeline = spv::PipelineOptions { shader_stage: ShaderStage::Compute, entry_point: entry.to_owned() };
     let words = spv::write_vec(module, info, &options, Some(&pipeline)).map_err(text)?;
     Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
 }

@@ -1,0 +1,47 @@
+//! What a shader lights by.
+
+use crate::{fit::Layout, light::LightModel};
+
+/// What a shader for other renderers lights by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LitBy {
+    /// Tables of LTCs in this layout.
+    Table(Layout),
+    /// The closed form in the space of normals, without a table.
+    Normals,
+}
+
+impl LitBy {
+    /// The model.
+    #[must_use]
+    pub fn model(self) -> LightModel {
+        match self {
+            Self::Table(_) => LightModel::Ltc,
+            Self::Normals => LightModel::Normals,
+        }
+    }
+
+    /// The layout of its tables.
+    #[must_use]
+    pub fn layout(self) -> Option<Layout> {
+        match self {
+            Self::Table(layout) => Some(layout),
+            Self::Normals => None,
+        }
+    }
+
+    /// The name of the entry point that shows how to call the shader.
+    #[cfg(feature = "shaders")]
+    pub(super) fn entry_point(self) -> &'static str {
+        match self {
+            Self::Table(_) => "ltc_example",
+            Self::Normals => "normals_example",
+        }
+    }
+}
+
+impl From<Layout> for LitBy {
+    fn from(layout: Layout) -> Self {
+        Self::Table(layout)
+    }
+}
