@@ -5,7 +5,10 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::FsckArgs, config_file::ServeSection, print, serve::DEFAULT_DATA};
-use crate::server::service::{CheckReport, check};
+use crate::{
+    files::job::listed,
+    server::service::{CheckReport, check},
+};
 
 /// Checks the folder, mends what can be mended, and tells what was found.
 pub(super) fn run(
@@ -38,8 +41,13 @@ fn text(report: &CheckReport) -> String {
     line(store.database_was_replaced, "the database was damaged; a copy of it is in quarantine".to_owned());
     line(store.damaged_rows > 0, format!("{} rows of the database do not match their seal", store.damaged_rows));
     line(store.restored_rows > 0, format!("{} rows of jobs were restored from their journal", store.restored_rows));
+    line(!store.restored_jobs.is_empty(), format!("jobs among them: {}", listed(&store.restored_jobs)));
     let entries = store.damaged_journal_entries;
     line(entries > 0, format!("{entries} entries of the journal of jobs are damaged"));
+    let incomplete =
+        "the journal of jobs is missing, empty or incomplete: whether the database has lost jobs cannot be proved";
+    line(store.journal_is_incomplete, incomplete.to_owned());
+    line(!store.lost_jobs.is_empty(), format!("jobs that are lost: {}", listed(&store.lost_jobs)));
     for digest in damaged_tables {
         line(true, format!("{digest}: its file is damaged; it was moved to quarantine"));
     }

@@ -14,6 +14,7 @@ mod blob;
 mod catalogue;
 mod error;
 mod files;
+mod findings;
 mod journal;
 #[cfg(test)]
 pub(crate) mod memory;
@@ -29,7 +30,8 @@ pub(crate) use files::copy_folder;
 pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
 pub use error::StoreError;
-pub use open::{Findings, Store, StoreOpenError};
+pub use findings::Findings;
+pub use open::{Store, StoreOpenError};
 pub use rows::{Batch, Row, Rows};
 pub use sled_rows::SledRows;
 pub use tree::Tree;

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{
-    Blobs, FileBlobs, Rows, SledRows, StoreError, files, journal::JournalledRows, migrations::MigrationError,
+    Blobs, FileBlobs, Findings, Rows, SledRows, StoreError, files, journal::JournalledRows, migrations::MigrationError,
     sled_rows::SledOpenError,
 };
 
@@ -23,19 +23,6 @@ pub struct Store {
     pub found: Findings,
     /// Dropping it unlocks the folder.
     _lock: File,
-}
-
-/// What was wrong with a store when it was opened.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Findings {
-    /// The database did not open or could not be read: a part of it, or an empty one, took its place.
-    pub database_was_replaced: bool,
-    /// Rows that do not match their seal. They count as absent.
-    pub damaged_rows: usize,
-    /// Rows of jobs that the database had lost, and that the journal had.
-    pub restored_rows: usize,
-    /// Damaged entries of the journal.
-    pub damaged_journal_entries: usize,
 }
 
 /// Why a data folder did not open.
@@ -71,7 +58,8 @@ impl Store {
     /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
     ///
     /// Every row of the database is read and checked. A database that does not open or cannot be read is copied to
-    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost are restored from their journal.
+    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost are restored from their journal. A damaged journal
+    /// is copied to `quarantine/jobs.log-N` before it is written anew.
     ///
     /// # Errors
     /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
@@ -82,7 +70,9 @@ impl Store {
         let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
         let mut found = Findings::default();
         let rows = open_rows(&dir.join("db"), &quarantine, &mut found)?;
-        let rows = with_journal(rows, &dir.join("jobs.log"), &mut found)?;
+        let was_journalled = rows.was_journalled;
+        let rows = JournalledRows::open(rows, &dir.join("jobs.log"), &quarantine, was_journalled, &mut found)?;
+        found.log();
         Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, _lock: lock })
     }
 }
@@ -149,26 +139,6 @@ fn open_and_read(folder: &Path) -> Result<(SledRows, usize), SledOpenError> {
     Ok((rows, damaged))
 }
 
-/// Compares the database with the journal of jobs and says what was lost.
-fn with_journal(rows: SledRows, path: &Path, found: &mut Findings) -> Result<JournalledRows<SledRows>, StoreOpenError> {
-    let (rows, restored) = JournalledRows::open(rows, path)?;
-    found.restored_rows = restored.rows;
-    found.damaged_journal_entries = restored.damaged_entries;
-    if restored.rows > 0 {
-        tracing::error!(rows = restored.rows, "the database had lost rows of jobs; they are restored from the journal");
-    }
-    if restored.damaged_entries > 0 {
-        tracing::error!(
-            entries = restored.damaged_entries,
-            "entries of the journal of jobs are damaged; a job that the database lacks as well is lost"
-        );
-    }
-    if found.damaged_rows > 0 {
-        tracing::error!(rows = found.damaged_rows, "rows of the database do not match their seal");
-    }
-    Ok(rows)
-}
-
 fn refusal(error: SledOpenError) -> StoreOpenError {
     match error {
         SledOpenError::Schema(MigrationError::FromTheFuture { found, known }) => {
@@ -219,7 +189,7 @@ mod tests {
         let db = open_sled(&dir.path().join("db")).unwrap();
         db.open_tree("migrations").unwrap().insert(99_u32.to_be_bytes(), b"").unwrap();
         drop(db);
-        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 2 })));
+        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 3 })));
         assert!(!dir.path().join("quarantine").exists());
     }
 

@@ -60,6 +60,8 @@ pub struct SledRows {
     handle: RwLock<Option<Handle>>,
     /// Whether the database was empty, without even a schema, when it was opened.
     pub(super) was_empty: bool,
+    /// Whether jobs had a journal beside the database when it was opened.
+    pub(super) was_journalled: bool,
 }
 
 struct Handle {
@@ -67,7 +69,8 @@ struct Handle {
     trees: [sled::Tree; Tree::ALL.len()],
     /// sled's data file, for the fsync.
     file: File,
-    was_empty: bool,
+    /// Migrations that were applied when it was opened.
+    applied: usize,
 }
 
 impl std::fmt::Debug for SledRows {
@@ -112,8 +115,14 @@ impl SledRows {
     pub(super) fn open(folder: &Path, sync: SyncFn) -> Result<Self, SledOpenError> {
         let handle = open_caught(folder)?;
         sync(&handle.file).map_err(SledOpenError::Unusable)?;
-        let was_empty = handle.was_empty;
-        Ok(Self { folder: folder.to_owned(), sync, handle: RwLock::new(Some(handle)), was_empty })
+        let before = migrations::ALL.len() - handle.applied;
+        Ok(Self {
+            folder: folder.to_owned(),
+            sync,
+            handle: RwLock::new(Some(handle)),
+            was_empty: before == 0,
+            was_journalled: before >= migrations::WITH_JOURNAL,
+        })
     }
 
     /// Runs `operation` on the database. If an earlier write error closed it, it is opened again.
@@ -248,7 +257,7 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     let file = File::options().read(true).write(true).open(folder.join("db")).map_err(SledOpenError::Unusable)?;
     db.flush().map_err(refused)?;
     file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
-    Ok(Handle { db, trees, file, was_empty: applied == migrations::ALL.len() })
+    Ok(Handle { db, trees, file, applied })
 }
 
 /// Opens the database in `folder` with sled, once it is not locked.
