@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
-    server::store::{Catalogue, Findings, Store, StoreError},
+    server::store::{Blobs, Catalogue, Findings, Rows, Store, StoreError},
 };
 
 /// What was done to make the catalogue and the blobs agree.
@@ -65,19 +65,23 @@ pub fn check(folder: &Path) -> Result<CheckReport, OpenError> {
             Err(error) => return Err(of(error)),
         }
     }
-    let catalogue = reconcile(&store, &FitEngine::default()).map_err(of)?;
+    let catalogue = reconcile(&store.rows, store.blobs.as_ref(), &FitEngine::default()).map_err(of)?;
     Ok(CheckReport { store: store.found, catalogue, tables, damaged_tables })
 }
 
 /// Makes the catalogue agree with the blobs, both ways, and logs every difference.
-pub(super) fn reconcile(store: &Store, engine: &dyn Engine) -> Result<Reconciled, StoreError> {
-    let catalogue = Catalogue::new(Arc::clone(&store.rows));
-    let blobs: BTreeMap<Digest, Timestamp> =
-        store.blobs.list()?.into_iter().map(|blob| (blob.digest, blob.stored_at)).collect();
+pub(super) fn reconcile(
+    rows: &Arc<dyn Rows>,
+    blobs: &dyn Blobs,
+    engine: &dyn Engine,
+) -> Result<Reconciled, StoreError> {
+    let catalogue = Catalogue::new(Arc::clone(rows));
+    let stored: BTreeMap<Digest, Timestamp> =
+        blobs.list()?.into_iter().map(|blob| (blob.digest, blob.stored_at)).collect();
     let complete: BTreeSet<Digest> = catalogue.complete()?;
     let mut done = Reconciled::default();
-    for (digest, stored_at) in blobs.iter().filter(|(digest, _)| !complete.contains(*digest)) {
-        let bytes = match store.blobs.get(*digest) {
+    for (digest, stored_at) in stored.iter().filter(|(digest, _)| !complete.contains(*digest)) {
+        let bytes = match blobs.get(*digest) {
             Ok(Some(bytes)) => bytes,
             // The store has moved it to quarantine and logged it.
             Ok(None) | Err(StoreError::Corrupt { .. }) => continue,
@@ -86,17 +90,17 @@ pub(super) fn reconcile(store: &Store, engine: &dyn Engine) -> Result<Reconciled
         let Some((recipe, recipe_digest)) = engine.recognise(&bytes) else { continue };
         let created_at = catalogue.table(*digest)?.map_or(*stored_at, |row| row.created_at);
         let row = TableRow { digest: *digest, recipe_digest, bytes: bytes.len() as u64, created_at };
-        store.rows.commit(&Catalogue::entry(&row, &recipe)?)?;
+        rows.commit(&Catalogue::entry(&row, &recipe)?)?;
         done.added.push(*digest);
     }
-    for digest in complete.iter().filter(|digest| !blobs.contains_key(*digest)) {
+    for digest in complete.iter().filter(|digest| !stored.contains_key(*digest)) {
         tracing::error!(table = %digest, "the file of a table is missing; it is taken out of the catalogue");
         catalogue.forget(*digest)?;
         done.lost.push(*digest);
     }
     let dangling = catalogue.dangling()?;
     if !dangling.is_empty() {
-        store.rows.commit(&dangling)?;
+        rows.commit(&dangling)?;
     }
     if !done.added.is_empty() {
         tracing::warn!(

@@ -18,7 +18,7 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{FailureKind, JobId, JobState, StateName},
-        store::{Batch, Catalogue, ManifestRow, Store, Tree, memory::MemoryRows},
+        store::{Batch, Catalogue, ManifestRow, Rows, Store, Tree, memory::MemoryRows},
     },
 };
 
@@ -280,6 +280,19 @@ fn a_lost_database_leaves_the_tables() {
     assert_eq!(again, table);
     assert_eq!(service.job(job.id).unwrap().unwrap().job, job, "the job can be looked up");
     assert_eq!(shared.begun(), 2);
+}
+
+/// sled may lose rows when a write error closes it while the service runs.
+#[test]
+fn a_database_that_is_opened_again_gets_back_the_jobs_and_tables_that_it_lost() {
+    let dir = tempfile::tempdir().unwrap();
+    let service = start(dir.path(), &Arc::new(Shared::default()));
+    let table = fitted(&service, "gold 2");
+    let without: Arc<dyn Rows> = Arc::new(MemoryRows::default());
+    service.state.tables.store.checks.run(&without).unwrap();
+    let id = JobId::of_recipe(&Digest::of(b"gold 2"));
+    assert!(without.get(Tree::Jobs, id.as_bytes()).unwrap().is_some());
+    assert_eq!(Catalogue::new(without).page(None, 9).unwrap().0[0].digest, table);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::{
     fs::{self, File, OpenOptions},
     io::{self, Write as _},
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
 };
 
 use entries::{Entries, KEPT};
@@ -76,6 +76,20 @@ impl<R: Rows> JournalledRows<R> {
     }
 }
 
+/// Restores from the journal at `path` what `rows`, opened again while the process runs, lack, and logs it.
+///
+/// # Errors
+/// When the journal cannot be read, or the database fails.
+pub(super) fn restore_again(rows: &Arc<dyn Rows>, path: &Path) -> Result<(), StoreError> {
+    let entries = entries::read(&read_file(path)?.unwrap_or_default());
+    let stored = Stored::read(rows.as_ref())?;
+    let is_incomplete = entries.intact == 0 || stored.lacking_in(&entries) > UNFINISHED + entries.damaged;
+    let mut found = Findings { journal_is_incomplete: is_incomplete, ..Findings::default() };
+    restore(rows.as_ref(), &stored, &entries, &mut found)?;
+    found.log();
+    Ok(())
+}
+
 /// Jobs that a database may have and its journal not: the one whose commit a crash interrupted between the two.
 const UNFINISHED: usize = 1;
 
@@ -83,7 +97,7 @@ const UNFINISHED: usize = 1;
 struct Stored(BTreeMap<Tree, BTreeMap<Vec<u8>, Option<Vec<u8>>>>);
 
 impl Stored {
-    fn read(rows: &impl Rows) -> Result<Self, StoreError> {
+    fn read(rows: &dyn Rows) -> Result<Self, StoreError> {
         let mut stored = BTreeMap::new();
         for tree in KEPT {
             let rows = rows.scan(tree, &[])?.into_iter().map(|Row { key, value }| (key, value));
@@ -106,7 +120,7 @@ impl Stored {
 
 /// Restores in `rows`, which are `stored`, what they lack of the journal. `found` is told what was restored, and which
 /// jobs were not.
-fn restore(rows: &impl Rows, stored: &Stored, entries: &Entries, found: &mut Findings) -> Result<(), StoreError> {
+fn restore(rows: &dyn Rows, stored: &Stored, entries: &Entries, found: &mut Findings) -> Result<(), StoreError> {
     let mut batch = Batch::default();
     for (tree, stored) in &stored.0 {
         for ((_, key), value) in entries.latest.iter().filter(|((name, _), _)| *name == tree.name()) {

@@ -12,6 +12,7 @@
 
 mod blob;
 mod catalogue;
+mod checks;
 mod error;
 mod files;
 mod findings;
@@ -29,6 +30,7 @@ pub(crate) use files::copy_folder;
 
 pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
+pub use checks::Checks;
 pub use error::StoreError;
 pub use findings::Findings;
 pub use open::{Store, StoreOpenError};

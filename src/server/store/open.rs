@@ -8,7 +8,9 @@ use std::{
 };
 
 use super::{
-    Blobs, FileBlobs, Findings, Rows, SledRows, StoreError, files, journal::JournalledRows, migrations::MigrationError,
+    Blobs, Checks, FileBlobs, Findings, Rows, SledRows, StoreError, files,
+    journal::{self, JournalledRows},
+    migrations::MigrationError,
     sled_rows::SledOpenError,
 };
 
@@ -21,6 +23,8 @@ pub struct Store {
     pub rows: Arc<dyn Rows>,
     /// What was wrong when it was opened. The catalogue must then be compared with the blobs.
     pub found: Findings,
+    /// What is checked when a write error closed the database and it was opened again.
+    pub checks: Checks,
     /// Dropping it unlocks the folder.
     _lock: File,
 }
@@ -70,10 +74,12 @@ impl Store {
         let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
         let mut found = Findings::default();
         let rows = open_rows(&dir.join("db"), &quarantine, &mut found)?;
-        let was_journalled = rows.was_journalled;
-        let rows = JournalledRows::open(rows, &dir.join("jobs.log"), &quarantine, was_journalled, &mut found)?;
+        let (checks, was_journalled) = (rows.checks.clone(), rows.was_journalled);
+        let journal = dir.join("jobs.log");
+        let rows = JournalledRows::open(rows, &journal, &quarantine, was_journalled, &mut found)?;
         found.log();
-        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, _lock: lock })
+        checks.add(move |rows| journal::restore_again(rows, &journal));
+        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, checks, _lock: lock })
     }
 }
 
@@ -130,11 +136,11 @@ fn open_rows(folder: &Path, quarantine: &Path, found: &mut Findings) -> Result<S
     tracing::error!("starting with an empty database");
     fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
     files::make_folder(folder)?;
-    SledRows::open(folder, Box::new(File::sync_all)).map_err(refusal)
+    SledRows::open(folder, Arc::new(File::sync_all)).map_err(refusal)
 }
 
 fn open_and_read(folder: &Path) -> Result<(SledRows, usize), SledOpenError> {
-    let rows = SledRows::open(folder, Box::new(File::sync_all))?;
+    let rows = SledRows::open(folder, Arc::new(File::sync_all))?;
     let damaged = rows.read_all().map_err(|error| SledOpenError::Damaged(error.to_string()))?;
     Ok((rows, damaged))
 }
