@@ -6,6 +6,7 @@
 //! digest. A change is durable before it is acknowledged or visible. Leases are not durable; they end with the process.
 
 mod active;
+mod forget;
 mod job;
 mod jobs;
 mod lease;

@@ -107,7 +107,7 @@ mod tests {
 
     fn open(rows: &Arc<MemoryRows>) -> Queue {
         let lease_ttl = Duration::from_secs(60);
-        let limits = Limits { jobs: 9, lease_ttl, max_attempts: NonZeroU32::MIN };
+        let limits = Limits { jobs: 9, lease_ttl, max_attempts: NonZeroU32::MIN, keep_ended: None };
         Queue::open(rows.clone(), limits, Arc::new(Timestamp::now)).unwrap()
     }
 

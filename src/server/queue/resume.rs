@@ -48,6 +48,7 @@ impl Queue {
             if !obsolete.is_empty() {
                 queue.commit(&mut state, Ok(obsolete))?;
             }
+            queue.forget_old(&mut state);
         }
         Ok(queue)
     }
@@ -105,7 +106,7 @@ mod tests {
     fn open(dir: &Path, max_attempts: u32) -> (Queue, Store) {
         let store = Store::open(dir).unwrap();
         let max_attempts = NonZeroU32::new(max_attempts).unwrap();
-        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts };
+        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
         (Queue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
     }
 

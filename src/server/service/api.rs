@@ -30,6 +30,8 @@ pub struct Config {
     pub entry_limit: u64,
     /// Seconds that a job's fit may take, as predicted when it is submitted.
     pub job_seconds: u64,
+    /// How long a job that has ended is remembered; `None` for ever. Tables are never deleted.
+    pub keep_ended: Option<Duration>,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
     /// How often a task may fail before its job does.

@@ -41,6 +41,7 @@ impl Service {
         let limits = Limits {
             jobs: config.queue_limit,
             lease_ttl: config.lease_ttl,
+            keep_ended: config.keep_ended,
             max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
         };
         let engine: Arc<dyn Engine> = Arc::from(engine);
