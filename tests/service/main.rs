@@ -8,5 +8,6 @@ mod clients;
 mod crash;
 mod damaged_blob;
 mod disk_full;
+mod fsck;
 mod jobs;
 mod openapi;

@@ -56,6 +56,9 @@ pub enum OpenError {
         /// The system's error.
         source: std::io::Error,
     },
+    /// It has no store, and none was to be made.
+    #[error("{} has no jobs and tables of this service", .0.display())]
+    NoStore(PathBuf),
     /// The store is of a later version of the program.
     #[error("the data folder {} has schema {found}; this program knows schemas up to {known}", .path.display())]
     FromTheFuture {

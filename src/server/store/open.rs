@@ -91,7 +91,7 @@ impl Store {
     }
 }
 
-fn lock(path: &Path) -> Result<File, StoreOpenError> {
+pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
     let file = File::options().create(true).truncate(false).write(true).open(path).map_err(StoreOpenError::Unusable)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
@@ -248,6 +248,27 @@ mod tests {
             }
         }
         assert!(restored > damaged / 4, "only {restored} of {damaged} damages concerned a job");
+    }
+
+    /// Writes a job into the tree past the seals.
+    fn spoil(dir: &Path, key: &str) {
+        let db = open_sled(&dir.join("db")).unwrap();
+        db.open_tree(Tree::Jobs.name()).unwrap().insert(key, b"12345678another".as_slice()).unwrap();
+        db.flush().unwrap();
+    }
+
+    #[test]
+    fn a_job_whose_row_is_damaged_is_restored_or_named_as_lost() {
+        let dir = tempfile::tempdir().unwrap();
+        one_job(&Store::open(dir.path()).unwrap());
+        spoil(dir.path(), "key");
+        spoil(dir.path(), "unknown");
+        let store = Store::open(dir.path()).unwrap();
+        let named = |key: &str| vec![crate::files::hex::to_hex(key.as_bytes())];
+        assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
+        let (restored_jobs, lost_jobs) = (named("key"), named("unknown"));
+        let found = Findings { damaged_rows: 2, restored_rows: 1, restored_jobs, lost_jobs, ..Findings::default() };
+        assert_eq!(store.found, found);
     }
 
     fn snapshots(dir: &Path) -> Vec<PathBuf> {
