@@ -1,6 +1,7 @@
 //! The service with a fake engine.
 
 mod fake_engine;
+mod reconciled;
 mod storage;
 
 use std::{num::NonZeroUsize, path::Path, sync::Arc, time::Duration};
