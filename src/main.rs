@@ -35,7 +35,7 @@ fn main() -> ExitCode {
         keep_vulkan_from_looking_for_a_display();
     }
     let on_interrupt = cli.command.on_interrupt();
-    log_to_stderr(if on_interrupt == OnInterrupt::Finishes { "info" } else { "warn" });
+    log_to_stderr(cli.command.log_level());
 
     let runtime = match tokio::runtime::Builder::new_multi_thread().enable_all().build() {
         Ok(runtime) => runtime,

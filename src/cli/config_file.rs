@@ -10,6 +10,7 @@
 //! queue_limit = 64
 //! entry_limit = 2000000
 //! job_seconds = 86400
+//! job_days = 90
 //! adapter = "cpu"
 //! allow_host = ["farm", "farm.example"]
 //! allow_origin = ["https://wiki.example"]
@@ -61,6 +62,7 @@ pub(super) struct ServeSection {
     pub(super) queue_limit: Option<NonZeroUsize>,
     pub(super) entry_limit: Option<NonZeroU64>,
     pub(super) job_seconds: Option<NonZeroU64>,
+    pub(super) job_days: Option<u32>,
     pub(super) adapter: Option<AdapterName>,
     pub(super) allow_host: Option<Vec<AllowedHost>>,
     pub(super) allow_origin: Option<Vec<AllowedOrigin>>,

@@ -5,9 +5,12 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::FsckArgs, config_file::ServeSection, print, serve::DEFAULT_DATA};
-use crate::server::service::{CheckReport, check};
+use crate::{
+    files::job::listed,
+    server::service::{CheckReport, check},
+};
 
-/// Checks the folder, mends what can be mended, and tells what was found.
+/// Checks the folder, changes nothing in it, and tells what is wrong and what the next start does about it.
 pub(super) fn run(
     args: FsckArgs,
     file: ServeSection,
@@ -27,7 +30,7 @@ pub(super) fn run(
 }
 
 fn text(report: &CheckReport) -> String {
-    let CheckReport { store, catalogue, tables, damaged_tables } = report;
+    let CheckReport { store, jobs, catalogue, tables, damaged_tables } = report;
     let mut out = format!("{tables} tables have the bytes of their digests\n");
     let mut line = |found: bool, text: String| {
         if found {
@@ -35,20 +38,34 @@ fn text(report: &CheckReport) -> String {
             let _ = writeln!(out, "{text}");
         }
     };
-    line(store.database_was_replaced, "the database was damaged; a copy of it is in quarantine".to_owned());
+    let replaced = "the database is damaged; the next start copies it to quarantine and restores its jobs and tables";
+    line(store.database_was_replaced, replaced.to_owned());
     line(store.damaged_rows > 0, format!("{} rows of the database do not match their seal", store.damaged_rows));
-    line(store.restored_rows > 0, format!("{} rows of jobs were restored from their journal", store.restored_rows));
+    let rows = store.restored_rows;
+    line(rows > 0, format!("the database lacks {rows} rows of jobs; the next start restores them from the journal"));
+    line(!store.restored_jobs.is_empty(), format!("jobs that are restored: {}", listed(&store.restored_jobs)));
     let entries = store.damaged_journal_entries;
-    line(entries > 0, format!("{entries} entries of the journal of jobs are damaged"));
+    let copied = "the next start copies it to quarantine and writes it anew";
+    line(entries > 0, format!("{entries} entries of the journal of jobs are damaged; {copied}"));
+    let incomplete =
+        "the journal of jobs is missing, empty or incomplete: whether the database has lost jobs cannot be proved";
+    line(store.journal_is_incomplete, incomplete.to_owned());
+    let lost = report.lost_jobs();
+    line(!lost.is_empty(), format!("jobs that are lost: {}", listed(&lost)));
+    let missing = listed(&jobs.listed);
+    line(!jobs.listed.is_empty(), format!("jobs that are missing in the list; the next start adds them: {missing}"));
+    let places = jobs.places_without_job;
+    line(places > 0, format!("{places} places in the list of jobs belong to no job; the next start removes them"));
     for digest in damaged_tables {
-        line(true, format!("{digest}: its file is damaged; it was moved to quarantine"));
+        line(true, format!("{digest}: its file is damaged; it is moved to quarantine when it is next read"));
     }
     for digest in &catalogue.lost {
-        line(true, format!("{digest}: its file is missing; it was taken out of the catalogue"));
+        line(true, format!("{digest}: its file is missing; the next start takes it out of the catalogue"));
     }
     for digest in &catalogue.added {
-        line(true, format!("{digest}: it was missing in the catalogue and was added"));
+        line(true, format!("{digest}: it is missing in the catalogue; the next start adds it"));
     }
     line(report.is_clean(), "nothing is wrong".to_owned());
+    line(!report.is_clean(), "nothing was changed".to_owned());
     out
 }

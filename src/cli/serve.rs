@@ -31,6 +31,7 @@ pub(super) const DEFAULT_DATA: &str = "ltcforge-data";
 const DEFAULT_QUEUE_LIMIT: usize = 64;
 /// A day.
 const DEFAULT_JOB_SECONDS: u64 = 86_400;
+const DEFAULT_JOB_DAYS: u32 = 90;
 /// A worker renews its lease several times a second.
 const LEASE_TTL: Duration = Duration::from_secs(60);
 const MAX_ATTEMPTS: u32 = 3;
@@ -68,12 +69,17 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
         queue_limit: args.queue_limit.or(file.queue_limit).map_or(DEFAULT_QUEUE_LIMIT, NonZeroUsize::get),
         entry_limit: args.entry_limit.or(file.entry_limit).map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get),
         job_seconds: args.job_seconds.or(file.job_seconds).map_or(DEFAULT_JOB_SECONDS, NonZeroU64::get),
+        keep_ended: keep_ended(args.job_days.or(file.job_days).unwrap_or(DEFAULT_JOB_DAYS)),
         lease_ttl: LEASE_TTL,
         max_attempts: MAX_ATTEMPTS,
         adapter: args.adapter.or(file.adapter).map_or(Adapter::Any, |name| name.0),
         picture_limit: PICTURE_LIMIT,
     };
     (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
+}
+
+fn keep_ended(days: u32) -> Option<Duration> {
+    (days > 0).then(|| Duration::from_secs(u64::from(days) * 86_400))
 }
 
 fn cannot_listen(listen: SocketAddr, error: &io::Error) -> CommandFailure {
@@ -101,6 +107,7 @@ mod tests {
             queue_limit: None,
             entry_limit: None,
             job_seconds: None,
+            job_days: None,
             adapter: None,
             connections: ConnectionArgs::default(),
         }
@@ -116,8 +123,16 @@ mod tests {
         assert_eq!(config.data_dir.to_str(), Some("flag"));
         assert_eq!(config.queue_limit, 5);
         assert_eq!(config.adapter, Adapter::Cpu);
+        assert_eq!(config.keep_ended, Some(Duration::from_secs(90 * 86_400)));
         assert_eq!(config.entry_limit, DEFAULT_ENTRY_LIMIT);
         assert_eq!(listen, DEFAULT_LISTEN);
+    }
+
+    #[test]
+    fn zero_days_keep_jobs_for_good() {
+        let file = ServeSection { job_days: Some(7), ..Default::default() };
+        assert_eq!(settle(nothing(), file.clone()).1.keep_ended, Some(Duration::from_secs(7 * 86_400)));
+        assert_eq!(settle(ServeArgs { job_days: Some(0), ..nothing() }, file).1.keep_ended, None);
     }
 
     #[test]

@@ -37,6 +37,17 @@ impl JobId {
     }
 }
 
+/// Most ids that a sentence lists.
+const LISTED: usize = 20;
+
+/// Some of `ids`, as a sentence lists them, and how many more there are.
+#[must_use]
+pub fn listed(ids: &[String]) -> String {
+    let more = ids.len().saturating_sub(LISTED);
+    let some = ids[..ids.len() - more].join(", ");
+    if more > 0 { format!("{some} and {more} more") } else { some }
+}
+
 impl fmt::Display for JobId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&to_hex(&self.0))

@@ -174,6 +174,12 @@ impl Server {
         value.unwrap_or_else(|| panic!("no {name} in\n{text}")).parse().expect("a count")
     }
 
+    /// Number of its open file descriptors.
+    pub(crate) fn descriptors(&self) -> usize {
+        let folder = format!("/proc/{}/fd", self.child.id());
+        std::fs::read_dir(folder).expect("a running service on Linux").count()
+    }
+
     /// Takes the power away.
     pub(crate) fn kill(mut self) {
         self.child.kill().expect("a running service");

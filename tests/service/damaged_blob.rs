@@ -7,7 +7,6 @@ use std::{
 
 use crate::common::{
     SMALL,
-    command::run,
     server::{Server, text},
 };
 
@@ -124,17 +123,4 @@ fn a_zeroed_database_loses_neither_jobs_nor_tables() {
     assert_eq!((&job["state"], &job["table"]), (&"done".into(), &digest.as_str().into()));
     assert_eq!(server.get("/v1/tables").with_status(200).json()["items"][0]["digest"], digest);
     assert_eq!(server.stop("TERM").code, Some(0));
-}
-
-#[test]
-fn fsck_tells_a_sound_folder_from_a_damaged_one() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (digest, ..) = damage(&folder.path().join("data"));
-    let fsck = || run(folder.path(), ["fsck", "--data", "data"]);
-    let told = fsck().exited(3).stdout;
-    assert!(told.contains(&format!("{digest}: its file is damaged")), "{told}");
-    assert!(told.contains(&format!("{digest}: its file is missing; it was taken out")), "{told}");
-    // What could be mended is: the table can be fitted again.
-    assert!(fsck().exited(0).stdout.contains("nothing is wrong"));
-    run(folder.path(), ["fsck", "--data", "none"]).exited(1);
 }

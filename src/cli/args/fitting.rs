@@ -35,6 +35,9 @@ pub struct ServeArgs {
     /// Seconds that a job may take, as predicted when it is submitted [default: 86400]
     #[arg(long, env = "LTCFORGE_JOB_SECONDS", value_name = "N")]
     pub job_seconds: Option<NonZeroU64>,
+    /// Days after which a job that has ended is forgotten; 0 keeps it for good. Tables stay [default: 90]
+    #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
+    pub job_days: Option<u32>,
     /// What renders previews [default: any]
     #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
     pub adapter: Option<AdapterName>,

@@ -44,7 +44,7 @@ const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failed, 2 usage, 3 verification mi
 pub enum Command {
     /// Run the HTTP service
     Serve(ServeArgs),
-    /// Check the data folder of a service, and mend what can be mended
+    /// Check the data folder of a service that is not running, and tell what its next start would mend
     Fsck(FsckArgs),
     /// Fit a table without a server; the last line of stdout is its digest
     Fit(FitArgs),
@@ -89,6 +89,17 @@ impl Command {
     #[must_use]
     pub fn opens_vulkan(&self) -> bool {
         matches!(self, Self::Preview(_) | Self::Serve(_))
+    }
+
+    /// The level of the log if nothing else is asked for.
+    #[must_use]
+    pub fn log_level(&self) -> &'static str {
+        match self {
+            Self::Serve(_) => "info",
+            // It rehearses a start, and tells itself what a start would log.
+            Self::Fsck(_) => "off",
+            _ => "warn",
+        }
     }
 
     /// What an interrupt does to this command.

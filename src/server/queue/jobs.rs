@@ -29,6 +29,8 @@ pub struct Limits {
     pub lease_ttl: Duration,
     /// How often a task may fail before its job does.
     pub max_attempts: NonZeroU32,
+    /// How long a job that has ended is remembered; `None` for ever.
+    pub keep_ended: Option<Duration>,
 }
 
 /// Why a job was not accepted.
@@ -75,6 +77,8 @@ pub(super) struct QueueState {
     pub(super) closed: bool,
     /// No lease expires before this.
     pub(super) next_expiry: Option<Timestamp>,
+    /// Old jobs are looked for no earlier than this.
+    pub(super) next_forgetting: Option<Timestamp>,
     pub(super) leases_expired: u64,
     pub(super) failures: u64,
 }

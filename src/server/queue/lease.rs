@@ -285,7 +285,8 @@ mod tests {
     };
 
     fn queue() -> Queue {
-        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN };
+        let limits =
+            Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
         Queue::open(Arc::new(MemoryRows::default()), limits, Arc::new(Timestamp::now)).unwrap()
     }
 

@@ -6,12 +6,14 @@
 //! digest. A change is durable before it is acknowledged or visible. Leases are not durable; they end with the process.
 
 mod active;
+mod forget;
 mod job;
 mod jobs;
 mod lease;
 mod lookup;
 #[cfg(test)]
 mod model_test;
+mod reconcile;
 mod record;
 mod resume;
 mod submit;
@@ -21,5 +23,6 @@ pub use crate::files::job::{JobId, ParseJobIdError, StateName};
 pub use job::{Failure, FailureKind, Job, JobState};
 pub use jobs::{Clock, Limits, Queue, QueueError};
 pub use lease::{LeaseError, LeasedTask, Offer, TaskKind};
+pub use reconcile::{ReconciledJobs, reconcile};
 pub use submit::{NewJob, Submitted};
 pub use task::{Lease, StaleLease};

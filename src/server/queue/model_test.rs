@@ -112,6 +112,7 @@ fn open(rows: &Arc<MemoryRows>, seconds: &Arc<AtomicI64>) -> Queue {
         jobs: 2,
         lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
         max_attempts: NonZeroU32::new(MAX_ATTEMPTS).unwrap(),
+        keep_ended: None,
     };
     let seconds = Arc::clone(seconds);
     let clock: Clock = Arc::new(move || Timestamp::from_second(seconds.load(Ordering::Relaxed)).unwrap());

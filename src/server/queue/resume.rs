@@ -6,18 +6,20 @@ use std::{
 };
 
 use super::{
-    Clock, JobId, JobState, Limits, Queue, active::ActiveJob, jobs::QueueState, record::JobRecord, task::TaskState,
+    Clock, JobId, JobState, Limits, Queue, active::ActiveJob, jobs::QueueState, reconcile::reconcile,
+    record::JobRecord, task::TaskState,
 };
 use crate::server::store::{Batch, Rows, StoreError, Tree};
 
 impl Queue {
     /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and count as failed
-    /// attempts, finished shards stay finished.
+    /// attempts, finished shards stay finished. Rows of jobs and the list of jobs are made to agree.
     ///
     /// # Errors
     /// When the database fails.
     pub fn open(rows: Arc<dyn Rows>, limits: Limits, clock: Clock) -> Result<Self, StoreError> {
         let queue = Self { rows, limits, clock, state: Mutex::new(QueueState::default()), changed: Condvar::new() };
+        reconcile(queue.rows.as_ref())?;
         let mut keep = HashSet::new();
         {
             let mut state = queue.lock();
@@ -27,15 +29,7 @@ impl Queue {
             let mut obsolete = Batch::default();
             for row in queue.rows.scan(Tree::Jobs, &[])? {
                 let record = row.value.and_then(|value| serde_json::from_slice::<JobRecord>(&value).ok());
-                let Some(record) = record else {
-                    let job =
-                        JobId::from_slice(&row.key).map_or_else(|| format!("{:02x?}", row.key), |id| id.to_string());
-                    tracing::error!(job, "a job's row is damaged; the job is lost and can be submitted again");
-                    obsolete.remove(Tree::Jobs, row.key);
-                    continue;
-                };
-                // A number must not be used twice, even if an order row is damaged or missing.
-                state.next_submission = state.next_submission.max(record.submission + 1);
+                let Some(record) = record else { continue };
                 match record.job.state {
                     JobState::Queued | JobState::Running => {
                         keep.insert(record.job.id);
@@ -54,6 +48,7 @@ impl Queue {
             if !obsolete.is_empty() {
                 queue.commit(&mut state, Ok(obsolete))?;
             }
+            queue.forget_old(&mut state);
         }
         Ok(queue)
     }
@@ -111,7 +106,7 @@ mod tests {
     fn open(dir: &Path, max_attempts: u32) -> (Queue, Store) {
         let store = Store::open(dir).unwrap();
         let max_attempts = NonZeroU32::new(max_attempts).unwrap();
-        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts };
+        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
         (Queue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
     }
 

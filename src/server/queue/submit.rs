@@ -47,6 +47,7 @@ impl Queue {
         if let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) {
             return Ok(Submitted::Joined(active.job()));
         }
+        self.forget_old(&mut state);
         let former = self.record(&state, id)?;
         if let Some(JobRecord { job: job @ Job { state: JobState::Done { table }, .. }, .. }) = &former
             && has_table(*table)
@@ -121,6 +122,7 @@ impl Queue {
         if let Some(active) = state.by_id.get(&done.id).and_then(|submission| state.active.get(submission)) {
             return Ok(active.job());
         }
+        self.forget_old(&mut state);
         let former = self.record(&state, done.id)?;
         let mut batch = Batch::default();
         if let Some(former) = &former {

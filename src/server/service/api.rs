@@ -30,6 +30,8 @@ pub struct Config {
     pub entry_limit: u64,
     /// Seconds that a job's fit may take, as predicted when it is submitted.
     pub job_seconds: u64,
+    /// How long a job that has ended is remembered; `None` for ever. Tables are never deleted.
+    pub keep_ended: Option<Duration>,
     /// How long a lease lasts unless it is renewed.
     pub lease_ttl: Duration,
     /// How often a task may fail before its job does.
@@ -54,6 +56,9 @@ pub enum OpenError {
         /// The system's error.
         source: std::io::Error,
     },
+    /// It has no store, and none was to be made.
+    #[error("{} has no jobs and tables of this service", .0.display())]
+    NoStore(PathBuf),
     /// The store is of a later version of the program.
     #[error("the data folder {} has schema {found}; this program knows schemas up to {known}", .path.display())]
     FromTheFuture {

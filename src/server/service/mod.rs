@@ -4,6 +4,7 @@
 //! and measured on another; pictures are rendered on a thread of their own.
 
 mod api;
+mod check;
 mod cursor;
 mod downloads;
 mod engine;
@@ -24,7 +25,8 @@ pub use crate::server::store::TableRow;
 pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, SubmitError, SubmitReply,
 };
+pub use check::{CheckReport, check};
 pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
-pub use reconcile::{CheckReport, Reconciled, check};
+pub use reconcile::Reconciled;
 pub use state::Service;

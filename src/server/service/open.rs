@@ -22,7 +22,7 @@ use super::{
 };
 use crate::server::{
     queue::{Clock, Limits, Queue},
-    store::{Store, StoreOpenError},
+    store::{Rows, Store, StoreOpenError},
 };
 
 impl Service {
@@ -41,15 +41,21 @@ impl Service {
         let limits = Limits {
             jobs: config.queue_limit,
             lease_ttl: config.lease_ttl,
+            keep_ended: config.keep_ended,
             max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
         };
+        let engine: Arc<dyn Engine> = Arc::from(engine);
+        let check = {
+            let (blobs, engine) = (Arc::clone(&store.blobs), Arc::clone(&engine));
+            move |rows: &Arc<dyn Rows>| reconcile(rows, blobs.as_ref(), engine.as_ref()).map(drop)
+        };
         let prepared = (|| {
-            reconcile(&store, engine.as_ref())?;
+            check(&store.rows)?;
             Queue::open(Arc::clone(&store.rows), limits, Arc::clone(&clock))
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
+        store.checks.add(check);
         let (fitting_pool, measuring_pool) = (pool(&config, "fit")?, pool(&config, "measure")?);
-        let engine: Arc<dyn Engine> = Arc::from(engine);
         let forecast = Arc::new(Forecast::new(Arc::clone(&engine), config.workers));
         let tables = Arc::new(Tables::new(store));
         let state = Arc::new(ServiceState {

@@ -1,24 +1,19 @@
 //! The service with a fake engine.
 
 mod fake_engine;
+mod reconciled;
+mod storage;
 
-use std::{
-    fs,
-    num::NonZeroUsize,
-    path::Path,
-    sync::{Arc, atomic::Ordering},
-    time::Duration,
-};
+use std::{num::NonZeroUsize, path::Path, sync::Arc, time::Duration};
 
 use fake_engine::{FakeEngine, Shared};
 
 use super::*;
-use crate::files::manifest::MANIFEST_VERSION;
 use crate::{
     files::digest::Digest,
     server::{
         queue::{FailureKind, JobId, JobState, StateName},
-        store::{Batch, Catalogue, ManifestRow, Store, Tree, memory::MemoryRows},
+        store::Store,
     },
 };
 
@@ -29,6 +24,7 @@ fn config(dir: &Path) -> Config {
         queue_limit: 2,
         entry_limit: 100,
         job_seconds: 86_400,
+        keep_ended: None,
         lease_ttl: Duration::from_secs(60),
         adapter: crate::view::preview::Adapter::Cpu,
         max_attempts: 3,
@@ -173,67 +169,6 @@ fn a_panic_is_a_failed_attempt_and_too_many_fail_the_job_alone() {
 }
 
 #[test]
-fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let rows = Arc::new(MemoryRows::default());
-    let store = Store::with_rows(dir.path(), rows.clone());
-    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
-    let first = fitted(&service, "silver 1");
-    shared.set(|b| b.held = true);
-    let (id, _) = submit(&service, "gold 4");
-    shared.wait_for_begun(3);
-    rows.full.store(true, Ordering::Relaxed);
-    shared.set(|b| b.held = false);
-    match end_of(&service, id) {
-        JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
-        other => panic!("{other:?}"),
-    }
-    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
-    assert!(service.table(first).unwrap().is_some(), "a stored table is served");
-    rows.full.store(false, Ordering::Relaxed);
-    fitted(&service, "gold 4");
-    assert_eq!(rows.len(Tree::Results) + rows.len(Tree::Shards), 0);
-}
-
-#[test]
-fn a_damaged_table_is_reported_once_and_fitted_again() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    let table = fitted(&service, "gold 1");
-    let hex = table.hex();
-    fs::write(dir.path().join("blobs").join(&hex[..2]).join(&hex), "noise").unwrap();
-    assert!(matches!(service.table(table), Err(ServiceError::Corrupt { expected, .. }) if expected == table));
-    assert!(service.table(table).unwrap().is_none());
-    assert!(service.tables(None, 10).unwrap().items.is_empty());
-    assert_eq!(service.metrics().unwrap().blobs_corrupt, 1);
-    assert_eq!(fitted(&service, "gold 1"), table);
-    assert_eq!(shared.begun(), 2);
-    assert!(service.table(table).unwrap().is_some());
-}
-
-#[test]
-fn the_manifest_of_a_damaged_table_is_refused_like_the_table() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    let table = fitted(&service, "gold 1");
-    assert!(service.manifest(table).unwrap().is_some());
-    let hex = table.hex();
-    let blob = dir.path().join("blobs").join(&hex[..2]).join(&hex);
-    fs::write(&blob, "noise").unwrap();
-    assert!(matches!(service.manifest(table), Err(ServiceError::Corrupt { expected, .. }) if expected == table));
-    assert!(!blob.exists(), "it was moved to quarantine");
-    assert!(service.manifest(table).unwrap().is_none());
-    assert_eq!(service.metrics().unwrap().blobs_corrupt, 1);
-    assert_eq!(fitted(&service, "gold 1"), table);
-    assert!(service.manifest(table).unwrap().is_some());
-    fs::remove_file(&blob).unwrap();
-    assert!(service.manifest(table).unwrap().is_none(), "no manifest without its table");
-}
-
-#[test]
 fn stopping_gives_back_and_the_next_start_goes_on_where_it_was() {
     let dir = tempfile::tempdir().unwrap();
     let shared = Arc::new(Shared::default());
@@ -264,60 +199,6 @@ fn stopping_gives_back_and_the_next_start_goes_on_where_it_was() {
     assert_eq!(begun, 8, "two were given back");
     drop(behaviour);
     assert_eq!(service.metrics().unwrap().shard_failures, 0, "giving back is no failure");
-}
-
-#[test]
-fn a_lost_database_leaves_the_tables() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    let table = fitted(&service, "gold 2");
-    drop(service);
-    fs::remove_dir_all(dir.path().join("db")).unwrap();
-    let service = start(dir.path(), &shared);
-    assert_eq!(service.tables(None, 10).unwrap().items.len(), 1);
-    let SubmitReply::Ready { job, table: again } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
-    assert_eq!(again, table);
-    assert_eq!(service.job(job.id).unwrap().unwrap().job, job, "the job can be looked up");
-    assert_eq!(shared.begun(), 2);
-}
-
-#[test]
-fn a_manifest_is_made_once_with_the_table() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    let table = fitted(&service, "gold 2");
-    let made = || shared.behaviour.lock().unwrap().manifests;
-    assert_eq!(made(), 1);
-    assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
-    assert_eq!(made(), 1, "it was stored with the table");
-    assert!(service.manifest(Digest::of(b"unknown")).unwrap().is_none());
-    drop(service);
-    let service = start(dir.path(), &shared);
-    assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
-    assert_eq!(made(), 1, "it outlives the process");
-}
-
-#[test]
-fn a_table_from_before_gets_its_manifest_when_it_is_asked_for() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    let table = fitted(&service, "gold 2");
-    let rows = &service.state.tables.store.rows;
-    let made = || shared.behaviour.lock().unwrap().manifests;
-    let mut none = Batch::default();
-    none.remove(Tree::Manifests, *table.as_bytes());
-    let other = ManifestRow { version: MANIFEST_VERSION + 1, text: "of another version".to_owned() };
-    for (made_before, stored) in [(1, none), (2, Catalogue::manifest_entry(table, &other).unwrap())] {
-        assert_eq!(made(), made_before);
-        rows.commit(&stored).unwrap();
-        for _ in 0..2 {
-            assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
-            assert_eq!(made(), made_before + 1);
-        }
-    }
 }
 
 #[test]
@@ -364,26 +245,4 @@ fn a_job_that_would_take_too_long_is_refused_with_the_prediction() {
     drop(service);
     let service = Service::open_with(config(4), Store::open(dir.path()).unwrap(), engine()).unwrap();
     fitted(&service, "gold 2");
-}
-
-/// A lack of descriptors is no fault of the job's.
-#[test]
-fn a_job_outlasts_a_lack_of_descriptors() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    let rows = Arc::new(MemoryRows::default());
-    let store = Store::with_rows(dir.path(), rows.clone());
-    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
-    shared.set(|b| b.held = true);
-    let (id, _) = submit(&service, "gold 4");
-    shared.wait_for_begun(2);
-    rows.without_descriptors.store(true, Ordering::Relaxed);
-    shared.set(|b| b.held = false);
-    while rows.refused.load(Ordering::Relaxed) < 2 {
-        std::thread::yield_now();
-    }
-    rows.without_descriptors.store(false, Ordering::Relaxed);
-    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
-    assert_eq!(service.metrics().unwrap().shard_failures, 0);
-    assert!(shared.behaviour.lock().unwrap().begun.values().all(|begun| *begun == 1), "a fitted shard was thrown away");
 }

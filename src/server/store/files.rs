@@ -70,15 +70,16 @@ pub(super) fn move_to_quarantine(path: &Path, quarantine: &Path, stem: &str) -> 
     Ok(target)
 }
 
-/// Copies the folder `from` into `quarantine` under a free name `<stem>-<n>`. Returns where the copy is.
+/// Copies the file or folder `from` into `quarantine` under a free name `<stem>-<n>`. Returns where the copy is.
 ///
 /// # Errors
 /// When it cannot be copied; no part of a copy is left then.
 pub(super) fn copy_to_quarantine(from: &Path, quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
     let target = free_name(quarantine, stem)?;
-    copy_folder(from, &target).map_err(|source| {
+    let copied = if from.is_dir() { copy_folder(from, &target) } else { fs::copy(from, &target).map(drop) };
+    copied.and_then(|()| sync_folder(quarantine)).map_err(|source| {
         // The first error is reported.
-        let _ = fs::remove_dir_all(&target);
+        let _ = if target.is_dir() { fs::remove_dir_all(&target) } else { fs::remove_file(&target) };
         StoreError::of_io(from, source)
     })?;
     Ok(target)

@@ -3,44 +3,24 @@
 //! sled can lose rows of a damaged file without an error. Rows that the journal has and the database lacks, or has with a
 //! broken seal, are restored when the store is opened. A row that is intact stays as it is, because the journal may be
 //! the older one of the two: a job is then at worst fitted again.
-//!
-//! An entry is a line: 16 hexadecimal digits of its seal, and the changes of a batch, each as tree, key and value in
-//! hexadecimal, `-` for a row that was removed. A line break begins an entry and another ends it, so that one that was cut
-//! off by a crash or a full disk ends where the next begins.
+
+mod entries;
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs::{self, File, OpenOptions},
     io::{self, Write as _},
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError},
 };
 
-use sha2::{Digest as _, Sha256};
+use entries::{Entries, KEPT};
 
-use super::{Batch, Row, Rows, StoreError, Tree, files};
-use crate::files::hex::{from_hex, to_hex};
-
-/// The trees whose changes are kept. All others can be made again: shards by fitting, the catalogue from the blobs.
-const KEPT: [Tree; 2] = [Tree::Jobs, Tree::JobOrder];
+use super::{Batch, Findings, Row, Rows, StoreError, Tree, files};
+use crate::files::hex::to_hex;
 
 /// Bytes that are appended before the journal is written anew.
 const MOST_APPENDED: usize = 64 << 20;
-
-/// A row by the name of its tree and its key.
-type Place = (&'static str, Vec<u8>);
-
-/// The kept rows as the journal last saw them; `None` for a removed row.
-type Latest = BTreeMap<Place, Option<Vec<u8>>>;
-
-/// What was found when the journal was compared with the database.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Restored {
-    /// Rows that the database had lost.
-    pub(super) rows: usize,
-    /// Entries of the journal that are damaged, an interrupted last one not counted.
-    pub(super) damaged_entries: usize,
-}
 
 /// Rows whose jobs are in a journal as well.
 #[derive(Debug)]
@@ -52,43 +32,37 @@ pub(super) struct JournalledRows<R> {
 }
 
 impl<R: Rows> JournalledRows<R> {
-    /// Restores from the journal at `path` what `rows` lack, writes the journal anew, and appends to it from then on.
+    /// Restores from the journal at `path` what `rows` lack, writes the journal anew, and appends to it from then on. A
+    /// journal that is damaged is copied to `quarantine` first. `was_journalled` tells whether `rows` ever had a journal,
+    /// `found` what is known of them; what the journal tells is added to it.
     ///
     /// # Errors
-    /// When the journal cannot be read or written, or the database fails.
-    pub(super) fn open(rows: R, path: &Path) -> Result<(Self, Restored), StoreError> {
-        let of_io = |source| StoreError::of_io(path, source);
-        let bytes = match fs::read(path) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            Err(error) => return Err(of_io(error)),
-        };
-        let (latest, damaged_entries) = read(&bytes);
-        let mut lost = Batch::default();
-        for tree in KEPT {
-            let stored: BTreeMap<Vec<u8>, Option<Vec<u8>>> =
-                rows.scan(tree, &[])?.into_iter().map(|Row { key, value }| (key, value)).collect();
-            for ((_, key), value) in latest.iter().filter(|((name, _), _)| *name == tree.name()) {
-                match value {
-                    // Missing, or with a broken seal.
-                    Some(value) if stored.get(key).is_none_or(Option::is_none) => {
-                        lost.put(tree, key.clone(), value.clone());
-                    }
-                    None if stored.contains_key(key) => lost.remove(tree, key.clone()),
-                    _ => {}
-                }
-            }
-        }
-        let restored = Restored { rows: lost.changes.len(), damaged_entries };
-        if !lost.is_empty() {
-            rows.commit(&lost)?;
+    /// When the journal cannot be read, copied or written, or the database fails.
+    pub(super) fn open(
+        rows: R,
+        path: &Path,
+        quarantine: &Path,
+        was_journalled: bool,
+        found: &mut Findings,
+    ) -> Result<Self, StoreError> {
+        let bytes = read_file(path)?;
+        let entries = entries::read(bytes.as_deref().unwrap_or_default());
+        let stored = Stored::read(&rows)?;
+        found.journal_is_incomplete = (was_journalled || found.database_was_replaced)
+            && (entries.intact == 0
+                && (found.database_was_replaced || bytes.is_some() || stored.jobs().next().is_some())
+                || stored.lacking_in(&entries) > UNFINISHED + entries.damaged);
+        restore(&rows, &stored, &entries, found)?;
+        if bytes.is_some() && (entries.damaged > 0 || found.journal_is_incomplete) {
+            let copied_to = files::copy_to_quarantine(path, quarantine, "jobs.log")?;
+            tracing::error!(copied_to = %copied_to.display(), "the journal of jobs is damaged; a copy was made in quarantine");
         }
         let file = write_anew(&rows, path)?;
-        Ok((Self { rows, path: path.to_owned(), file: Mutex::new((file, 0)) }, restored))
+        Ok(Self { rows, path: path.to_owned(), file: Mutex::new((file, 0)) })
     }
 
     fn append(&self, batch: &Batch, sync: bool) -> Result<(), StoreError> {
-        let Some(entry) = entry(batch) else { return Ok(()) };
+        let Some(entry) = entries::entry(batch) else { return Ok(()) };
         let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, appended) = &mut *guard;
         *appended += entry.len();
@@ -102,16 +76,102 @@ impl<R: Rows> JournalledRows<R> {
     }
 }
 
+/// Restores from the journal at `path` what `rows`, opened again while the process runs, lack, and logs it.
+///
+/// # Errors
+/// When the journal cannot be read, or the database fails.
+pub(super) fn restore_again(rows: &Arc<dyn Rows>, path: &Path) -> Result<(), StoreError> {
+    let entries = entries::read(&read_file(path)?.unwrap_or_default());
+    let stored = Stored::read(rows.as_ref())?;
+    let is_incomplete = entries.intact == 0 || stored.lacking_in(&entries) > UNFINISHED + entries.damaged;
+    let mut found = Findings { journal_is_incomplete: is_incomplete, ..Findings::default() };
+    restore(rows.as_ref(), &stored, &entries, &mut found)?;
+    found.log();
+    Ok(())
+}
+
+/// Jobs that a database may have and its journal not: the one whose commit a crash interrupted between the two.
+const UNFINISHED: usize = 1;
+
+/// The kept rows of a database; `None` for one with a broken seal.
+struct Stored(BTreeMap<Tree, BTreeMap<Vec<u8>, Option<Vec<u8>>>>);
+
+impl Stored {
+    fn read(rows: &dyn Rows) -> Result<Self, StoreError> {
+        let mut stored = BTreeMap::new();
+        for tree in KEPT {
+            let rows = rows.scan(tree, &[])?.into_iter().map(|Row { key, value }| (key, value));
+            stored.insert(tree, rows.collect());
+        }
+        Ok(Self(stored))
+    }
+
+    /// Keys of all jobs, and whether the row is intact.
+    fn jobs(&self) -> impl Iterator<Item = (&Vec<u8>, bool)> {
+        self.0.get(&Tree::Jobs).into_iter().flatten().map(|(key, value)| (key, value.is_some()))
+    }
+
+    /// Number of intact jobs of which a journal knows nothing.
+    fn lacking_in(&self, entries: &Entries) -> usize {
+        let is_known = |key: &Vec<u8>| entries.latest.contains_key(&(Tree::Jobs.name(), key.clone()));
+        self.jobs().filter(|(key, is_intact)| *is_intact && !is_known(key)).count()
+    }
+}
+
+/// Restores in `rows`, which are `stored`, what they lack of the journal. `found` is told what was restored, and which
+/// jobs were not.
+fn restore(rows: &dyn Rows, stored: &Stored, entries: &Entries, found: &mut Findings) -> Result<(), StoreError> {
+    let mut batch = Batch::default();
+    for (tree, stored) in &stored.0 {
+        for ((_, key), value) in entries.latest.iter().filter(|((name, _), _)| *name == tree.name()) {
+            match value {
+                // Missing, or with a broken seal.
+                Some(value) if stored.get(key).is_none_or(Option::is_none) => {
+                    batch.put(*tree, key.clone(), value.clone());
+                }
+                None if stored.contains_key(key) => batch.remove(*tree, key.clone()),
+                _ => {}
+            }
+        }
+    }
+    let changed: BTreeMap<&Vec<u8>, bool> = batch
+        .changes
+        .iter()
+        .filter(|(tree, ..)| *tree == Tree::Jobs)
+        .map(|(_, key, value)| (key, value.is_some()))
+        .collect();
+    found.restored_rows = batch.changes.len();
+    found.restored_jobs = changed.iter().filter(|(_, is_put)| **is_put).map(|(key, _)| to_hex(key)).collect();
+    let broken = stored.jobs().filter(|(_, is_intact)| !is_intact).map(|(key, _)| key);
+    let in_damaged = entries.in_damaged.iter().filter(|key| {
+        !entries.latest.contains_key(&(Tree::Jobs.name(), (*key).clone()))
+            && !stored.jobs().any(|(other, _)| other == *key)
+    });
+    let lost: BTreeSet<&Vec<u8>> = broken.chain(in_damaged).filter(|key| !changed.contains_key(key)).collect();
+    found.lost_jobs = lost.into_iter().map(|key| to_hex(key)).collect();
+    found.damaged_journal_entries = entries.damaged;
+    if batch.is_empty() { Ok(()) } else { rows.commit(&batch) }
+}
+
+/// The bytes of the journal at `path`; `None` if there is none.
+fn read_file(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(StoreError::of_io(path, source)),
+    }
+}
+
 /// Writes a journal of the rows as they are, an entry each, and opens it to append.
 fn write_anew(rows: &impl Rows, path: &Path) -> Result<File, StoreError> {
-    let mut all = String::new();
+    let mut all = entries::first();
     for tree in KEPT {
         for Row { key, value } in rows.scan(tree, &[])? {
             // A damaged row that the journal does not have stays where it is, for the queue to report.
             let Some(value) = value else { continue };
             let mut row = Batch::default();
             row.put(tree, key, value);
-            all.extend(entry(&row));
+            all.extend(entries::entry(&row));
         }
     }
     files::write_durably(path, all.as_bytes())?;
@@ -143,161 +203,5 @@ impl<R: Rows> Rows for JournalledRows<R> {
     }
 }
 
-/// The entry of a batch; `None` if it changes no kept tree.
-fn entry(batch: &Batch) -> Option<String> {
-    let mut changes = String::new();
-    for (tree, key, value) in batch.changes.iter().filter(|(tree, ..)| KEPT.contains(tree)) {
-        changes.push(' ');
-        changes.push_str(tree.name());
-        changes.push(' ');
-        changes.push_str(&to_hex(key));
-        changes.push(' ');
-        changes.push_str(&value.as_deref().map_or_else(|| "-".to_owned(), to_hex));
-    }
-    (!changes.is_empty()).then(|| format!("\n{}{changes}\n", seal(&changes)))
-}
-
-/// The rows that a journal's entries leave, and how many entries are damaged. A last entry that was cut off was never
-/// acknowledged.
-fn read(bytes: &[u8]) -> (Latest, usize) {
-    let (mut latest, mut damaged) = (Latest::new(), 0);
-    let mut lines = bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()).peekable();
-    while let Some(line) = lines.next() {
-        match changes(line) {
-            Some(changes) => latest.extend(changes),
-            None if lines.peek().is_none() && !bytes.ends_with(b"\n") => {}
-            None => damaged += 1,
-        }
-    }
-    (latest, damaged)
-}
-
-/// The changes of an entry; `None` for one that is damaged.
-fn changes(line: &[u8]) -> Option<Vec<(Place, Option<Vec<u8>>)>> {
-    let text = std::str::from_utf8(line).ok()?;
-    let (found, changes) = text.split_at_checked(16)?;
-    if found != seal(changes) {
-        return None;
-    }
-    let words: Vec<&str> = changes.split_ascii_whitespace().collect();
-    let change = |words: &[&str]| {
-        let [tree, key, value] = words else { return None };
-        let tree = KEPT.iter().find(|kept| kept.name() == *tree)?;
-        let value = if *value == "-" { None } else { Some(from_hex(value)?) };
-        Some(((tree.name(), from_hex(key)?), value))
-    };
-    words.chunks(3).map(change).collect()
-}
-
-fn seal(changes: &str) -> String {
-    to_hex(&Sha256::digest(changes.as_bytes())[..8])
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::server::store::memory::MemoryRows;
-
-    fn job(key: &str, value: Option<&str>) -> Batch {
-        let mut batch = Batch::default();
-        match value {
-            Some(value) => {
-                batch.put(Tree::Jobs, key, value);
-                batch.put(Tree::JobOrder, format!("order of {key}"), key);
-            }
-            None => batch.remove(Tree::Jobs, key),
-        }
-        // What is not a job's is not kept.
-        batch.put(Tree::Shards, key, "shard");
-        batch
-    }
-
-    fn jobs(rows: &impl Rows) -> Vec<String> {
-        let rows = rows.scan(Tree::Jobs, &[]).unwrap();
-        rows.into_iter().map(|row| String::from_utf8(row.value.unwrap()).unwrap()).collect()
-    }
-
-    /// The journal of four jobs, of which one has changed and one was removed.
-    fn journal(path: &Path) {
-        let (rows, _) = JournalledRows::open(MemoryRows::default(), path).unwrap();
-        for key in ["a", "b", "c", "d"] {
-            rows.commit(&job(key, Some(&format!("{key} queued")))).unwrap();
-        }
-        rows.stage(&job("b", Some("b running"))).unwrap();
-        rows.commit(&job("b", Some("b done"))).unwrap();
-        rows.commit(&job("c", None)).unwrap();
-    }
-
-    #[test]
-    fn what_the_database_lost_is_restored_and_what_it_has_stays() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("jobs.log");
-        journal(&path);
-        let partial = MemoryRows::default();
-        partial.commit(&job("a", Some("a cancelled"))).unwrap();
-        let (rows, restored) = JournalledRows::open(partial, &path).unwrap();
-        assert_eq!(jobs(&rows), ["a cancelled", "b done", "d queued"]);
-        assert_eq!(rows.get(Tree::JobOrder, b"order of d").unwrap().unwrap(), b"d");
-        assert_eq!(restored.damaged_entries, 0);
-        assert!(restored.rows >= 4, "{restored:?}");
-        drop(rows);
-        // The journal was written anew, and nothing more is to restore.
-        let (rows, _) = JournalledRows::open(MemoryRows::default(), &path).unwrap();
-        assert_eq!(jobs(&rows), ["a cancelled", "b done", "d queued"]);
-        let (_, restored) = JournalledRows::open(rows.rows, &path).unwrap();
-        assert_eq!(restored, Restored::default());
-    }
-
-    #[test]
-    fn an_entry_that_was_cut_off_hides_no_other() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("jobs.log");
-        journal(&path);
-        let whole = fs::read(&path).unwrap();
-        let end = whole.len() - 1;
-        let last = whole[..end].iter().rposition(|byte| *byte == b'\n').unwrap();
-        for cut in last + 1..end {
-            fs::write(&path, &whole[..cut]).unwrap();
-            let (rows, restored) = JournalledRows::open(MemoryRows::default(), &path).unwrap();
-            // The last entry removed c.
-            assert_eq!(jobs(&rows), ["a queued", "b done", "c queued", "d queued"], "cut at {cut}");
-            assert_eq!(restored.damaged_entries, 0);
-            rows.commit(&job("e", Some("e queued"))).unwrap();
-        }
-    }
-
-    /// A whole entry was acknowledged, even if it is the last one. What an older entry says of its job does not undo what
-    /// the database has.
-    #[test]
-    fn a_damaged_last_entry_is_counted_and_reverts_nothing() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("jobs.log");
-        let (rows, _) = JournalledRows::open(MemoryRows::default(), &path).unwrap();
-        rows.commit(&job("a", Some("a queued"))).unwrap();
-        rows.commit(&job("a", Some("a cancelled"))).unwrap();
-        let mut bytes = fs::read(&path).unwrap();
-        let near_end = bytes.len() - 4;
-        bytes[near_end] ^= 1;
-        fs::write(&path, bytes).unwrap();
-        let (rows, restored) = JournalledRows::open(rows.rows, &path).unwrap();
-        assert_eq!(restored, Restored { rows: 0, damaged_entries: 1 });
-        assert_eq!(jobs(&rows), ["a cancelled"]);
-    }
-
-    #[test]
-    fn every_flipped_bit_is_found_and_costs_one_entry_at_most() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("jobs.log");
-        journal(&path);
-        let whole = fs::read(&path).unwrap();
-        for at in 0..whole.len() {
-            let mut flipped = whole.clone();
-            flipped[at] ^= 1 << (at % 8);
-            let (latest, damaged) = read(&flipped);
-            let known = |key: &str| latest.contains_key(&(Tree::Jobs.name(), key.as_bytes().to_vec()));
-            let missing = ["a", "b", "c", "d"].iter().filter(|key| !known(key)).count();
-            // A line break that is gone, or a new one, concerns two entries.
-            assert!(damaged <= 2 && missing <= 2, "bit {} of byte {at}: {damaged} {missing}", at % 8);
-        }
-    }
-}
+mod tests;

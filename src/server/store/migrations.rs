@@ -9,8 +9,14 @@ use super::rows;
 use crate::files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
-pub(super) const ALL: &[&str] =
-    &[include_str!("../../../migrations/0001_initial.json"), include_str!("../../../migrations/0002_manifests.json")];
+pub(super) const ALL: &[&str] = &[
+    include_str!("../../../migrations/0001_initial.json"),
+    include_str!("../../../migrations/0002_manifests.json"),
+    include_str!("../../../migrations/0003_journal.json"),
+];
+
+/// The migration from which on jobs have a journal beside the database.
+pub(super) const WITH_JOURNAL: usize = 3;
 
 /// The tree that records the applied migrations.
 const RECORD: &str = "migrations";
@@ -189,6 +195,7 @@ mod tests {
         let released = [
             "d6f4a993fc81717fc255956392ce5166714f28cfcf23a5156073a2fdbb566eb9",
             "aa98c8f367c15a579372af5582546b03d64f3c596dcf530b71736772cf48480c",
+            "dbc16aa4beab189c92db9c04b2c5c3b160f0806d3bdb5bf23a62c7b6c63d4d5a",
         ];
         assert_eq!(digests, released);
     }

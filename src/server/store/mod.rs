@@ -12,13 +12,16 @@
 
 mod blob;
 mod catalogue;
+mod checks;
 mod error;
 mod files;
+mod findings;
 mod journal;
 #[cfg(test)]
 pub(crate) mod memory;
 mod migrations;
 mod open;
+mod rehearsal;
 mod rows;
 mod sled_rows;
 mod tree;
@@ -28,8 +31,11 @@ pub(crate) use files::copy_folder;
 
 pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
+pub use checks::Checks;
 pub use error::StoreError;
-pub use open::{Findings, Store, StoreOpenError};
+pub use findings::Findings;
+pub use open::{Store, StoreOpenError};
+pub use rehearsal::Rehearsal;
 pub use rows::{Batch, Row, Rows};
 pub use sled_rows::SledRows;
 pub use tree::Tree;

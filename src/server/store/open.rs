@@ -8,7 +8,9 @@ use std::{
 };
 
 use super::{
-    Blobs, FileBlobs, Rows, SledRows, StoreError, files, journal::JournalledRows, migrations::MigrationError,
+    Blobs, Checks, FileBlobs, Findings, Rows, SledRows, StoreError, files,
+    journal::{self, JournalledRows},
+    migrations::MigrationError,
     sled_rows::SledOpenError,
 };
 
@@ -21,21 +23,10 @@ pub struct Store {
     pub rows: Arc<dyn Rows>,
     /// What was wrong when it was opened. The catalogue must then be compared with the blobs.
     pub found: Findings,
+    /// What is checked when a write error closed the database and it was opened again.
+    pub checks: Checks,
     /// Dropping it unlocks the folder.
     _lock: File,
-}
-
-/// What was wrong with a store when it was opened.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Findings {
-    /// The database did not open or could not be read: a part of it, or an empty one, took its place.
-    pub database_was_replaced: bool,
-    /// Rows that do not match their seal. They count as absent.
-    pub damaged_rows: usize,
-    /// Rows of jobs that the database had lost, and that the journal had.
-    pub restored_rows: usize,
-    /// Damaged entries of the journal.
-    pub damaged_journal_entries: usize,
 }
 
 /// Why a data folder did not open.
@@ -71,7 +62,8 @@ impl Store {
     /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
     ///
     /// Every row of the database is read and checked. A database that does not open or cannot be read is copied to
-    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost are restored from their journal.
+    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost are restored from their journal. A damaged journal
+    /// is copied to `quarantine/jobs.log-N` before it is written anew.
     ///
     /// # Errors
     /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
@@ -82,8 +74,12 @@ impl Store {
         let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
         let mut found = Findings::default();
         let rows = open_rows(&dir.join("db"), &quarantine, &mut found)?;
-        let rows = with_journal(rows, &dir.join("jobs.log"), &mut found)?;
-        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, _lock: lock })
+        let (checks, was_journalled) = (rows.checks.clone(), rows.was_journalled);
+        let journal = dir.join("jobs.log");
+        let rows = JournalledRows::open(rows, &journal, &quarantine, was_journalled, &mut found)?;
+        found.log();
+        checks.add(move |rows| journal::restore_again(rows, &journal));
+        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, checks, _lock: lock })
     }
 }
 
@@ -95,7 +91,7 @@ impl Store {
     }
 }
 
-fn lock(path: &Path) -> Result<File, StoreOpenError> {
+pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
     let file = File::options().create(true).truncate(false).write(true).open(path).map_err(StoreOpenError::Unusable)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
@@ -140,33 +136,13 @@ fn open_rows(folder: &Path, quarantine: &Path, found: &mut Findings) -> Result<S
     tracing::error!("starting with an empty database");
     fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
     files::make_folder(folder)?;
-    SledRows::open(folder, Box::new(File::sync_all)).map_err(refusal)
+    SledRows::open(folder, Arc::new(File::sync_all)).map_err(refusal)
 }
 
 fn open_and_read(folder: &Path) -> Result<(SledRows, usize), SledOpenError> {
-    let rows = SledRows::open(folder, Box::new(File::sync_all))?;
+    let rows = SledRows::open(folder, Arc::new(File::sync_all))?;
     let damaged = rows.read_all().map_err(|error| SledOpenError::Damaged(error.to_string()))?;
     Ok((rows, damaged))
-}
-
-/// Compares the database with the journal of jobs and says what was lost.
-fn with_journal(rows: SledRows, path: &Path, found: &mut Findings) -> Result<JournalledRows<SledRows>, StoreOpenError> {
-    let (rows, restored) = JournalledRows::open(rows, path)?;
-    found.restored_rows = restored.rows;
-    found.damaged_journal_entries = restored.damaged_entries;
-    if restored.rows > 0 {
-        tracing::error!(rows = restored.rows, "the database had lost rows of jobs; they are restored from the journal");
-    }
-    if restored.damaged_entries > 0 {
-        tracing::error!(
-            entries = restored.damaged_entries,
-            "entries of the journal of jobs are damaged; a job that the database lacks as well is lost"
-        );
-    }
-    if found.damaged_rows > 0 {
-        tracing::error!(rows = found.damaged_rows, "rows of the database do not match their seal");
-    }
-    Ok(rows)
 }
 
 fn refusal(error: SledOpenError) -> StoreOpenError {
@@ -219,7 +195,7 @@ mod tests {
         let db = open_sled(&dir.path().join("db")).unwrap();
         db.open_tree("migrations").unwrap().insert(99_u32.to_be_bytes(), b"").unwrap();
         drop(db);
-        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 2 })));
+        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 3 })));
         assert!(!dir.path().join("quarantine").exists());
     }
 
@@ -272,6 +248,27 @@ mod tests {
             }
         }
         assert!(restored > damaged / 4, "only {restored} of {damaged} damages concerned a job");
+    }
+
+    /// Writes a job into the tree past the seals.
+    fn spoil(dir: &Path, key: &str) {
+        let db = open_sled(&dir.join("db")).unwrap();
+        db.open_tree(Tree::Jobs.name()).unwrap().insert(key, b"12345678another".as_slice()).unwrap();
+        db.flush().unwrap();
+    }
+
+    #[test]
+    fn a_job_whose_row_is_damaged_is_restored_or_named_as_lost() {
+        let dir = tempfile::tempdir().unwrap();
+        one_job(&Store::open(dir.path()).unwrap());
+        spoil(dir.path(), "key");
+        spoil(dir.path(), "unknown");
+        let store = Store::open(dir.path()).unwrap();
+        let named = |key: &str| vec![crate::files::hex::to_hex(key.as_bytes())];
+        assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
+        let (restored_jobs, lost_jobs) = (named("key"), named("unknown"));
+        let found = Findings { damaged_rows: 2, restored_rows: 1, restored_jobs, lost_jobs, ..Findings::default() };
+        assert_eq!(store.found, found);
     }
 
     fn snapshots(dir: &Path) -> Vec<PathBuf> {

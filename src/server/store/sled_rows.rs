@@ -1,18 +1,18 @@
 //! [`Rows`] in sled.
 //!
-//! This module works around four properties of sled 0.34.7:
+//! This module works around these properties of sled 0.34.7:
 //! - `flush` ends in `sync_file_range`, which does not survive a power cut. Every commit ends in an fsync of the
 //!   database file.
 //! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
 //! - After a write error, such as a full disk, an open database refuses every operation. It is closed, and the next
-//!   operation opens it again.
+//!   operation opens it again. It may have lost rows then, so it is checked as at the start before anyone reads it.
 //! - sled's threads may keep the files locked for a moment after the database is dropped. Opening waits for that.
 
 use std::{
     fs::{File, TryLockError},
     io,
     path::{Path, PathBuf},
-    sync::{PoisonError, RwLock, RwLockReadGuard},
+    sync::{Arc, PoisonError, RwLock, RwLockReadGuard},
     thread,
     time::{Duration, Instant},
 };
@@ -20,7 +20,7 @@ use std::{
 use sled::transaction::{TransactionError, Transactional as _};
 
 use super::{
-    Batch, Row, Rows, StoreError, Tree, files,
+    Batch, Checks, Row, Rows, StoreError, Tree, files,
     migrations::{self, MigrationError},
     rows,
 };
@@ -36,7 +36,7 @@ const HEADROOM_BYTES: u64 = 2 << 20;
 const RELEASE: Duration = Duration::from_secs(2);
 
 /// Makes the file's contents durable: `File::sync_all`, or a test's replacement.
-pub(super) type SyncFn = Box<dyn Fn(&File) -> io::Result<()> + Send + Sync>;
+pub(super) type SyncFn = Arc<dyn Fn(&File) -> io::Result<()> + Send + Sync>;
 
 /// Why the database did not open.
 #[derive(Debug, thiserror::Error)]
@@ -58,8 +58,12 @@ pub struct SledRows {
     sync: SyncFn,
     /// `None` after a write error.
     handle: RwLock<Option<Handle>>,
+    /// What is checked when it was opened again.
+    pub(super) checks: Checks,
     /// Whether the database was empty, without even a schema, when it was opened.
     pub(super) was_empty: bool,
+    /// Whether jobs had a journal beside the database when it was opened.
+    pub(super) was_journalled: bool,
 }
 
 struct Handle {
@@ -67,7 +71,8 @@ struct Handle {
     trees: [sled::Tree; Tree::ALL.len()],
     /// sled's data file, for the fsync.
     file: File,
-    was_empty: bool,
+    /// Migrations that were applied when it was opened.
+    applied: usize,
 }
 
 impl std::fmt::Debug for SledRows {
@@ -112,8 +117,15 @@ impl SledRows {
     pub(super) fn open(folder: &Path, sync: SyncFn) -> Result<Self, SledOpenError> {
         let handle = open_caught(folder)?;
         sync(&handle.file).map_err(SledOpenError::Unusable)?;
-        let was_empty = handle.was_empty;
-        Ok(Self { folder: folder.to_owned(), sync, handle: RwLock::new(Some(handle)), was_empty })
+        let before = migrations::ALL.len() - handle.applied;
+        Ok(Self {
+            folder: folder.to_owned(),
+            sync,
+            handle: RwLock::new(Some(handle)),
+            checks: Checks::default(),
+            was_empty: before == 0,
+            was_journalled: before >= migrations::WITH_JOURNAL,
+        })
     }
 
     /// Runs `operation` on the database. If an earlier write error closed it, it is opened again.
@@ -126,11 +138,7 @@ impl SledRows {
             drop(guard);
             let mut slot = self.handle.write().unwrap_or_else(PoisonError::into_inner);
             if slot.is_none() {
-                *slot = Some(open_caught(&self.folder).map_err(|error| match error {
-                    SledOpenError::Unusable(source) => StoreError::of_io(&self.folder, source),
-                    other => StoreError::Database(other.to_string()),
-                })?);
-                tracing::info!("the database was opened again");
+                *slot = Some(self.reopen()?);
             }
         };
         let Some(handle) = guard.as_ref() else {
@@ -143,6 +151,29 @@ impl SledRows {
             *self.handle.write().unwrap_or_else(PoisonError::into_inner) = None;
         }
         result.map_err(|error| StoreError::of_sled(&error))
+    }
+
+    /// Opens the database again and checks it: every row is read, and the checks compare it with what else is on the disk.
+    fn reopen(&self) -> Result<Handle, StoreError> {
+        let fresh = Self::open(&self.folder, Arc::clone(&self.sync)).map_err(|error| match error {
+            SledOpenError::Unusable(source) => StoreError::of_io(&self.folder, source),
+            other => damaged(&other),
+        })?;
+        if fresh.was_empty {
+            tracing::error!("sled could not read its file and started over");
+        }
+        let damaged_rows = fresh.read_all().map_err(|error| match error {
+            StoreError::Database(reason) => damaged(&reason),
+            other => other,
+        })?;
+        if damaged_rows > 0 {
+            tracing::error!(rows = damaged_rows, "rows of the database do not match their seal");
+        }
+        let fresh = Arc::new(fresh);
+        self.checks.run(&(Arc::clone(&fresh) as Arc<dyn Rows>))?;
+        let handle = Arc::into_inner(fresh).and_then(|rows| rows.handle.into_inner().ok()?);
+        tracing::warn!("the database was opened again and checked");
+        handle.ok_or_else(|| StoreError::Database("it closed while it was checked".to_owned()))
     }
 
     /// Reads every row of every tree; returns how many do not match their seal. sled finds some damage only when it reads,
@@ -210,6 +241,11 @@ impl Rows for SledRows {
     }
 }
 
+/// The error of a database that cannot be used before the next start, which makes a copy of it and restores its rows.
+fn damaged(reason: &impl std::fmt::Display) -> StoreError {
+    StoreError::Database(format!("{reason}; it stays closed until the service is started again, which restores it"))
+}
+
 fn opened(tree: Tree, row: sled::Result<(sled::IVec, sled::IVec)>) -> sled::Result<Row> {
     row.map(|(key, sealed)| Row { key: key.to_vec(), value: rows::unseal(tree.name(), &key, &sealed) })
 }
@@ -248,7 +284,7 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     let file = File::options().read(true).write(true).open(folder.join("db")).map_err(SledOpenError::Unusable)?;
     db.flush().map_err(refused)?;
     file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
-    Ok(Handle { db, trees, file, was_empty: applied == migrations::ALL.len() })
+    Ok(Handle { db, trees, file, applied })
 }
 
 /// Opens the database in `folder` with sled, once it is not locked.

@@ -35,6 +35,7 @@ fn start(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
         queue_limit: 1,
         entry_limit: 100,
         job_seconds: 86_400,
+        keep_ended: None,
         lease_ttl: Duration::from_secs(60),
         max_attempts: 1,
         adapter: Adapter::Cpu,

@@ -1,6 +1,9 @@
-use std::sync::{
-    Arc, Mutex,
-    atomic::{AtomicU32, Ordering},
+use std::{
+    fs,
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicU32, Ordering},
+    },
 };
 
 use super::*;
@@ -13,7 +16,7 @@ fn put(key: &str) -> Batch {
 }
 
 fn plain(folder: &Path) -> SledRows {
-    SledRows::open(folder, Box::new(File::sync_all)).unwrap()
+    SledRows::open(folder, Arc::new(File::sync_all)).unwrap()
 }
 
 #[test]
@@ -65,7 +68,7 @@ fn a_power_cut_loses_nothing_acknowledged() {
             Ok(())
         }
     };
-    let rows = SledRows::open(&folder, Box::new(hook)).unwrap();
+    let rows = SledRows::open(&folder, Arc::new(hook)).unwrap();
     let before = syncs.load(Ordering::Relaxed);
     for n in 0..12 {
         rows.commit(&put(&format!("{n:02}"))).unwrap();
@@ -87,7 +90,7 @@ fn a_commit_whose_fsync_fails_is_not_acknowledged_and_the_next_one_works() {
             _ => Err(io::ErrorKind::StorageFull.into()),
         }
     };
-    let rows = SledRows::open(dir.path(), Box::new(hook)).unwrap();
+    let rows = SledRows::open(dir.path(), Arc::new(hook)).unwrap();
     rows.commit(&put("before")).unwrap();
     full.store(1, Ordering::Relaxed);
     assert!(matches!(rows.commit(&put("during")), Err(StoreError::DiskFull)));
@@ -122,4 +125,60 @@ fn a_value_that_was_changed_on_the_disk_is_reported() {
     rows.with(|handle| handle.tree(Tree::Jobs).insert("key", b"12345678another".as_slice())).unwrap();
     assert!(matches!(rows.get(Tree::Jobs, b"key"), Err(StoreError::DamagedRow { tree: Tree::Jobs, .. })));
     assert_eq!(rows.scan(Tree::Jobs, b"").unwrap()[0].value, None);
+}
+
+/// A database whose next commit fails and closes it.
+fn closed_by_an_error(folder: &Path) -> SledRows {
+    let full = AtomicU32::new(0);
+    let hook = move |file: &File| match full.fetch_add(1, Ordering::Relaxed) {
+        // Opening it syncs once, and so does the commit before.
+        2 => Err(io::ErrorKind::StorageFull.into()),
+        _ => file.sync_all(),
+    };
+    let rows = SledRows::open(folder, Arc::new(hook)).unwrap();
+    rows.commit(&put("before")).unwrap();
+    assert!(matches!(rows.commit(&put("during")), Err(StoreError::DiskFull)));
+    rows
+}
+
+#[test]
+fn a_database_that_is_opened_again_is_checked_before_it_is_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = closed_by_an_error(dir.path());
+    // It comes back without its rows.
+    fs::remove_dir_all(dir.path()).unwrap();
+    fs::create_dir(dir.path()).unwrap();
+    rows.checks.add(|rows| rows.commit(&put("before")));
+    assert_eq!(rows.get(Tree::Jobs, b"before").unwrap().unwrap(), b"job");
+}
+
+#[test]
+fn a_database_that_fails_a_check_stays_closed() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = closed_by_an_error(dir.path());
+    let passes = Arc::new(AtomicU32::new(0));
+    let check = Arc::clone(&passes);
+    rows.checks.add(move |_| match check.load(Ordering::Relaxed) {
+        0 => Err(StoreError::Database("not as it was".to_owned())),
+        _ => Ok(()),
+    });
+    for _ in 0..2 {
+        assert!(rows.scan(Tree::Jobs, b"").unwrap_err().to_string().contains("not as it was"));
+    }
+    passes.store(1, Ordering::Relaxed);
+    assert!(rows.get(Tree::Jobs, b"before").unwrap().is_some());
+}
+
+#[test]
+fn a_database_that_was_damaged_while_it_was_closed_is_an_error() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = closed_by_an_error(dir.path());
+    for entry in fs::read_dir(dir.path()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            fs::write(&path, vec![0x5a; 1 << 20]).unwrap();
+        }
+    }
+    let error = rows.scan(Tree::Jobs, b"").unwrap_err().to_string();
+    assert!(error.contains("stays closed"), "{error}");
 }

@@ -1,0 +1,186 @@
+//! What the service does when its storage fails, loses something or is full.
+
+use std::{
+    fs,
+    sync::{Arc, atomic::Ordering},
+    time::Duration,
+};
+
+use super::{
+    super::*,
+    config, end_of,
+    fake_engine::{FakeEngine, Shared},
+    fitted, start, submit,
+};
+use crate::{
+    files::{digest::Digest, manifest::MANIFEST_VERSION},
+    server::{
+        queue::{FailureKind, JobId, JobState},
+        store::{Batch, Catalogue, ManifestRow, Rows, Store, Tree, memory::MemoryRows},
+    },
+};
+
+#[test]
+fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let rows = Arc::new(MemoryRows::default());
+    let store = Store::with_rows(dir.path(), rows.clone());
+    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
+    let first = fitted(&service, "silver 1");
+    shared.set(|b| b.held = true);
+    let (id, _) = submit(&service, "gold 4");
+    shared.wait_for_begun(3);
+    rows.full.store(true, Ordering::Relaxed);
+    shared.set(|b| b.held = false);
+    match end_of(&service, id) {
+        JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
+        other => panic!("{other:?}"),
+    }
+    assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
+    assert!(service.table(first).unwrap().is_some(), "a stored table is served");
+    rows.full.store(false, Ordering::Relaxed);
+    fitted(&service, "gold 4");
+    assert_eq!(rows.len(Tree::Results) + rows.len(Tree::Shards), 0);
+}
+
+#[test]
+fn a_damaged_table_is_reported_once_and_fitted_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 1");
+    let hex = table.hex();
+    fs::write(dir.path().join("blobs").join(&hex[..2]).join(&hex), "noise").unwrap();
+    assert!(matches!(service.table(table), Err(ServiceError::Corrupt { expected, .. }) if expected == table));
+    assert!(service.table(table).unwrap().is_none());
+    assert!(service.tables(None, 10).unwrap().items.is_empty());
+    assert_eq!(service.metrics().unwrap().blobs_corrupt, 1);
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert_eq!(shared.begun(), 2);
+    assert!(service.table(table).unwrap().is_some());
+}
+
+#[test]
+fn the_manifest_of_a_damaged_table_is_refused_like_the_table() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 1");
+    assert!(service.manifest(table).unwrap().is_some());
+    let hex = table.hex();
+    let blob = dir.path().join("blobs").join(&hex[..2]).join(&hex);
+    fs::write(&blob, "noise").unwrap();
+    assert!(matches!(service.manifest(table), Err(ServiceError::Corrupt { expected, .. }) if expected == table));
+    assert!(!blob.exists(), "it was moved to quarantine");
+    assert!(service.manifest(table).unwrap().is_none());
+    assert_eq!(service.metrics().unwrap().blobs_corrupt, 1);
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert!(service.manifest(table).unwrap().is_some());
+    fs::remove_file(&blob).unwrap();
+    assert!(service.manifest(table).unwrap().is_none(), "no manifest without its table");
+}
+
+#[test]
+fn a_lost_database_leaves_the_tables() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 2");
+    drop(service);
+    fs::remove_dir_all(dir.path().join("db")).unwrap();
+    let service = start(dir.path(), &shared);
+    assert_eq!(service.tables(None, 10).unwrap().items.len(), 1);
+    let SubmitReply::Ready { job, table: again } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
+    assert_eq!(again, table);
+    assert_eq!(service.job(job.id).unwrap().unwrap().job, job, "the job can be looked up");
+    assert_eq!(shared.begun(), 2);
+}
+
+/// sled may lose rows when a write error closes it while the service runs.
+#[test]
+fn a_database_that_is_opened_again_gets_back_the_jobs_and_tables_that_it_lost() {
+    let dir = tempfile::tempdir().unwrap();
+    let service = start(dir.path(), &Arc::new(Shared::default()));
+    let table = fitted(&service, "gold 2");
+    let without: Arc<dyn Rows> = Arc::new(MemoryRows::default());
+    service.state.tables.store.checks.run(&without).unwrap();
+    let id = JobId::of_recipe(&Digest::of(b"gold 2"));
+    assert!(without.get(Tree::Jobs, id.as_bytes()).unwrap().is_some());
+    assert_eq!(Catalogue::new(without).page(None, 9).unwrap().0[0].digest, table);
+}
+
+#[test]
+fn a_manifest_is_made_once_with_the_table() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 2");
+    let made = || shared.behaviour.lock().unwrap().manifests;
+    assert_eq!(made(), 1);
+    assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
+    assert_eq!(made(), 1, "it was stored with the table");
+    assert!(service.manifest(Digest::of(b"unknown")).unwrap().is_none());
+    drop(service);
+    let service = start(dir.path(), &shared);
+    assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
+    assert_eq!(made(), 1, "it outlives the process");
+}
+
+#[test]
+fn a_table_from_before_gets_its_manifest_when_it_is_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let table = fitted(&service, "gold 2");
+    let rows = &service.state.tables.store.rows;
+    let made = || shared.behaviour.lock().unwrap().manifests;
+    let mut none = Batch::default();
+    none.remove(Tree::Manifests, *table.as_bytes());
+    let other = ManifestRow { version: MANIFEST_VERSION + 1, text: "of another version".to_owned() };
+    for (made_before, stored) in [(1, none), (2, Catalogue::manifest_entry(table, &other).unwrap())] {
+        assert_eq!(made(), made_before);
+        rows.commit(&stored).unwrap();
+        for _ in 0..2 {
+            assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
+            assert_eq!(made(), made_before + 1);
+        }
+    }
+}
+
+/// A lack of descriptors is no fault of the job's.
+#[test]
+fn a_job_outlasts_a_lack_of_descriptors() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let rows = Arc::new(MemoryRows::default());
+    let store = Store::with_rows(dir.path(), rows.clone());
+    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
+    shared.set(|b| b.held = true);
+    let (id, _) = submit(&service, "gold 4");
+    shared.wait_for_begun(2);
+    rows.without_descriptors.store(true, Ordering::Relaxed);
+    shared.set(|b| b.held = false);
+    while rows.refused.load(Ordering::Relaxed) < 2 {
+        std::thread::yield_now();
+    }
+    rows.without_descriptors.store(false, Ordering::Relaxed);
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    assert_eq!(service.metrics().unwrap().shard_failures, 0);
+    assert!(shared.behaviour.lock().unwrap().begun.values().all(|begun| *begun == 1), "a fitted shard was thrown away");
+}
+
+/// Its recipe can be submitted again: the table answers.
+#[test]
+fn a_job_that_is_forgotten_leaves_its_table() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let table = fitted(&start(dir.path(), &shared), "gold 2");
+    let config = Config { keep_ended: Some(Duration::ZERO), ..config(dir.path()) };
+    let engine = Box::new(FakeEngine(Arc::clone(&shared)));
+    let service = Service::open_with(config, Store::open(dir.path()).unwrap(), engine).unwrap();
+    assert!(service.job(JobId::of_recipe(&Digest::of(b"gold 2"))).unwrap().is_none());
+    assert!(service.table(table).unwrap().is_some());
+    let SubmitReply::Ready { table: again, .. } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };
+    assert_eq!((again, shared.begun()), (table, 2));
+}

@@ -1,0 +1,55 @@
+//! What was wrong with a store when it was opened.
+
+use serde::Serialize;
+
+use crate::files::job::listed;
+
+/// What was wrong with a store when it was opened.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Findings {
+    /// The database did not open or could not be read: a part of it, or an empty one, took its place.
+    pub database_was_replaced: bool,
+    /// Rows that do not match their seal. They count as absent.
+    pub damaged_rows: usize,
+    /// Rows of jobs that the database had lost, and that the journal had.
+    pub restored_rows: usize,
+    /// Ids of the jobs among them.
+    pub restored_jobs: Vec<String>,
+    /// Ids of jobs that there were, and that neither the database nor the journal has whole.
+    pub lost_jobs: Vec<String>,
+    /// Damaged entries of the journal.
+    pub damaged_journal_entries: usize,
+    /// The journal is missing, empty, or lacks jobs that the database has: whether the database has lost jobs cannot be
+    /// proved.
+    pub journal_is_incomplete: bool,
+}
+
+impl Findings {
+    /// Logs all that was wrong.
+    pub(super) fn log(&self) {
+        if self.damaged_rows > 0 {
+            tracing::error!(rows = self.damaged_rows, "rows of the database do not match their seal");
+        }
+        if self.restored_rows > 0 {
+            tracing::error!(
+                rows = self.restored_rows,
+                jobs = listed(&self.restored_jobs),
+                "the database had lost rows of jobs; they are restored from the journal"
+            );
+        }
+        if self.damaged_journal_entries > 0 {
+            tracing::error!(
+                entries = self.damaged_journal_entries,
+                "entries of the journal of jobs are damaged; a job that the database lacks as well is lost"
+            );
+        }
+        if self.journal_is_incomplete {
+            tracing::error!(
+                "the journal of jobs is missing, empty or incomplete; whether the database has lost jobs cannot be proved"
+            );
+        }
+        if !self.lost_jobs.is_empty() {
+            tracing::error!(jobs = listed(&self.lost_jobs), "these jobs are lost and can be submitted again");
+        }
+    }
+}
