@@ -14,7 +14,10 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ltcforge::{
     files::recipe_document::{self, DEFAULT_ENTRY_LIMIT},
     fit::{Plan, Table, assemble, fit_shard},
-    view::preview::{Adapter, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Variant, Weights},
+    light::{LightModel, normals::WeightRule},
+    view::preview::{
+        Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Variant, Weights,
+    },
 };
 
 /// The table of a layout at its default resolution. How well it is fitted does not change what it costs.
@@ -58,19 +61,27 @@ fn frames(_: &mut Criterion) {
     let variant = |variant| Preview::with_variant(Adapter::Any, variant);
     let constant = Variant { lookup_is_constant: true, ..Variant::default() };
     let weights = |weights| variant(Variant { weights, ..Variant::default() });
+    let normals = |weight| Scene { model: LightModel::Normals, weight, ..scene(Mode::Ltc) };
+    let octagon = |scene: Scene| Scene { light: Light { kind: LightKind::Polygon(8), ..scene.light }, ..scene };
+    let usual = || variant(Variant::default());
     let mut candidates = [
-        ("ltc", gpu, &single),
-        ("ltc, layout kt2022", variant(Variant::default()), &kt2022),
-        ("ltc, f16 table", variant(Variant::default()), &half),
-        ("ltc, weights by the shader", weights(Weights::Shader), &single),
-        ("ltc, weights by the sampler", weights(Weights::Sampler), &single),
-        ("ltc, lookup replaced by a constant", variant(constant), &single),
-        ("ltc, CPU twin", Preview::new(Adapter::Cpu), &single),
+        ("ltc", gpu, &single, ltc.clone()),
+        ("ltc, layout kt2022", usual(), &kt2022, ltc.clone()),
+        ("ltc, f16 table", usual(), &half, ltc.clone()),
+        ("ltc, weights by the shader", weights(Weights::Shader), &single, ltc.clone()),
+        ("ltc, weights by the sampler", weights(Weights::Sampler), &single, ltc.clone()),
+        ("ltc, lookup replaced by a constant", variant(constant), &single, ltc.clone()),
+        ("ltc, eight edges", usual(), &single, octagon(ltc.clone())),
+        ("normals, weight seven", usual(), &single, normals(WeightRule::Seven)),
+        ("normals, weight mean", usual(), &single, normals(WeightRule::Mean)),
+        ("normals, weight fine", usual(), &single, normals(WeightRule::Fine)),
+        ("normals, eight edges", usual(), &single, octagon(normals(WeightRule::Seven))),
+        ("ltc, CPU twin", Preview::new(Adapter::Cpu), &single, ltc.clone()),
     ];
-    let mut times = [const { Vec::new() }; 7];
+    let mut times = candidates.each_ref().map(|_| Vec::new());
     for _ in 0..RUNS {
-        for (times, (_, preview, table)) in times.iter_mut().zip(&mut candidates) {
-            times.push(timed(preview, table, &ltc));
+        for (times, (_, preview, table, scene)) in times.iter_mut().zip(&mut candidates) {
+            times.push(timed(preview, table, scene));
         }
     }
     for (times, (name, ..)) in times.into_iter().zip(&candidates) {
@@ -78,7 +89,7 @@ fn frames(_: &mut Criterion) {
     }
     let reference = scene(Mode::Reference);
     for index in [0, candidates.len() - 1] {
-        let (name, preview, table) = &mut candidates[index];
+        let (name, preview, table, _) = &mut candidates[index];
         let times = (0..5).map(|_| timed(preview, table, &reference)).collect();
         let twin = if name.contains("CPU") { ", CPU twin" } else { "" };
         println!("reference, 64 samples a pixel{twin}: {}", summary(times));

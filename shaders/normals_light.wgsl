@@ -225,17 +225,22 @@ fn normals_exact(view: NormalsView, a: NormalsCorner, b: NormalsCorner, apart: v
 /// What the edge from a to b adds to the integral of c x dc, beyond a.c x b.c.
 fn normals_curved_part(view: NormalsView, a: NormalsCorner, b: NormalsCorner) -> vec3<f32> {
     let apart = b.w - a.w;
-    if (dot(apart, apart) < 1e-14) {
-        return vec3(0.0);
-    }
     let k = normals_half_cosine(a, b);
     let middle = normals_unstretched(view.wo * k + (a.w + b.w) * (0.5 / k), view.alpha);
     let control = middle / sqrt(a.length * b.length);
-    let is_flat = abs(dot(control, cross(a.c, b.c))) < 0.01 && dot(a.c, b.c) > 0.5 && dot(control, a.c + b.c) > 0.5;
-    if (is_flat) {
-        return normals_flat(a.c, b.c, control);
+    let across = cross(a.c, b.c);
+    let limit = min(0.01, 0.003 + 0.014 * dot(a.c, b.c));
+    let is_flat = abs(dot(control, across)) < limit && dot(control, a.c + b.c) > 0.5;
+    let is_edge = dot(apart, apart) >= 1e-14;
+    // Loops of no or one turn: a software driver runs both sides of a branch, but no loop that no lane enters.
+    var curved = vec3(0.0);
+    for (var i = 0u; i < select(0u, 1u, is_edge && is_flat); i++) {
+        curved = normals_flat(a.c, b.c, control);
     }
-    return normals_exact(view, a, b, apart) - cross(a.c, b.c);
+    for (var i = 0u; i < select(0u, 1u, is_edge && !is_flat); i++) {
+        curved = normals_exact(view, a, b, apart) - across;
+    }
+    return curved;
 }
 
 /// Adds the edge from the last corner to another, split into parts.

@@ -8,11 +8,11 @@ use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// An edge whose ends are this near to each other, squared, has no direction in f32.
 const SHORTEST2: f64 = 1e-14;
-/// An image is flat where the determinant of its two ends and its control point is below this, and its ends are less
-/// than 60 degrees apart: its segment's area is then an inscribed triangle's times a factor, 3e-5 of a whole lobe off at
-/// most.
+/// An image is flat where the determinant of its two ends and its control point is below this, for ends less than 60
+/// degrees apart, and below the line through `FLAT_ACROSS` at a right angle for others. Its segment's area is then an
+/// inscribed triangle's times a factor, 3e-5 of a whole lobe off at most.
 const FLAT: f64 = 0.01;
-const FLAT_COSINE: f64 = 0.5;
+const FLAT_ACROSS: f64 = 0.003;
 
 /// What the edge from `a` to `b` adds to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
 ///
@@ -25,9 +25,8 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
     }
     let control = a.control(b, alpha, wo);
     let between = plus(a.c, b.c);
-    let is_flat = dot(control, cross(a.c, b.c)).abs() < T::of(FLAT)
-        && dot(a.c, b.c) > T::of(FLAT_COSINE)
-        && dot(control, between) > T::of(0.5);
+    let limit = T::of(FLAT).min(T::of(FLAT_ACROSS) + T::of(2.0 * (FLAT - FLAT_ACROSS)) * dot(a.c, b.c));
+    let is_flat = dot(control, cross(a.c, b.c)).abs() < limit && dot(control, between) > T::of(0.5);
     if is_flat {
         return flat(a.c, b.c, control);
     }
