@@ -4,3 +4,20 @@
 //! Invariant: `light` fits nothing and reads no file.
 
 pub mod normals;
+
+mod error;
+mod model;
+mod polygon;
+mod shapes;
+mod table;
+#[cfg(test)]
+mod tests;
+mod truth;
+
+pub use error::LightError;
+pub use model::{LightModel, Reflected, by_normals};
+pub use normals::WeightRule;
+pub use polygon::PolygonLight;
+pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
+pub use table::by_table;
+pub use truth::{TRUTH_TOLERANCE, truth, truth_within};

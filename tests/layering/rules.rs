@@ -31,8 +31,6 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     ("fit::measure", &["fit", "fit::table", "fit::layout", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
     ("light::normals", &["fit", "fit::named_list", "fit::math"]),
     ("light", &["light::normals", "fit", "fit::named_list", "fit::brdf", "fit::lobe", "fit::math"]),
-    ("light::normals", &["fit", "fit::named_list", "fit::math"]),
-    ("light", &["light::normals", "fit", "fit::named_list", "fit::brdf", "fit::lobe", "fit::math"]),
     ("files", &["fit", "fit::measure", "fit::math"]),
     ("view::shaders", &["fit", "fit::math"]),
     ("library", &["view::shaders", "files", "light", "light::normals", "fit", "fit::brdf"]),

@@ -34,6 +34,16 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
     minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
 }
 
+/// The same, also for an edge whose image is nearly straight, without the short cut for those.
+#[cfg(test)]
+pub(super) fn exact_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>) -> Triple<T> {
+    let apart = minus(b.w, a.w);
+    if dot(apart, apart) < T::of(SHORTEST2) {
+        return [T::ZERO; 3];
+    }
+    minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
+}
+
 /// `a x b (acos(a . b) / |a x b| - 1)`: what the arc of a great circle from `a` to `b` adds to `a x b`.
 ///
 /// With `z = |a - b|^2 / 4`, half of the versed sine of the angle, the bracket is `asin(sqrt z) / sqrt(z (1 - z)) - 1 =
