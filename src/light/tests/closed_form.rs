@@ -82,6 +82,25 @@ fn errors_are_those_of_the_weight() {
     }
 }
 
+/// The integral of `c x dc` along the image of an edge, halved until that is short.
+fn along_image(stretch: DVec3, wo: DVec3, a: DVec3, b: DVec3, halvings: u32) -> DVec3 {
+    let image = |w: DVec3| ((wo + w.normalize()) / stretch).normalize();
+    let is_short = halvings > 2 && [a, b].iter().all(|end| image(*end).dot(image(a + b)) > 0.95);
+    if !is_short && halvings < 50 {
+        let middle = (a + b).normalize();
+        let half = |a: DVec3, b: DVec3| along_image(stretch, wo, a, b, halvings + 1);
+        return half(a, middle) + half(middle, b);
+    }
+    let slice = |t: f64| {
+        let (w, along) = (a + (b - a) * t, b - a);
+        let length = w.length();
+        let w = w / length;
+        let (h, turning) = ((wo + w) / stretch, (along - w * w.dot(along)) / length / stretch);
+        (h.cross(turning) / h.length_squared()).to_array()
+    };
+    DVec3::from_array(integral(&slice, [0.0, 1.0], 1e-12, 4))
+}
+
 /// V by quadrature of `c x dc` along the outline's image.
 fn visible_by_quadrature(lit: &Lit) -> f64 {
     let [alpha_x, alpha_y] = lit.alpha();
@@ -93,18 +112,8 @@ fn visible_by_quadrature(lit: &Lit) -> f64 {
             outline.push((*a - (*b - *a) * (a.z / (b.z - a.z))).with_z(0.0).normalize());
         }
     }
-    let mut sum = DVec3::ZERO;
-    for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
-        let slice = |t: f64| {
-            let (w, along) = (*a + (*b - *a) * t, *b - *a);
-            let length = w.length();
-            let w = w / length;
-            let (h, turning) = ((wo + w) / stretch, (along - w * w.dot(along)) / length / stretch);
-            (h.cross(turning) / h.length_squared()).to_array()
-        };
-        // Halved towards where the image turns fastest.
-        sum += DVec3::from_array(integral(&slice, [0.0, 1.0], 1e-12, 60));
-    }
+    let ends = outline.iter().zip(outline.iter().cycle().skip(1));
+    let sum: DVec3 = ends.map(|(a, b)| along_image(stretch, wo, *a, *b, 0)).sum();
     sum.dot(stretch * wo) / (std::f64::consts::PI * (wo.z + (stretch * wo).length()))
 }
 
