@@ -47,7 +47,7 @@ fn a_rectangle_is_lit_on_the_side_of_its_normal() {
 /// The polygon of 32 vertices against one of 2048.
 #[test]
 fn an_ellipse_is_as_good_as_a_finer_one() {
-    for (roughness, limits) in [(Roughness::All, [2e-4, 2e-2]), (Roughness::Extreme, [3e-3, 0.2])] {
+    for (roughness, limits) in [(Roughness::All, [3e-5, 1e-3]), (Roughness::Extreme, [1e-4, 3e-3])] {
         let mut draw = Draw::new(71);
         let cases: Vec<_> = (0..300).map(|_| draw.lit(roughness)).collect();
         let error = |lit: &Lit| {
