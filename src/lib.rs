@@ -45,6 +45,29 @@
 //! [`fit()`] fits without a folder. [`Fit`] also sets the number of threads, reports progress and can be stopped. In a
 //! build script, [`cached`] with `OUT_DIR` as the folder fits once. All of them fail with [`Error`].
 //!
+//! # Light without a table
+//!
+//! [`light()`] tells what GGX reflects of a polygon light in closed form; [`mod@light`] also has disks, tubes and lines, and
+//! the truth by quadrature.
+//!
+//! ```
+//! # fn main() -> Result<(), ltcforge::Error> {
+//! use ltcforge::{Configuration, Sides, glam::DVec3, light};
+//!
+//! // A lamp of 1 x 0.4 in the tangent frame around the shaded point; it shines to the side of `half[0] x half[1]`.
+//! let (centre, half) = (DVec3::new(-0.8, 0.1, 1.0), [0.2 * DVec3::Y, 0.5 * DVec3::X]);
+//! let lamp = light::rectangle(centre, half, Sides::One)?;
+//!
+//! let seen = Configuration { alpha_x: 0.3, alpha_y: 0.1, theta: 0.8, phi: 0.0 };
+//! let reflected = ltcforge::light(&seen, &lamp)?;
+//! println!("of a white lamp, iron reflects {}", reflected.schlick(0.56, 1.0));
+//!
+//! let truth = light::truth(&seen, &lamp)?;
+//! assert!((reflected.energy - truth.energy).abs() < 0.01);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Features
 //!
 //! | feature | adds |
@@ -58,7 +81,7 @@
 //!
 //! # Worlds
 //!
-//! [`mod@fit`] is the core: equal arguments give equal bytes on every machine. [`files`] has its documents and
+//! [`mod@fit`] is the core: equal arguments give equal bytes on every machine. [`mod@light`] tells what is reflected of lights. [`files`] has its documents and
 //! containers. [`view`] shows tables, and holds the shaders. `server`, `client` and `cli` are built on them. Vectors
 //! and matrices in signatures are those of [`glam`].
 
@@ -80,12 +103,14 @@ pub use files::{
     recipe_document::{Fault, Preset, RecipeError},
 };
 pub use fit::{
-    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Solver, Table,
+    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Sides, Solver,
+    Table,
 };
 pub use glam;
 #[cfg(feature = "shaders")]
 pub use library::shader;
-pub use library::{Error, Fit, RecipeBuilder, cached, fit, write_table};
+pub use library::{Error, Fit, RecipeBuilder, cached, fit, light, light_by_table, write_table};
+pub use light::{LightError, LightModel, PolygonLight, Reflected};
 #[cfg(feature = "shaders")]
 pub use view::shaders::Language;
 pub use view::shaders::{LitBy, wgsl};

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     CommandFailure, Exit,
-    args::TableChoice,
+    args::{TableChoice, TableFolder},
     file_failure,
     table_file::{check, table_path},
 };
@@ -56,8 +56,16 @@ impl AnyTable {
     /// # Errors
     /// When there is no such file, it is longer than the limit, or it is no table.
     pub(super) fn read(choice: &TableChoice) -> Result<Self, CommandFailure> {
-        let path = table_path(&choice.table, choice.folder.tables.as_deref())?;
-        let bytes = read_file(&path, choice.folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
+        Self::named(&choice.table, &choice.folder)
+    }
+
+    /// Reads the table that a file's name or a digest stands for.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(super) fn named(name: &Path, folder: &TableFolder) -> Result<Self, CommandFailure> {
+        let path = table_path(name, folder.tables.as_deref())?;
+        let bytes = read_file(&path, folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
         let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
         if !is_npy {
             let (digest, TableFile { table, recipe }) = check(&path, &bytes, None)?;

@@ -2,8 +2,7 @@
 
 use std::{
     collections::BTreeMap,
-    fs::File,
-    io::{self, BufRead, BufReader, BufWriter, Write},
+    io::{self, BufWriter, Write},
 };
 
 use serde_json::json;
@@ -11,86 +10,37 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit,
     args::LookupArgs,
-    file_failure,
+    csv::{CsvLines, LineFailure},
     input::AnyTable,
     outside::{Clamped, Outside, clamped},
     points::{self, COLUMNS, Point},
-    shown,
 };
-use crate::{
-    files::bounded::read_line,
-    fit::{LookedUp, PerAxis, Table},
-};
-
-/// Longest line of points that is read: four numbers take a hundred bytes.
-const LINE_LIMIT_BYTES: u64 = 4096;
-
-/// Some editors put this before the first line.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+use crate::fit::LookedUp;
 
 /// Prints a matrix for each point, as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
-    let (name, points): (String, Box<dyn BufRead>) = if args.points.as_os_str() == "-" {
-        ("standard input".to_owned(), Box::new(io::stdin().lock()))
-    } else {
-        let refuse = |error: io::Error| file_failure(&args.points, &error);
-        let file = File::open(&args.points).map_err(refuse)?;
-        if file.metadata().map_err(refuse)?.is_dir() {
-            let name = args.points.display();
-            return Err(CommandFailure::new(
-                Exit::Usage,
-                format!("{name}: this is a folder, not a CSV file of points"),
-            ));
-        }
-        (shown(&args.points), Box::new(BufReader::new(file)))
-    };
+    let points = CsvLines::open(&args.points, "points")?;
     let mut out = BufWriter::new(&mut *context.stdout);
-    let outside = look_up(&table, origin.range(), &name, points, json, &mut out)?;
+    let mut outside = Outside::default();
+    if !json {
+        writeln!(out, "{}", header()).map_err(|error| CommandFailure::stdout(&error))?;
+    }
+    points.each(points::is_header, |line| {
+        let Some(point) = points::parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
+        let found = table.lookup(&point.configuration);
+        let clamped = clamped(&point.configuration, &table, origin.range());
+        outside.count(&clamped);
+        let written =
+            if json { write_json(&mut out, &point, &found, &clamped) } else { write_row(&mut out, &point, &found) };
+        written.map_err(|error| LineFailure::stdout(&error))
+    })?;
     out.flush().map_err(|error| CommandFailure::stdout(&error))?;
     // As JSON, each line says it of its point.
     if !json && !outside.is_empty() {
         eprintln!("{outside}");
     }
     Ok(Exit::Ok)
-}
-
-fn look_up(
-    table: &Table,
-    range: &PerAxis<[f64; 2]>,
-    name: &str,
-    mut points: impl BufRead,
-    json: bool,
-    out: &mut dyn Write,
-) -> Result<Outside, CommandFailure> {
-    let mut outside = Outside::default();
-    if !json {
-        writeln!(out, "{}", header()).map_err(|error| CommandFailure::stdout(&error))?;
-    }
-    let mut line = Vec::new();
-    for index in 0_u64.. {
-        let at_line = |exit, reason: String| CommandFailure::new(exit, format!("{name}, line {}: {reason}", index + 1));
-        let refuse = |reason: String| at_line(Exit::Usage, reason);
-        match read_line(&mut points, &mut line, LINE_LIMIT_BYTES) {
-            Ok(true) => {}
-            Ok(false) => break,
-            Err(error) if error.kind() == io::ErrorKind::FileTooLarge => return Err(refuse(error.to_string())),
-            Err(error) => return Err(at_line(Exit::Failed, error.to_string())),
-        }
-        let text = str::from_utf8(&line).map_err(|_| refuse("this is not UTF-8".to_owned()))?;
-        let text = if index == 0 { text.trim_start_matches(BYTE_ORDER_MARK) } else { text };
-        if index == 0 && points::is_header(text) {
-            continue;
-        }
-        if let Some(point) = points::parse(text).map_err(refuse)? {
-            let found = table.lookup(&point.configuration);
-            let clamped = clamped(&point.configuration, table, range);
-            outside.count(&clamped);
-            let written = if json { write_json(out, &point, &found, &clamped) } else { write_row(out, &point, &found) };
-            written.map_err(|error| CommandFailure::stdout(&error))?;
-        }
-    }
-    Ok(outside)
 }
 
 fn header() -> String {

@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    fit, fsck, jobs, lookup, plot, preview, print, pull, report, serve, shader, tradeoff, verify,
+    fit, fsck, jobs, light, lookup, plot, preview, print, pull, report, serve, shader, tradeoff, verify,
 };
 use crate::client::Client;
 
@@ -23,6 +23,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Fsck(args) => fsck::run(args, file.serve, json, context),
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),
+        Command::Light(args) => light::run(&args, json, context),
         Command::Report(args) => report::run(&args, json, context),
         Command::Preview(args) => preview::run(&args, json, context),
         Command::Plot(args) => plot::run(&args, json, context),

@@ -2,7 +2,10 @@
 
 use std::{io, path::PathBuf};
 
-use crate::files::{container::TableFileError, recipe_document::RecipeError};
+use crate::{
+    files::{container::TableFileError, recipe_document::RecipeError},
+    light::LightError,
+};
 
 /// Why a call of the library failed.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +23,9 @@ pub enum Error {
     /// Bytes are not a table.
     #[error(transparent)]
     Table(#[from] TableFileError),
+    /// A light is none, or nothing can be told of what it reflects.
+    #[error(transparent)]
+    Light(#[from] LightError),
     /// A file cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {

@@ -5,6 +5,7 @@
 mod builder;
 mod error;
 mod fitting;
+mod lighting;
 #[cfg(feature = "shaders")]
 mod shader;
 mod table_file;
@@ -13,6 +14,7 @@ mod tables;
 pub use builder::RecipeBuilder;
 pub use error::Error;
 pub use fitting::{Fit, fit};
+pub use lighting::{light, light_by_table};
 #[cfg(feature = "shaders")]
 pub use shader::shader;
 pub use tables::{cached, write_table};

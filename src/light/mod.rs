@@ -5,14 +5,19 @@
 
 pub mod normals;
 
-use crate::fit::named_list::named_list;
+mod error;
+mod model;
+mod polygon;
+mod shapes;
+mod table;
+#[cfg(test)]
+mod tests;
+mod truth;
 
-named_list! {
-    /// What stands for GGX where it is lit.
-    pub enum LightModel {
-        /// A table of Linearly Transformed Cosines.
-        Ltc = "ltc",
-        /// The closed form in the space of normals.
-        Normals = "normals",
-    }
-}
+pub use error::LightError;
+pub use model::{LightModel, Reflected, by_normals};
+pub use normals::WeightRule;
+pub use polygon::PolygonLight;
+pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
+pub use table::by_table;
+pub use truth::{TRUTH_TOLERANCE, truth, truth_within};

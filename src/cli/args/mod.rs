@@ -4,6 +4,7 @@
 mod connections;
 mod fitting;
 mod jobs;
+mod light;
 mod pictures;
 mod tables;
 
@@ -15,8 +16,9 @@ use clap_complete::Shell;
 pub(super) use connections::{ClientSeconds, ConnectionArgs};
 pub(super) use fitting::{FitArgs, FsckArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
+pub(super) use light::LightArgs;
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs};
-pub(super) use tables::{LookupArgs, PullArgs, ReportArgs, TableChoice, VerifyArgs};
+pub(super) use tables::{LookupArgs, PullArgs, ReportArgs, TableChoice, TableFolder, VerifyArgs};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
@@ -50,6 +52,8 @@ pub enum Command {
     Fit(FitArgs),
     /// Print the matrices that a shader would fetch from a table, as CSV
     Lookup(LookupArgs),
+    /// Print what surfaces reflect of polygon lights, as CSV: in closed form, by a table, and the truth
+    Light(LightArgs),
     /// Measure how good a table is
     Report(ReportArgs),
     /// Render metal under an area light with a table, or compare it with Monte Carlo integration, as PNG
@@ -109,6 +113,7 @@ impl Command {
             Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Pull(_) => OnInterrupt::Told,
             Self::Lookup(_)
+            | Self::Light(_)
             | Self::Report(_)
             | Self::Preview(_)
             | Self::Plot(_)
@@ -156,6 +161,9 @@ mod tests {
             "ltcforge jobs list --state finished",
             "ltcforge serve --workers 0",
             "ltcforge verify",
+            "ltcforge light",
+            "ltcforge light - --model sum",
+            "ltcforge light - --weight most",
             "ltcforge tradeoff paper",
             "ltcforge plot table colours -o x.png",
             "ltcforge plot table error -o x.png --ratio 1.5",

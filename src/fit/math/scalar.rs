@@ -28,6 +28,10 @@ pub trait Scalar:
     const TAU: Self;
     /// The shortest length of a vector that has a direction.
     const SHORTEST: Self;
+    /// Directions that are this near to each other, squared, are one up to rounding.
+    const SAME2: Self;
+    /// Steps of Newton's method that make three digits as many as the type has.
+    const NEWTON_STEPS: u32;
     /// The nearest number of this type.
     #[must_use]
     fn of(x: f64) -> Self;
@@ -69,6 +73,8 @@ impl Scalar for f64 {
     const ONE: Self = 1.0;
     const TAU: Self = std::f64::consts::TAU;
     const SHORTEST: Self = 1e-150;
+    const SAME2: Self = 1e-30;
+    const NEWTON_STEPS: u32 = 3;
     fn of(x: f64) -> Self {
         x
     }
@@ -88,6 +94,8 @@ impl Scalar for f32 {
     const ONE: Self = 1.0;
     const TAU: Self = std::f32::consts::TAU;
     const SHORTEST: Self = 1e-18;
+    const SAME2: Self = 1e-14;
+    const NEWTON_STEPS: u32 = 1;
     fn of(x: f64) -> Self {
         x as Self
     }

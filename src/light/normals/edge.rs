@@ -6,8 +6,6 @@ use super::{
 };
 use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
-/// An edge whose ends are this near to each other, squared, has no direction in f32.
-const SHORTEST2: f64 = 1e-14;
 /// An image is flat where the determinant of its two ends and its control point is below this, for ends less than 60
 /// degrees apart, and below the line through `FLAT_ACROSS` at a right angle for others. Its segment's area is then an
 /// inscribed triangle's times a factor, 3e-5 of a whole lobe off at most.
@@ -20,7 +18,7 @@ const FLAT_ACROSS: f64 = 0.003;
 /// cancels to a small area in a small light.
 pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>) -> Triple<T> {
     let apart = minus(b.w, a.w);
-    if dot(apart, apart) < T::of(SHORTEST2) {
+    if dot(apart, apart) < T::SAME2 {
         return [T::ZERO; 3];
     }
     let control = a.control(b, alpha, wo);
@@ -29,6 +27,16 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
     let is_flat = dot(control, cross(a.c, b.c)).abs() < limit && dot(control, between) > T::of(0.5);
     if is_flat {
         return flat(a.c, b.c, control);
+    }
+    minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
+}
+
+/// The same, also for an edge whose image is nearly straight, without the short cut for those.
+#[cfg(test)]
+pub(super) fn exact_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>) -> Triple<T> {
+    let apart = minus(b.w, a.w);
+    if dot(apart, apart) < T::SAME2 {
+        return [T::ZERO; 3];
     }
     minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
 }

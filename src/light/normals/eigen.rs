@@ -15,7 +15,7 @@ pub(super) struct Eigenframe<T> {
 ///
 /// With the mean `m = tr K / 3`, `p^2 = (1 - 3 m^2) / 6` and `d = det(K - m I) / (2 p^3)`, the eigenvalues are
 /// `m + 2 p cos((acos(d) + 2 pi k) / 3)` [Smith 1961]. Of the two outer ones, that which is farther from the others is
-/// `m + sign(d) 2 p g`, where `g` in [sqrt(3)/2, 1] solves `4 g^3 - 3 g = |d|`: a polynomial and one step of Newton's.
+/// `m + sign(d) 2 p g`, where `g` in [sqrt(3)/2, 1] solves `4 g^3 - 3 g = |d|`: a polynomial and steps of Newton's method.
 /// Its vector is the longest of the three vector products of rows of `K - l I`, and its value then the Rayleigh
 /// quotient, which matters for sharp lobes. One Jacobi rotation in the plane perpendicular to it gives the other two.
 pub(super) fn eigenframe<T: Scalar>([xx, yy, zz, xy, xz, yz]: Symmetric<T>) -> Eigenframe<T> {
@@ -28,8 +28,10 @@ pub(super) fn eigenframe<T: Scalar>([xx, yy, zz, xy, xz, yz]: Symmetric<T>) -> E
     let determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz);
     let d = determinant / (two * p * p2);
     let x = d.abs().min(one);
-    let g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
-    let g = (T::of(8.0) * g * g * g + x) / (T::of(12.0) * g * g - three);
+    let mut g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
+    for _ in 0..T::NEWTON_STEPS {
+        g = (T::of(8.0) * g * g * g + x) / (T::of(12.0) * g * g - three);
+    }
     let is_largest = !(d < T::ZERO);
     let apart = two * p * g;
     let value = if is_largest { mean + apart } else { mean - apart };

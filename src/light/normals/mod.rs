@@ -78,16 +78,8 @@ pub fn reflected<T: Scalar>(
     if corners.len() < 3 {
         return [T::ZERO; 2];
     }
-    let next = |i: usize| &corners[(i + 1) % corners.len()];
-    let curved: Vec<Triple<T>> =
-        corners.iter().enumerate().map(|(i, corner)| curved_part(alpha, wo, corner, next(i))).collect();
-
-    // F, up to a factor: its plane part around the first corner.
-    let origin = corners[0].c;
-    let mut flux = [T::ZERO; 3];
-    for (i, (corner, curved)) in corners.iter().zip(&curved).enumerate() {
-        flux = plus(flux, plus(*curved, cross(minus(corner.c, origin), minus(next(i).c, origin))));
-    }
+    let curved = curved_parts(&corners, alpha, wo);
+    let flux = flux(&corners, &curved);
     let seen = dot(flux, view.stretched);
     let side = if seen < T::ZERO { -T::ONE } else { T::ONE };
     if sides == Sides::One && seen < T::ZERO {
@@ -100,7 +92,41 @@ pub fn reflected<T: Scalar>(
     } else {
         fan(&view, &corners, &curved, mean_normal, to_part)
     };
-    [energy.max(T::ZERO).min(T::ONE), fresnel.max(T::ZERO).min(T::ONE)]
+    // A light without area has neither part, but for rounding.
+    let energy = energy.max(T::ZERO).min(T::ONE);
+    [energy, fresnel.max(T::ZERO).min(energy)]
+}
+
+/// What the image of each edge adds beyond its plane triangle.
+fn curved_parts<T: Scalar>(corners: &[Corner<T>], alpha: [T; 2], wo: Triple<T>) -> Vec<Triple<T>> {
+    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    ends.map(|(from, to)| curved_part(alpha, wo, from, to)).collect()
+}
+
+/// F times a turn: its plane part around the first corner.
+fn flux<T: Scalar>(corners: &[Corner<T>], curved: &[Triple<T>]) -> Triple<T> {
+    let origin = corners[0].c;
+    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    ends.zip(curved).fold([T::ZERO; 3], |sum, ((from, to), curved)| {
+        plus(sum, plus(*curved, cross(minus(from.c, origin), minus(to.c, origin))))
+    })
+}
+
+/// V: the part of the visible normals that a polygon's light is reflected at, positive where it is lit, negative
+/// where it is seen from behind; as it is computed, and with each edge's integral in closed form, however straight it is.
+#[cfg(test)]
+pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) -> [T; 2] {
+    let view = View::new(alpha, wo);
+    let corners = outline(vertices, Parts { edge: 1, horizon: 1 }, alpha, wo);
+    if corners.len() < 3 {
+        return [T::ZERO; 2];
+    }
+    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+    let exact = ends.map(|(from, to)| edge::exact_part(alpha, wo, from, to)).collect();
+    [curved_parts(&corners, alpha, wo), exact].map(|curved| {
+        let seen = dot(flux(&corners, &curved), view.stretched);
+        T::of(2.0) * seen / ((wo[2] + view.length) * T::TAU)
+    })
 }
 
 fn scaled_pair<T: Scalar>([x, y]: [T; 2], by: T) -> [T; 2] {

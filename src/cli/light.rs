@@ -1,0 +1,88 @@
+//! `light`: what surfaces reflect of polygon lights.
+
+use std::io::{self, BufWriter, Write};
+
+use serde_json::json;
+
+use super::{
+    CommandFailure, Context, Exit,
+    args::LightArgs,
+    csv::{CsvLines, LineFailure},
+    input::AnyTable,
+    lamps::{self, Lamp},
+};
+use crate::{
+    fit::Table,
+    light::{LightError, LightModel, Reflected, WeightRule, by_normals, by_table, truth},
+};
+
+/// How the light is found, with what that takes.
+enum Found {
+    Normals(WeightRule),
+    Ltc(Box<Table>),
+}
+
+/// Prints what is reflected for each line, as it is read.
+pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let found = choose(args)?;
+    let lamps = CsvLines::open(&args.cases, "lights")?;
+    let mut out = BufWriter::new(&mut *context.stdout);
+    if !json {
+        let header = if args.truth { "energy,fresnel,true_energy,true_fresnel" } else { "energy,fresnel" };
+        writeln!(out, "{header}").map_err(|error| CommandFailure::stdout(&error))?;
+    }
+    lamps.each(lamps::is_header, |line| {
+        let Some(Lamp { at, light }) = lamps::parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
+        let refuse = |error: LightError| LineFailure::Line(error.to_string());
+        let reflected = match &found {
+            Found::Normals(rule) => by_normals(&at, &light, *rule),
+            Found::Ltc(table) => by_table(table, &at, &light),
+        };
+        let reflected = reflected.map_err(refuse)?;
+        let true_light = if args.truth { Some(truth(&at, &light).map_err(refuse)?) } else { None };
+        let written = if json {
+            write_json(&mut out, &reflected, true_light.as_ref())
+        } else {
+            write_row(&mut out, &reflected, true_light.as_ref())
+        };
+        written.map_err(|error| LineFailure::stdout(&error))
+    })?;
+    out.flush().map_err(|error| CommandFailure::stdout(&error))?;
+    Ok(Exit::Ok)
+}
+
+fn choose(args: &LightArgs) -> Result<Found, CommandFailure> {
+    let usage = |message: &str| Err(CommandFailure::new(Exit::Usage, message));
+    match (args.model, &args.table, args.weight) {
+        (LightModel::Normals, None, rule) => Ok(Found::Normals(rule.unwrap_or(WeightRule::ALL[0]))),
+        (LightModel::Normals, Some(_), _) => usage("--table is of model ltc; add --model ltc, or leave it out"),
+        (LightModel::Ltc, None, _) => usage("model ltc needs a table: --table TABLE"),
+        (LightModel::Ltc, Some(_), Some(_)) => usage("--weight is of model normals; model ltc has one rule"),
+        (LightModel::Ltc, Some(name), None) => {
+            let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;
+            if table.terms.is_none() {
+                let message = format!("{}: {}", path.display(), LightError::NoTerms);
+                return Err(CommandFailure::new(Exit::Failed, message));
+            }
+            Ok(Found::Ltc(Box::new(table)))
+        }
+    }
+}
+
+/// One line of CSV. Numbers are the shortest that read back as the same f64.
+fn write_row(out: &mut dyn Write, found: &Reflected, true_light: Option<&Reflected>) -> io::Result<()> {
+    write!(out, "{},{}", found.energy, found.fresnel)?;
+    if let Some(Reflected { energy, fresnel }) = true_light {
+        write!(out, ",{energy},{fresnel}")?;
+    }
+    writeln!(out)
+}
+
+fn write_json(out: &mut dyn Write, found: &Reflected, true_light: Option<&Reflected>) -> io::Result<()> {
+    let mut line = json!({ "energy": found.energy, "fresnel": found.fresnel });
+    if let Some(Reflected { energy, fresnel }) = true_light {
+        line["true_energy"] = json!(energy);
+        line["true_fresnel"] = json!(fresnel);
+    }
+    writeln!(out, "{line}")
+}

@@ -1,0 +1,144 @@
+//! Polygon lights.
+
+use glam::DVec3;
+
+use super::LightError;
+use crate::fit::Sides;
+
+/// Three vertices run the wrong way round where the volume between them and the shaded point is below zero by more than
+/// this part of their farthest distance squared times their longest edge: rounding to f32 moves vertices less.
+const STRAIGHT: f64 = 1e-6;
+
+/// A convex polygon of radiance one, as seen from a shaded point.
+///
+/// Its lit side is that from which the vertices run clockwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PolygonLight {
+    vertices: Vec<DVec3>,
+    sides: Sides,
+}
+
+impl PolygonLight {
+    /// The light with these vertices, relative to the shaded point in its tangent frame, normal +z.
+    ///
+    /// Vertices may coincide or lie in line: they then add nothing. A polygon is convex if all its triples of vertices
+    /// turn the same way as seen from the shaded point.
+    ///
+    /// # Errors
+    /// [`LightError::TooFewVertices`], [`LightError::NotFinite`], [`LightError::NotConvex`].
+    pub fn new(vertices: Vec<DVec3>, sides: Sides) -> Result<Self, LightError> {
+        if vertices.len() < 3 {
+            return Err(LightError::TooFewVertices(vertices.len()));
+        }
+        if let Some(index) = vertices.iter().position(|v| !v.is_finite()) {
+            return Err(LightError::NotFinite { index });
+        }
+        // Lengths near the ends of the range of f64 would overflow in products; directions have no length.
+        let farthest = vertices.iter().fold(0.0_f64, |far, v| far.max(v.abs().max_element()));
+        let vertices: Vec<DVec3> =
+            if farthest > 0.0 { vertices.into_iter().map(|v| v / farthest).collect() } else { vertices };
+        match wrong_turn(&vertices) {
+            Some(vertices) => Err(LightError::NotConvex { vertices }),
+            None => Ok(Self { vertices, sides }),
+        }
+    }
+
+    /// The vertices, scaled so that the largest coordinate is one: what is seen of a light depends on directions alone.
+    #[must_use]
+    pub fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// The sides from which it can be seen.
+    #[must_use]
+    pub fn sides(&self) -> Sides {
+        self.sides
+    }
+}
+
+/// Three vertices, in their order, that turn the other way than the first three that turn at all.
+///
+/// An outline is convex and goes around once just if all triples turn the same way: that also excludes stars and
+/// outlines that go around twice, which edge by edge look convex.
+fn wrong_turn(vertices: &[DVec3]) -> Option<[usize; 3]> {
+    let count = vertices.len();
+    let longest = vertices.iter().map(|v| v.distance(vertices[0])).fold(0.0, f64::max);
+    let farthest2 = vertices.iter().map(|v| v.length_squared()).fold(0.0, f64::max);
+    let tolerance = STRAIGHT * farthest2 * longest;
+    let mut sense = 0.0;
+    for i in 0..count {
+        for j in i + 1..count {
+            for k in j + 1..count {
+                let volume = vertices[i].dot((vertices[j] - vertices[i]).cross(vertices[k] - vertices[i]));
+                if volume.abs() > tolerance {
+                    if sense * volume < 0.0 {
+                        return Some([i, j, k]);
+                    }
+                    sense = volume;
+                }
+            }
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    fn outline(angles: impl Iterator<Item = f64>) -> Vec<DVec3> {
+        angles.map(|angle| DVec3::new(angle.cos() + 0.3, angle.sin(), 2.0)).collect()
+    }
+
+    fn regular(count: u32, step: u32) -> Vec<DVec3> {
+        outline((0..count).map(|i| TAU * f64::from(i * step) / f64::from(count)))
+    }
+
+    #[test]
+    fn convex_outlines_are_lights_in_both_directions() {
+        for count in 3..=9 {
+            let mut vertices = regular(count, 1);
+            assert!(PolygonLight::new(vertices.clone(), Sides::One).is_ok(), "{count}");
+            vertices.reverse();
+            assert!(PolygonLight::new(vertices.clone(), Sides::One).is_ok(), "{count}");
+            // As f32 has them, far away, with a vertex in the middle of an edge and one that occurs twice.
+            vertices.insert(1, vertices[0].midpoint(vertices[1]));
+            vertices.insert(0, vertices[0]);
+            let far: Vec<DVec3> =
+                vertices.iter().map(|v| (*v + DVec3::new(30.0, 1.0, 7.0)).as_vec3().as_dvec3()).collect();
+            assert!(PolygonLight::new(far, Sides::One).is_ok(), "{count}");
+        }
+    }
+
+    #[test]
+    fn other_outlines_are_not() {
+        let star = regular(5, 2);
+        let twice = outline((0..8).map(|i| f64::from(i) * TAU / 4.0));
+        let mut dented = regular(6, 1);
+        dented[3] = DVec3::new(0.4, 0.0, 2.0);
+        let mut crossed = regular(4, 1);
+        crossed.swap(0, 1);
+        for vertices in [star, twice, dented, crossed] {
+            let refused = PolygonLight::new(vertices.clone(), Sides::Two);
+            assert!(matches!(refused, Err(LightError::NotConvex { .. })), "{vertices:?}: {refused:?}");
+        }
+        assert_eq!(PolygonLight::new(regular(4, 1)[..2].to_vec(), Sides::One), Err(LightError::TooFewVertices(2)));
+        let mut endless = regular(4, 1);
+        endless[2].y = f64::INFINITY;
+        assert_eq!(PolygonLight::new(endless, Sides::One), Err(LightError::NotFinite { index: 2 }));
+    }
+
+    #[test]
+    fn the_largest_numbers_are_seen_as_the_smallest() {
+        for scale in [1e300, 1e-300] {
+            let huge = regular(4, 1).into_iter().map(|v| v * scale).collect();
+            let light = PolygonLight::new(huge, Sides::One).expect("convex");
+            let unit = PolygonLight::new(regular(4, 1), Sides::One).expect("convex");
+            for (a, b) in light.vertices().iter().zip(unit.vertices()) {
+                assert!((*a - *b).length() < 1e-15, "{a} {b}");
+            }
+        }
+    }
+}

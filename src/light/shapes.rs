@@ -1,0 +1,7 @@
+//! Lights of other shapes, as the polygons that are seen of them.
+
+mod flat;
+mod tube;
+
+pub use flat::{ELLIPSE_VERTICES, disk, ellipse, line, rectangle};
+pub use tube::{TubeEnds, tube};

@@ -1,0 +1,197 @@
+//! The closed form where formulas break: continuity, sides, what lies below, sums, degenerate lights.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use rayon::prelude::*;
+
+use super::cases::{Draw, Lit, Roughness};
+use crate::{
+    fit::{Configuration, MAX_VERTICES, Sides},
+    light::{
+        WeightRule, by_normals,
+        normals::{reflected, visible},
+    },
+};
+
+fn energy(lit: &Lit, sides: Sides) -> f64 {
+    by_normals(&lit.at, &lit.light(sides), WeightRule::Seven).expect("a surface").energy
+}
+
+/// The visible part, by the closed form of each edge.
+fn v(lit: &Lit) -> f64 {
+    let vertices: Vec<[f64; 3]> = lit.vertices.iter().map(DVec3::to_array).collect();
+    visible(lit.alpha(), lit.wo().to_array(), &vertices)[1]
+}
+
+/// A light that moves by an angle d changes what is reflected by no more than the lobe's peak along its outline. In the
+/// space of normals that is the image's shift, at most d / alpha, times the length of a lobe's outline, at most a turn,
+/// over pi. The weight changes as fast.
+#[test]
+fn small_steps_make_small_changes() {
+    const STEP: f64 = 1e-4;
+    for roughness in [Roughness::All, Roughness::Anisotropic] {
+        let steepest = Draw::many(51 + roughness as u64, 4000, roughness)
+            .par_iter()
+            .enumerate()
+            .map(|(i, lit)| {
+                let mut draw = Draw::new(i as u64);
+                let turn = DQuat::from_axis_angle(draw.vector().normalize(), STEP);
+                let mut moved = lit.clone();
+                moved.vertices.iter_mut().for_each(|v| *v = turn * *v);
+                let mut turned = lit.clone();
+                turned.at.phi += STEP;
+                let mut raised = lit.clone();
+                raised.at.theta = (raised.at.theta - STEP).max(0.0);
+                let per_step = lit.at.alpha_x.min(lit.at.alpha_y) / STEP;
+                let slopes = [moved, turned, raised]
+                    .map(|other| (energy(&other, Sides::Two) - energy(lit, Sides::Two)).abs() * per_step);
+                slopes.into_iter().fold(0.0, f64::max)
+            })
+            .reduce(|| 0.0, f64::max);
+        println!("{roughness:?}: changes by {steepest:.2} step / alpha at most");
+        assert!(steepest < 2.0, "{roughness:?}: {steepest}");
+    }
+}
+
+/// Steps through a light: where f32 and f64 numbers change sides of a test, nothing jumps.
+#[test]
+fn nothing_jumps_along_a_path() {
+    const STEPS: u32 = 4000;
+    let paths: [(&str, fn(f64) -> (Configuration, DVec3)); 4] = [
+        ("an edge through the mirror direction", |t| (at(0.1, 0.02, 0.7), DVec3::new(-1.6 + 2.0 * t, 0.1, 1.0))),
+        ("a light that sets", |t| (at(0.4, 0.1, 1.0), DVec3::new(-1.5, 0.2, 1.0 - 2.5 * t))),
+        ("a view that sinks", |t| (at(0.3, 0.05, 0.2 + 1.36 * t), DVec3::new(-2.0, 0.0, 0.4))),
+        ("a surface that turns", |t| {
+            (Configuration { phi: TAU * t, ..at(0.5, 0.05, 1.2) }, DVec3::new(-1.5, 0.3, 0.6))
+        }),
+    ];
+    for (name, path) in paths {
+        let seen: Vec<f64> = (0..=STEPS)
+            .map(|i| {
+                let (at, centre) = path(f64::from(i) / f64::from(STEPS));
+                let (x, y) = (DVec3::new(0.1, 0.5, 0.1), DVec3::new(0.0, 0.1, 0.5));
+                energy(
+                    &Lit { at, vertices: vec![centre - x - y, centre + x - y, centre + x + y, centre - x + y] },
+                    Sides::Two,
+                )
+            })
+            .collect();
+        let most = seen.iter().copied().fold(0.0, f64::max);
+        let jump = seen.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        // The second difference of a smooth path is far smaller than the first; one step that is unlike its neighbours is a
+        // jump.
+        let kink = seen.windows(3).map(|s| (s[2] - 2.0 * s[1] + s[0]).abs()).fold(0.0, f64::max);
+        println!("{name}: {most:.3} at most, steps {jump:.1e}, kinks {kink:.1e}");
+        assert!(most > 0.1 && jump < 20.0 / f64::from(STEPS) && kink < 0.5 * jump, "{name}: {most} {jump} {kink}");
+    }
+}
+
+fn at(alpha_x: f64, alpha_y: f64, theta: f64) -> Configuration {
+    Configuration { alpha_x, alpha_y, theta, phi: 0.0 }
+}
+
+#[test]
+fn below_the_surface_is_exactly_nothing() {
+    let mut dark = 0;
+    for mut lit in Draw::many(61, 500, Roughness::Extreme) {
+        let top = lit.vertices.iter().map(|v| v.z).fold(f64::MIN, f64::max);
+        lit.vertices.iter_mut().for_each(|v| v.z -= top);
+        for rule in WeightRule::ALL {
+            let found = by_normals(&lit.at, &lit.light(Sides::Two), *rule).expect("a surface");
+            assert_eq!([found.energy, found.fresnel], [0.0; 2], "{lit:?}");
+        }
+        dark += 1;
+    }
+    assert_eq!(dark, 500);
+}
+
+#[test]
+fn two_sides_see_what_the_lit_one_sees() {
+    for lit in Draw::many(62, 500, Roughness::All) {
+        let mut turned = lit.clone();
+        turned.vertices.reverse();
+        let both = energy(&lit, Sides::Two);
+        let sides = [energy(&lit, Sides::One), energy(&turned, Sides::One)];
+        assert!((sides[0].max(sides[1]) - both).abs() < 1e-12 && sides[0].min(sides[1]) == 0.0, "{sides:?} {both}");
+    }
+    // Vertices run clockwise as seen from the lit side.
+    let below = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let lamp = Lit { at: at(0.5, 0.5, 0.2), vertices: below.map(|(x, y)| DVec3::new(x, y, 1.0)).to_vec() };
+    assert!(energy(&lamp, Sides::One) > 0.1);
+}
+
+/// The halves of a light add up to the light: exactly in the visible part, to the weight's error in the energy.
+#[test]
+fn parts_add_up() {
+    let differences = |roughness: Roughness| {
+        let halves = Draw::many(63 + roughness as u64, 2000, roughness);
+        let of = |lit: &Lit| {
+            let [a, b, c, d] = lit.vertices[..] else { panic!("four vertices") };
+            let fans = [vec![a, b, c], vec![a, c, d]];
+            let (ab, cd) = (a.lerp(b, 0.3), c.lerp(d, 0.6));
+            let strips = [vec![a, ab, cd, d], vec![ab, b, c, cd]];
+            let difference = |parts: [Vec<DVec3>; 2]| {
+                let parts = parts.map(|vertices| Lit { at: lit.at, vertices });
+                [
+                    (v(&parts[0]) + v(&parts[1]) - v(lit)).abs(),
+                    (energy(&parts[0], Sides::Two) + energy(&parts[1], Sides::Two) - energy(lit, Sides::Two)).abs(),
+                ]
+            };
+            let [fan, strip] = [difference(fans), difference(strips)];
+            [fan[0].max(strip[0]), fan[1].max(strip[1])]
+        };
+        let most = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+        halves.par_iter().map(of).reduce(|| [0.0; 2], most)
+    };
+    for roughness in [Roughness::All, Roughness::Anisotropic, Roughness::Extreme] {
+        let [visible, energy] = differences(roughness);
+        println!("{roughness:?}: parts add up to {visible:.1e} in V, {energy:.4} in energy");
+        assert!(visible < 1e-9 && energy < 0.06, "{roughness:?}: {visible} {energy}");
+    }
+}
+
+/// An ordinary number, zero, one, or a number close to zero.
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        -3.0..3.0,
+        Just(0.0),
+        Just(1.0),
+        (-3_i64..3).prop_map(|ulps| ulps as f64 * 1e-16),
+        -1e-6..1e-6,
+        Just(1e6)
+    ]
+}
+
+fn hard_alpha() -> impl Strategy<Value = f64> {
+    prop_oneof![1e-5..1.0, Just(1e-5), Just(1.0), 1e-5..1e-3]
+}
+
+fn hard_theta() -> impl Strategy<Value = f64> {
+    prop_oneof![0.0..1.57, Just(0.0), Just(0.999_99 * std::f64::consts::FRAC_PI_2)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    /// Also outlines that are no lights.
+    #[test]
+    fn never_negative_never_nan_never_above_one(
+        vertices in prop::collection::vec((coordinate(), coordinate(), coordinate()), 3..=MAX_VERTICES),
+        alpha_x in hard_alpha(), alpha_y in hard_alpha(), theta in hard_theta(), phi in prop_oneof![0.0..TAU, Just(0.0)],
+    ) {
+        let wo = crate::fit::math::direction(theta, phi);
+        let double: Vec<[f64; 3]> = vertices.iter().map(|(x, y, z)| [*x, *y, *z]).collect();
+        let single: Vec<[f32; 3]> = double.iter().map(|v| v.map(|x| x as f32)).collect();
+        for rule in WeightRule::ALL {
+            for sides in [Sides::One, Sides::Two] {
+                let exact = reflected([alpha_x, alpha_y], wo.to_array(), &double, sides, *rule);
+                prop_assert!(exact.iter().all(|part| (0.0..=1.0).contains(part)), "{:?}", exact);
+                let alpha = [alpha_x as f32, alpha_y as f32];
+                let shader = reflected(alpha, wo.as_vec3().to_array(), &single, sides, *rule);
+                prop_assert!(shader.iter().all(|part| (0.0..=1.0).contains(part)), "{:?}", shader);
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The closed form and the table against the truth, and the truth against a quadrature of another kind.
+
+mod cases;
+mod closed_form;
+mod extremes;
+mod shape_lights;
+mod true_light;

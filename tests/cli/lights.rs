@@ -1,0 +1,95 @@
+//! What surfaces reflect of lights.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::common::{
+    SMALL,
+    command::{run, run_with_stdin},
+};
+
+/// A square and a triangle.
+const LIGHTS: &str = "0.5,0.25,0.7,0.3,2,-1,-1,2,-1,1,2,1,1,2,1,-1,2\n\n0.2,0.2,0.7,0,1,-2,-1,1,1,-1,2,-1,1,2\n";
+
+fn rows(text: &str) -> Vec<Vec<f64>> {
+    text.lines().skip(1).map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect()).collect()
+}
+
+#[test]
+fn light_tells_energy_and_fresnel_part_of_each_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let header = "\u{feff}alpha_x,alpha_y,theta,phi,sides,x0,y0,z0,x1,y1,z1,x2,y2,z2\r\n";
+    fs::write(folder.path().join("lights.csv"), format!("{header}{LIGHTS}")).expect("lights");
+    let printed = run(folder.path(), ["light", "lights.csv"]).exited(0);
+    assert_eq!(printed.stdout.lines().next(), Some("energy,fresnel"));
+    let found = rows(&printed.stdout);
+    assert_eq!(found.len(), 2);
+    assert!(found.iter().all(|row| row[0] > 0.05 && row[0] < 1.0 && row[1] > 0.0 && row[1] < row[0]), "{found:?}");
+
+    // The truth stands beside it, and rules are near to it and not the same.
+    let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), LIGHTS).exited(0);
+    let printed = with(&["--truth"]);
+    assert_eq!(printed.stdout.lines().next(), Some("energy,fresnel,true_energy,true_fresnel"));
+    for row in rows(&printed.stdout) {
+        assert!((row[0] - row[2]).abs() < 0.01 && (row[1] - row[3]).abs() < 0.005, "{row:?}");
+    }
+    let texts = ["mean", "seven", "fine"].map(|rule| with(&["--weight", rule]).stdout);
+    assert!(texts[0] != texts[1] && texts[1] != texts[2]);
+    assert_eq!(with(&["--model", "normals"]).stdout, texts[1]);
+
+    // Numbers are the same in JSON, to the last bit.
+    let told = with(&["--json", "--truth"]).stdout;
+    let told: Vec<Value> = told.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    for (told, row) in told.iter().zip(rows(&printed.stdout)) {
+        let names = ["energy", "fresnel", "true_energy", "true_fresnel"];
+        assert_eq!(names.map(|name| told[name].as_f64().expect("a number")).to_vec(), row);
+    }
+    assert_eq!(with(&["--json"]).stdout.matches("true").count(), 0);
+}
+
+#[test]
+fn light_by_a_table_takes_a_table_and_only_then() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
+    let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), LIGHTS);
+    let by_table = rows(&with(&["--model", "ltc", "--table", &digest[..20], "--truth"]).exited(0).stdout);
+    assert_eq!(by_table.len(), 2);
+    for row in by_table {
+        assert!((row[0] - row[2]).abs() < 0.3 && row[0] > 0.0 && row[1] < row[0], "{row:?}");
+    }
+    for (options, said) in [
+        (&["--model", "ltc"][..], "needs a table"),
+        (&["--table", &digest], "--table is of model ltc"),
+        (&["--model", "ltc", "--table", &digest, "--weight", "mean"], "--weight is of model normals"),
+    ] {
+        let refused = with(options).exited(2);
+        assert!(refused.complaints().len() == 1 && refused.complaints()[0].contains(said), "{refused:#?}");
+    }
+    let refused = with(&["--model", "ltc", "--table", "sha256:ffff0"]).exited(1);
+    assert!(refused.complaints()[0].contains("there is no such file"), "{refused:#?}");
+}
+
+#[test]
+fn light_names_the_line_and_the_column_that_is_wrong() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wrong = LIGHTS.replace("0.2,0.2,0.7", "0.2,0.2,1.7");
+    fs::write(folder.path().join("l.csv"), &wrong).expect("lights");
+    let refused = run(folder.path(), ["light", "l.csv"]).exited(2);
+    assert_eq!(
+        refused.complaints(),
+        ["l.csv, line 3: theta is «1.7»; a polar angle is a number from 0 to below pi/2, in radians"]
+    );
+    // What was right before it is told.
+    assert_eq!(refused.stdout.lines().count(), 2);
+    let star = "1,1,0,0,2,0,1,1,0.6,-0.8,1,-0.95,0.3,1,0.95,0.3,1,-0.6,-0.8,1\n";
+    let refused = run_with_stdin(folder.path(), ["light", "-"], star).exited(2);
+    assert!(refused.complaints()[0].starts_with("standard input, line 1: the light is not convex"), "{refused:#?}");
+    assert_eq!(
+        run(folder.path(), ["light", "."]).exited(2).complaints(),
+        [".: this is a folder, not a CSV file of lights"]
+    );
+    let refused = run(folder.path(), ["light", "/dev/zero"]).exited(2);
+    assert_eq!(refused.complaints(), ["/dev/zero, line 1: the line is longer than 4096 bytes, the limit"]);
+    run(folder.path(), ["light", "none.csv"]).exited(1);
+}
