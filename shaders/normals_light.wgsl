@@ -92,19 +92,6 @@ fn normals_arc_bend(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return across * select(obtuse, bend, is_acute);
 }
 
-/// What a nearly straight image of an edge adds to a x b: the segment of a conic is an inscribed triangle times a factor.
-fn normals_flat(a: vec3<f32>, b: vec3<f32>, control: vec3<f32>) -> vec3<f32> {
-    let between = a + b;
-    let above = between + 2.0 * control;
-    let middle = above / sqrt(dot(above, above));
-    let w = 2.0 * dot(control, between) / dot(between, between);
-    let square = 0.1593465 * w;
-    let factor = (1.57079633 + w * (1.1680516 + square)) / (1.0 + w * (1.0144696 + square));
-    let chord = normals_arc_bend(a, b);
-    let halves = normals_arc_bend(a, middle) + normals_arc_bend(middle, b);
-    return chord + (cross(middle - a, b - middle) + (halves - chord)) * factor;
-}
-
 /// The eigenframe of a symmetric matrix of Frobenius norm one, by its diagonal and xy, xz, yz. Column i of the matrix
 /// belongs to values[i]; they descend.
 struct NormalsEigenframe {
@@ -225,41 +212,19 @@ fn normals_exact(view: NormalsView, a: NormalsCorner, b: NormalsCorner, apart: v
 /// What the edge from a to b adds to the integral of c x dc, beyond a.c x b.c.
 fn normals_curved_part(view: NormalsView, a: NormalsCorner, b: NormalsCorner) -> vec3<f32> {
     let apart = b.w - a.w;
-    let k = normals_half_cosine(a, b);
-    let middle = normals_unstretched(view.wo * k + (a.w + b.w) * (0.5 / k), view.alpha);
-    let control = middle / sqrt(a.length * b.length);
-    let across = cross(a.c, b.c);
-    let limit = min(0.01, 0.003 + 0.014 * dot(a.c, b.c));
-    let is_flat = abs(dot(control, across)) < limit && dot(control, a.c + b.c) > 0.5;
-    let is_edge = dot(apart, apart) >= 1e-14;
-    // Loops of no or one turn: a software driver runs both sides of a branch, but no loop that no lane enters.
-    var curved = vec3(0.0);
-    for (var i = 0u; i < select(0u, 1u, is_edge && is_flat); i++) {
-        curved = normals_flat(a.c, b.c, control);
-    }
-    for (var i = 0u; i < select(0u, 1u, is_edge && !is_flat); i++) {
-        curved = normals_exact(view, a, b, apart) - across;
-    }
-    return curved;
+    return select(vec3(0.0), normals_exact(view, a, b, apart) - cross(a.c, b.c), dot(apart, apart) >= 1e-14);
 }
 
-/// Adds the edge from the last corner to another, split into parts.
-fn normals_edge(outline: ptr<function, NormalsOutline>, view: NormalsView, to: NormalsCorner, parts: u32) {
+/// Adds the edge from the last corner to another.
+fn normals_edge(outline: ptr<function, NormalsOutline>, view: NormalsView, to: NormalsCorner) {
     let origin = (*outline).first.c;
-    let from_corner = (*outline).last;
-    for (var part = 1u; part <= parts; part++) {
-        var next = to;
-        if (part < parts) {
-            next = normals_between(from_corner, to, f32(part) / f32(parts), view);
-        }
-        let last = (*outline).last;
-        let curved = normals_curved_part(view, last, next);
-        (*outline).flux += curved + cross(last.c - origin, next.c - origin);
-        (*outline).c[(*outline).count] = last.c;
-        (*outline).curved[(*outline).count] = curved;
-        (*outline).count += 1u;
-        (*outline).last = next;
-    }
+    let last = (*outline).last;
+    let curved = normals_curved_part(view, last, to);
+    (*outline).flux += curved + cross(last.c - origin, to.c - origin);
+    (*outline).c[(*outline).count] = last.c;
+    (*outline).curved[(*outline).count] = curved;
+    (*outline).count += 1u;
+    (*outline).last = to;
 }
 
 /// The direction in which the edge between vertices on either side of the horizon meets it.
@@ -354,15 +319,37 @@ fn normals_polygon(
     }
     outline.first = normals_corner(corner, view);
     outline.last = outline.first;
+    // One loop over all parts of all edges: this is the one place where an edge is integrated, which is much code.
     let skipped = select(1u, 0u, is_cut);
-    for (var i = skipped; i < ups + 1u - skipped; i++) {
-        var vertex = (*vertices)[(start + i) % number];
-        if (is_cut && i == ups) {
-            vertex = normals_crossing((*vertices)[(start + ups - 1u) % number], vertex);
+    let edges = ups + 1u - 2u * skipped;
+    let closing_parts = select(edge_parts, horizon_parts, is_cut);
+    var from_corner = outline.first;
+    var to_corner = outline.first;
+    var part = 0u;
+    for (var step = 0u; step < edges * edge_parts + closing_parts; step++) {
+        let edge = step / edge_parts;
+        let is_closing = edge >= edges;
+        if (part == 0u) {
+            var vertex = (*vertices)[(start + skipped + edge) % number];
+            if (is_cut && edge == ups) {
+                vertex = normals_crossing((*vertices)[(start + ups - 1u) % number], vertex);
+            }
+            from_corner = outline.last;
+            to_corner = normals_corner(vertex, view);
+            if (is_closing) {
+                to_corner = outline.first;
+            }
         }
-        normals_edge(&outline, view, normals_corner(vertex, view), edge_parts);
+        part += 1u;
+        let parts = select(edge_parts, closing_parts, is_closing);
+        var to = to_corner;
+        if (part < parts) {
+            to = normals_between(from_corner, to_corner, f32(part) / f32(parts), view);
+        } else {
+            part = 0u;
+        }
+        normals_edge(&outline, view, to);
     }
-    normals_edge(&outline, view, outline.first, select(edge_parts, horizon_parts, is_cut));
 
     let seen = dot(outline.flux, view.stretched);
     let side = select(1.0, -1.0, seen < 0.0);

@@ -55,7 +55,7 @@ fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
 #[test]
 fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
     let folder = tempfile::tempdir().expect("a folder");
-    for language in ["wgsl", "glsl", "hlsl", "msl", "spirv"] {
+    for language in ["wgsl", "glsl", "glsl-es", "hlsl", "msl", "spirv"] {
         for layout in ["reflected", "kt2022"] {
             let arguments = ["shader", "--language", language, "--layout", layout];
             let told = run(folder.path(), arguments.iter().chain(&["-o", "s", "--json"])).exited(0);
@@ -69,6 +69,13 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
             assert!(output.status.success() && output.stdout == file, "{language}");
         }
     }
+    let normals = ["shader", "--language", "hlsl", "--model", "normals", "--json"];
+    let told: Value = serde_json::from_str(&run(folder.path(), normals).exited(0).stdout).expect("JSON");
+    assert_eq!((&told["model"], &told["layout"]), (&"normals".into(), &Value::Null));
+    assert!(told["source"].as_str().expect("text").contains("normals_polygon("));
+    assert!(run(folder.path(), ["shader", "--language", "hlsl"]).exited(2).stderr.contains("--layout"));
+    let both = ["shader", "--language", "hlsl", "--model", "normals", "--layout", "kt2022"];
+    assert!(run(folder.path(), both).exited(2).stderr.contains("reads no table"));
     let wgsl = ["shader", "--language", "wgsl", "--layout", "kt2022", "--json"];
     let told: Value = serde_json::from_str(&run(folder.path(), wgsl).exited(0).stdout).expect("JSON");
     assert!(told["source"].as_str().expect("text").contains("fn ltc_lookup("));

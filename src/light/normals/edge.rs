@@ -6,12 +6,6 @@ use super::{
 };
 use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
-/// An image is flat where the determinant of its two ends and its control point is below this, for ends less than 60
-/// degrees apart, and below the line through `FLAT_ACROSS` at a right angle for others. Its segment's area is then an
-/// inscribed triangle's times a factor, 3e-5 of a whole lobe off at most.
-const FLAT: f64 = 0.01;
-const FLAT_ACROSS: f64 = 0.003;
-
 /// What the edge from `a` to `b` adds to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
 ///
 /// Lights are sums of such edges. The plane part is summed separately, around an origin near the light, because it
@@ -20,13 +14,6 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
     let apart = minus(b.w, a.w);
     if dot(apart, apart) < T::SAME2 {
         return [T::ZERO; 3];
-    }
-    let control = a.control(b, alpha, wo);
-    let between = plus(a.c, b.c);
-    let limit = T::of(FLAT).min(T::of(FLAT_ACROSS) + T::of(2.0 * (FLAT - FLAT_ACROSS)) * dot(a.c, b.c));
-    let is_flat = dot(control, cross(a.c, b.c)).abs() < limit && dot(control, between) > T::of(0.5);
-    if is_flat {
-        return flat(a.c, b.c, control);
     }
     minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
 }
@@ -63,27 +50,7 @@ pub(super) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     scaled(across, bend)
 }
 
-/// The same for the nearly straight image of an edge, a conic arc with the control point `control` in standard form.
-///
-/// The area between a conic arc of weight `w` and its chord is a factor times that of the triangle of its ends and its
-/// middle: pi/2 for half an ellipse (w = 0), 4/3 for a parabola (w = 1), 1 for two straight lines (w to infinity). The
-/// rational function is 3e-4 off at most.
-fn flat<T: Scalar>(a: Triple<T>, b: Triple<T>, control: Triple<T>) -> Triple<T> {
-    let between = plus(a, b);
-    let middle = plus(between, scaled(control, T::of(2.0)));
-    let middle = scaled(middle, T::ONE / dot(middle, middle).sqrt());
-    let w = T::of(2.0) * dot(control, between) / dot(between, between);
-    let square = T::of(0.159_346_5) * w;
-    let factor = (T::of(std::f64::consts::FRAC_PI_2) + w * (T::of(1.168_051_6) + square))
-        / (T::ONE + w * (T::of(1.014_469_6) + square));
-    let chord = arc_bend(a, b);
-    let halves = plus(arc_bend(a, middle), arc_bend(middle, b));
-    // (middle - a) x (b - a), negative, is the plane part of a to middle to b beyond a to b.
-    let plane = cross(minus(middle, a), minus(b, middle));
-    plus(chord, scaled(plus(plane, minus(halves, chord)), factor))
-}
-
-/// The integral of `c x dc` along an edge's image, whatever its shape.
+/// The integral of `c x dc` along an edge's image.
 ///
 /// An edge lies on `w . n = 0`, `n = a x b`. With `w = 2 (h . wo) h - wo` its normals `h` lie on the cone
 /// `h^T (wo n^T + n wo^T - k I) h = 0`, `k = wo . n`, and their images `c` on the cone of `K = A (..) A`. In K's

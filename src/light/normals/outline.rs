@@ -28,18 +28,12 @@ impl<T: Scalar> Corner<T> {
         (T::of(0.5) * dot(sum, sum).sqrt()).max(T::of(1e-6))
     }
 
-    /// The control point of the image of the edge to another corner, in standard form.
+    /// The corner at `t` of the edge to another corner, in (0, 1), by the parameter of the image's standard form.
     ///
     /// An arc of a circle between the unit vectors a and b is `(1-t)^2 a + 2 t (1-t) (a + b) / (2 k) + t^2 b` over
     /// `(1-t)^2 + 2 t (1-t) k + t^2`, `k = |a + b| / 2`. Hence its image, up to length, is
-    /// `(1-t)^2 A^-1 (wo + a) + 2 t (1-t) A^-1 (k wo + (a + b) / (2 k)) + t^2 A^-1 (wo + b)`; standard form has unit ends.
-    pub(super) fn control(&self, to: &Self, alpha: [T; 2], wo: Triple<T>) -> Triple<T> {
-        let k = self.half_cosine(to);
-        let middle = plus(scaled(wo, k), scaled(plus(self.w, to.w), T::of(0.5) / k));
-        scaled(unstretched(middle, alpha), T::ONE / (self.length * to.length).sqrt())
-    }
-
-    /// The corner at `t` of the edge to another corner, in (0, 1), by the parameter of the image's standard form.
+    /// `(1-t)^2 A^-1 (wo + a) + 2 t (1-t) A^-1 (k wo + (a + b) / (2 k)) + t^2 A^-1 (wo + b)`. Standard form has ends of
+    /// unit length: there, each point is the image of the arc's for another `t`.
     fn towards(&self, to: &Self, t: T, alpha: [T; 2], wo: Triple<T>) -> Self {
         let (x, y) = ((T::ONE - t) * to.length.sqrt(), t * self.length.sqrt());
         let middle = scaled(plus(self.w, to.w), x * y / self.half_cosine(to));

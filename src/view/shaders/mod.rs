@@ -19,7 +19,7 @@ mod tests;
 mod translate;
 
 #[cfg(test)]
-pub(in crate::view) use golden::{CASES, CORNERS, Golden, TOLERANCE, table as golden_table};
+pub(in crate::view) use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
 pub use language::Language;
 pub use lit_by::LitBy;
 pub use port::wgsl;

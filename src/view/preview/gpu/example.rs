@@ -9,12 +9,12 @@ use super::{
 };
 use crate::view::preview::ShaderTable;
 
-/// The results of `cases` by an entry point of the WGSL `source`: group 0 is the table, group 1 a uniform `Case` and a
-/// storage buffer of one `Found`.
+/// The results of `cases` by an entry point of the WGSL `source`: group 0 is the table, if it reads one; the next group
+/// holds a uniform `Case` and a storage buffer of one `Found`.
 pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
     source: &str,
     entry_point: &str,
-    table: &ShaderTable,
+    table: Option<&ShaderTable>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
     let gpu = Device::open(Variant::default())?;
@@ -27,9 +27,10 @@ pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
         "case",
         &[buffer(wgpu::BufferBindingType::Uniform), buffer(wgpu::BufferBindingType::Storage { read_only: false })],
     );
+    let groups: Vec<_> = table.map(|_| &gpu.table_layout).into_iter().chain([&case_layout]).map(Some).collect();
     let pipeline_layout = gpu.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
-        bind_group_layouts: &[Some(&gpu.table_layout), Some(&case_layout)],
+        bind_group_layouts: &groups,
         immediate_size: 0,
     });
     let pipeline = gpu.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -40,7 +41,7 @@ pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
-    let bound = table::upload(&gpu, table)?;
+    let bound = table.map(|table| table::upload(&gpu, table)).transpose()?;
     let made = |bytes: usize, usage| {
         let size = bytes as u64;
         gpu.wgpu.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
@@ -56,8 +57,10 @@ pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &bound, &[]);
-            pass.set_bind_group(1, &group, &[]);
+            if let Some(bound) = &bound {
+                pass.set_bind_group(0, bound, &[]);
+            }
+            pass.set_bind_group(u32::from(bound.is_some()), &group, &[]);
             pass.dispatch_workgroups(1, 1, 1);
         }
         encoder.copy_buffer_to_buffer(&found, 0, &all, (size_of::<Found>() * i) as u64, found.size());

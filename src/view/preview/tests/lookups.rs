@@ -128,7 +128,7 @@ fn compare(table: &Table, format: TexelFormat, name: &str) {
     let (groups, rest) = cases.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
     let source = table_reader() + ENTRY;
-    match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", &shader_table, groups) {
+    match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", Some(&shader_table), groups) {
         Ok(found) => all.push(("shader", found.into_flattened())),
         Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
         Err(failure) => panic!("{failure}"),

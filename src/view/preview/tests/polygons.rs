@@ -74,7 +74,7 @@ fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let words: Vec<[u32; 48]> = cases.iter().map(words).collect();
     let (groups, rest) = words.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
-    match example::run::<_, [[f32; 2]; 256]>(&source, "covered", &shader_table(TexelFormat::F32), groups) {
+    match example::run::<_, [[f32; 2]; 256]>(&source, "covered", Some(&shader_table(TexelFormat::F32)), groups) {
         Ok(by_gpu) => found.push(("GPU", by_gpu.into_flattened())),
         Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
         Err(error) => panic!("{error}"),

@@ -10,12 +10,13 @@ use crate::{
         Layout, Ltc, Sides,
         math::{from_row_major, sin_cos},
     },
+    light::normals::{WeightRule, reflected},
     view::{
         preview::{
             ShaderTable, TexelFormat, cpu,
             gpu::{GpuFailure, example},
         },
-        shaders::{CASES, CORNERS, Golden, Language, TOLERANCE, golden_table, port},
+        shaders::{CASES, CORNERS, Case, Golden, Language, LitBy, TOLERANCE, golden_table, port},
     },
 };
 
@@ -67,6 +68,18 @@ fn example_lights() -> Vec<ExampleLight> {
     lights
 }
 
+/// What an example's uniform holds.
+fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> [f32; 40] {
+    let mut words = [0.0; 40];
+    words[..3].copy_from_slice(&case.wo.map(|x| x as f32));
+    words[3] = case.alpha_x as f32;
+    words[4..7].copy_from_slice(&[case.alpha_y as f32, light.count.into(), f32::from(u8::from(two_sided))]);
+    for (place, vertex) in words[8..].chunks_exact_mut(4).zip(&light.given) {
+        place[..3].copy_from_slice(&vertex.as_vec3().to_array());
+    }
+    words
+}
+
 /// The file that `ltcforge shader` writes, on the GPU: `M`, terms, and what a rectangle, polygons and a disk cover.
 #[test]
 fn the_shader_that_users_take_home_gives_what_f64_does() {
@@ -79,26 +92,11 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
             .iter()
             .flat_map(|case| lights.iter().flat_map(move |l| [false, true].map(|two| (case, l, two))))
             .collect();
-        let words: Vec<[f32; 40]> = tried
-            .iter()
-            .map(|(case, light, two_sided)| {
-                let mut words = [0.0; 40];
-                words[..3].copy_from_slice(&case.wo.map(|x| x as f32));
-                words[3] = case.alpha_x as f32;
-                words[4..7].copy_from_slice(&[
-                    case.alpha_y as f32,
-                    light.count.into(),
-                    f32::from(u8::from(*two_sided)),
-                ]);
-                for (place, vertex) in words[8..].chunks_exact_mut(4).zip(&light.given) {
-                    place[..3].copy_from_slice(&vertex.as_vec3().to_array());
-                }
-                words
-            })
-            .collect();
+        let words: Vec<[f32; 40]> =
+            tried.iter().map(|(case, light, two_sided)| case_words(case, light, *two_sided)).collect();
         let shader = ShaderTable::new(&table, TexelFormat::F32);
         // The columns of M, then the terms and what is covered.
-        let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", &shader, &words) {
+        let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", Some(&shader), &words) {
             Ok(found) => found,
             Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
             Err(error) => panic!("{error}"),
@@ -124,4 +122,49 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
         }
     }
     assert!(covered_somewhere > 30, "{covered_somewhere}");
+}
+
+/// The file without a table, on the GPU: each rule, each kind of light, from one side and from both.
+#[test]
+fn the_shader_without_a_table_gives_what_f64_does() {
+    let wgsl = String::from_utf8(port(Language::Wgsl, LitBy::Normals).expect("WGSL")).expect("UTF-8");
+    let lights = example_lights();
+    let mut tried = Vec::new();
+    for case in CASES {
+        for light in &lights {
+            for (two_sided, rule) in
+                [false, true].into_iter().flat_map(|two| WeightRule::ALL.iter().map(move |r| (two, *r)))
+            {
+                tried.push((case, light, two_sided, rule));
+            }
+        }
+    }
+    let words: Vec<[f32; 40]> = tried
+        .iter()
+        .map(|(case, light, two_sided, rule)| {
+            let mut words = case_words(case, light, *two_sided);
+            words[7] = f32::from(*rule as u8);
+            words
+        })
+        .collect();
+    let found: Vec<[f32; 4]> = match example::run(&wgsl, "normals_example", None, &words) {
+        Ok(found) => found,
+        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(error) => panic!("{error}"),
+    };
+    let mut lit = 0;
+    for ((case, light, two_sided, rule), found) in tried.into_iter().zip(found) {
+        let sides = if two_sided { Sides::Two } else { Sides::One };
+        // A disk is lit as its octagon, which f64 is given as a polygon of as many edges.
+        let outline: Vec<[f64; 3]> = light.outline.iter().map(DVec3::to_array).collect();
+        let expected = reflected([case.alpha_x, case.alpha_y], case.wo, &outline, sides, rule);
+        // The weight is averaged over other triangles where the outline has other edges.
+        let tolerance = if light.count == 0 { 2e-2 } else { TOLERANCE };
+        for (found, expected) in found.into_iter().zip(expected) {
+            let what = format!("{case:?} {} vertices, {two_sided}, {rule}", light.count);
+            assert!((f64::from(found) - expected).abs() < tolerance, "{what}: {found}, not {expected}");
+        }
+        lit += usize::from(expected[0] > 0.05);
+    }
+    assert!(lit > 30, "{lit}");
 }
