@@ -28,6 +28,8 @@ pub trait Scalar:
     const TAU: Self;
     /// The shortest length of a vector that has a direction.
     const SHORTEST: Self;
+    /// What numbers of about one are uncertain by after some operations.
+    const UNCERTAINTY: Self;
     /// The nearest number of this type.
     #[must_use]
     fn of(x: f64) -> Self;
@@ -69,6 +71,7 @@ impl Scalar for f64 {
     const ONE: Self = 1.0;
     const TAU: Self = std::f64::consts::TAU;
     const SHORTEST: Self = 1e-150;
+    const UNCERTAINTY: Self = 1e-13;
     fn of(x: f64) -> Self {
         x
     }
@@ -88,6 +91,7 @@ impl Scalar for f32 {
     const ONE: Self = 1.0;
     const TAU: Self = std::f32::consts::TAU;
     const SHORTEST: Self = 1e-18;
+    const UNCERTAINTY: Self = 1e-6;
     fn of(x: f64) -> Self {
         x as Self
     }

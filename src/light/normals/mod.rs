@@ -22,13 +22,18 @@
 //! Every direction above the surface has its half vector above it and in front of the viewer, so a light is cut at the
 //! surface and nowhere else.
 
+mod cone;
 mod edge;
 mod eigen;
 mod outline;
 mod weight;
 
+pub(super) use self::{
+    cone::{Cone, ConeArc},
+    edge::{arc_bend, flat, is_flat},
+};
 use self::{
-    edge::{arc_bend, curved_part},
+    edge::curved_part,
     outline::{Corner, Parts, outline},
     weight::View,
 };
