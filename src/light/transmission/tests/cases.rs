@@ -37,16 +37,9 @@ pub(super) enum Set {
 }
 
 impl Set {
-    pub(super) const ALL: [Self; 8] = [
-        Self::Isotropic,
-        Self::Anisotropic,
-        Self::Sharp,
-        Self::Cut,
-        Self::Facing,
-        Self::Horizon,
-        Self::Anywhere,
-        Self::Huge,
-    ];
+    /// Those that the quadrature can do.
+    pub(super) const MEASURED: [Self; 7] =
+        [Self::Isotropic, Self::Anisotropic, Self::Sharp, Self::Cut, Self::Facing, Self::Horizon, Self::Anywhere];
 }
 
 /// The model in f64 and f32 as the truth has it, the visible part first.
