@@ -78,7 +78,7 @@ pub struct Transmitted<T> {
 /// vertices.
 ///
 /// ```
-/// use ltcforge::{Sides, light::transmission::transmitted};
+/// use ltcforge::{fit::Sides, light::transmission::transmitted};
 ///
 /// // A window below a pane of frosted glass, seen from straight above.
 /// let window = [[-1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
