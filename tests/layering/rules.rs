@@ -30,7 +30,11 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     // The judge: it knows what a table and a recipe are, and nothing of what the fit minimised.
     ("fit::measure", &["fit", "fit::table", "fit::layout", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
     ("light::normals", &["fit", "fit::named_list", "fit::math"]),
-    ("light", &["light::normals", "fit", "fit::named_list", "fit::brdf", "fit::lobe", "fit::math"]),
+    ("light::transmission", &["light::normals", "fit", "fit::math"]),
+    (
+        "light",
+        &["light::transmission", "light::normals", "fit", "fit::named_list", "fit::brdf", "fit::lobe", "fit::math"],
+    ),
     ("files", &["fit", "fit::measure", "fit::math"]),
     ("view::shaders", &["fit", "fit::math"]),
     ("library", &["view::shaders", "files", "light", "light::normals", "fit", "fit::brdf"]),

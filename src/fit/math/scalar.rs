@@ -32,6 +32,8 @@ pub trait Scalar:
     const SAME2: Self;
     /// Steps of Newton's method that make three digits as many as the type has.
     const NEWTON_STEPS: u32;
+    /// What numbers of about one are uncertain by after some operations.
+    const UNCERTAINTY: Self;
     /// The nearest number of this type.
     #[must_use]
     fn of(x: f64) -> Self;
@@ -75,6 +77,7 @@ impl Scalar for f64 {
     const SHORTEST: Self = 1e-150;
     const SAME2: Self = 1e-30;
     const NEWTON_STEPS: u32 = 3;
+    const UNCERTAINTY: Self = 1e-13;
     fn of(x: f64) -> Self {
         x
     }
@@ -96,6 +99,7 @@ impl Scalar for f32 {
     const SHORTEST: Self = 1e-18;
     const SAME2: Self = 1e-14;
     const NEWTON_STEPS: u32 = 1;
+    const UNCERTAINTY: Self = 1e-6;
     fn of(x: f64) -> Self {
         x as Self
     }

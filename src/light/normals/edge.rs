@@ -1,7 +1,7 @@
 //! The integral of `c x dc` along the image of a light's edge, in closed form.
 
 use super::{
-    eigen::{Eigenframe, eigenframe},
+    cone::{Cone, ConeArc},
     outline::Corner,
 };
 use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
@@ -18,21 +18,11 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
     minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
 }
 
-/// The same, also for an edge whose image is nearly straight, without the short cut for those.
-#[cfg(test)]
-pub(super) fn exact_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>) -> Triple<T> {
-    let apart = minus(b.w, a.w);
-    if dot(apart, apart) < T::SAME2 {
-        return [T::ZERO; 3];
-    }
-    minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
-}
-
 /// `a x b (acos(a . b) / |a x b| - 1)`: what the arc of a great circle from `a` to `b` adds to `a x b`.
 ///
 /// With `z = |a - b|^2 / 4`, half of the versed sine of the angle, the bracket is `asin(sqrt z) / sqrt(z (1 - z)) - 1 =
 /// 2/3 z + 8/15 z^2 + ...`; here a polynomial that is 6e-7 off at most. Beyond a right angle the supplement is used.
-pub(super) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
+pub(in crate::light) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let across = cross(a, b);
     let is_acute = dot(a, b) >= T::ZERO;
     let chord = if is_acute { minus(a, b) } else { plus(a, b) };
@@ -75,48 +65,12 @@ fn exact<T: Scalar>(
         alpha_x * (wo[0] * n[2] + wo[2] * n[0]),
         alpha_y * (wo[1] * n[2] + wo[2] * n[1]),
     ];
-    let [xx, yy, zz, xy, xz, yz] = k;
-    let norm2 = xx * xx + yy * yy + zz * zz + T::of(2.0) * (xy * xy + xz * xz + yz * yz);
-    let per_norm = T::ONE / norm2.sqrt().max(T::of(1e-30));
-    let Eigenframe { values, vectors: v } = eigenframe(k.map(|x| x * per_norm));
-    let l1 = values[0].max(T::of(1e-12));
-    let l2 = values[1].min(T::ZERO);
-    let l3 = values[2].min(l2);
-
-    let from = v.map(|axis| dot(a.c, axis));
-    let to = v.map(|axis| dot(b.c, axis));
-    let normal = cross(a.c, b.c);
-    let normal = v.map(|axis| dot(normal, axis));
-    let (d2, e2, g2) = (l1 - l2, l1 - l3, l2 - l3);
-    let (d, e, g) = (d2.sqrt(), e2.sqrt(), g2.sqrt());
+    let cone = Cone::new(k);
+    let arc = ConeArc { from: cone.seen(a.c), to: cone.seen(b.c), normal: cone.seen(cross(a.c, b.c)) };
 
     // The arc runs around v1 in the sense of the edge; atan2 sees only its ends.
-    let sense = if from[0] < T::ZERO { -turns } else { turns };
-    let psi = T::atan2(d * e * normal[0], d2 * from[1] * to[1] + e2 * from[2] * to[2]);
+    let sense = if arc.from[0] < T::ZERO { -turns } else { turns };
+    let psi = cone.angle(&arc);
     let is_wrapped = psi * sense < T::ZERO && (psi.abs() > T::of(0.01) || dot(a.w, b.w) < T::of(0.9));
-    let psi = if is_wrapped { psi + sense * T::TAU } else { psi };
-    let along1 = l1 / (d * e) * psi;
-
-    // artanh(q) / (d g), by its series where q is small: g may be zero.
-    let slope = normal[1] / (d2 * from[0] * to[0] - g2 * from[2] * to[2]);
-    let q = d * g * slope;
-    let q2 = q * q;
-    let along2 = if q2 < T::of(0.0025) {
-        slope * (T::ONE + q2 * (T::of(1.0 / 3.0) + q2 * T::of(0.2)))
-    } else {
-        let ratio = ((T::ONE + q) / (T::ONE - q)).max(T::of(1e-30)).min(T::of(1e30));
-        T::of(0.5) * ratio.ln() / (d * g)
-    };
-
-    // atan2 / (e g), likewise.
-    let bottom = e2 * from[0] * to[0] + g2 * from[1] * to[1];
-    let top = e * g * normal[2];
-    let along3 = if bottom > T::ZERO && top.abs() < T::of(0.03) * bottom {
-        let r2 = top * top / (bottom * bottom);
-        normal[2] / bottom * (T::ONE - r2 * (T::of(1.0 / 3.0) - r2 * T::of(0.2)))
-    } else {
-        T::atan2(top, bottom) / (e * g).max(T::of(1e-30))
-    };
-    let sum = minus(scaled(v[0], along1), scaled(v[1], l2 * along2));
-    minus(sum, scaled(v[2], l3 * along3))
+    cone.integral(&arc, if is_wrapped { psi + sense * T::TAU } else { psi })
 }

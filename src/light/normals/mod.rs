@@ -22,13 +22,18 @@
 //! Every direction above the surface has its half vector above it and in front of the viewer, so a light is cut at the
 //! surface and nowhere else.
 
+mod cone;
 mod edge;
 mod eigen;
 mod outline;
 mod weight;
 
+pub(super) use self::{
+    cone::{Cone, ConeArc},
+    edge::arc_bend,
+};
 use self::{
-    edge::{arc_bend, curved_part},
+    edge::curved_part,
     outline::{Corner, Parts, outline},
     weight::View,
 };
@@ -113,20 +118,16 @@ fn flux<T: Scalar>(corners: &[Corner<T>], curved: &[Triple<T>]) -> Triple<T> {
 }
 
 /// V: the part of the visible normals that a polygon's light is reflected at, positive where it is lit, negative
-/// where it is seen from behind; as it is computed, and with each edge's integral in closed form, however straight it is.
+/// where it is seen from behind.
 #[cfg(test)]
-pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) -> [T; 2] {
+pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) -> T {
     let view = View::new(alpha, wo);
     let corners = outline(vertices, Parts { edge: 1, horizon: 1 }, alpha, wo);
     if corners.len() < 3 {
-        return [T::ZERO; 2];
+        return T::ZERO;
     }
-    let ends = corners.iter().zip(corners.iter().cycle().skip(1));
-    let exact = ends.map(|(from, to)| edge::exact_part(alpha, wo, from, to)).collect();
-    [curved_parts(&corners, alpha, wo), exact].map(|curved| {
-        let seen = dot(flux(&corners, &curved), view.stretched);
-        T::of(2.0) * seen / ((wo[2] + view.length) * T::TAU)
-    })
+    let seen = dot(flux(&corners, &curved_parts(&corners, alpha, wo)), view.stretched);
+    T::of(2.0) * seen / ((wo[2] + view.length) * T::TAU)
 }
 
 fn scaled_pair<T: Scalar>([x, y]: [T; 2], by: T) -> [T; 2] {

@@ -22,7 +22,7 @@ fn energy(lit: &Lit, sides: Sides) -> f64 {
 /// The visible part, by the closed form of each edge.
 fn v(lit: &Lit) -> f64 {
     let vertices: Vec<[f64; 3]> = lit.vertices.iter().map(DVec3::to_array).collect();
-    visible(lit.alpha(), lit.wo().to_array(), &vertices)[1]
+    visible(lit.alpha(), lit.wo().to_array(), &vertices)
 }
 
 /// A light that moves by an angle d changes what is reflected by no more than the lobe's peak along its outline. In the

@@ -56,7 +56,7 @@ fn an_ellipse_is_as_good_as_a_finer_one() {
             let fine = (0..2048).map(|i| f64::from(i) * TAU / 2048.0);
             let fine = fine.map(|angle| centre + x * angle.cos() + y * angle.sin()).map(|v| v.to_array());
             let fine: Vec<[f64; 3]> = fine.collect();
-            let covered = |vertices: &[[f64; 3]]| visible(lit.alpha(), lit.wo().to_array(), vertices)[1].abs();
+            let covered = |vertices: &[[f64; 3]]| visible(lit.alpha(), lit.wo().to_array(), vertices).abs();
             let light = ellipse(centre, [x, y], Sides::Two).expect("a light");
             let vertices: Vec<[f64; 3]> = light.vertices().iter().map(DVec3::to_array).collect();
             (covered(&vertices) - covered(&fine)).abs()

@@ -1,0 +1,95 @@
+//! The integral of `c x dc` along the image of an arc, in closed form.
+
+use super::{
+    arc::{Arc, Extent, Kind},
+    flat::{flat, is_flat},
+    interface::Interface,
+};
+use crate::{
+    fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit},
+    light::normals::{Cone, ConeArc, arc_bend},
+};
+
+/// An angle about an axis that is negative by less than this is zero, rounded; more is a whole turn less.
+const ROUNDED_ANGLE: f64 = 0.01;
+/// A great arc is short where its ends have a cosine above this.
+const SHORT_COSINE: f64 = 0.5;
+
+/// What the image of an arc adds to the integral of `c x dc`, beyond the plane triangle's `from x to`.
+pub(super) fn curved_part<T: Scalar>(
+    interface: &Interface<T>,
+    arc: &Arc<T>,
+    from: Triple<T>,
+    to: Triple<T>,
+) -> Triple<T> {
+    match arc.kind {
+        Kind::Horizon => great_arc([T::ZERO, T::ZERO, T::ONE], arc.extent, from, to),
+        Kind::Grazing => great_arc(unit(interface.stretched), arc.extent, from, to),
+        Kind::Edge | Kind::Surface | Kind::Critical => match arc.control(interface) {
+            Some(control) if is_flat(from, to, control) => flat(from, to, control),
+            _ => conic(interface, arc, from, to),
+        },
+    }
+}
+
+/// A great arc clockwise about `normal`.
+fn great_arc<T: Scalar>(normal: Triple<T>, extent: Extent, from: Triple<T>, to: Triple<T>) -> Triple<T> {
+    if extent == Extent::Whole {
+        return scaled(normal, -T::TAU);
+    }
+    let across = cross(from, to);
+    let (sin, cos) = (-dot(normal, across), dot(from, to));
+    if extent == Extent::Short && cos > T::of(SHORT_COSINE) && sin > -T::of(ROUNDED_ANGLE) {
+        return arc_bend(from, to);
+    }
+    let angle = T::atan2(sin, cos);
+    let angle = match angle < T::ZERO {
+        true if angle > -T::of(ROUNDED_ANGLE) && extent == Extent::Short => T::ZERO,
+        true => angle + T::TAU,
+        false => angle,
+    };
+    minus(scaled(normal, -angle), across)
+}
+
+/// The arc of a cone of the second degree.
+///
+/// For normals `h` of length one the refracted direction is `eta wi = m h - wo`, and `m^2 - 2 m (wo . h) + 1 - eta^2 = 0`
+/// is that it has length `eta`. On the circle `p . wi = q` is `m (p . h) = k`, `k = wo . p + eta q`; times `(p . h)^2` the
+/// first is `h^T [k^2 I - k (wo p' + p wo') + (1 - eta^2) p p'] h = 0`, the cone of `-K`.
+fn conic<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>, from: Triple<T>, to: Triple<T>) -> Triple<T> {
+    let p = arc.circle.axis;
+    let k = dot(interface.wo, p) + interface.eta * arc.circle.offset;
+    if k.abs() < T::UNCERTAINTY && arc.extent != Extent::Whole {
+        // The cone is a plane: the circle's, that of an edge in line with the view.
+        return arc_bend(from, to);
+    }
+    let (view, axis, contrast) = (interface.stretched, interface.stretch(p), interface.contrast());
+    let element = |i: usize, j: usize| k * (view[i] * axis[j] + axis[i] * view[j]) - contrast * axis[i] * axis[j];
+    let diagonal = |i: usize, a: T| element(i, i) - k * k * a * a;
+    let [alpha_x, alpha_y] = interface.alpha;
+    let cone = Cone::new([
+        diagonal(0, alpha_x),
+        diagonal(1, alpha_y),
+        diagonal(2, T::ONE),
+        element(0, 1),
+        element(0, 2),
+        element(1, 2),
+    ]);
+
+    // The sense in which the image runs around the cone's axis.
+    let arc_on_cone = ConeArc { from: cone.seen(from), to: cone.seen(to), normal: cone.seen(cross(from, to)) };
+    let sense = if k < T::ZERO { -interface.sigma } else { interface.sigma };
+    let sense = if arc_on_cone.from[0] < T::ZERO { -sense } else { sense };
+    if arc.extent == Extent::Whole {
+        return cone.whole(sense);
+    }
+    let psi = cone.angle(&arc_on_cone);
+    // An angle against the sense is next to nothing, rounded, or one that is next to a whole turn: the middle tells.
+    let is_rounded = || {
+        let middle = cone.seen(interface.normal(T::ONE, arc.middle()));
+        psi.abs() < T::of(ROUNDED_ANGLE) && cone.are_on_one_side(arc_on_cone.from, middle)
+    };
+    let is_wrapped = psi * sense < T::ZERO && !is_rounded();
+    let exact = cone.integral(&arc_on_cone, if is_wrapped { psi + sense * T::TAU } else { psi });
+    minus(exact, cross(from, to))
+}
