@@ -198,6 +198,18 @@ fn f32_is_f64_but_for_rounding() {
     }
 }
 
+/// A light of a thousandth of its distance still has most of its digits in f32: its plane part is summed around a corner.
+#[test]
+fn small_lights_keep_their_digits() {
+    for eta in ETAS {
+        let case = Case { alpha: [0.4, 0.3], eta, wo: view(0.4, 0.3), vertices: square(-0.2, 5e-4, -1.0) };
+        let (exact, rounded) = (case.model(), case.model32());
+        for (exact, rounded) in exact.into_iter().zip(rounded) {
+            assert!(exact > 1e-8 && (rounded / exact - 1.0).abs() < 2e-3, "{eta}: {rounded:e} {exact:e}");
+        }
+    }
+}
+
 #[test]
 #[ignore = "prints the differences of f32 that docs/refraction.md states"]
 fn differences_of_f32_in_the_documentation() {
