@@ -7,6 +7,7 @@ use serde_json::json;
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
 use crate::{
     fit::ggx_terms,
+    light::LightModel,
     view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
 };
 
@@ -14,12 +15,24 @@ use crate::{
 /// standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let out = OutputFile::check(&args.out)?;
-    let AnyTable { digest, mut table, .. } = AnyTable::read(&args.table)?;
-    if args.ggx_terms {
-        table.terms = Some(ggx_terms(table.layout, &table.axes));
-    }
-    let shader_table = Arc::new(ShaderTable::new(&table, args.precision.0).labelled(&digest.hex()));
     let scene = args.scene.0.clone().into_scene();
+    let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
+    if read.is_none() && scene.shows(LightModel::Ltc) {
+        let needs = "model ltc lights by a table: name one, or choose --model normals";
+        return Err(CommandFailure::new(Exit::Usage, needs));
+    }
+    let digest = read.as_ref().map(|any| any.digest);
+    let table = read.map(|AnyTable { mut table, .. }| {
+        if args.ggx_terms {
+            table.terms = Some(ggx_terms(table.layout, &table.axes));
+        }
+        table
+    });
+    let shader_table = match (&table, &digest) {
+        (Some(table), Some(digest)) => ShaderTable::new(table, args.precision.0).labelled(&digest.hex()),
+        _ => ShaderTable::none(),
+    };
+    let shader_table = Arc::new(shader_table);
     let rendered =
         Preview::new(args.adapter.0).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
     let png = rendered.picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
@@ -44,7 +57,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         return print(context.stdout, true, &value, "").map(|()| Exit::Ok);
     }
     eprintln!("adapter: {adapter}");
-    for Material { alpha_x, alpha_y, .. } in outside {
+    for (Material { alpha_x, alpha_y, .. }, table) in outside.iter().zip(table.iter().cycle()) {
         let [alpha, ratio] = [&table.axes.alpha, &table.axes.ratio].map(|nodes| (nodes[0], nodes[nodes.len() - 1]));
         eprintln!(
             "alpha {alpha_x} {alpha_y} lies outside the table, which covers alpha {} to {} and ratio {} to {}; its \

@@ -52,6 +52,24 @@ fn preview_without_a_vulkan_driver_renders_on_the_cpu() {
     assert!(hide("gpu").exited(1).stderr.contains("no adapter"));
 }
 
+/// The closed form lights without a table, and a picture that shows a table asks for one.
+#[test]
+fn a_picture_of_model_normals_needs_no_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let preview = |more: &[&str]| {
+        let arguments = ["preview", "--size", "64", "--spp", "16", "--adapter", "cpu", "-o", "p.png"];
+        run(folder.path(), arguments.iter().chain(more))
+    };
+    let told = preview(&["--model", "normals", "--mode", "strip", "--json"]).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    assert_eq!((&told["table"], &told["errors"][0]["model"]), (&Value::Null, &"normals".into()));
+    let error = told["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
+    assert!(error < 0.02, "{error}");
+    for shows_a_table in [&["--model", "ltc"][..], &["--mode", "models"], &["--mode", "lobe", "--model", "normals"]] {
+        assert!(preview(shows_a_table).exited(2).stderr.contains("by a table"), "{shows_a_table:?}");
+    }
+}
+
 #[test]
 fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -9,7 +9,7 @@ use clap::{
 
 use super::{
     super::preview_names::{AdapterName, LanguageName, TexelFormatName},
-    TableChoice, Threads,
+    TableChoice, TableFolder, Threads,
 };
 use crate::{
     fit::Layout,
@@ -23,9 +23,12 @@ use crate::{
 /// `preview`. A parameter that is not given is that of the named scene.
 #[derive(Debug, Args)]
 pub struct PreviewArgs {
-    /// The table
+    /// A table's file, or a digest as `fit` prints it (its first digits suffice) of a table in the folder of `--tables`;
+    /// not needed for a picture that shows none
+    pub table: Option<PathBuf>,
+    /// Where digests are looked for
     #[command(flatten)]
-    pub table: TableChoice,
+    pub folder: TableFolder,
     /// The picture
     #[arg(short, long, value_name = "FILE.png")]
     pub out: PathBuf,

@@ -31,6 +31,20 @@ pub struct ShaderTable {
 }
 
 impl ShaderTable {
+    /// What stands in for a table in pictures that show none.
+    #[must_use]
+    pub fn none() -> Self {
+        let texel = |texel: [f32; 4]| vec![texel];
+        Self {
+            layout: Layout::Kt2022,
+            format: TexelFormat::F32,
+            nodes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
+            texels: [texel([1.0, 0.0, 0.0, 0.0]), texel([1.0, 0.0, 0.0, 0.0]), texel([1.0, 1.0, 0.0, 0.0])],
+            turns_with_view: false,
+            label: None,
+        }
+    }
+
     /// The table with its numbers rounded to `format`. A table without terms gets neutral ones: with `kt2022` all light is
     /// reflected, with `reflected` as much as by the reflection in the middle of the lobe.
     #[must_use]
