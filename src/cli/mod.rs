@@ -31,6 +31,7 @@ mod serve;
 mod shader;
 mod table_file;
 mod tradeoff;
+mod tradeoff_models;
 mod verify;
 
 pub use args::{Cli, Command, OnInterrupt};

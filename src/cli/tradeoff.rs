@@ -7,22 +7,28 @@ use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, args::TradeoffArgs, file_failure, fit, input,
-    output::check_output_folder, print, progress, shown,
+    CommandFailure, Context, Exit, Interrupt,
+    args::TradeoffArgs,
+    file_failure, fit, input,
+    output::check_output_folder,
+    print, progress, shown,
+    tradeoff_models::{self, FittedTable},
 };
 use crate::{
     files::{
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
         replace::replace_file,
     },
-    fit::{Plan, Recipe, report},
-    view::tradeoff::{FittedRecipe, Measurement, POINTS, Size, csv, family, json as rows_json, off_by, picture, rows},
+    fit::{Plan, Recipe, Table, report},
+    view::tradeoff::{
+        FittedRecipe, Measurement, POINTS, Size, csv, family, json as rows_json, off_by, picture, rows, stands_for_ltc,
+    },
 };
 
 /// The recipe that the family varies when none is given.
 const DEFAULT_RECIPE: &str = "paper";
 
-/// Fits a family of recipes one after the other, measures each table and writes the three files.
+/// Fits a family of recipes one after the other, measures each table and the models of light, and writes the three files.
 pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let name = args.recipe.as_deref().unwrap_or(Path::new(DEFAULT_RECIPE));
     let document = input::recipe_document(name)?;
@@ -35,23 +41,33 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let interrupt = context.interrupt.clone();
     let bar = progress::bar(context.draws_progress, recipes.iter().map(Recipe::entries).sum());
     let mut fitted = Vec::with_capacity(recipes.len());
+    let mut tables = Vec::new();
     for recipe in recipes {
-        let measured = pool.install(|| measure(&recipe, &bar, &interrupt)).ok_or_else(CommandFailure::interrupted)?;
+        let (measured, table) =
+            pool.install(|| measure(&recipe, &bar, &interrupt)).ok_or_else(CommandFailure::interrupted)?;
+        if stands_for_ltc(&base, &recipe) {
+            let fit_seconds = measured.processor_seconds / threads as f64;
+            tables.push(FittedTable { recipe: recipe.clone(), table, fit_seconds });
+        }
         fitted.push((recipe, measured));
     }
     bar.finish_and_clear();
 
     let rows = rows(&base, &fitted, threads);
-    let files =
-        [("tradeoff.csv", csv(&rows)), ("tradeoff.json", rows_json(&rows, threads)), ("tradeoff.svg", picture(&rows))];
+    let models = pool.install(|| tradeoff_models::measure(&tables, size, &interrupt))?;
+    let files = [
+        ("tradeoff.csv", csv(&rows)),
+        ("tradeoff.json", rows_json(&rows, &models, threads)),
+        ("tradeoff.svg", picture(&rows, &models)),
+    ];
     let mut paths = Vec::new();
     for (name, text) in files {
         let path = args.out.join(name);
         replace_file(&path, text.as_bytes()).map_err(|error| file_failure(&path, &error))?;
         paths.push(shown(&path));
     }
-    let value = json!({ "files": paths, "recipes": rows.len(), "predicted": off_by(&rows) });
-    let mut text = summary(&rows);
+    let value = json!({ "files": paths, "recipes": rows.len(), "predicted": off_by(&rows), "models": models });
+    let mut text = format!("{}\n\n{}", summary(&rows), models.text());
     for path in &paths {
         text.push('\n');
         text.push_str(path);
@@ -61,12 +77,12 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
 }
 
 /// Fits and measures one table; `None` when the user stops it.
-fn measure(recipe: &Recipe, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Measurement> {
+fn measure(recipe: &Recipe, bar: &ProgressBar, interrupt: &Interrupt) -> Option<(Measurement, Table)> {
     let (started, processor_started) = (Instant::now(), processor_seconds());
     let table = fit::fit(&Plan::new(recipe), bar, interrupt)?;
     let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
     let between = report(&table, &recipe.range, POINTS).between;
-    Some(Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1 })
+    Some((Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1 }, table))
 }
 
 /// Processor time of all threads of this process. Other processes do not count.

@@ -7,6 +7,7 @@ pub mod normals;
 pub mod transmission;
 
 mod error;
+mod measure;
 mod model;
 mod polygon;
 mod shapes;
@@ -16,6 +17,7 @@ mod tests;
 mod truth;
 
 pub use error::LightError;
+pub use measure::{Lighting, RandomLights, light_error};
 pub use model::{LightModel, Reflected, by_normals};
 pub use normals::WeightRule;
 pub use polygon::PolygonLight;

@@ -52,6 +52,42 @@ fn a_small_family_is_written_three_times_over() {
         assert!(ended.stdout.contains(preset));
     }
     assert!(ended.stdout.contains("measured over predicted"), "{}", ended.stdout);
+    models_are_measured(&document, &svg, &ended.stdout);
+}
+
+/// The table of preset `paper` and the three rules of the closed form, by the same lights and on the same adapter.
+#[track_caller]
+fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
+    let models = &document["models"];
+    assert!(!models["adapter"].as_str().expect("a name").is_empty());
+    assert_eq!((&models["lights"], &models["frame_size"]), (&2048.into(), &512.into()));
+    assert!((0.1..0.9).contains(&models["mean_energy"].as_f64().expect("a number")), "{models}");
+    let rows = models["rows"].as_array().expect("rows");
+    let names = ["ltc reflected", "normals seven", "normals mean", "normals fine"];
+    assert_eq!(rows.len(), names.len());
+    for (row, name) in rows.iter().zip(names) {
+        let kind = if row["layout"].is_null() { &row["weight"] } else { &row["layout"] };
+        assert_eq!(format!("{} {}", row["model"].as_str().expect("a name"), kind.as_str().expect("a name")), name);
+        assert!(row["frame_milliseconds"].as_f64().expect("a number") > 0.0, "{row}");
+        assert!(row["shader_bytes"].as_u64().expect("a number") > 1000, "{row}");
+        assert_eq!(svg.matches(&format!(">{name}</text>")).count(), 2, "{name} stands in the chart and in the table");
+        assert!(stdout.lines().any(|line| line.starts_with(name)), "{stdout}");
+    }
+    let error = |row: usize| rows[row]["light_error"]["mean"].as_f64().expect("a number");
+    // A table of sixteen entries; then the more normals, the nearer.
+    assert!(error(0) > error(1) && error(2) > error(1) && error(1) > error(3), "{models}");
+    let table = document["rows"].as_array().expect("rows").iter().find(|row| row["preset"] == "paper").expect("a row");
+    assert_eq!(rows[0]["recipe_digest"], table["recipe_digest"]);
+    assert_eq!(rows[0]["fit_seconds"], table["seconds"]);
+    // Sixteen entries of twelve numbers, and eight nodes.
+    assert_eq!(rows[0]["gpu_bytes"], 16 * 12 * 4 + 8 * 4);
+    assert!(rows[0]["file_bytes"].as_u64() > table["bytes"].as_u64(), "{models}");
+    for row in &rows[1..] {
+        for name in ["gpu_bytes", "file_bytes", "fit_seconds"] {
+            assert_eq!(row[name].as_f64(), Some(0.0), "{name}: {row}");
+        }
+        assert!(row["recipe_digest"].is_null() && row["layout"].is_null(), "{row}");
+    }
 }
 
 #[test]

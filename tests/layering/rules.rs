@@ -55,7 +55,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
             "fit::math",
         ],
     ),
-    ("view::tradeoff", &["files", "fit"]),
+    ("view::tradeoff", &["files", "light", "light::normals", "fit"]),
     ("server::store", &["files"]),
     ("server::queue", &["server::store", "files"]),
     (

@@ -83,6 +83,18 @@ impl ShaderTable {
         Self { label: Some(short_digest(digest).to_owned()), ..self }
     }
 
+    /// Bytes of its texels and nodes in a GPU's memory.
+    #[must_use]
+    pub fn gpu_bytes(&self) -> u64 {
+        let number = match self.format {
+            TexelFormat::F32 => size_of::<f32>(),
+            TexelFormat::F16 => size_of::<f16>(),
+        };
+        let texels: usize = self.texels.iter().map(Vec::len).sum();
+        let nodes: usize = self.nodes.named().iter().map(|(_, nodes)| nodes.len()).sum();
+        (texels * 4 * number + nodes * size_of::<f32>()) as u64
+    }
+
     /// The number by which shaders know the layout.
     pub(super) fn layout_code(&self) -> u32 {
         self.layout.rules().shader().number
@@ -105,6 +117,10 @@ mod tests {
             differ += usize::from(a != b);
         }
         assert!(differ > single.texels[0].len());
+        // Twelve numbers an entry, and the nodes in 32 bits.
+        let nodes = 4 * table.axes.named().iter().map(|(_, nodes)| nodes.len() as u64).sum::<u64>();
+        let entries = table.matrix.len() as u64;
+        assert_eq!([single.gpu_bytes(), half.gpu_bytes()], [48 * entries + nodes, 24 * entries + nodes]);
         assert!(half.texels[0][0][0] > 0.0, "alpha = 1e-4 became a singular matrix");
     }
 }

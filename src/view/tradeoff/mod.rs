@@ -1,5 +1,5 @@
 //! The trade-off between speed, size and accuracy: the recipes that show it, the Pareto fronts, and how both are written
-//! and drawn.
+//! and drawn. Beside the tables, the models that light a surface: tables and the closed form.
 //!
 //! Invariant: no clock and no file here. Callers measure and hand the results in.
 
@@ -8,6 +8,9 @@ mod family;
 mod fitted_recipe;
 mod front;
 mod label;
+mod model;
+mod model_panels;
+mod number;
 mod picture;
 mod prediction;
 mod table;
@@ -15,6 +18,7 @@ mod table;
 pub use family::{Size, family};
 pub use fitted_recipe::{FittedRecipe, Measurement, POINTS, rows};
 pub use front::{Fronts, front};
+pub use model::{FRAME_SIZE, LIGHTS, ModelRow, ModelRows, median, stands_for_ltc};
 pub use picture::picture;
 pub use prediction::{OffBy, off_by};
 pub use table::{csv, json};

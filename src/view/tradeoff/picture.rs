@@ -1,16 +1,18 @@
-//! The trade-off as a picture: error against seconds, and against bytes.
+//! The trade-off as a picture: error against seconds, and against bytes; and the models below.
 
 use std::fmt::Write as _;
 
 use super::{
-    FittedRecipe,
+    FittedRecipe, ModelRows,
     axis::LogAxis,
     label::{Area, places},
+    model_panels,
+    number::{bytes, rounded, two_digits},
 };
 use crate::fit::{Layout, Precision};
 
 const WIDTH: f64 = 1120.0;
-const HEIGHT: f64 = 560.0;
+const HEIGHT: f64 = 560.0 + model_panels::HEIGHT;
 /// Top of both panels, and their height.
 const TOP: f64 = 74.0;
 const PANEL_HEIGHT: f64 = 420.0;
@@ -27,9 +29,9 @@ const RING: f64 = 7.5;
 
 /// Light and dark colours in one file; the viewer's preference picks.
 const STYLE: &str = "\
-svg { font: 13px system-ui, sans-serif; --ink: #24292f; --paper: #ffffff; --grid: #d8dee4; --a: #0969da; --b: #bc4c00 }
+svg { font: 13px system-ui, sans-serif; --ink: #24292f; --paper: #ffffff; --grid: #d8dee4; --a: #0969da; --b: #bc4c00; --c: #1a7f37 }
 @media (prefers-color-scheme: dark) {
-  svg { --ink: #e6edf3; --paper: #0d1117; --grid: #30363d; --a: #58a6ff; --b: #f0883e }
+  svg { --ink: #e6edf3; --paper: #0d1117; --grid: #30363d; --a: #58a6ff; --b: #f0883e; --c: #3fb950 }
 }
 text { fill: #24292f; fill: var(--ink) }
 .paper { fill: #ffffff; fill: var(--paper) }
@@ -37,6 +39,7 @@ text { fill: #24292f; fill: var(--ink) }
 .frame { fill: none; stroke: #57606a }
 .layout0 { fill: #0969da; fill: var(--a); stroke: #0969da; stroke: var(--a) }
 .layout1 { fill: #bc4c00; fill: var(--b); stroke: #bc4c00; stroke: var(--b) }
+.normals { fill: #1a7f37; fill: var(--c); stroke: #1a7f37; stroke: var(--c) }
 .f16 { fill: #ffffff; fill: var(--paper) }
 .off { opacity: 0.45 }
 .front { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
@@ -59,19 +62,19 @@ struct Chart {
 }
 
 /// The picture as SVG. A row on a front is drawn full, others faint; f16 hollow;
-/// presets ringed and named; outliers in a square at the edge, with their values.
+/// presets ringed and named; outliers in a square at the edge, with their values. Below, the models.
 #[must_use]
-pub fn picture(rows: &[FittedRecipe]) -> String {
+pub fn picture(rows: &[FittedRecipe], models: &ModelRows) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = write_picture(&mut out, rows);
+    let _ = write_picture(&mut out, rows, models);
     out
 }
 
-fn write_picture(out: &mut String, rows: &[FittedRecipe]) -> std::fmt::Result {
+fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) -> std::fmt::Result {
     writeln!(
         out,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and against bytes">"#
+        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and against bytes, and the error of models against the time of a frame">"#
     )?;
     writeln!(out, "<style>\n{STYLE}</style>")?;
     writeln!(out, r#"<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>"#)?;
@@ -97,6 +100,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe]) -> std::fmt::Result {
     for chart in &panels {
         write_chart(out, chart, rows)?;
     }
+    model_panels::write(out, 560.0, models)?;
     writeln!(out, "</svg>")
 }
 
@@ -229,12 +233,6 @@ fn write_names(out: &mut String, frame: &Area, named: &[Named], taken: &[Area]) 
     Ok(())
 }
 
-/// A number rounded to two digits, without the last digits of its binary form.
-fn two_digits(x: f64) -> f64 {
-    let scale = 10_f64.powi(1 - x.abs().max(f64::MIN_POSITIVE).log10().floor() as i32);
-    rounded((x * scale).round() / scale)
-}
-
 fn mark(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
     match Layout::ALL.iter().position(|known| *known == layout).unwrap_or(0) {
         0 => writeln!(out, r#"<circle class="layout0{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#),
@@ -249,24 +247,14 @@ fn mark(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> st
     }
 }
 
-/// A tick without the last digits of its binary form.
-fn rounded(tick: f64) -> f64 {
-    let scale = 10_f64.powi(3 - tick.log10().floor() as i32);
-    (tick * scale).round() / scale
-}
-
-fn bytes(tick: f64) -> String {
-    match tick {
-        tick if tick >= 1e6 => format!("{} MB", rounded(tick / 1e6)),
-        tick if tick >= 1e3 => format!("{} kB", rounded(tick / 1e3)),
-        _ => format!("{} B", rounded(tick)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{files::digest::Digest, fit::PerAxis, view::tradeoff::Fronts};
+    use crate::{
+        files::digest::Digest,
+        fit::PerAxis,
+        view::tradeoff::{Fronts, model::tests::rows as models},
+    };
 
     fn row(seconds: f64, error_mean: f64, preset: Option<&'static str>) -> FittedRecipe {
         FittedRecipe {
@@ -301,12 +289,12 @@ mod tests {
             row(23.0, 0.049, Some("best")),
             row(0.5, 0.07, None),
         ];
-        assert!(!picture(&rows).contains("off:"));
+        assert!(!picture(&rows, &models()).contains("off:"));
         rows.push(row(2.0, 0.934, None));
-        let svg = picture(&rows);
+        let svg = picture(&rows, &models());
         assert_eq!(svg.matches(">off: 0.93</text>").count(), 2, "{svg}");
         // The others still have most of the axis.
         let ticks = |svg: &str| svg.matches("class=\"grid\"").count();
-        assert!(ticks(&svg) >= ticks(&picture(&rows[..5])));
+        assert!(ticks(&svg) >= ticks(&picture(&rows[..5], &models())));
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{FittedRecipe, POINTS};
+use super::{FittedRecipe, ModelRows, POINTS};
 use crate::fit::PerAxis;
 
 const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,directions,steps,precision,entries,bytes,seconds,\
@@ -36,9 +36,9 @@ fn write_line(out: &mut String, row: &FittedRecipe) -> std::fmt::Result {
     writeln!(out, "{},{},{}", on_front.seconds, on_front.bytes, on_front.base)
 }
 
-/// One document: how it was measured, and the rows.
+/// One document: how it was measured, the rows, and the models.
 #[must_use]
-pub fn json(rows: &[FittedRecipe], threads: usize) -> String {
-    let document = json!({ "points": POINTS, "threads": threads, "rows": rows });
+pub fn json(rows: &[FittedRecipe], models: &ModelRows, threads: usize) -> String {
+    let document = json!({ "points": POINTS, "threads": threads, "rows": rows, "models": models });
     format!("{document:#}\n")
 }

@@ -1,0 +1,149 @@
+//! What `tradeoff` measures of the models of light: errors, times of frames, bytes.
+
+use std::{sync::Arc, time::Instant};
+
+use super::{CommandFailure, Exit, Interrupt};
+use crate::{
+    files::{
+        container::{self, TableFileError},
+        recipe_document,
+    },
+    fit::{Precision, Recipe, Table},
+    light::{LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
+    view::{
+        preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
+        shaders::{LitBy, wgsl},
+        tradeoff::{FRAME_SIZE, LIGHTS, ModelRow, ModelRows, Size, median},
+    },
+};
+
+/// A table that stands for model `ltc`.
+pub(super) struct FittedTable {
+    pub(super) recipe: Recipe,
+    pub(super) table: Table,
+    /// Processor time of the fit over the number of threads.
+    pub(super) fit_seconds: f64,
+}
+
+/// A model, and what it renders with. Model `normals` is handed a table that it does not read.
+struct Candidate {
+    scene: Scene,
+    table: Arc<ShaderTable>,
+    row: ModelRow,
+}
+
+/// The models, each by the same lights and the same scene. Runs on the current rayon pool.
+pub(super) fn measure(tables: &[FittedTable], size: Size, interrupt: &Interrupt) -> Result<ModelRows, CommandFailure> {
+    let Some(first) = tables.first() else {
+        return Err(CommandFailure::new(Exit::Failed, "no table stands for model ltc"));
+    };
+    let lights = RandomLights::draw(&first.recipe.range, LIGHTS).map_err(|error| no_light(&error))?;
+    let mut candidates = Vec::new();
+    for fitted in tables {
+        candidates.push(by_table(fitted, &lights)?);
+    }
+    let unread = Arc::clone(&candidates[0].table);
+    for rule in WeightRule::ALL {
+        candidates.push(by_normals(*rule, &unread, &lights)?);
+    }
+
+    let mut preview = Preview::new(Adapter::Any);
+    let times = frame_times(&mut preview, &candidates, rounds(size), interrupt)?;
+    let rows = candidates
+        .into_iter()
+        .zip(times)
+        .map(|(candidate, times)| ModelRow { frame_milliseconds: median(times), ..candidate.row });
+    Ok(ModelRows {
+        lights: lights.len(),
+        mean_energy: lights.mean_energy(),
+        frame_size: FRAME_SIZE,
+        adapter: preview.adapter_name().map_err(|error| failure(&error))?,
+        rows: rows.collect(),
+    })
+}
+
+fn rounds(size: Size) -> usize {
+    match size {
+        Size::Quick => 5,
+        Size::Full => 21,
+    }
+}
+
+fn scene(model: LightModel, weight: WeightRule) -> Scene {
+    let materials = vec![Material { alpha_x: 0.3, alpha_y: 0.08, rotation: 0.4 }];
+    Scene { materials, size: FRAME_SIZE, model, weight, ..Scene::default() }
+}
+
+fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
+    let FittedTable { recipe, table, fit_seconds } = fitted;
+    let failed = |error: TableFileError| CommandFailure::new(Exit::Failed, error.to_string());
+    let file = container::encode(recipe, table).map_err(failed)?;
+    let format = match recipe.precision {
+        Precision::F32 => TexelFormat::F32,
+        Precision::F16 => TexelFormat::F16,
+    };
+    let shader_table = Arc::new(ShaderTable::new(table, format));
+    let row = ModelRow {
+        model: LightModel::Ltc,
+        weight: None,
+        layout: Some(recipe.layout),
+        recipe_digest: Some(recipe_document::digest(recipe)),
+        light_error: light_error(Lighting::Ltc(table), lights).map_err(|error| no_light(&error))?,
+        frame_milliseconds: 0.0,
+        gpu_bytes: shader_table.gpu_bytes(),
+        file_bytes: file.len() as u64,
+        shader_bytes: wgsl(recipe.layout).len() as u64,
+        fit_seconds: *fit_seconds,
+    };
+    Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Seven), table: shader_table, row })
+}
+
+fn by_normals(rule: WeightRule, unread: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
+    let row = ModelRow {
+        model: LightModel::Normals,
+        weight: Some(rule),
+        layout: None,
+        recipe_digest: None,
+        light_error: light_error(Lighting::Normals(rule), lights).map_err(|error| no_light(&error))?,
+        frame_milliseconds: 0.0,
+        gpu_bytes: 0,
+        file_bytes: 0,
+        shader_bytes: wgsl(LitBy::Normals).len() as u64,
+        fit_seconds: 0.0,
+    };
+    Ok(Candidate { scene: scene(LightModel::Normals, rule), table: Arc::clone(unread), row })
+}
+
+/// Milliseconds of each candidate's frames. The candidates take turns, so that a busy machine slows all of them; before
+/// each timed frame there is one that is not, after which the table is in place.
+fn frame_times(
+    preview: &mut Preview,
+    candidates: &[Candidate],
+    rounds: usize,
+    interrupt: &Interrupt,
+) -> Result<Vec<Vec<f64>>, CommandFailure> {
+    let mut frame = |candidate: &Candidate| {
+        let started = Instant::now();
+        match preview.render(&candidate.table, &candidate.scene, &|| interrupt.is_set()) {
+            Ok(_) => Ok(1e3 * started.elapsed().as_secs_f64()),
+            Err(PreviewError::Stopped) => Err(CommandFailure::interrupted()),
+            Err(error) => Err(failure(&error)),
+        }
+    };
+    let mut times = vec![Vec::with_capacity(rounds); candidates.len()];
+    for _ in 0..rounds {
+        for (times, candidate) in times.iter_mut().zip(candidates) {
+            frame(candidate)?;
+            times.push(frame(candidate)?);
+        }
+    }
+    Ok(times)
+}
+
+fn no_light(error: &LightError) -> CommandFailure {
+    CommandFailure::new(Exit::Failed, error.to_string())
+}
+
+fn failure(error: &PreviewError) -> CommandFailure {
+    CommandFailure::new(Exit::Failed, error.to_string())
+}

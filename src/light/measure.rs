@@ -1,0 +1,221 @@
+//! How far a model's light is off: the one measure that tables and the closed form share.
+
+use std::f64::consts::{E, TAU};
+
+use glam::DVec3;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use super::{LightError, PolygonLight, Reflected, WeightRule, by_normals, by_table, truth_within};
+use crate::fit::{
+    Configuration, PerAxis, Sides, Spread, Table,
+    brdf::{Brdf, Ggx},
+    ggx_terms,
+    math::{cos, direction, ln, pow},
+};
+
+/// Roughnesses below these are not drawn: a lobe of theirs is inside a light or outside.
+const LEAST_ALPHA: f64 = 0.01;
+const LEAST_ACROSS: f64 = 0.005;
+/// The lowest view, as an angle from the normal: 88 degrees.
+const STEEPEST: f64 = 88.0 / 360.0 * TAU;
+/// Half the width of a light at distance one, and half its height, before one is stretched by up to e and the other
+/// shrunk.
+const HALF_WIDTH: [f64; 2] = [0.05, 1.2];
+/// The truth's tolerance: a thirtieth of the mean error of the best model.
+const TOLERANCE: f64 = 1e-5;
+const SEED: u64 = 1;
+
+/// A model and what it reads.
+#[derive(Debug, Clone, Copy)]
+pub enum Lighting<'a> {
+    /// A table of Linearly Transformed Cosines. One without terms gets GGX's own.
+    Ltc(&'a Table),
+    /// The closed form in the space of normals.
+    Normals(WeightRule),
+}
+
+/// A surface, a view of it, and a light.
+#[derive(Debug, Clone)]
+struct Lit {
+    at: Configuration,
+    light: PolygonLight,
+}
+
+/// Random rectangles around what random surfaces reflect, and the energy that is reflected of each.
+///
+/// Equal arguments give equal lights.
+#[derive(Debug, Clone)]
+pub struct RandomLights {
+    lit: Vec<Lit>,
+    energy: Vec<f64>,
+}
+
+impl RandomLights {
+    /// `count` lights on surfaces and views within the ranges of a table.
+    ///
+    /// The square root of alpha, ratio and angles are even; alpha is 0.01 at least and theta 88 degrees at most. A light
+    /// stands at distance one around the reflection of a visible normal, turned and tilted at random, half as wide as 0.05
+    /// to 1.2. Domain: at least one light. Runs on the current rayon pool; its size changes nothing.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] for ranges that no table has.
+    pub fn draw(range: &PerAxis<[f64; 2]>, count: usize) -> Result<Self, LightError> {
+        let mut random = Draw(Xoshiro256PlusPlus::seed_from_u64(SEED));
+        let lit: Vec<Lit> = (0..count).map(|_| random.lit(range)).collect();
+        let energy = |lit: &Lit| truth_within(TOLERANCE, &lit.at, &lit.light).map(|truth| truth.energy);
+        let energy = lit.par_iter().map(energy).collect::<Result<_, _>>()?;
+        Ok(Self { lit, energy })
+    }
+
+    /// The number of lights.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "there is at least one light")]
+    pub fn len(&self) -> usize {
+        self.lit.len()
+    }
+
+    /// Mean of the reflected energy, in [0, 1].
+    #[must_use]
+    pub fn mean_energy(&self) -> f64 {
+        self.energy.iter().sum::<f64>() / self.energy.len() as f64
+    }
+}
+
+/// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights: in [0, 1].
+///
+/// # Errors
+/// [`LightError::Singular`] for a table that does not tell.
+pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
+    let with_terms;
+    let model = match model {
+        Lighting::Ltc(table) if table.terms.is_none() => {
+            with_terms = Table { terms: Some(ggx_terms(table.layout, &table.axes)), ..table.clone() };
+            Lighting::Ltc(&with_terms)
+        }
+        other => other,
+    };
+    let pairs = lights.lit.iter().zip(&lights.energy);
+    let errors = pairs.map(|(lit, energy)| Ok((model.reflected(lit)?.energy - energy).abs()));
+    Ok(spread(errors.collect::<Result<_, _>>()?))
+}
+
+fn spread(mut errors: Vec<f64>) -> Spread {
+    errors.sort_by(f64::total_cmp);
+    let count = errors.len();
+    let mean = errors.iter().sum::<f64>() / count as f64;
+    Spread { mean, p95: errors[count * 95 / 100], max: errors[count - 1] }
+}
+
+impl Lighting<'_> {
+    fn reflected(self, lit: &Lit) -> Result<Reflected, LightError> {
+        match self {
+            Self::Ltc(table) => by_table(table, &lit.at, &lit.light),
+            Self::Normals(rule) => by_normals(&lit.at, &lit.light, rule),
+        }
+    }
+}
+
+struct Draw(Xoshiro256PlusPlus);
+
+impl Draw {
+    fn within(&mut self, [low, high]: [f64; 2]) -> f64 {
+        low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    fn unit(&mut self) -> f64 {
+        self.within([0.0, 1.0])
+    }
+
+    /// A vector of normally distributed numbers.
+    fn vector(&mut self) -> DVec3 {
+        let mut normal = || (-2.0 * ln(1.0 - self.unit())).sqrt() * cos(TAU * self.unit());
+        DVec3::new(normal(), normal(), normal())
+    }
+
+    fn configuration(&mut self, range: &PerAxis<[f64; 2]>) -> Configuration {
+        let roughness = self.within(range.alpha.map(|alpha| alpha.max(LEAST_ALPHA).sqrt()));
+        let alpha = (roughness * roughness).clamp(LEAST_ALPHA, 1.0);
+        let across = (alpha * self.within(range.ratio)).max(LEAST_ACROSS);
+        let theta = self.within(range.theta.map(|theta| theta.min(STEEPEST)));
+        Configuration { alpha_x: alpha, alpha_y: across, theta, phi: self.within(range.phi) }
+    }
+
+    fn lit(&mut self, range: &PerAxis<[f64; 2]>) -> Lit {
+        loop {
+            let at = self.configuration(range);
+            let ggx = Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y };
+            let centre = ggx.sample(direction(at.theta, at.phi), [self.unit(), self.unit()]).wi;
+            let towards = (0.5 * self.vector() - centre).normalize();
+            let x = towards.cross(self.vector()).normalize();
+            let [least, most] = HALF_WIDTH;
+            let size = least * pow(most / least, self.unit());
+            let stretch = pow(E, self.within([-1.0, 1.0]));
+            let (x, y) = (x * size * stretch, towards.cross(x) * size / stretch);
+            let vertices = vec![centre - x - y, centre + x - y, centre + x + y, centre - x + y];
+            // A rectangle that the surface sees edge on may not look convex.
+            match PolygonLight::new(vertices, Sides::Two) {
+                Ok(light) if centre.z > 0.0 => return Lit { at, light },
+                _ => {}
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+    use crate::fit::{BrdfKind, Layout, LobeModel};
+
+    const RANGE: PerAxis<[f64; 2]> =
+        PerAxis { alpha: [1e-4, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
+
+    fn lights(range: &PerAxis<[f64; 2]>, count: usize) -> RandomLights {
+        RandomLights::draw(range, count).expect("ranges of a table")
+    }
+
+    #[test]
+    fn lights_lie_where_they_are_asked_for_and_come_again() {
+        let narrow = PerAxis { alpha: [0.2, 0.5], ratio: [0.5, 0.5], theta: [0.1, 0.4], phi: [0.7, 0.7] };
+        let [once, again] = [0; 2].map(|_: u32| lights(&narrow, 50));
+        assert_eq!((once.len(), &once.energy), (50, &again.energy));
+        assert!((0.1..0.9).contains(&once.mean_energy()), "{}", once.mean_energy());
+        for Lit { at, light } in &once.lit {
+            assert!((0.2..=0.5).contains(&at.alpha_x) && (at.alpha_y - 0.5 * at.alpha_x).abs() < 1e-12, "{at:?}");
+            assert!((0.1..=0.4).contains(&at.theta) && at.phi == 0.7, "{at:?}");
+            let [a, b, c, d] = light.vertices() else { panic!("{light:?}") };
+            let middle = *a + *b + *c + *d;
+            assert!(middle.z > 0.0 && (*b - *a).dot(*c - *b).abs() < 1e-9 * middle.length_squared(), "{light:?}");
+        }
+        assert!(RandomLights::draw(&PerAxis { alpha: [0.5, 0.5], theta: [-1.0, -1.0], ..RANGE }, 3).is_err());
+    }
+
+    /// The clamped cosine in place of every lobe.
+    fn cosine() -> Table {
+        Table {
+            brdf: BrdfKind::Ggx,
+            lobe: LobeModel::Ltc,
+            layout: Layout::Kt2022,
+            axes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
+            matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]],
+            terms: None,
+            node_error: vec![0.0],
+        }
+    }
+
+    #[test]
+    fn more_normals_are_nearer_and_a_wrong_model_is_found_out() {
+        let lights = lights(&RANGE, 400);
+        let error = |rule| light_error(Lighting::Normals(rule), &lights).expect("a surface").mean;
+        let [mean, seven, fine] = [WeightRule::Mean, WeightRule::Seven, WeightRule::Fine].map(error);
+        assert!(10.0 * TOLERANCE < fine && fine < seven && 2.0 * seven < mean && mean < 0.01, "{fine} {seven} {mean}");
+        let wrong = light_error(Lighting::Ltc(&cosine()), &lights).expect("a lobe");
+        assert!(wrong.mean > 0.05 && wrong.max > 0.5, "{wrong:?}");
+        assert!(wrong.mean < wrong.p95 && wrong.p95 <= wrong.max, "{wrong:?}");
+        let flat = Table { matrix: vec![[0.0; 9]], ..cosine() };
+        assert_eq!(light_error(Lighting::Ltc(&flat), &lights).err(), Some(LightError::Singular));
+    }
+}

@@ -1,0 +1,178 @@
+//! The models that light a surface, each with its error and its costs.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use crate::{
+    files::{digest::Digest, recipe_document::Preset},
+    fit::{FitSettings, Layout, Recipe, Spread},
+    light::{LightModel, normals::WeightRule},
+};
+
+/// Random lights by which every model is measured, the same for all.
+pub const LIGHTS: usize = 2048;
+/// Pixels a side of the frame that every model renders.
+pub const FRAME_SIZE: u32 = 512;
+
+/// A model that lights a surface, what it costs and how far off it is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModelRow {
+    /// The model.
+    pub model: LightModel,
+    /// How model `normals` averages the weight of shadowing.
+    pub weight: Option<WeightRule>,
+    /// The layout of model `ltc`'s table.
+    pub layout: Option<Layout>,
+    /// The recipe of model `ltc`'s table, which is one of the family.
+    pub recipe_digest: Option<Digest>,
+    /// Absolute error of the reflected energy of random lights.
+    pub light_error: Spread,
+    /// Median time of a frame, milliseconds.
+    pub frame_milliseconds: f64,
+    /// Bytes that the shader reads on the GPU.
+    pub gpu_bytes: u64,
+    /// Bytes of the file that ships with a renderer.
+    pub file_bytes: u64,
+    /// Bytes of the shader's text in WGSL.
+    pub shader_bytes: u64,
+    /// Processor time of the fit over the number of threads.
+    pub fit_seconds: f64,
+}
+
+/// The models, and how they were measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModelRows {
+    /// Random lights, [`LIGHTS`].
+    pub lights: usize,
+    /// The mean energy that a surface reflects of them.
+    pub mean_energy: f64,
+    /// Pixels a side of the frame, [`FRAME_SIZE`].
+    pub frame_size: u32,
+    /// What rendered it: an adapter's name, or `cpu`.
+    pub adapter: String,
+    /// The models.
+    pub rows: Vec<ModelRow>,
+}
+
+impl ModelRow {
+    /// What pictures call it: the model, and its layout or rule.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let kind = self.layout.map(Layout::name).or(self.weight.map(WeightRule::name));
+        format!("{} {}", self.model, kind.unwrap_or_default())
+    }
+}
+
+impl ModelRows {
+    /// The models as a table of text, a line for each.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut out = format!(
+            "{:16}{:>10}{:>10}{:>10}{:>12}{:>12}{:>12}{:>10}\n",
+            "model", "error", "p95", "frame ms", "GPU bytes", "file bytes", "WGSL bytes", "seconds"
+        );
+        for row in &self.rows {
+            // Writing to a String cannot fail.
+            let _ = writeln!(
+                out,
+                "{:16}{:>10.5}{:>10.5}{:>10.2}{:>12}{:>12}{:>12}{:>10.2}",
+                row.name(),
+                row.light_error.mean,
+                row.light_error.p95,
+                row.frame_milliseconds,
+                row.gpu_bytes,
+                row.file_bytes,
+                row.shader_bytes,
+                row.fit_seconds
+            );
+        }
+        let Self { lights, mean_energy, frame_size, adapter, .. } = self;
+        let _ = write!(
+            out,
+            "{lights} lights of mean energy {mean_energy:.3}; frames of {frame_size} x {frame_size} by {adapter}"
+        );
+        out
+    }
+}
+
+/// Whether a recipe's table stands for model `ltc`: it has the base's resolution and precision and the effort of preset
+/// `paper`. A family has such a table of the base's layout, and a full one of each layout.
+#[must_use]
+pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
+    let effort = |fit: &FitSettings| (fit.samples, fit.directions, fit.steps);
+    let is_paper = effort(&recipe.fit) == effort(&Preset::Paper.fit());
+    is_paper && (recipe.resolution, recipe.precision) == (base.resolution, base.precision)
+}
+
+/// The middle of several durations. Domain: at least one.
+#[must_use]
+pub fn median(mut durations: Vec<f64>) -> f64 {
+    durations.sort_by(f64::total_cmp);
+    durations[durations.len() / 2]
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::{
+        files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse},
+        view::tradeoff::{Size, family},
+    };
+
+    #[test]
+    fn a_family_has_a_table_of_the_base_and_a_full_one_of_each_layout() {
+        for document in [r#"{"preset":"draft","precision":"f16"}"#, r#"{"layout":"kt2022"}"#] {
+            let base = parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");
+            let layouts = |size| -> Vec<Layout> {
+                let recipes = family(&base, size, DEFAULT_ENTRY_LIMIT);
+                recipes.iter().filter(|recipe| stands_for_ltc(&base, recipe)).map(|recipe| recipe.layout).collect()
+            };
+            assert_eq!(layouts(Size::Quick), [base.layout]);
+            assert_eq!(layouts(Size::Full).len(), Layout::ALL.len());
+            assert_eq!(layouts(Size::Full)[0], base.layout);
+        }
+    }
+
+    pub(crate) fn rows() -> ModelRows {
+        let row = |model, weight, layout, mean: f64, bytes| ModelRow {
+            model,
+            weight,
+            layout,
+            recipe_digest: layout.map(|_| Digest::of(b"")),
+            light_error: Spread { mean, p95: 4.0 * mean, max: 20.0 * mean },
+            frame_milliseconds: 0.02 / mean,
+            gpu_bytes: bytes,
+            file_bytes: bytes,
+            shader_bytes: 20_000,
+            fit_seconds: if bytes > 0 { 4.5 } else { 0.0 },
+        };
+        let normals = |rule, mean| row(LightModel::Normals, Some(rule), None, mean, 0);
+        let rows = vec![
+            row(LightModel::Ltc, None, Some(Layout::Reflected), 0.0061, 181_440),
+            normals(WeightRule::Seven, 0.0009),
+            normals(WeightRule::Mean, 0.004),
+            normals(WeightRule::Fine, 0.0005),
+        ];
+        ModelRows { lights: LIGHTS, mean_energy: 0.3, frame_size: FRAME_SIZE, adapter: "cpu".to_owned(), rows }
+    }
+
+    #[test]
+    fn the_text_has_a_line_for_each_model() {
+        let text = rows().text();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 1 + 4 + 1, "{text}");
+        for (line, name) in lines[1..].iter().zip(["ltc reflected", "normals seven", "normals mean", "normals fine"]) {
+            assert!(line.starts_with(name), "{line}");
+            assert_eq!(line.len(), lines[0].len(), "{line}");
+        }
+        assert!(lines[1].contains(" 181440 ") && lines[2].contains(" 0 "), "{text}");
+        assert!(lines[5].contains("512 x 512 by cpu"), "{text}");
+    }
+
+    #[test]
+    fn one_slow_frame_does_not_move_the_median() {
+        assert_eq!(median(vec![3.0, 1.0, 900.0, 2.0, 2.5]), 2.5);
+        assert_eq!(median(vec![7.0]), 7.0);
+    }
+}
