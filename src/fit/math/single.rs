@@ -48,7 +48,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
 pub(super) fn ln(x: f32) -> f32 {
     // The bits of sqrt(1/2): what is above them in the exponent's place is e.
     let bits = x.to_bits().wrapping_sub(0x3f35_04f3);
-    let exponent = (bits as i32) >> 23;
+    let exponent = bits.cast_signed() >> 23;
     let m = f32::from_bits((bits & 0x007f_ffff).wrapping_add(0x3f35_04f3));
     let s = (m - 1.0) / (m + 1.0);
     let z = s * s;

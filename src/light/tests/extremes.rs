@@ -57,6 +57,7 @@ fn small_steps_make_small_changes() {
 
 /// Steps through a light: where f32 and f64 numbers change sides of a test, nothing jumps.
 #[test]
+#[allow(clippy::type_complexity, reason = "a list of named paths")]
 fn nothing_jumps_along_a_path() {
     const STEPS: u32 = 4000;
     let paths: [(&str, fn(f64) -> (Configuration, DVec3)); 4] = [

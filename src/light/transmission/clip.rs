@@ -1,5 +1,7 @@
 //! Clips an outline of arcs by a circle.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
+
 use super::arc::{Arc, Circle, Extent, Kind};
 use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 

@@ -17,6 +17,8 @@
 //! not reflected, is averaged over four normals of each triangle between the mean normal and an arc (`weight.rs`).
 //! `docs/refraction.md` derives all of it.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
+
 mod arc;
 mod clip;
 mod flat;

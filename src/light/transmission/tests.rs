@@ -246,7 +246,7 @@ fn degenerate_placements_are_numbers_between_zero_and_one() {
     let third = 1.0 / 3.0;
     for eta in [1.5, 1.0 / 1.5, 1.02, 0.98, 3.0, third] {
         for alpha in [[0.3, 0.3], [0.5, 0.1], [1.0, 1.0], [1e-4, 1e-4], [1.0, 1e-4]] {
-            for (theta, phi) in [0.0, 0.5, 1.0, (1.0 / 1.5_f64).asin(), 1.5707, 1e-9]
+            for (theta, phi) in [0.0, 0.5, 1.0, (1.0 / 1.5_f64).asin(), 1.57, 1e-9]
                 .into_iter()
                 .flat_map(|theta| [0.0, 0.25, 0.125].map(|turn| (theta, turn * std::f64::consts::TAU)))
             {

@@ -161,12 +161,12 @@ impl Scene {
         let weight = if self.shows(LightModel::Normals) { self.weight } else { usual.weight };
         match self.mode {
             Mode::Ltc => {
-                let Self { spp, lobe, difference_scale, .. } = usual;
-                Self { spp, lobe, difference_scale, weight, ..self }
+                let Self { lobe, spp, difference_scale, .. } = usual;
+                Self { lobe, spp, weight, difference_scale, ..self }
             }
             Mode::Reference => {
-                let Self { lobe, difference_scale, model, .. } = usual;
-                Self { lobe, difference_scale, model, weight, ..self }
+                let Self { lobe, model, difference_scale, .. } = usual;
+                Self { lobe, model, weight, difference_scale, ..self }
             }
             // False colours are of radiance, whatever it is displayed like.
             Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, weight, ..self },

@@ -48,7 +48,7 @@ fn bindings(language: Language) -> &'static str {
 pub(super) fn normals_header(language: Language) -> String {
     let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"));
     let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
-    let values: String = CASES
+    let values: Vec<String> = CASES
         .iter()
         .map(|case| {
             let of = |rule| reflected([case.alpha_x, case.alpha_y], case.wo, &CORNERS, Sides::One, rule).map(fixed);
@@ -64,7 +64,8 @@ pub(super) fn normals_header(language: Language) -> String {
         .collect();
     commented(&format!(
         "{about}{}\n\nCHECK\n  The parts of the one-sided rectangle {corners},\n  by rules 0 | 1 | 2. A port in 32 bits \
-         comes within 0.00002 of each number.\n{values}",
-        bindings(language)
+         comes within 0.00002 of each number.\n{}",
+        bindings(language),
+        values.concat()
     ))
 }

@@ -7,6 +7,7 @@ use crate::fit::math::{cross, dot, minus, plus, scaled, unit};
 
 /// The positive nodes of Kronrod's rule of order 15 on [-1, 1] with their weights; every other node is Gauss's of order
 /// 7 [Piessens et al. 1983].
+#[allow(clippy::excessive_precision, reason = "as published")]
 const KRONROD: [(f64, f64); 8] = [
     (0.0, 0.209_482_141_084_727_83),
     (0.207_784_955_007_898_47, 0.204_432_940_075_298_89),
@@ -17,6 +18,7 @@ const KRONROD: [(f64, f64); 8] = [
     (0.949_107_912_342_758_52, 0.063_092_092_629_978_55),
     (0.991_455_371_120_812_6, 0.022_935_322_010_529_22),
 ];
+#[allow(clippy::excessive_precision, reason = "as published")]
 const GAUSS: [f64; 4] =
     [0.417_959_183_673_469_4, 0.381_830_050_505_118_94, 0.279_705_391_489_276_7, 0.129_484_966_168_869_7];
 /// Cells along each side of a light before the rule adapts, so that no narrow lobe is missed.
