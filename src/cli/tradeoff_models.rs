@@ -25,7 +25,7 @@ pub(super) struct FittedTable {
     pub(super) fit_seconds: f64,
 }
 
-/// A model, and what it renders with. Model `normals` is handed a table that it does not read.
+/// A model, and what it renders with.
 struct Candidate {
     scene: Scene,
     table: Arc<ShaderTable>,
@@ -42,9 +42,9 @@ pub(super) fn measure(tables: &[FittedTable], size: Size, interrupt: &Interrupt)
     for fitted in tables {
         candidates.push(by_table(fitted, &lights)?);
     }
-    let unread = Arc::clone(&candidates[0].table);
+    let none = Arc::new(ShaderTable::none());
     for rule in WeightRule::ALL {
-        candidates.push(by_normals(*rule, &unread, &lights)?);
+        candidates.push(by_normals(*rule, &none, &lights)?);
     }
 
     let mut preview = Preview::new(Adapter::Any);
@@ -98,7 +98,7 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
     Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Seven), table: shader_table, row })
 }
 
-fn by_normals(rule: WeightRule, unread: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
+fn by_normals(rule: WeightRule, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
     let row = ModelRow {
         model: LightModel::Normals,
         weight: Some(rule),
@@ -111,7 +111,7 @@ fn by_normals(rule: WeightRule, unread: &Arc<ShaderTable>, lights: &RandomLights
         shader_bytes: wgsl(LitBy::Normals).len() as u64,
         fit_seconds: 0.0,
     };
-    Ok(Candidate { scene: scene(LightModel::Normals, rule), table: Arc::clone(unread), row })
+    Ok(Candidate { scene: scene(LightModel::Normals, rule), table: Arc::clone(none), row })
 }
 
 /// Milliseconds of each candidate's frames. The candidates take turns, so that a busy machine slows all of them; before

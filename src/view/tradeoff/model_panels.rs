@@ -23,7 +23,7 @@ const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
 /// Left end of the table, right ends of its columns, and the distance of its lines.
 const TABLE_LEFT: f64 = 584.0;
-const COLUMNS: [f64; 7] = [744.0, 808.0, 864.0, 930.0, 992.0, 1056.0, 1112.0];
+const COLUMNS: [f64; 7] = [756.0, 816.0, 872.0, 936.0, 1000.0, 1056.0, 1104.0];
 const LINE: f64 = 26.0;
 
 /// Writes the panels from the height `top` of the picture on.
@@ -33,7 +33,7 @@ pub(super) fn write(out: &mut String, top: f64, models: &ModelRows) -> std::fmt:
 }
 
 fn write_chart(out: &mut String, top: f64, models: &ModelRows) -> std::fmt::Result {
-    let ModelRows { lights, frame_size, adapter, rows, .. } = models;
+    let ModelRows { lights, frame_size, rows, .. } = models;
     let (bottom, middle) = (top + CHART_HEIGHT, CHART_LEFT + 0.5 * CHART_WIDTH);
     let x_axis = LogAxis::over(rows.iter().map(|row| row.frame_milliseconds), [CHART_LEFT, CHART_LEFT + CHART_WIDTH]);
     let y_axis = LogAxis::over(rows.iter().map(|row| row.light_error.mean), [bottom, top]);
@@ -46,19 +46,24 @@ fn write_chart(out: &mut String, top: f64, models: &ModelRows) -> std::fmt::Resu
     for tick in y_axis.ticks() {
         let y = y_axis.at(tick);
         writeln!(out, r#"<path class="grid" d="M{CHART_LEFT} {y:.1}h{CHART_WIDTH}"/>"#)?;
-        writeln!(out, r#"<text class="end" x="{}" y="{:.1}">{}</text>"#, CHART_LEFT - 7.0, y + 4.5, rounded(tick))?;
+        writeln!(
+            out,
+            r#"<text class="end" x="{}" y="{:.1}">{}</text>"#,
+            CHART_LEFT - 7.0,
+            y + 4.5,
+            rounded(1e3 * tick)
+        )?;
     }
     writeln!(out, r#"<rect class="frame" x="{CHART_LEFT}" y="{top}" width="{CHART_WIDTH}" height="{CHART_HEIGHT}"/>"#)?;
-    let adapter = escaped(adapter);
     writeln!(
         out,
-        r#"<text class="middle" x="{middle}" y="{}">milliseconds of a frame of {frame_size} x {frame_size}, {adapter}</text>"#,
+        r#"<text class="middle" x="{middle}" y="{}">milliseconds of a frame of {frame_size} x {frame_size} pixels</text>"#,
         bottom + 42.0
     )?;
     let (x, y) = (CHART_LEFT - 48.0, top + 0.5 * CHART_HEIGHT);
     writeln!(
         out,
-        r#"<text class="middle" transform="translate({x} {y}) rotate(-90)">mean error of energy, {lights} lights</text>"#
+        r#"<text class="middle" transform="translate({x} {y}) rotate(-90)">mean error of {lights} lights, thousandths</text>"#
     )?;
     let points: Vec<[f64; 2]> =
         rows.iter().map(|row| [x_axis.at(row.frame_milliseconds), y_axis.at(row.light_error.mean)]).collect();
@@ -78,7 +83,7 @@ fn write_chart(out: &mut String, top: f64, models: &ModelRows) -> std::fmt::Resu
 }
 
 fn write_table(out: &mut String, top: f64, models: &ModelRows) -> std::fmt::Result {
-    let heads = ["error", "p95", "ms", "on the GPU", "to ship", "shader", "seconds"];
+    let heads = ["error", "p95", "ms", "GPU", "file", "WGSL", "fit, s"];
     let mut line = |y: f64, name: &str, cells: [String; 7], class: &str| -> std::fmt::Result {
         writeln!(out, r#"<text class="{class}" x="{TABLE_LEFT}" y="{y}">{name}</text>"#)?;
         for (cell, right) in cells.iter().zip(COLUMNS) {
@@ -99,7 +104,17 @@ fn write_table(out: &mut String, top: f64, models: &ModelRows) -> std::fmt::Resu
         ];
         line(top + 12.0 + f64::from(number) * LINE, &row.name(), cells, "model")?;
     }
-    Ok(())
+    let ([adapter, end], y) = (adapter_lines(&models.adapter), top + 24.0 + (models.rows.len() + 1) as f64 * LINE);
+    writeln!(out, r#"<text x="{TABLE_LEFT}" y="{y}">frames by {}</text>"#, escaped(adapter))?;
+    writeln!(out, r#"<text x="{TABLE_LEFT}" y="{}">{}</text>"#, y + 18.0, escaped(end))
+}
+
+/// A driver's name in two lines: it is broken at the last space before it is too wide.
+fn adapter_lines(name: &str) -> [&str; 2] {
+    const MOST: usize = 56;
+    let Some((end, _)) = name.char_indices().nth(MOST) else { return [name, ""] };
+    let at = name[..end].rfind(' ').unwrap_or(end);
+    [&name[..at], name[at..].trim_start()]
 }
 
 /// Bytes with two digits.
@@ -136,6 +151,16 @@ mod tests {
         }
         assert!(svg.contains(">180 kB</text>") && svg.contains(">0</text>"), "{svg}");
         assert!(svg.contains("a &lt;b&gt; &amp; c") && !svg.contains("NaN"), "{svg}");
+    }
+
+    #[test]
+    fn a_long_name_of_a_driver_is_broken_between_words() {
+        assert_eq!(adapter_lines("cpu"), ["cpu", ""]);
+        let [first, second] = adapter_lines("llvmpipe (LLVM 15.0.6, 256 bits) (Mesa 22.3.6 (LLVM 15.0.6))");
+        assert_eq!([first, second], ["llvmpipe (LLVM 15.0.6, 256 bits) (Mesa 22.3.6 (LLVM", "15.0.6))"]);
+        let wide = "\u{e9}".repeat(60);
+        let [first, second] = adapter_lines(&wide);
+        assert_eq!((first.chars().count(), second.chars().count()), (56, 4));
     }
 
     /// The picture's own claim: further down is nearer to the truth, further right is slower.
