@@ -16,8 +16,8 @@
 //! ```
 //!
 //! The edges of a light become arcs of cones of the second degree, over which the integral is elementary
-//! ([`edge`]). The weight `G2 / G1`, and Schlick's fifth power, are smooth; they are averaged over a few normals of the
-//! triangles into which the region falls around its mean normal ([`weight`]). `docs/normals.md` derives all of it.
+//! (`edge.rs`). The weight `G2 / G1`, and Schlick's fifth power, are smooth; they are averaged over a few normals of the
+//! triangles into which the region falls around its mean normal (`weight.rs`). `docs/normals.md` derives all of it.
 //!
 //! Every direction above the surface has its half vector above it and in front of the viewer, so a light is cut at the
 //! surface and nowhere else.
