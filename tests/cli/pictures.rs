@@ -81,7 +81,12 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
             let file = fs::read(folder.path().join("s")).expect("the shader");
             assert_eq!((&told["language"], &told["layout"]), (&language.into(), &layout.into()));
             assert_eq!(told["bytes"], file.len());
-            let start: &[u8] = if language == "spirv" { b"\x03\x02\x23\x07" } else { b"// Linearly Transformed" };
+            let start: &[u8] = match language {
+                "spirv" => b"\x03\x02\x23\x07",
+                "glsl" => b"#version 450 core\n// Linearly Transformed",
+                "glsl-es" => b"#version 310 es\n// Linearly Transformed",
+                _ => b"// Linearly Transformed",
+            };
             assert!(file.starts_with(start), "{language}");
             let output = ltcforge(folder.path(), arguments).output().expect("the binary runs");
             assert!(output.status.success() && output.stdout == file, "{language}");

@@ -47,6 +47,16 @@ pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Por
     let header = comment(language, lit_by);
     let source = format!("{header}\n{}", ported(lit_by));
     let body = translate(language, lit_by, &source).map_err(|reason| PortError { language, reason })?;
+    let (version, code) = body.split_at(version_line(language, &body));
     let is_text = language != Language::Spirv;
-    Ok(if is_text { [header.as_bytes(), b"\n", &body].concat() } else { body })
+    Ok(if is_text { [version, header.as_bytes(), b"\n", code].concat() } else { body })
+}
+
+/// Bytes of the line `#version`, before which OpenGL ES takes nothing, not even a comment; zero in other languages.
+#[cfg(feature = "shaders")]
+fn version_line(language: Language, code: &[u8]) -> usize {
+    match language {
+        Language::Glsl | Language::GlslEs => code.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1),
+        Language::Wgsl | Language::Spirv | Language::Hlsl | Language::Msl => 0,
+    }
 }

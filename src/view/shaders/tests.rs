@@ -19,6 +19,11 @@ fn code(text: &str) -> String {
         .fold(String::new(), |code, line| code + line + "\n")
 }
 
+/// The text below the line that GLSL begins with.
+fn after_version(text: &str) -> &str {
+    text.strip_prefix("#version").and_then(|rest| rest.split_once('\n')).map_or(text, |(_, below)| below)
+}
+
 /// The lines of a header's values, in the order of the cases.
 fn numbers_after<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = Vec<f64>> + 'a {
     text.lines()
@@ -37,7 +42,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
                 header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 124),
                 "{name}"
             );
-            assert!(text.starts_with(&header), "{name}");
+            assert!(after_version(&text).starts_with(&header), "{name}");
             for line in ["MIT OR Apache-2.0", "BINDINGS", "EXAMPLE", "FUNCTIONS", "CHECK", layout.name()] {
                 assert!(header.contains(line), "{name}: {line}");
             }
@@ -55,7 +60,7 @@ fn every_language_has_the_shader_without_a_table() {
         let (text, name) = (text(language, LitBy::Normals), language.name());
         let header = normals_header(language);
         assert!(header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 124), "{name}");
-        assert!(text.starts_with(&header), "{name}");
+        assert!(after_version(&text).starts_with(&header), "{name}");
         let code = code(&text);
         for function in ["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"] {
             assert!(code.contains(&format!("{function}(")), "{name}: {function}");
@@ -79,6 +84,13 @@ fn languages_look_like_themselves() {
     ];
     for (language, sign) in signs.into_iter().chain(entries) {
         assert!(code(&text(language, Layout::Reflected)).contains(sign), "{}", language.name());
+    }
+}
+
+#[test]
+fn the_version_of_glsl_stands_before_the_comment() {
+    for (language, version) in [(Language::Glsl, "#version 450"), (Language::GlslEs, "#version 310 es")] {
+        assert!(text(language, LitBy::Normals).starts_with(version), "{}", language.name());
     }
 }
 
