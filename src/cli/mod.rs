@@ -26,6 +26,7 @@ mod preview_names;
 mod progress;
 mod pull;
 mod report;
+mod report_models;
 mod run;
 mod serve;
 mod shader;

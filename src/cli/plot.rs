@@ -1,4 +1,4 @@
-//! `plot`: a table as a picture.
+//! `plot`: a table, or a model's light, as a picture.
 
 use serde_json::json;
 
@@ -9,27 +9,86 @@ use super::{
     output::OutputFile,
     print, shown,
 };
-use crate::view::plots::{ErrorSlice, Plot};
+use crate::{
+    light::WeightRule,
+    view::{
+        picture::Picture,
+        plots::{ErrorSlice, GlassError, NamedTable, Plot, frosted_glass, light_errors},
+    },
+};
 
-/// Draws a table and writes the picture.
+/// Random lights in each cell of the map of light errors.
+const LIGHTS: u32 = 24;
+/// Pixels a side of each panel of glass, and visible normals a pixel of its reference.
+const GLASS_SIDE: u32 = 192;
+const GLASS_SAMPLES: u32 = 610;
+
+/// Draws and writes the picture.
 pub(super) fn run(args: &PlotArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let plot = match args.name {
-        PlotName::Error => Plot::Error(ErrorSlice::new(args.ratio, args.phi)),
-        PlotName::Matrix if args.ratio.is_some() || args.phi.is_some() => {
-            return Err(CommandFailure::new(
-                Exit::Usage,
-                "--ratio and --phi belong to the errors; matrix shows all of them",
-            ));
-        }
-        PlotName::Matrix => Plot::Matrix,
-    };
+    check_options(args)?;
     let out = OutputFile::check(&args.out)?;
-    let read = AnyTable::read(&args.table)?;
-    let picture = args.threads.pool()?.install(|| plot.draw(&read.table, &read.digest.hex()));
+    let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
+    let pool = args.threads.pool()?;
+    let Drawn { picture, surfaces } = pool.install(|| draw(args, read.as_ref()))?;
     let png = picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     out.write(&png)?;
-    let value =
-        json!({ "file": shown(&args.out), "table": read.digest, "width": picture.width, "height": picture.height });
+    for GlassError { alpha_x, alpha_y, mean_radiance, mean_absolute_error } in &surfaces {
+        eprintln!("alpha {alpha_x} {alpha_y}: mean absolute error {mean_absolute_error:.5} of {mean_radiance:.5}");
+    }
+    let mut value = json!({
+        "file": shown(&args.out), "table": read.map(|any| any.digest), "width": picture.width, "height": picture.height,
+    });
+    if args.name == PlotName::Glass {
+        value["errors"] = json!(surfaces);
+    }
     print(context.stdout, json, &value, &shown(&args.out))?;
     Ok(Exit::Ok)
+}
+
+/// A picture, and what glass tells of itself.
+struct Drawn {
+    picture: Picture,
+    surfaces: Vec<GlassError>,
+}
+
+/// Domain: a table for the plots that are of one.
+fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailure> {
+    let digest = read.map(|any| any.digest.hex()).unwrap_or_default();
+    let of_table = |plot: Plot| {
+        let missing = || CommandFailure::new(Exit::Usage, "this picture is of a table: name one");
+        Ok::<_, CommandFailure>(plot.draw(&read.ok_or_else(missing)?.table, &digest))
+    };
+    let picture = match args.name {
+        PlotName::Error => of_table(Plot::Error(ErrorSlice::new(args.ratio, args.phi)))?,
+        PlotName::Matrix => of_table(Plot::Matrix)?,
+        PlotName::Light => {
+            let named =
+                read.map(|AnyTable { table, origin, .. }| NamedTable { table, digest: &digest, range: origin.range() });
+            light_errors(named, args.weight.unwrap_or(WeightRule::ALL[0]), args.lights.unwrap_or(LIGHTS) as usize)
+                .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
+        }
+        PlotName::Glass => {
+            let drawn = frosted_glass(GLASS_SIDE, args.spp.unwrap_or(GLASS_SAMPLES) as usize);
+            return Ok(Drawn { picture: drawn.picture, surfaces: drawn.surfaces });
+        }
+    };
+    Ok(Drawn { picture, surfaces: Vec::new() })
+}
+
+/// Refuses what a picture does not depend on.
+fn check_options(args: &PlotArgs) -> Result<(), CommandFailure> {
+    let refused = |what: &str| Err(CommandFailure::new(Exit::Usage, what));
+    let slices = args.ratio.is_some() || args.phi.is_some();
+    if slices && args.name != PlotName::Error {
+        return refused("--ratio and --phi belong to error, which shows a slice; the other pictures show all of them");
+    }
+    match (args.name, &args.table) {
+        (PlotName::Glass, Some(_)) => refused("glass shows no table; leave it out"),
+        (PlotName::Error | PlotName::Matrix, None) => refused("this picture is of a table: name one before it"),
+        _ if (args.weight.is_some() || args.lights.is_some()) && args.name != PlotName::Light => {
+            refused("--weight and --lights belong to light, the errors of models")
+        }
+        _ if args.spp.is_some() && args.name != PlotName::Glass => refused("--spp belongs to glass, which is sampled"),
+        _ => Ok(()),
+    }
 }

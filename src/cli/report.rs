@@ -8,7 +8,7 @@ use super::{
     CommandFailure, Context, Exit,
     args::ReportArgs,
     input::{AnyTable, Origin},
-    print, shown,
+    print, report_models, shown,
 };
 use crate::{
     files::digest::Digest,
@@ -25,7 +25,14 @@ struct MeasuredTable {
 
 /// Measures a table and prints the figures.
 pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let read = AnyTable::read(&args.table)?;
+    let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
+    if let Some(model) = args.model {
+        return report_models::run(args, model, read.as_ref(), json, context);
+    }
+    if args.weight.is_some() || args.lights.is_some() {
+        return Err(CommandFailure::new(Exit::Usage, "--weight and --lights belong to a measured model: add --model"));
+    }
+    let read = read.ok_or_else(|| CommandFailure::new(Exit::Usage, "name a table, or choose --model normals"))?;
     let measured = args.threads.pool()?.install(|| measure(&read, args));
     let mut value = json!({
         "file": shown(&read.path),

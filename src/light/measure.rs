@@ -27,6 +27,10 @@ const HALF_WIDTH: [f64; 2] = [0.05, 1.2];
 const TOLERANCE: f64 = 1e-5;
 const SEED: u64 = 1;
 
+/// Every surface and view for which errors are told.
+pub const EVERYWHERE: PerAxis<[f64; 2]> =
+    PerAxis { alpha: [LEAST_ALPHA, 1.0], ratio: [0.0, 1.0], theta: [0.0, STEEPEST], phi: [0.0, 0.25 * TAU] };
+
 /// A model and what it reads.
 #[derive(Debug, Clone, Copy)]
 pub enum Lighting<'a> {
@@ -88,17 +92,66 @@ impl RandomLights {
 /// # Errors
 /// [`LightError::Singular`] for a table that does not tell.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
-    let with_terms;
-    let model = match model {
-        Lighting::Ltc(table) if table.terms.is_none() => {
-            with_terms = Table { terms: Some(ggx_terms(table.layout, &table.axes)), ..table.clone() };
-            Lighting::Ltc(&with_terms)
-        }
-        other => other,
-    };
+    Ok(spread(errors(model.with_terms().borrowed(), lights)?))
+}
+
+fn errors(model: Lighting<'_>, lights: &RandomLights) -> Result<Vec<f64>, LightError> {
     let pairs = lights.lit.iter().zip(&lights.energy);
-    let errors = pairs.map(|(lit, energy)| Ok((model.reflected(lit)?.energy - energy).abs()));
-    Ok(spread(errors.collect::<Result<_, _>>()?))
+    pairs.map(|(lit, energy)| Ok((model.reflected(lit)?.energy - energy).abs())).collect()
+}
+
+/// Errors of light over a square of surfaces and views, for some models: those of the same lights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightMap {
+    /// The range of the rows, upwards: the square root of alpha.
+    pub roughness: [f64; 2],
+    /// The range of the columns: polar angle of the view direction, radians.
+    pub theta: [f64; 2],
+    /// For each model its mean absolute error in each cell, row by row from the smoothest.
+    pub errors: Vec<Vec<f64>>,
+}
+
+/// Measures models on `count` random lights in each of `cells` by `cells` parts of a range, over all of its ratios and
+/// azimuths. The lights are those of [`RandomLights`]; neighbouring cells have like ones.
+///
+/// Domain: at least one cell and one light. Runs on the current rayon pool; its size changes nothing.
+///
+/// # Errors
+/// As [`RandomLights::draw`] and [`light_error`].
+pub fn light_map(
+    models: &[Lighting<'_>],
+    range: &PerAxis<[f64; 2]>,
+    cells: usize,
+    count: usize,
+) -> Result<LightMap, LightError> {
+    let models: Vec<Owned<'_>> = models.iter().map(|model| model.with_terms()).collect();
+    let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_ALPHA, 1.0).sqrt());
+    let theta = range.theta.map(|theta| theta.min(STEEPEST));
+    let part = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / cells as f64;
+    let both = |ends: [f64; 2], i: usize| [part(ends, i), part(ends, i + 1)];
+    let cell = |index: usize| -> Result<Vec<f64>, LightError> {
+        let alpha = both(roughness, index / cells).map(|root| root * root);
+        let lights = RandomLights::draw(&PerAxis { alpha, theta: both(theta, index % cells), ..*range }, count)?;
+        models.iter().map(|model| Ok(spread(errors(model.borrowed(), &lights)?).mean)).collect()
+    };
+    let by_cell: Vec<Vec<f64>> = (0..cells * cells).into_par_iter().map(cell).collect::<Result<_, _>>()?;
+    let of_model = |model: usize| by_cell.iter().map(|errors| errors[model]).collect();
+    Ok(LightMap { roughness, theta, errors: (0..models.len()).map(of_model).collect() })
+}
+
+/// A model that has all that it needs: a table with terms.
+enum Owned<'a> {
+    Given(Lighting<'a>),
+    WithTerms(Box<Table>),
+}
+
+impl Owned<'_> {
+    fn borrowed(&self) -> Lighting<'_> {
+        match self {
+            Self::Given(model) => *model,
+            Self::WithTerms(table) => Lighting::Ltc(table),
+        }
+    }
 }
 
 fn spread(mut errors: Vec<f64>) -> Spread {
@@ -108,7 +161,18 @@ fn spread(mut errors: Vec<f64>) -> Spread {
     Spread { mean, p95: errors[count * 95 / 100], max: errors[count - 1] }
 }
 
-impl Lighting<'_> {
+impl<'a> Lighting<'a> {
+    /// A table without terms with GGX's own.
+    fn with_terms(self) -> Owned<'a> {
+        match self {
+            Self::Ltc(table) if table.terms.is_none() => {
+                let terms = Some(ggx_terms(table.layout, &table.axes));
+                Owned::WithTerms(Box::new(Table { terms, ..table.clone() }))
+            }
+            given => Owned::Given(given),
+        }
+    }
+
     fn reflected(self, lit: &Lit) -> Result<Reflected, LightError> {
         match self {
             Self::Ltc(table) => by_table(table, &lit.at, &lit.light),
@@ -204,6 +268,21 @@ mod tests {
             terms: None,
             node_error: vec![0.0],
         }
+    }
+
+    #[test]
+    fn a_map_tells_where_a_model_is_off() {
+        let (wrong, rules) = (cosine(), WeightRule::Seven);
+        let map = light_map(&[Lighting::Ltc(&wrong), Lighting::Normals(rules)], &EVERYWHERE, 3, 12).expect("a surface");
+        assert_eq!((map.errors.len(), map.errors[0].len()), (2, 9));
+        // The cosine is the lobe of nothing sharp.
+        let [ltc, normals] = [&map.errors[0], &map.errors[1]];
+        assert!(ltc[0] > 0.2 && ltc[0] > ltc[6] && normals.iter().all(|error| *error < 0.01), "{map:?}");
+        let corner = PerAxis { alpha: [0.01, 0.16], theta: [0.0, STEEPEST / 3.0], ..EVERYWHERE };
+        let alpha = [map.roughness[0], map.roughness[0] + (map.roughness[1] - map.roughness[0]) / 3.0];
+        let lights = lights(&PerAxis { alpha: alpha.map(|x| x * x), ..corner }, 12);
+        let alone = light_error(Lighting::Ltc(&wrong), &lights).expect("a lobe").mean;
+        assert!((alone - ltc[0]).abs() < 1e-12, "{alone} {ltc:?}");
     }
 
     #[test]

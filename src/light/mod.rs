@@ -17,7 +17,7 @@ mod tests;
 mod truth;
 
 pub use error::LightError;
-pub use measure::{Lighting, RandomLights, light_error};
+pub use measure::{EVERYWHERE, LightMap, Lighting, RandomLights, light_error, light_map};
 pub use model::{LightModel, Reflected, by_normals};
 pub use normals::WeightRule;
 pub use polygon::PolygonLight;

@@ -121,3 +121,51 @@ fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
     let nowhere = ["shader", "--language", "glsl", "--layout", "kt2022", "-o", "none/s.glsl"];
     assert!(run(folder.path(), nowhere).exited(1).stderr.contains("none/s.glsl"));
 }
+
+/// What needs no table is drawn without one, and what a picture does not depend on is refused.
+#[test]
+fn models_of_light_are_drawn_and_measured_with_and_without_a_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0);
+    let beginning = &fitted.last_line()[..16];
+    let json = |arguments: &[&str]| -> Value {
+        let told = run(folder.path(), arguments.iter().chain(&["--json"])).exited(0);
+        serde_json::from_str(&told.stdout).expect("JSON")
+    };
+    let [alone, both] = [&["plot", "light"][..], &["plot", beginning, "light"]]
+        .map(|which| json(&[which, &["--lights", "1", "-o", "l.png"]].concat())["width"].as_u64().expect("a width"));
+    assert!(both > 2 * alone, "{alone} {both}: no panel for the table");
+    let glass = json(&["plot", "glass", "--spp", "40", "-o", "g.png"]);
+    for surface in glass["errors"].as_array().expect("surfaces") {
+        let [apart, radiance] =
+            ["mean_absolute_error", "mean_radiance"].map(|name| surface[name].as_f64().expect(name));
+        assert!(apart < 0.05 * radiance && radiance > 0.05, "{glass}");
+    }
+    assert!(fs::read(folder.path().join("g.png")).expect("the picture").starts_with(b"\x89PNG\r\n"));
+
+    let measured = json(&["report", beginning, "--model", "normals", "--lights", "60"]);
+    let errors: Vec<f64> = measured["models"]
+        .as_array()
+        .expect("models")
+        .iter()
+        .map(|model| model["error"]["mean"].as_f64().expect("a mean"))
+        .collect();
+    let [table, seven, mean, fine] = errors[..] else { panic!("{measured}") };
+    assert!(table > mean && mean > seven && seven > fine && fine > 0.0, "{measured}");
+    let people = run(folder.path(), ["report", "--model", "normals", "--weight", "mean", "--lights", "20"]).exited(0);
+    assert!(people.stdout.contains("normals, weight mean") && !people.stdout.contains("seven"), "{people:#?}");
+
+    for (arguments, told) in [
+        (&["plot", "matrix", "-o", "x.png"][..], "name one"),
+        (&["plot", beginning, "glass", "-o", "x.png"], "no table"),
+        (&["plot", "glass", "--ratio", "0.2", "-o", "x.png"], "--ratio"),
+        (&["plot", "glass", "--lights", "2", "-o", "x.png"], "--lights"),
+        (&["plot", "light", "--spp", "2", "-o", "x.png"], "--spp"),
+        (&["report", "--model", "ltc"], "--model normals"),
+        (&["report", beginning, "--lights", "20"], "--model"),
+        (&["report", "--model", "normals", "--extremes"], "--extremes"),
+    ] {
+        let refused = run(folder.path(), arguments).exited(2);
+        assert!(refused.stderr.contains(told), "{arguments:?}: {}", refused.stderr);
+    }
+}

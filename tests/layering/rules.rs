@@ -30,7 +30,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     // The judge: it knows what a table and a recipe are, and nothing of what the fit minimised.
     ("fit::measure", &["fit", "fit::table", "fit::layout", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
     ("light::normals", &["fit", "fit::named_list", "fit::math"]),
-    ("light::transmission", &["light::normals", "fit", "fit::math"]),
+    ("light::transmission", &["light::normals", "fit", "fit::brdf", "fit::math"]),
     (
         "light",
         &["light::transmission", "light::normals", "fit", "fit::named_list", "fit::brdf", "fit::lobe", "fit::math"],
@@ -40,7 +40,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     ("library", &["view::shaders", "files", "light", "light::normals", "fit", "fit::brdf"]),
     ("view::parameters", &[]),
     ("view::picture", &[]),
-    ("view::plots", &["view::parameters", "view::picture", "fit"]),
+    ("view::plots", &["view::parameters", "view::picture", "light", "light::normals", "light::transmission", "fit"]),
     (
         "view::preview",
         &[

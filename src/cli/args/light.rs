@@ -35,12 +35,12 @@ pub struct LightArgs {
     pub truth: bool,
 }
 
-fn models() -> impl clap::builder::TypedValueParser<Value = LightModel> {
+pub(super) fn models() -> impl clap::builder::TypedValueParser<Value = LightModel> {
     PossibleValuesParser::new(LightModel::ALL.iter().map(|model| model.name()))
         .try_map(|name| LightModel::from_name(&name).ok_or("no model"))
 }
 
-fn weights() -> impl clap::builder::TypedValueParser<Value = WeightRule> {
+pub(super) fn weights() -> impl clap::builder::TypedValueParser<Value = WeightRule> {
     PossibleValuesParser::new(WeightRule::ALL.iter().map(|rule| rule.name()))
         .try_map(|name| WeightRule::from_name(&name).ok_or("no rule"))
 }

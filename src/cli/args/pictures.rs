@@ -9,11 +9,12 @@ use clap::{
 
 use super::{
     super::preview_names::{AdapterName, LanguageName, TexelFormatName},
-    TableChoice, TableFolder, Threads,
+    TableFolder, Threads,
+    light::weights,
 };
 use crate::{
     fit::Layout,
-    light::LightModel,
+    light::{LightModel, WeightRule},
     view::{
         plots::{Azimuth, Ratio},
         preview::{Choices, Form, PARAMETERS, Parameter, Value},
@@ -91,13 +92,17 @@ impl FromArgMatches for SceneChoices {
 
 /// `plot`.
 #[derive(Debug, Args)]
+#[command(allow_missing_positional = true)]
 pub struct PlotArgs {
-    /// Which table
-    #[command(flatten)]
-    pub table: TableChoice,
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
+    /// first digits suffice) of a table in the folder of `--tables`; not for glass, and for light if it is to be compared
+    pub table: Option<PathBuf>,
     /// What to draw
     #[arg(value_enum)]
     pub name: PlotName,
+    /// Where digests are looked for
+    #[command(flatten)]
+    pub folder: TableFolder,
     /// The picture
     #[arg(short, long, value_name = "FILE.png")]
     pub out: PathBuf,
@@ -107,18 +112,31 @@ pub struct PlotArgs {
     /// Azimuth of the view direction at which errors are shown, radians, likewise [default: 0.7]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub phi: Option<Azimuth>,
+    /// How model `normals` averages shadowing over a light, for light [default: seven]
+    #[arg(long, value_parser = weights())]
+    pub weight: Option<WeightRule>,
+    /// Random rectangles in each cell of light [default: 24]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub lights: Option<u32>,
+    /// Visible normals a pixel of the reference of glass [default: 610]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub spp: Option<u32>,
     /// How many threads measure
     #[command(flatten)]
     pub threads: Threads,
 }
 
-/// The pictures of a table.
+/// The pictures that are no previews.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PlotName {
-    /// Errors over theta and alpha at one ratio and phi
+    /// Errors of a table over theta and alpha at one ratio and phi
     Error,
-    /// Every number of every entry
+    /// Every number of every entry of a table
     Matrix,
+    /// Errors of the light of area lights over theta and alpha: model normals, and a table's
+    Light,
+    /// Lamps behind rough glass, in closed form and by Monte Carlo integration
+    Glass,
 }
 
 /// `shader`.

@@ -4,8 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Threads;
-use crate::{client::Limits, files::digest::Digest};
+use super::{
+    Threads,
+    light::{models, weights},
+};
+use crate::{
+    client::Limits,
+    files::digest::Digest,
+    light::{LightModel, WeightRule},
+};
 
 /// Which table.
 #[derive(Debug, Args)]
@@ -51,9 +58,23 @@ pub struct LookupArgs {
 /// `report`.
 #[derive(Debug, Args)]
 pub struct ReportArgs {
-    /// The table
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
+    /// first digits suffice) of a table in the folder of `--tables`
+    #[arg(required_unless_present("model"))]
+    pub table: Option<PathBuf>,
+    /// Where digests are looked for
     #[command(flatten)]
-    pub table: TableChoice,
+    pub folder: TableFolder,
+    /// What is measured: the table of model `ltc`, or the closed form `normals`, by the light of random rectangles, the
+    /// measure that both share [default: ltc, by its lobes]
+    #[arg(long, value_parser = models())]
+    pub model: Option<LightModel>,
+    /// How model `normals` averages shadowing over a light [default: all ways]
+    #[arg(long, value_parser = weights())]
+    pub weight: Option<WeightRule>,
+    /// Random rectangles that a model is measured by [default: 2000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    pub lights: Option<u32>,
     /// Nodes to measure, and as many configurations between them, 8 to 1000000 [default: as many as the manifest's report,
     /// which depend on the recipe; 1024 of a `.npy` file]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]

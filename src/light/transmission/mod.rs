@@ -25,9 +25,12 @@ mod flat;
 mod integral;
 mod interface;
 mod outline;
+mod sampled;
 #[cfg(test)]
 mod tests;
 mod weight;
+
+pub use sampled::sampled;
 
 use self::{
     arc::{Arc, Extent, Kind},

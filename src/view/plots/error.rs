@@ -1,36 +1,24 @@
-//! Errors over theta, to the right, and alpha, upwards.
+//! Errors of a table over theta and alpha, at one ratio and phi.
 
-use super::ErrorSlice;
+use super::{ErrorSlice, chart::Chart};
 use crate::{
-    fit::{ErrorMap, Table, error_map},
-    view::picture::{Anchor, GROUND, LINE, Panel, Picture, bar, colour, grid, headed, number, write},
+    fit::{Table, error_map},
+    view::picture::{Panel, Picture, bar, colour, grid, headed, number},
 };
 
 /// Configurations measured a side: about four to a cell of the default table.
 pub(super) const CELLS: usize = 40;
-/// Pixels a configuration.
-const SCALE: u32 = 10;
-/// Colours run from the one error to the other, evenly in its logarithm.
+/// The errors at the ends of the colours.
 const ENDS: [f64; 2] = [1e-3, 1.0];
-/// Room for alpha's ticks and labels, and for its name above them.
-const LEFT: u32 = 64;
-const ABOVE: u32 = LINE + LINE / 2;
-/// Room for theta's ticks, labels and name.
-const BELOW: u32 = TICK + 2 * LINE;
-/// Length of a labelled tick; that of a node is half as long.
-const TICK: u32 = 8;
-const TICK_COLOUR: [u8; 3] = [230, 230, 230];
-const NODE_COLOUR: [u8; 3] = [140, 140, 140];
-/// What is labelled on the axes as far as the table goes, alpha and theta in degrees.
-const ALPHAS: [f64; 8] = [0.001, 0.01, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
-const DEGREES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 
 /// Both errors side by side.
 pub(super) fn draw(table: &Table, name: &str, slice: ErrorSlice) -> Picture {
     let map = error_map(table, slice.ratio, slice.phi, CELLS);
+    let nodes = [&table.axes.alpha, &table.axes.theta].map(Vec::as_slice);
+    let chart = Chart { cells: CELLS, roughness: map.roughness, theta: map.theta, nodes, ends: ENDS };
     let panels = [("distance, % of the lobe's width", &map.width), ("light, % of the lobe", &map.light)].map(
         |(title, errors)| {
-            let picture = panel(table, &map, errors);
+            let picture = chart.draw(errors);
             let foot = bar(picture.width, colour, ["0.1 %", "100 %"], &["logarithmic"]);
             Panel { title, picture, foot }
         },
@@ -38,81 +26,4 @@ pub(super) fn draw(table: &Table, name: &str, slice: ErrorSlice) -> Picture {
     let at = format!("{name}: errors at ratio {}, phi {} rad", number(map.ratio as f32), number(map.phi as f32));
     let how = "alpha is spaced evenly in its square root; short ticks are the table's nodes";
     headed(&[&[&at], &[how]], &grid(&panels, 2))
-}
-
-/// One error with its axes.
-fn panel(table: &Table, map: &ErrorMap, errors: &[f64]) -> Picture {
-    let side = CELLS as u32 * SCALE;
-    let mut picture = Picture::filled(LEFT + side + TICK, ABOVE + side + BELOW, GROUND);
-    for (index, error) in (0_u32..).zip(errors) {
-        let (column, row) = (index % CELLS as u32, index / CELLS as u32);
-        let cell = Picture::filled(SCALE, SCALE, colour(logarithmic(*error)));
-        picture.put(&cell, LEFT + column * SCALE, ABOVE + side - (row + 1) * SCALE);
-    }
-    let width = picture.width;
-    let place = |x: f64, [low, high]: [f64; 2]| {
-        let part = if high > low { (x - low) / (high - low) } else { 0.5 };
-        // A hair beyond an end is that end.
-        (-1e-6..=1.0 + 1e-6).contains(&part).then(|| (part * f64::from(side - 1)).round() as u32)
-    };
-    let up = |alpha: f64| place(alpha.sqrt(), map.roughness).map(|up| ABOVE + side - 1 - up);
-    let right = |theta: f64| place(theta, map.theta).map(|right| LEFT + right);
-    for y in table.axes.alpha.iter().filter_map(|alpha| up(*alpha)) {
-        picture.put(&Picture::filled(TICK / 2, 1, NODE_COLOUR), LEFT - TICK / 2, y);
-    }
-    for x in table.axes.theta.iter().filter_map(|theta| right(*theta)) {
-        picture.put(&Picture::filled(1, TICK / 2, NODE_COLOUR), x, ABOVE + side);
-    }
-    let alphas = labelled(&ALPHAS, map.roughness.map(|root| root * root), up);
-    for (alpha, y) in alphas {
-        picture.put(&Picture::filled(TICK, 1, TICK_COLOUR), LEFT - TICK, y);
-        write(&mut picture, &number(alpha as f32), LEFT - TICK - 4, y, Anchor::Right, width);
-    }
-    for (degrees, x) in labelled(&DEGREES, map.theta.map(f64::to_degrees), |degrees| right(degrees.to_radians())) {
-        picture.put(&Picture::filled(1, TICK, TICK_COLOUR), x, ABOVE + side);
-        write(&mut picture, &number(degrees as f32), x, ABOVE + side + TICK + LINE / 2, Anchor::Middle, width);
-    }
-    write(&mut picture, "alpha", LEFT - TICK - 4, LINE / 2, Anchor::Right, width);
-    let y = ABOVE + side + TICK + LINE + LINE / 2;
-    write(&mut picture, "theta, degrees", LEFT + side / 2, y, Anchor::Middle, width);
-    picture
-}
-
-/// The ticks that an axis has a place for, each with its place and no closer than two lines to the one before; both ends
-/// where there are fewer than two.
-fn labelled(ticks: &[f64], ends: [f64; 2], place: impl Fn(f64) -> Option<u32>) -> Vec<(f64, u32)> {
-    let mut kept: Vec<(f64, u32)> = Vec::new();
-    for tick in ticks {
-        let Some(at) = place(*tick) else { continue };
-        if kept.last().is_none_or(|(_, last)| last.abs_diff(at) >= 2 * LINE) {
-            kept.push((*tick, at));
-        }
-    }
-    if kept.len() >= 2 {
-        return kept;
-    }
-    ends.into_iter().filter_map(|end| Some((end, place(end)?))).collect()
-}
-
-/// The place of an error between the ends of the colours.
-fn logarithmic(error: f64) -> f32 {
-    let [low, high] = ENDS;
-    (libm::log(error.max(low) / low) / libm::log(high / low)) as f32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_axis_of_any_range_has_two_labels_that_do_not_touch() {
-        let on = |[low, high]: [f64; 2]| {
-            let place = move |x: f64| (low..=high).contains(&x).then(|| ((x - low) / (high - low) * 399.0) as u32);
-            labelled(&DEGREES, [low, high], place)
-        };
-        assert_eq!(on([0.0, 90.0]).iter().map(|(tick, _)| *tick).collect::<Vec<_>>(), DEGREES);
-        assert_eq!(on([46.0, 59.0]), [(46.0, 0), (59.0, 399)]);
-        let wide = on([0.0, 900.0]);
-        assert!(wide.windows(2).all(|pair| pair[0].1.abs_diff(pair[1].1) >= 2 * LINE) && wide.len() >= 2, "{wide:?}");
-    }
 }

@@ -1,8 +1,12 @@
-//! Pictures of a table as such: how wrong it is, and its numbers, so that a bad entry is seen at once.
+//! Pictures of a table as such: how wrong it is, and its numbers, so that a bad entry is seen at once; and of models of
+//! light beside each other or the truth.
 //!
 //! Invariant: equal tables and choices give equal bytes, on every machine.
 
+mod chart;
 mod error;
+mod glass;
+mod light;
 mod matrix;
 mod parameters;
 mod plot;
@@ -10,6 +14,8 @@ mod slice;
 #[cfg(test)]
 mod tests;
 
+pub use glass::{FrostedGlass, GlassError, frosted_glass};
+pub use light::{NamedTable, light_errors};
 pub use parameters::{Azimuth, Ratio};
 pub use plot::Plot;
 pub use slice::ErrorSlice;

@@ -1,0 +1,84 @@
+//! `report --model`: how far off the light of tables and closed forms is, by the measure that both share.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print};
+use crate::{
+    fit::Spread,
+    light::{EVERYWHERE, LightModel, Lighting, RandomLights, WeightRule, light_error},
+};
+
+/// Random rectangles unless otherwise asked for.
+const LIGHTS: u32 = 2000;
+
+/// A model and its error.
+struct Row {
+    name: String,
+    model: LightModel,
+    error: Spread,
+}
+
+/// Measures the table that is given, and with model normals its rules, by the same lights.
+pub(super) fn run(
+    args: &ReportArgs,
+    model: LightModel,
+    read: Option<&AnyTable>,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let usage = |what: &str| Err(CommandFailure::new(Exit::Usage, what));
+    match (model, read) {
+        (LightModel::Ltc, None) => return usage("model ltc lights by a table: name one, or choose --model normals"),
+        (LightModel::Ltc, _) if args.weight.is_some() => return usage("--weight belongs to model normals"),
+        _ if args.points.is_some() || args.extremes => {
+            return usage("--points and --extremes belong to the lobes of a table, without --model");
+        }
+        _ => {}
+    }
+    let range = read.map_or(EVERYWHERE, |any| *any.origin.range());
+    let count = args.lights.unwrap_or(LIGHTS) as usize;
+    let measure = || -> Result<(RandomLights, Vec<Row>), CommandFailure> {
+        let failed = |error: crate::light::LightError| CommandFailure::new(Exit::Failed, error.to_string());
+        let lights = RandomLights::draw(&range, count).map_err(failed)?;
+        let mut rows = Vec::new();
+        if let Some(any) = read {
+            let name = format!("ltc, table {}", &any.digest.hex()[..12]);
+            let error = light_error(Lighting::Ltc(&any.table), &lights).map_err(failed)?;
+            rows.push(Row { name, model: LightModel::Ltc, error });
+        }
+        let rules = WeightRule::ALL.iter().filter(|rule| args.weight.is_none_or(|asked| asked == **rule));
+        for rule in rules.filter(|_| model == LightModel::Normals) {
+            let error = light_error(Lighting::Normals(*rule), &lights).map_err(failed)?;
+            rows.push(Row { name: format!("normals, weight {rule}"), model: LightModel::Normals, error });
+        }
+        Ok((lights, rows))
+    };
+    let (lights, rows) = args.threads.pool()?.install(measure)?;
+    let value = json!({
+        "lights": lights.len(),
+        "mean_energy": lights.mean_energy(),
+        "range": range,
+        "models": rows.iter().map(|Row { name, model, error }| json!({ "name": name, "model": model, "error": error })).collect::<Vec<_>>(),
+    });
+    print(context.stdout, json, &value, text(&lights, &rows).trim_end())?;
+    Ok(Exit::Ok)
+}
+
+fn text(lights: &RandomLights, rows: &[Row]) -> String {
+    let mut out = format!(
+        "error of the light of {} random rectangles of radiance one, of which surfaces reflect {:.3} on average\n\n{:32}{:>10}{:>9}{:>9}\n",
+        lights.len(),
+        lights.mean_energy(),
+        "",
+        "mean",
+        "p95",
+        "max"
+    );
+    for Row { name, error: Spread { mean, p95, max }, .. } in rows {
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "{name:32}{mean:>10.5}{p95:>9.5}{max:>9.5}");
+    }
+    out + "\n0 is perfect. The truth is adaptive quadrature; the Fresnel factor is one. docs/light.md explains the measure."
+}
