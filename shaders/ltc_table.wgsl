@@ -1,7 +1,10 @@
-// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl and a function ltc_restore that
-// calls a layout's: `ltcforge shader` writes it, for layout reflected it is
+// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl and functions ltc_restore and
+// ltc_even that call a layout's: `ltcforge shader` writes them, for layout reflected they are
 //     fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
 //         return ltc_restore_reflected(stored, alpha_x, ratio, wo);
+//     }
+//     fn ltc_even(axis: u32, x: f32) -> f32 {
+//         return x;
 //     }
 //
 // The table is three 3D textures, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a
@@ -77,8 +80,9 @@ struct LtcPlace {
     nearest: f32,
 }
 
-/// Where x lies among `count` ascending nodes from `first` on; outside them, at the nearest.
-fn ltc_between(first: u32, count: u32, x: f32) -> LtcPlace {
+/// Where x lies among the `count` ascending nodes of an axis, from `first` on; outside them, at the nearest. The weight is
+/// linear in the variable that the layout says.
+fn ltc_between(axis: u32, first: u32, count: u32, x: f32) -> LtcPlace {
     // The last node that is not beyond x, in as many steps for every x.
     var lower = 0u;
     var below = ltc_nodes[first];
@@ -92,7 +96,9 @@ fn ltc_between(first: u32, count: u32, x: f32) -> LtcPlace {
     }
     let above = ltc_nodes[first + min(lower + 1u, count - 1u)];
     let nearest = clamp(x, below, above);
-    return LtcPlace(lower, select(0.0, (nearest - below) / (above - below), above > below), nearest);
+    let low = ltc_even(axis, below);
+    let step = ltc_even(axis, above) - low;
+    return LtcPlace(lower, select(0.0, (ltc_even(axis, nearest) - low) / step, above > below), nearest);
 }
 
 struct LtcTexels {
@@ -159,10 +165,10 @@ fn ltc_unfold(fold: LtcFold, folded: mat3x3<f32>) -> mat3x3<f32> {
 fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     let fold = ltc_fold(alpha_x, alpha_y, wo);
     let n = ltc_table.nodes;
-    let alpha = ltc_between(0u, n.x, fold.alpha);
-    let ratio = ltc_between(n.x, n.y, fold.ratio);
-    let theta = ltc_between(n.x + n.y, n.z, fold.theta);
-    let phi = ltc_between(n.x + n.y + n.z, n.w, fold.phi);
+    let alpha = ltc_between(0u, 0u, n.x, fold.alpha);
+    let ratio = ltc_between(1u, n.x, n.y, fold.ratio);
+    let theta = ltc_between(2u, n.x + n.y, n.z, fold.theta);
+    let phi = ltc_between(3u, n.x + n.y + n.z, n.w, fold.phi);
     var texels: LtcTexels;
     if (ltc_hardware_filter) {
         texels = ltc_fetch_filtered(alpha, ratio, theta, phi);

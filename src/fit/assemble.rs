@@ -48,7 +48,7 @@ fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> Stored {
     let recipe = plan.recipe();
     let FittedEntry { matrix, amplitude, fresnel, .. } = *entry;
     let lobe = LobeNumbers { matrix: from_row_major(&matrix), terms: LobeTerms { amplitude, fresnel } };
-    let LobeNumbers { matrix, terms } =
-        recipe.layout.rules().store(&place, &lobe, Mirrors::of(place.view()), recipe.precision);
-    Stored { matrix: row_major(&(matrix * (1.0 / matrix.z_axis.length()))), terms }
+    let rules = recipe.layout.rules();
+    let LobeNumbers { matrix, terms } = rules.store(&place, &lobe, Mirrors::of(place.view()), recipe.precision);
+    Stored { matrix: row_major(&(matrix * (1.0 / rules.norm(&matrix)))), terms }
 }

@@ -33,6 +33,7 @@ pub use brdf::BrdfKind;
 pub use cost::fit_seconds;
 pub use entry::{FittedEntry, Fitter};
 pub use expectation::{Expectation, expectation};
+pub(crate) use layout::LayoutShader;
 #[cfg(feature = "render")]
 pub(crate) use layout::ShaderNumbers;
 pub use layout::{ALPHA_FLOOR, Layout, Precision, RATIO_FLOOR, Reflection, THETA_CEILING};

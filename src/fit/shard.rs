@@ -5,6 +5,7 @@ use std::ops::{ControlFlow, Range};
 use super::{
     axes::PerAxis,
     entry::{FittedEntry, Fitter},
+    layout::within_limits,
     math::{from_row_major, row_major, turned_about_z},
     pulse::Pulse,
     recipe::Recipe,
@@ -77,10 +78,11 @@ impl Plan {
         &self.nodes
     }
 
-    /// Where the entry at `index` in storage order lies. Domain: `index < entries()`.
+    /// Where the lobe of the entry at `index` in storage order lies: at its node, within the limits of what can be
+    /// fitted. Domain: `index < entries()`.
     #[must_use]
     pub fn place(&self, index: u64) -> PerAxis<f64> {
-        self.nodes.node(index as usize)
+        within_limits(self.nodes.node(index as usize))
     }
 }
 

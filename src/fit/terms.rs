@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{
     axes::PerAxis,
     brdf::{BrdfKind, Mirrors},
-    layout::Layout,
+    layout::{Layout, within_limits},
     math::Lattice,
     metric::Target,
     table::Terms,
@@ -24,7 +24,7 @@ pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
     let (amplitude, fresnel) = (0..alpha * ratio * theta * phi)
         .into_par_iter()
         .map(|index| {
-            let place = axes.node(index);
+            let place = within_limits(axes.node(index));
             let wo = place.view();
             let lattice = Lattice::new(SAMPLES, [0.0; 2]);
             let terms = Target::sample(&*BrdfKind::Ggx.surface_at(&place), wo, Mirrors::of(wo), lattice).terms;
@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn they_are_those_that_a_fit_finds() {
         let (one, quarter) = ([0.0, 1.0], [0.0, FRAC_PI_2]);
-        for &layout in Layout::ALL {
+        for &layout in &[Layout::Reflected, Layout::Kt2022] {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
                 brdf: BrdfKind::Ggx,

@@ -50,7 +50,7 @@ pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u
     let terms = root.boolean("terms", true, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
-    let range = read_range(&root, &mut faults);
+    let range = read_range(&root, layout, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
     let recipe = Recipe { fitter, brdf, lobe, layout, resolution, range, fit, terms, precision };
     check_entries(&recipe, entry_limit, &mut faults);
@@ -87,14 +87,26 @@ fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
     }
 }
 
-fn read_range(root: &Object, faults: &mut Faults) -> PerAxis<[f64; 2]> {
+/// The ranges of a layout that has only one domain are its own: a document may repeat them, and name no others.
+fn read_range(root: &Object, layout: Layout, faults: &mut Faults) -> PerAxis<[f64; 2]> {
     let object = root.object("range", &AXES, faults);
-    let mut axis = |name, domain| object.range(name, domain, domain, faults);
+    let only = layout.only_ranges();
+    let default = only.unwrap_or(DOMAIN);
+    let mut axis = |name, domain, default: [f64; 2]| {
+        let range = object.range(name, domain, default, faults);
+        if only.is_some() && range != default {
+            let [low, high] = default;
+            let detail = format!("layout \"{layout}\" has the range [{low}, {high}] only: its readers take no other");
+            faults.note(object.pointer(name), detail);
+            return default;
+        }
+        range
+    };
     PerAxis {
-        alpha: axis("alpha", DOMAIN.alpha),
-        ratio: axis("ratio", DOMAIN.ratio),
-        theta: axis("theta", DOMAIN.theta),
-        phi: axis("phi", DOMAIN.phi),
+        alpha: axis("alpha", DOMAIN.alpha, default.alpha),
+        ratio: axis("ratio", DOMAIN.ratio, default.ratio),
+        theta: axis("theta", DOMAIN.theta, default.theta),
+        phi: axis("phi", DOMAIN.phi, default.phi),
     }
 }
 

@@ -131,3 +131,18 @@ proptest! {
         let _ = recipe(&format!(r#"{{"{field}": {{"{inner}": {value}}}}}"#));
     }
 }
+
+/// The readers of these layouts take one domain. A document may name it, and no other.
+#[test]
+fn a_layout_of_isotropic_tables_has_its_own_ranges() {
+    let plain = recipe(r#"{"layout": "ltc2017"}"#).expect("a recipe");
+    assert_eq!((plain.entries(), plain.range.ratio, plain.range.phi), (64 * 64, [1.0, 1.0], [0.0, 0.0]));
+    let named = recipe(r#"{"layout": "ltc2017", "range": {"ratio": [1, 1], "alpha": [0, 1], "phi": [0, 0]}}"#);
+    assert_eq!(named.map(|named| digest(&named)), Ok(digest(&plain)));
+    for layout in ["ltc2017", "ltc2016", "godot", "hdrp"] {
+        let other = format!(
+            r#"{{"layout": "{layout}", "range": {{"alpha": [0.1, 1], "ratio": [0, 1]}}, "resolution": {{"phi": 2}}}}"#
+        );
+        assert_eq!(pointers(&other), ["/range/alpha", "/range/ratio", "/resolution/phi"]);
+    }
+}

@@ -74,6 +74,11 @@ impl LayoutRules for Rules {
     }
 
     fn shader(&self) -> LayoutShader {
-        LayoutShader { source: include_str!("../../../shaders/layout_kt2022.wgsl"), number: 0 }
+        LayoutShader {
+            source: include_str!("../../../shaders/layout_kt2022.wgsl"),
+            restore: "ltc_restore_kt2022",
+            even: None,
+            number: 0,
+        }
     }
 }

@@ -4,6 +4,7 @@
 //!
 //! Invariant: a layout knows nothing of how a lobe was fitted.
 
+mod isotropic;
 mod kt2022;
 mod precision;
 mod reflected;
@@ -15,8 +16,9 @@ pub use precision::Precision;
 pub use reflection::Reflection;
 #[cfg(feature = "render")]
 pub(crate) use rules::ShaderNumbers;
-pub(crate) use rules::{Interpolation, LayoutRules, LobeNumbers};
+pub(crate) use rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers};
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
+pub(crate) use spacing::{Spacing, within_limits};
 
 use super::{axes::PerAxis, named_list::named_list};
 
@@ -28,6 +30,14 @@ named_list! {
         Reflected = "reflected" => reflected::Rules,
         /// Uniform axes; `M` with a third column of unit length [KT et al. 2022, sections 6 to 8].
         Kt2022 = "kt2022" => kt2022::Rules,
+        /// Isotropic: `M^-1` over its middle element, by roughness and `sqrt(1 - cos theta)` [Hill and Heitz 2017].
+        Ltc2017 = "ltc2017" => isotropic::LTC2017,
+        /// Isotropic: `M^-1` over its first element, by roughness and theta [Heitz et al. 2016].
+        Ltc2016 = "ltc2016" => isotropic::LTC2016,
+        /// Isotropic: `M` with a third column of unit length, by roughness and theta, as Godot reads it.
+        Godot = "godot" => isotropic::GODOT,
+        /// Isotropic: `M^-1` over its last element, by roughness and `sqrt(1 - cos theta)`, as Unity's HDRP reads it.
+        Hdrp = "hdrp" => isotropic::HDRP,
     }
 }
 
@@ -36,6 +46,12 @@ impl Layout {
     #[must_use]
     pub fn nodes(self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<Vec<f64>> {
         self.rules().nodes(range, resolution)
+    }
+
+    /// The only ranges that the layout has, if its readers take no others.
+    #[must_use]
+    pub fn only_ranges(self) -> Option<PerAxis<[f64; 2]>> {
+        self.rules().only_ranges()
     }
 
     /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced, as a part of

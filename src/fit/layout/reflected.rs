@@ -95,7 +95,12 @@ impl LayoutRules for Rules {
     }
 
     fn shader(&self) -> LayoutShader {
-        LayoutShader { source: include_str!("../../../shaders/layout_reflected.wgsl"), number: 1 }
+        LayoutShader {
+            source: include_str!("../../../shaders/layout_reflected.wgsl"),
+            restore: "ltc_restore_reflected",
+            even: None,
+            number: 1,
+        }
     }
 }
 

@@ -29,10 +29,15 @@ pub(crate) struct ShaderNumbers {
     pub(crate) fresnel: f32,
 }
 
-/// A layout's part of the shader: a function `ltc_restore_NAME`, twin of [`LayoutRules::restore_in_shader`].
+/// A layout's part of the shader. Layouts may share a source.
 pub(crate) struct LayoutShader {
     /// WGSL.
     pub(crate) source: &'static str,
+    /// The function that is the twin of [`LayoutRules::restore_in_shader`].
+    pub(crate) restore: &'static str,
+    /// The function that is the twin of [`LayoutRules::even_in_shader`]; without one weights are linear in the values
+    /// of the axes themselves.
+    pub(crate) even: Option<&'static str>,
     /// The number that identifies this layout in a shader that reads several.
     pub(crate) number: u32,
 }
@@ -57,14 +62,36 @@ pub(crate) trait LayoutRules: Sync {
     /// Ascending nodes of each axis, from one end of a range to the other or to the limit of what can be fitted.
     fn nodes(&self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<Vec<f64>>;
 
+    /// The ranges of a layout that stands for one domain only, because its readers take no other; `None` where a recipe
+    /// may choose.
+    fn only_ranges(&self) -> Option<PerAxis<[f64; 2]>> {
+        None
+    }
+
+    /// The variable of each axis in which weights between nodes are linear: by default the axis's values themselves.
+    fn weights(&self) -> PerAxis<Spacing> {
+        PerAxis { alpha: Spacing::Even, ratio: Spacing::Even, theta: Spacing::Even, phi: Spacing::Even }
+    }
+
+    /// [`LayoutRules::weights`] in 32 bits, for the axis of this number in storage order.
+    #[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only previews run the shader's twin"))]
+    fn even_in_shader(&self, _axis: usize, x: f32) -> f32 {
+        x
+    }
+
     /// The least ratio of the eigenvalues of a stored block. At grazing angles a lobe may be a curved line, which fits
     /// best with a ratio of zero. In numbers of 24 or 11 bits the determinant of a matrix stays positive if its block
     /// is some 100 or 8 times wider than their last bit.
     fn flattest(&self, precision: Precision) -> f64;
 
-    /// The numbers that are stored for a lobe, before rounding. Only the direction of the third column counts; its
-    /// length is set later.
+    /// The numbers that are stored for a lobe, before rounding, up to a factor of the matrix that
+    /// [`LayoutRules::norm`] sets.
     fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers;
+
+    /// What a stored matrix is divided by: by default the length of its third column.
+    fn norm(&self, stored: &DMat3) -> f64 {
+        stored.z_axis.length()
+    }
 
     /// The terms alone, as they are stored.
     fn store_terms(&self, place: &PerAxis<f64>, terms: LobeTerms) -> LobeTerms;

@@ -1,8 +1,11 @@
 //! How nodes are spaced along an axis, and how far they reach.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
-use crate::fit::{axes::PerAxis, math::pow};
+use crate::fit::{
+    axes::PerAxis,
+    math::{atan2, pow, sin},
+};
 
 /// The least roughness that is fitted. Below it the lobe is that of a mirror for every light that a scene can hold.
 pub const ALPHA_FLOOR: f64 = 1e-4;
@@ -20,6 +23,10 @@ pub(crate) enum Spacing {
     Power(f64),
     /// `(1 - (1 - u)^2)` of the way to [`THETA_CEILING`].
     Grazing,
+    /// `u^2`: alpha by perceptual roughness.
+    Squared,
+    /// The angle whose `sqrt(1 - cos)` is `u`: `2 asin(u / sqrt 2)`. Domain: `u` in [0, 1].
+    Versine,
 }
 
 impl Spacing {
@@ -28,14 +35,19 @@ impl Spacing {
             Self::Even => u,
             Self::Power(p) => pow(u, p),
             Self::Grazing => (1.0 - (1.0 - u) * (1.0 - u)) * THETA_CEILING,
+            Self::Squared => u * u,
+            Self::Versine => 2.0 * atan2(u, (2.0 - u * u).sqrt()),
         }
     }
 
-    fn invert(self, x: f64) -> f64 {
+    /// The even steps at which a value lies.
+    pub(crate) fn invert(self, x: f64) -> f64 {
         match self {
             Self::Even => x,
             Self::Power(p) => pow(x, 1.0 / p),
             Self::Grazing => 1.0 - (1.0 - x / THETA_CEILING).max(0.0).sqrt(),
+            Self::Squared => x.sqrt(),
+            Self::Versine => SQRT_2 * sin(0.5 * x),
         }
     }
 
@@ -56,6 +68,11 @@ impl Spacing {
         };
         (0..n).map(at).collect()
     }
+}
+
+/// The place whose lobe stands at a node: within the limits of what can be fitted.
+pub(crate) fn within_limits(node: PerAxis<f64>) -> PerAxis<f64> {
+    PerAxis { alpha: node.alpha.max(ALPHA_FLOOR), theta: node.theta.min(THETA_CEILING), ..node }
 }
 
 /// The range of theta that is divided: it ends at the ceiling.

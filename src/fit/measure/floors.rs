@@ -34,26 +34,26 @@ impl Floors {
         let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
         let moved =
             |floor: f64, nodes: usize, entries_each: usize| Moved { floor, nodes, entries: nodes * entries_each };
-        // A range that reaches past the limit has its last node on it.
-        let at_limit = |nodes: &[f64], limit: f64, reaches_past: bool| {
-            if reaches_past { nodes.iter().filter(|node| **node == limit).count() } else { 0 }
+        // A range that reaches past the limit has its last node on it, or past it where a layout's readers need it there.
+        let at_limit = |nodes: &[f64], is_at: &dyn Fn(f64) -> bool, reaches_past: bool| {
+            if reaches_past { nodes.iter().filter(|node| is_at(**node)).count() } else { 0 }
         };
         let pairs = axes.alpha.iter().flat_map(|a| axes.ratio.iter().map(move |r| a * r));
         Self {
             alpha: moved(
                 ALPHA_FLOOR,
-                at_limit(&axes.alpha, ALPHA_FLOOR, range.alpha[0] < ALPHA_FLOOR),
+                at_limit(&axes.alpha, &|node| node <= ALPHA_FLOOR, range.alpha[0] < ALPHA_FLOOR),
                 ratio * theta * phi,
             ),
             ratio: moved(
                 RATIO_FLOOR,
-                at_limit(&axes.ratio, RATIO_FLOOR, range.ratio[0] < RATIO_FLOOR),
+                at_limit(&axes.ratio, &|node| node <= RATIO_FLOOR, range.ratio[0] < RATIO_FLOOR),
                 alpha * theta * phi,
             ),
             alpha_y: moved(LEAST_ALPHA, pairs.filter(|alpha_y| *alpha_y < LEAST_ALPHA).count(), theta * phi),
             theta: moved(
                 THETA_CEILING,
-                at_limit(&axes.theta, THETA_CEILING, range.theta[1] > THETA_CEILING),
+                at_limit(&axes.theta, &|node| node >= THETA_CEILING, range.theta[1] > THETA_CEILING),
                 alpha * ratio * phi,
             ),
         }

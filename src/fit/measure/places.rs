@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::fit::{Configuration, LEAST_ALPHA, PerAxis, math::recurrence4};
+use crate::fit::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, PerAxis, THETA_CEILING, math::recurrence4};
 
 /// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond that angle most of a lobe lies
 /// below the horizon, and a picture shows nothing of the lobe.
@@ -42,12 +42,13 @@ fn common_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
-/// The configuration of the entry `index` in storage order: phi varies fastest.
+/// The configuration of the entry `index` in storage order: phi varies fastest. A node at the horizon, where no light is
+/// reflected, stands for the most grazing view that is fitted.
 pub(super) fn node(axes: &PerAxis<Vec<f64>>, index: usize) -> Configuration {
     let (rest, phi) = (index / axes.phi.len(), index % axes.phi.len());
     let (rest, theta) = (rest / axes.theta.len(), rest % axes.theta.len());
     let (alpha, ratio) = (rest / axes.ratio.len(), rest % axes.ratio.len());
-    configuration(axes.alpha[alpha], axes.ratio[ratio], axes.theta[theta], axes.phi[phi])
+    configuration(axes.alpha[alpha], axes.ratio[ratio], axes.theta[theta].min(THETA_CEILING), axes.phi[phi])
 }
 
 /// `count` configurations within the axes as artists set them: evenly in perceptual roughness, the square root of
@@ -68,7 +69,7 @@ pub(super) fn between(axes: &PerAxis<Vec<f64>>, count: usize) -> Vec<Configurati
 /// Lowest and highest perceptual roughness and theta at which a table is measured between its nodes.
 pub(super) fn roughness_and_theta(axes: &PerAxis<Vec<f64>>) -> ([f64; 2], [f64; 2]) {
     let [low, high] = ends(&axes.theta);
-    (ends(&axes.alpha).map(f64::sqrt), [low, high.min(STEEPEST).max(low)])
+    (ends(&axes.alpha).map(|alpha| alpha.max(ALPHA_FLOOR).sqrt()), [low, high.min(STEEPEST).max(low)])
 }
 
 fn ends(nodes: &[f64]) -> [f64; 2] {

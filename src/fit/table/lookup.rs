@@ -4,7 +4,7 @@ use super::{Configuration, Table, Terms, fold::Folded};
 use crate::fit::{
     axes::PerAxis,
     brdf::LobeTerms,
-    layout::LobeNumbers,
+    layout::{LobeNumbers, Spacing},
     math::{from_row_major, row_major, turned_about_z},
 };
 
@@ -28,13 +28,14 @@ struct Between {
 }
 
 impl Between {
-    /// The place of `x` among ascending nodes; outside them, the nearest node.
-    fn find(nodes: &[f64], x: f64) -> Self {
+    /// The place of `x` among ascending nodes; outside them, the nearest node. The weight is linear in the steps of
+    /// `spacing`.
+    fn find(nodes: &[f64], x: f64, spacing: Spacing) -> Self {
         let upper = nodes.partition_point(|node| *node <= x);
         if upper == 0 || upper == nodes.len() {
             return Self { lower: upper.saturating_sub(1), weight: 0.0 };
         }
-        let (low, high) = (nodes[upper - 1], nodes[upper]);
+        let [low, x, high] = [nodes[upper - 1], x, nodes[upper]].map(|x| spacing.invert(x));
         Self { lower: upper - 1, weight: (x - low) / (high - low) }
     }
 
@@ -88,11 +89,12 @@ impl Table {
     /// zero in a table without terms.
     fn interpolate(&self, place: &PerAxis<f64>) -> LobeNumbers {
         let axes = &self.axes;
+        let spacing = self.layout.rules().weights();
         let place = PerAxis {
-            alpha: Between::find(&axes.alpha, place.alpha),
-            ratio: Between::find(&axes.ratio, place.ratio),
-            theta: Between::find(&axes.theta, place.theta),
-            phi: Between::find(&axes.phi, place.phi),
+            alpha: Between::find(&axes.alpha, place.alpha, spacing.alpha),
+            ratio: Between::find(&axes.ratio, place.ratio, spacing.ratio),
+            theta: Between::find(&axes.theta, place.theta, spacing.theta),
+            phi: Between::find(&axes.phi, place.phi, spacing.phi),
         };
         let (mut matrix, mut terms) = ([0.0; 9], [0.0; 2]);
         for (index, weight) in self.corners(&place) {

@@ -45,15 +45,12 @@ pub(in crate::view) const TOLERANCE: f64 = 2e-5;
 const STEP: f64 = 1.0 / 1024.0;
 
 /// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
-/// identity, an amplitude of 1 and a Fresnel term of 0.
+/// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi.
 pub(in crate::view) fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
-    let axes = PerAxis {
-        alpha: vec![0.1, 0.4, 1.0],
-        ratio: vec![0.1, 1.0],
-        theta: vec![0.0, 0.7, 1.5],
-        phi: vec![0.0, 0.6, 1.5],
-    };
+    let is_isotropic = layout.only_ranges().is_some_and(|ranges| ranges.ratio == [1.0; 2]);
+    let [ratio, phi] = if is_isotropic { [vec![1.0], vec![0.0]] } else { [vec![0.1, 1.0], vec![0.0, 0.6, 1.5]] };
+    let axes = PerAxis { alpha: vec![0.1, 0.4, 1.0], ratio, theta: vec![0.0, 0.7, 1.5], phi };
     let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
     let entries = alpha * ratio * theta * phi;
     let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * STEP) as f32;

@@ -4,7 +4,7 @@ use super::{
     Language,
     golden::{CASES, CORNERS, Case, Golden, table},
 };
-use crate::fit::Layout;
+use crate::fit::{Layout, PerAxis};
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\
@@ -29,7 +29,8 @@ FUNCTIONS
 const TABLE: &str = "\
 BINDINGS OF A TABLE
   uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; the layout's number, not read here
-            ({numbers}); 1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
+            ({numbers});
+            1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
   nodes     storage buffer of f32: alpha's nodes, then ratio's, theta's and phi's, ascending
   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
   matrix_b  likewise: m11 m12 m20 m21
@@ -103,6 +104,7 @@ pub(super) fn commented(text: &str) -> String {
 /// The values to check a port against.
 fn check(layout: Layout) -> String {
     let axes = table(layout).axes;
+    let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = axes.lengths();
     let nodes = axes.named().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).concat();
     let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
     let goldens: String = CASES.iter().map(|case| shown(case, &case.golden(layout))).collect();
@@ -110,7 +112,7 @@ fn check(layout: Layout) -> String {
         "\
 CHECK
   Of the table with the nodes {}
-  whose entry number e = ((a * 2 + r) * 3 + t) * 3 + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
+  whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
   of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits. Covered is by the
   one-sided rectangle {corners}.
   M is given by rows. A port in 32 bits comes within 0.00002 of each number.

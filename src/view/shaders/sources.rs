@@ -1,7 +1,7 @@
 //! The sources in WGSL, and how they are joined.
 
 use super::LitBy;
-use crate::fit::Layout;
+use crate::fit::{Layout, LayoutShader};
 
 /// A file of `shaders/`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,29 +39,44 @@ pub(in crate::view) fn joined(names: &[&str]) -> String {
 
 /// The named shaders as one module that reads tables of these layouts.
 ///
-/// `ltc_restore` is written here: with one layout it calls that one's part, with several it asks the table.
+/// `ltc_restore` and `ltc_even` are written here: with one layout they call that one's parts, with several they ask the
+/// table.
 fn module(names: &[&str], layouts: &[Layout]) -> String {
-    let call = |layout: &Layout| format!("return ltc_restore_{layout}(stored, alpha_x, ratio, wo);");
-    let body = match layouts {
-        [only] => format!("    {}\n", call(only)),
-        several => {
-            let number = |layout: &Layout| layout.rules().shader().number;
-            let cases =
-                several.iter().map(|layout| format!("        case {}u: {{ {} }}\n", number(layout), call(layout)));
-            format!(
-                "    switch ltc_table.reading.x {{\n{}        default: {{ return stored; }}\n    }}\n",
-                cases.collect::<String>()
-            )
-        }
+    let restore = |layout: &Layout| {
+        let LayoutShader { restore, .. } = layout.rules().shader();
+        format!("return {restore}(stored, alpha_x, ratio, wo);")
     };
-    let parts: Vec<&str> = layouts.iter().map(|layout| layout.rules().shader().source).collect();
+    let even = |layout: &Layout| {
+        layout.rules().shader().even.map_or("return x;".to_owned(), |even| format!("return {even}(axis, x);"))
+    };
+    let mut parts: Vec<&str> = Vec::new();
+    for layout in layouts {
+        let LayoutShader { source, .. } = layout.rules().shader();
+        if !parts.contains(&source) {
+            parts.push(source);
+        }
+    }
     format!(
         "{}\n{}\n\
         /// The lobe of interpolated numbers, at a place within the table's ranges seen from wo in the first quadrant.\n\
-        fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{body}}}\n",
+        fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{}}}\n\n\
+        /// The variable in which weights along an axis are linear: 0 is alpha, 1 ratio, 2 theta, 3 phi.\n\
+        fn ltc_even(axis: u32, x: f32) -> f32 {{\n{}}}\n",
         joined(names),
         parts.join("\n"),
+        body(layouts, "return stored;", restore),
+        body(layouts, "return x;", even),
     )
+}
+
+/// The body of a function that does what `of` says for the table's layout; for an unknown layout, what `default` says.
+fn body(layouts: &[Layout], default: &str, of: impl Fn(&Layout) -> String) -> String {
+    if let [only] = layouts {
+        return format!("    {}\n", of(only));
+    }
+    let case = |layout: &Layout| format!("        case {}u: {{ {} }}\n", layout.rules().shader().number, of(layout));
+    let cases: String = layouts.iter().map(case).collect();
+    format!("    switch ltc_table.reading.x {{\n{cases}        default: {{ {default} }}\n    }}\n")
 }
 
 #[cfg(feature = "render")]
@@ -128,6 +143,9 @@ mod tests {
     #[test]
     fn every_file_of_the_folder_is_listed() {
         let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders")).expect("the folder");
-        assert_eq!(SHADERS.len() + Layout::ALL.len(), folder.count());
+        let mut parts: Vec<&str> = Layout::ALL.iter().map(|layout| layout.rules().shader().source).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        assert_eq!(SHADERS.len() + parts.len(), folder.count());
     }
 }

@@ -44,7 +44,8 @@ const EFFORTS: [(u32, u32, u32); 21] = [
 ];
 
 /// The recipes around `base`, which keeps its ranges, in a fixed order and each once. The presets at its layout,
-/// resolution and precision come first. What `base`'s ranges leave no room for is left out.
+/// resolution and precision come first. What `base`'s ranges leave no room for is left out, and so are layouts that have
+/// other ranges only.
 #[must_use]
 pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
     let mut found = Collector { entry_limit, recipes: Vec::new() };
@@ -155,7 +156,7 @@ mod tests {
                 assert!(!found[..i].contains(recipe), "{recipe:?} stands twice");
                 assert_eq!(recipe.range, base.range);
             }
-            for &layout in Layout::ALL {
+            for &layout in Layout::ALL.iter().filter(|layout| layout.only_ranges().is_none()) {
                 assert!(found.iter().any(|recipe| recipe.layout == layout));
             }
             assert!(found.iter().any(|recipe| recipe.entries() < base.entries() / 2));

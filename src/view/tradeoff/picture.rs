@@ -39,6 +39,10 @@ text { fill: #24292f; fill: var(--ink) }
 .frame { fill: none; stroke: #57606a }
 .layout0 { fill: #0969da; fill: var(--a); stroke: #0969da; stroke: var(--a) }
 .layout1 { fill: #bc4c00; fill: var(--b); stroke: #bc4c00; stroke: var(--b) }
+.layout2 { fill: #8250df; stroke: #8250df }
+.layout3 { fill: #bf8700; stroke: #bf8700 }
+.layout4 { fill: #0f7b8a; stroke: #0f7b8a }
+.layout5 { fill: #cf222e; stroke: #cf222e }
 .normals { fill: #1a7f37; fill: var(--c); stroke: #1a7f37; stroke: var(--c) }
 .f16 { fill: #ffffff; fill: var(--paper) }
 .off { opacity: 0.45 }
@@ -78,7 +82,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
     )?;
     writeln!(out, "<style>\n{STYLE}</style>")?;
     writeln!(out, r#"<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>"#)?;
-    write_legend(out)?;
+    write_legend(out, rows)?;
     let panels = [
         Chart {
             left: LEFT[0],
@@ -104,12 +108,20 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
     writeln!(out, "</svg>")
 }
 
-fn write_legend(out: &mut String) -> std::fmt::Result {
+fn write_legend(out: &mut String, rows: &[FittedRecipe]) -> std::fmt::Result {
     let y = 22.0;
     let text = |out: &mut String, x: f64, text: &str| writeln!(out, r#"<text x="{x}" y="{}">{text}</text>"#, y + 4.5);
     for (layout, x) in Layout::ALL.iter().zip([70.0, 170.0]) {
         mark(out, [x, y], *layout, "")?;
         text(out, x + 10.0, layout.name())?;
+    }
+    // The others are shown to those who fit them.
+    for (column, layout) in
+        (0..).zip(&Layout::ALL[2..]).filter(|(_, layout)| rows.iter().any(|row| row.layout == **layout))
+    {
+        let (x, y) = (70.0 + 100.0 * f64::from(column), y + 20.0);
+        mark(out, [x, y], *layout, "")?;
+        writeln!(out, r#"<text x="{}" y="{}">{layout}</text>"#, x + 10.0, y + 4.5)?;
     }
     mark(out, [252.0, y], Layout::ALL[0], " f16")?;
     text(out, 262.0, "hollow: f16")?;

@@ -185,3 +185,56 @@ fn a_reflected_isotropic_table_turns_with_the_view() {
         assert!(square(found).abs_diff_eq(square(turned_about_z(m, phi)), 1e-12), "{phi}: {found}");
     }
 }
+
+/// What an engine's sampler and shader make of a table of 5 x 4 texels: texel centres at i / (n - 1), the stored numbers
+/// weighed bilinearly, then inverted where the layout stores an inverse.
+fn as_an_engine_samples(table: &Table, stores_inverse: bool, [u, v]: [f64; 2]) -> DMat3 {
+    let (x, y) = (u * 4.0, v * 3.0);
+    let (i, j) = ((x as usize).min(3), (y as usize).min(2));
+    let texel = |i: usize, j: usize| from_row_major(&table.matrix[i * 4 + j].map(f64::from));
+    let (s, t) = (x - i as f64, y - j as f64);
+    let near = texel(i, j) * (1.0 - t) + texel(i, j + 1) * t;
+    let far = texel(i + 1, j) * (1.0 - t) + texel(i + 1, j + 1) * t;
+    let sampled = near * (1.0 - s) + far * s;
+    if stores_inverse { sampled.inverse() } else { sampled }
+}
+
+/// An isotropic table of 5 x 4 entries that are not smooth at all.
+fn of_engines(layout: Layout) -> Table {
+    let ranges = layout.only_ranges().expect("the layout has one domain");
+    let axes = layout.nodes(&ranges, &PerAxis { alpha: 5, ratio: 1, theta: 4, phi: 1 });
+    let number = |entry: usize, k: usize| ((entry * 7 + k * 3) % 11) as f32 / 11.0;
+    let matrix = |e: usize| {
+        [0.5 + number(e, 0), 0.0, number(e, 1), 0.0, 0.5 + number(e, 2), 0.0, -number(e, 3), 0.0, 0.5 + number(e, 4)]
+    };
+    Table {
+        brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
+        layout,
+        axes,
+        matrix: (0..20).map(matrix).collect(),
+        terms: None,
+        node_error: vec![0.0; 20],
+    }
+}
+
+proptest! {
+    #[test]
+    fn isotropic_layouts_are_what_engines_sample(u in 0.0..=1.0, v in 0.0..=1.0, phi in 0.0..=FRAC_PI_2) {
+        for (layout, stores_inverse, theta) in [
+            (Layout::Ltc2017, true, f64::acos(1.0 - v * v)),
+            (Layout::Ltc2016, true, v * FRAC_PI_2),
+            (Layout::Godot, false, v * FRAC_PI_2),
+            (Layout::Hdrp, true, f64::acos(1.0 - v * v)),
+        ] {
+            let table = of_engines(layout);
+            let found = table.lookup(&Configuration { alpha_x: u * u, alpha_y: u * u, theta, phi });
+            let wanted = turned_about_z(as_an_engine_samples(&table, stores_inverse, [u, v]), phi);
+            // Equal up to scale and, since the view turns, up to the gauge.
+            let canonical = |m: DMat3| m * m.transpose() * (1.0 / m.z_axis.length_squared());
+            let (found, wanted) = (canonical(from_row_major(&found.matrix)), canonical(wanted));
+            // acos loses half the digits near the normal.
+            prop_assert!(found.abs_diff_eq(wanted, 1e-5), "{layout} {found} {wanted}");
+        }
+    }
+}

@@ -54,13 +54,13 @@ impl Fold {
     }
 }
 
-fn between(nodes: &[f32], x: f32) -> (usize, f32) {
+fn between(nodes: &[f32], x: f32, even: impl Fn(f32) -> f32) -> (usize, f32) {
     let upper = nodes.partition_point(|node| *node <= x);
     if upper == 0 || upper == nodes.len() {
         return (upper.max(1) - 1, 0.0);
     }
-    let below = nodes[upper - 1];
-    (upper - 1, (x - below) / (nodes[upper] - below))
+    let below = even(nodes[upper - 1]);
+    (upper - 1, (even(x) - below) / (even(nodes[upper]) - below))
 }
 
 fn turned(m: Mat3, angle: f32) -> Mat3 {
@@ -78,11 +78,13 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
     let fold = Fold::of(alpha_x, alpha_y, wo);
     let nodes = &table.nodes;
     let counts = nodes.lengths();
+    let rules = table.layout.rules();
+    let place = |axis: usize, nodes: &[f32], x: f32| between(nodes, x, |x| rules.even_in_shader(axis, x));
     let places = [
-        between(&nodes.alpha, fold.alpha),
-        between(&nodes.ratio, fold.ratio),
-        between(&nodes.theta, fold.theta),
-        between(&nodes.phi, fold.phi),
+        place(0, &nodes.alpha, fold.alpha),
+        place(1, &nodes.ratio, fold.ratio),
+        place(2, &nodes.theta, fold.theta),
+        place(3, &nodes.phi, fold.phi),
     ];
     let lasts = [counts.alpha - 1, counts.ratio - 1, counts.theta - 1, counts.phi - 1];
     let mut sum = [[0.0_f32; 4]; 3];
@@ -111,7 +113,7 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
     };
     let stored = ShaderNumbers { matrix: m, amplitude: terms[1], fresnel: terms[2] };
     let (alpha, ratio) = (nearest(&nodes.alpha, fold.alpha), nearest(&nodes.ratio, fold.ratio));
-    let lobe = table.layout.rules().restore_in_shader(&stored, alpha, ratio, view);
+    let lobe = rules.restore_in_shader(&stored, alpha, ratio, view);
     let m = if table.turns_with_view { turned(lobe.matrix, fold.phi - nodes.phi[0]) } else { lobe.matrix };
     ShaderNumbers { matrix: fold.unfold(m), ..lobe }
 }

@@ -146,6 +146,9 @@ fn shader_twin_and_table_agree_at_every_corner_and_ten_thousand_places() {
     for layout in Layout::ALL {
         for (precision, format) in [(Precision::F32, TexelFormat::F32), (Precision::F16, TexelFormat::F16)] {
             for isotropic in [false, true] {
+                if !isotropic && layout.only_ranges().is_some() {
+                    continue;
+                }
                 let table = fitted(*layout, precision, isotropic);
                 let PerAxis { ratio, .. } = table.axes().lengths();
                 assert_eq!(isotropic, ratio == 1);

@@ -1,0 +1,218 @@
+//! The layouts of isotropic tables that engines read: `ltc2017`, `ltc2016`, `godot` and `hdrp`, one description each.
+//!
+//! All are tables of perceptual roughness `u = sqrt(alpha)` and of the view's polar angle, evenly divided from 0 to 1 and
+//! from the normal to the horizon. Ratio and phi have one node. The lobe is symmetric in the plane of incidence, so that
+//! five numbers of a matrix differ from zero:
+//!
+//! ```text
+//!     | m00  0  m02 |
+//! M = |  0  m11  0  |,   likewise M^-1
+//!     | m20  0  m22 |
+//! ```
+//!
+//! A lookup interpolates what is stored between the four nodes around a place, as an engine's sampler does, and inverts
+//! the result where `M^-1` is stored.
+//!
+//! Nodes stand where the engines' texel centres are: the first at a roughness of 0, the last at the horizon. The lobes
+//! there are those of the least roughness and the most grazing view that are fitted.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DMat3, Mat3, Vec3};
+
+use super::{
+    precision::Precision,
+    rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
+    spacing::Spacing,
+};
+use crate::fit::{
+    axes::PerAxis,
+    brdf::{LobeTerms, Mirrors},
+    lobe::ltc::align,
+    math::sin_cos_turns,
+};
+
+/// `sqrt(1 - cos theta)`; `M^-1` over its middle element.
+pub(super) const LTC2017: Rules = Rules {
+    stored: Stored::Inverse { divisor: [1, 1] },
+    theta: Spacing::Versine,
+    number: 2,
+    interpolation: [0.04, 1.0, 1.0],
+};
+/// theta; `M^-1` over its first element.
+pub(super) const LTC2016: Rules = Rules {
+    stored: Stored::Inverse { divisor: [0, 0] },
+    theta: Spacing::Even,
+    number: 3,
+    interpolation: [0.04, 1.0, 1.0],
+};
+/// theta; `M` with a third column of unit length.
+pub(super) const GODOT: Rules =
+    Rules { stored: Stored::Matrix, theta: Spacing::Even, number: 4, interpolation: [0.04, 1.0, 1.0] };
+/// `sqrt(1 - cos theta)`; `M^-1` over its last element.
+pub(super) const HDRP: Rules = Rules {
+    stored: Stored::Inverse { divisor: [2, 2] },
+    theta: Spacing::Versine,
+    number: 5,
+    interpolation: [0.04, 1.0, 1.0],
+};
+
+/// What an entry holds of `M`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stored {
+    /// `M` with a third column of unit length.
+    Matrix,
+    /// `M^-1`, divided by its element at this column and row.
+    Inverse { divisor: [usize; 2] },
+}
+
+/// One of the layouts.
+pub(super) struct Rules {
+    stored: Stored,
+    /// How theta is spaced, and how its weights are.
+    theta: Spacing,
+    number: u32,
+    /// The limit, and what steps of alpha and theta add: see [`Interpolation`].
+    interpolation: [f64; 3],
+}
+
+/// The largest number that is stored: within half floats. Sharp lobes near the horizon have larger ones in some layouts.
+const MOST: f64 = 60_000.0;
+
+impl Rules {
+    /// The least number on a stored diagonal: a normal one of the format.
+    fn least(precision: Precision) -> f64 {
+        match precision {
+            Precision::F32 => 1e-30,
+            Precision::F16 => 1.0 / 16_384.0,
+        }
+    }
+}
+
+impl LayoutRules for Rules {
+    /// The engines' tables.
+    fn default_resolution(&self) -> PerAxis<u32> {
+        PerAxis { alpha: 64, ratio: 1, theta: 64, phi: 1 }
+    }
+
+    fn spacing(&self) -> PerAxis<Spacing> {
+        PerAxis { alpha: Spacing::Squared, ratio: Spacing::Even, theta: self.theta, phi: Spacing::Even }
+    }
+
+    fn nodes(&self, range: &PerAxis<[f64; 2]>, n: &PerAxis<u32>) -> PerAxis<Vec<f64>> {
+        let PerAxis { alpha, ratio, theta, phi } = self.spacing();
+        PerAxis {
+            alpha: alpha.divide(range.alpha, n.alpha),
+            ratio: ratio.divide(range.ratio, n.ratio),
+            theta: theta.divide(range.theta, n.theta),
+            phi: phi.divide(range.phi, n.phi),
+        }
+    }
+
+    fn only_ranges(&self) -> Option<PerAxis<[f64; 2]>> {
+        Some(PerAxis { alpha: [0.0, 1.0], ratio: [1.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, 0.0] })
+    }
+
+    fn weights(&self) -> PerAxis<Spacing> {
+        self.spacing()
+    }
+
+    fn even_in_shader(&self, axis: usize, x: f32) -> f32 {
+        match (axis, self.theta) {
+            (0, _) => x.sqrt(),
+            // sqrt(1 - cos theta) up to a factor.
+            (2, Spacing::Versine) => sin_cos_turns(x * 0.079_577_47).0,
+            _ => x,
+        }
+    }
+
+    fn flattest(&self, precision: Precision) -> f64 {
+        match precision {
+            Precision::F32 => 1e-5,
+            Precision::F16 => 1.0 / 256.0,
+        }
+    }
+
+    fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers {
+        let m = align(&lobe.matrix, mirrors, self.flattest(precision));
+        let mut matrix = match self.stored {
+            Stored::Matrix => m,
+            Stored::Inverse { .. } => inverse(&m),
+        };
+        matrix *= 1.0 / self.norm(&matrix);
+        let least = Self::least(precision);
+        for axis in 0..3 {
+            let column = matrix.col_mut(axis);
+            *column = column.clamp(glam::DVec3::splat(-MOST), glam::DVec3::splat(MOST));
+            column[axis] = column[axis].max(least);
+        }
+        LobeNumbers { matrix, terms: self.store_terms(place, lobe.terms) }
+    }
+
+    fn norm(&self, stored: &DMat3) -> f64 {
+        match self.stored {
+            Stored::Matrix => stored.z_axis.length(),
+            Stored::Inverse { divisor: [column, row] } => stored.col(column)[row],
+        }
+    }
+
+    fn store_terms(&self, _: &PerAxis<f64>, terms: LobeTerms) -> LobeTerms {
+        terms
+    }
+
+    fn restore(&self, _: &PerAxis<f64>, stored: &LobeNumbers) -> LobeNumbers {
+        let matrix = match self.stored {
+            Stored::Matrix => stored.matrix,
+            Stored::Inverse { .. } => inverse(&stored.matrix),
+        };
+        LobeNumbers { matrix, terms: stored.terms }
+    }
+
+    fn restore_in_shader(&self, stored: &ShaderNumbers, _: f32, _: f32, _: Vec3) -> ShaderNumbers {
+        match self.stored {
+            Stored::Matrix => *stored,
+            Stored::Inverse { .. } => ShaderNumbers { matrix: inverse_in_shader(&stored.matrix), ..*stored },
+        }
+    }
+
+    fn interpolation(&self) -> Interpolation {
+        let [limit, alpha, theta] = self.interpolation;
+        Interpolation { limit, step: PerAxis { alpha, ratio: 0.0, theta, phi: 0.0 } }
+    }
+
+    fn shader(&self) -> LayoutShader {
+        LayoutShader {
+            source: include_str!("../../../shaders/layout_isotropic.wgsl"),
+            restore: match self.stored {
+                Stored::Matrix => "ltc_restore_matrix",
+                Stored::Inverse { .. } => "ltc_restore_inverse",
+            },
+            even: Some(match self.theta {
+                Spacing::Versine => "ltc_even_versine",
+                _ => "ltc_even_roughness",
+            }),
+            number: self.number,
+        }
+    }
+}
+
+/// The inverse of a matrix that is symmetric in the plane of incidence, with a third column of unit length:
+///
+/// ```text
+/// | d   0   -b |
+/// | 0  det/c 0 | / sqrt(b^2 + a^2),   det = a d - b e,   of   | a 0 b |
+/// | -e  0    a |                                              | 0 c 0 |
+///                                                             | e 0 d |
+/// ```
+fn inverse(n: &DMat3) -> DMat3 {
+    let (a, e, b, c, d) = (n.x_axis.x, n.x_axis.z, n.z_axis.x, n.y_axis.y, n.z_axis.z);
+    let scale = 1.0 / (a * a + b * b).sqrt();
+    DMat3::from_cols_array(&[d, 0.0, -e, 0.0, (a * d - b * e) / c, 0.0, -b, 0.0, a]) * scale
+}
+
+/// [`inverse`] in 32 bits.
+fn inverse_in_shader(n: &Mat3) -> Mat3 {
+    let (a, e, b, c, d) = (n.x_axis.x, n.x_axis.z, n.z_axis.x, n.y_axis.y, n.z_axis.z);
+    let scale = 1.0 / (a * a + b * b).sqrt();
+    Mat3::from_cols_array(&[d, 0.0, -e, 0.0, (a * d - b * e) / c, 0.0, -b, 0.0, a]) * scale
+}
