@@ -1,5 +1,5 @@
-// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl and functions ltc_restore and
-// ltc_even that call a layout's: `ltcforge shader` writes them, for layout reflected they are
+// Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl, nodes_storage.wgsl or
+// nodes_uniform.wgsl, and functions ltc_restore and ltc_even that call a layout's: `ltcforge shader` writes them, for layout reflected they are
 //     fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
 //         return ltc_restore_reflected(stored, alpha_x, ratio, wo);
 //     }
@@ -24,7 +24,6 @@ struct LtcTable {
 }
 
 @group(0) @binding(0) var<uniform> ltc_table: LtcTable;
-@group(0) @binding(1) var<storage, read> ltc_nodes: array<f32>;
 @group(0) @binding(2) var ltc_matrix_a: texture_3d<f32>;
 @group(0) @binding(3) var ltc_matrix_b: texture_3d<f32>;
 @group(0) @binding(4) var ltc_terms: texture_3d<f32>;
@@ -85,16 +84,16 @@ struct LtcPlace {
 fn ltc_between(axis: u32, first: u32, count: u32, x: f32) -> LtcPlace {
     // The last node that is not beyond x, in as many steps for every x.
     var lower = 0u;
-    var below = ltc_nodes[first];
+    var below = ltc_node(first);
     var span = count;
     while (span > 1u) {
         let part = span / 2u;
-        let node = ltc_nodes[first + lower + part];
+        let node = ltc_node(first + lower + part);
         lower = select(lower, lower + part, node <= x);
         below = select(below, node, node <= x);
         span -= part;
     }
-    let above = ltc_nodes[first + min(lower + 1u, count - 1u)];
+    let above = ltc_node(first + min(lower + 1u, count - 1u));
     let nearest = clamp(x, below, above);
     let low = ltc_even(axis, below);
     let step = ltc_even(axis, above) - low;
@@ -189,7 +188,7 @@ fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
     }
     var lobe = ltc_restore(LtcLobe(stored, texels.terms.y, texels.terms.z), alpha.nearest, ratio.nearest, view);
     if (ltc_table.reading.y == 1u) {
-        lobe.m = ltc_turned(lobe.m, fold.phi - ltc_nodes[n.x + n.y + n.z]);
+        lobe.m = ltc_turned(lobe.m, fold.phi - ltc_node(n.x + n.y + n.z));
     }
     lobe.m = ltc_unfold(fold, lobe.m);
     return lobe;

@@ -40,6 +40,7 @@ names! {
     LanguageName(Language) {
         "wgsl" => Language::Wgsl,
         "glsl" => Language::Glsl,
+        "glsl-330" => Language::Glsl330,
         "glsl-es" => Language::GlslEs,
         "hlsl" => Language::Hlsl,
         "msl" => Language::Msl,

@@ -2,10 +2,15 @@
 
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::ShaderArgs, output::OutputFile, print, shown};
+use super::{
+    CommandFailure, Context, Exit,
+    args::{ShaderArgs, ShaderForm},
+    output::OutputFile,
+    print, shown,
+};
 use crate::{
     light::LightModel,
-    view::shaders::{Language, LitBy, port},
+    view::shaders::{Filter, Language, LitBy, include, port},
 };
 
 /// Writes the shader to the file, or to standard output. With `--json` one line
@@ -20,6 +25,7 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
             return Err(CommandFailure::new(Exit::Usage, "model normals reads no table: leave out --layout"));
         }
     };
+    check_form(args, language)?;
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
         return Err(CommandFailure::new(
             Exit::Usage,
@@ -27,7 +33,14 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
         ));
     }
     let out = args.out.as_deref().map(OutputFile::check).transpose()?;
-    let shader = port(language, lit_by).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
+    let shader = match args.form {
+        ShaderForm::Include => {
+            let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
+            include(language, lit_by, filter).map(String::into_bytes)
+        }
+        ShaderForm::Example => port(language, lit_by),
+    }
+    .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     if let (Some(out), Some(path)) = (&out, &args.out) {
         out.write(&shader)?;
         if json {
@@ -51,4 +64,27 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
             .map_err(|error| CommandFailure::stdout(&error))?;
     }
     Ok(Exit::Ok)
+}
+
+/// Refuses what a language or a model does not have.
+fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailure> {
+    let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
+    let name = language.name();
+    match args.form {
+        ShaderForm::Include if !language.has_includes() => {
+            refused(format!("{name} has no text to include: add --as example"))
+        }
+        ShaderForm::Example if !language.has_programs() => {
+            refused(format!("{name} has no compute shaders, and the example is one: leave out --as example"))
+        }
+        _ if !args.hardware_filter => Ok(()),
+        ShaderForm::Example => refused("--hardware-filter is for a text to include".to_owned()),
+        ShaderForm::Include if args.model == LightModel::Normals => {
+            refused("--hardware-filter is for tables: model normals reads none".to_owned())
+        }
+        ShaderForm::Include if language == Language::Wgsl => {
+            refused("in WGSL the constant ltc_hardware_filter chooses: leave out --hardware-filter".to_owned())
+        }
+        ShaderForm::Include => Ok(()),
+    }
 }

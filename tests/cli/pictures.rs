@@ -75,7 +75,7 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
     let folder = tempfile::tempdir().expect("a folder");
     for language in ["wgsl", "glsl", "glsl-es", "hlsl", "msl", "spirv"] {
         for layout in ["reflected", "kt2022"] {
-            let arguments = ["shader", "--language", language, "--layout", layout];
+            let arguments = ["shader", "--as", "example", "--language", language, "--layout", layout];
             let told = run(folder.path(), arguments.iter().chain(&["-o", "s", "--json"])).exited(0);
             let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
             let file = fs::read(folder.path().join("s")).expect("the shader");
@@ -107,9 +107,13 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
 #[test]
 fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
     let folder = tempfile::tempdir().expect("a folder");
-    let cases: [&[&str]; 5] = [
+    let cases: [&[&str]; 9] = [
         &["--language", "cg", "--layout", "kt2022"],
         &["--language", "wgsl", "--layout", "square"],
+        &["--language", "spirv", "--layout", "kt2022"],
+        &["--language", "glsl-330", "--layout", "kt2022", "--as", "example"],
+        &["--language", "glsl", "--model", "normals", "--hardware-filter"],
+        &["--language", "wgsl", "--layout", "kt2022", "--hardware-filter"],
         &["--language", "wgsl"],
         &["--layout", "kt2022"],
         &["--language", "spirv", "--layout", "kt2022", "--json"],

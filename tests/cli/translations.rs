@@ -1,6 +1,7 @@
 //! The shaders that users take home, by the compilers and validators of others.
 
 use std::{
+    fs,
     io::ErrorKind,
     path::Path,
     process::{Command, Output},
@@ -31,7 +32,7 @@ const LIT_BY: [[&str; 2]; 3] = [["--layout", "kt2022"], ["--layout", "reflected"
 
 /// Writes a shader.
 fn write(folder: &Path, language: &str, lit_by: [&str; 2], file: &str) {
-    run(folder, ["shader", "--language", language, "-o", file].iter().chain(&lit_by)).exited(0);
+    run(folder, ["shader", "--as", "example", "--language", language, "-o", file].iter().chain(&lit_by)).exited(0);
 }
 
 #[test]
@@ -57,5 +58,49 @@ fn glsl_is_what_opengl_takes() {
         write(folder.path(), "glsl-es", lit_by, "es.comp");
         let Some(output) = checked("glslang-tools", "glslangValidator", &["es.comp"], folder.path()) else { return };
         assert_sound(&output);
+    }
+}
+
+/// Programs that call what is included, as a renderer's own shader does.
+const TABLE_CALL: &str = "
+    LtcLobe lobe = ltc_lookup(0.4, 0.2, normalize(vec3(place, 1.0)));
+    LtcInverse inverse_ = ltc_inverse(lobe.m);
+    vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
+    colour = vec4(ltc_rectangle(inverse_, corners, true) * lobe.amplitude);
+";
+const NORMALS_CALL: &str = "
+    NormalsView view = normals_view(0.4, 0.2, normalize(vec3(place, 1.0)));
+    vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
+    colour = vec4(normals_rectangle(view, corners, true, 0u), 0.0, 1.0);
+";
+
+#[test]
+fn what_is_included_compiles_within_a_fragment_shader() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let versions: [(&str, &str, &[&str]); 4] = [
+        ("glsl", "#version 450 core", &["-V", "-o", "out.spv"]),
+        ("glsl", "#version 450 core", &["-G", "-o", "out.spv"]),
+        ("glsl-330", "#version 330 core", &[]),
+        ("glsl-es", "#version 300 es", &[]),
+    ];
+    for lit_by in LIT_BY {
+        let is_table = lit_by[0] == "--layout";
+        for filter in if is_table { &[None, Some("--hardware-filter")][..] } else { &[None] } {
+            for (language, version, args) in versions {
+                let arguments = ["shader", "--language", language].into_iter().chain(lit_by).chain(*filter);
+                let functions = run(folder.path(), arguments).exited(0).stdout;
+                let precision = if language == "glsl-es" { "precision highp float;\nprecision highp int;" } else { "" };
+                let ends = if version.contains("450") { ["layout(location = 0) "; 2] } else { [""; 2] };
+                let call = if is_table { TABLE_CALL } else { NORMALS_CALL };
+                let whole = format!(
+                    "{version}\n{precision}\n{functions}\n{}in vec2 place;\n{}out vec4 colour;\nvoid main() {{{call}}}\n",
+                    ends[0], ends[1]
+                );
+                fs::write(folder.path().join("whole.frag"), whole).expect("a file");
+                let args: Vec<&str> = args.iter().copied().chain(["whole.frag"]).collect();
+                let Some(output) = checked("glslang-tools", "glslangValidator", &args, folder.path()) else { return };
+                assert_sound(&output);
+            }
+        }
     }
 }

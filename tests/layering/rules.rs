@@ -82,6 +82,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
             "server::http",
             "server::service",
             "client",
+            "view::picture",
             "view::plots",
             "view::preview",
             "view::shaders",

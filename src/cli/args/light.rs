@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{
-    Args,
-    builder::{PossibleValuesParser, TypedValueParser as _},
-};
+use clap::Args;
 
-use super::tables::TableFolder;
+use super::{
+    models::{models, weights},
+    tables::TableFolder,
+};
 use crate::light::{LightModel, WeightRule};
 
 /// `light`.
@@ -33,14 +33,4 @@ pub struct LightArgs {
     /// Print the truth beside it, by adaptive quadrature: milliseconds a line
     #[arg(long)]
     pub truth: bool,
-}
-
-pub(super) fn models() -> impl clap::builder::TypedValueParser<Value = LightModel> {
-    PossibleValuesParser::new(LightModel::ALL.iter().map(|model| model.name()))
-        .try_map(|name| LightModel::from_name(&name).ok_or("no model"))
-}
-
-pub(super) fn weights() -> impl clap::builder::TypedValueParser<Value = WeightRule> {
-    PossibleValuesParser::new(WeightRule::ALL.iter().map(|rule| rule.name()))
-        .try_map(|name| WeightRule::from_name(&name).ok_or("no rule"))
 }

@@ -5,6 +5,7 @@ mod connections;
 mod fitting;
 mod jobs;
 mod light;
+mod models;
 mod pictures;
 mod tables;
 
@@ -17,7 +18,7 @@ pub(super) use connections::{ClientSeconds, ConnectionArgs};
 pub(super) use fitting::{FitArgs, FsckArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
-pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs};
+pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use tables::{LookupArgs, PullArgs, ReportArgs, TableChoice, TableFolder, VerifyArgs};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.

@@ -10,7 +10,7 @@ use clap::{
 use super::{
     super::preview_names::{AdapterName, LanguageName, TexelFormatName},
     TableFolder, Threads,
-    light::weights,
+    models::{models, weights},
 };
 use crate::{
     fit::Layout,
@@ -146,8 +146,14 @@ pub struct ShaderArgs {
     #[arg(long, value_enum)]
     pub language: LanguageName,
     /// What the shader lights by
-    #[arg(long, value_parser = model(), default_value = "ltc")]
+    #[arg(long, value_parser = models(), default_value = "ltc")]
     pub model: LightModel,
+    /// Functions to include in your own shader, or a program that calls them
+    #[arg(long = "as", value_enum, default_value = "include")]
+    pub form: ShaderForm,
+    /// Let the sampler interpolate a table's entries, in a text to include: fewer fetches, less exact
+    #[arg(long)]
+    pub hardware_filter: bool,
     /// Layout of the tables that the shader reads, for model ltc; a table's recipe names it
     #[arg(long, value_parser = layout(), required_if_eq("model", "ltc"))]
     pub layout: Option<Layout>,
@@ -156,14 +162,17 @@ pub struct ShaderArgs {
     pub out: Option<PathBuf>,
 }
 
-/// Reads a model by its name.
-fn model() -> impl TypedValueParser<Value = LightModel> {
-    let names = PossibleValuesParser::new(LightModel::ALL.iter().map(|model| model.name()));
-    names.try_map(|name| LightModel::from_name(&name).ok_or("is no model"))
-}
-
 /// Reads a layout by its name in recipes.
 fn layout() -> impl TypedValueParser<Value = Layout> {
     let names = PossibleValuesParser::new(Layout::ALL.iter().map(|layout| layout.name()));
     names.try_map(|name| Layout::from_name(&name).ok_or("is no layout"))
+}
+
+/// What a shader is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ShaderForm {
+    /// Functions and what they bind
+    Include,
+    /// A compute shader that calls them
+    Example,
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{
     Threads,
-    light::{models, weights},
+    models::{models, weights},
 };
 use crate::{
     client::Limits,

@@ -69,7 +69,7 @@ impl Cone {
     fn new(vertices: &[Triple<f64>], sides: Sides) -> Self {
         let vertices: Vec<DVec3> = vertices.iter().map(|v| DVec3::from_array(*v)).collect();
         let next = vertices.iter().cycle().skip(1);
-        let planes: Vec<DVec3> = vertices.iter().zip(next).map(|(from, to)| to.cross(*from)).collect();
+        let planes: Vec<DVec3> = vertices.iter().zip(next).map(|(from, to)| from.cross(*to)).collect();
         let middle: DVec3 = vertices.iter().sum();
         let is_clockwise = planes.iter().map(|plane| plane.dot(middle)).sum::<f64>() > 0.0;
         let planes = if is_clockwise { planes } else { planes.into_iter().map(|plane| -plane).collect() };

@@ -1,5 +1,7 @@
 //! The comment at the top of a translation.
 
+#[cfg(feature = "shaders")]
+use super::Filter;
 use super::{
     Language,
     golden::{CASES, CORNERS, Case, Golden, table},
@@ -22,7 +24,17 @@ FUNCTIONS
       the part of the lobe that a light covers, 0 to 1. Its vertices are relative to the shaded point, in the tangent
       frame, convex, and run clockwise seen from the lit side; a disk's is towards half_x x half_y.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
-  ltc_example calls them; it stands for your own code. All but group 0 goes with it.
+";
+
+/// What the program has beside its functions.
+const CALLED: &str = "  ltc_example calls them; it stands for your own code. All but group 0 goes with it.\n";
+
+/// How the functions are used where they are included.
+#[cfg(feature = "shaders")]
+const USE: &str = "
+USE
+  ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Isotropic surfaces have alpha_x =
+  alpha_y. Diffuse light is the albedo times ltc_rectangle, ltc_polygon or ltc_disk with the unit matrix for inverse.
 ";
 
 /// What a table consists of on the GPU, in every language.
@@ -31,7 +43,7 @@ BINDINGS OF A TABLE
   uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; the layout's number, not read here
             ({numbers});
             1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
-  nodes     storage buffer of f32: alpha's nodes, then ratio's, theta's and phi's, ascending
+  nodes     {nodes}: alpha's nodes, then ratio's, theta's and phi's, ascending
   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
   matrix_b  likewise: m11 m12 m20 m21
   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
@@ -49,6 +61,7 @@ EXAMPLE
   Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
 ";
 
+/// Where the program binds them.
 fn bindings(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
@@ -64,7 +77,7 @@ fn bindings(language: Language) -> &'static str {
             set 1, of the example: case 0, result 1
   Sampled images, no sampler: the entries are weighed here."
         }
-        Language::Glsl | Language::GlslEs => {
+        Language::Glsl | Language::Glsl330 | Language::GlslEs => {
             "\
   here      uniform block 0, nodes: storage block 1, textures: units 0, 1 and 2
             of the example: uniform block 2, storage block 3
@@ -87,13 +100,67 @@ fn bindings(language: Language) -> &'static str {
     }
 }
 
+/// Where a text to include binds them.
+#[cfg(feature = "shaders")]
+fn included_bindings(language: Language, filter: Filter) -> String {
+    let place = match language {
+        Language::Wgsl => {
+            return bindings(language).lines().filter(|line| !line.contains("of the example")).collect::<Vec<_>>().join("\n");
+        }
+        Language::Glsl => {
+            "\
+  here      uniform block 0, nodes: storage block 1, textures ltc_matrix_a 2, ltc_matrix_b 3, ltc_terms 4: in Vulkan
+            bindings of set 0, the textures with samplers; in OpenGL 4.3 textures are units"
+        }
+        Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 256 x vec4, four nodes each, 0 after
+            the last; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b0, nodes t1, matrix_a t2, matrix_b t3, terms t4, sampler s5"
+        }
+        Language::Msl | Language::Spirv => {
+            "\
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_nodes,
+            ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler; _mslBufferSizes may be any of its type"
+        }
+    };
+    let weighed = match filter {
+        Filter::Exact => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
+        Filter::Hardware => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
+    };
+    format!("{place}\n  {weighed}")
+}
+
+/// The table and what it is called, with its nodes in a buffer or a uniform.
+fn about(layout: Layout) -> String {
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name())
+}
+
+fn bound_table(nodes: &str) -> String {
+    let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.rules().shader().number));
+    TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", ")).replace("{nodes}", nodes)
+}
+
+const NODES_IN_STORAGE: &str = "storage buffer of f32";
+
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 pub(super) fn header(language: Language, layout: Layout) -> String {
-    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name());
-    let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.rules().shader().number));
-    let table = TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", "));
-    let text = format!("{about}\n{table}  {}\n\n{EXAMPLE}\n{}", bindings(language), check(layout));
+    let table = bound_table(NODES_IN_STORAGE);
+    let text = format!("{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}", about(layout), bindings(language), check(layout));
     commented(&text)
+}
+
+/// The comment of a text to include that reads tables of `layout`.
+#[cfg(feature = "shaders")]
+pub(super) fn table_include_header(language: Language, layout: Layout, filter: Filter) -> String {
+    let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
+    let table = bound_table(if is_loose { "uniform of f32, at most 1024" } else { NODES_IN_STORAGE });
+    let bindings = included_bindings(language, filter);
+    commented(&format!("{}{USE}\n{table}{bindings}\n\n{}", about(layout), check(layout)))
 }
 
 /// The text in lines that begin with `//`.

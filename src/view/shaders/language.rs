@@ -7,7 +7,9 @@ pub enum Language {
     Wgsl,
     /// GLSL 4.50 for OpenGL.
     Glsl,
-    /// GLSL ES 3.10 for OpenGL ES.
+    /// GLSL 3.30 for OpenGL 3.3, which has no compute shaders: to include.
+    Glsl330,
+    /// GLSL ES: 3.10 for OpenGL ES as a program, 3.00 for WebGL 2 to include.
     GlslEs,
     /// HLSL for shader model 5.1.
     Hlsl,
@@ -19,7 +21,8 @@ pub enum Language {
 
 impl Language {
     /// Every language.
-    pub const ALL: [Self; 6] = [Self::Wgsl, Self::Glsl, Self::GlslEs, Self::Hlsl, Self::Msl, Self::Spirv];
+    pub const ALL: [Self; 7] =
+        [Self::Wgsl, Self::Glsl, Self::Glsl330, Self::GlslEs, Self::Hlsl, Self::Msl, Self::Spirv];
 
     /// Its name on the command line.
     #[must_use]
@@ -27,10 +30,23 @@ impl Language {
         match self {
             Self::Wgsl => "wgsl",
             Self::Glsl => "glsl",
+            Self::Glsl330 => "glsl-330",
             Self::GlslEs => "glsl-es",
             Self::Hlsl => "hlsl",
             Self::Msl => "msl",
             Self::Spirv => "spirv",
         }
+    }
+
+    /// Whether programs are written in it: the example is a compute shader.
+    #[must_use]
+    pub fn has_programs(self) -> bool {
+        self != Self::Glsl330
+    }
+
+    /// Whether it has text to include: SPIR-V has none.
+    #[must_use]
+    pub fn has_includes(self) -> bool {
+        self != Self::Spirv
     }
 }

@@ -40,6 +40,16 @@ impl LitBy {
     }
 }
 
+/// Who interpolates the entries of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Filter {
+    /// The shader: 16 fetches a texture, weights of 32 bits, any texture format.
+    Exact,
+    /// The sampler along phi, theta and alpha: 2 fetches a texture; many GPUs have weights of 8 bits, which shows on sharp
+    /// lobes. Textures have to be filterable.
+    Hardware,
+}
+
 impl From<Layout> for LitBy {
     fn from(layout: Layout) -> Self {
         Self::Table(layout)

@@ -1,13 +1,16 @@
 //! The shaders in WGSL, and one file of them for other renderers, translated where its language is not WGSL.
 //!
-//! [`SHADERS`] are the files of `shaders/`. [`port()`] joins those that a renderer needs for one layout of tables, or for none, puts a
-//! comment above them, and has naga translate them. WGSL is handed out as it is written, without naga.
+//! [`SHADERS`] are the files of `shaders/`. [`port()`] joins those that a renderer needs for one layout of tables, or for
+//! none, with an example that calls them, puts a comment above, and has naga translate them. [`include()`] does so without
+//! the example. WGSL is handed out as it is written, without naga.
 //!
 //! Invariants: `shaders` knows neither a GPU nor a picture; only `translate` uses naga; equal arguments give equal bytes
 //! on every machine.
 
 mod golden;
 mod header;
+#[cfg(feature = "shaders")]
+mod include;
 mod language;
 mod lit_by;
 mod normals_header;
@@ -20,8 +23,10 @@ mod translate;
 
 #[cfg(test)]
 pub(in crate::view) use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
+#[cfg(feature = "shaders")]
+pub use include::include;
 pub use language::Language;
-pub use lit_by::LitBy;
+pub use lit_by::{Filter, LitBy};
 pub use port::wgsl;
 #[cfg(feature = "shaders")]
 pub use port::{PortError, port};

@@ -26,6 +26,10 @@ FUNCTIONS
   rule  how the weight of shadowing is averaged: 0 over seven normals of each triangle; 1 at the mean normal, which is
       cheaper; 2 over twice as many triangles.
   Light of radiance L arrives as L (f0 (x - y) + f90 y).
+";
+
+/// The program beside the functions.
+const EXAMPLE: &str = "\
   normals_example calls them; it stands for your own code, and all bindings go with it.
 
 EXAMPLE
@@ -34,19 +38,41 @@ EXAMPLE
   Result: a vec4 of f32, the two parts and 0, 0.
 ";
 
+/// How the functions are used where they are included.
+#[cfg(feature = "shaders")]
+const USE: &str = "
+USE
+  normals_view once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y. Nothing
+  is bound. Diffuse light is not here: it is Lambert's form factor of the light.
+";
+
 fn bindings(language: Language) -> &'static str {
     match language {
         Language::Wgsl => "  here      group 0: case 0, result 1",
         Language::Spirv => "  here      set 0: case 0, result 1",
-        Language::Glsl | Language::GlslEs => "  here      uniform block 0, storage block 1",
+        Language::Glsl | Language::Glsl330 | Language::GlslEs => "  here      uniform block 0, storage block 1",
         Language::Hlsl => "  here      b0 and u1 of space0",
         Language::Msl => "  here      buffers 0 and 1",
     }
 }
 
-/// The comment, in lines that begin with `//`.
+/// The comment of the program, in lines that begin with `//`.
 pub(super) fn normals_header(language: Language) -> String {
-    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"));
+    commented(&format!("{}{EXAMPLE}{}\n\n{}", about(), bindings(language), check()))
+}
+
+/// The comment of the text to include.
+#[cfg(feature = "shaders")]
+pub(super) fn normals_include_header() -> String {
+    commented(&format!("{}{USE}\n{}", about(), check()))
+}
+
+fn about() -> String {
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"))
+}
+
+/// The values to check a port against.
+fn check() -> String {
     let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
     let values: Vec<String> = CASES
         .iter()
@@ -62,10 +88,9 @@ pub(super) fn normals_header(language: Language) -> String {
             )
         })
         .collect();
-    commented(&format!(
-        "{about}{}\n\nCHECK\n  The parts of the one-sided rectangle {corners},\n  by rules 0 | 1 | 2. A port in 32 bits \
+    format!(
+        "CHECK\n  The parts of the one-sided rectangle {corners},\n  by rules 0 | 1 | 2. A port in 32 bits \
          comes within 0.00002 of each number.\n{}",
-        bindings(language),
         values.concat()
-    ))
+    )
 }

@@ -4,7 +4,8 @@
 use super::translate::translate;
 use super::{header::header, language::Language, lit_by::LitBy, normals_header::normals_header, sources::ported};
 
-/// Why there is no translation: a defect of the shaders or of naga, since no argument of the caller leads here.
+/// Why there is no translation: a language that has no such text ([`Language::has_programs`], [`Language::has_includes`]), or a
+/// defect of the shaders or of naga.
 #[cfg(feature = "shaders")]
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {reason}", language.name())]
@@ -56,7 +57,9 @@ pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Por
 #[cfg(feature = "shaders")]
 fn version_line(language: Language, code: &[u8]) -> usize {
     match language {
-        Language::Glsl | Language::GlslEs => code.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1),
+        Language::Glsl | Language::Glsl330 | Language::GlslEs => {
+            code.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1)
+        }
         Language::Wgsl | Language::Spirv | Language::Hlsl | Language::Msl => 0,
     }
 }

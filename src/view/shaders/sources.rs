@@ -13,8 +13,10 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 8] = [
+pub const SHADERS: [Shader; 10] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
+    Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
+    Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
     Shader { name: "ltc_light", source: include_str!("../../../shaders/ltc_light.wgsl") },
     Shader { name: "normals_light", source: include_str!("../../../shaders/normals_light.wgsl") },
@@ -25,11 +27,12 @@ pub const SHADERS: [Shader; 8] = [
 ];
 
 /// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
-const PORTED: [&str; 4] = ["ltc_math", "ltc_table", "ltc_light", "ltc_example"];
+const PORTED: [&str; 5] = ["ltc_math", "nodes_storage", "ltc_table", "ltc_light", "ltc_example"];
 const PORTED_NORMALS: [&str; 3] = ["ltc_math", "normals_light", "normals_example"];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 6] = ["ltc_math", "ltc_table", "ltc_light", "normals_light", "ggx_reference", "sphere"];
+const PREVIEWED: [&str; 7] =
+    ["ltc_math", "nodes_storage", "ltc_table", "ltc_light", "normals_light", "ggx_reference", "sphere"];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
 pub(in crate::view) fn joined(names: &[&str]) -> String {
@@ -88,7 +91,7 @@ pub(in crate::view) fn preview_module() -> String {
 /// What reads tables of every layout, without an entry point.
 #[cfg(all(test, feature = "render"))]
 pub(in crate::view) fn table_reader() -> String {
-    module(&["ltc_math", "ltc_table"], Layout::ALL)
+    module(&["ltc_math", "nodes_storage", "ltc_table"], Layout::ALL)
 }
 
 /// The module that other renderers take.
@@ -96,6 +99,16 @@ pub(super) fn ported(lit_by: LitBy) -> String {
     match lit_by {
         LitBy::Table(layout) => module(&PORTED, &[layout]),
         LitBy::Normals => joined(&PORTED_NORMALS),
+    }
+}
+
+/// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
+#[cfg(feature = "shaders")]
+pub(super) fn functions(lit_by: LitBy, has_storage: bool) -> String {
+    let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
+    match lit_by {
+        LitBy::Table(layout) => module(&["ltc_math", nodes, "ltc_table", "ltc_light"], &[layout]),
+        LitBy::Normals => joined(&["ltc_math", "normals_light"]),
     }
 }
 
@@ -130,10 +143,11 @@ mod tests {
     #[test]
     fn each_shader_is_valid_with_what_it_says_it_needs() {
         validate(&["ltc_math"]);
-        validate(&["ltc_math", "ltc_table"]);
+        validate(&["ltc_math", "nodes_storage", "ltc_table"]);
+        validate(&["ltc_math", "nodes_uniform", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
         validate(&["ltc_math", "normals_light"]);
-        validate(&["ltc_math", "ltc_table", "ltc_light"]);
+        validate(&["ltc_math", "nodes_storage", "ltc_table", "ltc_light"]);
         validate(&PORTED);
         validate(&PORTED_NORMALS);
         validate(&["ltc_math", "ggx_reference"]);

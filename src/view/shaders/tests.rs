@@ -8,6 +8,10 @@ fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
     port(language, lit_by).unwrap_or_else(|error| panic!("{lit_by:?}: {error}"))
 }
 
+fn programs() -> impl Iterator<Item = Language> {
+    Language::ALL.into_iter().filter(|language| language.has_programs())
+}
+
 fn text(language: Language, lit_by: impl Into<LitBy>) -> String {
     String::from_utf8(ported(language, lit_by)).expect("UTF-8")
 }
@@ -34,7 +38,7 @@ fn numbers_after<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = Vec<f
 #[test]
 fn every_language_has_header_and_functions_of_either_layout() {
     for &layout in Layout::ALL {
-        for language in Language::ALL.into_iter().filter(|language| *language != Language::Spirv) {
+        for language in programs().filter(|language| *language != Language::Spirv) {
             let text = text(language, layout);
             let name = language.name();
             let header = header(language, layout);
@@ -56,7 +60,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
 
 #[test]
 fn every_language_has_the_shader_without_a_table() {
-    for language in Language::ALL.into_iter().filter(|language| *language != Language::Spirv) {
+    for language in programs().filter(|language| *language != Language::Spirv) {
         let (text, name) = (text(language, LitBy::Normals), language.name());
         let header = normals_header(language);
         assert!(header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 124), "{name}");
@@ -164,7 +168,7 @@ fn metal_and_opengl_bind_where_the_header_says() {
 
 #[test]
 fn the_same_arguments_give_the_same_bytes() {
-    for language in Language::ALL {
+    for language in programs() {
         assert_eq!(ported(language, Layout::Reflected), ported(language, Layout::Reflected), "{}", language.name());
     }
 }
@@ -196,4 +200,74 @@ fn the_cases_try_every_fold_and_the_light_matters_in_each() {
         let covered = case.golden(layout).covered;
         assert!((0.02..0.98).contains(&covered), "{layout:?} {case:?}: {covered}");
     }
+}
+
+/// Every text to include, by language, what it lights by, and filter.
+fn includes() -> impl Iterator<Item = (Language, LitBy, Filter, String)> {
+    let lit_by = [LitBy::Table(Layout::Reflected), LitBy::Table(Layout::Kt2022), LitBy::Normals];
+    let languages = Language::ALL.into_iter().filter(|language| language.has_includes());
+    languages.flat_map(move |language| {
+        lit_by.into_iter().flat_map(move |lit_by| {
+            [Filter::Exact, Filter::Hardware].into_iter().map(move |filter| {
+                let text = include(language, lit_by, filter).unwrap_or_else(|error| panic!("{lit_by:?}: {error}"));
+                (language, lit_by, filter, text)
+            })
+        })
+    })
+}
+
+#[test]
+fn what_is_included_has_functions_and_no_program() {
+    for (language, lit_by, _, text) in includes() {
+        let name = language.name();
+        for word in ["MIT OR Apache-2.0", "FUNCTIONS", "USE", "CHECK"] {
+            assert!(text.contains(word), "{name}: {word}");
+        }
+        let code = code(&text);
+        for word in
+            ["main(", "ltc_included", "ltc_example", "normals_example", "#version", "@compute", "numthreads", "_group_"]
+        {
+            assert!(!code.contains(word), "{name}: {word}");
+        }
+        let functions: &[&str] = match lit_by {
+            LitBy::Table(_) => &["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk"],
+            LitBy::Normals => &["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"],
+        };
+        for function in functions {
+            assert!(code.contains(&format!("{function}(")), "{name}: {function}");
+        }
+        assert!(lit_by != LitBy::Normals || !code.contains("ltc_table"), "{name}");
+    }
+}
+
+#[test]
+fn what_is_included_binds_what_its_comment_says() {
+    let included = |language, filter| code(&include(language, Layout::Reflected, filter).expect("a text"));
+    let glsl = included(Language::Glsl, Filter::Exact);
+    for line in [
+        "layout(std140, binding = 0) uniform ",
+        "layout(std430, binding = 1) readonly buffer ",
+        "layout(binding = 2) uniform sampler3D ltc_matrix_a;",
+        "layout(binding = 3) uniform sampler3D ltc_matrix_b;",
+        "layout(binding = 4) uniform sampler3D ltc_terms;",
+    ] {
+        assert_eq!(glsl.matches(line).count(), 1, "{line}:\n{glsl}");
+    }
+    for language in [Language::Glsl330, Language::GlslEs] {
+        for (filter, fetch) in [(Filter::Exact, "texelFetch("), (Filter::Hardware, "textureLod(")] {
+            let text = included(language, filter);
+            for line in ["uniform LtcTable ltc_table;", "uniform LtcNodes ltc_nodes;", "sampler3D ltc_matrix_a;"] {
+                assert_eq!(text.matches(line).count(), 1, "{} {line}:\n{text}", language.name());
+            }
+            assert!(text.contains(fetch) && !text.contains("buffer"), "{} {filter:?}", language.name());
+        }
+    }
+    let hlsl = included(Language::Hlsl, Filter::Hardware);
+    for register in ["b0)", "t1)", "t2)", "t3)", "t4)", "s5)"] {
+        assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
+    }
+    assert!(!hlsl.contains("nagaSampler") && !included(Language::Hlsl, Filter::Exact).contains("ltc_sampler"));
+    let refused = include(Language::Spirv, Layout::Reflected, Filter::Exact).expect_err("no text");
+    assert!(refused.to_string().contains("include"), "{refused}");
+    assert!(port(Language::Glsl330, LitBy::Normals).expect_err("no program").to_string().contains("compute"));
 }

@@ -1,0 +1,17 @@
+//! Models of light and their rules, by the names that they have everywhere.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+
+use crate::light::{LightModel, WeightRule};
+
+/// A model of light by its name.
+pub(super) fn models() -> impl clap::builder::TypedValueParser<Value = LightModel> {
+    PossibleValuesParser::new(LightModel::ALL.iter().map(|model| model.name()))
+        .try_map(|name| LightModel::from_name(&name).ok_or("no model"))
+}
+
+/// A rule of the weight by its name.
+pub(super) fn weights() -> impl clap::builder::TypedValueParser<Value = WeightRule> {
+    PossibleValuesParser::new(WeightRule::ALL.iter().map(|rule| rule.name()))
+        .try_map(|name| WeightRule::from_name(&name).ok_or("no rule"))
+}

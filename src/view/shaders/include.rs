@@ -1,0 +1,54 @@
+//! The shader as text to include: functions and what they bind, no program.
+
+use super::{
+    Filter, Language, LitBy, PortError,
+    header::table_include_header,
+    normals_header::normals_include_header,
+    sources::functions,
+    translate::{Included, translate_functions},
+};
+
+/// The fragment shader that reaches every function of a table's light.
+const TABLE_ENTRY: &str = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));
+    let inverse = ltc_inverse(lobe.m);
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let disk = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], true);
+    return vec4(ltc_rectangle(inverse, corners, true), ltc_polygon(inverse, vertices, 4u, true), disk, lobe.fresnel);
+}
+";
+/// The same for the light in the space of normals.
+const NORMALS_ENTRY: &str = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let disk = normals_disk(view, vertices[0], vertices[1], vertices[2], true, 0u);
+    return vec4(normals_rectangle(view, corners, true, 0u) + normals_polygon(view, &vertices, 4u, true, 0u), disk);
+}
+";
+
+/// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a port
+/// has to reproduce.
+///
+/// `filter` says who interpolates a table's entries; model normals has none. In WGSL it is the constant
+/// `ltc_hardware_filter`, and the text is the same for both.
+///
+/// # Errors
+/// SPIR-V, which has no text, or a defect of the shaders or of naga.
+pub fn include(language: Language, lit_by: impl Into<LitBy>, filter: Filter) -> Result<String, PortError> {
+    let lit_by = lit_by.into();
+    let has_storage = !matches!(language, Language::Glsl330 | Language::GlslEs);
+    let (entry, filter, header) = match lit_by {
+        LitBy::Table(layout) => (TABLE_ENTRY, Some(filter), table_include_header(language, layout, filter)),
+        LitBy::Normals => (NORMALS_ENTRY, None, normals_include_header()),
+    };
+    let source = format!("{}{entry}", functions(lit_by, has_storage));
+    let included = Included { source: &source, entry: "ltc_included", filter };
+    let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
+    Ok(format!("{header}\n{text}"))
+}
