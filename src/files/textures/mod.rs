@@ -18,6 +18,6 @@ pub use about::About;
 pub use containers::TextureContainer;
 pub use engines::{Bundle, Engine};
 pub use file::{TextureFile, TextureFileError};
-pub use own::{NoTextures, layout_names, textures_of};
+pub use own::{NoTextures, layout_names, sampling_of, textures_of};
 pub use rounding::{Rounded, RoundingError, round};
 pub use texture::{Texture, TextureError};

@@ -62,3 +62,77 @@ pub fn textures_of(table: &Table, layout: &str) -> Result<Vec<Texture>, NoTextur
         })?,
     ])
 }
+
+/// How a shader reads these textures, for people: what the axes are, and the nodes, which need not be evenly spaced.
+#[must_use]
+pub fn sampling_of(table: &Table) -> Vec<String> {
+    let nodes = |nodes: &[f64]| nodes.iter().map(|x| (*x as f32).to_string()).collect::<Vec<_>>().join(" ");
+    let order = "x = phi, y = ratio * (nodes of theta) + theta, z = alpha; linear weights between nodes";
+    let shader =
+        format!("layout {}; read by the shader that `ltcforge shader --layout {}` writes", table.layout, table.layout);
+    let axes = table.axes.named().map(|(name, axis)| format!("nodes of {name}: {}", nodes(axis)));
+    [shader, order.to_owned()].into_iter().chain(axes).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        files::recipe_document,
+        fit::{Recipe, Terms},
+    };
+
+    /// A table whose numbers tell their places.
+    fn planted() -> Table {
+        let document = br#"{"layout": "kt2022", "resolution": {"alpha": 2, "ratio": 3, "theta": 4, "phi": 5}}"#;
+        let recipe: Recipe = recipe_document::parse(document, u64::MAX).expect("a recipe");
+        let entries = 2 * 3 * 4 * 5;
+        let matrix = (0..entries).map(|i| std::array::from_fn(|j| (i * 16 + j) as f32)).collect();
+        let term = |place: usize| (0..entries).map(|i| (i * 16 + place) as f32).collect();
+        Table {
+            brdf: recipe.brdf,
+            lobe: recipe.lobe,
+            layout: recipe.layout,
+            axes: recipe.nodes(),
+            matrix,
+            terms: Some(Terms { amplitude: term(9), fresnel: term(10) }),
+            node_error: vec![0.0; entries],
+        }
+    }
+
+    #[test]
+    fn three_textures_have_an_entry_in_the_order_of_the_file() {
+        let textures = textures_of(&planted(), "kt2022").expect("textures");
+        assert_eq!(
+            textures.iter().map(|t| t.name.as_str()).collect::<Vec<_>>(),
+            ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"]
+        );
+        for (i, texture) in textures.iter().enumerate() {
+            assert_eq!([texture.width, texture.height, texture.depth, texture.layers], [5, 12, 2, 1]);
+            for (entry, texel) in texture.texels.chunks(4).enumerate() {
+                let expected: [f32; 4] = std::array::from_fn(|j| (entry * 16 + 4 * i + j) as f32);
+                let known = if i == 2 { 3 } else { 4 };
+                assert_eq!(texel[..known], expected[..known], "{} {entry}", texture.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_without_terms_reflects_all_light() {
+        let textures = textures_of(&Table { terms: None, ..planted() }, "kt2022").expect("textures");
+        assert!(textures[2].texels.chunks(4).all(|texel| texel[1..] == [1.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn another_layout_is_refused_with_the_recipe_that_has_it() {
+        let refused = |layout: &str| textures_of(&planted(), layout).expect_err(layout).to_string();
+        assert!(refused("reflected").contains("\"layout\": \"reflected\""));
+        assert!(refused("hdrp").contains("there are reflected, kt2022"));
+    }
+
+    #[test]
+    fn people_read_where_the_nodes_are() {
+        let lines = sampling_of(&planted());
+        assert!(lines.iter().any(|line| line == "nodes of alpha: 0.0001 1"), "{lines:?}");
+    }
+}

@@ -31,7 +31,8 @@ fn encode(stored: &Stored<'_>, about: &About) -> Result<Vec<u8>, TextureFileErro
     let texture = stored.texture;
     let size = Vec2(texture.width as usize, texture.height as usize);
     let slice_numbers = size.0 * size.1 * texture.channels.len();
-    let comments = Text::from(about.lines().join("\n").as_str());
+    // UTF-8, as OpenEXR's own library has it; the crate's checked constructors know Latin-1 alone.
+    let comments = Text::from_slice_unchecked(about.lines().join("\n").as_bytes());
     let mut layers: Vec<Layer<AnyChannels<FlatSamples>>> = Vec::new();
     for (place, slice) in stored.rounded.numbers.chunks_exact(slice_numbers).enumerate() {
         let name =

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::*;
 use crate::files::textures::rounding::round;
 
-const ABOUT: [&str; 2] = ["table 1234", "licence: */ \"CC0\" \\"];
+const ABOUT: [&str; 2] = ["table 1234 → «ü»", "licence: */ \"CC0\" \\"];
 
 fn about() -> About {
     About::new(ABOUT)
@@ -107,8 +107,8 @@ fn read_exr(file: &[u8], texture: &Texture) -> Vec<f32> {
     let mut texels = Vec::new();
     for layer in &image.layer_data {
         assert_eq!([layer.size.0, layer.size.1], [texture.width as usize, texture.height as usize]);
-        let comments = layer.attributes.comments.as_ref().expect("comments").to_string();
-        assert_eq!(comments, ABOUT.join("\n"));
+        let comments = layer.attributes.comments.as_ref().expect("comments");
+        assert_eq!(comments.as_slice(), ABOUT.join("\n").as_bytes());
         let channels: Vec<Vec<f32>> = texture
             .channels
             .iter()
