@@ -40,7 +40,7 @@ fn plain(exponential: &str) -> String {
     let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
     let digits = digits.trim_end_matches('0');
     let digits = if digits.is_empty() { "0" } else { digits };
-    let count = digits.len() as i32;
+    let count = i32::try_from(digits.len()).unwrap_or(i32::MAX);
     match exponent {
         // All digits before the point.
         _ if (count - 1..6).contains(&exponent) => {

@@ -3,11 +3,14 @@
 use super::texture::{Texture, TextureError};
 use crate::fit::{Layout, Table};
 
+/// The layouts whose tables a shader of ours reads as they are stored.
+const OWN: [Layout; 2] = [Layout::Reflected, Layout::Kt2022];
+
 /// Why a table has no textures of a layout.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoTextures {
-    /// A layout that is not known.
-    #[error("layout «{name}» is not known; there are {}", layout_names().join(", "))]
+    /// A layout without textures.
+    #[error("there are no textures of layout «{name}»; there are of {}", layout_names().join(", "))]
     UnknownLayout {
         /// Its name.
         name: String,
@@ -30,7 +33,7 @@ pub enum NoTextures {
 /// The layouts that [`textures_of`] knows.
 #[must_use]
 pub fn layout_names() -> Vec<&'static str> {
-    Layout::ALL.iter().map(|layout| layout.name()).collect()
+    OWN.iter().map(|layout| layout.name()).collect()
 }
 
 /// The table as three 3D textures: `ltc_matrix_a`, `ltc_matrix_b` and `ltc_terms`, in the order in which a file stores its
@@ -40,7 +43,8 @@ pub fn layout_names() -> Vec<&'static str> {
 /// # Errors
 /// When the layout is not known or not the table's, or an axis is too long.
 pub fn textures_of(table: &Table, layout: &str) -> Result<Vec<Texture>, NoTextures> {
-    let asked = Layout::from_name(layout).ok_or_else(|| NoTextures::UnknownLayout { name: layout.to_owned() })?;
+    let unknown = || NoTextures::UnknownLayout { name: layout.to_owned() };
+    let asked = OWN.into_iter().find(|own| own.name() == layout).ok_or_else(unknown)?;
     if table.layout != asked {
         return Err(NoTextures::OtherLayout { table: table.layout, asked });
     }
@@ -127,7 +131,7 @@ mod tests {
     fn another_layout_is_refused_with_the_recipe_that_has_it() {
         let refused = |layout: &str| textures_of(&planted(), layout).expect_err(layout).to_string();
         assert!(refused("reflected").contains("\"layout\": \"reflected\""));
-        assert!(refused("hdrp").contains("there are reflected, kt2022"));
+        assert!(refused("hdrp").contains("there are of reflected, kt2022"));
     }
 
     #[test]

@@ -167,6 +167,7 @@ impl Texture {
     }
 
     /// The numbers of each 2D slice: of each depth of the first layer, then of the next.
+    #[must_use]
     pub fn slices(&self) -> impl ExactSizeIterator<Item = &[f32]> {
         self.texels.chunks_exact(self.width as usize * self.height as usize * self.channels.len())
     }

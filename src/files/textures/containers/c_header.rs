@@ -1,5 +1,7 @@
 //! A header for C99 and C++.
 
+use std::fmt::Write as _;
+
 use super::rules::{ContainerRules, Stored, Written, one_text};
 use crate::{
     files::textures::{about::About, digits::shortest, file::TextureFileError},
@@ -21,11 +23,12 @@ impl ContainerRules for Rules {
                 Precision::F32 => "float",
                 Precision::F16 => "uint16_t",
             };
-            text += &format!("\n// {}\n", stored.described());
+            // Writing to a String cannot fail.
+            let _ = write!(text, "\n// {}\n", stored.described());
             for (side, value) in sides(stored) {
-                text += &format!("#define {upper}_{side} {value}\n");
+                let _ = writeln!(text, "#define {upper}_{side} {value}");
             }
-            text += &format!("static const {number_type} {name}[{count}] = {{\n{}}};\n", numbers(stored, "f"));
+            let _ = write!(text, "static const {number_type} {name}[{count}] = {{\n{}}};\n", numbers(stored, "f"));
         }
         text += "\n#endif\n";
         Ok(one_text(stem, "h", text))

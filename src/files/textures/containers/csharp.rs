@@ -1,5 +1,7 @@
 //! A class for C#.
 
+use std::fmt::Write as _;
+
 use super::{
     c_header::{numbers, sides},
     rules::{ContainerRules, Stored, Written, one_text},
@@ -22,12 +24,14 @@ impl ContainerRules for Rules {
                 Precision::F32 => "float",
                 Precision::F16 => "ushort",
             };
-            text += &format!("\n    // {}\n", stored.described());
+            // Writing to a String cannot fail.
+            let _ = write!(text, "\n    // {}\n", stored.described());
             for (side, value) in sides(stored) {
-                text += &format!("    public const int {upper}_{side} = {value};\n");
+                let _ = writeln!(text, "    public const int {upper}_{side} = {value};");
             }
             let numbers = numbers(stored, "f");
-            text += &format!(
+            let _ = write!(
+                text,
                 "    public static readonly {number_type}[] {name} = new {number_type}[]\n    {{\n{numbers}    }};\n"
             );
         }

@@ -117,7 +117,7 @@ pub(in crate::files::textures) fn dx10(stored: &Stored<'_>) -> Result<Vec<u8>, T
 /// The crate counts bytes in 32 bits.
 fn small_enough(stored: &Stored<'_>) -> Result<(), TextureFileError> {
     let bytes = stored.rounded.numbers.len() as u64 * stored.rounded.number_bytes() as u64;
-    if bytes <= u64::from(u32::MAX) {
+    if u32::try_from(bytes).is_ok() {
         return Ok(());
     }
     Err(stored.unsupported(NAME, "texels", format!("{bytes} bytes"), "less than 4 GiB"))

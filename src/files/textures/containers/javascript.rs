@@ -1,5 +1,7 @@
 //! An ES module.
 
+use std::fmt::Write as _;
+
 use super::{
     c_header::sides,
     rules::{ContainerRules, Stored, Written, one_text},
@@ -19,9 +21,10 @@ impl ContainerRules for Rules {
             let upper = stored.texture.name.to_ascii_uppercase();
             text += "\n";
             for (side, value) in sides(stored) {
-                text += &format!("export const {upper}_{side} = {value};\n");
+                // Writing to a String cannot fail.
+                let _ = writeln!(text, "export const {upper}_{side} = {value};");
             }
-            text += &format!("// {}\nexport {}", stored.described(), constant(&stored.texture.name, stored));
+            let _ = write!(text, "// {}\nexport {}", stored.described(), constant(&stored.texture.name, stored));
         }
         Ok(one_text(stem, "js", text))
     }

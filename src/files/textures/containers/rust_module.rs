@@ -1,5 +1,7 @@
 //! A module for Rust.
 
+use std::fmt::Write as _;
+
 use super::{
     c_header::{numbers, sides},
     rules::{ContainerRules, Stored, Written, one_text},
@@ -23,11 +25,12 @@ impl ContainerRules for Rules {
             };
             text += "\n";
             for (side, value) in sides(stored) {
-                text += &format!("pub const {upper}_{side}: u32 = {value};\n");
+                // Writing to a String cannot fail.
+                let _ = writeln!(text, "pub const {upper}_{side}: u32 = {value};");
             }
-            text += &format!("/// {}\n#[rustfmt::skip]\n", stored.described());
+            let _ = write!(text, "/// {}\n#[rustfmt::skip]\n", stored.described());
             text += "#[allow(clippy::all, clippy::pedantic)]\n";
-            text += &format!("pub static {upper}: [{number_type}; {count}] = [\n{}];\n", numbers(stored, ""));
+            let _ = write!(text, "pub static {upper}: [{number_type}; {count}] = [\n{}];\n", numbers(stored, ""));
         }
         Ok(one_text(stem, "rs", text))
     }

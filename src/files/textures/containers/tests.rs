@@ -19,7 +19,8 @@ fn about() -> About {
 fn planted(sides: [u32; 3], layers: u32, channels: usize) -> Texture {
     let names = ["r", "g", "b", "a", "fifth"];
     let count = sides.iter().product::<u32>() as usize * layers as usize * channels;
-    let texels = (0..count).map(|i| (i as f32 * 0.7).sin() * 10.0_f32.powi(i as i32 % 9 - 5)).collect();
+    let texels =
+        (0..count).map(|i| (i as f32 * 0.7).sin() * 10.0_f32.powi([-5, -4, -3, -2, -1, 0, 1, 2, 3][i % 9])).collect();
     Texture::new("LTC_1", sides, layers, &names[..channels], texels).expect("a texture")
 }
 

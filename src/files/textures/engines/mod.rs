@@ -35,7 +35,7 @@ named_list! {
         Three = "three" => three::Rules,
         /// Babylon.js.
         Babylon = "babylon" => babylon::Rules,
-        /// PlayCanvas.
+        /// `PlayCanvas`.
         PlayCanvas = "playcanvas" => playcanvas::Rules,
         /// Bevy.
         Bevy = "bevy" => bevy::Rules,

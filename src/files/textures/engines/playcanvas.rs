@@ -1,9 +1,11 @@
-//! PlayCanvas, as of 2.23.3 (npm).
+//! `PlayCanvas`, as of 2.23.3 (npm).
 //!
 //! `app.setAreaLightLuts(m1, m2)` takes two arrays of 64 x 64 x 4 numbers and turns each number into a half itself
 //! (`AreaLightLuts.set`, `FloatPacking.float2Half`, which rounds to nearest). The file therefore has numbers that are
 //! halfs already, in the digits that suffice for halfs. The shader samples at max((1 - gloss)^2, 0.001) and
 //! sqrt(1 - cos theta), with the half texel of 64 x 64.
+
+use std::fmt::Write as _;
 
 use serde_json::json;
 
@@ -13,7 +15,7 @@ use crate::{
     fit::Precision,
 };
 
-/// PlayCanvas.
+/// `PlayCanvas`.
 pub(super) struct Rules;
 
 impl EngineRules for Rules {
@@ -28,7 +30,8 @@ impl EngineRules for Rules {
         for (key, stored) in [("LTC_MAT_1", &first), ("LTC_MAT_2", &second)] {
             let number = |x: &f32| shortest(*x, Precision::F16);
             let numbers: Vec<String> = stored.rounded.numbers.iter().map(number).collect();
-            text += &format!(",\n\"{key}\":[{}]", numbers.join(","));
+            // Writing to a String cannot fail.
+            let _ = write!(text, ",\n\"{key}\":[{}]", numbers.join(","));
         }
         text += "}\n";
         let steps = [
