@@ -16,6 +16,7 @@ pub(super) const FIRST: &str = "LTC_1";
 pub(super) const SECOND: &str = "LTC_2";
 /// Texels along each side of their textures.
 pub(super) const SIZE: u32 = 64;
+
 /// What a bundle is made of.
 pub(crate) struct Source<'a> {
     pub(super) engine: &'static str,
