@@ -46,7 +46,7 @@ test-native:
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	@set -e; for feature in '' shaders render server client cli; do \
+	@set -e; for feature in '' shaders render server textures client cli; do \
 		echo "features: $${feature:-none}"; \
 		$(CARGO) clippy --locked --no-default-features --features "$$feature" -- -D warnings; \
 	done

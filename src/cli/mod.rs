@@ -9,6 +9,7 @@ mod connections;
 mod context;
 mod csv;
 mod exit;
+mod export;
 mod fit;
 mod fsck;
 mod input;

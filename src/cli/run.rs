@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    fit, fsck, jobs, light, lookup, plot, preview, print, pull, report, serve, shader, tradeoff, verify,
+    export, fit, fsck, jobs, light, lookup, plot, preview, print, pull, report, serve, shader, tradeoff, verify,
 };
 use crate::client::Client;
 
@@ -29,6 +29,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Plot(args) => plot::run(&args, json, context),
         Command::Tradeoff(args) => tradeoff::run(&args, json, context),
         Command::Shader(args) => shader::run(&args, json, context),
+        Command::Export(args) => export::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
         Command::Pull(args) => {
             let servers = pull::Servers { chosen: server.as_deref(), usual: file.server.as_deref() };

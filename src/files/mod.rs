@@ -8,3 +8,5 @@ pub mod job;
 pub mod manifest;
 pub mod recipe_document;
 pub mod replace;
+#[cfg(feature = "textures")]
+pub mod textures;

@@ -4,6 +4,7 @@
 mod common;
 
 mod answers;
+mod exports;
 mod lights;
 mod lock_file;
 mod outputs;

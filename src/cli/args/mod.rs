@@ -2,6 +2,7 @@
 //! file, that before the default.
 
 mod connections;
+mod export;
 mod fitting;
 mod jobs;
 mod light;
@@ -15,6 +16,7 @@ use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
 pub(super) use connections::{ClientSeconds, ConnectionArgs};
+pub(super) use export::ExportArgs;
 pub(super) use fitting::{FitArgs, FsckArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
@@ -65,6 +67,8 @@ pub enum Command {
     Tradeoff(TradeoffArgs),
     /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
     Shader(ShaderArgs),
+    /// Write a table as the textures that an engine loads, and say where they go
+    Export(ExportArgs),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
     /// Download the tables pinned in ltcforge.lock that are missing or have other bytes
@@ -119,6 +123,7 @@ impl Command {
             | Self::Preview(_)
             | Self::Plot(_)
             | Self::Shader(_)
+            | Self::Export(_)
             | Self::Jobs(_)
             | Self::Verify(_)
             | Self::Completions { .. } => OnInterrupt::Ends,
@@ -163,6 +168,14 @@ mod tests {
             "ltcforge serve --workers 0",
             "ltcforge verify",
             "ltcforge light",
+            "ltcforge export table -o out",
+            "ltcforge export table --for three",
+            "ltcforge export table --for unity -o out",
+            "ltcforge export table --for three --layout kt2022 --container ktx2 -o out",
+            "ltcforge export table --layout kt2022 -o out",
+            "ltcforge export table --container ktx2 -o out",
+            "ltcforge export table --for three --precision half -o out",
+            "ltcforge export table --layout kt2022 --container ktx2 --precision double -o out",
             "ltcforge light - --model sum",
             "ltcforge light - --weight most",
             "ltcforge tradeoff paper",

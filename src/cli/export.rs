@@ -1,0 +1,104 @@
+//! `export`: a table in the files of engines, or as textures in a format of one's own choice.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use super::{
+    CommandFailure, Context, Exit,
+    args::ExportArgs,
+    file_failure,
+    input::{AnyTable, Origin},
+    output::check_output_folder,
+    print, shown,
+};
+use crate::{
+    files::{
+        digest::Digest,
+        manifest::table_report,
+        replace::replace_file,
+        textures::{About, Bundle, RoundingError, TextureFile, TextureFileError, sampling_of, textures_of},
+    },
+    fit::Precision,
+};
+
+/// What files that hold all textures are called.
+const STEM: &str = "ltc";
+
+/// Writes the files, and says what to do with them.
+pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    check_output_folder(&args.out)?;
+    let read = AnyTable::read(&args.table)?;
+    let layout = match (&args.layout, args.engine.and_then(|engine| engine.layout())) {
+        (Some(layout), _) => layout.as_str(),
+        (None, Some(layout)) => layout,
+        (None, None) => read.table.layout.name(),
+    };
+    let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
+    let textures = textures_of(&read.table, layout).map_err(|error| refused(&error))?;
+    let about = args.threads.pool()?.install(|| about(&read));
+    let made = match (args.engine, args.container) {
+        (Some(engine), _) => engine.bundle(&textures, &read.table.axes, &about),
+        (None, Some(container)) => {
+            let precision = args.precision.unwrap_or(Precision::F32);
+            container.files(STEM, &textures, precision, &about).map(|files| Bundle { files, steps: vec![] })
+        }
+        (None, None) => Err(TextureFileError::Empty),
+    };
+    let Bundle { files, steps } = made.map_err(|error| refused(&error))?;
+    for file in &files {
+        let path = args.out.join(&file.path);
+        replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
+    }
+    let list: Vec<_> = files
+        .iter()
+        .map(|file| {
+            json!({
+                "file": shown(&args.out.join(&file.path)), "bytes": file.bytes.len(),
+                "sha256": Digest::of(&file.bytes).hex(), "rounding": file.rounding,
+            })
+        })
+        .collect();
+    let value = json!({
+        "table": read.digest, "for": args.engine, "layout": layout, "container": args.container, "files": list, "steps": steps,
+    });
+    print(context.stdout, json, &value, text(args, &files, &steps).trim_end())?;
+    Ok(Exit::Ok)
+}
+
+/// What the files say of themselves. Measures the table on the current rayon pool, where its file has a recipe.
+fn about(AnyTable { digest, table, origin, .. }: &AnyTable) -> About {
+    let recipe = match origin {
+        Origin::Recipe(recipe) => Some(recipe),
+        Origin::Range(_) => None,
+    };
+    let report = recipe.map(|recipe| table_report(table, recipe));
+    About::of_table(*digest, recipe, report.as_ref()).and(sampling_of(table))
+}
+
+/// The files, what rounding changed, and what to do.
+fn text(args: &ExportArgs, files: &[TextureFile], steps: &[String]) -> String {
+    let mut out = String::new();
+    for file in files {
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "{}  {} bytes", args.out.join(&file.path).display(), file.bytes.len());
+    }
+    let all = files.iter().fold(RoundingError::default(), |all, file| all.and(file.rounding));
+    if all != RoundingError::default() {
+        let RoundingError { relative, absolute_of_small, clamped, raised } = all;
+        let _ = writeln!(
+            out,
+            "rounded to 16 bits: relative error at most {relative:.1e}, of numbers below 6.1e-5 {absolute_of_small:.1e}"
+        );
+        if clamped + raised > 0 {
+            let _ = writeln!(
+                out,
+                "beyond the range of 16 bits: {clamped} became 65504, {raised} became 6.0e-8 in place of 0"
+            );
+        }
+    }
+    for step in steps {
+        let _ = writeln!(out, "{step}");
+    }
+    out
+}

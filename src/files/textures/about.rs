@@ -1,0 +1,94 @@
+//! What a file says of itself.
+
+use crate::{
+    files::{digest::Digest, recipe_document},
+    fit::{Recipe, Report},
+};
+
+/// The licence of the numbers: tables are facts about a BRDF, and whoever ships them should not have to ask.
+const LICENCE: &str = "licence of the numbers: CC0-1.0";
+
+/// The papers that a layout's numbers come from.
+const PAPERS: [&str; 2] = [
+    "Heitz, Dupuy, Hill, Neubelt: Real-Time Polygonal-Light Shading with Linearly Transformed Cosines, 2016",
+    "KT, Heitz, Dupuy, Narayanan: Bringing Linearly Transformed Cosines to Anisotropic GGX, 2022",
+];
+
+/// Lines for people that each file carries where its format has a place for them. A line holds no control characters.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct About {
+    lines: Vec<String>,
+}
+
+impl About {
+    /// These lines; a line break within one begins another, and other control characters become spaces.
+    pub fn new(lines: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
+        let mut clean = Vec::new();
+        for line in lines {
+            clean.extend(line.as_ref().lines().map(|line| {
+                line.chars()
+                    .map(|c| if c.is_control() || is_break(c) { ' ' } else { c })
+                    .collect::<String>()
+                    .trim_end()
+                    .to_owned()
+            }));
+        }
+        Self { lines: clean }
+    }
+
+    /// What is known of a table: its digest and its recipe's, how good it is, licence and papers.
+    #[must_use]
+    pub fn of_table(table: Digest, recipe: Option<&Recipe>, report: Option<&Report>) -> Self {
+        let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
+        lines.extend(recipe.map(|recipe| {
+            let document = recipe_document::canonical_json(recipe);
+            format!("recipe {}", Digest::of(document.as_bytes()))
+        }));
+        lines.extend(report.map(|report| {
+            let width = report.between.width.mean;
+            format!("mean error between nodes: {width:.4} of the lobe's width")
+        }));
+        lines.push(LICENCE.to_owned());
+        lines.extend(PAPERS.map(str::to_owned));
+        Self::new(lines)
+    }
+
+    /// The same, and more lines.
+    #[must_use]
+    pub fn and(mut self, lines: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
+        self.lines.extend(Self::new(lines).lines);
+        self
+    }
+
+    /// The lines.
+    #[must_use]
+    pub fn lines(&self) -> &[String] {
+        &self.lines
+    }
+
+    /// The lines as a comment of code, each behind `//`.
+    #[must_use]
+    pub(super) fn comment(&self) -> String {
+        // A backslash at the end would make the next line a part of the comment in C.
+        self.lines.iter().map(|line| format!("// {line}").trim_end_matches(['\\', ' ']).to_owned() + "\n").collect()
+    }
+}
+
+/// Characters that are no control characters, but end a line, and with it a comment, in some languages.
+fn is_break(c: char) -> bool {
+    matches!(c, '\u{2028}' | '\u{2029}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_line_ends_a_comment() {
+        let about = About::new(["one\ntwo", "a\u{2028}b\u{7}c\r", "\\"]);
+        assert_eq!(about.lines(), ["one", "two", "a b c", "\\"]);
+        let comment = about.comment();
+        assert_eq!(comment.lines().count(), 4);
+        assert!(comment.lines().all(|line| line.starts_with("//") && !line.ends_with('\\')), "{comment}");
+    }
+}

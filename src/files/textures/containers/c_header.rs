@@ -1,0 +1,61 @@
+//! A header for C99 and C++.
+
+use std::fmt::Write as _;
+
+use super::rules::{ContainerRules, Stored, Written, one_text};
+use crate::{
+    files::textures::{about::About, digits::shortest, file::TextureFileError},
+    fit::Precision,
+};
+
+/// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halfs.
+pub(super) struct Rules;
+
+impl ContainerRules for Rules {
+    fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
+        let guard =
+            format!("LTCFORGE_{}_H", stem.to_ascii_uppercase().replace(|c: char| !c.is_ascii_alphanumeric(), "_"));
+        let mut text = format!("{}#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n", about.comment());
+        for stored in textures {
+            let (name, count) = (&stored.texture.name, stored.rounded.numbers.len());
+            let upper = name.to_ascii_uppercase();
+            let number_type = match stored.rounded.precision {
+                Precision::F32 => "float",
+                Precision::F16 => "uint16_t",
+            };
+            // Writing to a String cannot fail.
+            let _ = write!(text, "\n// {}\n", stored.described());
+            for (side, value) in sides(stored) {
+                let _ = writeln!(text, "#define {upper}_{side} {value}");
+            }
+            let _ = write!(text, "static const {number_type} {name}[{count}] = {{\n{}}};\n", numbers(stored, "f"));
+        }
+        text += "\n#endif\n";
+        Ok(one_text(stem, "h", text))
+    }
+}
+
+/// The constants that tell a texture's sizes.
+pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
+    let texture = stored.texture;
+    let [width, height, depth, layers] =
+        [texture.width, texture.height, texture.depth, texture.layers].map(|n| n as usize);
+    [("WIDTH", width), ("HEIGHT", height), ("DEPTH", depth), ("LAYERS", layers), ("CHANNELS", texture.channels.len())]
+}
+
+/// The numbers as code has them: floats with `suffix`, halfs as their bits.
+pub(super) fn numbers(stored: &Stored<'_>, suffix: &str) -> String {
+    match stored.rounded.precision {
+        Precision::F32 => stored.rows(|i| float(stored.rounded.numbers[i]) + suffix),
+        Precision::F16 => {
+            let bits: Vec<u16> = stored.rounded.half_bits().collect();
+            stored.rows(|i| bits[i].to_string())
+        }
+    }
+}
+
+/// A number that is a float in every language: with a point or an exponent.
+fn float(x: f32) -> String {
+    let text = shortest(x, Precision::F32);
+    if text.contains(['.', 'e']) { text } else { text + ".0" }
+}

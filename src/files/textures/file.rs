@@ -1,0 +1,65 @@
+//! Files that were made of textures.
+
+use super::{rounding::RoundingError, texture::TextureError};
+
+/// A file that was made of textures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TextureFile {
+    /// Its path within the folder that it is written to, with `/` between names.
+    pub path: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// What rounding changed.
+    pub rounding: RoundingError,
+}
+
+/// Why textures are no file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TextureFileError {
+    /// A texture that contradicts itself.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+    /// No texture at all.
+    #[error("no texture was given; a file needs one or more")]
+    Empty,
+    /// Two textures of one name.
+    #[error("two textures are named «{name}»; each needs a name of its own")]
+    SameName {
+        /// The name.
+        name: String,
+    },
+    /// A texture that the format cannot hold.
+    #[error("«{name}»: {field} is {value}; {container} allows {allowed}")]
+    Unsupported {
+        /// The texture.
+        name: String,
+        /// What of it.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// The format.
+        container: &'static str,
+        /// What the format allows.
+        allowed: String,
+    },
+    /// An engine needs a texture that is not there.
+    #[error("{engine} needs a texture «{name}» of {wanted}; there are {found}")]
+    Missing {
+        /// The engine.
+        engine: &'static str,
+        /// The texture's name.
+        name: &'static str,
+        /// What the engine needs.
+        wanted: String,
+        /// What there is.
+        found: String,
+    },
+    /// The crate that writes the format refuses.
+    #[error("{container}: {reason}")]
+    Refused {
+        /// The format.
+        container: &'static str,
+        /// Its reason.
+        reason: String,
+    },
+}

@@ -1,0 +1,23 @@
+//! Textures as files: what engines load, include or compile in.
+//!
+//! A [`Texture`] is numbers with sizes and names. A container writes some of them in one format, an engine's bundle writes
+//! the files that this engine has, under its names.
+//!
+//! Invariant: equal arguments give equal bytes. No clock, no environment, no file is read or written here.
+
+mod about;
+mod containers;
+mod digits;
+mod engines;
+mod file;
+mod own;
+mod rounding;
+mod texture;
+
+pub use about::About;
+pub use containers::TextureContainer;
+pub use engines::{Bundle, Engine};
+pub use file::{TextureFile, TextureFileError};
+pub use own::{NoTextures, layout_names, sampling_of, textures_of};
+pub use rounding::{Rounded, RoundingError, round};
+pub use texture::{Texture, TextureError};

@@ -1,0 +1,106 @@
+//! A table in the files of engines, by the binary.
+
+use std::{fs, path::Path};
+
+use ltcforge::{Digest, files::textures::TextureContainer};
+use serde_json::Value;
+
+use crate::common::{
+    SMALL,
+    command::{run, run_with_stdin},
+};
+
+/// A folder with a table of layout `reflected`, by its path in it.
+fn folder_with_table() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run_with_stdin(folder.path(), ["fit", "-", "-o", "."], SMALL).exited(0);
+    let digest: Digest = fitted.last_line().parse().expect("a digest");
+    (folder, format!("{}.safetensors", digest.hex()))
+}
+
+/// What `--json` told, checked against the files that were written.
+fn told(folder: &Path, printed: &str) -> Value {
+    let told: Value = serde_json::from_str(printed).expect("JSON");
+    let files = told["files"].as_array().expect("files");
+    assert!(!files.is_empty());
+    for file in files {
+        let bytes = fs::read(folder.join(file["file"].as_str().expect("a path"))).expect("the file");
+        assert_eq!(file["bytes"], bytes.len());
+        assert_eq!(file["sha256"], Digest::of(&bytes).hex());
+    }
+    told
+}
+
+#[test]
+fn our_own_shader_gets_textures_and_what_its_buffers_hold() {
+    let (folder, table) = folder_with_table();
+    let here = folder.path();
+    let printed = run(here, ["export", &table, "--for", "wgpu", "-o", "a/b", "--json"]).exited(0);
+    let told = told(here, &printed.stdout);
+    assert_eq!(told["layout"], "reflected");
+    let names: Vec<&str> = told["files"].as_array().expect("files").iter().filter_map(|f| f["file"].as_str()).collect();
+    let expected = ["ltc_matrix_a.ktx2", "ltc_matrix_b.ktx2", "ltc_terms.ktx2", "ltc.json", "ltcforge.json"];
+    assert_eq!(names, expected.map(|name| format!("a/b/{name}")));
+
+    // A 3D texture of the table's nodes with its numbers, behind one header of KTX2.
+    let reader = ktx2::Reader::new(fs::read(here.join("a/b/ltc_terms.ktx2")).expect("a file")).expect("KTX2");
+    let header = reader.header();
+    assert_eq!([header.pixel_width, header.pixel_height, header.pixel_depth], [2, 4, 2]);
+    let about = reader.key_value_data().find(|(key, _)| *key == "ltcforge").expect("about").1;
+    let about = String::from_utf8_lossy(about);
+    for said in ["table sha256:", "recipe sha256:", "of the lobe's width", "CC0-1.0", "nodes of alpha: "] {
+        assert!(about.contains(said), "{said} is not in {about}");
+    }
+
+    // For people: each file and each step on a line; and the same bytes.
+    let again = run(here, ["export", &table, "--for", "wgpu", "-o", "again", "--threads", "1"]).exited(0);
+    assert!(again.stdout.starts_with("again/ltc_matrix_a.ktx2  "), "{}", again.stdout);
+    assert!(again.stdout.contains("Binding 0 is ltc_table"), "{}", again.stdout);
+    for name in expected {
+        assert!(fs::read(here.join("a/b").join(name)).ok() == fs::read(here.join("again").join(name)).ok(), "{name}");
+    }
+}
+
+#[test]
+fn each_format_is_written() {
+    let (folder, table) = folder_with_table();
+    let here = folder.path();
+    for container in TextureContainer::ALL {
+        for precision in ["half", "float"] {
+            let words = ["export", &table, "--layout", "reflected", "--container", container.name()];
+            let more = ["--precision", precision, "-o", "out", "--json"];
+            let told = told(here, &run(here, words.iter().chain(&more)).exited(0).stdout);
+            let relative = told["files"][0]["rounding"]["relative"].as_f64().expect("a number");
+            assert!((precision == "half") == (relative > 0.0) && relative < 1e-3, "{container} {precision}: {told}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_exported_is_one_line_and_no_file() {
+    let (folder, table) = folder_with_table();
+    let here = folder.path();
+    fs::write(here.join("file"), "old").expect("a file");
+    let kt2022 = "a recipe with \"layout\": \"kt2022\"";
+    let formats = ["--container", "ktx2"];
+    let cases: [(&[&str], i32, &str); 6] = [
+        (&[&table, "--layout", "kt2022", "-o", "out"], 2, kt2022),
+        (&[&table, "--layout", "cubic", "-o", "out"], 2, "«cubic»"),
+        (&[&table, "--layout", "reflected", "-o", "file"], 1, "file: no file can be made there"),
+        (&[&table, "--layout", "reflected", "-o", "file/below"], 1, "file/below: no file can be made there"),
+        (&[&table, "--layout", "reflected", "-o", "/proc/none"], 1, "/proc/none: no file can be made there"),
+        (&["./none", "--layout", "reflected", "-o", "out"], 1, "./none"),
+    ];
+    for (words, code, said) in cases {
+        let refused = run(here, ["export"].iter().chain(words).chain(&formats)).exited(code);
+        assert_eq!(refused.complaints().len(), 1, "{refused:#?}");
+        assert!(refused.complaints()[0].contains(said), "{said} is not in {}", refused.stderr);
+    }
+    assert_eq!(fs::read(here.join("file")).expect("the file"), b"old");
+    assert!(!here.join("out").exists());
+
+    // A folder lies where a file should.
+    fs::create_dir_all(here.join("taken/ltc_matrix_b.ktx2")).expect("a folder in the way");
+    let refused = run(here, ["export", &table, "--for", "wgpu", "-o", "taken"]).exited(1);
+    assert!(refused.complaints()[0].starts_with("taken/ltc_matrix_b.ktx2: "), "{}", refused.stderr);
+}
