@@ -56,7 +56,7 @@ function fileOf( folders, pathname ) {
 
 	const prefix = Object.keys( folders ).filter( ( start ) => pathname.startsWith( start ) ).sort( ( a, b ) => b.length - a.length )[ 0 ];
 	const folder = prefix && resolve( folders[ prefix ] );
-	const file = prefix && join( folder, pathname.slice( prefix.length ) || 'index.html' );
+	const file = prefix && join( folder, pathname.slice( prefix.length ), pathname.endsWith( '/' ) ? 'index.html' : '' );
 	if ( ! prefix || ! file.startsWith( folder + sep ) ) throw Object.assign( new Error( `no file at ${ pathname }` ), { code: 'ENOENT' } );
 	return file;
 
