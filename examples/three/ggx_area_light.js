@@ -70,8 +70,6 @@ export function withClosedFormAreaLights( material, normalsGlsl ) {
 
 	};
 
-	// Materials that differ in nothing else must not share three's program.
-	material.customProgramCacheKey = () => 'closed-form area lights';
 	return material;
 
 }

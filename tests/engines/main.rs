@@ -171,7 +171,8 @@ const NORMALS_ERROR: f64 = 0.0002;
 #[test]
 fn the_example_is_nearer_to_the_truth_than_three() {
     let Some(example) = script::<Example>("example.js", &[]) else { return };
-    let error = |name: &str| *example.errors.get(name).unwrap_or_else(|| panic!("{:?}, {:?}", example.errors, example.faults));
+    let error =
+        |name: &str| *example.errors.get(name).unwrap_or_else(|| panic!("{:?}, {:?}", example.errors, example.faults));
     tell(&format!("examples/three: mean error {:.5} by three.js, {:.5} by normals", error("stock"), error("normals")));
     assert_eq!(example.faults, [""; 0]);
     assert!(error("normals") < NORMALS_ERROR, "{:?}", example.errors);
