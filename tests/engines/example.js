@@ -25,7 +25,7 @@ try {
 		const faults = [];
 		const page = await openPage( browser, 'example', `http://127.0.0.1:${ server.address().port }/?width=${ width }&height=${ height }`, faults );
 		const failed = new Promise( ( _, reject ) => page.on( 'pageerror', reject ) );
-		await Promise.race( [ page.waitForFunction( 'window.errors', null, { timeout: 0 } ), failed ] );
+		await Promise.race( [ page.waitForFunction( 'window.errors' ), failed ] );
 		if ( values.picture ) {
 
 			await page.setViewportSize( { width: 3 * Number( width ) + 56, height: Number( height ) + 66 } );

@@ -47,7 +47,7 @@ export async function draw( tables ) {
 
 	// Textures of numbers are ready before their numbers are there: wait for the table itself.
 	const { LTC1, LTC2 } = scene._ltcTextures;
-	await Promise.all( [ LTC1, LTC2 ].map( ( texture ) => updated( texture ) ) );
+	await Promise.all( [ LTC1, LTC2 ].map( ( texture ) => updated( BABYLON, texture ) ) );
 
 	const drawn = [];
 	for ( const { f0, roughness, view } of pictures ) {
@@ -68,17 +68,20 @@ export async function draw( tables ) {
 
 }
 
-/** Resolves once a texture has got its numbers. */
-function updated( texture ) {
+/** Resolves once a texture has got its numbers; fails where Babylon says that it has none. */
+function updated( BABYLON, texture ) {
 
 	return new Promise( ( resolve, reject ) => {
 
-		const timeout = setTimeout( () => reject( new Error( 'the table has not been loaded' ) ), 20_000 );
+		BABYLON.Logger.OnNewCacheEntry = ( entry ) => {
+
+			if ( entry.includes( 'LTC' ) ) reject( new Error( entry ) );
+
+		};
 		const update = texture.update.bind( texture );
 		texture.update = ( data ) => {
 
 			update( data );
-			clearTimeout( timeout );
 			resolve();
 
 		};
