@@ -1,4 +1,5 @@
-# `make demo` and `make test` need a Rust toolchain and nothing else: what they lack of Debian's packages they install.
+# `make demo` and `make test` need a Rust toolchain and nothing else: what they lack of Debian's packages they install, and
+# for the tests in real engines what npm has.
 
 CARGO ?= cargo
 # As root apt-get runs as it is, otherwise through sudo.
@@ -7,13 +8,16 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
 # What checks translated shaders.
 TEST_PACKAGES := spirv-tools glslang-tools
+# What runs engines in a browser: WebGL by Mesa, and Node.js from wherever it came.
+BROWSER_PACKAGES = chromium-headless-shell libegl1 libgl1-mesa-dri \
+	$(shell command -v node >/dev/null || echo nodejs) $(shell command -v npm >/dev/null || echo npm)
 # A layer of Mesa's looks for a display to choose a device by, and complains where there is none.
 export NODEVICE_SELECT := 1
 # Mesa asks for it although it opens no window, and complains.
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo test test-native lint lint-core fmt bench packages clean
+.PHONY: help demo test test-native lint lint-core fmt bench packages browser clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -33,8 +37,17 @@ demo: packages
 	$(CARGO) build --release --locked
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
 
+# Not every system has these packages, and not every machine reaches npm's registry: the tests that need them say then
+# that they are skipped.
+browser:
+	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(BROWSER_PACKAGES)' \
+		|| echo '*** no browser: the tests in real engines will be skipped' >&2
+	@cd tests/engines && { [ node_modules/.package-lock.json -nt package-lock.json ] \
+		|| npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1; } \
+		|| echo '*** npm ci failed in tests/engines: the tests in real engines will be skipped' >&2
+
 test: EXTRA_PACKAGES := $(TEST_PACKAGES)
-test: packages
+test: packages browser
 	$(CARGO) test --locked
 	@$(MAKE) --no-print-directory test-native
 

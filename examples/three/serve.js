@@ -1,0 +1,99 @@
+// Serves the example: `npm start`, then the address that it prints.
+
+import { createServer } from 'node:http';
+import { readFile } from 'node:fs/promises';
+import { existsSync } from 'node:fs';
+import { extname, join, resolve, sep } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+import { truth } from './truth.js';
+
+const HERE = fileURLToPath( new URL( '.', import.meta.url ) );
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.json': 'application/json' };
+
+/** Most pixels along a side that the truth is computed for. */
+const MOST_PIXELS = 1024;
+
+/**
+ * Serves files on this machine alone.
+ *
+ * @param {Object<string, string>} folders - Folders by the beginning of their addresses; the longest that fits is taken.
+ * @param {Object<string, function(URLSearchParams): Promise<Uint8Array>>} answers - What is computed, by its address.
+ * @param {number} port - 0 for a free one.
+ * @returns {Promise<import('node:http').Server>} The server, once it listens.
+ */
+export function serve( folders, answers = {}, port = 0 ) {
+
+	const server = createServer( async ( request, response ) => {
+
+		try {
+
+			const { pathname, searchParams } = new URL( request.url, 'http://localhost' );
+			const compute = answers[ pathname ];
+			const file = fileOf( folders, decodeURIComponent( pathname ) );
+			const body = compute ? await compute( searchParams ) : await readFile( file );
+			const type = ! compute && TYPES[ extname( file ) ] || 'application/octet-stream';
+			response.writeHead( 200, { 'content-type': type, 'cache-control': 'no-store' } ).end( body );
+
+		} catch ( error ) {
+
+			const status = error.code === 'ENOENT' || error.code === 'EISDIR' ? 404 : 500;
+			response.writeHead( status, { 'content-type': 'text/plain' } ).end( `${ error.message }\n` );
+
+		}
+
+	} );
+	return new Promise( ( listening, failed ) => {
+
+		server.on( 'error', failed ).listen( port, '127.0.0.1', () => listening( server ) );
+
+	} );
+
+}
+
+/** The file at an address. An address that leaves its folder has none. */
+function fileOf( folders, pathname ) {
+
+	const prefix = Object.keys( folders ).filter( ( start ) => pathname.startsWith( start ) ).sort( ( a, b ) => b.length - a.length )[ 0 ];
+	const folder = prefix && resolve( folders[ prefix ] );
+	const file = prefix && join( folder, pathname.slice( prefix.length ), pathname.endsWith( '/' ) ? 'index.html' : '' );
+	if ( ! prefix || ! file.startsWith( folder + sep ) ) throw Object.assign( new Error( `no file at ${ pathname }` ), { code: 'ENOENT' } );
+	return file;
+
+}
+
+/** The program: LTCFORGE in the environment, else as this repository builds it, else the one on the path. */
+export function program() {
+
+	const built = [ 'release', 'debug' ].map( ( profile ) => join( HERE, '../../target', profile, 'ltcforge' ) );
+	return process.env.LTCFORGE || built.find( ( path ) => existsSync( path ) ) || 'ltcforge';
+
+}
+
+/** The truth as an address answers it: `?width=96&height=64`. */
+export async function truthAnswer( query ) {
+
+	const [ width, height ] = [ 'width', 'height' ].map( ( name ) => {
+
+		const pixels = Number( query.get( name ) );
+		if ( ! Number.isInteger( pixels ) || pixels < 1 || pixels > MOST_PIXELS ) {
+
+			throw new Error( `${ name } is ${ query.get( name ) }: it has to be a whole number from 1 to ${ MOST_PIXELS }` );
+
+		}
+
+		return pixels;
+
+	} );
+	const pixels = await truth( program(), width, height );
+	return new Uint8Array( pixels.buffer );
+
+}
+
+if ( process.argv[ 1 ] && resolve( process.argv[ 1 ] ) === fileURLToPath( import.meta.url ) ) {
+
+	const folders = { '/': HERE, '/three/': join( HERE, 'node_modules/three' ) };
+	const server = await serve( folders, { '/truth': truthAnswer }, Number( process.env.PORT || 8080 ) );
+	console.log( `http://127.0.0.1:${ server.address().port }/` );
+
+}

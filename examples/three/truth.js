@@ -1,0 +1,86 @@
+// The truth for every pixel of the scene: adaptive quadrature in double precision by `ltcforge light --truth`, which
+// shares no line with the shader. One surface reflects the light once; nothing casts a shadow.
+
+import { spawn } from 'node:child_process';
+import { availableParallelism } from 'node:os';
+
+import { light, seenBy, surfaces } from './scene.js';
+
+/**
+ * @param {string} ltcforge - The program.
+ * @returns {Promise<Float32Array>} Red, green and blue radiance and the surface's number for each pixel, from the top
+ * left: -1 for the light, -2 where nothing is seen.
+ */
+export async function truth( ltcforge, width, height ) {
+
+	const pixels = new Float32Array( width * height * 4 );
+	const asked = [];
+	const rows = [];
+	for ( let i = 0; i < width * height; i ++ ) {
+
+		const seen = seenBy( i % width, Math.floor( i / width ), width, height );
+		pixels.set( seen && seen.surface === - 1 ? light.radiance : [ 0, 0, 0 ], 4 * i );
+		pixels[ 4 * i + 3 ] = seen ? seen.surface : - 2;
+		if ( ! seen || seen.surface < 0 ) continue;
+
+		const [ x, y, z ] = seen.view;
+		asked.push( i );
+		rows.push( [ ...surfaces[ seen.surface ].alpha, Math.acos( z ), Math.atan2( y, x ), 1, ...seen.corners.flat() ].join( ',' ) );
+
+	}
+
+	// The program takes one core.
+	const share = Math.ceil( rows.length / availableParallelism() );
+	const shares = [];
+	for ( let start = 0; start < rows.length; start += share ) shares.push( reflected( ltcforge, rows.slice( start, start + share ) ) );
+	const answers = ( await Promise.all( shares ) ).flat();
+	asked.forEach( ( i, n ) => {
+
+		const { energy, fresnel } = answers[ n ];
+		surfaces[ pixels[ 4 * i + 3 ] ].f0.forEach( ( f0, channel ) => {
+
+			pixels[ 4 * i + channel ] = light.radiance[ channel ] * ( f0 * ( energy - fresnel ) + fresnel );
+
+		} );
+
+	} );
+	return pixels;
+
+}
+
+/**
+ * What surfaces reflect of a light of radiance one.
+ *
+ * @param {string} ltcforge - The program.
+ * @param {string[]} rows - alpha_x, alpha_y, theta, phi, sides, x0, y0, z0 ... of each.
+ * @returns {Promise<{ energy: number, fresnel: number }[]>} For a Fresnel factor of one, and weighed by Schlick's.
+ */
+export function reflected( ltcforge, rows ) {
+
+	return new Promise( ( resolve, reject ) => {
+
+		const child = spawn( ltcforge, [ 'light', '-', '--truth' ], { stdio: [ 'pipe', 'pipe', 'inherit' ] } );
+		let text = '';
+		child.stdout.setEncoding( 'utf8' ).on( 'data', ( part ) => text += part );
+		child.on( 'error', reject );
+		// If the program ends early, its exit code says why.
+		child.stdin.on( 'error', () => {} ).end( rows.join( '\n' ) + '\n' );
+		child.on( 'close', ( code ) => {
+
+			const [ names, ...lines ] = text.trimEnd().split( '\n' );
+			if ( code !== 0 ) return reject( new Error( `${ ltcforge } light ended with exit code ${ code }` ) );
+			if ( lines.length !== rows.length ) return reject( new Error( `${ lines.length } answers to ${ rows.length } questions` ) );
+			const columns = names.split( ',' );
+			const at = [ 'true_energy', 'true_fresnel' ].map( ( name ) => columns.indexOf( name ) );
+			resolve( lines.map( ( line ) => {
+
+				const numbers = line.split( ',' );
+				return { energy: Number( numbers[ at[ 0 ] ] ), fresnel: Number( numbers[ at[ 1 ] ] ) };
+
+			} ) );
+
+		} );
+
+	} );
+
+}

@@ -1,0 +1,54 @@
+// A browser that needs no GPU and no display, and pages that say what goes wrong in them.
+
+import { chromium } from 'playwright-core';
+
+/** WebGL2 by Mesa's rasterizer on the processor. */
+const FLAGS = [ '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist' ];
+
+/**
+ * Milliseconds after which a browser is taken to hang. A run takes half a minute, and three where five others share its
+ * two cores. No other time is limited, so that a busy machine fails no test.
+ */
+const DEADLINE = 600_000;
+
+/** Runs `work` with a browser, and ends it. */
+export async function withBrowser( program, work ) {
+
+	const deadline = setTimeout( () => {
+
+		console.error( `not done after ${ DEADLINE / 1000 } s` );
+		process.exit( 1 );
+
+	}, DEADLINE );
+	const browser = await chromium.launch( { executablePath: program, args: FLAGS, timeout: 0 } );
+	try {
+
+		return await work( browser );
+
+	} finally {
+
+		clearTimeout( deadline );
+		await browser.close();
+
+	}
+
+}
+
+/** A page whose errors are printed. `faults` collects them. */
+export async function openPage( browser, name, address, faults = [] ) {
+
+	const page = await browser.newPage();
+	page.setDefaultTimeout( 0 );
+	const tell = ( text ) => {
+
+		faults.push( text );
+		console.error( `${ name }: ${ text }` );
+
+	};
+
+	page.on( 'console', ( message ) => message.type() === 'error' && tell( message.text() ) );
+	page.on( 'pageerror', ( error ) => tell( error.message ) );
+	await page.goto( address );
+	return page;
+
+}

@@ -1,0 +1,73 @@
+// PlayCanvas: StandardMaterial, an omni light of the shape of a rectangle. Radiance is colour times intensity times a
+// window that ends at the light's range. Gloss is f0 A + (1 - f0) F of the table times the light's part of the lobe.
+// The table is read at (1 - gloss)^2, the alpha of PlayCanvas's other lights, where it expects the root of alpha: area
+// lights are sharper than other lights on the same material. Gloss is set so that the table is read at the roughness
+// that is meant. The light shines from both sides.
+
+import * as pc from 'playcanvas';
+
+import { height, light, pictures, redFromTop, table, width } from '/world.js';
+
+/** As in three.js; here `tables` has to be given. */
+export async function draw( tables ) {
+
+	const { ltc_1, ltc_2 } = await ( await fetch( `${ tables }/tables.json` ) ).json();
+	const app = new pc.Application( document.createElement( 'canvas' ), { graphicsDeviceOptions: { antialias: false } } );
+	app.autoRender = false;
+	app.start();
+	app.setAreaLightLuts( ltc_1, ltc_2 );
+	app.scene.clusteredLightingEnabled = false;
+	app.scene.ambientLight = new pc.Color( 0, 0, 0 );
+
+	const material = new pc.StandardMaterial();
+	material.useMetalness = true;
+	material.useFog = false;
+	const floor = new pc.Entity();
+	floor.addComponent( 'render', { type: 'plane', material } );
+	floor.setLocalScale( 2 * table.halfX, 1, 2 * table.halfZ );
+	app.root.addChild( floor );
+
+	const lamp = new pc.Entity();
+	lamp.addComponent( 'light', {
+		type: 'omni', shape: pc.LIGHTSHAPE_RECT, range: 1000, intensity: 1, color: new pc.Color( 1, 1, 1 ), castShadows: false,
+	} );
+	// Its sides run along x and z, it shines along -y, and scale is its size.
+	const [ x, y, z ] = light.axes.map( ( axis ) => new pc.Vec3( ...axis ) );
+	const turned = new pc.Mat4().set( [ x.x, x.y, x.z, 0, - z.x, - z.y, - z.z, 0, y.x, y.y, y.z, 0, 0, 0, 0, 1 ] );
+	lamp.setLocalRotation( new pc.Quat().setFromMat4( turned ) );
+	lamp.setLocalPosition( ...light.centre );
+	lamp.setLocalScale( light.width, 1, light.height );
+	app.root.addChild( lamp );
+
+	const colorBuffer = new pc.Texture( app.graphicsDevice, {
+		width, height, format: pc.PIXELFORMAT_RGBA32F, mipmaps: false, minFilter: pc.FILTER_NEAREST, magFilter: pc.FILTER_NEAREST,
+	} );
+	const renderTarget = new pc.RenderTarget( { colorBuffer, depth: true } );
+	const camera = new pc.Entity();
+	camera.addComponent( 'camera', {
+		clearColor: new pc.Color( 0, 0, 0, 1 ), nearClip: 0.1, farClip: 100, renderTarget,
+		toneMapping: pc.TONEMAP_LINEAR, gammaCorrection: pc.GAMMA_NONE,
+	} );
+	app.root.addChild( camera );
+
+	const drawn = [];
+	for ( const { f0, roughness, view } of pictures ) {
+
+		// PlayCanvas's plastic has an f0 of 0.04.
+		material.metalness = f0 === 1 ? 1 : 0;
+		material.diffuse = f0 === 1 ? pc.Color.WHITE : pc.Color.BLACK;
+		material.gloss = 1 - Math.sqrt( roughness );
+		material.update();
+		camera.camera.fov = view.fov;
+		camera.setPosition( ...view.eye );
+		camera.lookAt( ...view.target );
+		app.renderNextFrame = true;
+		app.tick();
+		drawn.push( redFromTop( await colorBuffer.read( 0, 0, width, height, { renderTarget, immediate: true } ) ) );
+
+	}
+
+	app.destroy();
+	return drawn;
+
+}

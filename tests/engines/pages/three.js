@@ -1,0 +1,71 @@
+// three.js: MeshStandardMaterial, RectAreaLight. Radiance is colour times intensity; alpha is roughness^2, roughness at
+// least 0.045; gloss is f0 A + (f90 - f0) F of the table times the light's part of the lobe.
+
+import * as THREE from 'three';
+import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
+
+import { height, light, pictures, redFromTop, table, width } from '/world.js';
+
+/**
+ * Draws every picture.
+ *
+ * @param {?string} tables - Address of the tables; nothing for those that three brings along.
+ * @returns {Promise<number[][]>} The red channel of each, linear, from the top left.
+ */
+export async function draw( tables ) {
+
+	RectAreaLightUniformsLib.init();
+	if ( tables ) {
+
+		const { ltc_1, ltc_2 } = await ( await fetch( `${ tables }/tables.json` ) ).json();
+		THREE.UniformsLib.LTC_FLOAT_1 = textureOf( ltc_1 );
+		THREE.UniformsLib.LTC_FLOAT_2 = textureOf( ltc_2 );
+
+	}
+
+	const renderer = new THREE.WebGLRenderer( { canvas: document.createElement( 'canvas' ) } );
+	// Else three takes the tables in half floats.
+	if ( ! renderer.extensions.has( 'OES_texture_float_linear' ) ) throw new Error( 'float textures are not filtered here' );
+
+	const scene = new THREE.Scene();
+	const material = new THREE.MeshStandardMaterial();
+	const floor = new THREE.Mesh( new THREE.PlaneGeometry( 2 * table.halfX, 2 * table.halfZ ), material );
+	floor.rotation.x = - Math.PI / 2;
+	const lamp = new THREE.RectAreaLight( 0xffffff, 1, light.width, light.height );
+	// It shines along -z.
+	const [ x, y, z ] = light.axes.map( ( axis ) => new THREE.Vector3( ...axis ) );
+	lamp.setRotationFromMatrix( new THREE.Matrix4().makeBasis( x.negate(), y, z.negate() ) );
+	lamp.position.set( ...light.centre );
+	scene.add( floor, lamp );
+
+	const target = new THREE.WebGLRenderTarget( width, height, { type: THREE.FloatType } );
+	const pixels = new Float32Array( 4 * width * height );
+	const drawn = pictures.map( ( { f0, roughness, view } ) => {
+
+		// three's plastic has an f0 of 0.04.
+		material.metalness = f0 === 1 ? 1 : 0;
+		material.color.setScalar( f0 === 1 ? 1 : 0 );
+		material.roughness = roughness;
+		const camera = new THREE.PerspectiveCamera( view.fov, width / height, 0.1, 100 );
+		camera.position.set( ...view.eye );
+		camera.lookAt( ...view.target );
+		renderer.setRenderTarget( target );
+		renderer.render( scene, camera );
+		renderer.readRenderTargetPixels( target, 0, 0, width, height, pixels );
+		return redFromTop( pixels );
+
+	} );
+
+	renderer.dispose();
+	return drawn;
+
+}
+
+function textureOf( numbers ) {
+
+	const texture = new THREE.DataTexture( new Float32Array( numbers ), 64, 64, THREE.RGBAFormat, THREE.FloatType );
+	texture.magFilter = THREE.LinearFilter;
+	texture.needsUpdate = true;
+	return texture;
+
+}

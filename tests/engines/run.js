@@ -1,0 +1,114 @@
+// Area lights in real engines, held to the truth. Prints one JSON document.
+//
+//   node run.js --ltcforge PROGRAM --chromium PROGRAM [--tables FILE] [--only ENGINE]
+//
+// Every engine draws every view at every roughness with the stock tables, with the same numbers by the way that others
+// take, with wrong ones, and with those of FILE. An error is the mean absolute difference of linear radiance.
+
+import { fileURLToPath } from 'node:url';
+import { parseArgs } from 'node:util';
+
+import { serve } from '../../examples/three/serve.js';
+import { reflected } from '../../examples/three/truth.js';
+import { openPage, withBrowser } from './browser.js';
+import { forBabylon, fromFile, stock, wrong } from './tables.js';
+import { pictures, pointsOf, questionOf, views } from './world.js';
+
+const HERE = fileURLToPath( new URL( '.', import.meta.url ) );
+
+const ENGINES = [ 'three', 'babylon', 'playcanvas' ];
+
+/** The truth of each picture, at the pixels that show the table. */
+async function truths( ltcforge ) {
+
+	// Reflectance does not change the question.
+	const asked = new Map();
+	for ( const { roughness, view } of pictures ) {
+
+		const points = pointsOf( view );
+		const pixels = points.flatMap( ( point, i ) => point ? [ i ] : [] );
+		asked.set( `${ roughness } ${ view.eye }`, { pixels, rows: pixels.map( ( i ) => questionOf( roughness, view, points[ i ] ) ) } );
+
+	}
+
+	const answers = await reflected( ltcforge, [ ...asked.values() ].flatMap( ( { rows } ) => rows ) );
+	let next = 0;
+	for ( const question of asked.values() ) question.answers = question.pixels.map( () => answers[ next ++ ] );
+	return pictures.map( ( { f0, roughness, view } ) => {
+
+		const { pixels, answers } = asked.get( `${ roughness } ${ view.eye }` );
+		return { pixels, radiance: answers.map( ( { energy, fresnel } ) => f0 * ( energy - fresnel ) + fresnel ) };
+
+	} );
+
+}
+
+/** Mean absolute error of each picture. */
+function errorsOf( drawn, expected ) {
+
+	return drawn.map( ( picture, number ) => {
+
+		const { pixels, radiance } = expected[ number ];
+		const total = pixels.reduce( ( sum, pixel, i ) => sum + Math.abs( picture[ pixel ] - radiance[ i ] ), 0 );
+		return total / pixels.length;
+
+	} );
+
+}
+
+const { values } = parseArgs( { options: {
+	ltcforge: { type: 'string' }, chromium: { type: 'string' }, tables: { type: 'string' }, only: { type: 'string' },
+} } );
+
+const sets = { again: stock(), wrong: wrong( stock() ) };
+if ( values.tables ) sets.ours = await fromFile( values.tables );
+
+const answers = {};
+for ( const [ name, set ] of Object.entries( sets ) ) {
+
+	answers[ `/tables/${ name }/tables.json` ] = async () => JSON.stringify( set );
+	answers[ `/tables/${ name }/areaLights/areaLightsLTC.bin` ] = async () => forBabylon( set );
+
+}
+
+const server = await serve( { '/': HERE, '/node_modules/': `${ HERE }/node_modules` }, answers );
+const address = `http://127.0.0.1:${ server.address().port }`;
+
+/** The pictures of an engine with tables at an address; nothing for its own. */
+async function drawn( browser, engine, tables ) {
+
+	const page = await openPage( browser, engine, `${ address }/pages/?engine=${ engine }` );
+	await page.waitForFunction( 'window.draw' );
+	const pictures = await page.evaluate( ( at ) => window.draw( at ), tables && `${ address }/tables/${ tables }` );
+	await page.close();
+	return pictures;
+
+}
+
+const report = { errors: {}, same: {} };
+try {
+
+	const truth = truths( values.ltcforge );
+	await withBrowser( values.chromium, async ( browser ) => {
+
+		for ( const engine of values.only ? [ values.only ] : ENGINES ) {
+
+			// Only three.js has its tables in its package.
+			const all = { stock: await drawn( browser, engine, engine === 'three' ? null : 'again' ) };
+			for ( const set of Object.keys( sets ) ) all[ set ] = await drawn( browser, engine, set );
+			report.errors[ engine ] = {};
+			for ( const [ set, those ] of Object.entries( all ) ) report.errors[ engine ][ set ] = errorsOf( those, await truth );
+			report.same[ engine ] = JSON.stringify( all.stock ) === JSON.stringify( all.again );
+
+		}
+
+	} );
+
+} finally {
+
+	server.close();
+
+}
+
+report.pictures = pictures.map( ( { f0, roughness, view } ) => ( { f0, roughness, view: views.indexOf( view ) } ) );
+console.log( JSON.stringify( report ) );

@@ -1,0 +1,77 @@
+// Tables in the convention of 2017: 64 x 64 texels of four numbers, the roughness along rows, sqrt(1 - cos theta) down.
+// First (Minv00, Minv20, Minv02, Minv22) over Minv11, then amplitude, Fresnel, 0 and the form factor of a clipped sphere.
+
+import { readFile } from 'node:fs/promises';
+
+import { DataUtils } from 'three';
+import { RectAreaLightTexturesLib } from 'three/addons/lights/RectAreaLightTexturesLib.js';
+
+const SIDE = 64;
+const NUMBERS = SIDE * SIDE * 4;
+
+/** Tables as the harness takes them: `ltc_1` and `ltc_2`, each of 16384 numbers. */
+function tables( ltc_1, ltc_2, from ) {
+
+	for ( const [ name, numbers ] of Object.entries( { ltc_1, ltc_2 } ) ) {
+
+		const isFull = numbers?.length === NUMBERS && Array.from( numbers ).every( Number.isFinite );
+		if ( ! isFull ) throw new Error( `${ from }: ${ name } has to be ${ NUMBERS } finite numbers` );
+
+	}
+
+	return { ltc_1: Array.from( ltc_1 ), ltc_2: Array.from( ltc_2 ) };
+
+}
+
+/** The tables that three.js ships. Babylon and PlayCanvas have the same ones, but not in their packages. */
+export function stock() {
+
+	const { LTC_FLOAT_1, LTC_FLOAT_2 } = RectAreaLightTexturesLib.init();
+	return tables( LTC_FLOAT_1.image.data, LTC_FLOAT_2.image.data, 'three.js' );
+
+}
+
+/** Tables of lobes that are rougher than they should be by 8 nodes of 63. */
+export function wrong( { ltc_1, ltc_2 } ) {
+
+	const shifted = ( numbers ) => numbers.map( ( _, i ) => {
+
+		const texel = Math.floor( i / 4 );
+		const column = Math.min( texel % SIDE + 8, SIDE - 1 );
+		return numbers[ 4 * ( Math.floor( texel / SIDE ) * SIDE + column ) + i % 4 ];
+
+	} );
+	return tables( shifted( ltc_1 ), shifted( ltc_2 ), 'wrong tables' );
+
+}
+
+/** Tables of a file: JSON with `ltc_1` and `ltc_2`, or a module that exports LTC_1 and LTC_2. */
+export async function fromFile( path ) {
+
+	if ( path.endsWith( '.json' ) ) {
+
+		const { ltc_1, ltc_2 } = JSON.parse( await readFile( path, 'utf8' ) );
+		return tables( ltc_1, ltc_2, path );
+
+	}
+
+	const { LTC_1, LTC_2 } = await import( new URL( path, `file://${ process.cwd() }/` ) );
+	return tables( LTC_1, LTC_2, path );
+
+}
+
+/** Tables as Babylon fetches them, `areaLightsLTC.bin`: eight half floats a texel, those of the first table before. */
+export function forBabylon( { ltc_1, ltc_2 } ) {
+
+	const halves = new Uint16Array( 2 * NUMBERS );
+	for ( let i = 0; i < NUMBERS; i ++ ) {
+
+		const texel = 8 * Math.floor( i / 4 ) + i % 4;
+		halves[ texel ] = DataUtils.toHalfFloat( ltc_1[ i ] );
+		halves[ texel + 4 ] = DataUtils.toHalfFloat( ltc_2[ i ] );
+
+	}
+
+	return new Uint8Array( halves.buffer );
+
+}
