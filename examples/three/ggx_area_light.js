@@ -59,13 +59,11 @@ const GLOSS = /* glsl */ `
  */
 export function withClosedFormAreaLights( material, normalsGlsl ) {
 
-	const functions = functionsOf( normalsGlsl );
-
 	material.onBeforeCompile = ( shader ) => {
 
 		let chunk = ShaderChunk.lights_physical_pars_fragment;
 		chunk = replaced( chunk, STOCK_GLOSS, OUR_GLOSS );
-		chunk = replaced( chunk, DECLARATION, `${ DECLARATION }\n${ functions }\n${ GLOSS }` );
+		chunk = replaced( chunk, DECLARATION, `${ DECLARATION }\n${ normalsGlsl }\n${ GLOSS }` );
 		shader.fragmentShader = replaced( shader.fragmentShader, '#include <lights_physical_pars_fragment>', chunk );
 
 	};
@@ -90,16 +88,6 @@ export function setAlphas( material, alphaX, alphaY ) {
 	material.roughness = Math.sqrt( small );
 	material.anisotropy = small < 1 ? Math.sqrt( ( large - small ) / ( 1 - small ) ) : 0;
 	material.anisotropyRotation = alphaX >= alphaY ? 0 : Math.PI / 2;
-
-}
-
-/** The functions of a shader, without what only its example program has: version, bindings, layout and main. */
-function functionsOf( glsl ) {
-
-	const program = /^(#version|precision|layout)\b|\bvoid main\(|\bstruct NormalsExample/;
-	// The text's declarations begin at the left margin; a struct or function ends with a brace at the left margin.
-	const declarations = glsl.split( /^(?=[^\s}])/m );
-	return declarations.filter( ( text ) => ! program.test( text ) ).join( '' );
 
 }
 
