@@ -94,13 +94,14 @@ impl LobeCore {
 
     fn of(points: &[DVec3], weights: &[f64], mirrors: Mirrors) -> Self {
         let stride = points.len().div_ceil(Self::SAMPLES);
-        let chosen = || points.iter().zip(weights).step_by(stride).map(|(p, w)| (p.truncate(), *w));
-        let total: f64 = chosen().map(|(_, w)| w).sum();
+        let chosen = points.iter().step_by(stride).map(|p| p.truncate());
+        let chosen: Vec<(DVec2, f64)> = chosen.zip(weights.iter().step_by(stride).copied()).collect();
+        let total: f64 = chosen.iter().map(|(_, w)| w).sum();
         let mut core = Self { centre: DVec2::ZERO, scatter: DMat2::ZERO };
         for round in 0..=Self::ROUNDS {
             let inverse = if round == 0 { DMat2::ZERO } else { core.scatter.inverse() };
             let (mut weight_sum, mut sum, mut outer) = (0.0, DVec2::ZERO, DMat2::ZERO);
-            for (p, w) in chosen() {
+            for (p, w) in chosen.iter().copied() {
                 let d = p - core.centre;
                 // (nu + 2) / (nu + d^T S^-1 d) for nu = 2. The first round has no scatter and takes plain moments.
                 let w = w * 4.0 / (2.0 + d.dot(inverse * d));
