@@ -364,7 +364,8 @@ fn normals_polygon(
     } else {
         parts = normals_fan(view, &outline, mean_normal) * to_part;
     }
-    return clamp(parts, vec2(0.0), vec2(1.0));
+    let energy = clamp(parts.x, 0.0, 1.0);
+    return vec2(energy, clamp(parts.y, 0.0, energy));
 }
 
 /// A rectangle by its corners in order.

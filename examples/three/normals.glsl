@@ -12,13 +12,10 @@
 //   rule  how the weight of shadowing is averaged: 0 over seven normals of each triangle; 1 at the mean normal, which is
 //       cheaper; 2 over twice as many triangles.
 //   Light of radiance L arrives as L (f0 (x - y) + f90 y).
-//   normals_example calls them; it stands for your own code, and all bindings go with it.
 //
-// EXAMPLE
-//   Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, or 0 for a disk), 1 if it is
-//   lit from both sides, else 0, and the rule; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
-//   Result: a vec4 of f32, the two parts and 0, 0.
-//   here      uniform block 0, storage block 1
+// USE
+//   normals_view once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y. Nothing
+//   is bound. Diffuse light is not here: it is Lambert's form factor of the light.
 //
 // CHECK
 //   The parts of the one-sided rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5),
@@ -30,12 +27,9 @@
 //   alpha_x 0.05 alpha_y 0.02 wo (0.576 -0.768 0.28)
 //     parts 0.985693 0.188876 | 0.991922 0.187098 | 0.982803 0.185731
 
-#version 310 es
 
 precision highp float;
 precision highp int;
-
-layout(local_size_x = 1, local_size_y = 1, local_size_z = 1) in;
 
 struct NormalsView {
     vec2 alpha;
@@ -60,19 +54,10 @@ struct NormalsEigenframe {
     vec3 values;
     mat3x3 vectors;
 };
-struct NormalsExampleCase {
-    vec4 wo;
-    vec4 light;
-    vec4 vertices[8];
-};
 const uint NORMALS_SEVEN = 0u;
 const uint NORMALS_MEAN = 1u;
 const uint NORMALS_FINE = 2u;
 const uint NORMALS_EDGES = 20u;
-
-layout(std140, binding = 0) uniform NormalsExampleCase_block_0Compute { NormalsExampleCase _group_0_binding_0_cs; };
-
-layout(std430, binding = 1) buffer type_11_block_1Compute { vec4 _group_0_binding_1_cs; };
 
 
 float ltc_atan2_(float y, float x) {
@@ -342,7 +327,7 @@ vec2 normals_fan(NormalsView view_7, inout NormalsOutline outline_1, vec3 tip) {
     vec3 from_sample = vec3(0.0);
     vec3 from_bend = vec3(0.0);
     vec2 sum = vec2(0.0);
-    uint i_1 = 0u;
+    uint i = 0u;
     vec3 _e3 = normals_sample(view_7, tip);
     vec3 _e6 = outline_1.c[0];
     from_c = _e6;
@@ -355,26 +340,26 @@ vec2 normals_fan(NormalsView view_7, inout NormalsOutline outline_1, vec3 tip) {
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e102 = i_1;
-            i_1 = (_e102 + 1u);
+            uint _e102 = i;
+            i = (_e102 + 1u);
         }
         loop_init = false;
-        uint _e19 = i_1;
+        uint _e19 = i;
         uint _e21 = outline_1.count;
         if ((_e19 < _e21)) {
         } else {
             break;
         }
         {
-            uint _e23 = i_1;
-            uint _e27 = i_1;
+            uint _e23 = i;
+            uint _e27 = i;
             uint _e31 = outline_1.count;
             uint next = (((_e27 + 1u) == _e31) ? 0u : (_e23 + 1u));
             vec3 to_c = outline_1.c[next];
             vec3 _e37 = normals_sample(view_7, to_c);
             vec3 _e38 = normals_arc_bend(tip, to_c);
             vec3 _e39 = from_c;
-            uint _e44 = i_1;
+            uint _e44 = i;
             vec3 _e46 = outline_1.curved[_e44];
             vec3 _e48 = from_bend;
             vec3 flux = ((cross((_e39 - tip), (to_c - tip)) + _e46) + (_e48 - _e38));
@@ -406,7 +391,7 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, b
     bool is_cut = false;
     uint ups = 0u;
     bool before = false;
-    uint i_2 = 0u;
+    uint i_1 = 0u;
     bool local_4 = false;
     NormalsOutline outline_2 = NormalsOutline(0u, NormalsCorner(vec3(0.0), vec3(0.0), 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0), vec3(0.0), vec3[20](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)), vec3[20](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)));
     vec3 corner = vec3(0.0);
@@ -418,7 +403,7 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, b
     bool local_5 = false;
     NormalsCorner to_1 = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
     bool local_6 = false;
-    vec2 parts_1 = vec2(0.0);
+    vec2 parts = vec2(0.0);
     uint number = min(max(count, 3u), 8u);
     uint edge_parts = ((rule == NORMALS_FINE) ? 2u : 1u);
     uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : ((rule == NORMALS_FINE) ? 4u : 2u));
@@ -427,17 +412,17 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, b
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e60 = i_2;
-            i_2 = (_e60 + 1u);
+            uint _e60 = i_1;
+            i_1 = (_e60 + 1u);
         }
         loop_init_1 = false;
-        uint _e38 = i_2;
+        uint _e38 = i_1;
         if ((_e38 < number)) {
         } else {
             break;
         }
         {
-            uint _e40 = i_2;
+            uint _e40 = i_1;
             float _e43 = vertices_1[_e40].z;
             bool is_up = (_e43 > 0.0);
             if (is_up) {
@@ -448,7 +433,7 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, b
             }
             bool _e51 = local_4;
             if (_e51) {
-                uint _e52 = i_2;
+                uint _e52 = i_1;
                 start = _e52;
                 is_cut = true;
             }
@@ -536,15 +521,15 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, b
             }
             uint _e150 = part;
             part = (_e150 + 1u);
-            uint parts_2 = (is_closing ? closing_parts : edge_parts);
+            uint parts_1 = (is_closing ? closing_parts : edge_parts);
             NormalsCorner _e154 = to_corner;
             to_1 = _e154;
             uint _e156 = part;
-            if ((_e156 < parts_2)) {
+            if ((_e156 < parts_1)) {
                 NormalsCorner _e158 = from_corner;
                 NormalsCorner _e159 = to_corner;
                 uint _e160 = part;
-                NormalsCorner _e164 = normals_between(_e158, _e159, (float(_e160) / float(parts_2)), view_8);
+                NormalsCorner _e164 = normals_between(_e158, _e159, (float(_e160) / float(parts_1)), view_8);
                 to_1 = _e164;
             } else {
                 part = 0u;
@@ -570,12 +555,12 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, b
     vec3 _e198 = normals_unit((_e196 * side));
     if ((rule == NORMALS_MEAN)) {
         vec3 _e202 = normals_weight(view_8, _e198);
-        parts_1 = (_e202.xy * (to_part * seen_1));
+        parts = (_e202.xy * (to_part * seen_1));
     } else {
         vec2 _e206 = normals_fan(view_8, outline_2, _e198);
-        parts_1 = (_e206 * to_part);
+        parts = (_e206 * to_part);
     }
-    vec2 _e208 = parts_1;
+    vec2 _e208 = parts;
     return clamp(_e208, vec2(0.0), vec2(1.0));
 }
 
@@ -591,86 +576,27 @@ vec2 normals_rectangle(NormalsView view_9, vec3 corners[4], bool two_sided_1, ui
 
 vec2 normals_disk(NormalsView view_10, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
     vec3 vertices_3[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i_3 = 0u;
+    uint i_2 = 0u;
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            uint _e30 = i_3;
-            i_3 = (_e30 + 1u);
+            uint _e30 = i_2;
+            i_2 = (_e30 + 1u);
         }
         loop_init_3 = false;
-        uint _e9 = i_3;
+        uint _e9 = i_2;
         if ((_e9 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e12 = i_3;
+            uint _e12 = i_2;
             vec2 _e18 = ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
             vec2 turn_1 = (_e18 * 1.0539074);
-            uint _e21 = i_3;
+            uint _e21 = i_2;
             vertices_3[_e21] = ((centre + (half_x * turn_1.y)) + (half_y * turn_1.x));
         }
     }
     vec2 _e33 = normals_polygon(view_10, vertices_3, 8u, two_sided_2, rule_2);
     return _e33;
 }
-
-void main() {
-    vec3 vertices[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i = 0u;
-    vec2 parts = vec2(0.0);
-    float _e3 = _group_0_binding_0_cs.wo.w;
-    float _e7 = _group_0_binding_0_cs.light.x;
-    vec4 _e10 = _group_0_binding_0_cs.wo;
-    NormalsView _e12 = normals_view(_e3, _e7, _e10.xyz);
-    float _e16 = _group_0_binding_0_cs.light.y;
-    uint count_1 = uint(_e16);
-    float _e21 = _group_0_binding_0_cs.light.z;
-    bool two_sided_3 = (_e21 == 1.0);
-    float _e27 = _group_0_binding_0_cs.light.w;
-    uint rule_3 = uint(_e27);
-    bool loop_init_4 = true;
-    while(true) {
-        if (!loop_init_4) {
-            uint _e44 = i;
-            i = (_e44 + 1u);
-        }
-        loop_init_4 = false;
-        uint _e32 = i;
-        if ((_e32 < 8u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e35 = i;
-            uint _e39 = i;
-            vec4 _e41 = _group_0_binding_0_cs.vertices[_e39];
-            vertices[_e35] = _e41.xyz;
-        }
-    }
-    if ((count_1 == 0u)) {
-        vec3 _e50 = vertices[0];
-        vec3 _e52 = vertices[1];
-        vec3 _e54 = vertices[2];
-        vec2 _e55 = normals_disk(_e12, _e50, _e52, _e54, two_sided_3, rule_3);
-        parts = _e55;
-    } else {
-        if ((count_1 == 4u)) {
-            vec3 _e59 = vertices[0];
-            vec3 _e61 = vertices[1];
-            vec3 _e63 = vertices[2];
-            vec3 _e65 = vertices[3];
-            vec3 corners_1[4] = vec3[4](_e59, _e61, _e63, _e65);
-            vec2 _e67 = normals_rectangle(_e12, corners_1, two_sided_3, rule_3);
-            parts = _e67;
-        } else {
-            vec2 _e68 = normals_polygon(_e12, vertices, count_1, two_sided_3, rule_3);
-            parts = _e68;
-        }
-    }
-    vec2 _e70 = parts;
-    _group_0_binding_1_cs = vec4(_e70, 0.0, 0.0);
-    return;
-}
-

@@ -65,10 +65,12 @@ pub fn truth_within(tolerance: f64, at: &Configuration, light: &PolygonLight) ->
         return Ok(Reflected::NONE);
     }
     let tip = lobe.image(middle);
+    let mirror = DVec3::new(-wo.x, -wo.y, wo.z);
     let mut sum = [0.0; 2];
     for (i, from) in outline.iter().enumerate() {
-        let edge = lobe.edge(*from, outline[(i + 1) % outline.len()]);
-        sum = plus(sum, lobe.triangle(tip, edge, tolerance, 0));
+        for [from, to] in parted(*from, outline[(i + 1) % outline.len()], mirror) {
+            sum = plus(sum, lobe.triangle(tip, lobe.edge(from, to), tolerance, 0));
+        }
     }
     // The lit side is that from which the outline runs clockwise; seen from there, the sum is positive.
     let [energy, fresnel] = match (light.sides(), sum[0] < 0.0) {
@@ -77,6 +79,16 @@ pub fn truth_within(tolerance: f64, at: &Configuration, light: &PolygonLight) ->
         (Sides::One, true) => [0.0; 2],
     };
     Ok(Reflected { energy: energy.clamp(0.0, 1.0), fresnel: fresnel.clamp(0.0, 1.0) })
+}
+
+/// An edge in two parts, at the direction on it that is nearest to another: the second is empty where that is an end. The
+/// image of an edge that passes a mirror's direction goes far and comes back within the width of the lobe.
+fn parted(from: DVec3, to: DVec3, near: DVec3) -> [[DVec3; 2]; 2] {
+    let normal = from.cross(to);
+    let nearest = near * normal.length_squared() - normal * near.dot(normal);
+    let is_within = from.cross(nearest).dot(normal) > 0.0 && nearest.cross(to).dot(normal) > 0.0;
+    let at = if is_within { nearest.normalize() } else { to };
+    [[from, at], [at, to]]
 }
 
 /// The directions to the corners of the part of a polygon above the surface.

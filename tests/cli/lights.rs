@@ -93,3 +93,17 @@ fn light_names_the_line_and_the_column_that_is_wrong() {
     assert_eq!(refused.complaints(), ["/dev/zero, line 1: the line is longer than 4096 bytes, the limit"]);
     run(folder.path(), ["light", "none.csv"]).exited(1);
 }
+
+/// The example of the documentation, as it stands there.
+#[test]
+fn the_documentation_shows_what_is_printed() {
+    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/light.md")).expect("the documentation");
+    let block = text.split("```").find_map(|block| block.strip_prefix("console\n")).expect("a session");
+    let [_, lights, answer] = block.split("$ ").collect::<Vec<_>>()[..] else { panic!("{block}") };
+    let (command, lights) = lights.split_once('\n').expect("lights");
+    let (asked, answer) = answer.split_once('\n').expect("an answer");
+    assert_eq!((command, asked), ("cat lights.csv", "ltcforge light lights.csv --truth"));
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("lights.csv"), lights).expect("lights");
+    assert_eq!(run(folder.path(), ["light", "lights.csv", "--truth"]).exited(0).stdout, answer);
+}

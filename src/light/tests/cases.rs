@@ -83,6 +83,11 @@ impl Draw {
 
     /// A rectangle, half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that the lobe reflects.
     pub(super) fn lit(&mut self, roughness: Roughness) -> Lit {
+        self.lit_by(roughness, [0.05, 1.2])
+    }
+
+    /// The same for another range of half widths.
+    pub(super) fn lit_by(&mut self, roughness: Roughness, [least, most]: [f64; 2]) -> Lit {
         loop {
             let at = self.configuration(roughness);
             let wo = direction(at.theta, at.phi);
@@ -91,7 +96,7 @@ impl Draw {
             if centre.z < 0.0 {
                 continue;
             }
-            let size = self.within(0.05_f64.ln(), 1.2_f64.ln()).exp();
+            let size = self.within(least.ln(), most.ln()).exp();
             let aspect = self.within(-1.0, 1.0).exp();
             let normal = (-centre + 0.5 * self.vector()).normalize();
             let x = normal.cross(self.vector()).normalize();

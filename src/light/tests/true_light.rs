@@ -10,7 +10,7 @@ use crate::{
         brdf::{Brdf, Ggx},
         math::{Lattice, direction},
     },
-    light::{PolygonLight, Reflected, truth, truth_within},
+    light::{PolygonLight, Reflected, WeightRule, by_normals, truth, truth_within},
 };
 
 fn true_light(lit: &Lit, sides: Sides) -> Reflected {
@@ -94,6 +94,9 @@ fn extremes_are_finite_and_known_ones_right() {
     let energy = |at: Configuration, light: &PolygonLight| {
         let found = truth(&at, light).expect("a surface");
         assert!(found.energy.is_finite() && (0.0..=found.energy + 1e-9).contains(&found.fresnel), "{at:?} {found:?}");
+        // The closed form knows these as well: what is off is its weight.
+        let normals = by_normals(&at, light, WeightRule::Seven).expect("a surface");
+        assert!((normals.energy - found.energy).abs() < 0.01, "{at:?} {normals:?} {found:?}");
         found.energy
     };
     let overhead = square(2.0 * DVec3::Z, DVec3::X, DVec3::Y);

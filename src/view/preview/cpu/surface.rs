@@ -143,3 +143,59 @@ fn lobe(frame: &Frame, table: &ShaderTable, estimator: Estimator, wi: Vec3) -> f
     let g2 = 1.0 / (1.0 + ggx::smith_lambda(alpha, wo) + ggx::smith_lambda(alpha, wi));
     ggx::distribution(alpha, (wo + wi).normalize()) * g2 / (4.0 * wo.z)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::{
+        fit::Configuration,
+        light::{PolygonLight, truth_within},
+        view::preview::NamedScene,
+    };
+
+    /// Mean over the pixels of what the closed form's light is off, for white metal under a light of radiance one.
+    fn error(scene: NamedScene) -> f64 {
+        let scene = scene.scene();
+        let frame = Frame::new(&crate::view::preview::Scene { size: 32, ..scene }, false);
+        let (mut sum, mut count) = (0.0, 0);
+        for pixel in (0..frame.size * frame.size).map(|i| [i % frame.size, i / frame.size]) {
+            let (place, cell) = place_of(&frame, pixel);
+            let Some((at, _)) = see(&frame, place, cell).filter(|(_, coverage)| *coverage == 1.0) else { continue };
+            let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
+            let vertices: Vec<Vec3> = frame.light.vertices.iter().map(|v| to_local * (*v - at.position)).collect();
+            let sides = if frame.light.two_sided { Sides::Two } else { Sides::One };
+            let arrays: Vec<[f32; 3]> = vertices.iter().map(Vec3::to_array).collect();
+            let [found, _] = normals::reflected(at.alpha.to_array(), at.wo.to_array(), &arrays, sides, frame.weight);
+            let wo = at.wo.as_dvec3().normalize();
+            let [alpha_x, alpha_y] = at.alpha.to_array().map(f64::from);
+            let seen = Configuration { alpha_x, alpha_y, theta: wo.z.acos(), phi: wo.y.atan2(wo.x) };
+            // An edge that is seen from its end may not look convex.
+            let light: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
+            let Ok(light) = PolygonLight::new(light, sides) else { continue };
+            let wanted = truth_within(1e-5, &seen, &light).expect("a surface").energy;
+            sum += (f64::from(found) - wanted).abs();
+            count += 1;
+        }
+        assert!(count > 300, "{count}");
+        sum / f64::from(count)
+    }
+
+    /// Without the noise of a reference by sampling. Limits are twice what was measured.
+    #[test]
+    fn scenes_by_normals_are_near_the_truth() {
+        for (scene, limit) in LIMITS {
+            let error = error(scene);
+            println!("{scene:?}: {error:.6}");
+            assert!(error < limit, "{scene:?}: {error}");
+        }
+    }
+
+    const LIMITS: [(NamedScene, f64); 4] = [
+        (NamedScene::Sphere, 0.0004),
+        (NamedScene::Figure14, 0.0004),
+        (NamedScene::BrushedFloor, 0.0008),
+        (NamedScene::Horizon, 0.0025),
+    ];
+}

@@ -1,7 +1,10 @@
 use super::*;
-use crate::view::{
-    picture::Picture,
-    preview::{Camera, Choices, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
+use crate::{
+    light::{LightModel, WeightRule},
+    view::{
+        picture::Picture,
+        preview::{Camera, Choices, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
+    },
 };
 
 const GO_ON: &dyn Fn() -> bool = &|| false;
@@ -69,7 +72,12 @@ fn gpu_and_cpu_agree_from_everywhere() {
     let mut renderers = renderers();
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
     let table = shader_table(TexelFormat::F32);
-    for scene in cameras().flat_map(|scene| [Mode::Ltc, Mode::Reference].map(|mode| Scene { mode, ..scene.clone() })) {
+    let by_normals = |scene: &Scene| Scene { mode: Mode::Ltc, model: LightModel::Normals, ..scene.clone() };
+    let shown = |scene: &Scene| {
+        let [ltc, reference] = [Mode::Ltc, Mode::Reference].map(|mode| Scene { mode, ..scene.clone() });
+        [ltc, reference, by_normals(scene)]
+    };
+    for scene in cameras().flat_map(|scene| shown(&scene)) {
         let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
         assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
     }
@@ -94,9 +102,11 @@ fn gpu_and_cpu_agree_under_small_lights() {
             ("size", "128"),
         ];
         let scene = Choices::read(scene).expect("a scene");
-        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
-        assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
-        assert!(b.picture.rgb.iter().any(|pixel| pixel[0] > 128), "{half_size} lights nothing");
+        for scene in LightModel::ALL.iter().map(|model| Scene { model: *model, ..scene.clone() }) {
+            let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+            assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
+            assert!(b.picture.rgb.iter().any(|pixel| pixel[0] > 128), "{half_size} lights nothing");
+        }
     }
 }
 
@@ -116,6 +126,21 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles() {
                 &format!("{alpha_x} {alpha_y} {} {:?} {:?}", mode.name(), table.layout, table.format),
             );
         }
+    }
+}
+
+/// The closed form under each of its rules.
+#[test]
+fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    let extremes = [(0.0, 0.0), (1e-4, 1e-4), (1.0, 1e-3), (0.001, 0.3), (1.0, 1.0)];
+    for (weight, (alpha_x, alpha_y)) in WeightRule::ALL.iter().flat_map(|rule| extremes.map(|alphas| (*rule, alphas))) {
+        let materials = vec![Material { alpha_x, alpha_y, rotation: 1.0 }];
+        let scene = Scene { size: 128, model: LightModel::Normals, weight, materials, ..Scene::default() };
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_twins(&a.picture, &b.picture, &format!("{alpha_x} {alpha_y} {weight}"));
     }
 }
 
