@@ -17,7 +17,7 @@ use crate::{
         digest::Digest,
         manifest::table_report,
         replace::replace_file,
-        textures::{About, Bundle, RoundingError, TextureFile, TextureFileError, sampling_of, textures_of},
+        textures::{About, Bundle, Engine, RoundingError, TextureFile, TextureFileError, sampling_of, textures_of},
     },
     fit::Precision,
 };
@@ -29,7 +29,7 @@ const STEM: &str = "ltc";
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let read = AnyTable::read(&args.table)?;
-    let layout = match (&args.layout, args.engine.and_then(|engine| engine.layout())) {
+    let layout = match (&args.layout, args.engine.and_then(Engine::layout)) {
         (Some(layout), _) => layout.as_str(),
         (None, Some(layout)) => layout,
         (None, None) => read.table.layout.name(),

@@ -25,6 +25,10 @@ const MOST_EDGE_HALVINGS: u32 = 60;
 /// An edge is halved at least so often: an image that leaves and comes back would look short.
 const LEAST_EDGE_HALVINGS: u32 = 2;
 
+/// Where the least tilted normal of an edge is looked for first, and how often its place is then narrowed to two thirds.
+const PLACES: u32 = 16;
+const THIRDS: u32 = 60;
+
 /// Halvings of an interval along the outline, and along a ray. They end where a horizon crosses the integrand.
 const OUTLINE_HALVINGS: u32 = 16;
 const RAY_HALVINGS: u32 = 12;
@@ -65,10 +69,9 @@ pub fn truth_within(tolerance: f64, at: &Configuration, light: &PolygonLight) ->
         return Ok(Reflected::NONE);
     }
     let tip = lobe.image(middle);
-    let mirror = DVec3::new(-wo.x, -wo.y, wo.z);
     let mut sum = [0.0; 2];
     for (i, from) in outline.iter().enumerate() {
-        for [from, to] in parted(*from, outline[(i + 1) % outline.len()], mirror) {
+        for [from, to] in lobe.parted(*from, outline[(i + 1) % outline.len()]) {
             sum = plus(sum, lobe.triangle(tip, lobe.edge(from, to), tolerance, 0));
         }
     }
@@ -79,16 +82,6 @@ pub fn truth_within(tolerance: f64, at: &Configuration, light: &PolygonLight) ->
         (Sides::One, true) => [0.0; 2],
     };
     Ok(Reflected { energy: energy.clamp(0.0, 1.0), fresnel: fresnel.clamp(0.0, 1.0) })
-}
-
-/// An edge in two parts, at the direction on it that is nearest to another: the second is empty where that is an end. The
-/// image of an edge that passes a mirror's direction goes far and comes back within the width of the lobe.
-fn parted(from: DVec3, to: DVec3, near: DVec3) -> [[DVec3; 2]; 2] {
-    let normal = from.cross(to);
-    let nearest = near * normal.length_squared() - normal * near.dot(normal);
-    let is_within = from.cross(nearest).dot(normal) > 0.0 && nearest.cross(to).dot(normal) > 0.0;
-    let at = if is_within { nearest.normalize() } else { to };
-    [[from, at], [at, to]]
 }
 
 /// The directions to the corners of the part of a polygon above the surface.
@@ -137,6 +130,25 @@ impl Lobe {
 
     fn edge(&self, from: DVec3, to: DVec3) -> Edge {
         Edge { from, to, from_image: self.image(from), to_image: self.image(to) }
+    }
+
+    /// An edge in two parts, at the direction whose normal is tilted least as the lobe sees it: there the image of an edge
+    /// that passes a mirror's direction goes far and comes back, which might be overlooked.
+    fn parted(&self, from: DVec3, to: DVec3) -> [[DVec3; 2]; 2] {
+        let at = |t: f64| from + (to - from) * t;
+        let tilt = |t: f64| {
+            let h = (self.wo + at(t).normalize_or_zero()) / self.stretch;
+            (h.x * h.x + h.y * h.y) / (h.z * h.z).max(f64::MIN_POSITIVE)
+        };
+        let first = (0..=PLACES).map(|i| f64::from(i) / f64::from(PLACES)).min_by(|a, b| tilt(*a).total_cmp(&tilt(*b)));
+        let near = first.unwrap_or(0.5);
+        let (mut low, mut high) = (near - 1.0 / f64::from(PLACES), near + 1.0 / f64::from(PLACES));
+        for _ in 0..THIRDS {
+            let third = (high - low) / 3.0;
+            if tilt(low + third) < tilt(high - third) { high -= third } else { low += third }
+        }
+        let middle = at((0.5 * (low + high)).clamp(0.0, 1.0)).normalize_or_zero();
+        [[from, middle], [middle, to]]
     }
 
     /// Energy reflected by normals around `c`, of length one, per steradian there, and the same times Schlick's fifth

@@ -75,18 +75,14 @@ impl Queue {
         leased.map_or(Offer::Nothing { seen: state.generation }, Offer::Task)
     }
 
-    /// For a worker in the middle of the task of `own`: leases a task of another job that no worker works for, if there is
-    /// one. `newcomers` restricts that to jobs that were never served.
-    pub fn lease_unserved(&self, worker: u32, own: &Lease, newcomers: bool) -> Option<LeasedTask> {
+    /// Leases a task of a job that no worker works for, if there is one.
+    pub fn lease_unserved(&self, worker: u32) -> Offer {
         let mut state = self.lock();
-        if state.closed || state.active.len() < 2 {
-            return None;
+        if state.closed {
+            return Offer::Closed;
         }
-        self.lease_of(&mut state, worker, |active| {
-            active.record.submission != own.submission
-                && active.tasks_leased() == 0
-                && (!newcomers || active.last_served == 0)
-        })
+        let leased = self.lease_of(&mut state, worker, |active| active.tasks_leased() == 0);
+        leased.map_or(Offer::Nothing { seen: state.generation }, Offer::Task)
     }
 
     fn lease_of(&self, state: &mut QueueState, worker: u32, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
@@ -334,17 +330,19 @@ mod tests {
     }
 
     #[test]
-    fn a_worker_in_the_middle_of_a_task_gets_one_of_a_job_without_workers_only() {
+    fn a_job_without_workers_is_told_from_others() {
         let queue = queue();
         submit(&queue, "long", 9);
-        let own = lease(&queue);
-        assert_eq!(queue.lease_unserved(0, &own.lease, false), None, "there is no other job");
+        lease(&queue);
+        let nothing = |offer: Offer| assert!(matches!(offer, Offer::Nothing { .. }), "{offer:?}");
+        nothing(queue.lease_unserved(1));
         submit(&queue, "new", 9);
-        let other = queue.lease_unserved(0, &own.lease, true).expect("a job that was never served");
+        let Offer::Task(other) = queue.lease_unserved(1) else { panic!("the new job has no worker") };
         assert_eq!(other.recipe, "new");
-        assert_eq!(queue.lease_unserved(1, &own.lease, false), None, "it has a worker");
+        nothing(queue.lease_unserved(2));
         queue.complete(&other.lease, b"result").unwrap();
-        assert_eq!(queue.lease_unserved(0, &own.lease, true), None, "it was served");
-        assert!(queue.lease_unserved(0, &own.lease, false).is_some());
+        assert!(matches!(queue.lease_unserved(2), Offer::Task(_)));
+        queue.close();
+        assert_eq!(queue.lease_unserved(3), Offer::Closed);
     }
 }

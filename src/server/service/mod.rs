@@ -18,6 +18,7 @@ mod submit;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod turns;
 mod watch;
 mod work;
 

@@ -18,6 +18,7 @@ use super::{
     reconcile::reconcile,
     state::{ServiceState, Workers},
     tables::Tables,
+    turns::Turns,
     watch::Hub,
 };
 use crate::server::{
@@ -55,7 +56,10 @@ impl Service {
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
         store.checks.add(check);
-        let (fitting_pool, measuring_pool) = (pool(&config, "fit")?, pool(&config, "measure")?);
+        let workers = config.workers.get();
+        let threads = workers.saturating_add(config.queue_limit.clamp(1, MOST_WAITING));
+        let (fitting_pool, measuring_pool) = (pool(&config, "fit", threads)?, pool(&config, "measure", workers)?);
+        let turns = Turns::new(workers, config.lease_ttl / 4);
         let forecast = Arc::new(Forecast::new(Arc::clone(&engine), config.workers));
         let tables = Arc::new(Tables::new(store));
         let state = Arc::new(ServiceState {
@@ -65,6 +69,7 @@ impl Service {
             hub: Hub::new(Arc::clone(&clock), Arc::clone(&forecast)),
             forecast,
             measuring_pool,
+            turns,
             clock,
             pictures: Pictures::new(tables, config.adapter, config.picture_limit),
             stopping: AtomicBool::new(false),
@@ -72,11 +77,11 @@ impl Service {
             config,
         });
         let workers = Arc::new(Workers::default());
-        for worker in 0..u32::try_from(state.config.workers.get()).unwrap_or(u32::MAX) {
+        for thread in 0..u32::try_from(threads).unwrap_or(u32::MAX) {
             workers.begin();
             let (state, workers) = (Arc::clone(&state), Arc::clone(&workers));
             fitting_pool.spawn(move || {
-                state.work(worker);
+                state.work(thread);
                 // Dropped first: once all workers have ended, the folder may be opened again at once.
                 drop(state);
                 workers.end();
@@ -86,10 +91,12 @@ impl Service {
     }
 }
 
-/// A pool of as many threads as there are workers.
-fn pool(config: &Config, name: &'static str) -> Result<rayon::ThreadPool, OpenError> {
+/// Threads, at most, for jobs that arrive while all workers are in the middle of shards.
+const MOST_WAITING: usize = 256;
+
+fn pool(config: &Config, name: &'static str, threads: usize) -> Result<rayon::ThreadPool, OpenError> {
     rayon::ThreadPoolBuilder::new()
-        .num_threads(config.workers.get())
+        .num_threads(threads)
         .thread_name(move |n| format!("{name}-{n}"))
         .build()
         .map_err(|error| refusal(config, StoreOpenError::Unusable(std::io::Error::other(error))))

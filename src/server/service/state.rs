@@ -6,7 +6,8 @@ use std::sync::{
 };
 
 use super::{
-    Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, pictures::Pictures, tables::Tables, watch::Hub,
+    Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, pictures::Pictures, tables::Tables,
+    turns::Turns, watch::Hub,
 };
 use crate::server::{
     queue::{Clock, JobId, Queue},
@@ -18,7 +19,7 @@ use crate::server::{
 pub struct Service {
     pub(super) state: Arc<ServiceState>,
     pub(super) workers: Arc<Workers>,
-    /// The threads of the workers.
+    /// The threads that fit: one for each worker, and one for each job that may arrive while all are busy.
     pub(super) _pool: rayon::ThreadPool,
 }
 
@@ -30,9 +31,11 @@ pub(super) struct ServiceState {
     pub(super) tables: Arc<Tables>,
     pub(super) queue: Queue,
     pub(super) hub: Hub,
-    /// Measures tables. The workers occupy all threads of the fitting pool; the threads of this one are idle until a
-    /// table is assembled.
+    /// Measures tables. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
+    /// until a table is assembled.
     pub(super) measuring_pool: rayon::ThreadPool,
+    /// Which of the threads that fit may work.
+    pub(super) turns: Turns,
     pub(super) clock: Clock,
     pub(super) pictures: Pictures,
     pub(super) stopping: AtomicBool,
@@ -75,6 +78,7 @@ impl Service {
         // The queue is closed first; otherwise a worker could give its shard back and lease it again.
         self.state.queue.close();
         self.state.stopping.store(true, Ordering::SeqCst);
+        self.state.turns.close();
         self.state.pictures.close();
         self.workers.wait();
         // What was acknowledged is durable already. This also writes the leases that were given back.

@@ -232,6 +232,27 @@ fn a_small_job_is_done_while_a_long_one_has_all_workers() {
     assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
 }
 
+/// However many shards wait in the middle, a small job is begun, goes on and ends; and all stop at once.
+#[test]
+fn a_small_job_is_done_while_many_long_ones_wait_for_their_turns() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let names: Vec<String> = (0..40).map(|i| format!("long{i} 2")).collect();
+    shared.set(|b| b.endless = Some("long".to_owned()));
+    let engine = Box::new(FakeEngine(Arc::clone(&shared)));
+    let config = Config { workers: NonZeroUsize::MIN, queue_limit: 64, ..config(dir.path()) };
+    let service = Service::open_with(config, Store::open(dir.path()).unwrap(), engine).unwrap();
+    let long: Vec<JobId> = names.iter().map(|name| submit(&service, name).0).collect();
+    shared.wait_for_begun(40);
+    fitted(&service, "small 3");
+    for id in &long {
+        assert_eq!(service.job(*id).unwrap().unwrap().job.state, JobState::Running);
+    }
+    service.stop();
+    let behaviour = shared.behaviour.lock().unwrap();
+    assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
+}
+
 #[test]
 fn a_job_that_would_take_too_long_is_refused_with_the_prediction() {
     let dir = tempfile::tempdir().unwrap();

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{TableRow, state::ServiceState};
+use super::{TableRow, state::ServiceState, turns::Turn};
 use crate::server::{
     queue::{Failure, FailureKind, LeaseError, LeasedTask, Offer, StaleLease, TaskKind},
     store::{Catalogue, StoreError},
@@ -37,48 +37,19 @@ impl From<LeaseError> for TaskError {
     }
 }
 
-/// How long a worker is on a task before it may lend itself to another job.
-const SLICE: Duration = Duration::from_millis(100);
-
 /// How long a worker waits after an error that passes, such as a lack of file descriptors.
 const RETRY: Duration = Duration::from_secs(1);
 
-/// Tasks that a worker may be in the middle of when it turns to a job that was served before, and to a new one.
-const DEEPEST: u32 = 4;
-const DEEPEST_FOR_NEW: u32 = 32;
-
-/// A worker in the middle of tasks: it may turn from the last one to a job that no worker works for.
-#[derive(Clone, Copy)]
-struct Worker<'a> {
-    number: u32,
-    /// Tasks that wait while it does another.
-    depth: u32,
-    /// Renews the leases of those tasks.
-    renew: &'a (dyn Fn() + Sync),
-}
-
-/// The time of a worker on one task: its own, and that lent to tasks of other jobs.
-struct TimeShare {
-    since: Instant,
-    /// Length of the last task of another job.
-    lent_last: Duration,
-    lent: Duration,
-}
-
-impl TimeShare {
-    fn begin() -> Self {
-        Self { since: Instant::now(), lent_last: Duration::ZERO, lent: Duration::ZERO }
-    }
-}
-
 impl ServiceState {
     /// Does tasks until the queue is closed.
-    pub(super) fn work(&self, number: u32) {
+    pub(super) fn work(&self, thread: u32) {
         loop {
-            match self.queue.lease(number) {
+            let lease = |is_free| if is_free { self.queue.lease(thread) } else { self.queue.lease_unserved(thread) };
+            match self.turns.offer(lease) {
                 Offer::Task(task) => {
                     self.publish_changes();
-                    self.deliver(&task, Worker { number, depth: 1, renew: &|| () });
+                    let mut turn = self.turns.begin(&mut || self.renew(&task, 0));
+                    self.deliver(&task, &mut turn);
                 }
                 Offer::Nothing { seen } => self.queue.wait(seen),
                 Offer::Closed => return,
@@ -87,11 +58,17 @@ impl ServiceState {
         }
     }
 
+    /// Renews the lease of a task that waits. If it has ended, the task hears of it when it goes on.
+    fn renew(&self, task: &LeasedTask, done: u64) {
+        let _ = self.queue.progress(&task.lease, done);
+    }
+
     /// Does a leased task. A failure ends the task or the job, never the service.
-    fn deliver(&self, task: &LeasedTask, worker: Worker<'_>) {
+    fn deliver(&self, task: &LeasedTask, turn: &mut Turn<'_>) {
         let done = catch_unwind(AssertUnwindSafe(|| match task.kind {
-            TaskKind::Shard(shard) => self.fit(task, shard, worker),
-            TaskKind::Assemble => self.assemble(task, worker),
+            _ if !turn.works() => Ok(self.queue.give_back(&task.lease)?),
+            TaskKind::Shard(shard) => self.fit(task, shard, turn),
+            TaskKind::Assemble => self.assemble(task, turn),
         }));
         let error = match done {
             Ok(Ok(())) => return,
@@ -120,31 +97,29 @@ impl ServiceState {
         }
     }
 
-    fn fit(&self, task: &LeasedTask, shard: u32, worker: Worker<'_>) -> Result<(), TaskError> {
+    fn fit(&self, task: &LeasedTask, shard: u32, turn: &mut Turn<'_>) -> Result<(), TaskError> {
         let mut fitted = 0;
-        let mut share = TimeShare::begin();
-        let started = Instant::now();
+        let (started, waited) = (Instant::now(), turn.waited());
         let mut on_progress = |done: u64| {
             self.entries_fitted.fetch_add(done.saturating_sub(fitted), Ordering::Relaxed);
             fitted = done;
-            (worker.renew)();
+            turn.pass(&mut || self.renew(task, done));
             if self.is_stopping() || self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
             if self.hub.is_watched(task.job) {
                 self.publish(task.job);
             }
-            self.lend(task, done, worker, &mut share);
             ControlFlow::Continue(())
         };
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
-                let seconds = started.elapsed().saturating_sub(share.lent).as_secs_f64();
+                let seconds = (started.elapsed() + waited).saturating_sub(turn.waited()).as_secs_f64();
                 // Without the job's row the forecast learns nothing.
                 if let Ok(Some(job)) = self.queue.job(task.job) {
                     self.forecast.learn(&task.recipe, fitted as f64 / job.entries_total as f64, seconds);
                 }
-                self.complete(task, &result, worker)?;
+                self.complete(task, &result)?;
             }
             None => self.queue.give_back(&task.lease)?,
         }
@@ -152,13 +127,12 @@ impl ServiceState {
     }
 
     /// Stores a shard's result. An error that passes is waited out, because the shard may have taken minutes.
-    fn complete(&self, task: &LeasedTask, result: &[u8], worker: Worker<'_>) -> Result<(), LeaseError> {
+    fn complete(&self, task: &LeasedTask, result: &[u8]) -> Result<(), LeaseError> {
         loop {
             match self.queue.complete(&task.lease, result) {
                 Err(LeaseError::Store(error)) if error.is_passing() && !self.is_stopping() => {
                     tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result is stored again");
                     self.queue.pause(RETRY);
-                    (worker.renew)();
                     self.queue.progress(&task.lease, 0)?;
                 }
                 done => return done,
@@ -166,40 +140,15 @@ impl ServiceState {
         }
     }
 
-    /// Does a task of a job that no worker works for, in the middle of `task`, of which `done` entries are fitted: a
-    /// shard may take minutes, and nothing of it would be left if it were given back. A new job is served at once, any
-    /// other when `task` has had as long as the last one.
-    fn lend(&self, task: &LeasedTask, done: u64, worker: Worker<'_>, share: &mut TimeShare) {
-        let own = share.since.elapsed();
-        if own < SLICE || worker.depth >= DEEPEST_FOR_NEW {
-            return;
-        }
-        let newcomers = own < share.lent_last || worker.depth >= DEEPEST;
-        let Some(other) = self.queue.lease_unserved(worker.number, &task.lease, newcomers) else { return };
-        self.publish_changes();
-        let begun = Instant::now();
-        let renew = || {
-            (worker.renew)();
-            // If the lease has ended, the task hears of it at its next entry.
-            let _ = self.queue.progress(&task.lease, done);
-        };
-        self.deliver(&other, Worker { number: worker.number, depth: worker.depth + 1, renew: &renew });
-        self.publish_changes();
-        share.lent_last = begun.elapsed();
-        share.lent += share.lent_last;
-        share.since = Instant::now();
-    }
-
-    fn assemble(&self, task: &LeasedTask, worker: Worker<'_>) -> Result<(), TaskError> {
+    fn assemble(&self, task: &LeasedTask, turn: &mut Turn<'_>) -> Result<(), TaskError> {
         let Some(results) = self.queue.results(&task.lease)? else { return Ok(()) };
         let file = self.engine.assemble(&task.recipe, results).map_err(TaskError::Failed)?;
         // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
-        let go_on = || {
-            (worker.renew)();
-            !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok()
-        };
-        let manifest = self.make_manifest(&file, &go_on).map_err(|error| TaskError::Failed(error.to_string()))?;
-        let Some(manifest) = manifest else {
+        let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
+        // The table is measured by other threads.
+        let manifest = turn.leave(|| self.make_manifest(&file, &go_on), &mut || self.renew(task, 0));
+        let manifest = manifest.map_err(|error| TaskError::Failed(error.to_string()))?;
+        let Some(manifest) = manifest.filter(|_| turn.works()) else {
             self.queue.give_back(&task.lease)?;
             return Ok(());
         };

@@ -89,9 +89,14 @@ fn gpu_and_cpu_agree_under_small_lights() {
     let mut renderers = renderers();
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
     let table = shader_table(TexelFormat::F32);
-    for (half_size, centre, exposure) in
-        [("0.001,0.001", "-6,7,8", "10000"), ("0.02,0.02", "-36,42,48", "1000"), ("0.002,0.002", "-1.6,1.8,2.2", "100")]
-    {
+    let ltc = &[LightModel::Ltc][..];
+    for (half_size, centre, exposure, models) in [
+        ("0.001,0.001", "-6,7,8", "10000", ltc),
+        ("0.02,0.02", "-36,42,48", "1000", ltc),
+        ("0.002,0.002", "-1.6,1.8,2.2", "100", ltc),
+        // The closed form loses digits earlier: a light of a hundredth of a radian.
+        ("0.03,0.03", "-3.6,4.2,4.8", "10", LightModel::ALL),
+    ] {
         let scene = [
             ("alpha_x", "0.8"),
             ("alpha_y", "0.5"),
@@ -102,7 +107,7 @@ fn gpu_and_cpu_agree_under_small_lights() {
             ("size", "128"),
         ];
         let scene = Choices::read(scene).expect("a scene");
-        for scene in LightModel::ALL.iter().map(|model| Scene { model: *model, ..scene.clone() }) {
+        for scene in models.iter().map(|model| Scene { model: *model, ..scene.clone() }) {
             let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
             assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
             assert!(b.picture.rgb.iter().any(|pixel| pixel[0] > 128), "{half_size} lights nothing");
