@@ -1,4 +1,4 @@
-//! `lookup`, `report`, `pull` and `verify`: commands on tables that exist.
+//! `lookup`, `report` and `verify`: commands on tables that exist.
 
 use std::path::PathBuf;
 
@@ -85,26 +85,6 @@ pub struct ReportArgs {
     /// Number of threads
     #[command(flatten)]
     pub threads: Threads,
-}
-
-/// `pull`.
-#[derive(Debug, Args)]
-pub struct PullArgs {
-    /// The lock file; its folder is what paths are relative to
-    #[arg(long, value_name = "FILE", default_value = "ltcforge.lock")]
-    pub lock: PathBuf,
-    /// Download nothing; fail with exit code 3 when a file is missing or has other bytes
-    #[arg(long, conflicts_with = "add")]
-    pub locked: bool,
-    /// Download a table and pin it under a name, by its whole digest; a pin of that name is replaced
-    #[arg(long, num_args = 2, value_names = ["NAME", "DIGEST"])]
-    pub add: Vec<String>,
-    /// Where the added table goes [default: NAME.safetensors]
-    #[arg(long, requires = "add", value_name = "PATH")]
-    pub to: Option<PathBuf>,
-    /// How long a table may be whose size the lock file does not state
-    #[command(flatten)]
-    pub limit: TableLimit,
 }
 
 /// `verify`.
