@@ -4,6 +4,7 @@
 mod common;
 
 mod answers;
+mod ci;
 mod exports;
 mod lights;
 mod lock_file;
