@@ -8,6 +8,7 @@ mod config_file;
 mod connections;
 mod context;
 mod csv;
+mod diff;
 mod exit;
 mod export;
 mod fit;

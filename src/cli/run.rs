@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    export, fit, fsck, jobs, light, lock, lookup, plot, preview, print, pull, report, serve, shader,
+    diff, export, fit, fsck, jobs, light, lock, lookup, plot, preview, print, pull, report, serve, shader,
     sources::Sources,
     tradeoff, verify,
 };
@@ -36,6 +36,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Lock(args) => lock::run(&args, &Sources::new(&args.sources, server.as_deref(), &file)?, json, context),
         Command::Pull(args) => pull::run(&args, &Sources::new(&args.sources, server.as_deref(), &file)?, json, context),
         Command::Verify(args) => verify::run(&args, json, context),
+        Command::Diff(args) => diff::run(&args, json, context),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "ltcforge", &mut script);

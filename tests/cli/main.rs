@@ -5,6 +5,7 @@ mod common;
 
 mod answers;
 mod ci;
+mod compare;
 mod exports;
 mod lights;
 mod lock_file;

@@ -23,7 +23,7 @@ pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
-pub(super) use tables::{LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
+pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
@@ -79,6 +79,8 @@ pub enum Command {
     Pull(PullArgs),
     /// Check that files are tables and have the digests in their names
     Verify(VerifyArgs),
+    /// Tell how far two tables are apart, and how good each is
+    Diff(DiffArgs),
     /// Print a completion script
     Completions {
         /// For this shell
@@ -130,6 +132,7 @@ impl Command {
             | Self::Export(_)
             | Self::Jobs(_)
             | Self::Verify(_)
+            | Self::Diff(_)
             | Self::Completions { .. } => OnInterrupt::Ends,
         }
     }
@@ -180,6 +183,10 @@ mod tests {
             "ltcforge jobs list --state finished",
             "ltcforge serve --workers 0",
             "ltcforge verify",
+            "ltcforge verify --refit",
+            "ltcforge diff a",
+            "ltcforge diff a b c",
+            "ltcforge diff a b --points 7",
             "ltcforge light",
             "ltcforge export table -o out",
             "ltcforge export table --for three",
