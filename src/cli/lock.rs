@@ -94,6 +94,7 @@ pub(super) fn run(
     }
     let text = with_pins(&old, &pins).map_err(refused)?;
     LockFile::parse(&text, path).map_err(refused)?;
+    // What stands in the way of any file is told before the first is written.
     for Planned { path, digest, .. } in &planned {
         client::target(path, &lock.folder)?;
         client::check(path, *digest, &lock.folder)?;

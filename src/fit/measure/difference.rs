@@ -100,8 +100,12 @@ fn apart(a: &DMat3, b: &DMat3) -> f64 {
     let x = c * b.x_axis + s * b.y_axis;
     let y = best.2 * (c * b.y_axis - s * b.x_axis);
     let gap = a - DMat3::from_cols(x, y, b.z_axis);
-    // A NaN must not pass for no difference.
-    gap.to_cols_array().into_iter().map(f64::abs).fold(0.0, |most, x| if x <= most { most } else { x })
+    gap.to_cols_array().into_iter().map(f64::abs).fold(0.0, |most, x| if is_worse(x, most) { x } else { most })
+}
+
+/// Whether a difference is worse than the worst so far. A NaN must not pass for no difference.
+fn is_worse(gap: f64, worst: f64) -> bool {
+    gap > worst || gap.is_nan()
 }
 
 #[derive(Debug, Default)]
@@ -115,8 +119,7 @@ impl Sum {
     fn add(&mut self, gap: f64, at: Configuration) {
         self.count += 1;
         self.total += gap;
-        // A NaN must not pass for no difference.
-        if self.worst.is_none_or(|(worst, _)| !(gap <= worst)) {
+        if self.worst.is_none_or(|(worst, _)| is_worse(gap, worst)) {
             self.worst = Some((gap, at));
         }
     }
