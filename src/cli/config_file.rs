@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! server = "http://farm:8317"
+//! sources = ["../tables", "https://ltc.example.org"]
 //!
 //! [serve]
 //! listen = "0.0.0.0:8317"
@@ -30,6 +31,7 @@ use serde::Deserialize;
 
 use super::{CommandFailure, Exit, args::ClientSeconds, preview_names::AdapterName};
 use crate::{
+    client::Source,
     files::bounded::read_file,
     server::http::{AllowedHost, AllowedOrigin},
 };
@@ -48,6 +50,9 @@ pub(super) const DEFAULT_SERVER: &str = "http://127.0.0.1:8317";
 #[serde(deny_unknown_fields)]
 pub(super) struct ConfigFile {
     pub(super) server: Option<String>,
+    /// Where `lock` and `pull` look for tables before they ask the server.
+    #[serde(default)]
+    pub(super) sources: Vec<Source>,
     #[serde(default)]
     pub(super) serve: ServeSection,
 }
@@ -116,6 +121,8 @@ mod tests {
             "[serve]\nclient_seconds = 86401",
             "[serve]\nallow_host = ['http://farm']",
             "[serve]\nallow_origin = 'https://farm'",
+            "sources = 'tables'",
+            "sources = ['ftp://h']",
             "=",
         ] {
             assert!(ConfigFile::parse(text).is_err(), "{text}");

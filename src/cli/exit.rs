@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, io, path::Path};
 
-use crate::client::{ClientError, LockFileError, PullError};
+use crate::client::{ClientError, LockFileError, PullError, SourcesError};
 
 /// The exit code of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,7 @@ impl From<ClientError> for CommandFailure {
     fn from(error: ClientError) -> Self {
         let mut message = error.to_string();
         let exit = match error {
-            ClientError::BadUrl { .. } => Exit::Usage,
+            ClientError::BadUrl { .. } | ClientError::BadSource { .. } => Exit::Usage,
             ClientError::Unavailable { .. } => Exit::Unavailable,
             ClientError::Mismatch { .. } => Exit::Mismatch,
             ClientError::Refused { faults, .. } if !faults.is_empty() => {
@@ -88,7 +88,10 @@ impl From<ClientError> for CommandFailure {
                 }
                 Exit::Usage
             }
-            ClientError::Refused { .. } | ClientError::Unexpected { .. } | ClientError::TooLong { .. } => Exit::Failed,
+            ClientError::Refused { .. }
+            | ClientError::Unexpected { .. }
+            | ClientError::TooLong { .. }
+            | ClientError::Unreadable { .. } => Exit::Failed,
         };
         Self::new(exit, message)
     }
@@ -97,21 +100,38 @@ impl From<ClientError> for CommandFailure {
 impl From<PullError> for CommandFailure {
     fn from(error: PullError) -> Self {
         match error {
-            PullError::Client(error) => error.into(),
+            PullError::Sources(error) => error.into(),
             PullError::File { .. } => Self::new(Exit::Failed, error.to_string()),
-            PullError::Stopped => Self::interrupted(),
+            PullError::LeadsOut { .. } => Self::new(Exit::Usage, error.to_string()),
         }
     }
 }
 
-impl From<LockFileError> for CommandFailure {
-    fn from(error: LockFileError) -> Self {
-        let exit = match error {
-            LockFileError::Read { .. } => Exit::Failed,
-            _ => Exit::Usage,
-        };
-        Self::new(exit, error.to_string())
+impl From<SourcesError> for CommandFailure {
+    /// Of several sources' errors the gravest decides: wrong bytes, then a server that may come back.
+    fn from(error: SourcesError) -> Self {
+        let message = error.to_string();
+        match error {
+            SourcesError::NoneHasIt(errors) => {
+                let exits: Vec<Exit> = errors.into_iter().map(|error| Self::from(error).exit).collect();
+                let gravest = [Exit::Mismatch, Exit::Unavailable, Exit::Usage];
+                let exit = gravest.into_iter().find(|exit| exits.contains(exit)).unwrap_or(Exit::Failed);
+                Self::new(exit, message)
+            }
+            SourcesError::Write(_) => Self::new(Exit::Failed, message),
+            SourcesError::Stopped => Self::interrupted(),
+        }
     }
+}
+
+/// An error about the lock file at `path`.
+pub(super) fn lock_failure(path: &Path, error: &LockFileError) -> CommandFailure {
+    let exit = match error {
+        LockFileError::Read { .. } => Exit::Failed,
+        LockFileError::RecipeDigest { .. } => Exit::Mismatch,
+        _ => Exit::Usage,
+    };
+    CommandFailure::new(exit, format!("{}: {error}", path.display()))
 }
 
 #[cfg(test)]
@@ -133,11 +153,28 @@ mod tests {
             (ClientError::Unexpected { url: url(), reason: "x".into() }, 1),
             (ClientError::TooLong { url: url(), limit_bytes: 1, origin: "a limit" }, 1),
             (ClientError::BadUrl { url: url() }, 2),
+            (ClientError::BadSource { source_name: String::new() }, 2),
+            (ClientError::Unreadable { place: "p".into(), reason: "x".into() }, 1),
         ];
         for (error, code) in cases {
             let shown = error.to_string();
             assert_eq!(CommandFailure::from(error).exit as u8, code, "{shown}");
         }
+    }
+
+    #[test]
+    fn of_several_sources_wrong_bytes_decide() {
+        let unavailable = || ClientError::Unavailable { url: "a".into(), reason: "x".into() };
+        let unreadable = || ClientError::Unreadable { place: "b".into(), reason: "y".into() };
+        let digest = Digest::of(b"");
+        let wrong = || ClientError::Mismatch { url: "c".into(), expected: digest, actual: digest };
+        let exit = |errors| CommandFailure::from(SourcesError::NoneHasIt(errors)).exit as u8;
+        assert_eq!(exit(vec![unavailable(), unreadable(), wrong()]), 3);
+        assert_eq!(exit(vec![unreadable(), unavailable()]), 4);
+        assert_eq!(exit(vec![unreadable()]), 1);
+        let message = CommandFailure::from(SourcesError::NoneHasIt(vec![unavailable(), unreadable()])).message;
+        assert!(message.starts_with("a: ") && message.ends_with("; b: y"), "{message}");
+        assert_eq!(exit(vec![]), 1);
     }
 
     #[test]

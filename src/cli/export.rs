@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::ExportArgs,
+    args::{ExportArgs, ExportChoice},
     file_failure,
     input::{AnyTable, Origin},
     output::check_output_folder,
@@ -19,7 +19,7 @@ use crate::{
         replace::replace_file,
         textures::{About, Bundle, Engine, RoundingError, TextureFile, TextureFileError, sampling_of, textures_of},
     },
-    fit::Precision,
+    fit::{Precision, Recipe, Table},
 };
 
 /// What files that hold all textures are called.
@@ -28,24 +28,13 @@ const STEM: &str = "ltc";
 /// Writes the files, and says what to do with them.
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
-    let read = AnyTable::read(&args.table)?;
-    let layout = match (&args.layout, args.engine.and_then(Engine::layout)) {
-        (Some(layout), _) => layout.as_str(),
-        (None, Some(layout)) => layout,
-        (None, None) => read.table.layout.name(),
+    let AnyTable { digest, table, origin, .. } = AnyTable::read(&args.table)?;
+    let recipe = match &origin {
+        Origin::Recipe(recipe) => Some(recipe),
+        Origin::Range(_) => None,
     };
-    let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
-    let textures = textures_of(&read.table, layout).map_err(|error| refused(&error))?;
-    let about = args.threads.pool()?.install(|| about(&read));
-    let made = match (args.engine, args.container) {
-        (Some(engine), _) => engine.bundle(&textures, &read.table.axes, &about),
-        (None, Some(container)) => {
-            let precision = args.precision.unwrap_or(Precision::F32);
-            container.files(STEM, &textures, precision, &about).map(|files| Bundle { files, steps: vec![] })
-        }
-        (None, None) => Err(TextureFileError::Empty),
-    };
-    let Bundle { files, steps } = made.map_err(|error| refused(&error))?;
+    let layout = layout_of(&args.choice, &table);
+    let Bundle { files, steps } = args.threads.pool()?.install(|| bundle(&args.choice, &table, digest, recipe))?;
     for file in &files {
         let path = args.out.join(&file.path);
         replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
@@ -60,20 +49,43 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         })
         .collect();
     let value = json!({
-        "table": read.digest, "for": args.engine, "layout": layout, "container": args.container, "files": list, "steps": steps,
+        "table": digest, "for": args.choice.engine, "layout": layout, "container": args.choice.container, "files": list,
+        "steps": steps,
     });
     print(context.stdout, json, &value, text(args, &files, &steps).trim_end())?;
     Ok(Exit::Ok)
 }
 
-/// What the files say of themselves. Measures the table on the current rayon pool, where its file has a recipe.
-fn about(AnyTable { digest, table, origin, .. }: &AnyTable) -> About {
-    let recipe = match origin {
-        Origin::Recipe(recipe) => Some(recipe),
-        Origin::Range(_) => None,
-    };
+/// The layout of the textures that are asked for.
+fn layout_of<'a>(choice: &'a ExportChoice, table: &Table) -> &'a str {
+    let engines = || choice.engine.and_then(Engine::layout);
+    choice.layout.as_deref().or_else(engines).unwrap_or_else(|| table.layout.name())
+}
+
+/// The files that are asked for, and what to do with them. They follow from the table and this program alone. Measures the
+/// table on the current rayon pool, where its recipe is known: files state how good it is.
+///
+/// # Errors
+/// When the table has no such files.
+pub(super) fn bundle(
+    choice: &ExportChoice,
+    table: &Table,
+    digest: Digest,
+    recipe: Option<&Recipe>,
+) -> Result<Bundle, CommandFailure> {
+    let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
+    let textures = textures_of(table, layout_of(choice, table)).map_err(|error| refused(&error))?;
     let report = recipe.map(|recipe| table_report(table, recipe));
-    About::of_table(*digest, recipe, report.as_ref()).and(sampling_of(table))
+    let about = About::of_table(digest, recipe, report.as_ref()).and(sampling_of(table));
+    let made = match (choice.engine, choice.container) {
+        (Some(engine), _) => engine.bundle(&textures, &table.axes, &about),
+        (None, Some(container)) => {
+            let precision = choice.precision.unwrap_or(Precision::F32);
+            container.files(STEM, &textures, precision, &about).map(|files| Bundle { files, steps: vec![] })
+        }
+        (None, None) => Err(TextureFileError::Empty),
+    };
+    made.map_err(|error| refused(&error))
 }
 
 /// The files, what rounding changed, and what to do.

@@ -1,98 +1,62 @@
-//! `pull`: the tables pinned in the lock file.
+//! `pull`: the tables pinned in the lock file, and the files that are pinned with them.
 
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
+use std::path::Path;
 
 use serde_json::json;
 
 use super::{
-    CommandFailure, Context, Exit, Interrupt, args::PullArgs, config_file::DEFAULT_SERVER, file_failure,
-    output::check_output_folder, print, shown,
+    CommandFailure, Context, Exit,
+    args::PullArgs,
+    file_failure, lock_failure,
+    pins::{Fitting, of_pin},
+    print, shown,
+    sources::Sources,
+    table_file::check,
 };
 use crate::{
-    client::{self, Client, Limits, LockFile, LockFileError, Pin, PinState, read_text, with_pin},
-    files::{
-        digest::ParseDigestError,
-        replace::{folder_of, replace_file},
-    },
+    client::{self, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError},
+    files::{bounded::read_file, container::TableFile, digest::Digest, replace::replace_file},
 };
 
-/// The servers that a table may be downloaded from, besides the one that its pin names.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Servers<'a> {
-    /// Named on the command line or in the environment: goes before a pin's own.
-    pub(super) chosen: Option<&'a str>,
-    /// Named in the configuration file: for pins without their own.
-    pub(super) usual: Option<&'a str>,
+/// What was done with a file.
+struct Done<'a> {
+    path: &'a Path,
+    digest: Digest,
+    outcome: &'static str,
 }
 
-/// How tables are downloaded.
-#[derive(Debug)]
-struct Downloads<'a> {
-    servers: Servers<'a>,
-    limits: Limits,
-    interrupt: Interrupt,
-}
-
-impl Downloads<'_> {
-    fn client(&self, server: Option<&str>) -> Result<Client, CommandFailure> {
-        let Servers { chosen, usual } = self.servers;
-        let server = chosen.or(server).or(usual).unwrap_or(DEFAULT_SERVER);
-        Ok(Client::with_limits(server, self.limits)?)
-    }
-
-    /// Downloads the table of a pin if it is missing or differs, and says what was done.
-    fn pull(&self, pin: &Pin, folder: &Path) -> Result<&'static str, CommandFailure> {
-        let client = self.client(pin.server.as_deref())?;
-        Ok(match client::pull(pin, folder, &client, &|| self.interrupt.is_set())? {
-            PinState::Right => "unchanged",
-            PinState::Missing => "downloaded",
-            PinState::Different { .. } => "replaced",
-        })
-    }
-}
-
-/// Downloads every pinned table that is missing or differs. A failure does not stop the others; the first one decides
-/// the exit code.
+/// Brings in every pinned table that is missing or differs, and makes the pinned files that do. A failure does not stop the
+/// other pins; the first one decides the exit code.
 pub(super) fn run(
     args: &PullArgs,
-    servers: Servers<'_>,
+    sources: &Sources,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let limits = Limits { table_bytes: args.limit.table_limit, ..Limits::USUAL };
-    let downloads = Downloads { servers, limits, interrupt: context.interrupt.clone() };
-    // A wrong URL is told before anything is done.
-    downloads.client(None)?;
-    let added = match args.add.as_slice() {
-        [name, digest] => Some((name, add(args, name, digest, &downloads)?)),
-        _ => None,
-    };
-    let lock = LockFile::read(&args.lock)?;
+    let lock_path = &args.sources.lock;
+    let lock = LockFile::read(lock_path).map_err(|error| lock_failure(lock_path, &error))?;
     let mut failures: Vec<CommandFailure> = Vec::new();
     for pin in &lock.pins {
         if context.interrupt.is_set() {
             return Err(CommandFailure::interrupted());
         }
-        let outcome = match added {
-            Some((name, word)) if *name == pin.name => Ok(word),
-            _ if args.locked => check(pin, &lock.folder),
-            _ => downloads.pull(pin, &lock.folder),
-        };
-        let (word, detail) = match &outcome {
-            Ok(word) => (*word, None),
-            Err(failure) => ("failed", Some(&failure.message)),
-        };
-        let mut value = json!({ "name": pin.name, "path": shown(&pin.path), "digest": pin.digest, "outcome": word });
-        if let Some(detail) = detail {
-            value["detail"] = json!(detail);
+        let pulling = Pulling { args, sources, lock: &lock, context };
+        let mut done = Vec::new();
+        let failure = pulling.pin(pin, &mut done).err();
+        for Done { path, digest, outcome } in done {
+            let value = json!({ "name": pin.name, "path": shown(path), "digest": digest, "outcome": outcome });
+            print(context.stdout, json, &value, &format!("{} {outcome}: {}", pin.name, path.display()))?;
         }
-        if json || outcome.is_ok() {
-            print(context.stdout, json, &value, &format!("{} {word}: {}", pin.name, pin.path.display()))?;
+        if let Some(failure) = failure {
+            if json {
+                let value = json!({
+                    "name": pin.name, "path": shown(&pin.path), "digest": pin.digest, "outcome": "failed",
+                    "detail": failure.message,
+                });
+                print(context.stdout, true, &value, "")?;
+            }
+            failures.push(of_pin(pin, &failure));
         }
-        failures.extend(outcome.err().map(|failure| named(&pin.name, &failure)));
     }
     match failures.first().map(|first| first.exit) {
         None => Ok(Exit::Ok),
@@ -103,48 +67,146 @@ pub(super) fn run(
     }
 }
 
-/// The failure of the pin `name`.
-fn named(name: &str, failure: &CommandFailure) -> CommandFailure {
-    CommandFailure::new(failure.exit, format!("{name}: {}", failure.message))
+struct Pulling<'a, 'b> {
+    args: &'a PullArgs,
+    sources: &'a Sources,
+    lock: &'a LockFile,
+    context: &'a Context<'b>,
 }
 
-fn check(pin: &Pin, folder: &Path) -> Result<&'static str, CommandFailure> {
-    let path = folder.join(&pin.path);
-    let drift = |reason: String| Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display())));
-    match client::check(pin, folder)? {
-        PinState::Right => Ok("unchanged"),
-        PinState::Missing => drift("the file is missing".into()),
-        PinState::Different { actual } => drift(format!("the file hashes to {actual}, {} is pinned", pin.digest)),
+impl Pulling<'_, '_> {
+    fn fitting(&self) -> Fitting<'_> {
+        let args = &self.args.sources;
+        Fitting::new(args.threads, args.entry_limit, self.context)
+    }
+
+    /// Brings in a table and the files that are made of it; `done` gets what became of each file.
+    fn pin<'p>(&self, pin: &'p Pin, done: &mut Vec<Done<'p>>) -> Result<(), CommandFailure> {
+        let outcome = match self.state(&pin.path, pin.digest)? {
+            PinState::Right => "unchanged",
+            _ => self.table(pin)?,
+        };
+        done.push(Done { path: &pin.path, digest: pin.digest, outcome });
+        // Read once at most, and only where a file has to be made.
+        let mut read: Option<TableFile> = None;
+        for export in &pin.exports {
+            let mut states = Vec::new();
+            for file in &export.file {
+                states.push(self.state(&file.path, file.digest)?);
+            }
+            if states.iter().any(|state| *state != PinState::Right) {
+                if read.is_none() {
+                    read = Some(self.read(pin)?);
+                }
+                if let Some(table) = &read {
+                    self.export(pin, export, table, &states)?;
+                }
+            }
+            for (FilePin { path, digest, .. }, state) in export.file.iter().zip(states) {
+                let outcome = match state {
+                    PinState::Right => "unchanged",
+                    PinState::Missing => "made",
+                    PinState::Different { .. } => "replaced",
+                };
+                done.push(Done { path, digest: *digest, outcome });
+            }
+        }
+        Ok(())
+    }
+
+    /// The state of a pinned file. Under `--locked` it has to be right.
+    fn state(&self, path: &Path, digest: Digest) -> Result<PinState, CommandFailure> {
+        let state = client::check(path, digest, &self.lock.folder)?;
+        let drift = |reason: String| Err(mismatch(&self.lock.folder.join(path), &reason));
+        match state {
+            PinState::Missing if self.args.locked => drift("the file is missing".to_owned()),
+            PinState::Different { actual } if self.args.locked => {
+                drift(format!("the file hashes to {actual}, {digest} is pinned"))
+            }
+            state => Ok(state),
+        }
+    }
+
+    /// Brings in a table that is missing or differs. Says what was done.
+    fn table(&self, pin: &Pin) -> Result<&'static str, CommandFailure> {
+        let folder = &self.lock.folder;
+        let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
+        let pulled =
+            self.sources.with_access(&self.context.interrupt, |access| client::pull(pin, folder, &sources, access));
+        match pulled {
+            Ok(PinState::Right) => Ok("unchanged"),
+            Ok(PinState::Missing) => Ok("downloaded"),
+            Ok(PinState::Different { .. }) => Ok("replaced"),
+            Err(PullError::Sources(SourcesError::NoneHasIt(_))) if self.args.fit => self.fit(pin),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Fits a pinned recipe again, which has to give the pinned bytes.
+    fn fit(&self, pin: &Pin) -> Result<&'static str, CommandFailure> {
+        let Some(document) = &pin.recipe else {
+            let reason = "no source has the table, and the lock file has no recipe of it: `ltcforge lock` writes it";
+            return Err(CommandFailure::new(Exit::Failed, reason));
+        };
+        let target = client::target(&pin.path, &self.lock.folder)?;
+        let bytes = self.fitting().fit(&self.fitting().recipe(Path::new("recipe"), document.as_bytes())?)?;
+        let actual = Digest::of(&bytes);
+        if actual != pin.digest {
+            let reason = format!("the recipe gives a table that hashes to {actual}, {} is pinned", pin.digest);
+            return Err(mismatch(&target, &reason));
+        }
+        replace_file(&target, &bytes).map_err(|error| file_failure(&target, &error))?;
+        Ok("fitted")
+    }
+
+    /// The table of a pin whose file is right.
+    fn read(&self, pin: &Pin) -> Result<TableFile, CommandFailure> {
+        let path = self.lock.folder.join(&pin.path);
+        let limit = pin.bytes.unwrap_or(self.args.sources.limit.table_limit);
+        let bytes = read_file(&path, limit).map_err(|error| file_failure(&path, &error))?;
+        Ok(check(&path, &bytes, Some(pin.digest))?.1)
+    }
+
+    /// Writes those files of an export that are not right. All files have to have their pinned hashes, or none is written.
+    fn export(
+        &self,
+        pin: &Pin,
+        export: &ExportPin,
+        table: &TableFile,
+        states: &[PinState],
+    ) -> Result<(), CommandFailure> {
+        let (made, files) = self.fitting().export(export, table, pin.digest)?;
+        let advice = "`ltcforge lock` pins what this program makes";
+        for FilePin { path, digest, .. } in &export.file {
+            let target = client::target(path, &self.lock.folder)?;
+            match made.file.iter().find(|file| file.path == *path) {
+                Some(file) if file.digest == *digest => {}
+                Some(FilePin { digest: actual, .. }) => {
+                    let reason =
+                        format!("this program makes a file that hashes to {actual}, {digest} is pinned; {advice}");
+                    return Err(mismatch(&target, &reason));
+                }
+                None => return Err(mismatch(&target, &format!("this program makes no such file; {advice}"))),
+            }
+        }
+        if let Some(file) = made.file.iter().find(|made| export.file.iter().all(|pinned| pinned.path != made.path)) {
+            let target = self.lock.folder.join(&file.path);
+            return Err(mismatch(
+                &target,
+                &format!("this program makes this file too, and it is not pinned; {advice}"),
+            ));
+        }
+        for (FilePin { path, .. }, _) in export.file.iter().zip(states).filter(|(_, state)| **state != PinState::Right)
+        {
+            if let Some((_, file)) = made.file.iter().zip(&files).find(|(made, _)| made.path == *path) {
+                let target = client::target(path, &self.lock.folder)?;
+                replace_file(&target, &file.bytes).map_err(|error| file_failure(&target, &error))?;
+            }
+        }
+        Ok(())
     }
 }
 
-/// Downloads a table and then writes its pin into the lock file, which is made when it is missing. Says what was done with
-/// the table's file.
-///
-/// # Errors
-/// When the pin is not allowed, which is told first, or the table cannot be downloaded. The lock file is then as before.
-fn add(args: &PullArgs, name: &str, digest: &str, downloads: &Downloads<'_>) -> Result<&'static str, CommandFailure> {
-    let mut pin = Pin {
-        name: name.to_owned(),
-        digest: digest
-            .parse()
-            .map_err(|error: ParseDigestError| CommandFailure::new(Exit::Usage, error.to_string()))?,
-        path: args.to.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.safetensors"))),
-        bytes: None,
-        server: downloads.servers.chosen.map(str::to_owned),
-    };
-    let old = match read_text(&args.lock) {
-        Ok(text) => text,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
-        Err(source) => return Err(LockFileError::Read { path: args.lock.clone(), source }.into()),
-    };
-    with_pin(&old, &pin)?;
-    check_output_folder(folder_of(&args.lock))?;
-    let folder = args.lock.parent().unwrap_or(Path::new(""));
-    let word = downloads.pull(&pin, folder).map_err(|failure| named(name, &failure))?;
-    let file = folder.join(&pin.path);
-    pin.bytes = Some(file.metadata().map_err(|error| file_failure(&file, &error))?.len());
-    let new = with_pin(&old, &pin)?;
-    replace_file(&args.lock, new.as_bytes()).map_err(|error| file_failure(&args.lock, &error))?;
-    Ok(word)
+fn mismatch(path: &Path, reason: &str) -> CommandFailure {
+    CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
 }

@@ -6,7 +6,9 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    export, fit, fsck, jobs, light, lookup, plot, preview, print, pull, report, serve, shader, tradeoff, verify,
+    diff, export, fit, fsck, jobs, light, lock, lookup, plot, preview, print, pull, report, serve, shader,
+    sources::Sources,
+    tradeoff, verify,
 };
 use crate::client::Client;
 
@@ -31,11 +33,10 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Shader(args) => shader::run(&args, json, context),
         Command::Export(args) => export::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
-        Command::Pull(args) => {
-            let servers = pull::Servers { chosen: server.as_deref(), usual: file.server.as_deref() };
-            pull::run(&args, servers, json, context)
-        }
+        Command::Lock(args) => lock::run(&args, &Sources::new(&args.sources, server.as_deref(), &file)?, json, context),
+        Command::Pull(args) => pull::run(&args, &Sources::new(&args.sources, server.as_deref(), &file)?, json, context),
         Command::Verify(args) => verify::run(&args, json, context),
+        Command::Diff(args) => diff::run(&args, json, context),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "ltcforge", &mut script);

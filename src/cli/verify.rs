@@ -7,10 +7,12 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit,
     args::VerifyArgs,
-    file_failure, print, shown,
+    file_failure,
+    pins::Fitting,
+    print, shown,
     table_file::{check, table_path},
 };
-use crate::files::{bounded::read_file, container::TableFile, digest::Digest};
+use crate::files::{bounded::read_file, container::TableFile, digest::Digest, recipe_document};
 
 /// Checks every file; the first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -19,11 +21,20 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
     for name in &args.files {
         let found = table_path(name, args.folder.tables.as_deref());
         let path = found.as_deref().unwrap_or(name);
-        match found.clone().and_then(|path| read(&path, args.digest, limit)) {
-            Ok((digest, _)) => {
-                let value = json!({ "file": shown(path), "digest": digest, "ok": true });
-                print(context.stdout, json, &value, &format!("{}: ok, {digest}", path.display()))?;
+        let checked = found.clone().and_then(|path| {
+            let (digest, file) = read(&path, args.digest, limit)?;
+            if args.refit {
+                refit(&path, digest, &file, &Fitting::new(args.threads, args.entry_limit, context))?;
             }
+            Ok(digest)
+        });
+        match checked {
+            Ok(digest) => {
+                let value = json!({ "file": shown(path), "digest": digest, "ok": true, "refitted": args.refit });
+                let refitted = if args.refit { ", and so is the table that its recipe gives" } else { "" };
+                print(context.stdout, json, &value, &format!("{}: ok, {digest}{refitted}", path.display()))?;
+            }
+            Err(failure) if failure.exit == Exit::Interrupted => return Err(failure),
             Err(failure) => {
                 if json {
                     let value = json!({ "file": shown(path), "ok": false, "detail": failure.message });
@@ -40,6 +51,17 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
             Err(CommandFailure::new(exit, lines.join("\n")))
         }
     }
+}
+
+/// Fits the recipe of a table again, which has to give the table's bytes.
+fn refit(path: &Path, digest: Digest, file: &TableFile, fitting: &Fitting<'_>) -> Result<(), CommandFailure> {
+    let recipe = fitting.recipe(path, recipe_document::canonical_json(&file.recipe).as_bytes())?;
+    let actual = Digest::of(&fitting.fit(&recipe)?);
+    if actual == digest {
+        return Ok(());
+    }
+    let reason = format!("the file hashes to {digest}, the table that its recipe gives to {actual}");
+    Err(CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display())))
 }
 
 fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, TableFile), CommandFailure> {

@@ -50,13 +50,10 @@ impl Download {
         sink: &mut dyn Write,
     ) -> Result<(), DownloadError> {
         let Self { url, response, digest: expected, limits } = self;
-        let size = match stated_bytes {
-            Some(bytes) => SizeLimit { bytes, origin: "the size that the lock file states" },
-            None => SizeLimit { bytes: limits.table_bytes, origin: "the limit for tables; --table-limit sets another" },
-        };
-        let mut sink = HashingWriter { sink, hasher: Hasher::default() };
+        let size = size_limit(stated_bytes, limits);
+        let mut sink = HashingWriter::new(sink);
         answer::copy(&url, response, (size, limits.table_time, limits), should_stop, &mut sink)?;
-        let actual = sink.hasher.digest();
+        let actual = sink.digest();
         if actual == expected { Ok(()) } else { Err(ClientError::Mismatch { url, expected, actual }.into()) }
     }
 }
@@ -71,10 +68,30 @@ impl From<CopyError> for DownloadError {
     }
 }
 
+/// How long a table may be: as the lock file states, or else as the limit for tables.
+pub(super) fn size_limit(stated_bytes: Option<u64>, limits: Limits) -> SizeLimit {
+    match stated_bytes {
+        Some(bytes) => SizeLimit { bytes, origin: "the size that the lock file states" },
+        None => SizeLimit { bytes: limits.table_bytes, origin: "the limit for tables; --table-limit sets another" },
+    }
+}
+
 /// Hashes what it passes on.
-struct HashingWriter<'a> {
+pub(super) struct HashingWriter<'a> {
     sink: &'a mut dyn Write,
     hasher: Hasher,
+}
+
+impl<'a> HashingWriter<'a> {
+    /// Passes on to `sink`.
+    pub(super) fn new(sink: &'a mut dyn Write) -> Self {
+        Self { sink, hasher: Hasher::default() }
+    }
+
+    /// The digest of all that was passed on.
+    pub(super) fn digest(self) -> Digest {
+        self.hasher.digest()
+    }
 }
 
 impl Write for HashingWriter<'_> {

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::files::{digest::Digest, recipe_document::Fault};
 
-/// A failed request. Every variant names the URL.
+/// A failed request. Every variant names the URL, or the file in a folder of tables.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     /// The URL of the server is none.
@@ -12,6 +12,20 @@ pub enum ClientError {
     BadUrl {
         /// What was given.
         url: String,
+    },
+    /// What should name a source is neither the URL of a server nor a folder's path.
+    #[error("«{source_name}» is no source of tables: a source is the URL of a server or the path of a folder")]
+    BadSource {
+        /// What was given.
+        source_name: String,
+    },
+    /// A file in a folder of tables cannot be read.
+    #[error("{place}: {reason}")]
+    Unreadable {
+        /// The file.
+        place: String,
+        /// The system's error.
+        reason: String,
     },
     /// No service answers at this URL, or it says that it is unavailable.
     #[error("{url}: the server is unavailable: {reason}")]

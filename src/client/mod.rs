@@ -1,7 +1,7 @@
 //! The REST client, and the lock file by which a project pins its tables.
 //!
 //! Invariant: `client` fits nothing and opens no store, and uses a download only after checking its hash. It reads no
-//! answer beyond a limit of bytes and time.
+//! answer beyond a limit of bytes and time, and writes nothing outside of the lock file's folder.
 
 mod answer;
 mod download;
@@ -10,8 +10,10 @@ mod events;
 mod job;
 mod limits;
 mod lock_file;
+mod lock_text;
 mod pull;
 mod rest;
+mod source;
 #[cfg(test)]
 mod tests;
 
@@ -19,6 +21,8 @@ pub use download::{Download, DownloadError};
 pub use error::ClientError;
 pub use job::{JobDocument, JobProgress, JobStatus};
 pub use limits::Limits;
-pub use lock_file::{LockFile, LockFileError, Pin, read_text, with_pin};
-pub use pull::{PinState, PullError, check, pull};
+pub use lock_file::{ExportPin, FilePin, LockFile, LockFileError, Pin, check_pins, read_text};
+pub use lock_text::with_pins;
+pub use pull::{PinState, PullError, check, pull, target};
 pub use rest::Client;
+pub use source::{Access, Source, SourcesError, fetch};

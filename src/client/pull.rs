@@ -1,13 +1,19 @@
-//! Downloading the pinned tables that are missing or differ.
+//! Bringing in the pinned tables that are missing or differ.
 
 use std::{
-    fs::File,
+    fs::{self, File},
     io,
     path::{Path, PathBuf},
 };
 
-use super::{Client, ClientError, DownloadError, Pin};
-use crate::files::{digest::Digest, replace::replace_file_with};
+use super::{
+    Pin,
+    source::{Access, Source, SourcesError, from_first},
+};
+use crate::files::{
+    digest::Digest,
+    replace::{folder_of, replace_file_with},
+};
 
 /// The state of a pinned file on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,9 +32,9 @@ pub enum PinState {
 /// Why a table was not pulled.
 #[derive(Debug, thiserror::Error)]
 pub enum PullError {
-    /// It could not be downloaded.
+    /// No source gave it.
     #[error(transparent)]
-    Client(#[from] ClientError),
+    Sources(#[from] SourcesError),
     /// It could not be read or written.
     #[error("{}: {source}", .path.display())]
     File {
@@ -37,19 +43,23 @@ pub enum PullError {
         /// The system's error.
         source: io::Error,
     },
-    /// The user stopped it.
-    #[error("the download was stopped")]
-    Stopped,
+    /// Its folder is a link that leads out of the lock file's folder.
+    #[error("{}: the folder is a link that leads out of the lock file's folder", .path.display())]
+    LeadsOut {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
-/// The state of the file of `pin` below `folder`. Writes nothing, and keeps no more than a part of the file in memory.
+/// The state of the file at `path` below `folder`, which should have this digest. Writes nothing, and keeps no more than a
+/// part of the file in memory.
 ///
 /// # Errors
 /// When something is there that cannot be read or is no regular file.
-pub fn check(pin: &Pin, folder: &Path) -> Result<PinState, PullError> {
-    let path = folder.join(&pin.path);
+pub fn check(path: &Path, digest: Digest, folder: &Path) -> Result<PinState, PullError> {
+    let path = folder.join(path);
     match digest_of_file(&path) {
-        Ok(actual) => Ok(if actual == pin.digest { PinState::Right } else { PinState::Different { actual } }),
+        Ok(actual) => Ok(if actual == digest { PinState::Right } else { PinState::Different { actual } }),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(PinState::Missing),
         Err(source) => Err(PullError::File { path, source }),
     }
@@ -63,21 +73,40 @@ fn digest_of_file(path: &Path) -> io::Result<Digest> {
     Digest::of_stream(File::open(path)?)
 }
 
-/// Downloads the table of `pin` to its path below `folder`, unless it is there. Returns the state before.
-/// `should_stop` is asked again and again during the download.
+/// Where the file at `path` below `folder` is written. A checkout may hold links, and none may lead a write out of it.
 ///
 /// # Errors
-/// When the pinned bytes cannot be downloaded or written; the old file then stays, and nothing else is left.
-pub fn pull(pin: &Pin, folder: &Path, client: &Client, should_stop: &dyn Fn() -> bool) -> Result<PinState, PullError> {
-    let before = check(pin, folder)?;
+/// When a link leads out, or a folder on the way cannot be read.
+pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
+    let target = folder.join(path);
+    let failed = |source| PullError::File { path: target.clone(), source };
+    let root = fs::canonicalize(folder_of(&folder.join("lock"))).map_err(failed)?;
+    let mut here = folder_of(&target);
+    loop {
+        match fs::canonicalize(here) {
+            Ok(real) if real.starts_with(&root) => return Ok(target),
+            Ok(_) => return Err(PullError::LeadsOut { path: target }),
+            Err(error) if error.kind() == io::ErrorKind::NotFound && here != Path::new(".") => here = folder_of(here),
+            Err(error) => return Err(failed(error)),
+        }
+    }
+}
+
+/// Brings the table of `pin` to its path below `folder` from the first of `sources` that has it, unless it is there.
+/// Returns the state before.
+///
+/// # Errors
+/// When no source has the pinned bytes or they cannot be written; the old file then stays, and nothing else is left.
+pub fn pull(pin: &Pin, folder: &Path, sources: &[Source], access: &Access<'_>) -> Result<PinState, PullError> {
+    let before = check(&pin.path, pin.digest, folder)?;
     if before != PinState::Right {
-        let path = folder.join(&pin.path);
-        let download = client.table(pin.digest)?;
-        let replaced = replace_file_with(&path, |file| download.write_to(pin.bytes, should_stop, file));
+        let path = target(&pin.path, folder)?;
+        let replaced = from_first(sources, pin.digest, pin.bytes, access, &mut |write| {
+            replace_file_with(&path, |file| write(file))
+        });
         replaced.map_err(|error| match error {
-            DownloadError::Client(error) => PullError::Client(error),
-            DownloadError::Write(source) => PullError::File { path, source },
-            DownloadError::Stopped => PullError::Stopped,
+            SourcesError::Write(source) => PullError::File { path, source },
+            error => PullError::Sources(error),
         })?;
     }
     Ok(before)
@@ -85,37 +114,70 @@ pub fn pull(pin: &Pin, folder: &Path, client: &Client, should_stop: &dyn Fn() ->
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
+    use std::{fs, os::unix::fs::symlink};
 
     use super::*;
-    use crate::files::replace::replace_file;
+    use crate::{client::Limits, files::replace::replace_file};
+
+    const OFFLINE: Access<'static> = Access { limits: Limits::USUAL, offline: true, should_stop: &|| false };
+
+    fn right(path: &str) -> Pin {
+        Pin {
+            name: "a".into(),
+            digest: Digest::of(b"right"),
+            path: path.into(),
+            bytes: None,
+            recipe: None,
+            sources: vec![],
+            exports: vec![],
+        }
+    }
 
     #[test]
     fn the_state_of_a_pin_is_that_of_its_bytes() {
         let folder = tempfile::tempdir().expect("a folder");
-        let pin =
-            Pin { name: "a".into(), digest: Digest::of(b"right"), path: "sub/a".into(), bytes: None, server: None };
-        let state = || check(&pin, folder.path()).expect("a readable file");
+        let digest = Digest::of(b"right");
+        let state = || check(Path::new("sub/a"), digest, folder.path()).expect("a readable file");
         assert_eq!(state(), PinState::Missing);
         replace_file(&folder.path().join("sub/a"), b"wrong").expect("a file");
         assert_eq!(state(), PinState::Different { actual: Digest::of(b"wrong") });
         replace_file(&folder.path().join("sub/a"), b"right").expect("a file");
         assert_eq!(state(), PinState::Right);
-        let endless = Pin { path: "/dev/zero".into(), ..pin.clone() };
-        assert!(check(&endless, folder.path()).is_err());
+        assert!(check(Path::new("/dev/zero"), digest, folder.path()).is_err());
     }
 
     #[test]
-    fn a_right_file_is_neither_downloaded_nor_touched() {
+    fn a_right_file_is_neither_brought_in_nor_touched() {
         let folder = tempfile::tempdir().expect("a folder");
-        let pin = Pin { name: "a".into(), digest: Digest::of(b"right"), path: "a".into(), bytes: None, server: None };
         let path = folder.path().join("a");
         replace_file(&path, b"right").expect("a file");
         let modified = || fs::metadata(&path).and_then(|data| data.modified()).expect("a time");
         let before = modified();
-        // Nothing answers on port 9, so a request would fail.
-        let client = Client::new("http://127.0.0.1:9").expect("a URL");
-        assert_eq!(pull(&pin, folder.path(), &client, &|| false).expect("nothing to do"), PinState::Right);
+        // There is no source, so a request would fail.
+        assert_eq!(pull(&right("a"), folder.path(), &[], &OFFLINE).expect("nothing to do"), PinState::Right);
         assert_eq!(modified(), before);
+    }
+
+    #[test]
+    fn no_link_leads_a_write_out_of_the_project() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (project, outside) = (folder.path().join("project"), folder.path().join("outside"));
+        let tables = folder.path().join("tables");
+        for made in [&project.join("inside"), &outside, &tables] {
+            fs::create_dir_all(made).expect("a folder");
+        }
+        fs::write(tables.join(format!("{}.safetensors", Digest::of(b"right").hex())), "right").expect("a table");
+        symlink(&outside, project.join("out")).expect("a link");
+        symlink("inside", project.join("in")).expect("a link");
+        let sources = [Source::Folder(tables)];
+        for path in ["out/a", "out/new/a"] {
+            let refused = pull(&right(path), &project, &sources, &OFFLINE).expect_err(path);
+            assert!(matches!(refused, PullError::LeadsOut { .. }), "{refused}");
+        }
+        assert_eq!(fs::read_dir(&outside).expect("the folder").count(), 0);
+        for path in ["in/new/a", "a"] {
+            assert_eq!(pull(&right(path), &project, &sources, &OFFLINE).expect(path), PinState::Missing);
+            assert_eq!(fs::read(project.join(path)).expect("the table"), b"right");
+        }
     }
 }

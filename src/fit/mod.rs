@@ -42,8 +42,8 @@ pub use lobe::LobeModel;
 pub(crate) use lobe::ltc::quadrature;
 pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides};
 pub use measure::{
-    Accuracy, Corner, ErrorMap, Extent, Floors, GoOn, MOST_POINTS, Matrices, Moved, REPORT_VERSION, Report, Spread,
-    TermError, Worst, error_map, extremes, report, report_points, report_while,
+    Accuracy, Corner, Difference, ErrorMap, Extent, Floors, Gap, GoOn, MOST_POINTS, Matrices, Moved, REPORT_VERSION,
+    Report, Spread, TermError, Worst, difference, error_map, extremes, report, report_points, report_while,
 };
 pub use metric::Metric;
 pub use pulse::Pulse;

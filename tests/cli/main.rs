@@ -4,6 +4,8 @@
 mod common;
 
 mod answers;
+mod ci;
+mod compare;
 mod exports;
 mod lights;
 mod lock_file;

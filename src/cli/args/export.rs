@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{
-    Args,
+    ArgGroup, Args,
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
 
@@ -15,15 +15,30 @@ use crate::{
 
 /// `export`.
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("what").args(["engine", "layout"]).required(true)))]
 pub struct ExportArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
+    /// Which files
+    #[command(flatten)]
+    pub choice: ExportChoice,
+    /// The folder; it is made where it is missing
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// How many threads measure the table, whose files state how good it is
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// Which files to make of a table.
+#[derive(Debug, Clone, PartialEq, Eq, Args)]
+pub struct ExportChoice {
     /// Write the files of this engine, under its names
-    #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), required_unless_present = "layout")]
+    #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), requires = "out")]
     pub engine: Option<Engine>,
     /// Write textures of this layout, in a format of one's own choice
-    #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine")]
+    #[arg(long, value_name = "NAME", requires = "container", requires = "out", conflicts_with = "engine")]
     pub layout: Option<String>,
     /// The files' format
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "layout")]
@@ -31,12 +46,6 @@ pub struct ExportArgs {
     /// Bits of a number: 16 or 32 [default: float]
     #[arg(long, value_parser = precisions(), requires = "layout")]
     pub precision: Option<Precision>,
-    /// The folder; it is made where it is missing
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
-    /// How many threads measure the table, whose files state how good it is
-    #[command(flatten)]
-    pub threads: Threads,
 }
 
 fn engines() -> impl TypedValueParser<Value = Engine> {

@@ -8,6 +8,7 @@ mod jobs;
 mod light;
 mod models;
 mod pictures;
+mod pins;
 mod tables;
 
 use std::path::PathBuf;
@@ -16,12 +17,13 @@ use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
 pub(super) use connections::{ClientSeconds, ConnectionArgs};
-pub(super) use export::ExportArgs;
+pub(super) use export::{ExportArgs, ExportChoice};
 pub(super) use fitting::{FitArgs, FsckArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
-pub(super) use tables::{LookupArgs, PullArgs, ReportArgs, TableChoice, TableFolder, VerifyArgs};
+pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
+pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
@@ -30,7 +32,7 @@ pub struct Cli {
     /// Configuration file; `ltcforge.toml` in the working folder if there is one
     #[arg(long, global = true, env = "LTCFORGE_CONFIG", value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Server of the commands `jobs` and `pull` [default: <http://127.0.0.1:8317>]
+    /// Server of the commands `jobs`, `lock` and `pull` [default: <http://127.0.0.1:8317>]
     #[arg(long, global = true, env = "LTCFORGE_SERVER", value_name = "URL")]
     pub server: Option<String>,
     /// Print JSON, one document a line
@@ -71,10 +73,14 @@ pub enum Command {
     Export(ExportArgs),
     /// Work with the jobs of a server
     Jobs(JobsArgs),
-    /// Download the tables pinned in ltcforge.lock that are missing or have other bytes
+    /// Pin a table, and files that are made of it, in ltcforge.lock: with its recipe, by hash
+    Lock(Box<LockArgs>),
+    /// Bring in the pinned tables that are missing or have other bytes, and make the files that are pinned with them
     Pull(PullArgs),
     /// Check that files are tables and have the digests in their names
     Verify(VerifyArgs),
+    /// Tell how far two tables are apart, and how good each is
+    Diff(DiffArgs),
     /// Print a completion script
     Completions {
         /// For this shell
@@ -116,7 +122,7 @@ impl Command {
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
             Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
-            Self::Fit(_) | Self::Tradeoff(_) | Self::Pull(_) => OnInterrupt::Told,
+            Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
             Self::Lookup(_)
             | Self::Light(_)
             | Self::Report(_)
@@ -126,6 +132,7 @@ impl Command {
             | Self::Export(_)
             | Self::Jobs(_)
             | Self::Verify(_)
+            | Self::Diff(_)
             | Self::Completions { .. } => OnInterrupt::Ends,
         }
     }
@@ -148,11 +155,13 @@ mod tests {
     }
 
     #[test]
-    fn a_pin_is_added_with_two_values() {
-        let line = format!("ltcforge pull --add metal {} --to a/b", Digest::of(b""));
-        let Command::Pull(args) = parse(&line).expect("a good line").command else { panic!("not pull: {line}") };
-        assert_eq!(args.add, ["metal".to_owned(), Digest::of(b"").to_string()]);
+    fn a_pin_has_a_table_and_sources_in_order() {
+        let line = format!("ltcforge lock metal {} --to a/b --from http://h --from ../t", Digest::of(b""));
+        let Command::Lock(args) = parse(&line).expect("a good line").command else { panic!("not lock: {line}") };
+        assert_eq!(args.table, Some(Digest::of(b"").to_string().into()));
         assert_eq!(args.to, Some("a/b".into()));
+        let from: Vec<String> = args.sources.from.iter().map(ToString::to_string).collect();
+        assert_eq!(from, ["http://h", "../t"]);
     }
 
     #[test]
@@ -160,13 +169,24 @@ mod tests {
         let lines = [
             "ltcforge",
             "ltcforge fit",
-            "ltcforge pull --locked --add a b",
-            "ltcforge pull --add a",
-            "ltcforge pull --to a",
+            "ltcforge pull --locked --fit",
+            "ltcforge pull --locked --from a",
+            "ltcforge pull --from ftp://host",
+            "ltcforge lock --to a",
+            "ltcforge lock a b --recipe c",
+            "ltcforge lock a --for wgpu",
+            "ltcforge lock --for wgpu --out b",
+            "ltcforge lock a --for wgpu --layout reflected --container ktx2 --out b",
+            "ltcforge lock a b --remove",
+            "ltcforge lock --remove",
             "ltcforge jobs show xyz",
             "ltcforge jobs list --state finished",
             "ltcforge serve --workers 0",
             "ltcforge verify",
+            "ltcforge verify --refit",
+            "ltcforge diff a",
+            "ltcforge diff a b c",
+            "ltcforge diff a b --points 7",
             "ltcforge light",
             "ltcforge export table -o out",
             "ltcforge export table --for three",

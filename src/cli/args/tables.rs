@@ -1,6 +1,6 @@
-//! `lookup`, `report`, `pull` and `verify`: commands on tables that exist.
+//! `lookup`, `report`, `verify` and `diff`: commands on tables that exist.
 
-use std::path::PathBuf;
+use std::{num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
@@ -87,26 +87,6 @@ pub struct ReportArgs {
     pub threads: Threads,
 }
 
-/// `pull`.
-#[derive(Debug, Args)]
-pub struct PullArgs {
-    /// The lock file; its folder is what paths are relative to
-    #[arg(long, value_name = "FILE", default_value = "ltcforge.lock")]
-    pub lock: PathBuf,
-    /// Download nothing; fail with exit code 3 when a file is missing or has other bytes
-    #[arg(long, conflicts_with = "add")]
-    pub locked: bool,
-    /// Download a table and pin it under a name, by its whole digest; a pin of that name is replaced
-    #[arg(long, num_args = 2, value_names = ["NAME", "DIGEST"])]
-    pub add: Vec<String>,
-    /// Where the added table goes [default: NAME.safetensors]
-    #[arg(long, requires = "add", value_name = "PATH")]
-    pub to: Option<PathBuf>,
-    /// How long a table may be whose size the lock file does not state
-    #[command(flatten)]
-    pub limit: TableLimit,
-}
-
 /// `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
@@ -120,4 +100,33 @@ pub struct VerifyArgs {
     /// The digest that the file must hash to, whatever its name
     #[arg(long)]
     pub digest: Option<Digest>,
+    /// Fit each table's recipe again as well: it must give the table's bytes
+    #[arg(long)]
+    pub refit: bool,
+    /// Entries that a table may have to be fitted [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: Option<NonZeroU64>,
+    /// Number of threads that fit
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// `diff`.
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
+    /// first digits suffice) of a table in the folder of `--tables`
+    pub a: PathBuf,
+    /// Another one
+    pub b: PathBuf,
+    /// Where digests are looked for
+    #[command(flatten)]
+    pub folder: TableFolder,
+    /// Places that are compared and measured: so many nodes of each table and so many configurations between, 8 to 1000000
+    /// [default: 1024 to compare, and for each report as many as `report` takes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
+    pub points: Option<u32>,
+    /// Number of threads that measure
+    #[command(flatten)]
+    pub threads: Threads,
 }

@@ -4,6 +4,7 @@
 //! no code and no samples with the loss that fits minimise, so a fault in the loss shows here.
 
 mod accuracy;
+mod difference;
 mod distance;
 mod effort;
 mod extremes;
@@ -20,6 +21,7 @@ mod steps;
 use serde::Serialize;
 
 pub use accuracy::{Accuracy, Spread, TermError, Worst};
+pub use difference::{Difference, Gap, difference};
 pub use effort::{MOST_POINTS, report_points};
 pub use extremes::{Corner, extremes};
 pub use figures::GoOn;

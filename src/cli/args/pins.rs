@@ -1,0 +1,78 @@
+//! `lock` and `pull`: tables that a project pins.
+
+use std::{num::NonZeroU64, path::PathBuf};
+
+use clap::Args;
+
+use super::{ExportChoice, TableLimit, Threads};
+use crate::client::Source;
+
+/// Where pinned tables come from.
+#[derive(Debug, Args)]
+pub struct SourceArgs {
+    /// The lock file; its folder is what paths are relative to
+    #[arg(long, value_name = "FILE", default_value = "ltcforge.lock")]
+    pub lock: PathBuf,
+    /// Look for tables here: the URL of a service, or a folder of `<digest>.safetensors` files; give it several times to
+    /// look in several places, in this order [default: --server, or what the lock file and the configuration name]
+    #[arg(long, value_name = "URL|DIR")]
+    pub from: Vec<Source>,
+    /// Ask no server: look in folders alone
+    #[arg(long)]
+    pub offline: bool,
+    /// How long a table may be whose size the lock file does not state
+    #[command(flatten)]
+    pub limit: TableLimit,
+    /// Entries that a table may have to be fitted [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: Option<NonZeroU64>,
+    /// Number of threads that fit and measure
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// `lock`.
+#[derive(Debug, Args)]
+pub struct LockArgs {
+    /// The table's name in the project; without one, every pin is written anew, with what this program makes of its table
+    pub name: Option<String>,
+    /// The table: its file, or its digest, of which the whole is needed where a source has to be asked [default: the one
+    /// that is pinned under this name]
+    #[arg(conflicts_with = "recipe")]
+    pub table: Option<PathBuf>,
+    /// The table of this recipe: its file, `-` for stdin, or the name of a preset. It is fitted, unless it is there
+    #[arg(long)]
+    pub recipe: Option<PathBuf>,
+    /// Where the table goes, relative to the lock file's folder and below it [default: NAME.safetensors]
+    #[arg(long, value_name = "PATH", requires = "name")]
+    pub to: Option<PathBuf>,
+    /// Files to make of the table and to pin as well
+    #[command(flatten)]
+    pub export: ExportChoice,
+    /// Their folder, relative to the lock file's and below it
+    #[arg(short, long, value_name = "DIR", requires = "name")]
+    pub out: Option<PathBuf>,
+    /// Remove the pin of this name; its files stay
+    #[arg(long, requires = "name", conflicts_with_all = ["table", "recipe", "to", "out"])]
+    pub remove: bool,
+    /// Folder where a digest is looked for first [default: the working folder, then `tables` in it]
+    #[arg(long, value_name = "DIR")]
+    pub tables: Option<PathBuf>,
+    /// Where tables come from
+    #[command(flatten)]
+    pub sources: SourceArgs,
+}
+
+/// `pull`.
+#[derive(Debug, Args)]
+pub struct PullArgs {
+    /// Change nothing; fail with exit code 3 when a file is missing or has other bytes
+    #[arg(long, conflicts_with_all = ["from", "fit", "offline"])]
+    pub locked: bool,
+    /// Fit a table from its recipe where no source has it; it must have the pinned digest
+    #[arg(long)]
+    pub fit: bool,
+    /// Where tables come from
+    #[command(flatten)]
+    pub sources: SourceArgs,
+}

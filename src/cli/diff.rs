@@ -1,0 +1,99 @@
+//! `diff`: how far two tables are apart, and how good each is.
+
+use std::fmt::Write as _;
+
+use serde_json::json;
+
+use super::{
+    CommandFailure, Context, Exit,
+    args::DiffArgs,
+    input::{AnyTable, Origin},
+    print, shown,
+};
+use crate::fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, report, report_points};
+
+/// Compares two tables. That they differ is no failure.
+pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let tables = [AnyTable::named(&args.a, &args.folder)?, AnyTable::named(&args.b, &args.folder)?];
+    let [a, b] = &tables;
+    let points = args.points.map_or(MOST_POINTS, |points| points as usize);
+    let (apart, reports) = args.threads.pool()?.install(|| {
+        let apart = difference(&a.table, &b.table, points);
+        (apart, [measure(a, args.points), measure(b, args.points)])
+    });
+    let side = |read: &AnyTable, report: &Report| {
+        json!({
+            "file": shown(&read.path), "digest": read.digest, "layout": read.table.layout.name(),
+            "resolution": read.table.axes.lengths(), "report": report,
+        })
+    };
+    let same_bytes = a.digest == b.digest;
+    let value = json!({
+        "same_bytes": same_bytes, "difference": apart, "a": side(a, &reports[0]), "b": side(b, &reports[1]),
+    });
+    print(context.stdout, json, &value, text([a, b], apart.as_ref(), &reports).trim_end())?;
+    Ok(Exit::Ok)
+}
+
+/// The report of a table, as `report` prints it.
+fn measure(AnyTable { table, origin, .. }: &AnyTable, points: Option<u32>) -> Report {
+    let usual = match origin {
+        Origin::Recipe(recipe) => report_points(recipe),
+        Origin::Range(_) => MOST_POINTS,
+    };
+    report(table, origin.range(), points.map_or(usual, |points| points as usize))
+}
+
+fn text(tables: [&AnyTable; 2], apart: Option<&Difference>, reports: &[Report; 2]) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_text(&mut out, tables, apart, reports);
+    out
+}
+
+fn write_text(
+    out: &mut String,
+    tables: [&AnyTable; 2],
+    apart: Option<&Difference>,
+    reports: &[Report; 2],
+) -> std::fmt::Result {
+    for (name, read) in ["a", "b"].into_iter().zip(tables) {
+        let n = read.table.axes.lengths();
+        let size = format!("{} x {} x {} x {}", n.alpha, n.ratio, n.theta, n.phi);
+        writeln!(out, "{name}  {}  {}, {size}\n   {}", read.path.display(), read.table.layout, read.digest)?;
+    }
+    if tables[0].digest == tables[1].digest {
+        writeln!(out, "the same bytes")?;
+    }
+    match apart {
+        Some(Difference { places, matrix, amplitude, fresnel }) => {
+            writeln!(
+                out,
+                "\nlookups at {places} places{:>12}{:>12}   largest at alpha_x alpha_y theta phi",
+                "mean", "max"
+            )?;
+            let none = "not in both tables";
+            for (name, gap) in [
+                ("matrix, of its norm", Some(matrix)),
+                ("amplitude", amplitude.as_ref()),
+                ("Fresnel term", fresnel.as_ref()),
+            ] {
+                match gap {
+                    Some(Gap { mean, max, alpha_x, alpha_y, theta, phi }) => writeln!(
+                        out,
+                        "{name:24}{mean:>12.2e}{max:>12.2e}   {alpha_x:.4} {alpha_y:.4} {theta:.4} {phi:.4}"
+                    )?,
+                    None => writeln!(out, "{name:24}{none:>24}")?,
+                }
+            }
+        }
+        None => writeln!(out, "\nlookups: the tables cover no configuration in common")?,
+    }
+    writeln!(out, "\nerror between nodes, mean / p95 / max, % of the lobe's width")?;
+    for (name, Report { between, .. }) in ["a", "b"].into_iter().zip(reports) {
+        let Spread { mean, p95, max } = between.width;
+        let (mean, p95, max) = (100.0 * mean, 100.0 * p95, 100.0 * max);
+        writeln!(out, "{name:24}{mean:>12.2}{p95:>12.2}{max:>12.2}")?;
+    }
+    Ok(())
+}

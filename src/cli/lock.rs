@@ -1,0 +1,270 @@
+//! `lock`: the one writer of the lock file.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+use serde_json::json;
+
+use super::{
+    CommandFailure, Context, Exit,
+    args::LockArgs,
+    file_failure, input, lock_failure,
+    output::check_output_folder,
+    pins::{Fitting, asked_by, of_pin},
+    print, shown,
+    sources::Sources,
+    table_file::{check, table_path},
+};
+use crate::{
+    client::{self, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins},
+    files::{
+        bounded::read_file,
+        container::TableFile,
+        digest::Digest,
+        recipe_document,
+        replace::{folder_of, replace_file},
+    },
+};
+
+/// A file that is to be written, unless it is there.
+struct Planned {
+    path: PathBuf,
+    digest: Digest,
+    bytes: Vec<u8>,
+}
+
+/// A table and where it was found.
+struct Found {
+    digest: Digest,
+    file: TableFile,
+    bytes: Vec<u8>,
+    /// Whether a source had to be asked.
+    from_source: bool,
+}
+
+/// Pins tables and the files that are made of them. Everything is made and checked before the first file is written; the
+/// lock file is written last.
+pub(super) fn run(
+    args: &LockArgs,
+    sources: &Sources,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let path = &args.sources.lock;
+    let refused = |error: LockFileError| lock_failure(path, &error);
+    let old = match read_text(path) {
+        Ok(text) => text,
+        Err(LockFileError::Read { source }) if source.kind() == io::ErrorKind::NotFound && args.name.is_some() => {
+            String::new()
+        }
+        Err(error) => return Err(refused(error)),
+    };
+    let folder = path.parent().map(Path::to_owned).unwrap_or_default();
+    let lock = if old.is_empty() {
+        LockFile { folder, ..LockFile::default() }
+    } else {
+        LockFile::parse(&old, path).map_err(refused)?
+    };
+    let mut pins = lock.pins.clone();
+    let mut made: Vec<String> = match &args.name {
+        Some(name) => vec![name.clone()],
+        None => pins.iter().map(|pin| pin.name.clone()).collect(),
+    };
+    let mut planned = Vec::new();
+    if args.remove {
+        let count = pins.len();
+        pins.retain(|pin| !made.contains(&pin.name));
+        if pins.len() == count {
+            return Err(unknown(&made[0], path));
+        }
+    } else {
+        if args.name.is_some() {
+            let index = asked_pin(args, &mut pins, path)?;
+            made = vec![pins[index].name.clone()];
+        }
+        // Names are checked before the work, and once more with the files that come of it.
+        check_pins(&pins).map_err(refused)?;
+        check_output_folder(folder_of(path))?;
+        let locking = Locking { args, sources, lock: &lock, context };
+        for pin in pins.iter_mut().filter(|pin| made.contains(&pin.name)) {
+            planned.extend(locking.pin(pin).map_err(|failure| of_pin(pin, &failure))?);
+        }
+    }
+    let text = with_pins(&old, &pins).map_err(refused)?;
+    LockFile::parse(&text, path).map_err(refused)?;
+    // What stands in the way of any file is told before the first is written.
+    for Planned { path, digest, .. } in &planned {
+        client::target(path, &lock.folder)?;
+        client::check(path, *digest, &lock.folder)?;
+    }
+    for Planned { path, digest, bytes } in &planned {
+        if client::check(path, *digest, &lock.folder)? != PinState::Right {
+            let target = client::target(path, &lock.folder)?;
+            replace_file(&target, bytes).map_err(|error| file_failure(&target, &error))?;
+        }
+    }
+    if text != old {
+        replace_file(path, text.as_bytes()).map_err(|error| file_failure(path, &error))?;
+    }
+    if args.remove {
+        print(
+            context.stdout,
+            json,
+            &json!({ "name": made[0], "outcome": "removed" }),
+            &format!("{} removed", made[0]),
+        )?;
+    }
+    for pin in pins.iter().filter(|pin| made.contains(&pin.name)) {
+        tell(pin, json, context)?;
+    }
+    Ok(Exit::Ok)
+}
+
+fn tell(pin: &Pin, json: bool, context: &mut Context<'_>) -> Result<(), CommandFailure> {
+    let Pin { name, path, digest, bytes, .. } = pin;
+    let files: Vec<_> = pin.exports.iter().flat_map(|export| &export.file).collect();
+    let list: Vec<_> = files
+        .iter()
+        .map(|file| json!({ "path": shown(&file.path), "bytes": file.bytes, "digest": file.digest }))
+        .collect();
+    let value = json!({
+        "name": name, "path": shown(path), "digest": digest, "bytes": bytes, "outcome": "pinned", "exports": list,
+    });
+    let lines = files.iter().map(|file| format!("\n{name} pinned: {}", file.path.display()));
+    let text: String = std::iter::once(format!("{name} pinned: {}", path.display())).chain(lines).collect();
+    print(context.stdout, json, &value, &text)
+}
+
+fn unknown(name: &str, path: &Path) -> CommandFailure {
+    let what = "no table of that name is pinned; name its file or its digest, or give --recipe";
+    CommandFailure::new(Exit::Usage, format!("{}: {}: {what}", path.display(), name.escape_debug()))
+}
+
+/// The place in `pins` of the pin that the command line names, changed as it says. Its digest may be an old one yet.
+fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize, CommandFailure> {
+    let name = args.name.clone().unwrap_or_default();
+    let index = pins.iter().position(|pin| pin.name == name);
+    if index.is_none() && args.table.is_none() && args.recipe.is_none() {
+        return Err(unknown(&name, lock));
+    }
+    let index = index.unwrap_or_else(|| {
+        let (path, digest) = (PathBuf::from(format!("{name}.safetensors")), Digest::of(&[]));
+        pins.push(Pin { name, path, digest, bytes: None, recipe: None, sources: vec![], exports: vec![] });
+        pins.len() - 1
+    });
+    let pin = &mut pins[index];
+    if let Some(to) = &args.to {
+        pin.path.clone_from(to);
+    }
+    if let Some(out) = &args.out {
+        if args.export.engine.is_none() && args.export.layout.is_none() {
+            return Err(CommandFailure::new(Exit::Usage, "--out is the folder of an export: add --for or --layout"));
+        }
+        let asked = asked_by(&args.export, out);
+        if !pin.exports.iter().any(|export| export.asks_as(&asked)) {
+            pin.exports.push(asked);
+        }
+    }
+    Ok(index)
+}
+
+struct Locking<'a, 'b> {
+    args: &'a LockArgs,
+    sources: &'a Sources,
+    lock: &'a LockFile,
+    context: &'a Context<'b>,
+}
+
+impl Locking<'_, '_> {
+    fn fitting(&self) -> Fitting<'_> {
+        let args = &self.args.sources;
+        Fitting::new(args.threads, args.entry_limit, self.context)
+    }
+
+    /// Completes a pin, and gives the files that it names.
+    fn pin(&self, pin: &mut Pin) -> Result<Vec<Planned>, CommandFailure> {
+        let Found { digest, file, bytes, from_source } = self.find(pin)?;
+        let recipe = recipe_document::canonical_json(&file.recipe);
+        (pin.digest, pin.bytes, pin.recipe) = (digest, Some(bytes.len() as u64), Some(recipe));
+        if from_source {
+            let servers = self.sources.chosen().iter().filter(|source| matches!(source, Source::Server(_)));
+            let servers: Vec<Source> = servers.cloned().collect();
+            if !servers.is_empty() {
+                pin.sources = servers;
+            }
+        }
+        let mut planned = vec![Planned { path: pin.path.clone(), digest, bytes }];
+        for export in &mut pin.exports {
+            let (made, files) = self.fitting().export(export, &file, digest)?;
+            let of_file = made.file.iter().zip(files);
+            planned.extend(of_file.map(|(pin, file)| Planned {
+                path: pin.path.clone(),
+                digest: pin.digest,
+                bytes: file.bytes,
+            }));
+            *export = made;
+        }
+        Ok(planned)
+    }
+
+    /// The table that is to be pinned.
+    fn find(&self, pin: &Pin) -> Result<Found, CommandFailure> {
+        match (&self.args.table, &self.args.recipe) {
+            (Some(table), _) => self.named(table, pin),
+            (None, Some(recipe)) => self.fitted(recipe, pin),
+            (None, None) => self.pinned(pin),
+        }
+    }
+
+    /// A table's file, or a digest: of a table in the folders where digests are looked for, or else of a source.
+    fn named(&self, name: &Path, pin: &Pin) -> Result<Found, CommandFailure> {
+        let digest = name.to_str().and_then(|text| text.parse::<Digest>().ok()).filter(|_| !name.exists());
+        match (table_path(name, self.args.tables.as_deref()), digest) {
+            (Ok(path), digest) => self.read(&path, digest),
+            (Err(_), Some(digest)) => self.of_source(digest, None, pin),
+            (Err(failure), None) => Err(failure),
+        }
+    }
+
+    /// The table of a recipe: that of the pin, if it is of this recipe and its file is right, or else fitted.
+    fn fitted(&self, name: &Path, pin: &Pin) -> Result<Found, CommandFailure> {
+        let recipe = self.fitting().recipe(name, &input::recipe_document(name)?)?;
+        let is_pinned = pin.recipe.as_ref().is_some_and(|old| *old == recipe_document::canonical_json(&recipe));
+        let old = self.lock.pins.iter().find(|old| old.name == pin.name);
+        if let Some(old) = old.filter(|_| is_pinned)
+            && client::check(&old.path, old.digest, &self.lock.folder)? == PinState::Right
+        {
+            return self.read(&self.lock.folder.join(&old.path), Some(old.digest));
+        }
+        let bytes = self.fitting().fit(&recipe)?;
+        let digest = Digest::of(&bytes);
+        let (_, file) = check(name, &bytes, Some(digest))?;
+        Ok(Found { digest, file, bytes, from_source: false })
+    }
+
+    /// The table that is pinned already.
+    fn pinned(&self, pin: &Pin) -> Result<Found, CommandFailure> {
+        let old = self.lock.pins.iter().find(|old| old.name == pin.name).unwrap_or(pin);
+        match client::check(&old.path, pin.digest, &self.lock.folder)? {
+            PinState::Right => self.read(&self.lock.folder.join(&old.path), Some(pin.digest)),
+            _ => self.of_source(pin.digest, pin.bytes, pin),
+        }
+    }
+
+    fn read(&self, path: &Path, expected: Option<Digest>) -> Result<Found, CommandFailure> {
+        let bytes = read_file(path, self.args.sources.limit.table_limit).map_err(|error| file_failure(path, &error))?;
+        let (digest, file) = check(path, &bytes, expected)?;
+        Ok(Found { digest, file, bytes, from_source: false })
+    }
+
+    fn of_source(&self, digest: Digest, stated_bytes: Option<u64>, pin: &Pin) -> Result<Found, CommandFailure> {
+        let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), &self.lock.folder);
+        let bytes = self
+            .sources
+            .with_access(&self.context.interrupt, |access| fetch(&sources, digest, stated_bytes, access))?;
+        let (digest, file) = check(Path::new(&digest.to_string()), &bytes, Some(digest))?;
+        Ok(Found { digest, file, bytes, from_source: true })
+    }
+}

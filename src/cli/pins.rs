@@ -1,0 +1,175 @@
+//! What `lock`, `pull` and `verify` make anew: tables of their recipes, and the files that are made of a table.
+
+use std::{num::NonZeroU64, path::Path};
+
+use super::{
+    CommandFailure, Context, Exit, Interrupt,
+    args::{ExportChoice, Threads},
+    export,
+    fit::{bad_recipe, fit},
+    progress,
+};
+use crate::{
+    client::{ExportPin, FilePin, Pin},
+    files::{
+        container::{self, TableFile},
+        digest::Digest,
+        recipe_document::{self, DEFAULT_ENTRY_LIMIT},
+        textures::{Engine, TextureContainer, TextureFile},
+    },
+    fit::{Plan, Precision, Recipe},
+};
+
+/// How tables are fitted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fitting<'a> {
+    threads: Threads,
+    entry_limit: Option<NonZeroU64>,
+    draws_progress: bool,
+    interrupt: &'a Interrupt,
+}
+
+impl<'a> Fitting<'a> {
+    /// As the command line says.
+    pub(super) fn new(threads: Threads, entry_limit: Option<NonZeroU64>, context: &'a Context<'_>) -> Self {
+        Self { threads, entry_limit, draws_progress: context.draws_progress, interrupt: &context.interrupt }
+    }
+
+    /// The recipe in `document`, which comes from `name`.
+    ///
+    /// # Errors
+    /// Its faults; another fitter's version is one.
+    pub(super) fn recipe(&self, name: &Path, document: &[u8]) -> Result<Recipe, CommandFailure> {
+        let entry_limit = self.entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
+        recipe_document::parse(document, entry_limit).map_err(|error| bad_recipe(name, error))
+    }
+
+    /// Fits a recipe and gives the table's file.
+    ///
+    /// # Errors
+    /// When there are no threads, or the user stops it.
+    pub(super) fn fit(&self, recipe: &Recipe) -> Result<Vec<u8>, CommandFailure> {
+        let bar = progress::bar(self.draws_progress, recipe.entries());
+        let plan = Plan::new(recipe);
+        let fitted = self.threads.pool()?.install(|| fit(&plan, &bar, self.interrupt));
+        bar.finish_and_clear();
+        let table = fitted.ok_or_else(CommandFailure::interrupted)?;
+        container::encode(recipe, &table).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
+    }
+
+    /// The files of an export, with their pins in the same order.
+    ///
+    /// # Errors
+    /// When the export asks for what this program does not know, or the table has no such files.
+    pub(super) fn export(
+        &self,
+        asked: &ExportPin,
+        file: &TableFile,
+        digest: Digest,
+    ) -> Result<(ExportPin, Vec<TextureFile>), CommandFailure> {
+        let choice = choice_of(asked)?;
+        let pool = self.threads.pool()?;
+        let bundle = pool.install(|| export::bundle(&choice, &file.table, digest, Some(&file.recipe)))?;
+        let pin = |file: &TextureFile| FilePin {
+            path: asked.to.join(&file.path),
+            bytes: file.bytes.len() as u64,
+            digest: Digest::of(&file.bytes),
+        };
+        let pins = bundle.files.iter().map(pin).collect();
+        Ok((ExportPin { file: pins, ..asked.clone() }, bundle.files))
+    }
+}
+
+/// An export as it is pinned, without its files.
+pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> ExportPin {
+    let ExportChoice { engine, layout, container, precision } = choice;
+    ExportPin {
+        engine: engine.map(|engine| engine.name().to_owned()),
+        layout: layout.clone(),
+        container: container.map(|container| container.name().to_owned()),
+        precision: precision.map(|precision| precision.name().to_owned()),
+        to: to.to_owned(),
+        file: vec![],
+    }
+}
+
+/// What a pin asks for.
+fn choice_of(pin: &ExportPin) -> Result<ExportChoice, CommandFailure> {
+    let ExportPin { engine, layout, container, precision, to, .. } = pin;
+    let refused = |what: String| CommandFailure::new(Exit::Usage, format!("the export to {}: {what}", to.display()));
+    if engine.is_some() == layout.is_some()
+        || layout.is_some() != container.is_some()
+        || (engine.is_some() && precision.is_some())
+    {
+        return Err(refused("it has «for», or «layout» and «container» and maybe «precision»".to_owned()));
+    }
+    let engine = named(engine.as_deref(), "for", Engine::ALL, Engine::name).map_err(refused)?;
+    let container =
+        named(container.as_deref(), "container", TextureContainer::ALL, TextureContainer::name).map_err(refused)?;
+    let precision = named(precision.as_deref(), "precision", Precision::ALL, Precision::name).map_err(refused)?;
+    Ok(ExportChoice { engine, layout: layout.clone(), container, precision })
+}
+
+/// The item of a list that has this name.
+fn named<T: Copy>(
+    name: Option<&str>,
+    field: &str,
+    all: &[T],
+    name_of: fn(T) -> &'static str,
+) -> Result<Option<T>, String> {
+    let Some(name) = name else { return Ok(None) };
+    let found = all.iter().copied().find(|item| name_of(*item) == name);
+    let names = || all.iter().map(|item| name_of(*item)).collect::<Vec<_>>().join(", ");
+    found.map(Some).ok_or_else(|| format!("{field} is «{}»; allowed: {}", name.escape_debug(), names()))
+}
+
+/// A failure of the pin `name`.
+pub(super) fn of_pin(pin: &Pin, failure: &CommandFailure) -> CommandFailure {
+    CommandFailure::new(failure.exit, format!("{}: {}", pin.name, failure.message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pin(engine: Option<&str>, layout: Option<&str>, container: Option<&str>, precision: Option<&str>) -> ExportPin {
+        let text = |text: Option<&str>| text.map(str::to_owned);
+        let (engine, layout) = (text(engine), text(layout));
+        ExportPin {
+            engine,
+            layout,
+            container: text(container),
+            precision: text(precision),
+            to: "out".into(),
+            file: vec![],
+        }
+    }
+
+    #[test]
+    fn a_pinned_export_is_asked_for_again() {
+        for asked in [
+            pin(Some("wgpu"), None, None, None),
+            pin(None, Some("reflected"), Some("ktx2"), Some("f16")),
+            pin(None, Some("reflected"), Some("dds"), None),
+        ] {
+            let choice = choice_of(&asked).expect("a known export");
+            assert_eq!(asked_by(&choice, Path::new("out")), asked);
+        }
+    }
+
+    #[test]
+    fn what_this_program_does_not_know_is_named_with_what_it_knows() {
+        for (asked, said) in [
+            (pin(Some("unity"), None, None, None), "for is «unity»; allowed: three, "),
+            (pin(None, Some("reflected"), Some("bmp"), None), "container is «bmp»; allowed: ktx2, "),
+            (pin(None, Some("reflected"), Some("dds"), Some("f64")), "precision is «f64»; allowed: f32, f16"),
+            (pin(None, None, None, None), "it has «for», or"),
+            (pin(Some("wgpu"), Some("reflected"), Some("dds"), None), "it has «for», or"),
+            (pin(None, Some("reflected"), None, None), "it has «for», or"),
+        ] {
+            let refused = choice_of(&asked).expect_err(said);
+            assert_eq!(refused.exit, Exit::Usage);
+            assert!(refused.message.contains(said), "{}", refused.message);
+        }
+    }
+}
