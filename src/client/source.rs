@@ -186,6 +186,9 @@ fn list(errors: &[ClientError]) -> String {
     errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
+/// Writes a table to a sink.
+type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), DownloadError> + 'a;
+
 /// Tries `sources` in their order until one gives the table `digest`. `attempt` gets what writes the table to a sink; it is
 /// called once for each source that is tried, and begins with an empty sink each time.
 ///
@@ -196,7 +199,7 @@ pub(super) fn from_first<T>(
     digest: Digest,
     stated_bytes: Option<u64>,
     access: &Access<'_>,
-    attempt: &mut dyn FnMut(&mut dyn FnMut(&mut dyn Write) -> Result<(), DownloadError>) -> Result<T, DownloadError>,
+    attempt: &mut dyn FnMut(&mut Download<'_>) -> Result<T, DownloadError>,
 ) -> Result<T, SourcesError> {
     let mut failures = Vec::new();
     for source in sources {

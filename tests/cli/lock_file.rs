@@ -41,9 +41,9 @@ fn files_of(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
         for entry in fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();
             if path.is_dir() {
-                folders.push(path)
+                folders.push(path);
             } else {
-                files.push((path.clone(), fs::read(&path).expect("a file")))
+                files.push((path.clone(), fs::read(&path).expect("a file")));
             }
         }
     }
