@@ -1,4 +1,4 @@
-//! Documents and containers: recipes, tables as files, digests.
+//! Documents and containers: recipes, tables as files and as textures, digests.
 
 pub mod bounded;
 pub mod container;
@@ -8,3 +8,4 @@ pub mod job;
 pub mod manifest;
 pub mod recipe_document;
 pub mod replace;
+pub mod textures;

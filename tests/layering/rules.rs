@@ -35,7 +35,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
         "light",
         &["light::transmission", "light::normals", "fit", "fit::named_list", "fit::brdf", "fit::lobe", "fit::math"],
     ),
-    ("files", &["fit", "fit::measure", "fit::math"]),
+    ("files", &["fit", "fit::named_list", "fit::measure", "fit::math"]),
     ("view::shaders", &["light", "light::normals", "fit", "fit::math"]),
     ("library", &["view::shaders", "files", "light", "light::normals", "fit", "fit::brdf"]),
     ("view::parameters", &[]),
