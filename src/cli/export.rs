@@ -17,7 +17,7 @@ use crate::{
         digest::Digest,
         manifest::table_report,
         replace::replace_file,
-        textures::{About, Bundle, Engine, RoundingError, TextureFile, TextureFileError, sampling_of, textures_of},
+        textures::{About, Bundle, Engine, RoundingError, TextureFile, TextureFileError, TextureLayout, sampling_of},
     },
     fit::{Precision, Recipe, Table},
 };
@@ -74,9 +74,10 @@ pub(super) fn bundle(
     recipe: Option<&Recipe>,
 ) -> Result<Bundle, CommandFailure> {
     let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
-    let textures = textures_of(table, layout_of(choice, table)).map_err(|error| refused(&error))?;
+    let layout = TextureLayout::named(layout_of(choice, table)).map_err(|error| refused(&error))?;
+    let textures = layout.textures(table).map_err(|error| refused(&error))?;
     let report = recipe.map(|recipe| table_report(table, recipe));
-    let about = About::of_table(digest, recipe, report.as_ref()).and(sampling_of(table));
+    let about = About::of_table(digest, recipe, report.as_ref()).and(sampling_of(table, layout));
     let made = match (choice.engine, choice.container) {
         (Some(engine), _) => engine.bundle(&textures, &table.axes, &about),
         (None, Some(container)) => {

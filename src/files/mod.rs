@@ -1,4 +1,4 @@
-//! Documents and containers: recipes, tables as files, digests.
+//! Documents and containers: recipes, tables as files and as textures, digests.
 
 pub mod bounded;
 pub mod container;

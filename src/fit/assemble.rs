@@ -3,6 +3,7 @@
 use half::f16;
 
 use super::{
+    between,
     brdf::{LobeTerms, Mirrors},
     entry::FittedEntry,
     layout::{LobeNumbers, Precision},
@@ -10,12 +11,6 @@ use super::{
     shard::Plan,
     table::{Table, Terms},
 };
-
-/// An entry's numbers as they are stored, before rounding.
-struct Stored {
-    matrix: [f64; 9],
-    terms: LobeTerms,
-}
 
 /// Aligns, normalises and rounds all entries of a plan, given in storage order, into its table.
 #[must_use]
@@ -27,14 +22,15 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
         // f16.
         Precision::F16 => f16::from_f64_const(x).to_f32_const(),
     };
-    let stored: Vec<Stored> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
-    let column = |value: fn(&Stored) -> f64| stored.iter().map(|entry| round(value(entry))).collect();
+    let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
+    let stored = between::chosen(plan, entries, &own).unwrap_or(own);
+    let column = |value: fn(&LobeNumbers) -> f64| stored.iter().map(|entry| round(value(entry))).collect();
     Table {
         brdf: recipe.brdf,
         lobe: recipe.lobe,
         layout: recipe.layout,
         axes: plan.nodes().clone(),
-        matrix: stored.iter().map(|entry| entry.matrix.map(round)).collect(),
+        matrix: stored.iter().map(|entry| row_major(&entry.matrix).map(round)).collect(),
         terms: recipe.terms.then(|| Terms {
             amplitude: column(|entry| entry.terms.amplitude),
             fresnel: column(|entry| entry.terms.fresnel),
@@ -43,12 +39,12 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     }
 }
 
-fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> Stored {
-    let place = plan.place(index);
-    let recipe = plan.recipe();
+/// What a layout stores for the lobe of an entry.
+fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> LobeNumbers {
+    let (place, recipe) = (plan.place(index), plan.recipe());
     let FittedEntry { matrix, amplitude, fresnel, .. } = *entry;
     let lobe = LobeNumbers { matrix: from_row_major(&matrix), terms: LobeTerms { amplitude, fresnel } };
     let rules = recipe.layout.rules();
     let LobeNumbers { matrix, terms } = rules.store(&place, &lobe, Mirrors::of(place.view()), recipe.precision);
-    Stored { matrix: row_major(&(matrix * (1.0 / rules.norm(&matrix)))), terms }
+    LobeNumbers { matrix: matrix * (1.0 / rules.norm(&matrix)), terms }
 }

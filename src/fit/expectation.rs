@@ -67,8 +67,13 @@ mod tests {
     /// Tables that the formula was not calibrated with.
     #[test]
     fn small_tables_are_as_good_as_expected() {
-        for &layout in &[Layout::Reflected, Layout::Kt2022] {
-            for (resolution, samples) in [([5, 3, 5, 3], 64), ([5, 4, 6, 5], 96)] {
+        let whole = [([5, 3, 5, 3], 64), ([5, 4, 6, 5], 96)];
+        let isotropic = [([20, 1, 28, 1], 64), ([32, 1, 20, 1], 96)];
+        for &layout in Layout::ALL {
+            // The mean error of these tables is that of a few lobes.
+            let is_isotropic = layout.only_ranges().is_some();
+            let (tables, likely) = if is_isotropic { (isotropic, 0.45..2.2) } else { (whole, 0.7..1.4) };
+            for (resolution, samples) in tables {
                 let recipe = recipe(layout, resolution, samples);
                 let plan = Plan::new(&recipe);
                 let fit =
@@ -76,7 +81,7 @@ mod tests {
                 let entries: Vec<_> = (0..plan.shards()).flat_map(fit).collect();
                 let measured = report(&assemble(&plan, &entries), &recipe.range, 256).between.width.mean;
                 let ratio = measured / expectation(&recipe).error;
-                assert!((0.7..1.4).contains(&ratio), "{layout:?} {resolution:?}: {measured}, {ratio} of the expected");
+                assert!(likely.contains(&ratio), "{layout:?} {resolution:?}: {measured}, {ratio} of the expected");
             }
         }
     }

@@ -12,6 +12,7 @@ pub mod math;
 
 mod assemble;
 mod axes;
+mod between;
 mod cost;
 mod entry;
 mod expectation;
@@ -40,7 +41,7 @@ pub use layout::{ALPHA_FLOOR, Layout, Precision, RATIO_FLOOR, Reflection, THETA_
 pub use lobe::LobeModel;
 #[cfg(test)]
 pub(crate) use lobe::ltc::quadrature;
-pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides};
+pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides, clipped_form_factor};
 pub use measure::{
     Accuracy, Corner, Difference, ErrorMap, Extent, Floors, Gap, GoOn, MOST_POINTS, Matrices, Moved, REPORT_VERSION,
     Report, Spread, TermError, Worst, difference, error_map, extremes, report, report_points, report_while,

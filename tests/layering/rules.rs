@@ -36,7 +36,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
         &["light::transmission", "light::normals", "fit", "fit::named_list", "fit::brdf", "fit::lobe", "fit::math"],
     ),
     ("files", &["fit", "fit::measure", "fit::math"]),
-    ("files::textures", &["files", "fit", "fit::named_list"]),
+    ("files::textures", &["files", "fit", "fit::named_list", "fit::math", "fit::lobe"]),
     ("view::shaders", &["light", "light::normals", "fit", "fit::math"]),
     ("library", &["view::shaders", "files", "light", "light::normals", "fit", "fit::brdf"]),
     ("view::parameters", &[]),

@@ -10,7 +10,7 @@ mod containers;
 mod digits;
 mod engines;
 mod file;
-mod own;
+mod layouts;
 mod rounding;
 mod texture;
 
@@ -18,6 +18,8 @@ pub use about::About;
 pub use containers::TextureContainer;
 pub use engines::{Bundle, Engine};
 pub use file::{TextureFile, TextureFileError};
-pub use own::{NoTextures, layout_names, sampling_of, textures_of};
+pub use layouts::{
+    NoTextures, TextureAxis, TextureLayout, TextureSampling, TexturesOf, layout_names, sampling_of, textures_of,
+};
 pub use rounding::{Rounded, RoundingError, round};
 pub use texture::{Texture, TextureError};

@@ -18,11 +18,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::{DMat3, Mat3, Vec3};
+use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::{
     precision::Precision,
-    rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
+    rules::{FreeNumbers, Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::Spacing,
 };
 use crate::fit::{
@@ -35,26 +35,29 @@ use crate::fit::{
 /// `sqrt(1 - cos theta)`; `M^-1` over its middle element.
 pub(super) const LTC2017: Rules = Rules {
     stored: Stored::Inverse { divisor: [1, 1] },
+    side: 64,
     theta: Spacing::Versine,
     number: 2,
-    interpolation: [0.04, 1.0, 1.0],
+    interpolation: [0.045, 6.0, 17.0],
 };
 /// theta; `M^-1` over its first element.
 pub(super) const LTC2016: Rules = Rules {
     stored: Stored::Inverse { divisor: [0, 0] },
+    side: 32,
     theta: Spacing::Even,
     number: 3,
-    interpolation: [0.04, 1.0, 1.0],
+    interpolation: [0.04, 11.0, 11.0],
 };
 /// theta; `M` with a third column of unit length.
 pub(super) const GODOT: Rules =
-    Rules { stored: Stored::Matrix, theta: Spacing::Even, number: 4, interpolation: [0.04, 1.0, 1.0] };
+    Rules { stored: Stored::Matrix, side: 64, theta: Spacing::Even, number: 4, interpolation: [0.039, 5.4, 2.1] };
 /// `sqrt(1 - cos theta)`; `M^-1` over its last element.
 pub(super) const HDRP: Rules = Rules {
     stored: Stored::Inverse { divisor: [2, 2] },
+    side: 64,
     theta: Spacing::Versine,
     number: 5,
-    interpolation: [0.04, 1.0, 1.0],
+    interpolation: [0.05, 14.0, 4.0],
 };
 
 /// What an entry holds of `M`.
@@ -69,6 +72,8 @@ enum Stored {
 /// One of the layouts.
 pub(super) struct Rules {
     stored: Stored,
+    /// Texels along each side of the engines' tables.
+    side: u32,
     /// How theta is spaced, and how its weights are.
     theta: Spacing,
     number: u32,
@@ -92,7 +97,7 @@ impl Rules {
 impl LayoutRules for Rules {
     /// The engines' tables.
     fn default_resolution(&self) -> PerAxis<u32> {
-        PerAxis { alpha: 64, ratio: 1, theta: 64, phi: 1 }
+        PerAxis { alpha: self.side, ratio: 1, theta: self.side, phi: 1 }
     }
 
     fn spacing(&self) -> PerAxis<Spacing> {
@@ -135,18 +140,29 @@ impl LayoutRules for Rules {
 
     fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers {
         let m = align(&lobe.matrix, mirrors, self.flattest(precision));
-        let mut matrix = match self.stored {
+        let matrix = match self.stored {
             Stored::Matrix => m,
             Stored::Inverse { .. } => inverse(&m),
         };
-        matrix *= 1.0 / self.norm(&matrix);
+        let matrix = matrix * (1.0 / self.norm(&matrix));
+        self.limited(LobeNumbers { matrix, terms: self.store_terms(place, lobe.terms) }, precision)
+    }
+
+    fn free_numbers(&self) -> Option<FreeNumbers> {
+        Some(match self.stored {
+            Stored::Matrix => FreeNumbers { is_inverse: false, fixed: None },
+            Stored::Inverse { divisor } => FreeNumbers { is_inverse: true, fixed: Some(divisor) },
+        })
+    }
+
+    fn limited(&self, mut stored: LobeNumbers, precision: Precision) -> LobeNumbers {
         let least = Self::least(precision);
         for axis in 0..3 {
-            let column = matrix.col_mut(axis);
-            *column = column.clamp(glam::DVec3::splat(-MOST), glam::DVec3::splat(MOST));
+            let column = stored.matrix.col_mut(axis);
+            *column = column.clamp(DVec3::splat(-MOST), DVec3::splat(MOST));
             column[axis] = column[axis].max(least);
         }
-        LobeNumbers { matrix, terms: self.store_terms(place, lobe.terms) }
+        stored
     }
 
     fn norm(&self, stored: &DMat3) -> f64 {
@@ -175,6 +191,8 @@ impl LayoutRules for Rules {
         }
     }
 
+    // The numbers are read off tables of 12 to 64 nodes an axis, fitted with 64 samples and 8 directions. A few lobes next
+    // to the mirror and the horizon make most of the error of coarse tables, so that they are good to a factor of two.
     fn interpolation(&self) -> Interpolation {
         let [limit, alpha, theta] = self.interpolation;
         Interpolation { limit, step: PerAxis { alpha, ratio: 0.0, theta, phi: 0.0 } }

@@ -16,7 +16,7 @@ pub use precision::Precision;
 pub use reflection::Reflection;
 #[cfg(feature = "render")]
 pub(crate) use rules::ShaderNumbers;
-pub(crate) use rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers};
+pub(crate) use rules::{FreeNumbers, Interpolation, LayoutRules, LayoutShader, LobeNumbers};
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 pub(crate) use spacing::{Spacing, within_limits};
 

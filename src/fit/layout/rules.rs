@@ -42,6 +42,16 @@ pub(crate) struct LayoutShader {
     pub(crate) number: u32,
 }
 
+/// The stored numbers that a fit may choose for the least error between nodes: those of a matrix that is symmetric in
+/// the plane of incidence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct FreeNumbers {
+    /// Whether the matrix is that of `M^-1`, not of `M`.
+    pub(crate) is_inverse: bool,
+    /// The number that is always one, by column and row.
+    pub(crate) fixed: Option<[usize; 2]>,
+}
+
 /// How a layout's error depends on its nodes.
 pub(crate) struct Interpolation {
     /// The error that remains with infinitely many nodes: mostly that of the best LTCs.
@@ -87,6 +97,17 @@ pub(crate) trait LayoutRules: Sync {
     /// The numbers that are stored for a lobe, before rounding, up to a factor of the matrix that
     /// [`LayoutRules::norm`] sets.
     fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers;
+
+    /// The numbers that are chosen for the least error between nodes, where a layout's readers leave nothing else to
+    /// choose: isotropic tables of one domain. `None` where entries are stored as they fit their own lobes.
+    fn free_numbers(&self) -> Option<FreeNumbers> {
+        None
+    }
+
+    /// The numbers that are nearest to these, among those that numbers of a precision can hold and a reader can invert.
+    fn limited(&self, stored: LobeNumbers, _precision: Precision) -> LobeNumbers {
+        stored
+    }
 
     /// What a stored matrix is divided by: by default the length of its third column.
     fn norm(&self, stored: &DMat3) -> f64 {

@@ -30,7 +30,8 @@ pub(crate) enum Spacing {
 }
 
 impl Spacing {
-    fn value(self, u: f64) -> f64 {
+    /// The value at an even step.
+    pub(crate) fn value(self, u: f64) -> f64 {
         match self {
             Self::Even => u,
             Self::Power(p) => pow(u, p),

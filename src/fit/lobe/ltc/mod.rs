@@ -1,9 +1,10 @@
-//! Linearly Transformed Cosines: the distribution, and its integral over polygons.
+//! Linearly Transformed Cosines: the distribution, its integral over polygons, and caps for any light.
 
 mod align;
 mod distribution;
 mod model;
 mod polygon;
+mod sphere;
 
 pub(crate) use align::{align, align_to};
 pub use distribution::Ltc;
@@ -11,3 +12,4 @@ pub(super) use model::Rules;
 #[cfg(test)]
 pub(crate) use polygon::quadrature;
 pub use polygon::{Clip, MAX_VERTICES, Sides};
+pub use sphere::clipped_form_factor;

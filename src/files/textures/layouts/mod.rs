@@ -1,0 +1,139 @@
+//! Layouts of textures: what the axes, texels and channels of a table's textures are.
+//!
+//! Each layout is described in one place, from which its textures follow. A new one needs a file and a line in
+//! [`TextureLayout`].
+
+mod isotropic;
+mod published;
+mod rules;
+mod volumes;
+
+use crate::fit::{Layout, Table, named_list::named_list};
+
+use super::texture::{Texture, TextureError};
+
+pub(crate) use rules::TextureRules;
+pub use rules::{TextureAxis, TextureSampling, TexturesOf};
+
+named_list! {
+    /// How a table is put into textures.
+    pub enum TextureLayout: TextureRules {
+        /// Three 3D textures of a table of layout `reflected`, as the shader of `ltcforge shader` reads them.
+        Reflected = "reflected" => volumes::REFLECTED,
+        /// The same of layout `kt2022`.
+        Kt2022 = "kt2022" => volumes::KT2022,
+        /// The three textures of layout `reflected` as one 2D array.
+        ReflectedArray = "reflected-array" => volumes::REFLECTED_ARRAY,
+        /// The three textures of layout `kt2022` as one 2D array.
+        Kt2022Array = "kt2022-array" => volumes::KT2022_ARRAY,
+        /// The 3D texture of KT et al. 2022's demo.
+        Kt2022Volume = "kt2022-volume" => published::Rules,
+        /// Two 2D textures of layout `ltc2017`.
+        Ltc2017 = "ltc2017" => isotropic::LTC2017,
+        /// Two 2D textures of layout `ltc2016`.
+        Ltc2016 = "ltc2016" => isotropic::LTC2016,
+        /// Two 2D textures of layout `godot`.
+        Godot = "godot" => isotropic::GODOT,
+        /// One 2D texture of layout `hdrp`.
+        Hdrp = "hdrp" => isotropic::HDRP,
+    }
+}
+
+/// Why a table has no textures of a layout.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NoTextures {
+    /// A layout without textures.
+    #[error("there are no textures of layout «{name}»; there are of {}", layout_names().join(", "))]
+    UnknownLayout {
+        /// Its name.
+        name: String,
+    },
+    /// The table has another layout, and what it stores does not tell the numbers of this one.
+    #[error(
+        "the table has layout {table}, so it has no textures of layout {asked}; this recipe gives one that has: {recipe}"
+    )]
+    OtherLayout {
+        /// That of the table.
+        table: Layout,
+        /// The one that was asked for.
+        asked: TextureLayout,
+        /// A recipe whose table has them.
+        recipe: &'static str,
+    },
+    /// The table has the right layout, but not all that the textures need.
+    #[error("textures of layout {asked} need {lacking}; this recipe gives a table that has them: {recipe}")]
+    Lacking {
+        /// The layout that was asked for.
+        asked: TextureLayout,
+        /// What they need, and what the table has.
+        lacking: String,
+        /// A recipe whose table has them.
+        recipe: &'static str,
+    },
+    /// A table whose axes are longer than textures.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+}
+
+impl TextureLayout {
+    /// The layout of this name.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn named(name: &str) -> Result<Self, NoTextures> {
+        Self::from_name(name).ok_or_else(|| NoTextures::UnknownLayout { name: name.to_owned() })
+    }
+
+    /// The axes, channels and scale of its textures.
+    #[must_use]
+    pub fn sampling(self) -> TextureSampling {
+        self.rules().sampling()
+    }
+
+    /// The textures of a table.
+    ///
+    /// # Errors
+    /// When the table has another layout, or lacks what these textures need; the error names a recipe that has it.
+    pub fn textures(self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
+        let TextureSampling { table: needed, recipe, .. } = self.sampling();
+        if table.layout != needed {
+            return Err(NoTextures::OtherLayout { table: table.layout, asked: self, recipe });
+        }
+        match self.rules().lacks(table) {
+            Some(lacking) => Err(NoTextures::Lacking { asked: self, lacking, recipe }),
+            None => self.rules().textures(table),
+        }
+    }
+}
+
+/// The layouts that [`textures_of`] knows.
+#[must_use]
+pub fn layout_names() -> Vec<&'static str> {
+    TextureLayout::ALL.iter().map(|layout| layout.name()).collect()
+}
+
+/// The textures of a table in the layout of this name.
+///
+/// # Errors
+/// When there is no such layout; otherwise see [`TextureLayout::textures`].
+pub fn textures_of(table: &Table, layout: &str) -> Result<Vec<Texture>, NoTextures> {
+    TextureLayout::named(layout)?.textures(table)
+}
+
+/// How a shader reads these textures, for people: what axes and channels are, and, where they are not evenly spaced, the
+/// nodes.
+#[must_use]
+pub fn sampling_of(table: &Table, layout: TextureLayout) -> Vec<String> {
+    let TextureSampling { axes, textures, normalisation, .. } = layout.sampling();
+    let mut lines = vec![format!("layout {layout}: {normalisation}")];
+    lines.extend(axes.iter().map(|axis| format!("{}: {}", axis.axis, axis.coordinate)));
+    lines.extend(textures.iter().map(|of| format!("{}: {}: {}", of.name, of.channels.join(" "), of.meaning)));
+    if table.layout.only_ranges().is_none() {
+        let nodes = |nodes: &[f64]| nodes.iter().map(|x| (*x as f32).to_string()).collect::<Vec<_>>().join(" ");
+        lines.extend(table.axes.named().map(|(name, axis)| format!("nodes of {name}: {}", nodes(axis))));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,93 @@
+//! The textures that our own shader reads: of layouts `reflected` and `kt2022`.
+//!
+//! Nodes need not be evenly spaced, so that a shader finds the place along each axis among the nodes and samples between
+//! texel centres, or weighs the texels itself.
+
+use super::{NoTextures, TextureAxis, TextureRules, TextureSampling, TexturesOf, rules::made};
+use crate::{
+    files::textures::texture::Texture,
+    fit::{Layout, Table},
+};
+
+/// The order in which a file stores its entries.
+const VOLUME: &[TextureAxis] = &[
+    TextureAxis { axis: "x", coordinate: "node of phi" },
+    TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
+    TextureAxis { axis: "z", coordinate: "node of alpha" },
+];
+const ARRAY: &[TextureAxis] = &[
+    TextureAxis { axis: "x", coordinate: "node of phi" },
+    TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
+    TextureAxis {
+        axis: "layer",
+        coordinate: "node of alpha; first those of matrix_a, then of matrix_b, then of terms",
+    },
+];
+const PARTS: &[TexturesOf] = &[
+    TexturesOf {
+        name: "ltc_matrix_a",
+        channels: &["m00", "m01", "m02", "m10"],
+        meaning: "the stored matrix by row and column",
+    },
+    TexturesOf { name: "ltc_matrix_b", channels: &["m11", "m12", "m20", "m21"], meaning: "likewise" },
+    TexturesOf {
+        name: "ltc_terms",
+        channels: &["m22", "amplitude", "fresnel", "unused"],
+        meaning: "the last number of the matrix, and the stored terms; 1 and 0 for a table without terms",
+    },
+];
+const TOGETHER: &[TexturesOf] = &[TexturesOf {
+    name: "ltc",
+    channels: &["x", "y", "z", "w"],
+    meaning: "m00 m01 m02 m10, in the layers after these m11 m12 m20 m21, then m22 amplitude fresnel and 0",
+}];
+const COLUMN: &str = "the stored matrix, its third column of unit length";
+
+pub(super) const REFLECTED: Rules =
+    Rules { table: Layout::Reflected, is_array: false, recipe: r#"{"layout": "reflected"}"# };
+pub(super) const KT2022: Rules = Rules { table: Layout::Kt2022, is_array: false, recipe: r#"{"layout": "kt2022"}"# };
+pub(super) const REFLECTED_ARRAY: Rules = Rules { is_array: true, ..REFLECTED };
+pub(super) const KT2022_ARRAY: Rules = Rules { is_array: true, ..KT2022 };
+
+/// One of the layouts.
+pub(super) struct Rules {
+    table: Layout,
+    is_array: bool,
+    recipe: &'static str,
+}
+
+impl TextureRules for Rules {
+    fn sampling(&self) -> TextureSampling {
+        let (axes, textures) = if self.is_array { (ARRAY, TOGETHER) } else { (VOLUME, PARTS) };
+        TextureSampling { table: self.table, axes, textures, normalisation: COLUMN, recipe: self.recipe }
+    }
+
+    fn lacks(&self, _: &Table) -> Option<String> {
+        None
+    }
+
+    fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
+        let counts = table.axes.lengths();
+        let (width, height) = (counts.phi, counts.ratio.saturating_mul(counts.theta));
+        let parts = [0, 1, 2].map(|part| texels(table, part));
+        if self.is_array {
+            return Ok(vec![made(&TOGETHER[0], [width, height, 1], 3 * counts.alpha, parts.concat())?]);
+        }
+        let part = |(of, texels)| Ok(made(of, [width, height, counts.alpha], 1, texels)?);
+        PARTS.iter().zip(parts).map(part).collect()
+    }
+}
+
+/// The texels of a part, in the order of the entries.
+fn texels(table: &Table, part: usize) -> Vec<f32> {
+    let terms = |i: usize| table.terms.as_ref().map_or([1.0, 0.0], |t| [t.amplitude()[i], t.fresnel()[i]]);
+    let texel = |(i, m): (usize, &[f32; 9])| match part {
+        0 => [m[0], m[1], m[2], m[3]],
+        1 => [m[4], m[5], m[6], m[7]],
+        _ => {
+            let [amplitude, fresnel] = terms(i);
+            [m[8], amplitude, fresnel, 0.0]
+        }
+    };
+    table.matrix.iter().enumerate().flat_map(texel).collect()
+}

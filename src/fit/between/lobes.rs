@@ -1,0 +1,85 @@
+//! The best lobes between the nodes, from those at the nodes.
+
+use glam::DMat3;
+
+use crate::fit::{
+    axes::PerAxis,
+    brdf::{LobeTerms, Mirrors},
+    entry::FittedEntry,
+    layout::{Layout, LobeNumbers, Precision, Spacing, within_limits},
+    math::from_row_major,
+    shard::Plan,
+};
+
+use super::least_squares::corners;
+
+/// A lobe between nodes.
+pub(super) struct Between {
+    pub(super) place: PerAxis<f64>,
+    pub(super) lobe: LobeNumbers,
+    /// The error of such a fit.
+    pub(super) error: f64,
+}
+
+/// What is left of the fitted lobes beside their reflections.
+pub(super) struct Lobes {
+    spacing: PerAxis<Spacing>,
+    /// Nodes of alpha and theta, in the steps in which weights between them are linear.
+    alpha: Vec<f64>,
+    theta: Vec<f64>,
+    /// Polar angles of the nodes, radians.
+    angles: Vec<f64>,
+    beside: Vec<(LobeNumbers, f64)>,
+}
+
+impl Lobes {
+    /// Of a plan with one ratio and one phi.
+    pub(super) fn of(plan: &Plan, entries: &[FittedEntry]) -> Self {
+        let nodes = plan.nodes();
+        let spacing = plan.recipe().layout.rules().weights();
+        let beside = |(index, entry): (u64, &FittedEntry)| {
+            let place = plan.place(index);
+            let lobe = LobeNumbers {
+                matrix: from_row_major(&entry.matrix),
+                terms: LobeTerms { amplitude: entry.amplitude, fresnel: entry.fresnel },
+            };
+            let reflected = Layout::Reflected.rules();
+            let mut stored = reflected.store(&place, &lobe, Mirrors::of(place.view()), Precision::F32);
+            stored.matrix *= 1.0 / reflected.norm(&stored.matrix);
+            (stored, entry.error)
+        };
+        Self {
+            spacing,
+            alpha: nodes.alpha.iter().map(|alpha| spacing.alpha.invert(*alpha)).collect(),
+            theta: nodes.theta.iter().map(|theta| spacing.theta.invert(*theta)).collect(),
+            angles: nodes.theta.clone(),
+            beside: (0..).zip(entries).map(beside).collect(),
+        }
+    }
+
+    /// Radians between the nodes of theta at the sides of the cells after `column`.
+    pub(super) fn angle(&self, column: usize) -> f64 {
+        self.angles[column + 1] - self.angles[column]
+    }
+
+    /// The lobe in the cell after the node at `row` and `column`, `at` being the parts of the cell's sides.
+    pub(super) fn between(&self, [row, column]: [usize; 2], at: [f64; 2]) -> Between {
+        let middle = |steps: &[f64], part: f64| steps[0] + (steps[1] - steps[0]) * part;
+        let place = within_limits(PerAxis {
+            alpha: self.spacing.alpha.value(middle(&self.alpha[row..], at[0])),
+            ratio: 1.0,
+            theta: self.spacing.theta.value(middle(&self.theta[column..], at[1])),
+            phi: 0.0,
+        });
+        let (mut matrix, mut amplitude, mut fresnel, mut error) = (DMat3::ZERO, 0.0, 0.0, 0.0);
+        for (down, right, phi) in corners(at) {
+            let (beside, of_fit) = &self.beside[(row + down) * self.theta.len() + column + right];
+            matrix += beside.matrix * phi;
+            amplitude += beside.terms.amplitude * phi;
+            fresnel += beside.terms.fresnel * phi;
+            error += of_fit * phi;
+        }
+        let beside = LobeNumbers { matrix, terms: LobeTerms { amplitude, fresnel } };
+        Between { place, lobe: Layout::Reflected.rules().restore(&place, &beside), error }
+    }
+}

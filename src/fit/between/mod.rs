@@ -1,0 +1,197 @@
+//! Entries that are chosen for the error *between* nodes.
+//!
+//! A reader interpolates stored numbers. Where these are not linear between nodes, entries that fit their own lobes best
+//! leave an error in the middle of each cell. Layouts whose readers are given let the fit choose: the numbers whose
+//! interpolation comes nearest to the best lobes, all over the cells.
+//!
+//! The best lobes between nodes need no fits of their own. Beside their reflection (layout `reflected`) lobes hardly
+//! change between neighbouring nodes, so that the fitted ones give them.
+//!
+//! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. Adding `dN`
+//! to `N` moves a direction `w` of the lobe by
+//!
+//! ```text
+//! d(w) = -P M dN w,    P = I - w w^T;    likewise d(w) = P dM N w
+//! ```
+//!
+//! up to higher orders. The mean of its square over the lobe, in units of the square of the fit's own error there, is
+//! `dN^T W dN`. A sliced Wasserstein distance is a mean of absolute displacements, so that one of `r` errors adds about
+//! `sqrt(1 + r^2) - 1` of the error: rounds of least squares, each weighed by the last one's `r`, take this into account.
+
+mod distance;
+mod least_squares;
+mod lobes;
+
+use glam::DMat3;
+
+use self::{
+    distance::Displacement,
+    least_squares::{Grid, Normal, corners},
+    lobes::{Between, Lobes},
+};
+use super::{
+    brdf::LobeTerms,
+    entry::FittedEntry,
+    layout::{FreeNumbers, LobeNumbers, THETA_CEILING},
+    shard::Plan,
+};
+
+/// Tables with more entries are stored as fitted: between nodes so near to each other no error is left to lower.
+const MOST_ENTRIES: usize = 65_536;
+/// Rounds of least squares. A third changes nothing that can be measured.
+const ROUNDS: usize = 2;
+/// Where a cell is observed along either side.
+const POINTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
+/// How much an entry is held where it is, as a part of its weight: what the neighbours say little about stays as fitted.
+const HOLD: f64 = 1e-3;
+/// Views beyond this part of a right angle hardly count: most of the lobe is below the horizon, and a picture shows
+/// nothing of the lobe.
+const STEEPEST: f64 = 0.99;
+/// The weight of such a view.
+const UNSEEN: f64 = 0.02;
+
+/// The stored numbers of each entry, before rounding, given those that fit its own lobe; `None` for a layout whose entries
+/// are stored as fitted, and for a table that gains nothing.
+pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) -> Option<Vec<LobeNumbers>> {
+    let recipe = plan.recipe();
+    let rules = recipe.layout.rules();
+    let free = rules.free_numbers()?;
+    let counts = plan.nodes().lengths();
+    let grid = Grid { rows: counts.alpha, columns: counts.theta };
+    if entries.len() != grid.rows * grid.columns || entries.len() > MOST_ENTRIES {
+        return None;
+    }
+    let lobes = Lobes::of(plan, entries);
+    let matrices = matrices(plan, grid, &lobes, own, free);
+    let terms = terms(grid, &lobes, own);
+    let limited = |(matrix, terms)| rules.limited(LobeNumbers { matrix, terms }, recipe.precision);
+    Some(matrices.into_iter().zip(terms).map(limited).collect())
+}
+
+/// The five numbers of a matrix that is symmetric in the plane of incidence, by column and row.
+const ELEMENTS: [[usize; 2]; 5] = [[0, 0], [0, 2], [1, 1], [2, 0], [2, 2]];
+
+fn numbers(matrix: &DMat3) -> [f64; 5] {
+    ELEMENTS.map(|[column, row]| matrix.col(column)[row])
+}
+
+fn matrix(numbers: &[f64; 5]) -> DMat3 {
+    let mut matrix = DMat3::ZERO;
+    for (number, [column, row]) in numbers.iter().zip(ELEMENTS) {
+        matrix.col_mut(column)[row] = *number;
+    }
+    matrix
+}
+
+/// Numbers of an entry that stay where they are put.
+type Pins = [Option<f64>; 5];
+/// Places of the diagonal among the numbers.
+const DIAGONAL: [usize; 3] = [0, 2, 4];
+/// Places of the other two.
+const ASIDE: [usize; 2] = [1, 3];
+/// A number on the diagonal is at least this part of the one that fits the entry's own lobe: least squares would let it
+/// fall below zero next to the mirror, where it bends most.
+const LEAST_PART: f64 = 0.25;
+
+fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: FreeNumbers) -> Vec<DMat3> {
+    let rules = plan.recipe().layout.rules();
+    let own: Vec<[f64; 5]> = own.iter().map(|stored| numbers(&stored.matrix)).collect();
+    let mut pins: Vec<Pins> = own.iter().enumerate().map(|(node, own)| from_above(grid, node, own, free)).collect();
+    let mut found = own.clone();
+    let displacement = Displacement::new();
+    for _ in 0..ROUNDS {
+        let mut normal = Normal::new(grid);
+        for (cell, at) in observed(grid) {
+            let Between { place, lobe, error } = lobes.between(cell, at);
+            let stored = if free.is_inverse { lobe.matrix.inverse() } else { lobe.matrix };
+            let stored = stored * (1.0 / rules.norm(&stored));
+            let (target, mut weight) = (numbers(&stored), displacement.form(&stored, free));
+            let off: [f64; 5] = std::array::from_fn(|k| {
+                let of = |(down, right, phi): (usize, usize, f64)| {
+                    phi * found[(cell[0] + down) * grid.columns + cell[1] + right][k]
+                };
+                corners(at).map(of).iter().sum::<f64>() - target[k]
+            });
+            let moved2: f64 = (0..25).map(|i| off[i / 5] * weight[i / 5][i % 5] * off[i % 5]).sum();
+            // Projections of a displacement are half as long as it is.
+            let errors2 = 0.25 * moved2.max(0.0) / (error * error);
+            let seen = if place.theta > STEEPEST * THETA_CEILING { UNSEEN } else { 1.0 };
+            let factor = seen * lobes.angle(cell[1]) / (error * error * (1.0 + errors2).sqrt());
+            weight.iter_mut().flatten().for_each(|weight| *weight *= factor);
+            normal.observe(cell, at, &weight, &target);
+        }
+        normal.hold(&own, HOLD, &pins);
+        found = normal.solve(found);
+        for ((found, own), pins) in found.iter_mut().zip(&own).zip(&mut pins) {
+            for k in DIAGONAL {
+                let least = LEAST_PART * own[k];
+                if found[k] < least {
+                    (found[k], pins[k]) = (least, Some(least));
+                }
+            }
+        }
+    }
+    let kept = |(node, (found, own))| upright(grid, node, found, own);
+    found.iter().zip(&own).enumerate().map(kept).collect()
+}
+
+/// Whether a node is a view from above.
+fn is_from_above(grid: Grid, node: usize) -> bool {
+    node.is_multiple_of(grid.columns)
+}
+
+/// What holds for the round lobe of a view from above: the numbers beside the diagonal are zero, and the first two on it
+/// are equal, one if either is.
+fn from_above(grid: Grid, node: usize, own: &[f64; 5], free: FreeNumbers) -> Pins {
+    let mut pins = [None; 5];
+    if is_from_above(grid, node) {
+        for k in &ASIDE {
+            pins[*k] = Some(0.0);
+        }
+        for k in [0, 2] {
+            if free.fixed.is_some_and(|fixed| fixed != [2, 2]) {
+                pins[k] = Some(own[k]);
+            }
+        }
+    }
+    pins
+}
+
+/// The matrix of an entry: round for a view from above, and the entry's own if the chosen one would be turned over or
+/// nearly flat.
+fn upright(grid: Grid, node: usize, found: &[f64; 5], own: &[f64; 5]) -> DMat3 {
+    let mut found = *found;
+    if is_from_above(grid, node) {
+        let radius = 0.5 * (found[0] + found[2]);
+        found = [radius, 0.0, radius, 0.0, found[4]];
+    }
+    let area = |n: &[f64; 5]| n[0] * n[4] - n[1] * n[3];
+    if area(&found) > LEAST_PART * LEAST_PART * area(own) { matrix(&found) } else { matrix(own) }
+}
+
+/// Amplitude and Fresnel term, whose errors count alike everywhere.
+fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
+    let own: Vec<[f64; 2]> = own.iter().map(|stored| [stored.terms.amplitude, stored.terms.fresnel]).collect();
+    let mut normal = Normal::new(grid);
+    for (cell, at) in observed(grid) {
+        let Between { place, lobe, .. } = lobes.between(cell, at);
+        let seen = if place.theta > STEEPEST * THETA_CEILING { UNSEEN } else { 1.0 };
+        let weight = seen * lobes.angle(cell[1]);
+        normal.observe(cell, at, &[[weight, 0.0], [0.0, weight]], &[lobe.terms.amplitude, lobe.terms.fresnel]);
+    }
+    normal.hold(&own, HOLD, &vec![[None; 2]; own.len()]);
+    let found = normal.solve(own).into_iter();
+    found.map(|[amplitude, fresnel]| LobeTerms { amplitude: amplitude.max(0.0), fresnel: fresnel.max(0.0) }).collect()
+}
+
+/// The points of all cells: the node before the cell, and the parts of its sides.
+fn observed(grid: Grid) -> impl Iterator<Item = ([usize; 2], [f64; 2])> {
+    (1..grid.rows).flat_map(move |row| {
+        (1..grid.columns).flat_map(move |column| {
+            POINTS.into_iter().flat_map(move |down| POINTS.map(|right| ([row - 1, column - 1], [down, right])))
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests;

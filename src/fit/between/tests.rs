@@ -1,0 +1,120 @@
+use std::ops::ControlFlow;
+
+use super::*;
+use crate::fit::{
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Precision,
+    Recipe, Solver, Table, Terms, assemble,
+    brdf::{Ggx, Mirrors},
+    fit_shard,
+    math::{direction, from_row_major, row_major},
+    pulse::{Pulse, unstopped},
+};
+
+const OF_ENGINES: [Layout; 4] = [Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp];
+const SETTINGS: FitSettings =
+    FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples: 128, directions: 8, steps: 30, seed: 0 };
+
+fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<FittedEntry>) {
+    let plan = Plan::new(&Recipe {
+        fitter: FITTER_VERSION,
+        brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
+        layout,
+        resolution: PerAxis { alpha: nodes, ratio: 1, theta: nodes, phi: 1 },
+        range: layout.only_ranges().expect("the layout has one domain"),
+        fit: SETTINGS,
+        terms: true,
+        precision,
+    });
+    let fit = |shard| fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(())).expect("nothing stops it");
+    let entries = (0..plan.shards()).flat_map(fit).collect();
+    (plan, entries)
+}
+
+/// The table of entries that fit their own lobes best.
+fn as_fitted(plan: &Plan, entries: &[FittedEntry], chosen: &Table) -> Table {
+    let rules = plan.recipe().layout.rules();
+    let own: Vec<LobeNumbers> = (0..)
+        .zip(entries)
+        .map(|(index, entry)| {
+            let place = plan.place(index);
+            let matrix = from_row_major(&entry.matrix);
+            let terms = LobeTerms { amplitude: entry.amplitude, fresnel: entry.fresnel };
+            rules.store(&place, &LobeNumbers { matrix, terms }, Mirrors::of(place.view()), Precision::F32)
+        })
+        .collect();
+    let matrix = own.iter().map(|own| row_major(&own.matrix).map(|x| x as f32)).collect();
+    let term = |of: fn(&LobeTerms) -> f64| own.iter().map(|own| of(&own.terms) as f32).collect();
+    let terms = Terms { amplitude: term(|terms| terms.amplitude), fresnel: term(|terms| terms.fresnel) };
+    Table { matrix, terms: Some(terms), ..chosen.clone() }
+}
+
+/// Mean error of lobes and of amplitudes in the middles of the cells, each as a part of that of a fit there.
+fn errors(table: &Table) -> [f64; 2] {
+    let mut judge = Fitter::new(&SETTINGS);
+    let mut sums = [0.0; 2];
+    let mut count = 0.0;
+    for (i, j) in (2..15).flat_map(|i| (0..15).map(move |j| (i, j))) {
+        let (roughness, theta) = ((f64::from(i) + 0.5) / 15.0, (f64::from(j) + 0.5) / 15.0 * 1.55);
+        let alpha = roughness * roughness;
+        let at = Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi: 0.0 };
+        let (ggx, wo) = (Ggx { alpha_x: alpha, alpha_y: alpha }, direction(theta, 0.0));
+        let found = table.lookup(&at);
+        let best = judge.fit(&ggx, wo, 0, &mut Pulse::new(&mut unstopped)).expect("nothing stops it");
+        sums[0] += judge.error(&ggx, wo, &from_row_major(&found.matrix)) / best.error;
+        sums[1] += (found.amplitude.expect("terms") - best.amplitude).abs();
+        count += 1.0;
+    }
+    sums.map(|sum| sum / count)
+}
+
+#[test]
+fn chosen_entries_are_nearer_between_nodes_than_those_that_fit_best() {
+    for layout in OF_ENGINES {
+        let (plan, entries) = fitted(layout, 16, Precision::F32);
+        let chosen = assemble(&plan, &entries);
+        let ([lobes, amplitude], [own_lobes, own_amplitude]) =
+            (errors(&chosen), errors(&as_fitted(&plan, &entries, &chosen)));
+        assert!(lobes - 1.0 < 0.6 * (own_lobes - 1.0), "{layout}: {lobes}, as fitted {own_lobes}");
+        assert!(amplitude < 0.8 * own_amplitude, "{layout}: {amplitude}, as fitted {own_amplitude}");
+    }
+}
+
+/// At the nodes and between them, for the mirror and at the horizon, in either precision.
+#[test]
+fn every_interpolated_matrix_is_upright_and_every_number_finite() {
+    for (layout, precision) in OF_ENGINES.iter().flat_map(|layout| Precision::ALL.iter().map(|p| (*layout, *p))) {
+        let (plan, entries) = fitted(layout, 12, precision);
+        let table = assemble(&plan, &entries);
+        let numbers = table.matrix.iter().flatten();
+        assert!(numbers.clone().all(|x| x.abs() <= 60_000.0), "{layout} {precision}");
+        let counts = table.axes.lengths();
+        let at =
+            |i: usize, j: usize| DMat3::from_cols_array(&table.matrix[i * counts.theta + j].map(f64::from)).transpose();
+        for (cell, part) in observed(Grid { rows: counts.alpha, columns: counts.theta }) {
+            for part in [part, [0.0, 0.0], [1.0, 1.0]] {
+                let between = corners(part).map(|(down, right, phi)| at(cell[0] + down, cell[1] + right) * phi);
+                let between = between.into_iter().fold(DMat3::ZERO, |sum, m| sum + m);
+                let diagonal = [between.x_axis.x, between.y_axis.y, between.z_axis.z];
+                assert!(
+                    between.determinant() > 0.0 && diagonal.iter().all(|x| *x > 0.0),
+                    "{layout} {precision} {cell:?} {part:?}: {between}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn layouts_without_free_numbers_and_large_tables_are_stored_as_fitted() {
+    let (plan, entries) = fitted(Layout::Ltc2017, 4, Precision::F32);
+    let own = vec![LobeNumbers { matrix: DMat3::IDENTITY, terms: LobeTerms { amplitude: 1.0, fresnel: 0.0 } }; 16];
+    assert!(chosen(&plan, &entries, &own).is_some());
+    let mut recipe = plan.recipe().clone();
+    recipe.layout = Layout::Kt2022;
+    assert!(chosen(&Plan::new(&recipe), &entries, &own).is_none());
+    let mut recipe = plan.recipe().clone();
+    recipe.resolution.alpha = 65_536;
+    recipe.resolution.theta = 2;
+    assert!(chosen(&Plan::new(&recipe), &vec![entries[0]; 131_072], &own).is_none());
+}

@@ -1,0 +1,92 @@
+//! The form factor of a light that is a cap of the sphere of directions, clipped at the horizon.
+
+use std::f64::consts::PI;
+
+use crate::fit::math::atan2;
+
+/// What a clipped cap of directions is seen as, as a part of what it were seen as without a horizon, straight ahead: the
+/// cosine-weighted solid angle of its part above the horizon, over `pi length`.
+///
+/// `cos_elevation` is the cosine `c` between the cap's axis and the normal. `length` is that of its vector form factor,
+/// `sin^2 sigma` for a cap of half angle `sigma`, up to a hemisphere. Shaders take the vector form factor of any light,
+/// and multiply its length by this [Hill and Heitz 2016].
+///
+/// By Stokes, the cosine-weighted solid angle of a part of the sphere is half the integral of `(r x dr)_z` along its
+/// border. With `s = sqrt(1 - c^2)`, the cap's circle is above the horizon for `|t| < tau`, where `r_z = cos sigma c +
+/// sin sigma s cos t`, and it hides an arc of the horizon of `2 beta`:
+///
+/// ```text
+/// cos tau  = -cot sigma c / s        (0 and pi where the circle does not meet the horizon)
+/// cos beta = cos sigma / s
+/// E = tau sin^2 sigma c - sin sigma cos sigma s sin tau + beta
+/// ```
+///
+/// A cap that does not meet the horizon has `max(c, 0)`, and so has a cap without width. Domain: `cos_elevation` in
+/// [-1, 1], `length` in [0, 1].
+#[must_use]
+pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
+    let c = cos_elevation;
+    let (sin_sigma, cos_sigma) = (length.sqrt(), (1.0 - length).max(0.0).sqrt());
+    // The axis is farther from the horizon than the border is from the axis.
+    if c.abs() >= sin_sigma {
+        return c.max(0.0);
+    }
+    // tau and beta by sine and cosine up to one length each, since sin^2 sigma s^2 - cos^2 sigma c^2 = sin^2 sigma - c^2.
+    let met = (length - c * c).sqrt();
+    let tau = atan2(met, -cos_sigma * c);
+    let beta = atan2(met, cos_sigma);
+    let seen = tau * length * c - cos_sigma * met + beta;
+    (seen / (PI * length)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The midpoint rule in the angle from the cap's axis and around it.
+    fn by_quadrature(c: f64, length: f64) -> f64 {
+        let (sigma, s) = (length.sqrt().asin(), (1.0 - c * c).sqrt());
+        let (rings, sectors) = (400, 800);
+        let mut sum = 0.0;
+        for i in 0..rings {
+            let (sin, cos) = ((f64::from(i) + 0.5) / f64::from(rings) * sigma).sin_cos();
+            for j in 0..sectors {
+                let t = (f64::from(j) + 0.5) / f64::from(sectors) * 2.0 * PI;
+                sum += (cos * c + sin * s * t.cos()).max(0.0) * sin;
+            }
+        }
+        sum * sigma / f64::from(rings) * 2.0 / f64::from(sectors) / length
+    }
+
+    #[test]
+    fn it_is_the_cap_s_cosine_weighted_solid_angle() {
+        for length in [1e-3, 0.02, 0.1, 0.35, 0.6, 0.85, 0.99, 1.0] {
+            for c in [-1.0, -0.95, -0.7, -0.3, -0.02, 0.0, 0.02, 0.3, 0.7, 0.95, 1.0] {
+                let (found, wanted) = (clipped_form_factor(c, length), by_quadrature(c, length));
+                assert!((found - wanted).abs() < 2e-5, "{c} {length}: {found} {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn known_caps_have_known_values() {
+        // The hemisphere above, that beside, of which half is seen, and that below.
+        assert!((clipped_form_factor(1.0, 1.0) - 1.0).abs() < 1e-15);
+        assert!((clipped_form_factor(0.0, 1.0) - 0.5).abs() < 1e-15);
+        assert!(clipped_form_factor(-1.0, 1.0) < 1e-15);
+        // A hemisphere at any elevation: (1 + c) / 2.
+        assert!((clipped_form_factor(0.6, 1.0) - 0.8).abs() < 1e-14);
+        // Without width, a light is seen by its cosine.
+        assert_eq!([clipped_form_factor(0.3, 0.0), clipped_form_factor(-0.3, 0.0)], [0.3, 0.0]);
+    }
+
+    #[test]
+    fn it_is_continuous_where_the_border_meets_the_horizon() {
+        for length in [0.05, 0.4, 0.9] {
+            for c in [f64::sqrt(length), -f64::sqrt(length)] {
+                let [before, after] = [-1e-9, 1e-9].map(|by| clipped_form_factor(c + by, length));
+                assert!((before - after).abs() < 1e-8, "{c} {length}: {before} {after}");
+            }
+        }
+    }
+}
