@@ -44,10 +44,10 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let digest = Digest::of(&file);
     let manifest = pool.install(|| manifest_json(&file)).map_err(failed)?;
 
-    // The table is written last, so that a table in the folder always has its manifest beside it.
+    // The table is written first, so that there is never a manifest without its table, whenever the process ends.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));
     let table_path = args.out.join(format!("{}.safetensors", digest.hex()));
-    replace_pair((&manifest_path, manifest.as_bytes()), (&table_path, &file))
+    replace_pair((&table_path, &file), (&manifest_path, manifest.as_bytes()))
         .map_err(|PairError { path, source }| file_failure(&path, &source))?;
 
     let seconds = started.elapsed().as_secs_f64();

@@ -52,8 +52,8 @@ pub fn write_table(file: &TableFile, folder: impl AsRef<Path>) -> Result<(Digest
     let manifest = manifest_json(&bytes)?;
     let manifest_path = folder.as_ref().join(format!("{}.manifest.json", digest.hex()));
     let path = folder.as_ref().join(format!("{}.safetensors", digest.hex()));
-    // The table comes last, so that there is no table without its manifest.
-    replace_pair((&manifest_path, manifest.as_bytes()), (&path, &bytes))
+    // The table comes first, so that there is never a manifest without its table, whenever the process ends.
+    replace_pair((&path, &bytes), (&manifest_path, manifest.as_bytes()))
         .map_err(|PairError { path, source }| Error::File { path, source })?;
     Ok((digest, path))
 }

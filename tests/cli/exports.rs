@@ -104,3 +104,41 @@ fn what_cannot_be_exported_is_one_line_and_no_file() {
     let refused = run(here, ["export", &table, "--for", "wgpu", "-o", "taken"]).exited(1);
     assert!(refused.complaints()[0].starts_with("taken/ltc_matrix_b.ktx2: "), "{}", refused.stderr);
 }
+
+/// A table of an engine's layout in the files of each engine that has it, and of no other.
+#[test]
+fn engines_get_tables_of_their_layouts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    for (layout, engines) in [
+        (
+            "ltc2017",
+            &[
+                ("three", "ltc.js"),
+                ("babylon", "areaLights/areaLightsLTC.bin"),
+                ("playcanvas", "area-light-luts.json"),
+                ("bevy", "ltc.ktx2"),
+            ][..],
+        ),
+        ("godot", &[("godot", "ltc_lut1.dds")]),
+        ("ltc2016", &[("o3de", "ltc_mat_lutrgba32f.dds")]),
+        ("hdrp", &[("hdrp", "LtcData.BRDF_GGX.cs")]),
+    ] {
+        let recipe =
+            format!(r#"{{"preset": "draft", "layout": "{layout}", "fit": {{"samples": 64, "directions": 4}}}}"#);
+        let fitted = run_with_stdin(here, ["fit", "-", "-o", "."], &recipe).exited(0);
+        let table = fitted.last_line();
+        for (engine, file) in engines {
+            let printed = run(here, ["export", table, "--for", engine, "-o", engine, "--json"]).exited(0);
+            let told = told(here, &printed.stdout);
+            assert_eq!(told["layout"], layout);
+            assert!(here.join(engine).join(file).exists(), "{engine}: no {file}");
+        }
+        let refused = run(here, ["export", table, "--for", "wgpu", "-o", "none"]).exited(2);
+        assert!(refused.complaints()[0].contains("reflected"), "{}", refused.stderr);
+        let other = if layout == "godot" { "three" } else { "godot" };
+        let refused = run(here, ["export", table, "--for", other, "-o", "none"]).exited(2);
+        assert!(refused.complaints()[0].contains(layout), "{}", refused.stderr);
+        assert!(!here.join("none").exists());
+    }
+}

@@ -112,7 +112,9 @@ impl Sites {
         if let Some(asked) = &asked {
             self.check_host(asked, local)?;
         }
-        let Some(origin) = request.headers().get(header::ORIGIN) else { return Ok(()) };
+        let Some(origin) = request.headers().get(header::ORIGIN) else {
+            return self.check_embedding(request.headers());
+        };
         let origin = String::from_utf8_lossy(origin.as_bytes()).to_ascii_lowercase();
         // A page that the service has served itself, or a proxy in front of it.
         let own = asked.is_some_and(|asked| {
@@ -125,6 +127,26 @@ impl Sites {
         let detail = format!(
             "pages of «{origin}» may not send requests to this service; `ltcforge serve --allow-origin` allows an origin"
         );
+        Err(Problem::new(ProblemKind::ForeignOrigin, detail))
+    }
+
+    /// Refuses what a page of another site embeds, such as an image: browsers send no origin then, but these fields. A link
+    /// that somebody follows is no embedding, and a page of an allowed origin may embed.
+    fn check_embedding(&self, headers: &HeaderMap) -> Result<(), Problem> {
+        let says = |name: &str, value: &str| headers.get(name).is_some_and(|field| field == value);
+        if !says("sec-fetch-site", "cross-site") || says("sec-fetch-mode", "navigate") {
+            return Ok(());
+        }
+        let page = headers.get(header::REFERER).and_then(|field| field.to_str().ok()).unwrap_or_default();
+        let page = page.to_ascii_lowercase();
+        let is_of = |allowed: &AllowedOrigin| {
+            page.strip_prefix(&allowed.0).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        if self.origins.iter().any(is_of) {
+            return Ok(());
+        }
+        let detail = "pages of another site may link to this service, but not embed what it makes; \
+                      `ltcforge serve --allow-origin` allows an origin";
         Err(Problem::new(ProblemKind::ForeignOrigin, detail))
     }
 
@@ -246,6 +268,26 @@ mod tests {
         let host = [("host", "localhost:8317")];
         assert_eq!(refused(LOOPBACK, "http://attacker.example/", &host), Some(421));
         assert_eq!(refused(LOOPBACK, "http://localhost:8317/", &host), None);
+    }
+
+    #[test]
+    fn pages_of_other_sites_may_link_here_but_embed_nothing() {
+        let embeds = [("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "no-cors")];
+        let from = |page: &'static str| [embeds[0], embeds[1], ("referer", page)];
+        let cases: [(&[(&str, &str)], _); 8] = [
+            (&from("https://wiki.example/page"), None),
+            (&from("https://wiki.example"), None),
+            (&from("https://wiki.example.attacker.example/"), Some(403)),
+            (&[], None),
+            (&embeds, Some(403)),
+            (&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")], None),
+            (&[("sec-fetch-site", "same-origin"), ("sec-fetch-mode", "no-cors")], None),
+            (&[("sec-fetch-site", "cross-site"), ("origin", "https://wiki.example")], None),
+        ];
+        for (fields, status) in cases {
+            let all: Vec<(&str, &str)> = [("host", "localhost:8317")].iter().chain(fields).copied().collect();
+            assert_eq!(refused(LOOPBACK, "/v1/preview", &all), status, "{fields:?}");
+        }
     }
 
     #[test]

@@ -22,8 +22,8 @@ impl EngineRules for Rules {
     }
 
     fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        if source.textures.is_empty() {
-            return Err(TextureFileError::Empty);
+        for name in ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"] {
+            source.named(name, || "a table of layout reflected or kt2022".to_owned())?;
         }
         let mut files = Vec::new();
         for texture in source.textures {
