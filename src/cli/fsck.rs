@@ -38,17 +38,27 @@ fn text(report: &CheckReport) -> String {
             let _ = writeln!(out, "{text}");
         }
     };
-    let replaced = "the database is damaged; the next start copies it to quarantine and restores its jobs and tables";
+    let replaced = "the database is damaged or missing; the next start copies what there is to quarantine, and restores \
+                    jobs from the journal and the catalogue from the tables; jobs that the end of the journal has lost as \
+                    well are lost";
     line(store.database_was_replaced, replaced.to_owned());
     line(store.damaged_rows > 0, format!("{} rows of the database do not match their seal", store.damaged_rows));
     let rows = store.restored_rows;
-    line(rows > 0, format!("the database lacks {rows} rows of jobs; the next start restores them from the journal"));
+    line(
+        rows > 0,
+        format!(
+            "the database lacks {rows} rows of jobs, or has older ones; the next start restores them from the journal"
+        ),
+    );
     line(!store.restored_jobs.is_empty(), format!("jobs that are restored: {}", listed(&store.restored_jobs)));
+    let reverted = "jobs that the database has as they once were; the next start copies it to quarantine and takes the \
+                    journal's state";
+    line(!store.reverted_jobs.is_empty(), format!("{reverted}: {}", listed(&store.reverted_jobs)));
     let entries = store.damaged_journal_entries;
     let copied = "the next start copies it to quarantine and writes it anew";
     line(entries > 0, format!("{entries} entries of the journal of jobs are damaged; {copied}"));
-    let incomplete =
-        "the journal of jobs is missing, empty or incomplete: whether the database has lost jobs cannot be proved";
+    let incomplete = "the journal of jobs is missing, empty or incomplete: whether the database has lost or \
+                      reverted jobs cannot be proved";
     line(store.journal_is_incomplete, incomplete.to_owned());
     let lost = report.lost_jobs();
     line(!lost.is_empty(), format!("jobs that are lost: {}", listed(&lost)));

@@ -64,7 +64,7 @@ fn flip(path: &Path) {
 fn spoil_row(data: &Path, id: &str) {
     let key = u128::from_str_radix(id, 16).expect("an id").to_be_bytes();
     let database = sled::open(data.join("db")).expect("a database");
-    database.open_tree("jobs").and_then(|jobs| jobs.insert(key, b"12345678another")).expect("a row");
+    database.open_tree("numbered_jobs").and_then(|jobs| jobs.insert(key, b"12345678another")).expect("a row");
     database.flush().expect("a disk");
 }
 

@@ -1,156 +1,125 @@
-//! The journal of jobs: every change of a job's row, appended to a file beside the database.
+//! The journal of jobs: every change of a job's row that was acknowledged, appended to a file beside the database.
 //!
-//! sled can lose rows of a damaged file without an error. Rows that the journal has and the database lacks, or has with a
-//! broken seal, are restored when the store is opened. A row that is intact stays as it is, because the journal may be
-//! the older one of the two: a job is then at worst fitted again.
+//! sled can lose rows of a damaged file without an error, or have them as they once were. Each change of jobs has a revision,
+//! one more than the change before it. The database stores it with the row and the journal with the entry, so when the
+//! store is opened, whichever of the two has the newer revision of a row is right. The database also has the last entry:
+//! it tells how far the journal has to reach.
+//!
+//! A staged change does not count as acknowledged. It has the revision of the last commit and no entry.
 
+mod comparison;
 mod entries;
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
     fs::{self, File, OpenOptions},
     io::{self, Write as _},
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use entries::{Entries, KEPT};
-
-use super::{Batch, Findings, Row, Rows, StoreError, Tree, files};
-use crate::files::hex::to_hex;
+use super::{Batch, Findings, Row, Rows, StoreError, Tree, files, numbered};
 
 /// Bytes that are appended before the journal is written anew.
 const MOST_APPENDED: usize = 64 << 20;
+
+/// Key of the journal's last entry in the database.
+const LAST: &[u8] = b"last";
+
+/// Where a journal and what belongs to it are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Paths<'a> {
+    /// The journal.
+    pub(super) journal: &'a Path,
+    /// The folder of the database.
+    pub(super) database: &'a Path,
+    /// Where copies of damaged files go.
+    pub(super) quarantine: &'a Path,
+}
 
 /// Rows whose jobs are in a journal as well.
 #[derive(Debug)]
 pub(super) struct JournalledRows<R> {
     rows: R,
     path: PathBuf,
-    /// The journal, and how many bytes were appended since it was written anew.
-    file: Mutex<(File, usize)>,
+    end: Mutex<End>,
+}
+
+/// The end of the journal.
+#[derive(Debug)]
+struct End {
+    file: File,
+    /// Bytes that were appended since it was written anew.
+    appended: usize,
+    /// Whether an entry could not be written.
+    is_behind: bool,
+    /// Revision of the last change of jobs.
+    revision: u64,
 }
 
 impl<R: Rows> JournalledRows<R> {
-    /// Restores from the journal at `path` what `rows` lack, writes the journal anew, and appends to it from then on. A
-    /// journal that is damaged is copied to `quarantine` first. `was_journalled` tells whether `rows` ever had a journal,
-    /// `found` what is known of them; what the journal tells is added to it.
+    /// Brings `rows` up to date with their journal, writes the journal anew, and appends to it from then on. A journal that
+    /// is damaged is copied to quarantine first; so are journal and database if the database is the older one.
+    /// `was_journalled` tells whether `rows` ever had a journal, `found` what is known of them; what the journal tells is
+    /// added to it.
     ///
     /// # Errors
     /// When the journal cannot be read, copied or written, or the database fails.
     pub(super) fn open(
         rows: R,
-        path: &Path,
-        quarantine: &Path,
+        paths: Paths<'_>,
         was_journalled: bool,
         found: &mut Findings,
     ) -> Result<Self, StoreError> {
-        let bytes = read_file(path)?;
-        let entries = entries::read(bytes.as_deref().unwrap_or_default());
-        let stored = Stored::read(&rows)?;
-        found.journal_is_incomplete = (was_journalled || found.database_was_replaced)
-            && (entries.intact == 0
-                && (found.database_was_replaced || bytes.is_some() || stored.jobs().next().is_some())
-                || stored.lacking_in(&entries) > UNFINISHED + entries.damaged);
-        restore(&rows, &stored, &entries, found)?;
-        if bytes.is_some() && (entries.damaged > 0 || found.journal_is_incomplete) {
-            let copied_to = files::copy_to_quarantine(path, quarantine, "jobs.log")?;
-            tracing::error!(copied_to = %copied_to.display(), "the journal of jobs is damaged; a copy was made in quarantine");
+        let bytes = read_file(paths.journal)?;
+        let compared = comparison::compare(&rows, bytes.as_deref(), was_journalled, found)?;
+        let is_damaged = found.damaged_journal_entries > 0 || found.journal_is_incomplete;
+        if bytes.is_some() && (is_damaged || compared.database_is_older) {
+            let copied_to = files::copy_to_quarantine(paths.journal, paths.quarantine, "jobs.log")?;
+            tracing::error!(copied_to = %copied_to.display(), "a copy of the journal of jobs was made in quarantine");
         }
-        let file = write_anew(&rows, path)?;
-        Ok(Self { rows, path: path.to_owned(), file: Mutex::new((file, 0)) })
+        if compared.database_is_older && paths.database.is_dir() {
+            let copied_to = files::copy_to_quarantine(paths.database, paths.quarantine, "db")?;
+            tracing::error!(copied_to = %copied_to.display(), "a copy of the older database was made in quarantine");
+        }
+        if !compared.changes.is_empty() {
+            rows.commit(&compared.changes)?;
+        }
+        let file = write_anew(&rows, paths.journal, compared.revision)?;
+        let end = End { file, appended: 0, is_behind: false, revision: compared.revision };
+        Ok(Self { rows, path: paths.journal.to_owned(), end: Mutex::new(end) })
     }
 
-    fn append(&self, batch: &Batch, sync: bool) -> Result<(), StoreError> {
-        let Some(entry) = entries::entry(batch) else { return Ok(()) };
-        let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let (file, appended) = &mut *guard;
-        *appended += entry.len();
-        if *appended > MOST_APPENDED {
-            // The database has this change already.
-            *guard = (write_anew(&self.rows, &self.path)?, 0);
+    fn end(&self) -> MutexGuard<'_, End> {
+        self.end.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Appends an entry, or writes the journal anew from the database, which has the change already.
+    fn append(&self, end: &mut End, entry: &str) -> Result<(), StoreError> {
+        end.appended += entry.len();
+        if end.is_behind || end.appended > MOST_APPENDED {
+            end.is_behind = true;
+            end.file = write_anew(&self.rows, &self.path, end.revision)?;
+            (end.appended, end.is_behind) = (0, false);
             return Ok(());
         }
-        let written = file.write_all(entry.as_bytes()).and_then(|()| if sync { file.sync_data() } else { Ok(()) });
+        let written = end.file.write_all(entry.as_bytes()).and_then(|()| end.file.sync_data());
+        end.is_behind = written.is_err();
         written.map_err(|source| StoreError::of_io(&self.path, source))
     }
 }
 
-/// Restores from the journal at `path` what `rows`, opened again while the process runs, lack, and logs it.
+/// Brings `rows`, opened again while the process runs, up to date with the journal at `path`, and logs it.
 ///
 /// # Errors
 /// When the journal cannot be read, or the database fails.
 pub(super) fn restore_again(rows: &Arc<dyn Rows>, path: &Path) -> Result<(), StoreError> {
-    let entries = entries::read(&read_file(path)?.unwrap_or_default());
-    let stored = Stored::read(rows.as_ref())?;
-    let is_incomplete = entries.intact == 0 || stored.lacking_in(&entries) > UNFINISHED + entries.damaged;
-    let mut found = Findings { journal_is_incomplete: is_incomplete, ..Findings::default() };
-    restore(rows.as_ref(), &stored, &entries, &mut found)?;
+    let mut found = Findings::default();
+    let compared = comparison::compare(rows.as_ref(), read_file(path)?.as_deref(), true, &mut found)?;
+    if !compared.changes.is_empty() {
+        rows.commit(&compared.changes)?;
+    }
     found.log();
     Ok(())
-}
-
-/// Jobs that a database may have and its journal not: the one whose commit a crash interrupted between the two.
-const UNFINISHED: usize = 1;
-
-/// The kept rows of a database; `None` for one with a broken seal.
-struct Stored(BTreeMap<Tree, BTreeMap<Vec<u8>, Option<Vec<u8>>>>);
-
-impl Stored {
-    fn read(rows: &dyn Rows) -> Result<Self, StoreError> {
-        let mut stored = BTreeMap::new();
-        for tree in KEPT {
-            let rows = rows.scan(tree, &[])?.into_iter().map(|Row { key, value }| (key, value));
-            stored.insert(tree, rows.collect());
-        }
-        Ok(Self(stored))
-    }
-
-    /// Keys of all jobs, and whether the row is intact.
-    fn jobs(&self) -> impl Iterator<Item = (&Vec<u8>, bool)> {
-        self.0.get(&Tree::Jobs).into_iter().flatten().map(|(key, value)| (key, value.is_some()))
-    }
-
-    /// Number of intact jobs of which a journal knows nothing.
-    fn lacking_in(&self, entries: &Entries) -> usize {
-        let is_known = |key: &Vec<u8>| entries.latest.contains_key(&(Tree::Jobs.name(), key.clone()));
-        self.jobs().filter(|(key, is_intact)| *is_intact && !is_known(key)).count()
-    }
-}
-
-/// Restores in `rows`, which are `stored`, what they lack of the journal. `found` is told what was restored, and which
-/// jobs were not.
-fn restore(rows: &dyn Rows, stored: &Stored, entries: &Entries, found: &mut Findings) -> Result<(), StoreError> {
-    let mut batch = Batch::default();
-    for (tree, stored) in &stored.0 {
-        for ((_, key), value) in entries.latest.iter().filter(|((name, _), _)| *name == tree.name()) {
-            match value {
-                // Missing, or with a broken seal.
-                Some(value) if stored.get(key).is_none_or(Option::is_none) => {
-                    batch.put(*tree, key.clone(), value.clone());
-                }
-                None if stored.contains_key(key) => batch.remove(*tree, key.clone()),
-                _ => {}
-            }
-        }
-    }
-    let changed: BTreeMap<&Vec<u8>, bool> = batch
-        .changes
-        .iter()
-        .filter(|(tree, ..)| *tree == Tree::Jobs)
-        .map(|(_, key, value)| (key, value.is_some()))
-        .collect();
-    found.restored_rows = batch.changes.len();
-    found.restored_jobs = changed.iter().filter(|(_, is_put)| **is_put).map(|(key, _)| to_hex(key)).collect();
-    let broken = stored.jobs().filter(|(_, is_intact)| !is_intact).map(|(key, _)| key);
-    let in_damaged = entries.in_damaged.iter().filter(|key| {
-        !entries.latest.contains_key(&(Tree::Jobs.name(), (*key).clone()))
-            && !stored.jobs().any(|(other, _)| other == *key)
-    });
-    let lost: BTreeSet<&Vec<u8>> = broken.chain(in_damaged).filter(|key| !changed.contains_key(key)).collect();
-    found.lost_jobs = lost.into_iter().map(|key| to_hex(key)).collect();
-    found.damaged_journal_entries = entries.damaged;
-    if batch.is_empty() { Ok(()) } else { rows.commit(&batch) }
 }
 
 /// The bytes of the journal at `path`; `None` if there is none.
@@ -162,44 +131,86 @@ fn read_file(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
     }
 }
 
-/// Writes a journal of the rows as they are, an entry each, and opens it to append.
-fn write_anew(rows: &impl Rows, path: &Path) -> Result<File, StoreError> {
-    let mut all = entries::first();
-    for tree in KEPT {
+/// Writes a journal of the rows as they are at `revision`, and opens it to append.
+fn write_anew(rows: &impl Rows, path: &Path, revision: u64) -> Result<File, StoreError> {
+    let (mut all, mut count) = (String::new(), 0);
+    for (tree, _) in entries::KEPT {
         for Row { key, value } in rows.scan(tree, &[])? {
             // A damaged row that the journal does not have stays where it is, for the queue to report.
-            let Some(value) = value else { continue };
-            let mut row = Batch::default();
-            row.put(tree, key, value);
-            all.extend(entries::entry(&row));
+            let Some((of, value)) = value.as_deref().and_then(numbered::split) else { continue };
+            all.push_str(&entries::row(of, tree, &key, value));
+            count += 1;
         }
     }
+    all.insert_str(0, &entries::head(revision, count));
     files::write_durably(path, all.as_bytes())?;
     OpenOptions::new().append(true).open(path).map_err(|source| StoreError::of_io(path, source))
 }
 
+/// Whether a batch changes what is kept in the journal.
+fn concerns_jobs(batch: &Batch) -> bool {
+    batch.changes.iter().any(|(tree, ..)| entries::is_kept(*tree))
+}
+
+/// The batch as it is stored: values of kept trees joined with `revision`.
+fn with_revision(batch: &Batch, revision: u64) -> Batch {
+    let mut numbered = batch.clone();
+    for (tree, _, value) in &mut numbered.changes {
+        if let Some(value) = value.as_mut().filter(|_| entries::is_kept(*tree)) {
+            *value = numbered::join(revision, value);
+        }
+    }
+    numbered
+}
+
+/// The row as it was before it was joined with its revision.
+fn without_revision(tree: Tree, row: Row) -> Row {
+    if !entries::is_kept(tree) {
+        return row;
+    }
+    let value = row.value.as_deref().and_then(numbered::split).map(|(_, value)| value.to_vec());
+    Row { value, ..row }
+}
+
 impl<R: Rows> Rows for JournalledRows<R> {
     fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
-        self.rows.get(tree, key)
+        let Some(value) = self.rows.get(tree, key)? else { return Ok(None) };
+        let row = without_revision(tree, Row { key: key.to_vec(), value: Some(value) });
+        row.value.map(Some).ok_or(StoreError::DamagedRow { tree, key: row.key })
     }
 
     fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
-        self.rows.scan(tree, prefix)
+        let rows = self.rows.scan(tree, prefix)?;
+        Ok(rows.into_iter().map(|row| without_revision(tree, row)).collect())
     }
 
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
-        self.rows.page(tree, before, limit)
+        let rows = self.rows.page(tree, before, limit)?;
+        Ok(rows.into_iter().map(|row| without_revision(tree, row)).collect())
     }
 
-    /// The database comes first: it keeps room on the disk for what it and the journal write.
+    /// The database comes first: it keeps room on the disk for what it and the journal write. Changes of jobs are made one
+    /// at a time, so that the journal is behind by one entry at most.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
-        self.rows.commit(batch)?;
-        self.append(batch, true)
+        if !concerns_jobs(batch) {
+            return self.rows.commit(batch);
+        }
+        let mut end = self.end();
+        let revision = end.revision + 1;
+        let entry = entries::entry(revision, batch);
+        let mut numbered = with_revision(batch, revision);
+        numbered.put(Tree::Journal, LAST, entry.trim());
+        self.rows.commit(&numbered)?;
+        end.revision = revision;
+        self.append(&mut end, &entry)
     }
 
     fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
-        self.rows.stage(batch)?;
-        self.append(batch, false)
+        if !concerns_jobs(batch) {
+            return self.rows.stage(batch);
+        }
+        let end = self.end();
+        self.rows.stage(&with_revision(batch, end.revision))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::rows;
+use super::{numbered, rows};
 use crate::files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
@@ -13,6 +13,7 @@ pub(super) const ALL: &[&str] = &[
     include_str!("../../../migrations/0001_initial.json"),
     include_str!("../../../migrations/0002_manifests.json"),
     include_str!("../../../migrations/0003_journal.json"),
+    include_str!("../../../migrations/0004_revisions.json"),
 ];
 
 /// The migration from which on jobs have a journal beside the database.
@@ -55,6 +56,8 @@ enum SchemaChange {
     Create(String),
     /// Moves all rows of a tree to a tree of another name.
     Rename { from: String, to: String },
+    /// As `Rename`, and puts revision 0 in front of each value.
+    Number { from: String, to: String },
     /// Removes a tree with its rows.
     Drop(String),
 }
@@ -107,23 +110,26 @@ impl SchemaChange {
         match self {
             Self::Create(name) => db.open_tree(name).map(drop),
             Self::Drop(name) => db.drop_tree(name).map(drop),
-            Self::Rename { from, to } => {
-                let (old, new) = (db.open_tree(from)?, db.open_tree(to)?);
-                for row in &old {
-                    let (key, sealed) = row?;
-                    // The hash in front of a value covers the tree's name.
-                    if let Some(value) = rows::unseal(from, &key, &sealed) {
-                        new.insert(&key, rows::seal(to, &key, &value))?;
-                    } else {
-                        tracing::error!(tree = from, ?key, "a damaged row was dropped");
-                    }
-                }
-                db.flush()?;
-                drop(old);
-                db.drop_tree(from).map(drop)
-            }
+            Self::Rename { from, to } => move_rows(db, from, to, |value| value),
+            Self::Number { from, to } => move_rows(db, from, to, |value| numbered::join(0, &value)),
         }
     }
+}
+
+/// Moves all rows of the tree `from` to the tree `to`, values as `changed` makes them. A damaged row stays damaged.
+fn move_rows(db: &sled::Db, from: &str, to: &str, changed: impl Fn(Vec<u8>) -> Vec<u8>) -> Result<(), sled::Error> {
+    let (old, new) = (db.open_tree(from)?, db.open_tree(to)?);
+    for row in &old {
+        let (key, sealed) = row?;
+        // The hash in front of a value covers the tree's name.
+        match rows::unseal(from, &key, &sealed) {
+            Some(value) => new.insert(&key, rows::seal(to, &key, &changed(value)))?,
+            None => new.insert(&key, sealed)?,
+        };
+    }
+    db.flush()?;
+    drop(old);
+    db.drop_tree(from).map(drop)
 }
 
 #[cfg(test)]
@@ -196,6 +202,7 @@ mod tests {
             "d6f4a993fc81717fc255956392ce5166714f28cfcf23a5156073a2fdbb566eb9",
             "aa98c8f367c15a579372af5582546b03d64f3c596dcf530b71736772cf48480c",
             "dbc16aa4beab189c92db9c04b2c5c3b160f0806d3bdb5bf23a62c7b6c63d4d5a",
+            "8930f66c14094e34d5e00865f1d3e734d9e5456dce0b9c992caa8dfec3c420e6",
         ];
         assert_eq!(digests, released);
     }

@@ -6,7 +6,7 @@
 //! DIR/lock                  locked by the process that has opened the folder
 //! DIR/blobs/ab/ab12...      tables, named by their digest
 //! DIR/db/                   sled: jobs, shards and their results until the table is stored, the catalogue
-//! DIR/jobs.log              the journal of jobs, from which those that sled lost are restored
+//! DIR/jobs.log              the journal of jobs, from which those that sled lost or reverted are restored
 //! DIR/quarantine/           damaged files
 //! ```
 
@@ -20,8 +20,11 @@ mod journal;
 #[cfg(test)]
 pub(crate) mod memory;
 mod migrations;
+mod numbered;
 mod open;
 mod rehearsal;
+#[cfg(test)]
+mod reverted_test;
 mod rows;
 mod sled_rows;
 mod tree;

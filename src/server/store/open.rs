@@ -9,7 +9,7 @@ use std::{
 
 use super::{
     Blobs, Checks, FileBlobs, Findings, Rows, SledRows, StoreError, files,
-    journal::{self, JournalledRows},
+    journal::{self, JournalledRows, Paths},
     migrations::MigrationError,
     sled_rows::SledOpenError,
 };
@@ -62,8 +62,9 @@ impl Store {
     /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
     ///
     /// Every row of the database is read and checked. A database that does not open or cannot be read is copied to
-    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost are restored from their journal. A damaged journal
-    /// is copied to `quarantine/jobs.log-N` before it is written anew.
+    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost, or has as they once were, are restored from their
+    /// journal. A damaged journal is copied to `quarantine/jobs.log-N` before it is written anew; so are both if the
+    /// database is the older one.
     ///
     /// # Errors
     /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
@@ -73,10 +74,17 @@ impl Store {
         let quarantine = dir.join("quarantine");
         let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
         let mut found = Findings::default();
-        let rows = open_rows(&dir.join("db"), &quarantine, &mut found)?;
+        let (database, journal) = (dir.join("db"), dir.join("jobs.log"));
+        let had_bytes = fs::metadata(database.join("db")).map_or(0, |metadata| metadata.len());
+        let was_used = had_bytes > 0 || journal.exists() || !blobs.list()?.is_empty();
+        let rows = open_rows(&database, &quarantine, &mut found)?;
+        if rows.was_empty && was_used && !found.database_was_replaced {
+            tracing::error!(had_bytes, "the database is missing, or sled could not read its file and started over");
+            found.database_was_replaced = true;
+        }
         let (checks, was_journalled) = (rows.checks.clone(), rows.was_journalled);
-        let journal = dir.join("jobs.log");
-        let rows = JournalledRows::open(rows, &journal, &quarantine, was_journalled, &mut found)?;
+        let paths = Paths { journal: &journal, database: &database, quarantine: &quarantine };
+        let rows = JournalledRows::open(rows, paths, was_journalled, &mut found)?;
         found.log();
         checks.add(move |rows| journal::restore_again(rows, &journal));
         Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, checks, _lock: lock })
@@ -104,13 +112,8 @@ pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
 /// `quarantine` and replaced by an empty one. `found` is told what went wrong.
 fn open_rows(folder: &Path, quarantine: &Path, found: &mut Findings) -> Result<SledRows, StoreOpenError> {
     files::make_folder(folder)?;
-    let had_bytes = fs::metadata(folder.join("db")).map_or(0, |metadata| metadata.len());
     let reason = match open_and_read(folder) {
         Ok((rows, damaged_rows)) => {
-            if rows.was_empty && had_bytes > 0 {
-                tracing::error!(had_bytes, "sled could not read its file and started over");
-                found.database_was_replaced = true;
-            }
             found.damaged_rows = damaged_rows;
             return Ok(rows);
         }
@@ -195,7 +198,7 @@ mod tests {
         let db = open_sled(&dir.path().join("db")).unwrap();
         db.open_tree("migrations").unwrap().insert(99_u32.to_be_bytes(), b"").unwrap();
         drop(db);
-        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 3 })));
+        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 4 })));
         assert!(!dir.path().join("quarantine").exists());
     }
 

@@ -1,11 +1,32 @@
-use super::{entries::read, *};
-use crate::server::store::memory::MemoryRows;
+use super::{
+    entries::{Entries, read},
+    *,
+};
+use crate::{files::hex::to_hex, server::store::memory::MemoryRows};
 
 /// Opens the journal in `dir` of rows that had one.
 fn open(rows: MemoryRows, dir: &Path) -> (JournalledRows<MemoryRows>, Findings) {
-    let mut found = Findings::default();
-    let opened = JournalledRows::open(rows, &dir.join("jobs.log"), &dir.join("quarantine"), true, &mut found);
-    (opened.unwrap(), found)
+    open_with(rows, dir, true, Findings::default())
+}
+
+fn open_with(
+    rows: MemoryRows,
+    dir: &Path,
+    was_journalled: bool,
+    mut found: Findings,
+) -> (JournalledRows<MemoryRows>, Findings) {
+    let (journal, database, quarantine) = (dir.join("jobs.log"), dir.join("db"), dir.join("quarantine"));
+    let paths = Paths { journal: &journal, database: &database, quarantine: &quarantine };
+    (JournalledRows::open(rows, paths, was_journalled, &mut found).unwrap(), found)
+}
+
+/// A database with these jobs, each last changed at its revision, and without the last entry of its journal.
+fn stored(jobs: &[(&str, &str, u64)]) -> MemoryRows {
+    let rows = MemoryRows::default();
+    for (key, value, revision) in jobs {
+        rows.commit(&with_revision(&job(key, Some(value)), *revision)).unwrap();
+    }
+    rows
 }
 
 /// Names as findings list them.
@@ -44,25 +65,99 @@ fn journal(dir: &Path) {
 }
 
 #[test]
-fn what_the_database_lost_is_restored_and_what_it_has_stays() {
+fn what_the_database_lost_or_has_older_is_as_in_the_journal() {
     let dir = tempfile::tempdir().unwrap();
     journal(dir.path());
-    let partial = MemoryRows::default();
-    partial.commit(&job("a", Some("a cancelled"))).unwrap();
-    let (rows, restored) = open(partial, dir.path());
-    assert_eq!(jobs(&rows), ["a cancelled", "b done", "d queued"]);
+    // a is as it was last, b and c are older, d is lost.
+    let partial = stored(&[("a", "a queued", 1), ("b", "b queued", 2), ("c", "c queued", 3)]);
+    let (rows, found) = open(partial, dir.path());
+    assert_eq!(jobs(&rows), ["a queued", "b done", "d queued"]);
     assert_eq!(rows.get(Tree::JobOrder, b"order of d").unwrap().unwrap(), b"d");
-    assert_eq!(restored.damaged_journal_entries, 0);
-    assert!(restored.restored_rows >= 4, "{restored:?}");
-    assert_eq!(restored.restored_jobs, named(&["b", "d"]));
-    assert!(restored.lost_jobs.is_empty() && !restored.journal_is_incomplete, "{restored:?}");
-    drop(rows);
+    assert_eq!((&found.restored_jobs, &found.reverted_jobs), (&named(&["d"]), &named(&["b", "c"])));
+    // b, c and d, and the place of d.
+    assert_eq!((found.restored_rows, found.damaged_journal_entries), (4, 0));
+    assert!(found.lost_jobs.is_empty() && !found.journal_is_incomplete, "{found:?}");
+    let kept = fs::read_to_string(dir.path().join("quarantine/jobs.log-1")).unwrap();
+    assert!(kept.contains(&to_hex(b"b done")) && kept.contains(&to_hex(b"c queued")), "{kept}");
     // The journal was written anew, and nothing more is to restore.
+    let (rows, found) = open(rows.rows, dir.path());
+    assert_eq!(found, Findings::default());
+    drop(rows);
+    let (rows, found) = open(MemoryRows::default(), dir.path());
+    assert_eq!((jobs(&rows).len(), found.reverted_jobs.len(), found.restored_jobs.len()), (3, 0, 3));
+    assert!(!dir.path().join("quarantine/jobs.log-2").exists());
+}
+
+/// The journal that is written anew has no entry of a job that was removed. It tells that there are no other jobs.
+#[test]
+fn a_job_that_was_removed_before_the_journal_was_written_anew_stays_removed() {
+    let dir = tempfile::tempdir().unwrap();
+    journal(dir.path());
     let (rows, _) = open(MemoryRows::default(), dir.path());
-    assert_eq!(jobs(&rows), ["a cancelled", "b done", "d queued"]);
-    let (_, restored) = open(rows.rows, dir.path());
-    assert_eq!(restored, Findings::default());
-    assert!(!dir.path().join("quarantine").exists());
+    drop(rows);
+    let older = || stored(&[("a", "a queued", 1), ("b", "b done", 5), ("c", "c queued", 3), ("d", "d queued", 4)]);
+    let (rows, found) = open(older(), dir.path());
+    assert_eq!((jobs(&rows).len(), found.reverted_jobs), (3, named(&["c"])));
+    // If a row of the journal is damaged, it may have been that of c.
+    let entry = to_hex(b"a queued");
+    damage(dir.path(), |bytes| {
+        let at = bytes.windows(entry.len()).position(|found| found == entry.as_bytes()).unwrap();
+        bytes[at] ^= 1;
+    });
+    let (rows, found) = open(older(), dir.path());
+    assert_eq!((jobs(&rows).len(), found.damaged_journal_entries), (4, 1));
+}
+
+/// A staged change is as new as the last commit, and the journal does not have it.
+#[test]
+fn a_staged_change_stays_and_loses_against_a_later_commit() {
+    let dir = tempfile::tempdir().unwrap();
+    let (rows, _) = open(MemoryRows::default(), dir.path());
+    rows.commit(&job("a", Some("a queued"))).unwrap();
+    rows.commit(&job("b", Some("b queued"))).unwrap();
+    rows.stage(&job("a", Some("a running"))).unwrap();
+    let (rows, found) = open(rows.rows, dir.path());
+    assert_eq!((jobs(&rows), found), (vec!["a running".to_owned(), "b queued".to_owned()], Findings::default()));
+    rows.commit(&job("a", None)).unwrap();
+    let (rows, found) = open(stored(&[("a", "a running", 2), ("b", "b queued", 2)]), dir.path());
+    assert_eq!((jobs(&rows), found.reverted_jobs), (vec!["b queued".to_owned()], named(&["a"])));
+}
+
+/// An entry that could not be appended is not missing from then on.
+#[test]
+fn after_a_failed_append_the_journal_is_written_anew() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("jobs.log");
+    let (rows, _) = open(MemoryRows::default(), dir.path());
+    rows.commit(&job("a", Some("a queued"))).unwrap();
+    // Its descriptor does not write.
+    rows.end().file = File::open(&path).unwrap();
+    assert!(rows.commit(&job("b", Some("b queued"))).is_err());
+    rows.commit(&job("c", Some("c queued"))).unwrap();
+    let (rows, found) = open(rows.rows, dir.path());
+    assert_eq!((jobs(&rows).len(), found), (3, Findings::default()));
+}
+
+/// A crash between the two leaves the database one entry ahead; the database knows that entry.
+#[test]
+fn the_last_entry_in_the_database_stands_for_the_one_that_the_journal_lacks() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("jobs.log");
+    let (rows, _) = open(MemoryRows::default(), dir.path());
+    rows.commit(&job("a", Some("a queued"))).unwrap();
+    let before = fs::read(&path).unwrap();
+    rows.commit(&job("a", Some("a cancelled"))).unwrap();
+    fs::write(&path, &before).unwrap();
+    // As if a page with the older row were back.
+    rows.rows.commit(&with_revision(&job("a", Some("a queued")), 1)).unwrap();
+    let (rows, found) = open(rows.rows, dir.path());
+    assert_eq!((jobs(&rows), found.reverted_jobs), (vec!["a cancelled".to_owned()], named(&["a"])));
+    rows.commit(&job("b", Some("b queued"))).unwrap();
+    rows.commit(&job("b", Some("b done"))).unwrap();
+    fs::write(&path, &before).unwrap();
+    let (rows, found) = open(rows.rows, dir.path());
+    assert!(found.journal_is_incomplete, "{found:?}");
+    assert_eq!(jobs(&rows), ["a cancelled", "b done"]);
 }
 
 #[test]
@@ -111,7 +206,7 @@ fn every_flipped_bit_is_found_and_costs_one_entry_at_most() {
         let mut flipped = whole.clone();
         flipped[at] ^= 1 << (at % 8);
         let Entries { latest, damaged, .. } = read(&flipped);
-        let known = |key: &str| latest.contains_key(&(Tree::Jobs.name(), key.as_bytes().to_vec()));
+        let known = |key: &str| latest.contains_key(&(Tree::Jobs, key.as_bytes().to_vec()));
         let missing = ["a", "b", "c", "d"].iter().filter(|key| !known(key)).count();
         // A line break that is gone, or a new one, concerns two entries.
         assert!(damaged <= 2 && missing <= 2, "bit {} of byte {at}: {damaged} {missing}", at % 8);
@@ -161,18 +256,12 @@ fn a_job_that_only_a_damaged_entry_has_is_named_as_lost() {
 
 #[test]
 fn a_journal_that_lacks_what_the_database_has_proves_nothing() {
-    let stored = || {
-        let rows = MemoryRows::default();
-        for key in ["a", "b", "c"] {
-            rows.commit(&job(key, Some(key))).unwrap();
-        }
-        rows
-    };
+    let stored = || stored(&[("a", "a", 0), ("b", "b", 0), ("c", "c", 0)]);
     let without = tempfile::tempdir().unwrap();
     let empty = tempfile::tempdir().unwrap();
     fs::write(empty.path().join("jobs.log"), "").unwrap();
     let short = tempfile::tempdir().unwrap();
-    fs::write(short.path().join("jobs.log"), entries::first()).unwrap();
+    fs::write(short.path().join("jobs.log"), "\ne3b0c44298fc1c14\n").unwrap();
     for dir in [&without, &empty, &short] {
         let (rows, found) = open(stored(), dir.path());
         assert_eq!(found, Findings { journal_is_incomplete: true, ..Findings::default() });
@@ -186,20 +275,15 @@ fn a_journal_that_lacks_what_the_database_has_proves_nothing() {
     let fresh = tempfile::tempdir().unwrap();
     assert_eq!(open(MemoryRows::default(), fresh.path()).1, Findings::default());
     let older = tempfile::tempdir().unwrap();
-    let mut found = Findings::default();
-    let path = older.path().join("jobs.log");
-    JournalledRows::open(stored(), &path, older.path(), false, &mut found).unwrap();
-    assert_eq!(found, Findings::default());
-    let one = MemoryRows::default();
-    one.commit(&job("a", Some("a"))).unwrap();
-    assert_eq!(open(one, fresh.path()).1, Findings::default());
+    assert_eq!(open_with(stored(), older.path(), false, Findings::default()).1, Findings::default());
+    let crashed = tempfile::tempdir().unwrap();
+    fs::write(crashed.path().join("jobs.log"), "\ne3b0c44298fc1c14\n").unwrap();
+    assert_eq!(open(super::tests::stored(&[("a", "a", 0)]), crashed.path()).1, Findings::default());
 }
 
 #[test]
 fn an_empty_database_in_place_of_a_damaged_one_without_a_journal_is_told() {
     let dir = tempfile::tempdir().unwrap();
-    let mut found = Findings { database_was_replaced: true, ..Findings::default() };
-    let path = dir.path().join("jobs.log");
-    JournalledRows::open(MemoryRows::default(), &path, dir.path(), false, &mut found).unwrap();
-    assert!(found.journal_is_incomplete);
+    let found = Findings { database_was_replaced: true, ..Findings::default() };
+    assert!(open_with(MemoryRows::default(), dir.path(), false, found).1.journal_is_incomplete);
 }
