@@ -215,7 +215,7 @@ fn a_folder_without_revisions_is_taken_over_as_it_is() {
     for (key, state) in [("a", "queued"), ("b", "queued"), ("a", "cancelled")] {
         db.open_tree("jobs").unwrap().insert(key, rows::seal("jobs", key.as_bytes(), state.as_bytes())).unwrap();
         let words = format!(" jobs {} {}", to_hex(key.as_bytes()), to_hex(state.as_bytes()));
-        journal += &format!("\n{}{words}\n", &Digest::of(words.as_bytes()).hex()[..16]);
+        journal = format!("{journal}\n{}{words}\n", &Digest::of(words.as_bytes()).hex()[..16]);
     }
     drop(db);
     fs::write(dir.path().join("jobs.log"), journal).unwrap();
