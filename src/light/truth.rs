@@ -25,10 +25,6 @@ const MOST_EDGE_HALVINGS: u32 = 60;
 /// An edge is halved at least so often: an image that leaves and comes back would look short.
 const LEAST_EDGE_HALVINGS: u32 = 2;
 
-/// Where the least tilted normal of an edge is looked for first, and how often its place is then narrowed to two thirds.
-const PLACES: u32 = 16;
-const THIRDS: u32 = 60;
-
 /// Halvings of an interval along the outline, and along a ray. They end where a horizon crosses the integrand.
 const OUTLINE_HALVINGS: u32 = 16;
 const RAY_HALVINGS: u32 = 12;
@@ -71,9 +67,8 @@ pub fn truth_within(tolerance: f64, at: &Configuration, light: &PolygonLight) ->
     let tip = lobe.image(middle);
     let mut sum = [0.0; 2];
     for (i, from) in outline.iter().enumerate() {
-        for [from, to] in lobe.parted(*from, outline[(i + 1) % outline.len()]) {
-            sum = plus(sum, lobe.triangle(tip, lobe.edge(from, to), tolerance, 0));
-        }
+        let edge = lobe.edge(*from, outline[(i + 1) % outline.len()]);
+        sum = plus(sum, lobe.triangle(tip, edge, tolerance, 0));
     }
     // The lit side is that from which the outline runs clockwise; seen from there, the sum is positive.
     let [energy, fresnel] = match (light.sides(), sum[0] < 0.0) {
@@ -130,25 +125,6 @@ impl Lobe {
 
     fn edge(&self, from: DVec3, to: DVec3) -> Edge {
         Edge { from, to, from_image: self.image(from), to_image: self.image(to) }
-    }
-
-    /// An edge in two parts, at the direction whose normal is tilted least as the lobe sees it: there the image of an edge
-    /// that passes a mirror's direction goes far and comes back, which might be overlooked.
-    fn parted(&self, from: DVec3, to: DVec3) -> [[DVec3; 2]; 2] {
-        let at = |t: f64| from + (to - from) * t;
-        let tilt = |t: f64| {
-            let h = (self.wo + at(t).normalize_or_zero()) / self.stretch;
-            (h.x * h.x + h.y * h.y) / (h.z * h.z).max(f64::MIN_POSITIVE)
-        };
-        let first = (0..=PLACES).map(|i| f64::from(i) / f64::from(PLACES)).min_by(|a, b| tilt(*a).total_cmp(&tilt(*b)));
-        let near = first.unwrap_or(0.5);
-        let (mut low, mut high) = (near - 1.0 / f64::from(PLACES), near + 1.0 / f64::from(PLACES));
-        for _ in 0..THIRDS {
-            let third = (high - low) / 3.0;
-            if tilt(low + third) < tilt(high - third) { high -= third } else { low += third }
-        }
-        let middle = at((0.5 * (low + high)).clamp(0.0, 1.0)).normalize_or_zero();
-        [[from, middle], [middle, to]]
     }
 
     /// Energy reflected by normals around `c`, of length one, per steradian there, and the same times Schlick's fifth
