@@ -60,12 +60,17 @@ fn flip(path: &Path) {
     fs::write(path, bytes).expect("a file");
 }
 
+/// Changes a row without its seal.
+fn spoil(data: &Path, tree: &str, key: &[u8]) {
+    let database = sled::open(data.join("db")).expect("a database");
+    database.open_tree(tree).and_then(|rows| rows.insert(key, b"12345678another")).expect("a row");
+    database.flush().expect("a disk");
+}
+
 /// Changes the row of the job `id` without its seal.
 fn spoil_row(data: &Path, id: &str) {
     let key = u128::from_str_radix(id, 16).expect("an id").to_be_bytes();
-    let database = sled::open(data.join("db")).expect("a database");
-    database.open_tree("numbered_jobs").and_then(|jobs| jobs.insert(key, b"12345678another")).expect("a row");
-    database.flush().expect("a disk");
+    spoil(data, "numbered_jobs", &key);
 }
 
 #[test]
@@ -104,6 +109,8 @@ fn every_damage_is_named_and_mended_by_the_next_start() {
                 let id = id.clone();
                 move |data| {
                     spoil_row(data, &id);
+                    // The last entry has the job as well.
+                    spoil(data, "journal", b"last");
                     fs::remove_file(data.join("jobs.log")).expect("a journal");
                 }
             }),

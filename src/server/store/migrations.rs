@@ -185,6 +185,25 @@ mod tests {
     }
 
     #[test]
+    fn numbered_rows_have_revision_0_once_and_damaged_ones_stay_damaged() {
+        const NUMBER: &str = r#"{"about": "two", "steps": [{"number": {"from": "old", "to": "new"}}]}"#;
+        let dir = tempfile::tempdir().unwrap();
+        let db = open_sled(dir.path()).unwrap();
+        apply(&db, &[r#"{"about": "one", "steps": [{"create": "old"}]}"#]).unwrap();
+        let old = db.open_tree("old").unwrap();
+        old.insert(b"a", rows::seal("old", b"a", b"value")).unwrap();
+        old.insert(b"b", b"12345678another").unwrap();
+        // The crash: one row was moved, and nothing was recorded.
+        db.open_tree("new").unwrap().insert(b"a", rows::seal("new", b"a", &numbered::join(0, b"value"))).unwrap();
+        drop(old);
+        assert_eq!(apply(&db, &[r#"{"about": "one", "steps": [{"create": "old"}]}"#, NUMBER]).unwrap(), 1);
+        let new = db.open_tree("new").unwrap();
+        let value = rows::unseal("new", b"a", &new.get(b"a").unwrap().unwrap()).unwrap();
+        assert_eq!(numbered::split(&value), Some((0, b"value".as_slice())));
+        assert!(rows::unseal("new", b"b", &new.get(b"b").unwrap().unwrap()).is_none());
+    }
+
+    #[test]
     fn a_newer_store_and_a_changed_migration_are_refused() {
         let dir = tempfile::tempdir().unwrap();
         let db = open_sled(dir.path()).unwrap();

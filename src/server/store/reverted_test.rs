@@ -5,8 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Batch, Findings, Rows, Store, Tree, files};
-use crate::files::hex::to_hex;
+use super::{Batch, Findings, Rows, Store, Tree, files, migrations, rows, sled_rows::open_sled};
+use crate::files::{digest::Digest, hex::to_hex};
 
 const JOBS: u32 = 12;
 
@@ -202,6 +202,33 @@ fn a_missing_database_beside_tables_counts_as_replaced() {
     fs::remove_file(dir.path().join("jobs.log")).unwrap();
     assert!(Store::open(dir.path()).unwrap().found.database_was_replaced);
     assert_eq!(Store::open(dir.path()).unwrap().found, Findings::default());
+}
+
+/// A folder that the schema before revisions left, with its journal.
+#[test]
+fn a_folder_without_revisions_is_taken_over_as_it_is() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::create_dir(dir.path().join("blobs")).unwrap();
+    let db = open_sled(&dir.path().join("db")).unwrap();
+    migrations::apply(&db, &migrations::ALL[..3]).unwrap();
+    let mut journal = "\ne3b0c44298fc1c14\n".to_owned();
+    for (key, state) in [("a", "queued"), ("b", "queued"), ("a", "cancelled")] {
+        db.open_tree("jobs").unwrap().insert(key, rows::seal("jobs", key.as_bytes(), state.as_bytes())).unwrap();
+        let words = format!(" jobs {} {}", to_hex(key.as_bytes()), to_hex(state.as_bytes()));
+        journal.push_str(&format!("\n{}{words}\n", &Digest::of(words.as_bytes()).hex()[..16]));
+    }
+    drop(db);
+    fs::write(dir.path().join("jobs.log"), journal).unwrap();
+    for _ in 0..2 {
+        let store = Store::open(dir.path()).unwrap();
+        assert_eq!(store.found, Findings::default());
+        for (key, state) in [("a", "cancelled"), ("b", "queued")] {
+            assert_eq!(store.rows.get(Tree::Jobs, key.as_bytes()).unwrap().unwrap(), state.as_bytes());
+        }
+    }
+    // What the database of the old schema lost comes from its journal.
+    fs::remove_dir_all(dir.path().join("db")).unwrap();
+    assert_eq!(Store::open(dir.path()).unwrap().found.restored_jobs, [to_hex(b"a"), to_hex(b"b")]);
 }
 
 /// A job that is submitted again after its end is newer than the end, in whichever of the two.
