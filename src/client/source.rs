@@ -216,7 +216,7 @@ pub(super) fn from_first<T>(
 /// The bytes of the table `digest`, of the first of `sources` that has it.
 ///
 /// # Errors
-/// As [`from_first`].
+/// As `from_first`.
 pub fn fetch(
     sources: &[Source],
     digest: Digest,

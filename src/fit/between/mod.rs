@@ -38,6 +38,9 @@ use super::{
 
 /// Tables with more entries are stored as fitted: between nodes so near to each other no error is left to lower.
 const MOST_ENTRIES: usize = 65_536;
+/// Tables with fewer nodes along either axis are stored as fitted: their lobes change too much from one node to the next for
+/// those between to be known.
+const LEAST_NODES: usize = 12;
 /// Rounds of least squares. A third changes nothing that can be measured.
 const ROUNDS: usize = 2;
 /// Where a cell is observed along either side.
@@ -58,7 +61,8 @@ pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) 
     let free = rules.free_numbers()?;
     let counts = plan.nodes().lengths();
     let grid = Grid { rows: counts.alpha, columns: counts.theta };
-    if entries.len() != grid.rows * grid.columns || entries.len() > MOST_ENTRIES {
+    let is_coarse = grid.rows.min(grid.columns) < LEAST_NODES;
+    if is_coarse || entries.len() != grid.rows * grid.columns || entries.len() > MOST_ENTRIES {
         return None;
     }
     let lobes = Lobes::of(plan, entries);
