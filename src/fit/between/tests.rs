@@ -108,7 +108,7 @@ fn every_interpolated_matrix_is_upright_and_every_number_finite() {
 #[test]
 fn layouts_without_free_numbers_and_large_tables_are_stored_as_fitted() {
     let (plan, entries) = fitted(Layout::Ltc2017, 12, Precision::F32);
-    let own = vec![LobeNumbers { matrix: DMat3::IDENTITY, terms: LobeTerms { amplitude: 1.0, fresnel: 0.0 } }; 16];
+    let own = vec![LobeNumbers { matrix: DMat3::IDENTITY, terms: LobeTerms { amplitude: 1.0, fresnel: 0.0 } }; 144];
     assert!(chosen(&plan, &entries, &own).is_some());
     let mut recipe = plan.recipe().clone();
     recipe.layout = Layout::Kt2022;

@@ -219,8 +219,9 @@ fn of_engines(layout: Layout) -> Table {
 }
 
 proptest! {
+    /// From the least roughness on, to which a lookup raises any other.
     #[test]
-    fn isotropic_layouts_are_what_engines_sample(u in 0.0..=1.0, v in 0.0..=1.0, phi in 0.0..=FRAC_PI_2) {
+    fn isotropic_layouts_are_what_engines_sample(u in 0.004..=1.0, v in 0.0..=1.0, phi in 0.0..=FRAC_PI_2) {
         for (layout, stores_inverse, theta) in [
             (Layout::Ltc2017, true, f64::acos(1.0 - v * v)),
             (Layout::Ltc2016, true, v * FRAC_PI_2),
