@@ -560,8 +560,10 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, b
         vec2 _e206 = normals_fan(view_8, outline_2, _e198);
         parts = (_e206 * to_part);
     }
-    vec2 _e208 = parts;
-    return clamp(_e208, vec2(0.0), vec2(1.0));
+    float _e209 = parts.x;
+    float energy = clamp(_e209, 0.0, 1.0);
+    float _e214 = parts.y;
+    return vec2(energy, clamp(_e214, 0.0, energy));
 }
 
 vec2 normals_rectangle(NormalsView view_9, vec3 corners[4], bool two_sided_1, uint rule_1) {

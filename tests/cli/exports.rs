@@ -81,7 +81,7 @@ fn what_cannot_be_exported_is_one_line_and_no_file() {
     let (folder, table) = folder_with_table();
     let here = folder.path();
     fs::write(here.join("file"), "old").expect("a file");
-    let kt2022 = "a recipe with \"layout\": \"kt2022\"";
+    let kt2022 = "{\"layout\": \"kt2022\"}";
     let formats = ["--container", "ktx2"];
     let cases: [(&[&str], i32, &str); 6] = [
         (&[&table, "--layout", "kt2022", "-o", "out"], 2, kt2022),

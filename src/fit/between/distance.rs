@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{ELEMENTS, matrix};
+use super::five::{ELEMENTS, matrix};
 use crate::fit::{layout::FreeNumbers, math::concentric_cosine};
 
 /// Rings and sectors of the clamped cosine, one direction in each.

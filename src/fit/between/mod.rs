@@ -19,6 +19,7 @@
 //! `sqrt(1 + r^2) - 1` of the error: rounds of least squares, each weighed by the last one's `r`, take this into account.
 
 mod distance;
+mod five;
 mod least_squares;
 mod lobes;
 
@@ -26,6 +27,7 @@ use glam::DMat3;
 
 use self::{
     distance::Displacement,
+    five::{matrix, numbers},
     least_squares::{Grid, Normal, corners},
     lobes::{Between, Lobes},
 };
@@ -70,21 +72,6 @@ pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) 
     let terms = terms(grid, &lobes, own);
     let limited = |(matrix, terms)| rules.limited(LobeNumbers { matrix, terms }, recipe.precision);
     Some(matrices.into_iter().zip(terms).map(limited).collect())
-}
-
-/// The five numbers of a matrix that is symmetric in the plane of incidence, by column and row.
-const ELEMENTS: [[usize; 2]; 5] = [[0, 0], [0, 2], [1, 1], [2, 0], [2, 2]];
-
-fn numbers(matrix: &DMat3) -> [f64; 5] {
-    ELEMENTS.map(|[column, row]| matrix.col(column)[row])
-}
-
-fn matrix(numbers: &[f64; 5]) -> DMat3 {
-    let mut matrix = DMat3::ZERO;
-    for (number, [column, row]) in numbers.iter().zip(ELEMENTS) {
-        matrix.col_mut(column)[row] = *number;
-    }
-    matrix
 }
 
 /// Numbers of an entry that stay where they are put.

@@ -22,9 +22,6 @@ use super::{Batch, Findings, Row, Rows, StoreError, Tree, files, numbered};
 /// Bytes that are appended before the journal is written anew.
 const MOST_APPENDED: usize = 64 << 20;
 
-/// Key of the journal's last entry in the database.
-const LAST: &[u8] = b"last";
-
 /// Where a journal and what belongs to it are.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Paths<'a> {
@@ -199,7 +196,7 @@ impl<R: Rows> Rows for JournalledRows<R> {
         let revision = end.revision + 1;
         let entry = entries::entry(revision, batch);
         let mut numbered = with_revision(batch, revision);
-        numbered.put(Tree::Journal, LAST, entry.trim());
+        numbered.put(Tree::Journal, comparison::LAST, entry.trim());
         self.rows.commit(&numbered)?;
         end.revision = revision;
         self.append(&mut end, &entry)

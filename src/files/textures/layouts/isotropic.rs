@@ -3,7 +3,10 @@
 //! Texel centres are nodes: texel `i` of `n` stands at a coordinate of `i / (n - 1)`, so that a shader samples at
 //! `coordinate (n - 1) / n + 0.5 / n`.
 
-use super::{NoTextures, TextureAxis, TextureRules, TextureSampling, TexturesOf, rules::made};
+use super::{
+    error::NoTextures,
+    rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
+};
 use crate::{
     files::textures::texture::Texture,
     fit::{Layout, Table, Terms, clipped_form_factor},

@@ -3,15 +3,17 @@
 //! Each layout is described in one place, from which its textures follow. A new one needs a file and a line in
 //! [`TextureLayout`].
 
+mod error;
 mod isotropic;
 mod published;
 mod rules;
 mod volumes;
 
-use crate::fit::{Layout, Table, named_list::named_list};
+use crate::fit::{Table, named_list::named_list};
 
-use super::texture::{Texture, TextureError};
+use super::texture::Texture;
 
+pub use error::NoTextures;
 pub(crate) use rules::TextureRules;
 pub use rules::{TextureAxis, TextureSampling, TexturesOf};
 
@@ -39,49 +41,14 @@ named_list! {
     }
 }
 
-/// Why a table has no textures of a layout.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoTextures {
-    /// A layout without textures.
-    #[error("there are no textures of layout «{name}»; there are of {}", layout_names().join(", "))]
-    UnknownLayout {
-        /// Its name.
-        name: String,
-    },
-    /// The table has another layout, and what it stores does not tell the numbers of this one.
-    #[error(
-        "the table has layout {table}, so it has no textures of layout {asked}; this recipe gives one that has: {recipe}"
-    )]
-    OtherLayout {
-        /// That of the table.
-        table: Layout,
-        /// The one that was asked for.
-        asked: TextureLayout,
-        /// A recipe whose table has them.
-        recipe: &'static str,
-    },
-    /// The table has the right layout, but not all that the textures need.
-    #[error("textures of layout {asked} need {lacking}; this recipe gives a table that has them: {recipe}")]
-    Lacking {
-        /// The layout that was asked for.
-        asked: TextureLayout,
-        /// What they need, and what the table has.
-        lacking: String,
-        /// A recipe whose table has them.
-        recipe: &'static str,
-    },
-    /// A table whose axes are longer than textures.
-    #[error(transparent)]
-    Texture(#[from] TextureError),
-}
-
 impl TextureLayout {
     /// The layout of this name.
     ///
     /// # Errors
     /// When there is none.
     pub fn named(name: &str) -> Result<Self, NoTextures> {
-        Self::from_name(name).ok_or_else(|| NoTextures::UnknownLayout { name: name.to_owned() })
+        Self::from_name(name)
+            .ok_or_else(|| NoTextures::UnknownLayout { name: name.to_owned(), known: layout_names().join(", ") })
     }
 
     /// The axes, channels and scale of its textures.
@@ -97,10 +64,10 @@ impl TextureLayout {
     pub fn textures(self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
         let TextureSampling { table: needed, recipe, .. } = self.sampling();
         if table.layout != needed {
-            return Err(NoTextures::OtherLayout { table: table.layout, asked: self, recipe });
+            return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe });
         }
         match self.rules().lacks(table) {
-            Some(lacking) => Err(NoTextures::Lacking { asked: self, lacking, recipe }),
+            Some(lacking) => Err(NoTextures::Lacking { asked: self.name(), lacking, recipe }),
             None => self.rules().textures(table),
         }
     }

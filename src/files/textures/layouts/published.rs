@@ -2,7 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{NoTextures, TextureAxis, TextureRules, TextureSampling, TexturesOf, rules::made};
+use super::{
+    error::NoTextures,
+    rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
+};
 use crate::{
     files::textures::texture::Texture,
     fit::{Layout, PerAxis, Table},

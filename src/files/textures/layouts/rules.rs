@@ -1,6 +1,6 @@
 //! The interface of a layout of textures.
 
-use super::NoTextures;
+use super::error::NoTextures;
 use crate::{
     files::textures::texture::{Texture, TextureError},
     fit::{Layout, Table},

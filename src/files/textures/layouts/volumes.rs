@@ -3,7 +3,10 @@
 //! Nodes need not be evenly spaced, so that a shader finds the place along each axis among the nodes and samples between
 //! texel centres, or weighs the texels itself.
 
-use super::{NoTextures, TextureAxis, TextureRules, TextureSampling, TexturesOf, rules::made};
+use super::{
+    error::NoTextures,
+    rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
+};
 use crate::{
     files::textures::texture::Texture,
     fit::{Layout, Table},

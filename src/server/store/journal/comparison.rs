@@ -2,15 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{
-    LAST,
-    entries::{self, Change, Entries, KEPT, Place},
-};
+use super::entries::{self, Change, Entries, KEPT, Place};
 use crate::{
     files::hex::to_hex,
     server::store::{Batch, Findings, Row, Rows, StoreError, Tree, numbered},
 };
 
+/// Key of the journal's last entry in the database.
+pub(super) const LAST: &[u8] = b"last";
 /// Jobs that a database from before there were revisions may have and its journal not: the one whose commit a crash
 /// interrupted between the two.
 const UNFINISHED: usize = 1;

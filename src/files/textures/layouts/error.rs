@@ -1,0 +1,41 @@
+//! Why a table has no textures.
+
+use crate::{files::textures::texture::TextureError, fit::Layout};
+
+/// Why a table has no textures of a layout.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NoTextures {
+    /// A layout without textures.
+    #[error("there are no textures of layout «{name}»; there are of {known}")]
+    UnknownLayout {
+        /// Its name.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// The table has another layout, and what it stores does not tell the numbers of this one.
+    #[error(
+        "the table has layout {table}, so it has no textures of layout {asked}; this recipe gives one that has: {recipe}"
+    )]
+    OtherLayout {
+        /// That of the table.
+        table: Layout,
+        /// The one that was asked for.
+        asked: &'static str,
+        /// A recipe whose table has them.
+        recipe: &'static str,
+    },
+    /// The table has the right layout, but not all that the textures need.
+    #[error("textures of layout {asked} need {lacking}; this recipe gives a table that has them: {recipe}")]
+    Lacking {
+        /// The layout that was asked for.
+        asked: &'static str,
+        /// What they need, and what the table has.
+        lacking: String,
+        /// A recipe whose table has them.
+        recipe: &'static str,
+    },
+    /// A table whose axes are longer than textures.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+}
