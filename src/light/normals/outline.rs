@@ -22,6 +22,11 @@ impl<T: Scalar> Corner<T> {
         Self { w, c: scaled(c, T::ONE / length), length }
     }
 
+    /// Whether it is on the horizon, where an outline that the surface cuts meets it.
+    pub(super) fn is_on_horizon(&self) -> bool {
+        self.w[2] == T::ZERO
+    }
+
     /// Half the length of the sum of two corners' directions: the cosine of half the angle between them.
     fn half_cosine(&self, to: &Self) -> T {
         let sum = plus(self.w, to.w);

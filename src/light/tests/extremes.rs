@@ -17,19 +17,14 @@ use crate::{
 };
 
 fn energy(lit: &Lit, sides: Sides) -> f64 {
-    by_normals(&lit.at, &lit.light(sides), WeightRule::Seven).expect("a surface").energy
+    by_normals(&lit.at, &lit.light(sides), WeightRule::Fan).expect("a surface").energy
 }
 
 /// The same as shaders compute it.
 fn energy_in_f32(lit: &Lit) -> f64 {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
-    let [energy, _] = reflected(
-        lit.alpha().map(|x| x as f32),
-        lit.wo().as_vec3().to_array(),
-        &vertices,
-        Sides::Two,
-        WeightRule::Seven,
-    );
+    let [energy, _] =
+        reflected(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices, Sides::Two, WeightRule::Fan);
     f64::from(energy)
 }
 

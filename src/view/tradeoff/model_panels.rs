@@ -175,8 +175,8 @@ mod tests {
             .map(|pair| pair.split(' ').map(|x| x.parse().expect("a number")).collect::<Vec<f64>>())
             .map(|pair| [pair[0], pair[1]])
             .collect();
-        let [seven, mean, fine] = diamonds[..] else { panic!("{svg}") };
-        assert!(mean[0] < seven[0] && seven[0] < fine[0], "{diamonds:?}");
-        assert!(mean[1] < seven[1] && seven[1] < fine[1], "{diamonds:?}");
+        let [fan, mean, fine] = diamonds[..] else { panic!("{svg}") };
+        assert!(mean[0] < fan[0] && fan[0] < fine[0], "{diamonds:?}");
+        assert!(mean[1] < fan[1] && fan[1] < fine[1], "{diamonds:?}");
     }
 }
