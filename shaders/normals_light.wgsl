@@ -39,6 +39,8 @@ struct NormalsOutline {
     /// Whether the surface cuts it, and how many vertices are above.
     is_cut: bool,
     ups: u32,
+    /// How far it is cut: 0 where it touches the surface, 1 where it is deeper below than an eighth of its height above.
+    share: f32,
     /// Whether it may have more than four vertices. Where a compiler knows that it has not, half of the work on lists falls
     /// away.
     many: bool,
@@ -312,10 +314,15 @@ fn normals_put(list: ptr<function, array<vec3<f32>, 8>>, i: u32, v: vec3<f32>, m
 
 /// What of a polygon's outline is above the surface.
 fn normals_outline(vertices: ptr<function, array<vec3<f32>, 8>>, number: u32) -> NormalsOutline {
-    var outline = NormalsOutline(number, 0u, false, 0u, number > 4u);
+    var outline = NormalsOutline(number, 0u, false, 0u, 0.0, number > 4u);
     var before = normals_get(vertices, number - 1u, outline.many).z > 0.0;
+    var above = 0.0;
+    var below = 0.0;
     for (var i = 0u; i < number; i++) {
-        let is_up = normals_get(vertices, i, outline.many).z > 0.0;
+        let z = normals_get(vertices, i, outline.many).z;
+        let is_up = z > 0.0;
+        above = max(above, z);
+        below = max(below, -z);
         if (is_up && !before) {
             outline.start = i;
             outline.is_cut = true;
@@ -323,6 +330,7 @@ fn normals_outline(vertices: ptr<function, array<vec3<f32>, 8>>, number: u32) ->
         outline.ups += select(0u, 1u, is_up);
         before = is_up;
     }
+    outline.share = min(8.0 * below / max(above, 1e-36), 1.0);
     return outline;
 }
 
@@ -389,6 +397,11 @@ fn normals_polygon(
     var half_ends: array<vec3<f32>, 8>;
     var half_curves: array<vec3<f32>, 8>;
     var horizon_curves: array<vec3<f32>, 8>;
+    // What the arc along the horizon, or its second half, and its first half add, and its middle.
+    var closing = vec3(0.0);
+    var half_closing = vec3(0.0);
+    var half_end = vec3(0.0);
+    var arc_start = first.c;
     var flux = vec3(0.0);
     var last = first;
     var edge = 0u;
@@ -415,6 +428,15 @@ fn normals_polygon(
         normals_put(&ends, select(edge, 8u, is_half || is_closing), c, many);
         normals_put(&curves, select(edge, 8u, is_half || is_closing), curved, many);
         normals_put(&horizon_curves, select(8u, edge - edges, is_closing), curved, is_fine);
+        // Beyond the plane triangle of the whole arc, whose parts have their own.
+        arc_start = select(c, arc_start, is_closing);
+        closing += select(vec3(0.0), curved + cross(last.c - arc_start, c - arc_start), is_closing);
+        if (is_fine && edge + 1u == edges + horizon_parts / 2u) {
+            half_closing = closing;
+            half_end = c;
+            closing = vec3(0.0);
+            arc_start = c;
+        }
         last = NormalsCorner(to.w, c, to.length);
         edge += select(1u, 0u, is_half);
         is_second = is_half;
@@ -425,6 +447,7 @@ fn normals_polygon(
     if (side < 0.0 && !two_sided) {
         return vec2(0.0);
     }
+    let to_part = side * 0.31830989 / (view.wo.z + view.length);
     let tip = normals_unit(flux * side);
     let at_tip = normals_weight(view, tip);
     var parts = vec2(at_tip.x, at_tip.x * at_tip.y) * seen;
@@ -435,36 +458,42 @@ fn normals_polygon(
         let rate = select(0.17, 0.15, is_fine);
         var from_c = first.c;
         var from_bend = normals_arc_bend(tip, from_c);
-        for (edge = 0u; edge < edges; edge++) {
+        // The horizon is an edge like the others where it only touches the light, so that nothing jumps where an edge sets.
+        for (edge = 0u; edge < select(edges, edges + 1u, outline.is_cut); edge++) {
+            let is_closing = edge >= edges;
+            let counts = select(1.0, 1.0 - outline.share, is_closing);
             if (is_fine) {
-                let half_c = normals_get(&half_ends, edge, many);
+                let half_c = select(normals_get(&half_ends, edge, many), half_end, is_closing);
+                let half_curved = select(normals_get(&half_curves, edge, many), half_closing, is_closing);
                 let half_bend = normals_arc_bend(tip, half_c);
-                let half_plane = cross(from_c - tip, half_c - tip);
-                let half = half_plane + normals_get(&half_curves, edge, many) + (from_bend - half_bend);
-                parts += normals_triangle(view, tip, half, share);
+                let half_flux = cross(from_c - tip, half_c - tip) + half_curved + (from_bend - half_bend);
+                parts += counts * normals_triangle(view, tip, half_flux, share);
                 from_c = half_c;
                 from_bend = half_bend;
             }
-            let to_c = normals_get(&ends, edge, many);
+            let to_c = select(normals_get(&ends, edge, many), first.c, is_closing);
+            let curved = select(normals_get(&curves, edge, many), closing, is_closing);
             let to_bend = normals_arc_bend(tip, to_c);
-            let plane = cross(from_c - tip, to_c - tip);
-            parts += normals_triangle(view, tip, plane + normals_get(&curves, edge, many) + (from_bend - to_bend), share);
+            let edge_flux = cross(from_c - tip, to_c - tip) + curved + (from_bend - to_bend);
+            parts += counts * normals_triangle(view, tip, edge_flux, share);
             from_c = to_c;
             from_bend = to_bend;
         }
+        from_c = horizon.begin;
+        from_bend = normals_arc_bend(tip, from_c);
         for (var part = 0u; part < closing_parts; part++) {
             let to_c = normals_on_horizon(horizon, f32(part + 1u) / f32(horizon_parts));
             let to_bend = normals_arc_bend(tip, to_c);
             let plane = cross(from_c - tip, to_c - tip);
             let curved = normals_get(&horizon_curves, part, is_fine);
-            parts += normals_horizon_triangle(view, tip, at_tip, plane + curved + (from_bend - to_bend), rate);
+            parts += outline.share * normals_horizon_triangle(view, tip, at_tip, plane + curved + (from_bend - to_bend), rate);
             from_c = to_c;
             from_bend = to_bend;
         }
     }
-    parts *= side * 0.31830989 / (view.wo.z + view.length);
-    let energy = clamp(parts.x, 0.0, 1.0);
-    return vec2(energy, clamp(parts.y, 0.0, energy));
+    // No weight is above one, though triangles that lie upon each other may say so.
+    let energy = clamp(parts.x * to_part, 0.0, clamp(seen * to_part, 0.0, 1.0));
+    return vec2(energy, clamp(parts.y * to_part, 0.0, energy));
 }
 
 /// A rectangle by its corners in order.

@@ -34,7 +34,7 @@ pub(super) use self::{
 };
 use self::{
     edge::curved_part,
-    outline::{Corner, Parts, outline},
+    outline::{Corner, Parts, cut_share, outline},
     weight::{Shares, View},
 };
 use crate::fit::{
@@ -104,10 +104,13 @@ pub fn reflected<T: Scalar>(
         let [weight, schlick] = view.weight(mean_normal);
         [to_part * seen * weight, to_part * seen * weight * schlick]
     } else {
-        fan(&view, rule.shares(), &corners, &curved, mean_normal, to_part)
+        let fan = Fan { view: &view, shares: rule.shares(), tip: mean_normal, to_part, sum: [T::ZERO; 2] };
+        fan.over(&corners, &curved, rule.parts(), cut_share(vertices))
     };
-    // A light without area has neither part, but for rounding.
-    let energy = energy.max(T::ZERO).min(T::ONE);
+    // No weight is above one. Where triangles lie upon each other, as in a sliver along the horizon, their rules may differ
+    // by more than what they leave of each other.
+    let visible = (to_part * seen).max(T::ZERO).min(T::ONE);
+    let energy = energy.max(T::ZERO).min(visible);
     [energy, fresnel.max(T::ZERO).min(energy)]
 }
 
@@ -139,31 +142,50 @@ pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Tripl
     T::of(2.0) * seen / ((wo[2] + view.length) * T::TAU)
 }
 
-/// The sum over the triangles between the mean normal `tip` and each edge's image: the exact part of the visible normals
-/// in it, times the mean of their weights.
-fn fan<T: Scalar>(
-    view: &View<T>,
+/// The sum over the triangles between the mean normal and each edge's image: the exact part of the visible normals in it,
+/// times the mean of their weights.
+struct Fan<'a, T> {
+    view: &'a View<T>,
     shares: Shares,
-    corners: &[Corner<T>],
-    curved: &[Triple<T>],
+    /// The mean normal, where all triangles meet.
     tip: Triple<T>,
+    /// What makes a form factor a part of the visible normals.
     to_part: T,
-) -> [T; 2] {
-    let at_tip = view.weight(tip);
-    let mut sum = [T::ZERO; 2];
-    for (i, curved) in curved.iter().enumerate() {
-        let (from, to) = (&corners[i], &corners[(i + 1) % corners.len()]);
-        let plane = cross(minus(from.c, tip), minus(to.c, tip));
-        let flux = plus(plus(plane, *curved), minus(arc_bend(tip, from.c), arc_bend(tip, to.c)));
+    sum: [T; 2],
+}
+
+impl<T: Scalar> Fan<'_, T> {
+    /// Adds a triangle, by the integral of its normals, as `times` of one, weighed by what `mean` says of its centroid.
+    fn add(&mut self, flux: Triple<T>, times: T, mean: impl FnOnce(&View<T>, Shares, Triple<T>) -> [T; 2]) {
         let centroid = unit(flux);
-        let centroid = if dot(centroid, tip) < T::ZERO { scaled(centroid, -T::ONE) } else { centroid };
-        let [energy, fresnel] = if from.is_on_horizon() && to.is_on_horizon() {
-            view.over_triangle_to_horizon(shares, tip, at_tip, centroid)
-        } else {
-            view.over_triangle(shares, tip, centroid)
-        };
-        let part = to_part * dot(flux, view.stretched);
-        sum = [sum[0] + part * energy, sum[1] + part * fresnel];
+        let centroid = if dot(centroid, self.tip) < T::ZERO { scaled(centroid, -T::ONE) } else { centroid };
+        let part = self.to_part * times * dot(flux, self.view.stretched);
+        let [energy, fresnel] = mean(self.view, self.shares, centroid);
+        self.sum = [self.sum[0] + part * energy, self.sum[1] + part * fresnel];
     }
-    sum
+
+    /// The sum over all triangles. Those of the horizon count by `cut`, and what they are together as edges of the light
+    /// by the rest.
+    fn over(mut self, corners: &[Corner<T>], curved: &[Triple<T>], parts: Parts, cut: T) -> [T; 2] {
+        let tip = self.tip;
+        let at_tip = self.view.weight(tip);
+        let (mut joined, mut count) = ([T::ZERO; 3], 0);
+        for (i, curved) in curved.iter().enumerate() {
+            let (from, to) = (&corners[i], &corners[(i + 1) % corners.len()]);
+            let plane = cross(minus(from.c, tip), minus(to.c, tip));
+            let flux = plus(plus(plane, *curved), minus(arc_bend(tip, from.c), arc_bend(tip, to.c)));
+            let on_edge = |view: &View<T>, shares, centroid| view.over_triangle(shares, tip, centroid);
+            if !(from.is_on_horizon() && to.is_on_horizon()) {
+                self.add(flux, T::ONE, on_edge);
+                continue;
+            }
+            self.add(flux, cut, |view, shares, centroid| view.over_triangle_to_horizon(shares, tip, at_tip, centroid));
+            (joined, count) = (plus(joined, flux), count + 1);
+            if count * parts.edge == parts.horizon {
+                self.add(joined, T::ONE - cut, on_edge);
+                (joined, count) = ([T::ZERO; 3], 0);
+            }
+        }
+        self.sum
+    }
 }

@@ -110,6 +110,17 @@ fn split<T: Scalar>(
     }
 }
 
+/// How far the surface cuts a light: 0 where it touches it, 1 where the light is deeper below it than an eighth of its
+/// height above.
+///
+/// An edge that sets is one edge before, and a horizon of several parts after. This blends the two, so that no line is seen
+/// where it happens.
+pub(super) fn cut_share<T: Scalar>(vertices: &[Triple<T>]) -> T {
+    let furthest = |sign: T| vertices.iter().fold(T::ZERO, |most, v| most.max(sign * v[2]));
+    let (above, below) = (furthest(T::ONE), furthest(-T::ONE));
+    if above > T::ZERO { (T::of(8.0) * below / above).min(T::ONE) } else { T::ZERO }
+}
+
 /// The direction in which the edge between vertices on either side of the horizon meets it.
 fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let (a_share, b_share) = (b[2].abs(), a[2].abs());

@@ -106,3 +106,25 @@ fn to_horizon<T: Scalar>(tip: T, near: T, rate: T) -> T {
     let [c2, c3, c4, c5] = [-7.406_264_7, 21.070_869, -31.448_433, 16.743_261].map(T::of);
     tip * rest * rest * (T::ONE + u * (T::of(2.0) + u * (c2 + u * (c3 + u * (c4 + u * c5)))))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `M(r)` is the integral of `2 s (1 - s) / (1 - s + r s)`, here by the midpoint rule.
+    #[test]
+    fn the_mean_towards_the_horizon_is_that_of_its_form() {
+        const STEPS: u32 = 10_000;
+        let (rate, tip) = (0.2, 0.7);
+        let mut worst = 0.0_f64;
+        for r in (-60..=60).map(|x| 10_f64.powf(f64::from(x) / 12.0)) {
+            let at = |i: u32| (f64::from(i) + 0.5) / f64::from(STEPS);
+            let sum: f64 = (0..STEPS).map(at).map(|s| 2.0 * s * (1.0 - s) / (1.0 - s + r * s)).sum();
+            let near = tip * rate / (rate + r);
+            worst = worst.max((to_horizon(tip, near, rate) / tip - sum / f64::from(STEPS)).abs());
+        }
+        assert!(worst > 1e-4 && worst < 0.003, "{worst}");
+        assert_eq!(to_horizon(0.7, 0.7, rate), 0.7);
+        assert_eq!([to_horizon(0.0, 0.0, rate), to_horizon(0.7, 0.0, rate)], [0.0; 2]);
+    }
+}
