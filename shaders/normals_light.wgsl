@@ -252,8 +252,8 @@ fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
 /// close to it: of tip (1 - s) / (1 - s + r s), r = rate (tip / near - 1), by a polynomial in sqrt r / (1 + sqrt r).
 fn normals_to_horizon(tip: f32, near: f32, rate: f32) -> f32 {
     let root = sqrt(rate * near * max(tip - near, 0.0));
-    let u = root / max(near + root, 1e-36);
-    let rest = 1.0 - u;
+    let rest = near / max(near + root, 1e-36);
+    let u = 1.0 - rest;
     let series = 2.0 + u * (-7.4062647 + u * (21.070869 + u * (-31.448433 + u * 16.743261)));
     return tip * rest * rest * (1.0 + u * series);
 }

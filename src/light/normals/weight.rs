@@ -101,8 +101,9 @@ fn beyond<T: Scalar>(tip: Triple<T>, m: Triple<T>, by: f64) -> Triple<T> {
 /// is 0.003 off at most; its first terms are those of M, so that it has no kink at `r = 0`.
 fn to_horizon<T: Scalar>(tip: T, near: T, rate: T) -> T {
     let root = (rate * near * (tip - near).max(T::ZERO)).sqrt();
-    let u = root / (near + root).max(T::of(1e-36));
-    let rest = T::ONE - u;
+    // 1 - u is zero where near is.
+    let rest = near / (near + root).max(T::of(1e-36));
+    let u = T::ONE - rest;
     let [c2, c3, c4, c5] = [-7.406_264_7, 21.070_869, -31.448_433, 16.743_261].map(T::of);
     tip * rest * rest * (T::ONE + u * (T::of(2.0) + u * (c2 + u * (c3 + u * (c4 + u * c5)))))
 }
