@@ -264,32 +264,29 @@ fn normals_centroid(flux: vec3<f32>, tip: vec3<f32>) -> vec3<f32> {
     return select(m, -m, dot(m, tip) < 0.0);
 }
 
-/// What a triangle reflects, by its centroid and a normal beyond it, which counts share as much.
-fn normals_triangle(view: NormalsView, tip: vec3<f32>, flux: vec3<f32>, share: f32) -> vec2<f32> {
-    let m = normals_centroid(flux, tip);
-    let outer = normals_unit(m + 0.5 * (m - tip));
-    let seen = max(dot(m, view.stretched), 0.0);
-    let outer_seen = share * max(dot(outer, view.stretched), 0.0);
-    let inner_weight = normals_weight(view, m);
-    let outer_weight = normals_weight(view, outer);
-    let part = dot(flux, view.stretched) / max(seen + outer_seen, 1e-18);
-    let inner_part = part * seen * inner_weight.x;
-    let outer_part = part * outer_seen * outer_weight.x;
-    return vec2(inner_part + outer_part, inner_part * inner_weight.y + outer_part * outer_weight.y);
-}
-
-/// What a triangle reflects whose outer edge is on the horizon. at_tip: the weight of its tip.
-fn normals_horizon_triangle(
+/// What a triangle reflects, by its centroid and a normal beyond it, which counts share as much. On the horizon, by a
+/// normal near its outer edge and at_tip, the weight of its tip.
+fn normals_triangle(
     view: NormalsView,
     tip: vec3<f32>,
     at_tip: vec2<f32>,
     flux: vec3<f32>,
-    rate: f32,
+    on_horizon: bool,
+    is_fine: bool,
 ) -> vec2<f32> {
     let m = normals_centroid(flux, tip);
-    let near = normals_weight(view, m + 0.3 * (m - tip));
-    let energy = dot(flux, view.stretched) * normals_to_horizon(at_tip.x, near.x, rate);
-    return vec2(energy, energy * mix(near.y, at_tip.y, 0.25));
+    let outer = m + select(0.5, 0.3, on_horizon) * (m - tip);
+    let at_m = normals_weight(view, m);
+    let at_outer = normals_weight(view, outer);
+    let energy = normals_to_horizon(at_tip.x, at_outer.x, select(0.17, 0.15, is_fine));
+    let horizon = vec2(energy, energy * mix(at_outer.y, at_tip.y, 0.25));
+    let seen = max(dot(m, view.stretched), 0.0);
+    let outer_seen = select(0.45, 0.25, is_fine) * max(dot(outer, view.stretched), 0.0);
+    let per_seen = 1.0 / max(seen + outer_seen, 1e-18);
+    let inner = seen * per_seen * at_m.x;
+    let beyond = outer_seen * per_seen * at_outer.x;
+    let edge = vec2(inner + beyond, inner * at_m.y + beyond * at_outer.y);
+    return dot(flux, view.stretched) * select(edge, horizon, on_horizon);
 }
 
 /// Vector i of a list of up to eight; of up to four, unless there are many. All lists are read and written by choosing
@@ -453,40 +450,40 @@ fn normals_polygon(
     var parts = vec2(at_tip.x, at_tip.x * at_tip.y) * seen;
     if (rule != NORMALS_MEAN) {
         // The triangles between the mean normal and each part of the outline: the exact integral of each, and its weight.
+        // The horizon comes twice: as an edge like the others, which it is where it only touches the light, so that
+        // nothing jumps where an edge sets; and in parts.
         parts = vec2(0.0);
-        let share = select(0.45, 0.25, is_fine);
-        let rate = select(0.17, 0.15, is_fine);
         var from_c = first.c;
         var from_bend = normals_arc_bend(tip, from_c);
-        // The horizon is an edge like the others where it only touches the light, so that nothing jumps where an edge sets.
-        for (edge = 0u; edge < select(edges, edges + 1u, outline.is_cut); edge++) {
-            let is_closing = edge >= edges;
-            let counts = select(1.0, 1.0 - outline.share, is_closing);
-            if (is_fine) {
-                let half_c = select(normals_get(&half_ends, edge, many), half_end, is_closing);
-                let half_curved = select(normals_get(&half_curves, edge, many), half_closing, is_closing);
+        var begin_bend = from_bend;
+        for (var i = 0u; i < edges + select(0u, horizon_parts + 1u, outline.is_cut); i++) {
+            let is_whole = i == edges;
+            let on_horizon = i > edges;
+            if (is_whole) {
+                begin_bend = from_bend;
+            }
+            if (i == edges + 1u) {
+                from_c = horizon.begin;
+                from_bend = begin_bend;
+            }
+            let counts = select(select(1.0, 1.0 - outline.share, is_whole), outline.share, on_horizon);
+            if (is_fine && !on_horizon) {
+                let half_c = select(normals_get(&half_ends, i, many), half_end, is_whole);
+                let half_curved = select(normals_get(&half_curves, i, many), half_closing, is_whole);
                 let half_bend = normals_arc_bend(tip, half_c);
                 let half_flux = cross(from_c - tip, half_c - tip) + half_curved + (from_bend - half_bend);
-                parts += counts * normals_triangle(view, tip, half_flux, share);
+                parts += counts * normals_triangle(view, tip, at_tip, half_flux, false, is_fine);
                 from_c = half_c;
                 from_bend = half_bend;
             }
-            let to_c = select(normals_get(&ends, edge, many), first.c, is_closing);
-            let curved = select(normals_get(&curves, edge, many), closing, is_closing);
+            let part = i - edges;
+            let part_c = normals_on_horizon(horizon, f32(part) / f32(horizon_parts));
+            let part_curved = normals_get(&horizon_curves, part - 1u, is_fine);
+            let to_c = select(select(normals_get(&ends, i, many), first.c, is_whole), part_c, on_horizon);
+            let curved = select(select(normals_get(&curves, i, many), closing, is_whole), part_curved, on_horizon);
             let to_bend = normals_arc_bend(tip, to_c);
-            let edge_flux = cross(from_c - tip, to_c - tip) + curved + (from_bend - to_bend);
-            parts += counts * normals_triangle(view, tip, edge_flux, share);
-            from_c = to_c;
-            from_bend = to_bend;
-        }
-        from_c = horizon.begin;
-        from_bend = normals_arc_bend(tip, from_c);
-        for (var part = 0u; part < closing_parts; part++) {
-            let to_c = normals_on_horizon(horizon, f32(part + 1u) / f32(horizon_parts));
-            let to_bend = normals_arc_bend(tip, to_c);
-            let plane = cross(from_c - tip, to_c - tip);
-            let curved = normals_get(&horizon_curves, part, is_fine);
-            parts += outline.share * normals_horizon_triangle(view, tip, at_tip, plane + curved + (from_bend - to_bend), rate);
+            let part_flux = cross(from_c - tip, to_c - tip) + curved + (from_bend - to_bend);
+            parts += counts * normals_triangle(view, tip, at_tip, part_flux, on_horizon, is_fine);
             from_c = to_c;
             from_bend = to_bend;
         }

@@ -1,6 +1,6 @@
 //! What of a normal's light is neither shadowed nor, for Schlick's term, transmitted; and its mean over triangles.
 
-use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
+use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled};
 
 /// A surface seen from a direction: what a normal's weight depends on.
 #[derive(Debug, Clone, Copy)]
@@ -56,8 +56,8 @@ impl<T: Scalar> View<T> {
         [weight, m2 * m2 * m]
     }
 
-    /// What a normal of length one counts in a mean: its projection along `A wo`, to which the density of visible normals
-    /// is proportional.
+    /// What a normal counts in a mean, times its length: its projection along `A wo`, to which the density of visible
+    /// normals is proportional.
     fn seen(&self, c: Triple<T>) -> T {
         dot(c, self.stretched).max(T::ZERO)
     }
@@ -65,7 +65,7 @@ impl<T: Scalar> View<T> {
     /// The mean weight, and that times Schlick's factor, over a triangle of normals between `tip` and an edge, by its
     /// centroid `m` and a normal beyond it.
     pub(super) fn over_triangle(&self, shares: Shares, tip: Triple<T>, m: Triple<T>) -> [T; 2] {
-        let outer = unit(beyond(tip, m, OUTER));
+        let outer = beyond(tip, m, OUTER);
         let (seen, outer_seen) = (self.seen(m), T::of(shares.outer) * self.seen(outer));
         let ([weight, schlick], [outer_weight, outer_schlick]) = (self.weight(m), self.weight(outer));
         let (inner, outer) = (seen * weight, outer_seen * outer_weight);
