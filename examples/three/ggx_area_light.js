@@ -42,7 +42,7 @@ const GLOSS = /* glsl */ `
 			toTangentFrame * ( rectCoords[ 0 ] - position )
 		);
 
-		vec2 parts = normals_rectangle( normals_view( alphas.x, alphas.y, wo ), corners, false, NORMALS_SEVEN );
+		vec2 parts = normals_rectangle( normals_view( alphas.x, alphas.y, wo ), corners, false, NORMALS_FAN );
 
 		// Schlick: y is the part of x that (1 - cos)^5 weighs.
 		return material.specularColorBlended * ( parts.x - parts.y ) + material.specularF90 * parts.y;

@@ -106,7 +106,7 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         shader_bytes: wgsl(recipe.layout).len() as u64,
         fit_seconds: *fit_seconds,
     };
-    Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Seven), table: shader_table, row })
+    Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Fan), table: shader_table, row })
 }
 
 fn by_normals(rule: WeightRule, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {

@@ -65,7 +65,7 @@ fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     assert_eq!((&models["lights"], &models["frame_size"]), (&2048.into(), &512.into()));
     assert!((0.1..0.9).contains(&models["mean_energy"].as_f64().expect("a number")), "{models}");
     let rows = models["rows"].as_array().expect("rows");
-    let names = ["ltc reflected", "normals seven", "normals mean", "normals fine"];
+    let names = ["ltc reflected", "normals fan", "normals mean", "normals fine"];
     assert_eq!(rows.len(), names.len());
     for (row, name) in rows.iter().zip(names) {
         let kind = if row["layout"].is_null() { &row["weight"] } else { &row["layout"] };

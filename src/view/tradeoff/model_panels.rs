@@ -213,9 +213,9 @@ mod tests {
     #[test]
     fn marks_stand_in_the_order_of_their_numbers() {
         let svg = panels();
-        let [seven, mean, fine] = diamonds(&svg, 0)[..] else { panic!("{svg}") };
-        assert!(mean[0] < seven[0] && seven[0] < fine[0], "{svg}");
-        assert!(mean[1] < seven[1] && seven[1] < fine[1], "{svg}");
+        let [fan, mean, fine] = diamonds(&svg, 0)[..] else { panic!("{svg}") };
+        assert!(mean[0] < fan[0] && fan[0] < fine[0], "{svg}");
+        assert!(mean[1] < fan[1] && fan[1] < fine[1], "{svg}");
     }
 
     #[test]
