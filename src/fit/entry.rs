@@ -93,8 +93,10 @@ impl Fitter {
     pub fn fit(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<FittedEntry> {
         let target = self.seen.target(brdf, wo);
         let matrix = self.solve(self.settings.solver, brdf, wo, &target, stream, pulse)?;
-        let LobeTerms { amplitude, fresnel } = target.terms;
         let unseen = target.again(brdf, wo, &self.held_out.target);
+        // Nothing is fitted to the terms: all samples tell them.
+        let mean = |of: fn(&LobeTerms) -> f64| 0.5 * (of(&target.terms) + of(&unseen.terms));
+        let (amplitude, fresnel) = (mean(|terms| terms.amplitude), mean(|terms| terms.fresnel));
         let error = self.distance(&unseen, &matrix, pulse)?;
         Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error })
     }

@@ -1,6 +1,6 @@
 //! A target along one direction, tabulated.
 //!
-//! The nodes lie at `centre +- width (2^e (1 + k / 32) - 1)`: evenly spaced in the lobe's core, and in its tails spaced
+//! The nodes lie at `centre +- width (2^e (1 + k / 16) - 1)`: evenly spaced in the lobe's core, and in its tails spaced
 //! in proportion to the distance from the core, so that lobes with a sharp core and far tails lose neither. The
 //! exponent and mantissa of the f32 number `1 + |x - centre| / width` give the position among the nodes; no logarithm
 //! is taken.
@@ -10,8 +10,10 @@ use glam::DVec3;
 use super::histogram::{CELLS, Histogram, Places, WHOLE, split};
 use crate::fit::metric::target::LobeCore;
 
-/// Mantissa bits that number the cells of an octave: 32 cells, a core cell is 1/32 of the lobe's width.
+/// Mantissa bits that number the cells of an octave: 16 cells, a core cell is 1/16 of the lobe's width.
 const CELL_BITS: u32 = 4;
+/// Cells of an octave.
+const OCTAVE: usize = 1 << CELL_BITS;
 /// Mantissa bits that are left for the position inside a cell.
 pub(super) const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1 - CELL_BITS;
 /// One cell in the fixed-point positions.
@@ -135,12 +137,13 @@ impl Slice {
         histogram.drain(2 * side as usize);
         slice.cumulative.extend(histogram.below().iter().map(|below| *below as f32 * whole));
         // An octave's cells are all as long.
-        let lengths = (0..octaves).flat_map(|octave| {
-            let cell = width * f64::from(1_u32 << octave) / f64::from(1_u32 << CELL_BITS);
-            std::iter::repeat_n(cell as f32, 1 << CELL_BITS)
-        });
-        slice.length.extend(lengths.clone().rev());
-        slice.length.extend(lengths);
+        slice.length.resize(2 * side as usize, 0.0);
+        let (below, above) = slice.length.split_at_mut(side as usize);
+        for (octave, (below, above)) in below.rchunks_mut(OCTAVE).zip(above.chunks_mut(OCTAVE)).enumerate() {
+            let cell = (width * f64::from(1_u32 << octave) / OCTAVE as f64) as f32;
+            below.fill(cell);
+            above.fill(cell);
+        }
         slice
     }
 }
