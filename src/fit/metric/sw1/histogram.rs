@@ -1,9 +1,7 @@
 //! Samples counted into cells, in whole numbers: their sums are exact, so their order decides nothing.
 
-use super::slice::FRACTION_BITS;
+use super::cells::{CELLS, FRACTION_BITS};
 
-/// Most cells; a power of two, so that a mask keeps indices inside.
-pub(super) const CELLS: usize = 2048;
 /// Bits of a sample's place inside its cell that are kept: a sample of weight [`WHOLE`] then fits 32 bits twice.
 const PLACE_BITS: u32 = 14;
 /// The weight of all samples together, at most.
@@ -83,5 +81,38 @@ impl Histogram {
     /// What lies below the node after each drained cell.
     pub(super) fn below(&self) -> &[i32] {
         &self.below
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn below(histogram: &mut Histogram) -> [f64; 4] {
+        histogram.drain(4);
+        std::array::from_fn(|cell| f64::from(histogram.below()[cell]))
+    }
+
+    #[test]
+    fn a_sample_is_shared_between_the_nodes_around_it() {
+        let places = Places { cells: vec![1, 2, 1], parts: vec![0, EQUAL / 4, EQUAL / 2] };
+        let mut histogram = Histogram::default();
+        let whole = f64::from(EQUAL);
+        histogram.add_equal(&places, 3);
+        assert_eq!(below(&mut histogram), [0.0, 1.5 * whole, 2.75 * whole, 3.0 * whole]);
+        histogram.add(&places, &[2 * EQUAL, EQUAL, 0]);
+        assert_eq!(below(&mut histogram), [0.0, 2.0 * whole, 2.75 * whole, 3.0 * whole]);
+        assert_eq!(below(&mut histogram), [0.0; 4]);
+    }
+
+    /// Nothing carries from one half of a word into the other, nor over its end.
+    #[test]
+    fn all_samples_fit_one_cell() {
+        let mut histogram = Histogram::default();
+        let places = Places { cells: vec![1; MOST_SAMPLES], parts: vec![EQUAL - 1; MOST_SAMPLES] };
+        histogram.add_equal(&places, MOST_SAMPLES);
+        assert_eq!(below(&mut histogram), [0.0, MOST_SAMPLES as f64, f64::from(WHOLE), f64::from(WHOLE)]);
+        histogram.add(&Places { cells: vec![3], parts: vec![EQUAL - 1] }, &[WHOLE]);
+        assert_eq!(below(&mut histogram), [0.0, 0.0, 0.0, f64::from(WHOLE / EQUAL)]);
     }
 }

@@ -5,7 +5,9 @@
 //! are histograms on the same nodes. The two nodes around a sample share it in proportion (cloud-in-cell), so F moves
 //! continuously with the samples, and the cost is linear in their number.
 
+mod cells;
 mod histogram;
+mod samples;
 mod slice;
 
 use std::sync::Arc;
@@ -13,7 +15,9 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use self::{
-    histogram::{CELLS, EQUAL, Histogram, MOST_SAMPLES, Places},
+    cells::CELLS,
+    histogram::{EQUAL, Histogram, Places},
+    samples::{CosineSamples, LANES},
     slice::{Slice, TargetSamples},
 };
 use super::{
@@ -21,45 +25,16 @@ use super::{
     target::Target,
 };
 use crate::fit::{
-    math::{Lattice, cosine_hemisphere, fibonacci_hemisphere},
+    math::{Lattice, fibonacci_hemisphere},
     pulse::Pulse,
 };
 
-/// Numbers of a sum, each the sum of every eighth summand: the same order whatever vectors the processor has.
-const LANES: usize = 8;
 /// Directions whose gradients are added to the samples together.
 const GROUP: usize = 4;
 /// Of the samples and of the directions, a coarse evaluation takes one in so many, but this many samples at least.
 const COARSE_SAMPLES: usize = 4;
 const COARSE_DIRECTIONS: usize = 2;
 const LEAST_COARSE: usize = 64;
-
-/// Fixed samples of the clamped cosine, one array a coordinate, filled up with zeros to whole [`LANES`].
-#[derive(Debug, Clone)]
-struct CosineSamples {
-    count: usize,
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
-}
-
-impl CosineSamples {
-    /// The images of a lattice's points under [`cosine_hemisphere`].
-    fn new(lattice: Lattice) -> Self {
-        let points: Vec<DVec3> = lattice.points().map(cosine_hemisphere).collect();
-        let count = points.len();
-        assert!(count <= MOST_SAMPLES, "{count} samples");
-        let coordinate = |of: fn(&DVec3) -> f64| {
-            let mut numbers: Vec<f32> = points.iter().map(|c| of(c) as f32).collect();
-            numbers.resize(count.next_multiple_of(LANES), 0.0);
-            numbers
-        };
-        let mut z = coordinate(|c| c.z);
-        // What fills up the arrays is a direction too.
-        z[count..].fill(1.0);
-        Self { count, x: coordinate(|c| c.x), y: coordinate(|c| c.y), z }
-    }
-}
 
 /// The sliced Wasserstein distance as an item of [`super::Metric`].
 pub(super) struct Rules;
@@ -339,129 +314,4 @@ fn add_gradient<'s>(
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::DVec2;
-
-    use super::*;
-    use crate::fit::{brdf::Mirrors, metric::planted, pulse::unstopped};
-
-    const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
-
-    /// As many samples for a coarse evaluation as for a full one.
-    fn samples(n: usize) -> [CosineSamples; 2] {
-        [0; 2].map(|_: u32| CosineSamples::new(Lattice::new(n, [0.0; 2])))
-    }
-
-    fn directions(n: usize) -> Vec<DVec3> {
-        (0..n).map(|i| fibonacci_hemisphere(i, n, 0.0)).collect()
-    }
-
-    fn lobe(scale: f64) -> DMat3 {
-        DMat3::from_cols(
-            DVec3::new(0.9 * scale, 0.1 * scale, 0.2 * scale),
-            DVec3::new(-0.2 * scale, 0.4 * scale, 0.0),
-            DVec3::new(-0.6, 0.2, 0.8),
-        )
-    }
-
-    fn loss<'a>(
-        target: &Target,
-        samples: &'a [CosineSamples; 2],
-        directions: &[DVec3],
-        buffers: &'a mut Buffers,
-    ) -> SlicedLoss<'a> {
-        SlicedLoss::new(target, samples, directions, buffers, &mut Pulse::new(&mut unstopped))
-            .expect("nothing stops it")
-    }
-
-    fn value(loss: &mut SlicedLoss<'_>, m: &DMat3) -> f64 {
-        loss.value(m, &mut Pulse::new(&mut unstopped)).expect("nothing stops it")
-    }
-
-    /// A neighbour of the lobe in its own frame.
-    fn near(target: &Target, scale: f64) -> DMat3 {
-        let m = target.frame.transpose() * lobe(scale);
-        // The slope shrinks with the lobe. With a larger slope, a sample or two would fall behind a sharp lobe.
-        let slope = scale * DVec2::new(0.02, -0.03);
-        m * DMat3::from_cols(
-            DVec3::new(1.1, 0.05, slope.x),
-            DVec3::new(0.05, 0.9, slope.y),
-            DVec3::new(0.1, -0.05, 1.0),
-        )
-    }
-
-    /// Equation 10 of KT et al. 2022 on the loss's own samples: sorted projections, quantile by quantile.
-    fn by_sorting(target: &Target, m: &DMat3, samples: &[CosineSamples; 2], directions: &[DVec3]) -> f64 {
-        let sorted = |values: &mut Vec<f64>| values.sort_by(f64::total_cmp);
-        let mut sum = 0.0;
-        for d in directions {
-            let mut wanted: Vec<f64> = target.points.iter().map(|p| d.dot(*p)).collect();
-            let CosineSamples { count, x, y, z } = &samples[Grain::Full as usize];
-            let cosine = |i: usize| DVec3::new(f64::from(x[i]), f64::from(y[i]), f64::from(z[i]));
-            let mut ours: Vec<f64> = (0..*count).map(|i| d.dot((*m * cosine(i)).normalize() - DVec3::Z)).collect();
-            sorted(&mut wanted);
-            sorted(&mut ours);
-            let per_sample = wanted.len() / ours.len();
-            let of = |i: usize| (wanted[i] - ours[i / per_sample]).abs();
-            sum += (0..wanted.len()).map(of).sum::<f64>() / wanted.len() as f64;
-        }
-        sum / directions.len() as f64
-    }
-
-    #[test]
-    fn equals_the_distance_by_sorting() {
-        for scale in [1.0, 0.1, 1e-3] {
-            let target = planted(lobe(scale), NO_MIRRORS);
-            let (samples, directions) = (samples(2048), directions(16));
-            let m = near(&target, scale);
-            let mut buffers = Buffers::default();
-            let loss = value(&mut loss(&target, &samples, &directions, &mut buffers), &m);
-            let exact = by_sorting(&target, &m, &samples, &directions);
-            assert!((loss / exact - 1.0).abs() < 0.01, "{scale}: {loss} {exact}");
-        }
-    }
-
-    #[test]
-    fn gradient_is_that_of_central_differences() {
-        for scale in [1.0, 0.1, 1e-3, 1e-4] {
-            let target = planted(lobe(scale), NO_MIRRORS);
-            let (samples, directions) = (samples(8192), directions(16));
-            let mut buffers = Buffers::default();
-            let mut loss = loss(&target, &samples, &directions, &mut buffers);
-            // Far enough from the lobe for the two cumulatives to cross in few places: at a crossing the
-            // distance has a kink.
-            let far =
-                DMat3::from_cols(DVec3::new(1.8, 0.3, 0.0), DVec3::new(0.3, 0.5, 0.1), DVec3::new(0.5, -0.4, 1.0));
-            let m = near(&target, scale) * far;
-            let found = loss.value_and_gradient(&m, Grain::Full, &mut Pulse::new(&mut unstopped));
-            let (at_m, gradient) = found.expect("nothing stops it");
-            assert_eq!(at_m, value(&mut loss, &m));
-            // Small compared with the lobe's width, large compared with the spacing of its samples, so that their kinks
-            // average out.
-            let step = 3e-3 * scale;
-            let norm = gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>().sqrt();
-            for k in 0..9 {
-                let moved = |by: f64| {
-                    let mut numbers = m.to_cols_array();
-                    numbers[k] += by;
-                    DMat3::from_cols_array(&numbers)
-                };
-                let difference = value(&mut loss, &moved(step)) - value(&mut loss, &moved(-step));
-                let slope = difference / (2.0 * step);
-                let analytic = gradient.to_cols_array()[k];
-                assert!((slope - analytic).abs() < 0.01 * norm, "{scale} {k}: {slope} {analytic}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_planted_matrix_has_the_least_loss() {
-        let target = planted(lobe(0.3), NO_MIRRORS);
-        let (samples, directions) = (samples(1024), directions(16));
-        let mut buffers = Buffers::default();
-        let mut loss = loss(&target, &samples, &directions, &mut buffers);
-        let at_truth = value(&mut loss, &(target.frame.transpose() * lobe(0.3)));
-        let nearby = value(&mut loss, &near(&target, 0.3));
-        assert!(at_truth < 0.1 * nearby && at_truth < 0.02 * loss.spread(), "{at_truth} {nearby}");
-    }
-}
+mod tests;

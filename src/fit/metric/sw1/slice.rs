@@ -7,15 +7,12 @@
 
 use glam::DVec3;
 
-use super::histogram::{CELLS, Histogram, Places, WHOLE, split};
+use super::{
+    cells::{CELL_BITS, CELLS, FRACTION_BITS, OCTAVE},
+    histogram::{Histogram, Places, WHOLE, split},
+};
 use crate::fit::metric::target::LobeCore;
 
-/// Mantissa bits that number the cells of an octave: 16 cells, a core cell is 1/16 of the lobe's width.
-const CELL_BITS: u32 = 4;
-/// Cells of an octave.
-const OCTAVE: usize = 1 << CELL_BITS;
-/// Mantissa bits that are left for the position inside a cell.
-pub(super) const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1 - CELL_BITS;
 /// One cell in the fixed-point positions.
 const CELL: i32 = 1 << FRACTION_BITS;
 /// Bits of 1.0, where positions start.
