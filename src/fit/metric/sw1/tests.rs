@@ -54,8 +54,7 @@ fn by_sorting(target: &Target, m: &DMat3, samples: &[CosineSamples; 2], directio
         let mut ours: Vec<f64> = (0..*count).map(|i| d.dot((*m * cosine(i)).normalize() - DVec3::Z)).collect();
         sorted(&mut wanted);
         sorted(&mut ours);
-        let per_sample = wanted.len() / ours.len();
-        let of = |i: usize| (wanted[i] - ours[i / per_sample]).abs();
+        let of = |i: usize| (wanted[i] - ours[i * ours.len() / wanted.len()]).abs();
         sum += (0..wanted.len()).map(of).sum::<f64>() / wanted.len() as f64;
     }
     sum / directions.len() as f64
@@ -79,14 +78,13 @@ fn equals_the_distance_by_sorting() {
 fn any_number_of_samples_gives_the_distance() {
     let target = planted(lobe(0.3), NO_MIRRORS);
     let (directions, m) = (directions(8), near(&target, 0.3));
-    let exact = by_sorting(&target, &m, &samples(4096), &directions);
-    for count in [64, 65, 99, 1001, 65_536] {
+    for count in [64, 65, 99, 1001, 8192] {
         let (samples, mut buffers) = (samples(count), Buffers::default());
         let mut loss = loss(&target, &samples, &directions, &mut buffers);
         let (value, gradient) =
             loss.value_and_gradient(&m, Grain::Full, &mut Pulse::new(&mut unstopped)).expect("nothing stops it");
-        let off = if count < 100 { 0.15 } else { 0.02 };
-        assert!((value / exact - 1.0).abs() < off, "{count}: {value} {exact}");
+        let exact = by_sorting(&target, &m, &samples, &directions);
+        assert!((value / exact - 1.0).abs() < 0.03, "{count}: {value} {exact}");
         assert!(gradient.to_cols_array().iter().all(|g| g.is_finite()), "{count}: {gradient}");
     }
 }
