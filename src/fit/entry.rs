@@ -245,7 +245,7 @@ mod tests {
             let sorts = if solver == Solver::Sgd { 16 } else { 1 };
             ((2 * TARGET_SAMPLES_PER_SAMPLE + sorts + 1) * samples as usize * directions as usize) >> 23
         };
-        for solver in [Solver::Bfgs, Solver::Sgd] {
+        for &solver in Solver::ALL {
             let settings = settings(solver, samples, directions, 1);
             let stopped_at = |stop: usize| {
                 let mut beats = 0;

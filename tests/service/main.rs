@@ -11,5 +11,6 @@ mod damaged_blob;
 mod disk_full;
 mod fsck;
 mod jobs;
+mod limits;
 mod openapi;
 mod stopping;

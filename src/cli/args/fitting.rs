@@ -11,7 +11,7 @@ use clap::Args;
 
 use super::{
     super::{CommandFailure, Exit, preview_names::AdapterName},
-    ConnectionArgs,
+    ConnectionArgs, WaitSeconds,
 };
 
 /// `serve`.
@@ -41,9 +41,27 @@ pub struct ServeArgs {
     /// What renders previews [default: any]
     #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
     pub adapter: Option<AdapterName>,
+    /// Limits of pictures
+    #[command(flatten)]
+    pub pictures: PictureLimitArgs,
     /// Whom it serves
     #[command(flatten)]
     pub connections: ConnectionArgs,
+}
+
+/// `serve`: limits of pictures.
+#[derive(Debug, Clone, Default, Args)]
+#[allow(clippy::struct_field_names, reason = "they are the flags' names")]
+pub struct PictureLimitArgs {
+    /// Seconds that a picture may take, as predicted and while it is rendered, 1 to 86400 [default: 30]
+    #[arg(long, env = "LTCFORGE_PICTURE_SECONDS", value_name = "N")]
+    pub picture_seconds: Option<WaitSeconds>,
+    /// Pictures that may wait or be rendered at the same time [default: 9]
+    #[arg(long, env = "LTCFORGE_PICTURE_QUEUE", value_name = "N")]
+    pub picture_queue: Option<NonZeroUsize>,
+    /// MiB of rendered pictures that are kept in memory; 0 keeps none [default: 64]
+    #[arg(long, env = "LTCFORGE_PICTURE_MEMORY", value_name = "MIB")]
+    pub picture_memory: Option<u32>,
 }
 
 /// `fsck`.

@@ -20,6 +20,12 @@ pub(super) fn stopping() -> Problem {
     Problem::new(ProblemKind::Stopping, "the service is stopping").with_retry_after(RESTART)
 }
 
+/// The problem of a machine that lacks something for a moment. It is the operator's to know, and no error of the service.
+pub(super) fn lacking(detail: String) -> Problem {
+    tracing::warn!("{detail}");
+    Problem::new(ProblemKind::Lacking, detail).with_retry_after(RESTART)
+}
+
 /// The problem of an internal error. The log has its text; the client gets none of it.
 pub(super) fn internal(error: &dyn fmt::Display) -> Problem {
     tracing::error!("internal error: {error}");
@@ -87,6 +93,7 @@ impl From<ServiceError> for Problem {
     fn from(error: ServiceError) -> Self {
         let kind = match error {
             ServiceError::Stopping => return stopping(),
+            ServiceError::Lacking(_) => return lacking(error.to_string()),
             ServiceError::Corrupt { .. } => ProblemKind::DamagedBlob,
             ServiceError::DiskFull => ProblemKind::DiskFull,
             ServiceError::Storage(_) => ProblemKind::Storage,
@@ -117,7 +124,7 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 13] = [
+        let cases: [(Problem, u16); 14] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
@@ -129,11 +136,15 @@ mod tests {
             (PictureError::Failed("x".into()).into(), 500),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),
             (ServiceError::Storage("x".into()).into(), 500),
+            (ServiceError::Lacking("x".into()).into(), 503),
             ((&Failure { kind: FailureKind::DiskFull, detail: "x".into() }).into(), 507),
             ((&Failure { kind: FailureKind::Attempts, detail: "x".into() }).into(), 500),
         ];
         for (problem, status) in cases {
             let shown = format!("{problem:?}");
+            // Each limit is named.
+            let is_limit = shown.contains("TooSlow") || shown.contains("TooExpensive") || shown.contains("QueueFull");
+            assert!(!is_limit || shown.contains("`--picture-") || shown.contains("`--queue-limit`"), "{shown}");
             assert_eq!(problem.into_response().status().as_u16(), status, "{shown}");
         }
     }

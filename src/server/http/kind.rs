@@ -32,6 +32,7 @@ pub(super) enum ProblemKind {
     TooSlow,
     RenderFailed,
     Stopping,
+    Lacking,
     DamagedBlob,
     DiskFull,
     Storage,
@@ -94,6 +95,9 @@ impl ProblemKind {
             Self::TooSlow => row(StatusCode::SERVICE_UNAVAILABLE, "too-slow", "The picture took too long"),
             Self::RenderFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed"),
             Self::Stopping => row(StatusCode::SERVICE_UNAVAILABLE, "stopping", "The service is stopping"),
+            Self::Lacking => {
+                row(StatusCode::SERVICE_UNAVAILABLE, "lacking", "The machine lacks something for a moment")
+            }
             Self::DamagedBlob => row(StatusCode::INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged"),
             Self::DiskFull => row(StatusCode::INSUFFICIENT_STORAGE, "disk-full", "The disk is full"),
             Self::Storage => row(StatusCode::INTERNAL_SERVER_ERROR, "storage", "The storage failed"),

@@ -13,7 +13,7 @@ use std::{
 use jiff::Timestamp;
 use proptest::prelude::*;
 
-use super::*;
+use super::{task::MOST_DEATHS, *};
 use crate::{
     files::digest::Digest,
     server::store::{Batch, Tree, memory::MemoryRows},
@@ -39,6 +39,8 @@ enum Action {
     Tick(i64),
     /// The process ends. What was acknowledged is on the disk.
     PowerCut,
+    /// The process ends, and the system writes what the database was given.
+    Kill,
     /// The disk is full for the next action.
     DiskFull(Box<Action>),
 }
@@ -56,6 +58,7 @@ fn action() -> impl Strategy<Value = Action> {
         1 => index().prop_map(Action::Progress),
         1 => (1..2 * LEASE_SECONDS).prop_map(Action::Tick),
         1 => Just(Action::PowerCut),
+        2 => Just(Action::Kill),
     ];
     prop_oneof![
         9 => plain.clone(),
@@ -101,6 +104,10 @@ struct Run {
     /// Leases that are certainly not current.
     spent: Vec<LeasedTask>,
     jobs: BTreeMap<JobId, ExpectedJob>,
+    /// A task may have failed: a worker said so, or a lease may have expired.
+    may_fail: bool,
+    /// How often the process ended.
+    restarts: u32,
 }
 
 fn recipe(n: u8) -> NewJob {
@@ -123,7 +130,7 @@ impl Run {
     fn new() -> Self {
         let (rows, seconds) = (Arc::new(MemoryRows::default()), Arc::new(AtomicI64::new(0)));
         let queue = open(&rows, &seconds);
-        Self { rows, queue, seconds, held: vec![], spent: vec![], jobs: BTreeMap::new() }
+        Self { rows, queue, seconds, held: vec![], spent: vec![], jobs: BTreeMap::new(), may_fail: false, restarts: 0 }
     }
 
     fn now(&self) -> i64 {
@@ -161,6 +168,11 @@ impl Run {
             if let JobState::Failed { error } = job.state {
                 assert_eq!(error.kind, FailureKind::Attempts);
                 assert!(job.attempts >= MAX_ATTEMPTS);
+                if error.detail.contains("process ended") {
+                    assert!(self.restarts >= MOST_DEATHS, "{error:?} after {} ends of the process", self.restarts);
+                } else {
+                    assert!(self.may_fail, "{error:?}");
+                }
                 let expected = self.jobs.get_mut(&id).unwrap();
                 expected.stage = if disk_was_full { Stage::FailedUnsaved } else { Stage::Failed };
                 self.close(id);
@@ -245,6 +257,7 @@ impl Run {
             Action::Fail(index) => {
                 let Some((leased, current)) = self.take(*index) else { return };
                 assert_eq!(self.queue.fail(&leased.lease, "bad luck").is_ok(), current);
+                self.may_fail |= current;
             }
             Action::GiveBack(index) => {
                 let Some((leased, current)) = self.take(*index) else { return };
@@ -262,9 +275,15 @@ impl Run {
                     self.held[at].1 = self.now();
                 }
             }
-            Action::Tick(seconds) => drop(self.seconds.fetch_add(*seconds, Ordering::Relaxed)),
-            Action::PowerCut => {
-                self.rows = Arc::new(self.rows.after_power_cut());
+            Action::Tick(seconds) => {
+                self.seconds.fetch_add(*seconds, Ordering::Relaxed);
+                self.may_fail = true;
+            }
+            Action::PowerCut | Action::Kill => {
+                self.restarts += 1;
+                if matches!(action, Action::PowerCut) {
+                    self.rows = Arc::new(self.rows.after_power_cut());
+                }
                 self.queue = open(&self.rows, &self.seconds);
                 // Leases are held in memory: they ended with the process.
                 self.held.clear();
@@ -276,7 +295,7 @@ impl Run {
             }
             Action::DiskFull(action) => {
                 self.rows.full.store(true, Ordering::Relaxed);
-                if !matches!(**action, Action::PowerCut) {
+                if !matches!(**action, Action::PowerCut | Action::Kill) {
                     self.act(action);
                 }
                 self.rows.full.store(false, Ordering::Relaxed);
@@ -343,6 +362,7 @@ proptest! {
 
         // With enough time and room every open job gets done, each shard once.
         run.seconds.fetch_add(2 * LEASE_SECONDS, Ordering::Relaxed);
+        run.may_fail = true;
         loop {
             run.notice_failures(false);
             let Offer::Task(leased) = run.queue.lease(7) else { break };

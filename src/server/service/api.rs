@@ -38,8 +38,27 @@ pub struct Config {
     pub max_attempts: u32,
     /// What renders previews.
     pub adapter: Adapter,
-    /// How long a picture may take, from when it starts to be rendered.
-    pub picture_limit: Duration,
+    /// The limits of pictures.
+    pub pictures: PictureLimits,
+}
+
+/// The limits of pictures. The defaults fit one machine and a team.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PictureLimits {
+    /// How long one may take, as predicted and from when it starts to be rendered.
+    pub time: Duration,
+    /// How many may wait or be rendered at the same time.
+    pub queue: NonZeroUsize,
+    /// Bytes of finished ones that are kept in memory.
+    pub memory_bytes: usize,
+}
+
+impl Default for PictureLimits {
+    /// Most pictures take less than a second, the largest references minutes. One is rendered, and eight wait.
+    fn default() -> Self {
+        let queue = NonZeroUsize::MIN.saturating_add(8);
+        Self { time: Duration::from_secs(30), queue, memory_bytes: 64 << 20 }
+    }
 }
 
 /// Why the service did not start.
@@ -109,7 +128,7 @@ pub enum SubmitError {
     #[error(transparent)]
     Recipe(#[from] RecipeError),
     /// Too many jobs are queued or running.
-    #[error("the queue is full: {limit} jobs are waiting or running")]
+    #[error("the queue is full: {limit} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
     QueueFull {
         /// The limit.
         limit: usize,
@@ -154,6 +173,9 @@ pub enum ServiceError {
     /// The service stops and does not begin or finish what takes long.
     #[error("the service is stopping")]
     Stopping,
+    /// The machine or the process lacks something for a moment, such as a thread or a file descriptor.
+    #[error("the machine lacks something for a moment: {0}")]
+    Lacking(String),
     /// Any other error of the storage.
     #[error("storage: {0}")]
     Storage(String),
@@ -229,6 +251,7 @@ impl From<StoreError> for ServiceError {
         match error {
             StoreError::DiskFull => Self::DiskFull,
             StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
+            other if other.is_passing() => Self::Lacking(other.to_string()),
             other => Self::Storage(other.to_string()),
         }
     }

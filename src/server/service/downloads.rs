@@ -1,6 +1,6 @@
 //! What users download: tables, manifests, recipes and pictures.
 
-use std::{panic::resume_unwind, sync::Arc, thread};
+use std::sync::Arc;
 
 use super::{
     Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow, state::ServiceState,
@@ -10,7 +10,7 @@ use crate::{
     fit::GoOn,
     server::{
         queue::JobId,
-        store::{Catalogue, ManifestRow},
+        store::{Catalogue, ManifestRow, StoreError},
     },
 };
 
@@ -37,7 +37,10 @@ impl Service {
             return Ok(Some(text));
         }
         let made = state.make_manifest(&file, &|| !state.is_stopping());
-        let made = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        let made = made.map_err(|error| match error {
+            ManifestError::Table(error) => ServiceError::Storage(format!("the blob {digest}: {error}")),
+            ManifestError::Lacking(error) => error.into(),
+        })?;
         let manifest = made.ok_or(ServiceError::Stopping)?;
         state.tables.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
         Ok(Some(manifest.text))
@@ -80,15 +83,27 @@ impl Service {
     }
 }
 
+/// Why a manifest could not be made.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum ManifestError {
+    /// The file is not a table.
+    #[error(transparent)]
+    Table(#[from] TableFileError),
+    /// The machine lacks a thread for a moment.
+    #[error(transparent)]
+    Lacking(StoreError),
+}
+
 impl ServiceState {
     /// Measures a table and makes its manifest; `None` as soon as `go_on` says no.
-    pub(super) fn make_manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<ManifestRow>, TableFileError> {
+    pub(super) fn make_manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<ManifestRow>, ManifestError> {
         let measure = || self.measuring_pool.install(|| self.engine.manifest(file, go_on));
         // The caller may be a thread of the fitting pool. If it waited for the other pool, rayon would let it take
         // other work of its own pool meanwhile, such as the endless loop of another worker. So a thread of no pool
         // waits.
-        let made = thread::scope(|scope| scope.spawn(measure).join());
-        let text = made.unwrap_or_else(|panic| resume_unwind(panic))?;
+        let made = self.threads.run("wait-for-measure", measure);
+        let text =
+            made.map_err(|source| ManifestError::Lacking(StoreError::of_io("a thread that measures", source)))??;
         Ok(text.map(|text| ManifestRow { version: MANIFEST_VERSION, text }))
     }
 }

@@ -18,13 +18,15 @@ mod submit;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod threads;
 mod turns;
 mod watch;
 mod work;
 
 pub use crate::server::store::TableRow;
 pub use api::{
-    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, SubmitError, SubmitReply,
+    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
+    SubmitReply,
 };
 pub use check::{CheckReport, check};
 pub use cursor::{CursorError, JobCursor, TableCursor};

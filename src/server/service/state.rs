@@ -7,7 +7,7 @@ use std::sync::{
 
 use super::{
     Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, pictures::Pictures, tables::Tables,
-    turns::Turns, watch::Hub,
+    threads::Threads, turns::Turns, watch::Hub,
 };
 use crate::server::{
     queue::{Clock, JobId, Queue},
@@ -34,6 +34,8 @@ pub(super) struct ServiceState {
     /// Measures tables. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
     /// until a table is assembled.
     pub(super) measuring_pool: rayon::ThreadPool,
+    /// Starts threads for single pieces of work.
+    pub(super) threads: Threads,
     /// Which of the threads that fit may work.
     pub(super) turns: Turns,
     pub(super) clock: Clock,

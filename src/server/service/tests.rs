@@ -28,7 +28,7 @@ fn config(dir: &Path) -> Config {
         lease_ttl: Duration::from_secs(60),
         adapter: crate::view::preview::Adapter::Cpu,
         max_attempts: 3,
-        picture_limit: Duration::from_secs(60),
+        pictures: PictureLimits::default(),
     }
 }
 

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{TableRow, state::ServiceState, turns::Turn};
+use super::{TableRow, downloads::ManifestError, state::ServiceState, turns::Turn};
 use crate::server::{
     queue::{Failure, FailureKind, LeaseError, LeasedTask, Offer, StaleLease, TaskKind},
     store::{Catalogue, StoreError},
@@ -147,7 +147,10 @@ impl ServiceState {
         let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
         // The table is measured by other threads.
         let manifest = turn.leave(|| self.make_manifest(&file, &go_on), &mut || self.renew(task, 0));
-        let manifest = manifest.map_err(|error| TaskError::Failed(error.to_string()))?;
+        let manifest = manifest.map_err(|error| match error {
+            ManifestError::Table(error) => TaskError::Failed(error.to_string()),
+            ManifestError::Lacking(error) => TaskError::Store(error),
+        })?;
         let Some(manifest) = manifest.filter(|_| turn.works()) else {
             self.queue.give_back(&task.lease)?;
             return Ok(());

@@ -6,6 +6,7 @@
 mod cache;
 mod get;
 mod picture;
+mod probe;
 mod queue;
 mod ranking;
 mod rate;
