@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{AnyContainer, ExportArgs, ExportChoice},
+    args::{ExportArgs, ExportChoice},
     file_failure,
     input::{AnyTable, Origin},
     output::check_output_folder,
@@ -14,16 +14,12 @@ use super::{
 };
 use crate::{
     files::{
-        compact,
         digest::Digest,
         manifest::table_report,
         replace::replace_file,
-        textures::{
-            About, Bundle, CompactContainer, Engine, RoundingError, TextureFile, TextureFileError, TextureLayout,
-            sampling_of,
-        },
+        textures::{About, Bundle, Engine, RoundingError, TextureFile, TextureFileError, TextureLayout, sampling_of},
     },
-    fit::{Precision, Recipe, Report, Table},
+    fit::{Precision, Recipe, Table},
 };
 
 /// What files that hold all textures are called.
@@ -77,58 +73,20 @@ pub(super) fn bundle(
     digest: Digest,
     recipe: Option<&Recipe>,
 ) -> Result<Bundle, CommandFailure> {
-    let layout = layout_of(choice, table);
-    let report = recipe.map(|recipe| table_report(table, recipe));
-    let about = About::of_table(digest, recipe, report.as_ref());
-    if let (None, Some(AnyContainer::Compact(container))) = (choice.engine, choice.container) {
-        return compact(choice, container, table, &about, recipe.zip(report.as_ref()));
-    }
-    let layout = TextureLayout::named(layout).map_err(|error| refused(&error))?;
+    let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
+    let layout = TextureLayout::named(layout_of(choice, table)).map_err(|error| refused(&error))?;
     let textures = layout.textures(table).map_err(|error| refused(&error))?;
-    let about = about.and(sampling_of(table, layout));
+    let report = recipe.map(|recipe| table_report(table, recipe));
+    let about = About::of_table(digest, recipe, report.as_ref()).and(sampling_of(table, layout));
     let made = match (choice.engine, choice.container) {
         (Some(engine), _) => engine.bundle(&textures, &table.axes, &about),
-        (None, Some(AnyContainer::Textures(container))) => {
+        (None, Some(container)) => {
             let precision = choice.precision.unwrap_or(Precision::F32);
             container.files(STEM, &textures, precision, &about).map(|files| Bundle { files, steps: vec![] })
         }
-        (None, _) => Err(TextureFileError::Empty),
+        (None, None) => Err(TextureFileError::Empty),
     };
     made.map_err(|error| refused(&error))
-}
-
-/// The table's compact form, and by how much it is worse where the table's own report is known.
-fn compact(
-    choice: &ExportChoice,
-    container: CompactContainer,
-    table: &Table,
-    about: &About,
-    known: Option<(&Recipe, &Report)>,
-) -> Result<Bundle, CommandFailure> {
-    let usage = |message: String| CommandFailure::new(Exit::Usage, message);
-    if layout_of(choice, table) != table.layout().name() {
-        let [asked, own] = [layout_of(choice, table).to_owned(), table.layout().to_string()];
-        return Err(usage(format!(
-            "layout is «{asked}»; the table has {own}, and its compact form has that of the table"
-        )));
-    }
-    if choice.precision.is_some() {
-        return Err(usage(format!("precision is for textures: container {} has its own", container.name())));
-    }
-    let rebuilt = compact::encode(table).and_then(|bytes| compact::decode(&bytes)).map_err(|error| refused(&error))?;
-    let error = known.map(|(recipe, report)| {
-        let [of_table, of_form] = [report, &table_report(&rebuilt, recipe)].map(|report| report.between.width.mean);
-        format!(
-            "mean error between nodes as it is decoded: {of_form:.5} of the lobe's width; of the table: {of_table:.5}"
-        )
-    });
-    let files = container.files(STEM, table, &about.clone().and(&error)).map_err(|error| refused(&error))?;
-    let steps = error.into_iter().chain(container.steps(STEM)).collect();
-    Ok(Bundle { files, steps })
-}
-
-fn refused(error: &dyn std::error::Error) -> CommandFailure {
-    CommandFailure::new(Exit::Usage, error.to_string())
 }
 
 /// The files, what rounding changed, and what to do.

@@ -4,7 +4,7 @@ use std::{num::NonZeroU64, path::Path};
 
 use super::{
     CommandFailure, Context, Exit, Interrupt,
-    args::{AnyContainer, ExportChoice, Threads},
+    args::{ExportChoice, Threads},
     export,
     fit::{bad_recipe, fit},
     progress,
@@ -15,7 +15,7 @@ use crate::{
         container::{self, TableFile},
         digest::Digest,
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
-        textures::{Engine, TextureFile},
+        textures::{Engine, TextureContainer, TextureFile},
     },
     fit::{Plan, Precision, Recipe},
 };
@@ -97,12 +97,15 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> ExportPin {
 fn choice_of(pin: &ExportPin) -> Result<ExportChoice, CommandFailure> {
     let ExportPin { engine, layout, container, precision, to, .. } = pin;
     let refused = |what: String| CommandFailure::new(Exit::Usage, format!("the export to {}: {what}", to.display()));
-    if engine.is_some() == container.is_some() || (engine.is_some() && (layout.is_some() || precision.is_some())) {
-        return Err(refused("it has «for», or «container» and maybe «layout» and «precision»".to_owned()));
+    if engine.is_some() == layout.is_some()
+        || layout.is_some() != container.is_some()
+        || (engine.is_some() && precision.is_some())
+    {
+        return Err(refused("it has «for», or «layout» and «container» and maybe «precision»".to_owned()));
     }
     let engine = named(engine.as_deref(), "for", Engine::ALL, Engine::name).map_err(refused)?;
     let container =
-        named(container.as_deref(), "container", &AnyContainer::all(), AnyContainer::name).map_err(refused)?;
+        named(container.as_deref(), "container", TextureContainer::ALL, TextureContainer::name).map_err(refused)?;
     let precision = named(precision.as_deref(), "precision", Precision::ALL, Precision::name).map_err(refused)?;
     Ok(ExportChoice { engine, layout: layout.clone(), container, precision })
 }

@@ -16,7 +16,6 @@ use super::{
 };
 use crate::{
     files::{
-        compact,
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
         replace::replace_file,
     },
@@ -90,9 +89,7 @@ fn measure(
     let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
     let between = report(&table, &recipe.range, POINTS).between;
     let light = tradeoff_models::error(Lighting::Ltc(&table), lights)?;
-    let compact_bytes = compact::encode(&table).ok().map(|bytes| bytes.len() as u64);
-    let (width, sw1) = (between.width, between.sw1);
-    Ok((Measurement { processor_seconds, wall_seconds, width, sw1, light, compact_bytes }, table))
+    Ok((Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1, light }, table))
 }
 
 /// Processor time of all threads of this process. Other processes do not count.

@@ -1,7 +1,6 @@
 //! Documents and containers: recipes, tables as files and as textures, digests.
 
 pub mod bounded;
-pub mod compact;
 pub mod container;
 pub mod digest;
 pub mod hex;

@@ -6,7 +6,6 @@
 //! Invariant: equal arguments give equal bytes. No clock, no environment, no file is read or written here.
 
 mod about;
-mod compact;
 mod containers;
 mod digits;
 mod engines;
@@ -16,7 +15,6 @@ mod rounding;
 mod texture;
 
 pub use about::About;
-pub use compact::CompactContainer;
 pub use containers::TextureContainer;
 pub use engines::{Bundle, Engine};
 pub use file::{TextureFile, TextureFileError};

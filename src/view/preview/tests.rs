@@ -1,6 +1,5 @@
 //! The two renderers against each other and against independent references.
 
-mod compact;
 mod lookups;
 mod planted;
 mod polygons;
