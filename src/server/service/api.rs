@@ -40,6 +40,8 @@ pub struct Config {
     pub adapter: Adapter,
     /// How long a picture may take, from when it starts to be rendered.
     pub picture_limit: Duration,
+    /// Bytes of exports that are kept in memory.
+    pub export_bytes: usize,
 }
 
 /// Why the service did not start.
@@ -209,6 +211,8 @@ pub struct Metrics {
     pub blobs_corrupt: u64,
     /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,
+    /// Exports made since the start; those served from memory are not counted.
+    pub exports_made: u64,
 }
 
 /// How many pictures ended in which way since the start.

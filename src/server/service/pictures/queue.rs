@@ -7,14 +7,17 @@ use std::{
 };
 
 use super::{
-    cache::Cache,
     picture::{PictureError, PictureFile, Subject},
     rate::Took,
     rates::{Rates, RendererKind},
     request::PictureRequest,
     waiting::Waiting,
 };
-use crate::{files::digest::Digest, server::service::PictureCounts, view::preview::Adapter};
+use crate::{
+    files::digest::Digest,
+    server::service::{PictureCounts, cache::Cache},
+    view::preview::Adapter,
+};
 
 /// Pictures that may wait or be rendered at the same time: one, and eight behind it.
 const LIMIT: usize = 9;
@@ -44,7 +47,7 @@ struct State {
     /// Number of the current render thread: how many before it hung and were abandoned.
     thread: u32,
     is_closed: bool,
-    cache: Cache,
+    cache: Cache<PictureFile>,
     /// What may render scenes.
     allowed: Adapter,
     /// What rendered the last scene.
@@ -205,7 +208,7 @@ impl PictureQueue {
 
     /// Keeps a picture in memory.
     pub(super) fn keep(&self, key: Digest, file: PictureFile) {
-        self.state().cache.keep(key, file);
+        self.state().cache.keep(key, file.png.len(), file);
     }
 
     /// Records what rendered a scene.
