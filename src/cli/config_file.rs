@@ -71,6 +71,7 @@ pub(super) struct ServeSection {
     pub(super) entry_limit: Option<NonZeroU64>,
     pub(super) job_seconds: Option<NonZeroU64>,
     pub(super) job_days: Option<u32>,
+    pub(super) export_bytes: Option<usize>,
     pub(super) adapter: Option<AdapterName>,
     pub(super) picture_seconds: Option<WaitSeconds>,
     pub(super) picture_queue: Option<NonZeroUsize>,

@@ -32,6 +32,7 @@ const DEFAULT_QUEUE_LIMIT: usize = 64;
 /// A day.
 const DEFAULT_JOB_SECONDS: u64 = 86_400;
 const DEFAULT_JOB_DAYS: u32 = 90;
+const DEFAULT_EXPORT_BYTES: usize = 256 << 20;
 /// A worker renews its lease several times a second.
 const LEASE_TTL: Duration = Duration::from_secs(60);
 const MAX_ATTEMPTS: u32 = 3;
@@ -73,6 +74,7 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
         max_attempts: MAX_ATTEMPTS,
         adapter: args.adapter.or(file.adapter).map_or(Adapter::Any, |name| name.0),
         pictures,
+        export_bytes: args.export_bytes.or(file.export_bytes).unwrap_or(DEFAULT_EXPORT_BYTES),
     };
     (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
 }
@@ -118,6 +120,7 @@ mod tests {
             entry_limit: None,
             job_seconds: None,
             job_days: None,
+            export_bytes: None,
             adapter: None,
             pictures: PictureLimitArgs::default(),
             connections: ConnectionArgs::default(),

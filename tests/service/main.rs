@@ -9,6 +9,7 @@ mod crash;
 mod crowds;
 mod damaged_blob;
 mod disk_full;
+mod exports;
 mod fsck;
 mod jobs;
 mod limits;

@@ -38,6 +38,9 @@ pub struct ServeArgs {
     /// Days after which a job that has ended is forgotten; 0 keeps it for good. Tables stay [default: 90]
     #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
     pub job_days: Option<u32>,
+    /// Bytes of exports that are kept in memory, so that they are not made again; 0 keeps none [default: 268435456]
+    #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
+    pub export_bytes: Option<usize>,
     /// What renders previews [default: any]
     #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
     pub adapter: Option<AdapterName>,

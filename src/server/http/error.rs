@@ -7,7 +7,7 @@ use crate::{
     files::recipe_document::RecipeError,
     server::{
         queue::{Failure, FailureKind},
-        service::{PictureError, ServiceError, SubmitError},
+        service::{ExportFailure, PictureError, ServiceError, SubmitError},
     },
     view::parameters::ParameterFault,
 };
@@ -89,6 +89,26 @@ impl From<PictureError> for Problem {
     }
 }
 
+impl From<ExportFailure> for Problem {
+    fn from(failure: ExportFailure) -> Self {
+        let detail = failure.to_string();
+        match failure {
+            ExportFailure::Refused(error) => {
+                let problem = Self::new(ProblemKind::CannotExport, detail);
+                match error.recipe().map(serde_json::from_str) {
+                    Some(Ok(recipe)) => problem.with_recipe(recipe),
+                    Some(Err(_)) | None => problem,
+                }
+            }
+            ExportFailure::TooLarge { .. } => Self::new(ProblemKind::TooExpensive, detail),
+            ExportFailure::QueueFull { retry_after, .. } => {
+                Self::new(ProblemKind::QueueFull, detail).with_retry_after(retry_after)
+            }
+            ExportFailure::Store(error) => error.into(),
+        }
+    }
+}
+
 impl From<ServiceError> for Problem {
     fn from(error: ServiceError) -> Self {
         let kind = match error {
@@ -124,7 +144,7 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 14] = [
+        let cases: [(Problem, u16); 17] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
@@ -134,6 +154,9 @@ mod tests {
             (PictureError::TooExpensive { predicted: 31.0, limit: RESTART }.into(), 422),
             (PictureError::TooSlow { limit: RESTART, retry_after: RESTART }.into(), 503),
             (PictureError::Failed("x".into()).into(), 500),
+            (ExportFailure::TooLarge { entries: 2, limit: 1 }.into(), 422),
+            (ExportFailure::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
+            (ExportFailure::Store(ServiceError::Stopping).into(), 503),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),
             (ServiceError::Storage("x".into()).into(), 500),
             (ServiceError::Lacking("x".into()).into(), 503),

@@ -19,6 +19,10 @@ pub(super) enum ProblemKind {
     UnknownJob,
     UnknownTable,
     UnknownRecipe,
+    UnknownExport,
+    UnknownFile,
+    OtherBytes,
+    CannotExport,
     MethodNotAllowed,
     SlowRequest,
     PreconditionFailed,
@@ -67,6 +71,10 @@ impl ProblemKind {
             Self::UnknownJob => row(StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
             Self::UnknownTable => row(StatusCode::NOT_FOUND, "unknown-table", "There is no such table"),
             Self::UnknownRecipe => row(StatusCode::NOT_FOUND, "unknown-recipe", "There is no such recipe"),
+            Self::UnknownExport => row(StatusCode::NOT_FOUND, "unknown-export", "There is no such export"),
+            Self::UnknownFile => row(StatusCode::NOT_FOUND, "unknown-file", "The export has no such file"),
+            Self::OtherBytes => row(StatusCode::CONFLICT, "other-bytes", "The file has other bytes"),
+            Self::CannotExport => row(StatusCode::UNPROCESSABLE_ENTITY, "cannot-export", "The table has no such files"),
             Self::MethodNotAllowed => {
                 row(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method")
             }

@@ -40,6 +40,8 @@ pub struct Config {
     pub adapter: Adapter,
     /// The limits of pictures.
     pub pictures: PictureLimits,
+    /// Bytes of exports that are kept in memory.
+    pub export_bytes: usize,
 }
 
 /// The limits of pictures. The defaults fit one machine and a team.
@@ -231,6 +233,8 @@ pub struct Metrics {
     pub blobs_corrupt: u64,
     /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,
+    /// Exports made since the start; those served from memory are not counted.
+    pub exports_made: u64,
 }
 
 /// How many pictures ended in which way since the start.

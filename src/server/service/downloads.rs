@@ -1,12 +1,13 @@
-//! What users download: tables, manifests, recipes and pictures.
+//! What users download: tables, manifests, recipes, exports and pictures.
 
 use std::sync::Arc;
 
 use super::{
-    Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow, state::ServiceState,
+    ExportFailure, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow,
+    state::ServiceState,
 };
 use crate::{
-    files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION},
+    files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION, textures::Export},
     fit::GoOn,
     server::{
         queue::JobId,
@@ -66,6 +67,32 @@ impl Service {
         }
         let job = self.state.queue.job(JobId::of_recipe(&digest))?;
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))
+    }
+
+    /// The exports of a table that its layout allows; an engine may still want another size.
+    ///
+    /// # Errors
+    /// As [`Self::table`].
+    pub fn exports(&self, table: Digest) -> Result<Option<Vec<Export>>, ExportFailure> {
+        self.table(table)?.map(|file| self.state.engine.exports(&file)).transpose()
+    }
+
+    /// An export of a table, made at the first request and then kept, unless others push it out. Its files follow from the
+    /// table, the export and this program. How good the table is comes from its manifest, so that no export measures it.
+    ///
+    /// # Errors
+    /// See [`ExportFailure`].
+    pub fn export(&self, table: Digest, export: Export) -> Result<Option<Arc<MadeExport>>, ExportFailure> {
+        let key = Digest::of(format!("{export} of {table}").as_bytes());
+        self.state.exports.get(key, || {
+            if self.state.is_stopping() {
+                return Err(ServiceError::Stopping.into());
+            }
+            let Some(file) = self.table(table)? else { return Ok(None) };
+            let Some(manifest) = self.manifest(table)? else { return Ok(None) };
+            let made = self.state.measuring_pool.install(|| self.state.engine.export(&file, &manifest, export));
+            Ok(Some(made?.into()))
+        })
     }
 
     /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the

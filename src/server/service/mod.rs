@@ -1,13 +1,15 @@
-//! The use cases: submit, work, download, preview.
+//! The use cases: submit, work, download, export, preview.
 //!
 //! Invariant: nothing is fitted or rendered on a caller's thread. Tables are fitted on one rayon pool of the service
-//! and measured on another; pictures are rendered on a thread of their own.
+//! and measured and exported on another; pictures are rendered on a thread of their own.
 
 mod api;
+mod cache;
 mod check;
 mod cursor;
 mod downloads;
 mod engine;
+mod exports;
 mod forecast;
 mod open;
 mod pictures;
@@ -30,6 +32,7 @@ pub use api::{
 };
 pub use check::{CheckReport, check};
 pub use cursor::{CursorError, JobCursor, TableCursor};
+pub use exports::{ExportFailure, ExportedFile, MadeExport};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;
 pub use state::Service;

@@ -13,6 +13,7 @@ use jiff::Timestamp;
 use super::{
     Config, OpenError, Service,
     engine::{Engine, FitEngine},
+    exports::Exports,
     forecast::Forecast,
     pictures::Pictures,
     reconcile::reconcile,
@@ -74,6 +75,7 @@ impl Service {
             turns,
             clock,
             pictures: Pictures::new(tables, config.adapter, config.pictures),
+            exports: Exports::new(config.export_bytes),
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
             config,

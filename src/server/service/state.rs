@@ -6,8 +6,8 @@ use std::sync::{
 };
 
 use super::{
-    Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, pictures::Pictures, tables::Tables,
-    threads::Threads, turns::Turns, watch::Hub,
+    Config, Metrics, ServiceError, engine::Engine, exports::Exports, forecast::Forecast, pictures::Pictures,
+    tables::Tables, threads::Threads, turns::Turns, watch::Hub,
 };
 use crate::server::{
     queue::{Clock, JobId, Queue},
@@ -31,7 +31,7 @@ pub(super) struct ServiceState {
     pub(super) tables: Arc<Tables>,
     pub(super) queue: Queue,
     pub(super) hub: Hub,
-    /// Measures tables. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
+    /// Measures tables and makes exports of them. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
     /// until a table is assembled.
     pub(super) measuring_pool: rayon::ThreadPool,
     /// Starts threads for single pieces of work.
@@ -40,6 +40,7 @@ pub(super) struct ServiceState {
     pub(super) turns: Turns,
     pub(super) clock: Clock,
     pub(super) pictures: Pictures,
+    pub(super) exports: Exports,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
 }
@@ -112,6 +113,7 @@ impl Service {
             table_bytes,
             blobs_corrupt: state.tables.damaged(),
             pictures: state.pictures.counts(),
+            exports_made: state.exports.made(),
         })
     }
 }

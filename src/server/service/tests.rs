@@ -1,5 +1,6 @@
 //! The service with a fake engine.
 
+mod exports;
 mod fake_engine;
 mod reconciled;
 mod storage;
@@ -29,6 +30,7 @@ fn config(dir: &Path) -> Config {
         adapter: crate::view::preview::Adapter::Cpu,
         max_attempts: 3,
         pictures: PictureLimits::default(),
+        export_bytes: 100,
     }
 }
 

@@ -7,7 +7,6 @@ use std::{
 };
 
 use super::{
-    cache::Cache,
     picture::{PictureError, PictureFile, Subject},
     rate::Took,
     rates::{Rates, RendererKind},
@@ -16,7 +15,7 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
-    server::service::{PictureCounts, PictureLimits, ServiceError},
+    server::service::{PictureCounts, PictureLimits, ServiceError, cache::Cache},
     view::preview::Adapter,
 };
 
@@ -46,7 +45,7 @@ struct State {
     /// Number of the current render thread: how many before it hung and were abandoned.
     thread: u32,
     is_closed: bool,
-    cache: Cache,
+    cache: Cache<PictureFile>,
     /// What may render scenes.
     allowed: Adapter,
     /// What rendered the last scene.
@@ -227,7 +226,7 @@ impl PictureQueue {
 
     /// Keeps a picture in memory.
     pub(super) fn keep(&self, key: Digest, file: PictureFile) {
-        self.state().cache.keep(key, file);
+        self.state().cache.keep(key, file.png.len(), file);
     }
 
     /// Records what rendered a scene.
