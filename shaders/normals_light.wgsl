@@ -264,29 +264,32 @@ fn normals_centroid(flux: vec3<f32>, tip: vec3<f32>) -> vec3<f32> {
     return select(m, -m, dot(m, tip) < 0.0);
 }
 
-/// What a triangle reflects, by its centroid and a normal beyond it, which counts share as much. On the horizon, by a
-/// normal near its outer edge and at_tip, the weight of its tip.
+/// A normal in a mean: what is seen of it (x), that times its weight, and that times Schlick's factor.
+fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec3<f32> {
+    let at = normals_weight(view, c);
+    let seen = max(dot(c, view.stretched), 0.0);
+    return vec3(seen, seen * at.x, seen * at.x * at.y);
+}
+
+/// What a triangle reflects, by its centroid, a normal beyond it and what its corners add to the mean. On the horizon, by
+/// a normal near its outer edge and at_tip, the weight of its tip.
 fn normals_triangle(
     view: NormalsView,
     tip: vec3<f32>,
     at_tip: vec2<f32>,
+    corners: vec3<f32>,
     flux: vec3<f32>,
     on_horizon: bool,
     is_fine: bool,
 ) -> vec2<f32> {
     let m = normals_centroid(flux, tip);
     let outer = m + select(0.5, 0.3, on_horizon) * (m - tip);
-    let at_m = normals_weight(view, m);
     let at_outer = normals_weight(view, outer);
-    let energy = normals_to_horizon(at_tip.x, at_outer.x, select(0.17, 0.15, is_fine));
+    let energy = normals_to_horizon(at_tip.x, at_outer.x, select(0.155, 0.145, is_fine));
     let horizon = vec2(energy, energy * mix(at_outer.y, at_tip.y, 0.25));
-    let seen = max(dot(m, view.stretched), 0.0);
-    let outer_seen = select(0.45, 0.25, is_fine) * max(dot(outer, view.stretched), 0.0);
-    let per_seen = 1.0 / max(seen + outer_seen, 1e-18);
-    let inner = seen * per_seen * at_m.x;
-    let beyond = outer_seen * per_seen * at_outer.x;
-    let edge = vec2(inner + beyond, inner * at_m.y + beyond * at_outer.y);
-    return dot(flux, view.stretched) * select(edge, horizon, on_horizon);
+    let seen = select(0.3, 0.2, is_fine) * max(dot(outer, view.stretched), 0.0);
+    let sum = normals_sample(view, m) + seen * vec3(1.0, at_outer.x, at_outer.x * at_outer.y) + corners;
+    return dot(flux, view.stretched) * select(sum.yz / max(sum.x, 1e-18), horizon, on_horizon);
 }
 
 /// Vector i of a list of up to eight; of up to four, unless there are many. All lists are read and written by choosing
@@ -456,6 +459,9 @@ fn normals_polygon(
         var from_c = first.c;
         var from_bend = normals_arc_bend(tip, from_c);
         var begin_bend = from_bend;
+        let tip_share = select(0.2, 0.1, is_fine) * normals_sample(view, tip);
+        let share = select(0.08, 0.04, is_fine);
+        var from_share = share * normals_sample(view, from_c);
         for (var i = 0u; i < edges + select(0u, horizon_parts + 1u, outline.is_cut); i++) {
             let is_whole = i == edges;
             let on_horizon = i > edges;
@@ -472,9 +478,12 @@ fn normals_polygon(
                 let half_curved = select(normals_get(&half_curves, i, many), half_closing, is_whole);
                 let half_bend = normals_arc_bend(tip, half_c);
                 let half_flux = cross(from_c - tip, half_c - tip) + half_curved + (from_bend - half_bend);
-                parts += counts * normals_triangle(view, tip, at_tip, half_flux, false, is_fine);
+                let half_share = share * normals_sample(view, half_c);
+                let half_corners = tip_share + from_share + half_share;
+                parts += counts * normals_triangle(view, tip, at_tip, half_corners, half_flux, false, is_fine);
                 from_c = half_c;
                 from_bend = half_bend;
+                from_share = half_share;
             }
             let part = i - edges;
             let part_c = normals_on_horizon(horizon, f32(part) / f32(horizon_parts));
@@ -483,9 +492,12 @@ fn normals_polygon(
             let curved = select(select(normals_get(&curves, i, many), closing, is_whole), part_curved, on_horizon);
             let to_bend = normals_arc_bend(tip, to_c);
             let part_flux = cross(from_c - tip, to_c - tip) + curved + (from_bend - to_bend);
-            parts += counts * normals_triangle(view, tip, at_tip, part_flux, on_horizon, is_fine);
+            let to_share = share * normals_sample(view, to_c);
+            let part_corners = tip_share + from_share + to_share;
+            parts += counts * normals_triangle(view, tip, at_tip, part_corners, part_flux, on_horizon, is_fine);
             from_c = to_c;
             from_bend = to_bend;
+            from_share = to_share;
         }
     }
     // No weight is above one, though triangles that lie upon each other may say so.

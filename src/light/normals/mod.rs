@@ -35,7 +35,7 @@ pub(super) use self::{
 use self::{
     edge::curved_part,
     outline::{Corner, Parts, cut_share, outline},
-    weight::{Shares, View},
+    weight::{Sample, Shares, View},
 };
 use crate::fit::{
     Sides,
@@ -67,8 +67,8 @@ impl WeightRule {
 
     fn shares(self) -> Shares {
         match self {
-            Self::Mean | Self::Fan => Shares { outer: 0.45, horizon_rate: 0.17 },
-            Self::Fine => Shares { outer: 0.25, horizon_rate: 0.15 },
+            Self::Mean | Self::Fan => Shares { outer: 0.3, tip: 0.2, corner: 0.08, horizon_rate: 0.155 },
+            Self::Fine => Shares { outer: 0.2, tip: 0.1, corner: 0.04, horizon_rate: 0.145 },
         }
     }
 }
@@ -168,21 +168,29 @@ impl<T: Scalar> Fan<'_, T> {
     /// by the rest.
     fn over(mut self, corners: &[Corner<T>], curved: &[Triple<T>], parts: Parts, cut: T) -> [T; 2] {
         let tip = self.tip;
-        let at_tip = self.view.weight(tip);
-        let (mut joined, mut count) = ([T::ZERO; 3], 0);
+        let (at_tip, tip_sample) = (self.view.weight(tip), self.view.sample(tip));
+        let samples: Vec<Sample<T>> = corners.iter().map(|corner| self.view.sample(corner.c)).collect();
+        let (mut joined, mut count, mut start) = ([T::ZERO; 3], 0, 0);
         for (i, curved) in curved.iter().enumerate() {
-            let (from, to) = (&corners[i], &corners[(i + 1) % corners.len()]);
+            let next = (i + 1) % corners.len();
+            let (from, to) = (&corners[i], &corners[next]);
             let plane = cross(minus(from.c, tip), minus(to.c, tip));
             let flux = plus(plus(plane, *curved), minus(arc_bend(tip, from.c), arc_bend(tip, to.c)));
-            let on_edge = |view: &View<T>, shares, centroid| view.over_triangle(shares, tip, centroid);
+            let on_edge = |start: usize| {
+                let samples = [tip_sample, samples[start], samples[next]];
+                move |view: &View<T>, shares, centroid| view.over_triangle(shares, tip, centroid, samples)
+            };
             if !(from.is_on_horizon() && to.is_on_horizon()) {
-                self.add(flux, T::ONE, on_edge);
+                self.add(flux, T::ONE, on_edge(i));
                 continue;
             }
             self.add(flux, cut, |view, shares, centroid| view.over_triangle_to_horizon(shares, tip, at_tip, centroid));
+            if count == 0 {
+                start = i;
+            }
             (joined, count) = (plus(joined, flux), count + 1);
             if count * parts.edge == parts.horizon {
-                self.add(joined, T::ONE - cut, on_edge);
+                self.add(joined, T::ONE - cut, on_edge(start));
                 (joined, count) = ([T::ZERO; 3], 0);
             }
         }

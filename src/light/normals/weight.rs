@@ -24,11 +24,17 @@ const TIP_SHARE: f64 = 0.25;
 /// Numbers of a rule, which depend on how large its triangles are. They were chosen for the least error over random lights.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shares {
-    /// How much the outer sample of a triangle counts beside the centroid.
+    /// How much the outer sample of a triangle counts beside the centroid, its tip and each of its other corners.
     pub(super) outer: f64,
+    pub(super) tip: f64,
+    pub(super) corner: f64,
     /// How fast the weight falls towards the horizon: see [`to_horizon`].
     pub(super) horizon_rate: f64,
 }
+
+/// What a normal adds to a mean: what it counts, that times its weight, and that times Schlick's factor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample<T>(Triple<T>);
 
 impl<T: Scalar> View<T> {
     pub(super) fn new([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> Self {
@@ -56,21 +62,29 @@ impl<T: Scalar> View<T> {
         [weight, m2 * m2 * m]
     }
 
-    /// What a normal counts in a mean, times its length: its projection along `A wo`, to which the density of visible
-    /// normals is proportional.
-    fn seen(&self, c: Triple<T>) -> T {
-        dot(c, self.stretched).max(T::ZERO)
+    /// A normal in a mean. It counts by its projection along `A wo`, to which the density of visible normals is
+    /// proportional, and by its length.
+    pub(super) fn sample(&self, c: Triple<T>) -> Sample<T> {
+        let seen = dot(c, self.stretched).max(T::ZERO);
+        let [weight, schlick] = self.weight(c);
+        Sample([seen, seen * weight, seen * weight * schlick])
     }
 
     /// The mean weight, and that times Schlick's factor, over a triangle of normals between `tip` and an edge, by its
-    /// centroid `m` and a normal beyond it.
-    pub(super) fn over_triangle(&self, shares: Shares, tip: Triple<T>, m: Triple<T>) -> [T; 2] {
-        let outer = beyond(tip, m, OUTER);
-        let (seen, outer_seen) = (self.seen(m), T::of(shares.outer) * self.seen(outer));
-        let ([weight, schlick], [outer_weight, outer_schlick]) = (self.weight(m), self.weight(outer));
-        let (inner, outer) = (seen * weight, outer_seen * outer_weight);
-        let per_seen = T::ONE / (seen + outer_seen).max(T::of(1e-18));
-        [(inner + outer) * per_seen, (inner * schlick + outer * outer_schlick) * per_seen]
+    /// centroid `m`, a normal beyond it, and its corners, the tip first.
+    pub(super) fn over_triangle(
+        &self,
+        shares: Shares,
+        tip: Triple<T>,
+        m: Triple<T>,
+        corners: [Sample<T>; 3],
+    ) -> [T; 2] {
+        let [at_tip, from, to] = corners.map(|Sample(sample)| sample);
+        let (Sample(at_m), Sample(at_outer)) = (self.sample(m), self.sample(beyond(tip, m, OUTER)));
+        let inner = plus(plus(at_m, scaled(at_outer, T::of(shares.outer))), scaled(at_tip, T::of(shares.tip)));
+        let [seen, energy, fresnel] = plus(inner, scaled(plus(from, to), T::of(shares.corner)));
+        let per_seen = T::ONE / seen.max(T::of(1e-18));
+        [energy * per_seen, fresnel * per_seen]
     }
 
     /// The same where the edge is along the horizon, where the weight is zero; `at_tip` is that of the tip.
