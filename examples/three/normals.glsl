@@ -21,11 +21,11 @@
 //   The parts of the one-sided rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5),
 //   by rules 0 | 1 | 2. A port in 32 bits comes within 0.00002 of each number.
 //   alpha_x 0.3 alpha_y 0.15 wo (0.36 0.48 0.8)
-//     parts 0.705854 0.000216 | 0.710371 0.000052 | 0.705701 0.000246
+//     parts 0.701572 0.000219 | 0.710371 0.000052 | 0.704523 0.000244
 //   alpha_x 0.2 alpha_y 0.6 wo (-0.64 0.48 0.6)
-//     parts 0.556361 0.001342 | 0.599484 0.000332 | 0.554020 0.001553
+//     parts 0.549790 0.001242 | 0.599484 0.000332 | 0.553100 0.001496
 //   alpha_x 0.05 alpha_y 0.02 wo (0.576 -0.768 0.28)
-//     parts 0.989653 0.184874 | 0.991922 0.187098 | 0.989816 0.186050
+//     parts 0.988140 0.187998 | 0.991922 0.187098 | 0.989343 0.187655
 
 
 precision highp float;
@@ -84,9 +84,9 @@ vec2 ltc_sin_cos(float turns) {
     float x_3 = ((turns - (0.25 * quarter_1)) * 6.2831855);
     float z_1 = (x_3 * x_3);
     float s = (((((((-0.00019515296 * z_1) + 0.008332161) * z_1) - 0.16666655) * z_1) * x_3) + x_3);
-    float c_1 = ((((((((2.4433157e-5 * z_1) - 0.0013887316) * z_1) + 0.041666646) * z_1) * z_1) - (0.5 * z_1)) + 1.0);
+    float c_2 = ((((((((2.4433157e-5 * z_1) - 0.0013887316) * z_1) + 0.041666646) * z_1) * z_1) - (0.5 * z_1)) + 1.0);
     uint q = (uint(int(quarter_1)) & 3u);
-    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_1, s) : vec2(s, c_1));
+    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_2, s) : vec2(s, c_2));
     if (!((q == 1u))) {
         local = (q == 2u);
     } else {
@@ -316,20 +316,22 @@ vec3 normals_centroid(vec3 flux, vec3 tip_1) {
     return ((dot(_e2, tip_1) < 0.0) ? -(_e2) : _e2);
 }
 
-vec2 normals_triangle(NormalsView view_5, vec3 tip_2, vec2 at_tip, vec3 flux_1, bool on_horizon, bool is_fine) {
-    vec3 _e6 = normals_centroid(flux_1, tip_2);
-    vec3 outer = (_e6 + ((on_horizon ? 0.3 : 0.5) * (_e6 - tip_2)));
-    vec2 _e13 = normals_weight(view_5, _e6);
-    vec2 _e14 = normals_weight(view_5, outer);
-    float _e20 = normals_to_horizon(at_tip.x, _e14.x, (is_fine ? 0.15 : 0.17));
+vec3 normals_sample(NormalsView view_5, vec3 c_1) {
+    vec2 _e2 = normals_weight(view_5, c_1);
+    float seen = max(dot(c_1, view_5.stretched), 0.0);
+    return vec3(seen, (seen * _e2.x), ((seen * _e2.x) * _e2.y));
+}
+
+vec2 normals_triangle(NormalsView view_6, vec3 tip_2, vec2 at_tip, vec3 corners, vec3 flux_1, bool on_horizon, bool is_fine) {
+    vec3 _e7 = normals_centroid(flux_1, tip_2);
+    vec3 outer = (_e7 + ((on_horizon ? 0.3 : 0.5) * (_e7 - tip_2)));
+    vec2 _e14 = normals_weight(view_6, outer);
+    float _e20 = normals_to_horizon(at_tip.x, _e14.x, (is_fine ? 0.145 : 0.155));
     vec2 horizon_1 = vec2(_e20, (_e20 * mix(_e14.y, at_tip.y, 0.25)));
-    float seen = max(dot(_e6, view_5.stretched), 0.0);
-    float outer_seen = ((is_fine ? 0.25 : 0.45) * max(dot(outer, view_5.stretched), 0.0));
-    float per_seen = (1.0 / max((seen + outer_seen), 1e-18));
-    float inner = ((seen * per_seen) * _e13.x);
-    float beyond = ((outer_seen * per_seen) * _e14.x);
-    vec2 edge_1 = vec2((inner + beyond), ((inner * _e13.y) + (beyond * _e14.y)));
-    return (dot(flux_1, view_5.stretched) * (on_horizon ? horizon_1 : edge_1));
+    float seen_1 = ((is_fine ? 0.2 : 0.3) * max(dot(outer, view_6.stretched), 0.0));
+    vec3 _e35 = normals_sample(view_6, _e7);
+    vec3 sum_1 = ((_e35 + (seen_1 * vec3(1.0, _e14.x, (_e14.x * _e14.y)))) + corners);
+    return (dot(flux_1, view_6.stretched) * (on_horizon ? horizon_1 : (sum_1.yz / vec2(max(sum_1.x, 1e-18)))));
 }
 
 vec3 normals_get(inout vec3 list[8], uint i, bool many) {
@@ -458,7 +460,7 @@ NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
     return _e68;
 }
 
-NormalsCorner normals_outline_corner(NormalsView view_6, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
+NormalsCorner normals_outline_corner(NormalsView view_7, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
     bool local_10 = false;
     bool local_11 = false;
     bool local_12 = false;
@@ -485,14 +487,14 @@ NormalsCorner normals_outline_corner(NormalsView view_6, NormalsOutline outline_
     vec3 _e47 = normals_get(vertices_2, ((at >= outline_1.number) ? (at - outline_1.number) : at), outline_1.many);
     vec3 _e54 = normals_get(vertices_2, ((before_1 >= outline_1.number) ? (before_1 - outline_1.number) : before_1), outline_1.many);
     vec3 _e55 = normals_crossing(_e54, _e47);
-    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_6);
+    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_7);
     return _e57;
 }
 
-NormalsHorizon normals_horizon(NormalsView view_7, NormalsCorner begin, NormalsCorner end) {
-    vec3 sum_1 = (begin.w + end.w);
+NormalsHorizon normals_horizon(NormalsView view_8, NormalsCorner begin, NormalsCorner end) {
+    vec3 sum_2 = (begin.w + end.w);
     float _e6 = normals_half_cosine(begin, end);
-    vec3 _e13 = normals_unstretched(((view_7.wo * _e6) + (sum_1 * (0.5 / _e6))), view_7);
+    vec3 _e13 = normals_unstretched(((view_8.wo * _e6) + (sum_2 * (0.5 / _e6))), view_8);
     float turn_1 = cross(begin.w, (end.w - begin.w)).z;
     vec3 across_3 = vec3(0.0, 0.0, ((turn_1 < 0.0) ? -1.0 : 1.0));
     return NormalsHorizon(begin.c, (_e13 * inversesqrt((begin.length_ * end.length_))), end.c, across_3);
@@ -504,7 +506,7 @@ vec3 normals_on_horizon(NormalsHorizon horizon, float t_1) {
     return ((t_1 >= 1.0) ? horizon.end : _e17);
 }
 
-vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
+vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
     vec3 ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 half_ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
@@ -532,6 +534,7 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
     vec3 from_c = vec3(0.0);
     vec3 from_bend = vec3(0.0);
     vec3 begin_bend = vec3(0.0);
+    vec3 from_share = vec3(0.0);
     uint i_4 = 0u;
     bool local_21 = false;
     NormalsOutline _e8 = normals_outline(vertices_3, min(max(count, 3u), 8u));
@@ -544,9 +547,9 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
     uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_1 ? 8u : 4u));
     uint edges = (_e8.is_cut ? (_e8.ups + 1u) : _e8.number);
     uint closing_parts = (_e8.is_cut ? horizon_parts : 0u);
-    NormalsCorner _e37 = normals_outline_corner(view_8, _e8, vertices_3, 0u);
-    NormalsCorner _e41 = normals_outline_corner(view_8, _e8, vertices_3, (_e8.ups + 1u));
-    NormalsHorizon _e42 = normals_horizon(view_8, _e41, _e37);
+    NormalsCorner _e37 = normals_outline_corner(view_9, _e8, vertices_3, 0u);
+    NormalsCorner _e41 = normals_outline_corner(view_9, _e8, vertices_3, (_e8.ups + 1u));
+    NormalsHorizon _e42 = normals_horizon(view_9, _e41, _e37);
     arc_start = _e37.c;
     last = _e37;
     bool loop_init_1 = true;
@@ -578,19 +581,19 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
             }
             bool is_half = local_14;
             uint _e86 = edge;
-            NormalsCorner _e89 = normals_outline_corner(view_8, _e8, vertices_3, (_e86 + 1u));
+            NormalsCorner _e89 = normals_outline_corner(view_9, _e8, vertices_3, (_e86 + 1u));
             to = _e89;
             if (is_half) {
                 NormalsCorner _e91 = last;
                 NormalsCorner _e92 = to;
-                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_8);
+                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_9);
                 to = _e94;
             }
             uint _e95 = edge;
             float t_3 = (float(((_e95 + 1u) - edges)) / float(horizon_parts));
             vec3 _e103 = to.c;
             vec3 _e104 = normals_on_horizon(_e42, t_3);
-            vec3 c_2 = (is_closing ? _e104 : _e103);
+            vec3 c_3 = (is_closing ? _e104 : _e103);
             vec3 _e107 = to.w;
             vec3 _e109 = last.w;
             vec3 apart = (_e107 - _e109);
@@ -605,7 +608,7 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
                 local_15 = true;
             }
             bool _e129 = local_15;
-            vec3 _e130 = normals_exact(view_8, _e117, c_2, across_4, _e129);
+            vec3 _e130 = normals_exact(view_9, _e117, c_3, across_4, _e129);
             if (!(is_closing)) {
                 local_16 = (dot(apart, apart) >= 1e-14);
             } else {
@@ -613,13 +616,13 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
             }
             bool is_edge = local_16;
             vec3 _e140 = last.c;
-            vec3 curved = (is_edge ? (_e130 - cross(_e140, c_2)) : vec3(0.0));
+            vec3 curved = (is_edge ? (_e130 - cross(_e140, c_3)) : vec3(0.0));
             vec3 _e146 = flux_2;
             vec3 _e148 = last.c;
-            flux_2 = (_e146 + (curved + cross((_e148 - _e37.c), (c_2 - _e37.c))));
+            flux_2 = (_e146 + (curved + cross((_e148 - _e37.c), (c_3 - _e37.c))));
             if (is_fine_1) {
                 uint _e157 = edge;
-                normals_put(half_ends, (is_half ? _e157 : 8u), c_2, many_2);
+                normals_put(half_ends, (is_half ? _e157 : 8u), c_3, many_2);
                 uint _e160 = edge;
                 normals_put(half_curves, (is_half ? _e160 : 8u), curved, many_2);
             }
@@ -630,7 +633,7 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
                 local_17 = true;
             }
             bool _e168 = local_17;
-            normals_put(ends, (_e168 ? 8u : _e162), c_2, many_2);
+            normals_put(ends, (_e168 ? 8u : _e162), c_3, many_2);
             uint _e170 = edge;
             if (!(is_half)) {
                 local_18 = is_closing;
@@ -642,12 +645,12 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
             uint _e179 = edge;
             normals_put(horizon_curves, (is_closing ? (_e179 - edges) : 8u), curved, is_fine_1);
             vec3 _e182 = arc_start;
-            arc_start = (is_closing ? _e182 : c_2);
+            arc_start = (is_closing ? _e182 : c_3);
             vec3 _e184 = closing;
             vec3 _e186 = last.c;
             vec3 _e187 = arc_start;
             vec3 _e189 = arc_start;
-            closing = (_e184 + (is_closing ? (curved + cross((_e186 - _e187), (c_2 - _e189))) : vec3(0.0)));
+            closing = (_e184 + (is_closing ? (curved + cross((_e186 - _e187), (c_3 - _e189))) : vec3(0.0)));
             if (is_fine_1) {
                 uint _e199 = edge;
                 local_19 = ((_e199 + 1u) == (edges + (horizon_parts / 2u)));
@@ -658,21 +661,21 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
             if (_e207) {
                 vec3 _e208 = closing;
                 half_closing = _e208;
-                half_end = c_2;
+                half_end = c_3;
                 closing = vec3(0.0);
-                arc_start = c_2;
+                arc_start = c_3;
             }
             vec3 _e212 = to.w;
             float _e214 = to.length_;
-            last = NormalsCorner(_e212, c_2, _e214);
+            last = NormalsCorner(_e212, c_3, _e214);
             uint _e216 = edge;
             edge = (_e216 + (is_half ? 0u : 1u));
             is_second = is_half;
         }
     }
     vec3 _e224 = flux_2;
-    float seen_1 = dot(_e224, view_8.stretched);
-    float side = ((seen_1 < 0.0) ? -1.0 : 1.0);
+    float seen_2 = dot(_e224, view_9.stretched);
+    float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
     if ((side < 0.0)) {
         local_20 = !(two_sided);
     } else {
@@ -682,11 +685,11 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
     if (_e238) {
         return vec2(0.0);
     }
-    float to_part = ((side * 0.3183099) / (view_8.wo.z + view_8.length_));
+    float to_part = ((side * 0.3183099) / (view_9.wo.z + view_9.length_));
     vec3 _e248 = flux_2;
     vec3 _e250 = normals_unit((_e248 * side));
-    vec2 _e251 = normals_weight(view_8, _e250);
-    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_1);
+    vec2 _e251 = normals_weight(view_9, _e250);
+    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_2);
     if ((rule != NORMALS_MEAN)) {
         parts = vec2(0.0);
         from_c = _e37.c;
@@ -695,32 +698,38 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
         from_bend = _e266;
         vec3 _e268 = from_bend;
         begin_bend = _e268;
+        vec3 _e273 = normals_sample(view_9, _e250);
+        vec3 tip_share = ((is_fine_1 ? 0.1 : 0.2) * _e273);
+        float share_1 = (is_fine_1 ? 0.04 : 0.08);
+        vec3 _e278 = from_c;
+        vec3 _e279 = normals_sample(view_9, _e278);
+        from_share = (share_1 * _e279);
         bool loop_init_2 = true;
         while(true) {
             if (!loop_init_2) {
-                uint _e358 = i_4;
-                i_4 = (_e358 + 1u);
+                uint _e380 = i_4;
+                i_4 = (_e380 + 1u);
             }
             loop_init_2 = false;
-            uint _e272 = i_4;
-            if ((_e272 < (edges + (_e8.is_cut ? (horizon_parts + 1u) : 0u)))) {
+            uint _e284 = i_4;
+            if ((_e284 < (edges + (_e8.is_cut ? (horizon_parts + 1u) : 0u)))) {
             } else {
                 break;
             }
             {
-                uint _e280 = i_4;
-                bool is_whole = (_e280 == edges);
-                uint _e282 = i_4;
-                bool on_horizon_1 = (_e282 > edges);
+                uint _e292 = i_4;
+                bool is_whole = (_e292 == edges);
+                uint _e294 = i_4;
+                bool on_horizon_1 = (_e294 > edges);
                 if (is_whole) {
-                    vec3 _e284 = from_bend;
-                    begin_bend = _e284;
+                    vec3 _e296 = from_bend;
+                    begin_bend = _e296;
                 }
-                uint _e285 = i_4;
-                if ((_e285 == (edges + 1u))) {
+                uint _e297 = i_4;
+                if ((_e297 == (edges + 1u))) {
                     from_c = _e42.begin;
-                    vec3 _e290 = begin_bend;
-                    from_bend = _e290;
+                    vec3 _e302 = begin_bend;
+                    from_bend = _e302;
                 }
                 float counts = (on_horizon_1 ? _e8.share : (is_whole ? (1.0 - _e8.share) : 1.0));
                 if (is_fine_1) {
@@ -728,66 +737,76 @@ vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_3[8], uint count, b
                 } else {
                     local_21 = false;
                 }
-                bool _e302 = local_21;
-                if (_e302) {
-                    uint _e303 = i_4;
-                    vec3 _e304 = normals_get(half_ends, _e303, many_2);
-                    vec3 _e305 = half_end;
-                    vec3 half_c = (is_whole ? _e305 : _e304);
-                    uint _e307 = i_4;
-                    vec3 _e308 = normals_get(half_curves, _e307, many_2);
-                    vec3 _e309 = half_closing;
-                    vec3 half_curved = (is_whole ? _e309 : _e308);
-                    vec3 _e311 = normals_arc_bend(_e250, half_c);
-                    vec3 _e312 = from_c;
-                    vec3 _e317 = from_bend;
-                    vec3 half_flux = ((cross((_e312 - _e250), (half_c - _e250)) + half_curved) + (_e317 - _e311));
-                    vec2 _e320 = parts;
-                    vec2 _e322 = normals_triangle(view_8, _e250, _e251, half_flux, false, is_fine_1);
-                    parts = (_e320 + (counts * _e322));
+                bool _e314 = local_21;
+                if (_e314) {
+                    uint _e315 = i_4;
+                    vec3 _e316 = normals_get(half_ends, _e315, many_2);
+                    vec3 _e317 = half_end;
+                    vec3 half_c = (is_whole ? _e317 : _e316);
+                    uint _e319 = i_4;
+                    vec3 _e320 = normals_get(half_curves, _e319, many_2);
+                    vec3 _e321 = half_closing;
+                    vec3 half_curved = (is_whole ? _e321 : _e320);
+                    vec3 _e323 = normals_arc_bend(_e250, half_c);
+                    vec3 _e324 = from_c;
+                    vec3 _e329 = from_bend;
+                    vec3 half_flux = ((cross((_e324 - _e250), (half_c - _e250)) + half_curved) + (_e329 - _e323));
+                    vec3 _e332 = normals_sample(view_9, half_c);
+                    vec3 half_share = (share_1 * _e332);
+                    vec3 _e334 = from_share;
+                    vec3 half_corners = ((tip_share + _e334) + half_share);
+                    vec2 _e337 = parts;
+                    vec2 _e339 = normals_triangle(view_9, _e250, _e251, half_corners, half_flux, false, is_fine_1);
+                    parts = (_e337 + (counts * _e339));
                     from_c = half_c;
-                    from_bend = _e311;
+                    from_bend = _e323;
+                    from_share = half_share;
                 }
-                uint _e325 = i_4;
-                uint part = (_e325 - edges);
-                vec3 _e330 = normals_on_horizon(_e42, (float(part) / float(horizon_parts)));
-                vec3 _e333 = normals_get(horizon_curves, (part - 1u), is_fine_1);
-                uint _e334 = i_4;
-                vec3 _e335 = normals_get(ends, _e334, many_2);
-                vec3 to_c = (on_horizon_1 ? _e330 : (is_whole ? _e37.c : _e335));
-                uint _e339 = i_4;
-                vec3 _e340 = normals_get(curves, _e339, many_2);
-                vec3 _e341 = closing;
-                vec3 curved_1 = (on_horizon_1 ? _e333 : (is_whole ? _e341 : _e340));
-                vec3 _e344 = normals_arc_bend(_e250, to_c);
-                vec3 _e345 = from_c;
-                vec3 _e350 = from_bend;
-                vec3 part_flux = ((cross((_e345 - _e250), (to_c - _e250)) + curved_1) + (_e350 - _e344));
-                vec2 _e353 = parts;
-                vec2 _e354 = normals_triangle(view_8, _e250, _e251, part_flux, on_horizon_1, is_fine_1);
-                parts = (_e353 + (counts * _e354));
+                uint _e342 = i_4;
+                uint part = (_e342 - edges);
+                vec3 _e347 = normals_on_horizon(_e42, (float(part) / float(horizon_parts)));
+                vec3 _e350 = normals_get(horizon_curves, (part - 1u), is_fine_1);
+                uint _e351 = i_4;
+                vec3 _e352 = normals_get(ends, _e351, many_2);
+                vec3 to_c = (on_horizon_1 ? _e347 : (is_whole ? _e37.c : _e352));
+                uint _e356 = i_4;
+                vec3 _e357 = normals_get(curves, _e356, many_2);
+                vec3 _e358 = closing;
+                vec3 curved_1 = (on_horizon_1 ? _e350 : (is_whole ? _e358 : _e357));
+                vec3 _e361 = normals_arc_bend(_e250, to_c);
+                vec3 _e362 = from_c;
+                vec3 _e367 = from_bend;
+                vec3 part_flux = ((cross((_e362 - _e250), (to_c - _e250)) + curved_1) + (_e367 - _e361));
+                vec3 _e370 = normals_sample(view_9, to_c);
+                vec3 to_share = (share_1 * _e370);
+                vec3 _e372 = from_share;
+                vec3 part_corners = ((tip_share + _e372) + to_share);
+                vec2 _e375 = parts;
+                vec2 _e376 = normals_triangle(view_9, _e250, _e251, part_corners, part_flux, on_horizon_1, is_fine_1);
+                parts = (_e375 + (counts * _e376));
                 from_c = to_c;
-                from_bend = _e344;
+                from_bend = _e361;
+                from_share = to_share;
             }
         }
     }
-    float _e361 = parts.x;
-    float energy = clamp((_e361 * to_part), 0.0, clamp((seen_1 * to_part), 0.0, 1.0));
-    float _e370 = parts.y;
-    return vec2(energy, clamp((_e370 * to_part), 0.0, energy));
+    float _e383 = parts.x;
+    float energy = clamp((_e383 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e392 = parts.y;
+    return vec2(energy, clamp((_e392 * to_part), 0.0, energy));
 }
 
-vec2 normals_rectangle(NormalsView view_9, vec3 corners[4], bool two_sided_1, uint rule_1) {
+vec2 normals_rectangle(NormalsView view_10, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
     vec3 vertices_4[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vertices_4[0] = corners[0];
-    vertices_4[1] = corners[1];
-    vertices_4[2] = corners[2];
-    vertices_4[3] = corners[3];
-    vec2 _e14 = normals_polygon(view_9, vertices_4, 4u, two_sided_1, rule_1);
+    vertices_4[0] = corners_1[0];
+    vertices_4[1] = corners_1[1];
+    vertices_4[2] = corners_1[2];
+    vertices_4[3] = corners_1[3];
+    vec2 _e14 = normals_polygon(view_10, vertices_4, 4u, two_sided_1, rule_1);
     return _e14;
 }
 
-vec2 normals_disk(NormalsView view_10, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
+vec2 normals_disk(NormalsView view_11, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
     vec3 vertices_5[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint i_5 = 0u;
     bool loop_init_3 = true;
@@ -810,6 +829,6 @@ vec2 normals_disk(NormalsView view_10, vec3 centre, vec3 half_x, vec3 half_y, bo
             vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));
         }
     }
-    vec2 _e33 = normals_polygon(view_10, vertices_5, 8u, two_sided_2, rule_2);
+    vec2 _e33 = normals_polygon(view_11, vertices_5, 8u, two_sided_2, rule_2);
     return _e33;
 }
