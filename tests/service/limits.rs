@@ -136,6 +136,10 @@ fn the_answer_of_each_limit_says_which_it_was() {
         if name.starts_with("time of a picture") {
             continue;
         }
+        // A table of half a million entries and a crowd of exports take minutes; `http::error` tests what is answered.
+        if name == "entries of a table that is exported" || name.starts_with("requests for exports") {
+            continue;
+        }
         let folder = tempfile::tempdir().expect("a folder");
         let server = Server::start(folder.path(), arguments(&name));
         let problem = met(&name, &server);

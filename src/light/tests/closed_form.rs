@@ -77,7 +77,7 @@ fn errors_are_those_of_the_weight() {
             for (found, limit) in energy.into_iter().zip(limits(roughness, rule)) {
                 assert!(found < limit, "{seed} {roughness:?} {rule}: {energy:?}");
             }
-            assert!(fresnel[0] < energy[0] && fresnel[2] < 0.2, "{seed} {roughness:?} {rule}: {fresnel:?}");
+            assert!(fresnel[0] < energy[0].max(0.0005) && fresnel[2] < 0.2, "{seed} {roughness:?} {rule}: {fresnel:?}");
         }
     }
 }

@@ -165,9 +165,10 @@ mod tests {
         ];
         for (problem, status) in cases {
             let shown = format!("{problem:?}");
-            // Each limit is named.
+            // Each limit is named; those of exports have no flag.
             let is_limit = shown.contains("TooSlow") || shown.contains("TooExpensive") || shown.contains("QueueFull");
-            assert!(!is_limit || shown.contains("`--picture-") || shown.contains("`--queue-limit`"), "{shown}");
+            let names_it = ["`--picture-", "`--queue-limit`", "exports"].iter().any(|name| shown.contains(name));
+            assert!(!is_limit || names_it, "{shown}");
             assert_eq!(problem.into_response().status().as_u16(), status, "{shown}");
         }
     }
