@@ -171,6 +171,7 @@ fn main() {
         lease_ttl: Duration::from_secs(60),
         max_attempts: 3,
         adapter: Adapter::Cpu,
+        export_bytes: 0,
         pictures: PictureLimits::default(),
     });
     let service = service.expect("a service");

@@ -69,7 +69,7 @@ impl RenderTarget {
         task: &RenderTask<'_>,
         stop: Stop<'_>,
     ) -> Result<Vec<u32>, GpuFailure> {
-        let pipeline = gpu.pipeline(task.estimator, &task.frame);
+        let pipeline = gpu.pipeline(task.estimator, task.frame);
         gpu.check()?;
         let tiles = Tiles::of(task.frame, task.estimator, task.corner, task.extent);
         let packed: Vec<u32> = tiles.seen.iter().map(|[x, y]| x | (y << 16)).collect();
