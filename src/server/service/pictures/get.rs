@@ -58,8 +58,8 @@ impl Pictures {
         Self { tables, threads, ranking: Ranking::default(), limit: limits.time }
     }
 
-    /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the
-    /// picture of a tag.
+    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one. `is_known`
+    /// tells whether the caller has the picture of a tag.
     pub(in crate::server::service) fn get(
         &self,
         table: Option<Digest>,
@@ -72,8 +72,8 @@ impl Pictures {
         };
         let table = match table {
             Some(table) if !self.tables.contains(table) => return Err(PictureError::UnknownTable(table)),
-            Some(table) => table,
-            None => self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?,
+            None if subject.needs_table() => Some(self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?),
+            named_or_none => named_or_none,
         };
         let key = tag(&subject, table, None)?;
         if let Some(file) = self.threads.queue.cached(key) {
