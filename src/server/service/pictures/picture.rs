@@ -7,7 +7,6 @@ use serde_json::json;
 
 use crate::{
     files::digest::Digest,
-    light::LightModel,
     server::service::ServiceError,
     view::{plots::Plot, preview::Scene},
 };
@@ -36,7 +35,7 @@ impl Subject {
     /// Whether a table is part of it.
     pub(crate) fn needs_table(&self) -> bool {
         match self {
-            Self::Scene(scene) => scene.shows(LightModel::Ltc),
+            Self::Scene(scene) => scene.needs_table(),
             Self::Plot(_) => true,
         }
     }
