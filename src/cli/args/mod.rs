@@ -17,7 +17,7 @@ use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
 pub(super) use connections::{ConnectionArgs, WaitSeconds};
-pub(super) use export::{ExportArgs, ExportChoice};
+pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
 pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;

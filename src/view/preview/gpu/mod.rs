@@ -1,5 +1,7 @@
 //! The renderer on a GPU, or on lavapipe, a software rasteriser that Vulkan lists as one.
 
+#[cfg(test)]
+pub(super) mod decoder;
 mod device;
 #[cfg(test)]
 pub(super) mod example;

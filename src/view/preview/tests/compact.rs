@@ -1,0 +1,117 @@
+//! Decoders of compact forms and the shader without textures, on the GPU against those in Rust.
+
+use glam::DVec3;
+
+use super::tell_skipped;
+use crate::{
+    files::{
+        compact::{decode, encode},
+        textures::{About, CompactContainer, textures_of},
+    },
+    fit::{Configuration, IsotropicFunction, Layout, Table, planted_isotropic},
+    view::{
+        preview::gpu::{GpuFailure, decoder, example},
+        shaders::{Language, include_function},
+    },
+};
+
+/// A number that the module's header states: the one before ` bytes` in the line of a binding, or before ` workgroups`.
+fn stated(text: &str, line: &str, word: &str) -> u64 {
+    let line = text.lines().find(|found| found.contains(line)).expect(line);
+    let (before, _) = line.split_once(word).expect(word);
+    before.split_whitespace().next_back().and_then(|number| number.parse().ok()).expect("a number")
+}
+
+/// Tables with an edge, so that entries need corrections.
+fn edged(layout: Layout) -> Table {
+    let mut table = planted_isotropic(layout);
+    let numbers = &mut table.matrix;
+    let last = numbers.len() - 3;
+    for row in &mut numbers[last..] {
+        row[0] *= 1.7;
+    }
+    table
+}
+
+#[test]
+fn the_decoder_in_wgsl_makes_the_textures() {
+    for layout in [Layout::Reflected, Layout::Ltc2017, Layout::Godot] {
+        let table = edged(layout);
+        let bytes = encode(&table).expect("bytes");
+        let files = CompactContainer::Wgsl.files("ltc", &table, &About::new(["a table"])).expect("files");
+        assert_eq!((files[0].path.as_str(), &files[0].bytes), ("ltc.compact", &bytes));
+        let source = std::str::from_utf8(&files[1].bytes).expect("UTF-8");
+        let sizes = [stated(source, "for the decoder alone", " bytes"), stated(source, "RGBA of 32 bits", " bytes")];
+        let workgroups = u32::try_from(stated(source, "then ltc_expand", " workgroups")).expect("few");
+        let found = match decoder::run(source, &bytes, sizes, workgroups) {
+            Ok(found) => found,
+            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(error) => panic!("{error}"),
+        };
+        let decoded = decode(&bytes).expect("a table");
+        let textures = textures_of(&decoded, layout.name()).expect("textures");
+        let wanted: Vec<f32> = textures.iter().flat_map(|texture| texture.texels.iter().copied()).collect();
+        assert_eq!(found.len(), wanted.len(), "{layout}");
+        for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+            // The last channel of LTC_2 is for lights that are spheres.
+            let is_sphere = layout == Layout::Ltc2017 && i >= wanted_half(&textures) && i % 4 == 3;
+            assert!(
+                is_sphere || (found - wanted).abs() < 2e-4 * (1.0 + wanted.abs()),
+                "{layout} {i}: {found} {wanted}"
+            );
+        }
+    }
+}
+
+fn wanted_half(textures: &[crate::files::textures::Texture]) -> usize {
+    textures[0].texels.len()
+}
+
+#[test]
+fn the_shader_without_textures_gives_the_function() {
+    const EXAMPLE: &str = "
+@group(0) @binding(0) var<uniform> tried: array<vec4<f32>, 2>;
+@group(0) @binding(1) var<storage, read_write> found: array<vec4<f32>, 4>;
+
+@compute @workgroup_size(1)
+fn tried_once() {
+    let lobe = ltc_lookup(tried[0].w, tried[1].x, tried[0].xyz);
+    found[0] = vec4(lobe.m[0], 0.0);
+    found[1] = vec4(lobe.m[1], 0.0);
+    found[2] = vec4(lobe.m[2], 0.0);
+    found[3] = vec4(lobe.amplitude, lobe.fresnel, 0.0, 0.0);
+}
+";
+    let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
+    let source = include_function(Language::Wgsl, &function, &[]).expect("WGSL");
+    let mut tried = Vec::new();
+    for alpha in [0.0002, 0.01, 0.13, 0.6, 1.0] {
+        for theta in [0.0, 0.3, 1.0, 1.4, 1.56] {
+            for phi in [0.0, 1.1, -2.5] {
+                tried.push(Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi });
+            }
+        }
+    }
+    let words: Vec<[f32; 8]> = tried
+        .iter()
+        .map(|at| {
+            let wo = DVec3::new(at.theta.sin() * at.phi.cos(), at.theta.sin() * at.phi.sin(), at.theta.cos()).as_vec3();
+            [wo.x, wo.y, wo.z, at.alpha_x as f32, at.alpha_y as f32, 0.0, 0.0, 0.0]
+        })
+        .collect();
+    let found: Vec<[f32; 16]> = match example::run(&format!("{source}{EXAMPLE}"), "tried_once", None, &words) {
+        Ok(found) => found,
+        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(error) => panic!("{error}"),
+    };
+    for (at, found) in tried.iter().zip(found) {
+        let wanted = function.lobe(at);
+        for (row, column) in (0..9).map(|k| (k / 3, k % 3)) {
+            let (found, wanted) = (f64::from(found[4 * column + row]), wanted.matrix[3 * row + column]);
+            assert!((found - wanted).abs() < 2e-5, "{at:?}: m{row}{column} is {found}, not {wanted}");
+        }
+        for (found, wanted) in [(found[12], wanted.amplitude), (found[13], wanted.fresnel)] {
+            assert!((f64::from(found) - wanted.expect("a term")).abs() < 2e-5, "{at:?}: {found}, not {wanted:?}");
+        }
+    }
+}
