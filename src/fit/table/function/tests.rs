@@ -17,7 +17,7 @@ pub(crate) fn planted(layout: Layout) -> Table {
 fn wanted(alpha: f64, theta: f64) -> [f64; SMOOTH_NUMBERS] {
     let (x, y) = (roughness_of(alpha), view_of(theta));
     let p = 1.0 - 0.3 * x * x + 0.2 * x * y * y;
-    let q = 1.0 + 0.4 * y * y * y - 0.25 * x * x;
+    let q = 1.0 + 0.4 * y * y * y - 0.3 * x * x;
     let (slant, row) = (0.3 * y * y * (1.0 - x), -0.5 * x * y);
     [p, 0.0, q, slant, 0.0, row, 0.0, 1.0 - 0.6 * x * x * (1.0 - y), 0.15 * x + 0.1 * x * y]
 }
