@@ -240,16 +240,10 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let m = lobe.m;
     let texel = place.z * LTC_NODES.x + place.x;
-    if (LTC_LAYOUT == 1u) {
-        let middle = (m[0].x * m[2].z - m[0].z * m[2].x) / m[1].y;
-        let inverse = vec4(m[2].z, -m[0].z, -m[2].x, m[0].x) / middle;
-        let bounded = clamp(inverse, vec4(-60000.0), vec4(60000.0));
-        let diagonal = max(bounded.xw, vec2(1e-30));
-        ltc_texels[texel] = vec4(diagonal.x, bounded.yz, diagonal.y);
-        ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, 0.0);
-    } else {
-        let scale = 1.0 / length(m[2]);
-        ltc_texels[texel] = vec4(m[0].x, m[0].z, m[1].y, m[2].x) * scale;
-        ltc_texels[entries + texel] = vec4(m[2].z * scale, lobe.amplitude, lobe.fresnel, 0.0);
-    }
+    let middle = (m[0].x * m[2].z - m[0].z * m[2].x) / m[1].y;
+    let inverse = vec4(m[2].z, -m[0].z, -m[2].x, m[0].x) / middle;
+    let bounded = clamp(inverse, vec4(-60000.0), vec4(60000.0));
+    let diagonal = max(bounded.xw, vec2(1e-30));
+    ltc_texels[texel] = vec4(diagonal.x, bounded.yz, diagonal.y);
+    ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, 0.0);
 }

@@ -23,7 +23,7 @@ use crate::{
             sampling_of,
         },
     },
-    fit::{Precision, Recipe, Report, Table},
+    fit::{Precision, Recipe, Table, report},
 };
 
 /// What files that hold all textures are called.
@@ -81,7 +81,7 @@ pub(super) fn bundle(
     let report = recipe.map(|recipe| table_report(table, recipe));
     let about = About::of_table(digest, recipe, report.as_ref());
     if let (None, Some(AnyContainer::Compact(container))) = (choice.engine, choice.container) {
-        return compact(choice, container, table, &about, recipe.zip(report.as_ref()));
+        return compact(choice, container, table, &about, recipe);
     }
     let layout = TextureLayout::named(layout).map_err(|error| refused(&error))?;
     let textures = layout.textures(table).map_err(|error| refused(&error))?;
@@ -97,13 +97,16 @@ pub(super) fn bundle(
     made.map_err(|error| refused(&error))
 }
 
+/// Places at which a table and its compact form are measured, so many that a single one hardly counts.
+const COMPARED_AT: usize = 512;
+
 /// The table's compact form, and by how much it is worse where the table's own report is known.
 fn compact(
     choice: &ExportChoice,
     container: CompactContainer,
     table: &Table,
     about: &About,
-    known: Option<(&Recipe, &Report)>,
+    recipe: Option<&Recipe>,
 ) -> Result<Bundle, CommandFailure> {
     let usage = |message: String| CommandFailure::new(Exit::Usage, message);
     if layout_of(choice, table) != table.layout().name() {
@@ -116,8 +119,9 @@ fn compact(
         return Err(usage(format!("precision is for textures: container {} has its own", container.name())));
     }
     let rebuilt = compact::encode(table).and_then(|bytes| compact::decode(&bytes)).map_err(|error| refused(&error))?;
-    let error = known.map(|(recipe, report)| {
-        let [of_table, of_form] = [report, &table_report(&rebuilt, recipe)].map(|report| report.between.width.mean);
+    let error = recipe.map(|recipe| {
+        let [of_table, of_form] =
+            [table, &rebuilt].map(|table| report(table, &recipe.range, COMPARED_AT).between.width.mean);
         format!(
             "mean error between nodes as it is decoded: {of_form:.5} of the lobe's width; of the table: {of_table:.5}"
         )

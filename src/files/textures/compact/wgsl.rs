@@ -18,7 +18,7 @@ const SOURCES: [&str; 4] = [
     include_str!("../../../../shaders/ltc_decode.wgsl"),
 ];
 /// The layouts whose textures it makes, in the order of the numbers that the shader has for them.
-const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Ltc2017, Layout::Godot];
+const LAYOUTS: [Layout; 2] = [Layout::Reflected, Layout::Ltc2017];
 
 /// Integers that a dispatch of the first pass reads, and that it leaves to the next beside those: as in the shader.
 const AT_ONCE: usize = 1024;

@@ -35,7 +35,7 @@ fn edged(layout: Layout) -> Table {
 
 #[test]
 fn the_decoder_in_wgsl_makes_the_textures() {
-    for layout in [Layout::Reflected, Layout::Ltc2017, Layout::Godot] {
+    for layout in [Layout::Reflected, Layout::Ltc2017] {
         let table = edged(layout);
         let bytes = encode(&table).expect("bytes");
         let files = CompactContainer::Wgsl.files("ltc", &table, &About::new(["a table"])).expect("files");
