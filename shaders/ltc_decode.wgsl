@@ -13,6 +13,8 @@ const LTC_CHANNELS: u32 = 9u;
 /// The longest magnitude in bits, and the most polynomials on an axis.
 const LTC_MOST_BITS: u32 = 24u;
 const LTC_MOST_POLYNOMIALS: u32 = 28u;
+/// How many integers a workgroup of the first pass reads: few enough for the limits that drivers set to a loop.
+const LTC_AT_ONCE: u32 = 1024u;
 /// Where the chances of an array's bits stand: of lengths by neighbourhood, of the bit below the highest, of others, of signs.
 const LTC_SECONDS: u32 = 312u;
 const LTC_LOW: u32 = 337u;
@@ -21,13 +23,12 @@ const LTC_CHANCES: u32 = 339u;
 
 /// The file, padded with zeros to whole words.
 @group(0) @binding(0) var<storage, read> ltc_bytes: array<u32>;
-/// For each channel its coefficients and then its corrections, LTC_SLOT numbers.
+/// For each channel its coefficients and then its corrections, LTC_SLOT numbers. After all channels, what one workgroup of the
+/// first pass leaves to the next: how far each chance is from a half, of coefficients, then of corrections; and the coder.
 @group(0) @binding(1) var<storage, read_write> ltc_integers: array<i32>;
 /// The textures one after another, RGBA.
 @group(0) @binding(2) var<storage, read_write> ltc_texels: array<vec4<f32>>;
 
-/// Chances of coefficients, then of corrections.
-var<workgroup> ltc_chances: array<u32, 678>;
 /// The range coder: the next byte's place, and the interval.
 var<private> ltc_at: u32;
 var<private> ltc_code: u32;
@@ -44,87 +45,101 @@ fn ltc_byte() -> u32 {
 }
 
 fn ltc_bit(place: u32) -> u32 {
-    let chance = ltc_chances[place];
+    let chance = u32(1024i + ltc_integers[LTC_STATE + place]);
     let bound = (ltc_range >> 11u) * chance;
     var bit = 0u;
     if (ltc_code >= bound) {
         ltc_code -= bound;
         ltc_range -= bound;
-        ltc_chances[place] = chance - (chance >> 4u);
+        ltc_integers[LTC_STATE + place] -= i32(chance >> 4u);
         bit = 1u;
     } else {
         ltc_range = bound;
-        ltc_chances[place] = chance + ((2048u - chance) >> 4u);
+        ltc_integers[LTC_STATE + place] += i32((2048u - chance) >> 4u);
     }
-    // At most two bytes for a chance of 11 bits.
-    for (var i = 0u; i < 2u && ltc_range < 16777216u; i++) {
+    // Chances stay so far from 0 and 1 that a byte is enough.
+    if (ltc_range < 16777216u) {
         ltc_code = (ltc_code << 8u) | ltc_byte();
         ltc_range = ltc_range << 8u;
     }
     return bit;
 }
 
-/// One array of integers of these lengths, to `first` and on.
-fn ltc_read_array(first: u32, lengths: vec4<u32>, model: u32) {
-    let strides = vec4(lengths.y * lengths.z * lengths.w, lengths.z * lengths.w, lengths.w, 1u);
-    let count = lengths.x * strides.x;
-    for (var i = 0u; i < count; i++) {
-        let place = (vec4(i) / strides) % lengths;
-        var sum = 0u;
-        for (var axis = 0u; axis < 4u; axis++) {
-            let back = first + i;
-            if (place[axis] > 0u) {
-                sum += 2u * u32(abs(ltc_integers[back - strides[axis]]));
-            }
-            if (place[axis] > 1u) {
-                sum += u32(abs(ltc_integers[back - 2u * strides[axis]]));
-            }
-        }
-        let neighbourhood = min(32u - countLeadingZeros(sum), 12u);
-        var bits = 0u;
-        while (bits < LTC_MOST_BITS) {
-            if (ltc_bit(model + neighbourhood * LTC_MOST_BITS + bits) == 0u) {
-                break;
-            }
-            bits++;
-        }
-        var number = 0i;
-        if (bits > 0u) {
-            number = 1i;
-            for (var below = bits - 1u; below > 0u; below--) {
-                let is_second = below + 1u == bits;
-                number = 2i * number + i32(ltc_bit(model + select(LTC_LOW, LTC_SECONDS + bits, is_second)));
-            }
-            if (ltc_bit(model + LTC_SIGN) == 1u) {
-                number = -number;
-            }
-        }
-        ltc_integers[first + i] = number;
+/// What is before an integer on one axis: twice the magnitude one step back, and that two steps back.
+fn ltc_before(at: u32, place: u32, stride: u32) -> u32 {
+    var sum = 0u;
+    if (place > 0u) {
+        sum = 2u * u32(abs(ltc_integers[at - stride]));
     }
+    if (place > 1u) {
+        sum += u32(abs(ltc_integers[at - 2u * stride]));
+    }
+    return sum;
 }
 
-/// The first pass: one invocation reads the integers.
+/// The next integer, number i of an array of these lengths; it belongs to `at`.
+fn ltc_integer(at: u32, i: u32, lengths: vec4<u32>, model: u32) -> i32 {
+    let strides = vec4(lengths.y * lengths.z * lengths.w, lengths.z * lengths.w, lengths.w, 1u);
+    let place = (vec4(i) / strides) % lengths;
+    let sum = ltc_before(at, place.x, strides.x) + ltc_before(at, place.y, strides.y)
+        + ltc_before(at, place.z, strides.z) + ltc_before(at, place.w, strides.w);
+    let neighbourhood = min(32u - countLeadingZeros(sum), 12u);
+    var bits = 0u;
+    while (bits < LTC_MOST_BITS) {
+        if (ltc_bit(model + neighbourhood * LTC_MOST_BITS + bits) == 0u) {
+            break;
+        }
+        bits++;
+    }
+    if (bits == 0u) {
+        return 0i;
+    }
+    var number = 1i;
+    for (var below = bits - 1u; below > 0u; below--) {
+        let is_second = below + 1u == bits;
+        number = 2i * number + i32(ltc_bit(model + select(LTC_LOW, LTC_SECONDS + bits, is_second)));
+    }
+    if (ltc_bit(model + LTC_SIGN) == 1u) {
+        number = -number;
+    }
+    return number;
+}
+
+/// The first pass: one invocation reads some integers, and the next goes on.
 @compute @workgroup_size(1)
 fn ltc_read() {
-    for (var i = 0u; i < 2u * LTC_CHANCES; i++) {
-        ltc_chances[i] = 1024u;
-    }
-    ltc_at = LTC_CODED_AT;
-    ltc_range = 0xffffffffu;
-    for (var i = 0u; i < 4u; i++) {
-        ltc_code = (ltc_code << 8u) | ltc_byte();
-    }
-    for (var channel = 0u; channel < LTC_CHANNELS; channel++) {
-        let first = channel * LTC_SLOT;
-        if (((LTC_STORED >> channel) & 1u) == 0u) {
-            continue;
-        }
-        ltc_read_array(first, LTC_COUNTS, 0u);
-        if (((LTC_CORRECTED >> channel) & 1u) == 1u) {
-            let coefficients = LTC_COUNTS.x * LTC_COUNTS.y * LTC_COUNTS.z * LTC_COUNTS.w;
-            ltc_read_array(first + coefficients, LTC_NODES, LTC_CHANCES);
+    let coder = LTC_STATE + 2u * LTC_CHANCES;
+    ltc_at = u32(ltc_integers[coder]);
+    ltc_code = bitcast<u32>(ltc_integers[coder + 1u]);
+    ltc_range = bitcast<u32>(ltc_integers[coder + 2u]);
+    var next = u32(ltc_integers[coder + 3u]);
+    if (ltc_at == 0u) {
+        ltc_at = LTC_CODED_AT;
+        ltc_range = 0xffffffffu;
+        for (var i = 0u; i < 4u; i++) {
+            ltc_code = (ltc_code << 8u) | ltc_byte();
         }
     }
+    let coefficients = LTC_COUNTS.x * LTC_COUNTS.y * LTC_COUNTS.z * LTC_COUNTS.w;
+    for (var k = 0u; k < LTC_AT_ONCE && next < LTC_STATE; k++) {
+        let channel = next / LTC_SLOT;
+        let within = next % LTC_SLOT;
+        let is_correction = within >= coefficients;
+        if (((select(LTC_STORED, LTC_CORRECTED, is_correction) >> channel) & 1u) == 0u) {
+            next = (channel + 1u) * LTC_SLOT;
+        } else {
+            if (is_correction) {
+                ltc_integers[next] = ltc_integer(next, within - coefficients, LTC_NODES, LTC_CHANCES);
+            } else {
+                ltc_integers[next] = ltc_integer(next, within, LTC_COUNTS, 0u);
+            }
+            next++;
+        }
+    }
+    ltc_integers[coder] = i32(ltc_at);
+    ltc_integers[coder + 1u] = bitcast<i32>(ltc_code);
+    ltc_integers[coder + 2u] = bitcast<i32>(ltc_range);
+    ltc_integers[coder + 3u] = i32(next);
 }
 
 /// Gram's polynomials on n evenly spaced nodes, at one of them.
@@ -225,16 +240,10 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let m = lobe.m;
     let texel = place.z * LTC_NODES.x + place.x;
-    if (LTC_LAYOUT == 1u) {
-        let middle = (m[0].x * m[2].z - m[0].z * m[2].x) / m[1].y;
-        let inverse = vec4(m[2].z, -m[0].z, -m[2].x, m[0].x) / middle;
-        let bounded = clamp(inverse, vec4(-60000.0), vec4(60000.0));
-        let diagonal = max(bounded.xw, vec2(1e-30));
-        ltc_texels[texel] = vec4(diagonal.x, bounded.yz, diagonal.y);
-        ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, 0.0);
-    } else {
-        let scale = 1.0 / length(m[2]);
-        ltc_texels[texel] = vec4(m[0].x, m[0].z, m[1].y, m[2].x) * scale;
-        ltc_texels[entries + texel] = vec4(m[2].z * scale, lobe.amplitude, lobe.fresnel, 0.0);
-    }
+    let middle = (m[0].x * m[2].z - m[0].z * m[2].x) / m[1].y;
+    let inverse = vec4(m[2].z, -m[0].z, -m[2].x, m[0].x) / middle;
+    let bounded = clamp(inverse, vec4(-60000.0), vec4(60000.0));
+    let diagonal = max(bounded.xw, vec2(1e-30));
+    ltc_texels[texel] = vec4(diagonal.x, bounded.yz, diagonal.y);
+    ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, 0.0);
 }

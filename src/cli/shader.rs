@@ -13,10 +13,13 @@ use super::{
 };
 use crate::{
     files::textures::About,
-    fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, MOST_POINTS, Table, report, report_points},
+    fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report},
     light::LightModel,
     view::shaders::{Filter, Language, LitBy, include, include_function, port},
 };
+
+/// Places at which a table and its polynomials are measured, so many that a single one hardly counts.
+const COMPARED_AT: usize = 512;
 
 /// Writes the shader to the file, or to standard output. With `--json` one line
 /// describes the file, or holds the shader's text.
@@ -77,15 +80,15 @@ fn without_textures(
     let AnyTable { path, digest, table, origin } = AnyTable::named(table, &args.folder)?;
     let refused = |error: FunctionError| CommandFailure::new(Exit::Usage, format!("{}: {error}", path.display()));
     let function = IsotropicFunction::of(&table).map_err(refused)?;
-    let (recipe, range, points) = match &origin {
-        Origin::Recipe(recipe) => (Some(recipe), recipe.range, report_points(recipe)),
-        Origin::Range(range) => (None, *range, MOST_POINTS),
+    let (recipe, range) = match &origin {
+        Origin::Recipe(recipe) => (Some(recipe), recipe.range),
+        Origin::Range(range) => (None, *range),
     };
-    let measured = |table: &Table| report(table, &range, points);
+    let measured = |table: &Table| report(table, &range, COMPARED_AT);
     let [of_table, of_function] =
         args.threads.pool()?.install(|| [measured(&table), measured(&function.table(&table))]);
     let [table_width, width] = [&of_table, &of_function].map(|report| report.between.width.mean);
-    let about = About::of_table(digest, recipe, recipe.map(|_| &of_table));
+    let about = About::of_table(digest, recipe, None);
     let about = about.and([format!(
         "mean error of the polynomials: {width:.4} of the lobe's width; of the table: {table_width:.4}"
     )]);

@@ -129,7 +129,8 @@ fn a_table_ships_in_few_bytes_and_is_read_again() {
 fn a_shader_needs_no_texture_for_isotropic_tables() {
     let (folder, anisotropic) = folder_with_table();
     let here = folder.path();
-    let recipe = r#"{"preset":"draft","layout":"ltc2017","resolution":{"alpha":20,"theta":20}}"#;
+    let recipe = r#"{"preset":"draft","resolution":{"alpha":32,"ratio":1,"theta":32,"phi":1},
+                     "range":{"ratio":[1,1],"phi":[0,0]}}"#;
     let fitted = run_with_stdin(here, ["fit", "-", "-o", "."], recipe).exited(0);
     let digest: Digest = fitted.last_line().parse().expect("a digest");
     let table = format!("{}.safetensors", digest.hex());
@@ -137,7 +138,8 @@ fn a_shader_needs_no_texture_for_isotropic_tables() {
     let told = run(here, words.iter().chain(&[table.as_str(), "-o", "light.glsl", "--json"])).exited(0);
     let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
     assert_eq!((&told["coefficients"], &told["table"]), (&Value::from(600), &Value::from(digest.to_string())));
-    assert!(told["error"].as_f64() <= told["table_error"].as_f64().map(|error| 1.01 * error), "{told}");
+    // A draft of few nodes: finer tables have less, which docs/compact.md states.
+    assert!(told["error"].as_f64().is_some_and(|error| error < 0.06), "{told}");
     let text = fs::read_to_string(here.join("light.glsl")).expect("a file");
     for said in ["table sha256:", "CC0-1.0", "mean error of the polynomials: 0.", "ltc_lookup(", "ltc_rectangle("] {
         assert!(text.contains(said), "{said} is not in {text}");

@@ -27,7 +27,7 @@ fn a_small_family_is_written_three_times_over() {
         for name in ["recipe_digest", "layout", "precision"] {
             assert_eq!(cells[name], row[name], "{name}");
         }
-        for name in ["samples", "directions", "steps", "entries", "bytes", "compact_bytes"] {
+        for name in ["samples", "directions", "steps", "entries", "bytes"] {
             assert_eq!(cells[name], row[name].to_string(), "{name}");
         }
         for name in
@@ -42,7 +42,7 @@ fn a_small_family_is_written_three_times_over() {
     assert_eq!(presets, ["draft", "standard", "paper", "best"]);
     // 16 entries of 9 numbers.
     assert_eq!(rows[0]["bytes"], 16 * 9 * 4);
-    assert!(rows.iter().all(|row| row["compact_bytes"].as_u64().is_some_and(|bytes| bytes > 100)), "{document}");
+    assert!(rows[0]["compact_bytes"].as_u64().is_some_and(|bytes| (100..1000).contains(&bytes)), "{document}");
     for front in ["seconds", "bytes", "base"] {
         assert!(rows.iter().any(|row| row["on_front"][front] == true), "{front}");
     }

@@ -12,7 +12,7 @@
 //!
 //! Little-endian. The range coder's bytes follow to the end of the file.
 
-use super::{CompactError, polynomials::MOST_POLYNOMIALS};
+use super::{CompactError, LAYOUTS, polynomials::MOST_POLYNOMIALS};
 use crate::fit::{BrdfKind, Layout, LobeModel, PerAxis};
 
 /// What a compact file begins with, its version last.
@@ -122,7 +122,8 @@ impl Header {
         }
         let brdf = reader.named("brdf", BrdfKind::from_name, BrdfKind::ALL)?;
         let lobe = reader.named("lobe", LobeModel::from_name, LobeModel::ALL)?;
-        let layout = reader.named("layout", Layout::from_name, Layout::ALL)?;
+        let layout =
+            reader.named("layout", |name| Layout::from_name(name).filter(|found| LAYOUTS.contains(found)), &LAYOUTS)?;
         let (mut nodes, mut polynomials, mut ranges) = ([0; 4], [0; 4], [[0.0; 2]; 4]);
         for (axis, name) in ["alpha", "ratio", "theta", "phi"].into_iter().enumerate() {
             nodes[axis] = u16::from_le_bytes(reader.take()?);

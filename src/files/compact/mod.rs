@@ -22,10 +22,10 @@ pub use header::COMPACT_MAGIC;
 use header::{CHANNELS, Header, TERMS};
 use integers::{MOST_BITS, Models};
 pub(in crate::files) use outline::Outline;
-use polynomials::{Bases, MOST_POLYNOMIALS};
+use polynomials::{Bases, most_polynomials};
 use rounding::Rounding;
 
-use crate::fit::Table;
+use crate::fit::{Layout, Table};
 
 /// How many times finer each channel is rounded: by how much of its width the lobe moves with the number, for the terms
 /// by how small their own errors are.
@@ -34,6 +34,9 @@ const WEIGHTS: [f64; CHANNELS] = [1.5, 1.3, 1.3, 5.0, 4.0, 1.0, 1.0, 45.0, 45.0]
 const ROUND_UP: f64 = 0.4;
 /// What a number may miss, in steps of its channel.
 const MOST_MISSED: f64 = 4.0;
+
+/// The layouts with a compact form.
+pub(crate) const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
 
 /// Why a table has no compact form, or bytes are none.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -72,6 +75,15 @@ pub enum CompactError {
         /// The last node.
         high: String,
     },
+    /// A layout whose readers need more digits than the steps leave.
+    #[error(
+        "layout {layout} has no compact form: it scales the matrices of sharp surfaces by numbers that nearly vanish; \
+         layouts reflected, kt2022 and ltc2017 have one"
+    )]
+    Layout {
+        /// The layout.
+        layout: String,
+    },
     /// A channel whose numbers are too large.
     #[error("channel {channel} has a number that is too large to be rounded to steps")]
     Large {
@@ -95,8 +107,11 @@ impl CompactError {
 /// The compact form of a table. `node_error` is not kept.
 ///
 /// # Errors
-/// When the table has too many entries, nodes that are not its layout's, a singular matrix, or an amplitude of zero.
+/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a singular matrix, or an amplitude of zero.
 pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
+    if !LAYOUTS.contains(&table.layout()) {
+        return Err(CompactError::Layout { layout: table.layout().to_string() });
+    }
     let mut header = header_of(table)?;
     let numbers = table.smooth_numbers();
     if let Some(entry) = numbers.iter().position(|entry| entry.iter().any(|x| !x.is_finite())) {
@@ -112,10 +127,10 @@ pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
         if exact.iter().all(|x| x.abs() < 1e-6) && !TERMS.contains(&channel) || !kept(table, channel) {
             continue;
         }
-        let step = (rounding.part_of_width / WEIGHTS[channel]) as f32;
+        let step = rounding.step(channel) as f32;
         header.steps[channel] = Some(step);
         let step = f64::from(step);
-        let smooth = rounding.smoothed(table, exact.clone());
+        let smooth = rounding.smoothed(table, step, exact.clone());
         let rounded = rounded(&bases.coefficients(smooth), step, ROUND_UP);
         let rounded = rounded.ok_or(CompactError::Large { channel })?;
         models.write(bases.counts(), &rounded, &mut encoder);
@@ -197,7 +212,7 @@ fn header_of(table: &Table) -> Result<Header, CompactError> {
         lobe: table.lobe(),
         layout: table.layout(),
         nodes: counts,
-        polynomials: counts.map(|n| n.min(MOST_POLYNOMIALS as u16) as u8),
+        polynomials: counts.map(|n| most_polynomials(usize::from(n)) as u8),
         ranges: [[0.0; 2]; 4],
         correction_steps: 1.0,
         steps: [None; CHANNELS],

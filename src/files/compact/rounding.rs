@@ -3,7 +3,7 @@
 //! Measured on tables of the default recipe and of 64 x 64 nodes in layouts `reflected` and `ltc2017`: the mean error
 //! between nodes grows by less than 1 %.
 
-use super::{CHANNELS, TERMS};
+use super::{CHANNELS, TERMS, WEIGHTS};
 use crate::fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
 
 /// The step of a number that moves the lobe by the step's part of its width, and the steps of corrections.
@@ -11,9 +11,13 @@ const ANISOTROPIC: (f64, f32) = (0.015, 8.0);
 /// The same for tables of isotropic surfaces, which have fewer numbers and finer nodes.
 const ISOTROPIC: (f64, f32) = (0.007, 8.0);
 /// The same for tables whose numbers are chosen for the error between nodes.
-const CHOSEN: (f64, f32) = (0.012, 0.5);
+const CHOSEN: (f64, f32) = (0.014, 0.5);
+/// How many times coarser their terms are rounded beside the others.
+const CHOSEN_TERMS: f64 = 1.5;
 /// The rows of least roughness whose chosen numbers are far from those of the lobes.
 const MIRROR_ROWS: usize = 2;
+/// A number that is off the median of its neighbourhood by more than this many steps is left to corrections.
+const OUTLIER: f64 = 8.0;
 /// The error of a Fresnel term that is not corrected, in steps.
 const UNSEEN: f64 = 0.08;
 
@@ -42,9 +46,16 @@ impl Rounding {
         Self { part_of_width, correction_steps, is_chosen }
     }
 
-    /// The numbers that polynomials are to follow: where numbers are chosen, those of the least roughness and at the horizon
-    /// are taken from their neighbours, and left to corrections.
-    pub(super) fn smoothed(self, table: &Table, mut exact: Vec<f64>) -> Vec<f64> {
+    /// The step of a channel.
+    pub(super) fn step(self, channel: usize) -> f64 {
+        let coarser = if self.is_chosen && TERMS.contains(&channel) { CHOSEN_TERMS } else { 1.0 };
+        self.part_of_width * coarser / WEIGHTS[channel]
+    }
+
+    /// The numbers that polynomials are to follow, of a channel with this step: where numbers are chosen, those of the least roughness and at the horizon
+    /// are taken from their neighbours, and left to corrections; and so
+    /// are numbers that stand out of theirs, because a polynomial would bend all around them.
+    pub(super) fn smoothed(self, table: &Table, step: f64, mut exact: Vec<f64>) -> Vec<f64> {
         if self.is_chosen {
             let columns = table.axes().theta.len();
             for row in exact.chunks_exact_mut(columns) {
@@ -54,6 +65,7 @@ impl Rounding {
             for row in mirror.chunks_exact_mut(columns) {
                 row.copy_from_slice(&rest[..columns]);
             }
+            exact = without_outliers(&exact, columns, OUTLIER * step);
         }
         exact
     }
@@ -82,4 +94,23 @@ impl Rounding {
         let fifth = |x: f64| (x + grazing).max(0.0).powi(5);
         (fifth(exact) - fifth(value)).abs() >= UNSEEN * step
     }
+}
+
+/// Numbers in rows of `columns`, where those that are farther than `most` from the median of the nine around them are that
+/// median.
+fn without_outliers(numbers: &[f64], columns: usize, most: f64) -> Vec<f64> {
+    let rows = numbers.len() / columns;
+    let median = |row: usize, column: usize| {
+        let mut around: [f64; 9] = std::array::from_fn(|k| {
+            let near = |at: usize, step: usize, count: usize| (at + step).saturating_sub(1).min(count - 1);
+            numbers[near(row, k / 3, rows) * columns + near(column, k % 3, columns)]
+        });
+        around.sort_by(f64::total_cmp);
+        around[4]
+    };
+    let kept = |(i, number): (usize, &f64)| {
+        let median = median(i / columns, i % columns);
+        if (number - median).abs() > most { median } else { *number }
+    };
+    numbers.iter().enumerate().map(kept).collect()
 }

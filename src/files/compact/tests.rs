@@ -46,19 +46,22 @@ pub(in crate::files) fn planted(
     Table::of_smooth_numbers((recipe.brdf, recipe.lobe, recipe.layout), axes, &numbers, has_terms)
 }
 
-/// The largest difference of each channel, in its steps.
+/// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound what they store, so that
+/// their numbers there are not those that were planted.
 fn misses(one: &Table, other: &Table) -> [f64; CHANNELS] {
-    let part = Rounding::of(one).part_of_width;
+    let rounding = Rounding::of(one);
+    let is_bounded = |entry: usize| one.layout() != Layout::Reflected && one.axes().node(entry).theta >= 1.57;
+    let kept: Vec<usize> = (0..one.matrices().len()).filter(|entry| !is_bounded(*entry)).collect();
     let (one, other) = (one.smooth_numbers(), other.smooth_numbers());
     std::array::from_fn(|channel| {
-        let worst = one.iter().zip(&other).map(|(a, b)| (a[channel] - b[channel]).abs()).fold(0.0, f64::max);
-        worst * WEIGHTS[channel] / part
+        let worst = kept.iter().map(|i| (one[*i][channel] - other[*i][channel]).abs()).fold(0.0, f64::max);
+        worst / rounding.step(channel)
     })
 }
 
 #[test]
 fn smooth_tables_of_every_layout_come_back_in_few_bytes() {
-    for layout in Layout::ALL {
+    for layout in &LAYOUTS {
         for has_terms in [true, false] {
             let table = planted(*layout, [12, 5, 9, 6], has_terms, |_, _| 0.0);
             let bytes = encode(&table).expect("bytes");
@@ -102,7 +105,7 @@ fn bytes_and_decoded_numbers_are_pinned() {
     let numbers: Vec<u8> = table.matrices().iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     assert_eq!(
         [Digest::of(&bytes).hex()[..16].to_owned(), Digest::of(&numbers).hex()[..16].to_owned()],
-        ["01cbdc4d330b1bb4", "328afb3542d6270f"],
+        ["84c5aa48e15d0d37", "328afb3542d6270f"],
         "{} bytes",
         bytes.len()
     );
@@ -110,6 +113,8 @@ fn bytes_and_decoded_numbers_are_pinned() {
 
 #[test]
 fn each_fault_of_a_table_is_named() {
+    let error = encode(&planted(Layout::Hdrp, [4, 1, 4, 1], true, |_, _| 0.0)).expect_err("no such form").to_string();
+    assert!(error.starts_with("layout hdrp has no compact form") && error.ends_with("ltc2017 have one"), "{error}");
     let mut table = planted(Layout::Reflected, [4, 3, 4, 3], true, |_, _| 0.0);
     table.axes.theta[1] += 1e-9;
     let error = encode(&table).expect_err("other nodes").to_string();
@@ -127,10 +132,11 @@ fn valid() -> Vec<u8> {
 fn each_fault_of_the_header_is_named() {
     let names = 8 + 4 + 4 + 10;
     let horizon = std::f64::consts::FRAC_PI_2.to_le_bytes();
-    let cases: [(usize, &[u8], &str); 14] = [
+    let cases: [(usize, &[u8], &str); 15] = [
         (7, b"2", "not a compact table of version 1"),
         (9, b"x", r#"brdf is "xgx"; allowed: ggx"#),
         (17, b"K", "layout is "),
+        (17, b"kt2016xyz", "allowed: reflected, kt2022, ltc2017"),
         (names, &[0, 0], "nodes of alpha is 0; allowed: 1 to 16384"),
         (names, &[0xff, 0x3f], "entries is 16383 x 3 x 5 x 3"),
         (names + 2, &[5], "polynomials of alpha is 5; allowed: 1 to 4"),

@@ -13,7 +13,7 @@
 //! the angle for which a node stands, and rounded to multiples of 1/8192 or 1/16384 that 16 bits hold.
 //!
 //! Fitted lobes scatter a little from one to the next. Least squares average this away, so that the function comes nearer
-//! to the truth than a fine table of layout `reflected`, and nearer yet than one whose reader interpolates matrices.
+//! to the truth than a fine table of layout `reflected`.
 
 use super::{Configuration, LookedUp, Table};
 use crate::fit::{
@@ -28,8 +28,13 @@ pub const FUNCTION_SIDE: usize = 10;
 const CHANNELS: [usize; 6] = [0, 2, 3, 5, 7, 8];
 /// The steps of their coefficients.
 const STEPS: [f64; 6] = [1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 16384.0, 1.0 / 16384.0, 1.0 / 16384.0];
+/// Fewest nodes along either axis: between those of a coarser table the polynomials would swing.
+const LEAST_NODES: usize = 32;
 /// Nodes along either axis of the table that measures the function.
 const MEASURED_NODES: u32 = 128;
+
+/// A recipe of the tables that polynomials are found of.
+const RECIPE: &str = r#"{"layout": "reflected", "resolution": {"alpha": 64, "ratio": 1, "theta": 64, "phi": 1}, "range": {"ratio": [1, 1], "phi": [0, 0]}}"#;
 
 /// Why a table is no function of this kind.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -42,8 +47,17 @@ pub enum FunctionError {
         /// Nodes of phi.
         phis: usize,
     },
+    /// A layout whose numbers are not those of the lobes at the nodes.
+    #[error(
+        "the table has layout {layout}, whose numbers are chosen for what lies between its nodes; a recipe whose table serves: \
+         {RECIPE}"
+    )]
+    Chosen {
+        /// The layout.
+        layout: Layout,
+    },
     /// Too few nodes to find the polynomials.
-    #[error("the table has {nodes} nodes of {axis}; allowed: at least {least}", least = 2 * FUNCTION_SIDE)]
+    #[error("the table has {nodes} nodes of {axis}; allowed: at least {least}", least = LEAST_NODES)]
     Coarse {
         /// The axis.
         axis: &'static str,
@@ -90,32 +104,25 @@ impl IsotropicFunction {
         if ratio.as_slice() != [1.0] || phi.as_slice() != [0.0] {
             return Err(FunctionError::Anisotropic { ratios: ratio.len(), phis: phi.len() });
         }
+        if table.layout.rules().free_numbers().is_some() {
+            return Err(FunctionError::Chosen { layout: table.layout });
+        }
         for (axis, nodes) in [("alpha", alpha.len()), ("theta", theta.len())] {
-            if nodes < 2 * FUNCTION_SIDE {
+            if nodes < LEAST_NODES {
                 return Err(FunctionError::Coarse { axis, nodes });
             }
         }
         if table.terms.is_none() {
             return Err(FunctionError::NoTerms);
         }
-        let mut numbers = table.smooth_numbers();
+        let numbers = table.smooth_numbers();
         if let Some(entry) = numbers.iter().position(|entry| entry.iter().any(|x| !x.is_finite())) {
             return Err(FunctionError::Entry { entry });
         }
         let (rows, columns) = (alpha.len(), theta.len());
         let roughness: Vec<f64> = alpha.iter().map(|x| roughness_of(*x)).collect();
         let view: Vec<f64> = theta.iter().map(|x| view_of(*x)).collect();
-        let mut row_weights = shares(&roughness);
-        if table.layout.rules().free_numbers().is_some() {
-            // Numbers that are chosen for the error between nodes are far from the lobes' own at the mirror and the horizon.
-            for row in 0..rows {
-                numbers[(row + 1) * columns - 1] = numbers[(row + 1) * columns - 2];
-            }
-            for entry in 0..2 * columns {
-                numbers[entry] = numbers[2 * columns + entry % columns];
-            }
-            row_weights[..3].iter_mut().for_each(|weight| *weight *= 0.2);
-        }
+        let row_weights = shares(&roughness);
         let ends = |places: &[f64]| [places[0], places[places.len() - 1]];
         let mut found = Self {
             coefficients: [[[0; 6]; FUNCTION_SIDE]; FUNCTION_SIDE],

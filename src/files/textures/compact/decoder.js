@@ -1,5 +1,5 @@
 const CHANNELS = 9, LONGEST = 24, AXES = [ 'alpha', 'ratio', 'theta', 'phi' ];
-const ISOTROPIC = { ltc2017: 4, ltc2016: 0, hdrp: 8, godot: null }; // the element that divides M^-1; godot has M
+const ISOTROPIC = { ltc2017: 4 }; // the element that divides M^-1
 
 // The table of a compact form: `axes`, the nodes of each axis; `matrix`, nine numbers an entry, row by row; and
 // `amplitude` and `fresnel`, or null. Entries run over alpha, ratio, theta and phi, the last fastest. Throws a RangeError
@@ -11,7 +11,7 @@ export function decodeTable( bytes ) {
 	const name = () => String.fromCharCode( ...bytes.subarray( at + 1, at += 1 + bytes[ at ] ) );
 	if ( String.fromCharCode( ...bytes.subarray( 0, 8 ) ) !== 'LTCcomp1' ) throw new RangeError( 'no compact table of version 1' );
 	const [ brdf, lobe, layout ] = [ name(), name(), name() ];
-	if ( layout !== 'reflected' && layout !== 'kt2022' && ! ( layout in ISOTROPIC ) ) throw new RangeError( 'layout ' + layout );
+	if ( layout !== 'reflected' && layout !== 'kt2022' && layout !== 'ltc2017' ) throw new RangeError( 'layout ' + layout );
 	const nodes = [], counts = [], axes = {};
 	AXES.forEach( ( axis, i ) => {
 
@@ -128,8 +128,8 @@ export function decodeTable( bytes ) {
 }
 
 // The textures of a table, RGBA. Layouts `reflected` and `kt2022`: three volumes, x = phi, y = ratio * (nodes of theta) +
-// theta, z = alpha. Layouts `ltc2017` and `godot`: LTC_1 and LTC_2, x = roughness, y = theta; the last channel of LTC_2, which
-// engines may use for lights that are spheres, is 0. Others: a RangeError, as engines differ in how they order the numbers.
+// theta, z = alpha. Layout `ltc2017`: LTC_1 and LTC_2, x = roughness, y = theta; the last channel of LTC_2, which
+// engines may use for lights that are spheres, is 0.
 export function texturesOf( table ) {
 
 	const { layout, axes, matrix, amplitude, fresnel } = table, entries = matrix.length / 9;
@@ -156,11 +156,6 @@ export function texturesOf( table ) {
 
 	const size = [ alpha, theta, 1 ], entry = i => ( i % alpha ) * theta + Math.floor( i / alpha );
 	const of = ( i, ...places ) => places.map( place => matrix[ 9 * entry( i ) + place ] );
-	if ( layout === 'godot' ) return [
-		texture( 'LTC_1', size, i => of( i, 0, 6, 4, 2 ) ),
-		texture( 'LTC_2', size, i => [ ...of( i, 8 ), ...terms( entry( i ) ), 0 ] ),
-	];
-	if ( layout !== 'ltc2017' ) throw new RangeError( 'no textures of layout ' + layout );
 	return [
 		texture( 'LTC_1', size, i => of( i, 0, 6, 2, 8 ) ),
 		texture( 'LTC_2', size, i => [ ...terms( entry( i ) ), 0, 0 ] ),
@@ -179,10 +174,7 @@ function divide( layout, axis, [ low, high ], n ) {
 		reflected: [ power( 1.6 ), power( 1.3 ), grazing, even ],
 		kt2022: [ even, even, even, even ],
 		ltc2017: [ [ Math.sqrt, u => u * u ], even, versine, even ],
-		ltc2016: [ [ Math.sqrt, u => u * u ], even, even, even ],
 	};
-	spacings.hdrp = spacings.ltc2017;
-	spacings.godot = spacings.ltc2016;
 	const [ invert, value ] = spacings[ layout ][ axis ];
 	const floor = layout in ISOTROPIC || axis > 1 ? 0 : 1e-4, last = Math.max( n - 1, 1 );
 	const [ from, to ] = [ invert( low ), invert( high ) ];

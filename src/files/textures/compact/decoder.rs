@@ -15,7 +15,7 @@ const MOST_ENTRIES: usize = 1 << 20;
 const CEILING: f64 = 0.9999 * std::f64::consts::FRAC_PI_2;
 
 /// The textures of a compact form: `ltc_matrix_a`, `ltc_matrix_b` and `ltc_terms` of layout `reflected`, `LTC_1` and `LTC_2`
-/// of `ltc2017` and `godot`. The last channel of `LTC_2` is 0.
+/// of `ltc2017`. The last channel of `LTC_2` is 0.
 ///
 /// # Errors
 /// Other bytes, and other layouts.
@@ -27,7 +27,7 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
     let (_brdf, _lobe, layout) = (reader.name()?, reader.name()?, reader.name()?);
     let is_reflected = match layout {
         b"reflected" => true,
-        b"ltc2017" | b"godot" => false,
+        b"ltc2017" => false,
         _ => return Err("a layout that this decoder makes no textures of"),
     };
     let (mut nodes, mut counts, mut ranges) = ([0; 4], [0; 4], [[0.0; 2]; 4]);
@@ -110,22 +110,15 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
     for (i, numbers) in numbers.iter().enumerate() {
         let (a, t) = (i / theta, i % theta);
         let (roughness, v) = (part(a, alpha), part(t, theta));
-        let even = v * std::f64::consts::FRAC_PI_2;
-        let angle = if layout == b"godot" { even } else { 2.0 * v.atan2((2.0 - v * v).sqrt()) };
+        let angle = 2.0 * v.atan2((2.0 - v * v).sqrt());
         let s = beside_reflection(*numbers, true, t == 0);
         let lobe = lobe((roughness * roughness).max(1e-4), angle.min(CEILING), s, [numbers[7].max(0.0), numbers[8]]);
         let ([x, y, z], terms) = (lobe.0, if has_terms { lobe.1 } else { [1.0, 0.0] });
         let texel = t * alpha + a;
-        if layout == b"godot" {
-            let length = (z[0] * z[0] + z[1] * z[1] + z[2] * z[2]).sqrt();
-            put(&mut made[0], texel, [x[0], x[2], y[1], z[0]].map(|number| number / length));
-            put(&mut made[1], texel, [z[2] / length, terms[0], terms[1], 0.0]);
-        } else {
-            let middle = (x[0] * z[2] - x[2] * z[0]) / y[1];
-            let [m00, m20, m02, m22] = [z[2], -x[2], -z[0], x[0]].map(|number| (number / middle).clamp(-6e4, 6e4));
-            put(&mut made[0], texel, [m00.max(1e-30), m20, m02, m22.max(1e-30)]);
-            put(&mut made[1], texel, [terms[0], terms[1], 0.0, 0.0]);
-        }
+        let middle = (x[0] * z[2] - x[2] * z[0]) / y[1];
+        let [m00, m20, m02, m22] = [z[2], -x[2], -z[0], x[0]].map(|number| (number / middle).clamp(-6e4, 6e4));
+        put(&mut made[0], texel, [m00.max(1e-30), m20, m02, m22.max(1e-30)]);
+        put(&mut made[1], texel, [terms[0], terms[1], 0.0, 0.0]);
     }
     Ok(made.into())
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::{
     files::{
-        compact::{decode, tests::planted},
+        compact::{LAYOUTS, decode, tests::planted},
         textures::textures_of,
     },
     fit::Layout,
@@ -59,8 +59,8 @@ fn wavy(layout: Layout, has_terms: bool) -> Table {
 /// Layout `reflected` needs only arithmetic that has the same bits everywhere; the others sines of the platform as well.
 #[test]
 fn javascript_decodes_the_same_numbers() {
-    for layout in Layout::ALL {
-        let table = wavy(*layout, *layout != Layout::Hdrp);
+    for layout in &LAYOUTS {
+        let table = wavy(*layout, *layout != Layout::Kt2022);
         let Some(folder) = run(&table, false) else { return };
         let expected = decode(&encode(&table).expect("bytes")).expect("a table");
         let matrices: Vec<f32> = expected.matrices().iter().flatten().copied().collect();
@@ -146,27 +146,23 @@ fn main() {
 
 #[test]
 fn the_decoder_that_stands_alone_makes_an_engine_s_textures() {
-    for layout in [Layout::Ltc2017, Layout::Godot] {
-        for has_terms in [true, false] {
-            let bytes = encode(&wavy(layout, has_terms)).expect("bytes");
-            let found = decoder::decode(&bytes).expect("textures");
-            let wanted = textures_of(&decode(&bytes).expect("a table"), layout.name());
-            // Engines' textures need terms.
-            let Ok(wanted) = wanted else {
-                assert!(!has_terms, "{layout}");
-                assert!(found[1].texels.iter().all(|x| x.is_finite()));
-                continue;
-            };
-            for (found, wanted) in found.iter().zip(&wanted) {
-                assert_eq!(found.name, wanted.name);
-                for (i, (one, other)) in found.texels.iter().zip(&wanted.texels).enumerate() {
-                    // The last channel of LTC_2 is for lights that are spheres.
-                    let is_sphere = found.name == "LTC_2" && i % 4 == 3;
-                    assert!(
-                        is_sphere || (one - other).abs() <= 1e-5 * (1.0 + other.abs()),
-                        "{layout} {i}: {one} {other}"
-                    );
-                }
+    let layout = Layout::Ltc2017;
+    for has_terms in [true, false] {
+        let bytes = encode(&wavy(layout, has_terms)).expect("bytes");
+        let found = decoder::decode(&bytes).expect("textures");
+        let wanted = textures_of(&decode(&bytes).expect("a table"), layout.name());
+        // Engines' textures need terms.
+        let Ok(wanted) = wanted else {
+            assert!(!has_terms, "{layout}");
+            assert!(found[1].texels.iter().all(|x| x.is_finite()));
+            continue;
+        };
+        for (found, wanted) in found.iter().zip(&wanted) {
+            assert_eq!(found.name, wanted.name);
+            for (i, (one, other)) in found.texels.iter().zip(&wanted.texels).enumerate() {
+                // The last channel of LTC_2 is for lights that are spheres.
+                let is_sphere = found.name == "LTC_2" && i % 4 == 3;
+                assert!(is_sphere || (one - other).abs() <= 1e-5 * (1.0 + other.abs()), "{layout} {i}: {one} {other}");
             }
         }
     }

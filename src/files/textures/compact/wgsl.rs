@@ -18,7 +18,11 @@ const SOURCES: [&str; 4] = [
     include_str!("../../../../shaders/ltc_decode.wgsl"),
 ];
 /// The layouts whose textures it makes, in the order of the numbers that the shader has for them.
-const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Ltc2017, Layout::Godot];
+const LAYOUTS: [Layout; 2] = [Layout::Reflected, Layout::Ltc2017];
+
+/// Integers that a dispatch of the first pass reads, and that it leaves to the next beside those: as in the shader.
+const AT_ONCE: usize = 1024;
+const STATE: usize = 2 * 339 + 4;
 
 /// The sizes of what a host makes for the decoder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,11 +79,12 @@ fn write_module(out: &mut String, bytes: usize, outline: &Outline, number: usize
          //   1  storage, read_write:  {:>9} bytes: for the decoder alone, zeros\n\
          //   2  storage, read_write:  {:>9} bytes: RGBA of 32 bits, {names}, each {size}\n\
          // PASSES\n\
-         //   ltc_read: 1 workgroup; then ltc_expand: {} workgroups. Copy the texels to textures of 16 or 32 bits, or leave\n\
-         //   them in the buffer.\n",
+         //   ltc_read, {} times a dispatch of 1 workgroup; then ltc_expand, {} workgroups. Copy the texels to textures of\n\
+         //   16 or 32 bits, or leave them in the buffer.\n",
         bytes.next_multiple_of(4),
-        4 * 9 * slot,
+        4 * (9 * slot + STATE),
         16 * textures * entries,
+        (9 * slot).div_ceil(AT_ONCE),
         entries.div_ceil(64)
     )?;
     let mask = |on: [bool; 9]| (0..).zip(on).map(|(i, on)| u32::from(on) << i).sum::<u32>();
@@ -87,6 +92,7 @@ fn write_module(out: &mut String, bytes: usize, outline: &Outline, number: usize
     writeln!(out, "const LTC_NODES = vec4<u32>({alpha}u, {ratio}u, {theta}u, {phi}u);")?;
     let [a, r, t, p] = outline.counts;
     writeln!(out, "const LTC_COUNTS = vec4<u32>({a}u, {r}u, {t}u, {p}u);\nconst LTC_SLOT: u32 = {slot}u;")?;
+    writeln!(out, "const LTC_STATE: u32 = {}u;", 9 * slot)?;
     writeln!(out, "const LTC_STORED: u32 = {}u;", mask(outline.steps.map(|step| step != 0.0)))?;
     writeln!(out, "const LTC_CORRECTED: u32 = {}u;", mask(outline.corrected))?;
     writeln!(out, "const LTC_HAS_TERMS: bool = {};\nconst LTC_LAYOUT: u32 = {number}u;", outline.has_terms)?;

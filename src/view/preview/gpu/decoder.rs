@@ -7,12 +7,13 @@ use super::{
 };
 
 /// What the passes `ltc_read` and `ltc_expand` of the WGSL `source` leave in the buffer of texels. `integers` and `texels`
-/// are the sizes of the second and third buffer in bytes; the second pass has `workgroups`.
+/// are the sizes of the second and third buffer in bytes; the first pass is dispatched `reads` times, the second has
+/// `workgroups`.
 pub(in crate::view::preview) fn run(
     source: &str,
     bytes: &[u8],
     [integers, texels]: [u64; 2],
-    workgroups: u32,
+    [reads, workgroups]: [u32; 2],
 ) -> Result<Vec<f32>, GpuFailure> {
     let gpu = Device::open(Variant::default())?;
     let module = gpu.wgpu.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -39,7 +40,7 @@ pub(in crate::view::preview) fn run(
     let group =
         bind(&gpu, &group_layout, &[given.as_entire_binding(), work.as_entire_binding(), found.as_entire_binding()]);
     let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    for (entry_point, workgroups) in [("ltc_read", 1), ("ltc_expand", workgroups)] {
+    for (entry_point, times, workgroups) in [("ltc_read", reads, 1), ("ltc_expand", 1, workgroups)] {
         let pipeline = gpu.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,
             layout: Some(&pipeline_layout),
@@ -51,7 +52,9 @@ pub(in crate::view::preview) fn run(
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(workgroups, 1, 1);
+        for _ in 0..times {
+            pass.dispatch_workgroups(workgroups, 1, 1);
+        }
     }
     encoder.copy_buffer_to_buffer(&found, 0, &read, 0, texels);
     gpu.queue.submit([encoder.finish()]);

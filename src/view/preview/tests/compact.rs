@@ -35,15 +35,16 @@ fn edged(layout: Layout) -> Table {
 
 #[test]
 fn the_decoder_in_wgsl_makes_the_textures() {
-    for layout in [Layout::Reflected, Layout::Ltc2017, Layout::Godot] {
+    for layout in [Layout::Reflected, Layout::Ltc2017] {
         let table = edged(layout);
         let bytes = encode(&table).expect("bytes");
         let files = CompactContainer::Wgsl.files("ltc", &table, &About::new(["a table"])).expect("files");
         assert_eq!((files[0].path.as_str(), &files[0].bytes), ("ltc.compact", &bytes));
         let source = std::str::from_utf8(&files[1].bytes).expect("UTF-8");
         let sizes = [stated(source, "for the decoder alone", " bytes"), stated(source, "RGBA of 32 bits", " bytes")];
-        let workgroups = u32::try_from(stated(source, "then ltc_expand", " workgroups")).expect("few");
-        let found = match decoder::run(source, &bytes, sizes, workgroups) {
+        let passes = [stated(source, "ltc_read, ", " times"), stated(source, "ltc_expand, ", " workgroups. Copy")];
+        let passes = passes.map(|n| u32::try_from(n).expect("few"));
+        let found = match decoder::run(source, &bytes, sizes, passes) {
             Ok(found) => found,
             Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
             Err(error) => panic!("{error}"),
@@ -87,7 +88,8 @@ fn tried_once() {
     let mut tried = Vec::new();
     for alpha in [0.0002, 0.01, 0.13, 0.6, 1.0] {
         for theta in [0.0, 0.3, 1.0, 1.4, 1.56] {
-            for phi in [0.0, 1.1, -2.5] {
+            // Seen from above a lobe does not turn.
+            for phi in [0.0, 1.1, -2.5].into_iter().filter(|phi| theta > 0.0 || *phi == 0.0) {
                 tried.push(Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi });
             }
         }
