@@ -223,7 +223,7 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
         lobe.amplitude = max(numbers[7], 0.0);
         lobe.fresnel = numbers[8];
     }
-    if (LTC_LAYOUT == 0u) {
+    if (LTC_IS_REFLECTED) {
         let m = lobe.m;
         ltc_texels[entry] = vec4(m[0].x, m[1].x, m[2].x, m[0].y);
         ltc_texels[entries + entry] = vec4(m[1].y, m[2].y, m[0].z, m[1].z);

@@ -37,14 +37,15 @@ pub struct ExportChoice {
     /// Write the files of this engine, under its names
     #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), requires = "out")]
     pub engine: Option<Engine>,
-    /// Write textures of this layout, in a format of one's own choice [default: the table's]
-    #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine")]
+    /// Write textures of this layout, in a format of one's own choice
+    #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine",
+        required_if_eq_any(TextureContainer::ALL.iter().map(|container| ("container", container.name()))))]
     pub layout: Option<String>,
-    /// The files' format
+    /// The files' format; those that begin with «compact» hold the table itself in a few kilobytes, in its own layout
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
     pub container: Option<AnyContainer>,
     /// Bits of a number: 16 or 32 [default: float]
-    #[arg(long, value_parser = precisions(), requires = "container")]
+    #[arg(long, value_parser = precisions(), requires = "layout")]
     pub precision: Option<Precision>,
 }
 
@@ -65,9 +66,9 @@ pub enum AnyContainer {
 
 impl AnyContainer {
     /// All of them.
-    pub fn all() -> Vec<Self> {
+    pub fn all() -> impl Iterator<Item = Self> {
         let textures = TextureContainer::ALL.iter().map(|container| Self::Textures(*container));
-        textures.chain(CompactContainer::ALL.iter().map(|container| Self::Compact(*container))).collect()
+        textures.chain(CompactContainer::ALL.iter().map(|container| Self::Compact(*container)))
     }
 
     /// The name on the command line and in lock files.
@@ -80,8 +81,8 @@ impl AnyContainer {
 }
 
 fn containers() -> impl TypedValueParser<Value = AnyContainer> {
-    let names = PossibleValuesParser::new(AnyContainer::all().into_iter().map(AnyContainer::name));
-    names.try_map(|name| AnyContainer::all().into_iter().find(|item| item.name() == name).ok_or("is no format"))
+    let names = PossibleValuesParser::new(AnyContainer::all().map(AnyContainer::name));
+    names.try_map(|name| AnyContainer::all().find(|item| item.name() == name).ok_or("is no format"))
 }
 
 /// By the names that graphics interfaces have, or as in recipes.

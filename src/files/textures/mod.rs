@@ -17,7 +17,7 @@ mod rounding;
 mod texture;
 
 pub use about::About;
-pub use compact::CompactContainer;
+pub use compact::{CompactContainer, CompactFileError};
 pub use containers::TextureContainer;
 pub use engines::{Bundle, Engine};
 pub use export::{Export, ExportError, UnknownExport};

@@ -1,5 +1,4 @@
-//! A table in its compact form: the bytes alone, a module of JavaScript that has them and decodes them, or one of
-//! WGSL that decodes them.
+//! A table in its compact form: the bytes alone, or with a decoder in JavaScript, Rust or WGSL.
 
 #[cfg(test)]
 #[allow(unreachable_pub, clippy::pedantic, reason = "a module that stands alone in other crates")]
@@ -10,8 +9,8 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 
 use super::{about::About, file::TextureFile, rounding::RoundingError};
 use crate::{
-    files::compact::{CompactError, encode},
-    fit::{Table, named_list::named_list},
+    files::compact::{CompactError, LAYOUTS, encode},
+    fit::{Layout, Table, named_list::named_list},
 };
 
 named_list! {
@@ -26,6 +25,29 @@ named_list! {
         /// The bytes, and a module of WGSL that decodes them on the GPU.
         Wgsl = "compact-wgsl",
     }
+}
+
+/// Why a table has no such files.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CompactFileError {
+    /// No compact form has its layout, or this decoder makes no textures of it.
+    #[error(
+        "{container} is for tables of layouts {allowed}, and this one has {layout}; this recipe gives a table that serves: \
+         {recipe}"
+    )]
+    Layout {
+        /// The container's name.
+        container: &'static str,
+        /// The layouts that it has.
+        allowed: String,
+        /// The table's layout.
+        layout: Layout,
+        /// A recipe that serves.
+        recipe: &'static str,
+    },
+    /// Its numbers have no compact form.
+    #[error(transparent)]
+    Form(#[from] CompactError),
 }
 
 /// What decodes the bytes, in JavaScript.
@@ -52,11 +74,35 @@ export function createTable() {
 ";
 
 impl CompactContainer {
-    /// The file, whose name begins with `stem`.
+    /// The layouts whose tables it holds.
+    fn layouts(self) -> &'static [Layout] {
+        match self {
+            Self::Bytes | Self::JavaScript => &LAYOUTS,
+            Self::Rust | Self::Wgsl => &[Layout::Reflected, Layout::Ltc2017],
+        }
+    }
+
+    /// Whether a table has a layout that this container holds.
+    pub(super) fn check(self, table: &Table) -> Result<(), CompactFileError> {
+        let (layout, layouts) = (table.layout(), self.layouts());
+        if layouts.contains(&layout) {
+            return Ok(());
+        }
+        let is_isotropic = layout.only_ranges().is_some();
+        Err(CompactFileError::Layout {
+            container: self.name(),
+            allowed: layouts.iter().map(|layout| layout.name()).collect::<Vec<_>>().join(", "),
+            layout,
+            recipe: if is_isotropic { r#"{"layout": "ltc2017"}"# } else { r#"{"layout": "reflected"}"# },
+        })
+    }
+
+    /// The files, whose names begin with `stem`.
     ///
     /// # Errors
-    /// When the table has no compact form.
-    pub fn files(self, stem: &str, table: &Table, about: &About) -> Result<Vec<TextureFile>, CompactError> {
+    /// When the table has no such form.
+    pub fn files(self, stem: &str, table: &Table, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
+        self.check(table)?;
         let bytes = encode(table)?;
         let file = |ending: &str, bytes: Vec<u8>| TextureFile {
             path: format!("{stem}.{ending}"),
@@ -86,15 +132,17 @@ impl CompactContainer {
         })
     }
 
-    /// What to do with the file, a sentence each.
+    /// What to do with the files, a sentence each.
     #[must_use]
     pub fn steps(self, stem: &str) -> Vec<String> {
         match self {
             Self::Bytes => vec![format!(
-                "Read {stem}.compact with ltcforge::files::compact::decode, or with the decoder of the container compact-js."
+                "Read {stem}.compact with ltcforge::files::compact::decode, or with a decoder of compact-js, compact-rust or \
+                 compact-wgsl."
             )],
             Self::JavaScript => vec![format!(
-                "import {{ createTextures }} from './{stem}.compact.js'; each texture has name, width, height, depth and RGBA data in 32 bits."
+                "import {{ createTextures }} from './{stem}.compact.js'; each texture has name, width, height, depth and RGBA \
+                 data in 32 bits."
             )],
             Self::Rust => vec![format!(
                 "Include {stem}.compact.rs by #[path = \"{stem}.compact.rs\"] mod ltc; and call ltc::textures() once at load."

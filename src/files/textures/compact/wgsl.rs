@@ -17,9 +17,6 @@ const SOURCES: [&str; 4] = [
     include_str!("../../../../shaders/ltc_smooth.wgsl"),
     include_str!("../../../../shaders/ltc_decode.wgsl"),
 ];
-/// The layouts whose textures it makes, in the order of the numbers that the shader has for them.
-const LAYOUTS: [Layout; 2] = [Layout::Reflected, Layout::Ltc2017];
-
 /// Integers that a dispatch of the first pass reads, and that it leaves to the next beside those: as in the shader.
 const AT_ONCE: usize = 1024;
 const STATE: usize = 2 * 339 + 4;
@@ -48,25 +45,22 @@ impl Sizes {
 /// The module that decodes these bytes.
 ///
 /// # Errors
-/// When the bytes are no compact form, or that of a layout without textures here.
+/// When the bytes are no compact form.
 pub(super) fn module(bytes: &[u8], about: &About) -> Result<String, CompactError> {
     let outline = Outline::of(bytes)?;
-    let number = LAYOUTS.iter().position(|layout| *layout == outline.layout);
-    let Some(number) = number else {
-        let allowed = LAYOUTS.map(Layout::name).join(", ");
-        return Err(CompactError::Field { field: "layout".to_owned(), value: outline.layout.to_string(), allowed });
-    };
     let mut out = about.comment();
     // Writing to a String cannot fail.
-    let _ = write_module(&mut out, bytes.len(), &outline, number);
+    let _ = write_module(&mut out, bytes.len(), &outline);
     Ok(out)
 }
 
-fn write_module(out: &mut String, bytes: usize, outline: &Outline, number: usize) -> std::fmt::Result {
+/// Domain: layouts `reflected` and `ltc2017`.
+fn write_module(out: &mut String, bytes: usize, outline: &Outline) -> std::fmt::Result {
     let Sizes { slot, entries, textures } = Sizes::of(outline);
     let lengths = outline.axes.lengths();
+    let is_reflected = outline.layout == Layout::Reflected;
     let [alpha, ratio, theta, phi] = lengths.named().map(|(_, n)| *n);
-    let (names, size) = if outline.layout == Layout::Reflected {
+    let (names, size) = if is_reflected {
         ("ltc_matrix_a, ltc_matrix_b, ltc_terms", format!("{phi} x {} x {alpha}", ratio * theta))
     } else {
         ("LTC_1, LTC_2", format!("{alpha} x {theta}"))
@@ -95,7 +89,11 @@ fn write_module(out: &mut String, bytes: usize, outline: &Outline, number: usize
     writeln!(out, "const LTC_STATE: u32 = {}u;", 9 * slot)?;
     writeln!(out, "const LTC_STORED: u32 = {}u;", mask(outline.steps.map(|step| step != 0.0)))?;
     writeln!(out, "const LTC_CORRECTED: u32 = {}u;", mask(outline.corrected))?;
-    writeln!(out, "const LTC_HAS_TERMS: bool = {};\nconst LTC_LAYOUT: u32 = {number}u;", outline.has_terms)?;
+    writeln!(
+        out,
+        "const LTC_HAS_TERMS: bool = {};\nconst LTC_IS_REFLECTED: bool = {is_reflected};",
+        outline.has_terms
+    )?;
     writeln!(out, "const LTC_CORRECTION_STEPS: f32 = {:?};", outline.correction_steps)?;
     let list = |numbers: Vec<f32>| numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
     writeln!(out, "const LTC_STEPS = array<f32, 9>({});", list(outline.steps.to_vec()))?;
