@@ -45,7 +45,7 @@ pub struct ExportChoice {
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
     pub container: Option<AnyContainer>,
     /// Bits of a number: 16 or 32 [default: float]
-    #[arg(long, value_parser = precisions(), requires = "layout")]
+    #[arg(long, value_parser = precisions(), requires = "layout", conflicts_with = "engine")]
     pub precision: Option<Precision>,
 }
 

@@ -46,15 +46,23 @@ pub(in crate::files) fn planted(
     Table::of_smooth_numbers((recipe.brdf, recipe.lobe, recipe.layout), axes, &numbers, has_terms)
 }
 
+/// A Fresnel term that is off by less is as good as the other, whatever its stored root.
+const UNSEEN_TERM: f32 = 1e-4;
+
 /// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound what they store, so that
 /// their numbers there are not those that were planted.
 fn misses(one: &Table, other: &Table) -> [f64; CHANNELS] {
     let rounding = Rounding::of(one);
     let is_bounded = |entry: usize| one.layout() != Layout::Reflected && one.axes().node(entry).theta >= 1.57;
     let kept: Vec<usize> = (0..one.matrices().len()).filter(|entry| !is_bounded(*entry)).collect();
-    let (one, other) = (one.smooth_numbers(), other.smooth_numbers());
+    let is_unseen = |channel: usize, entry: usize| {
+        let fresnel = |table: &Table| table.terms().map_or(0.0, |terms| terms.fresnel()[entry]);
+        channel == TERMS[1] && (fresnel(one) - fresnel(other)).abs() < UNSEEN_TERM
+    };
+    let numbers = [one, other].map(Table::smooth_numbers);
     std::array::from_fn(|channel| {
-        let worst = kept.iter().map(|i| (one[*i][channel] - other[*i][channel]).abs()).fold(0.0, f64::max);
+        let seen = kept.iter().filter(|entry| !is_unseen(channel, **entry));
+        let worst = seen.map(|i| (numbers[0][*i][channel] - numbers[1][*i][channel]).abs()).fold(0.0, f64::max);
         worst / rounding.step(channel)
     })
 }
@@ -70,13 +78,7 @@ fn smooth_tables_of_every_layout_come_back_in_few_bytes() {
             assert_eq!(again.axes(), table.axes());
             assert_eq!(again.terms().is_some(), has_terms);
             assert!(again.node_error().iter().all(|error| error.is_nan()));
-            let mut misses = misses(&table, &again);
-            // The stored root of a Fresnel term may miss more where the term is small: see below.
-            misses[TERMS[1]] = 0.0;
-            for (one, other) in table.terms().into_iter().zip(again.terms()) {
-                let off = |(one, other): (&f32, &f32)| (one - other).abs() < 2e-3;
-                assert!(one.fresnel().iter().zip(other.fresnel()).all(off), "{layout}");
-            }
+            let misses = misses(&table, &again);
             // What is not corrected, and the 32 bits of a matrix that is nearly singular at the horizon.
             let most = if *layout == Layout::Reflected { 4.1 } else { 6.0 };
             assert!(misses.iter().all(|miss| *miss < most), "{layout}: {misses:?}");
@@ -93,7 +95,7 @@ fn an_edge_costs_bytes_and_not_accuracy() {
     let table = planted(Layout::Ltc2017, [64, 1, 64, 1], true, edge);
     let bytes = encode(&table).expect("bytes");
     let misses = misses(&table, &decode(&bytes).expect("a table"));
-    assert!(misses[..TERMS[1]].iter().all(|miss| *miss < 4.5), "{misses:?}");
+    assert!(misses.iter().all(|miss| *miss < 4.5), "{misses:?}");
 }
 
 /// Other bytes mean another version: the last byte of [`COMPACT_MAGIC`].
