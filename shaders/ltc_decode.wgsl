@@ -213,6 +213,9 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     var root = vec3(numbers[0], numbers[1], numbers[2]);
     var slant = vec2(numbers[3], numbers[4]);
     var row = vec2(numbers[5], numbers[6]);
+    if (!LTC_IS_REFLECTED) {
+        row *= alpha / (alpha + 0.002);
+    }
     if (in_x || in_y) {
         root.y = 0.0;
     }

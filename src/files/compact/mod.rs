@@ -11,6 +11,7 @@
 //! never a panic.
 
 mod coder;
+mod error;
 mod header;
 mod integers;
 mod outline;
@@ -18,96 +19,27 @@ mod polynomials;
 mod rounding;
 
 use coder::{Decoder, Encoder};
+pub use error::CompactError;
 pub use header::COMPACT_MAGIC;
+pub(crate) use header::LAYOUTS;
 use header::{CHANNELS, Header, TERMS};
 use integers::{MOST_BITS, Models};
 pub(in crate::files) use outline::Outline;
 use polynomials::{Bases, most_polynomials};
 use rounding::Rounding;
 
-use crate::fit::{Layout, Table};
+use crate::fit::Table;
 
-/// How many times finer each channel is rounded: by how much of its width the lobe moves with the number, for the terms
-/// by how small their own errors are.
-const WEIGHTS: [f64; CHANNELS] = [1.5, 1.3, 1.3, 5.0, 4.0, 1.0, 1.0, 45.0, 45.0];
 /// Coefficients are rounded down up to this part beyond a half, which costs less accuracy than it saves bytes.
 const ROUND_UP: f64 = 0.4;
 /// What a number may miss, in steps of its channel.
-const MOST_MISSED: f64 = 4.0;
-
-/// The layouts with a compact form.
-pub(crate) const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
-
-/// Why a table has no compact form, or bytes are none.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum CompactError {
-    /// Other bytes at the beginning.
-    #[error("not a compact table of version 1")]
-    Magic,
-    /// The bytes end too early.
-    #[error("the bytes end too early")]
-    Short,
-    /// Bytes after the end.
-    #[error("{bytes} bytes follow the end")]
-    Long {
-        /// How many.
-        bytes: usize,
-    },
-    /// A field of the header that no table has.
-    #[error("{field} is {value}; allowed: {allowed}")]
-    Field {
-        /// Which.
-        field: String,
-        /// Its value.
-        value: String,
-        /// What is allowed.
-        allowed: String,
-    },
-    /// Nodes that are not those of the table's layout over a range.
-    #[error("the nodes of {axis} are not those of layout {layout} from {low} to {high}")]
-    Nodes {
-        /// The axis.
-        axis: &'static str,
-        /// The table's layout.
-        layout: String,
-        /// The first node.
-        low: String,
-        /// The last node.
-        high: String,
-    },
-    /// A layout whose readers need more digits than the steps leave.
-    #[error(
-        "layout {layout} has no compact form: it scales the matrices of sharp surfaces by numbers that nearly vanish; \
-         layouts reflected, kt2022 and ltc2017 have one"
-    )]
-    Layout {
-        /// The layout.
-        layout: String,
-    },
-    /// A channel whose numbers are too large.
-    #[error("channel {channel} has a number that is too large to be rounded to steps")]
-    Large {
-        /// Its number.
-        channel: usize,
-    },
-    /// An entry whose numbers are not finite.
-    #[error("entry {entry} has a number that is not finite")]
-    Entry {
-        /// Its index.
-        entry: usize,
-    },
-}
-
-impl CompactError {
-    fn field(field: String, value: &dyn std::fmt::Display, allowed: &str) -> Self {
-        Self::Field { field, value: value.to_string(), allowed: allowed.to_owned() }
-    }
-}
+const MOST_MISSED: f64 = 5.0;
 
 /// The compact form of a table. `node_error` is not kept.
 ///
 /// # Errors
-/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a singular matrix, or an amplitude of zero.
+/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a singular
+/// matrix, or an amplitude of zero.
 pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
     if !LAYOUTS.contains(&table.layout()) {
         return Err(CompactError::Layout { layout: table.layout().to_string() });

@@ -1,7 +1,7 @@
 //! What a decoder in another language has to know of a compact form before it reads the coded bytes.
 
 use super::{
-    CompactError,
+    error::CompactError,
     header::{CHANNELS, Header},
 };
 use crate::fit::{Layout, PerAxis};

@@ -3,17 +3,20 @@
 //! Measured on tables of the default recipe and of 64 x 64 nodes in layouts `reflected` and `ltc2017`: the mean error
 //! between nodes grows by less than 1 %.
 
-use super::{CHANNELS, TERMS, WEIGHTS};
+use super::header::{CHANNELS, TERMS};
 use crate::fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
 
+/// How many times finer each channel is rounded: by how much of its width the lobe moves with the number, for the terms
+/// by how small their own errors are.
+const WEIGHTS: [f64; CHANNELS] = [1.5, 1.3, 1.3, 5.0, 4.0, 1.0, 1.0, 45.0, 45.0];
 /// The step of a number that moves the lobe by the step's part of its width, and the steps of corrections.
 const ANISOTROPIC: (f64, f32) = (0.015, 8.0);
 /// The same for tables of isotropic surfaces, which have fewer numbers and finer nodes.
 const ISOTROPIC: (f64, f32) = (0.007, 8.0);
 /// The same for tables whose numbers are chosen for the error between nodes.
-const CHOSEN: (f64, f32) = (0.014, 0.5);
+const CHOSEN: (f64, f32) = (0.015, 0.25);
 /// How many times coarser their terms are rounded beside the others.
-const CHOSEN_TERMS: f64 = 1.5;
+const CHOSEN_TERMS: f64 = 1.75;
 /// The rows of least roughness whose chosen numbers are far from those of the lobes.
 const MIRROR_ROWS: usize = 2;
 /// A number that is off the median of its neighbourhood by more than this many steps is left to corrections.
@@ -52,9 +55,9 @@ impl Rounding {
         self.part_of_width * coarser / WEIGHTS[channel]
     }
 
-    /// The numbers that polynomials are to follow, of a channel with this step: where numbers are chosen, those of the least roughness and at the horizon
-    /// are taken from their neighbours, and left to corrections; and so
-    /// are numbers that stand out of theirs, because a polynomial would bend all around them.
+    /// The numbers that polynomials are to follow, of a channel with this step. Where numbers are chosen, those of the least
+    /// roughness and at the horizon are taken from their neighbours and left to corrections, and so are numbers that stand
+    /// out of theirs, because a polynomial would bend all around them.
     pub(super) fn smoothed(self, table: &Table, step: f64, mut exact: Vec<f64>) -> Vec<f64> {
         if self.is_chosen {
             let columns = table.axes().theta.len();

@@ -11,7 +11,10 @@
 //!
 //! The numbers are `p`, `l` and `q`; `x / (1 + z)` and `y / (1 + z)`, the stereographic projection of the third column;
 //! `h f - x a - y b` and `h g - x b - y d` with `h = max(z, 0.05)`, which is the last row of `S` unless its third column
-//! is level; and the two terms that layout `reflected` stores. All factors being products, quotients and square roots,
+//! is level; and the two terms that layout `reflected` stores. In layouts that store the lobe itself, the numbers of the
+//! last row are divided by `alpha / (alpha + 0.002)`: between two views their readers blend matrices of lobes that lie many
+//! widths apart, where the last row counts as many times more, so that it has to be the finer the sharper the surface is.
+//! All factors being products, quotients and square roots,
 //! a decoder needs no other function. The determinant is `p^2 q^2` and stays positive whatever becomes of the numbers.
 //!
 //! A change of any of them by a small part of 1 moves the lobe by about that part of its width, wherever in the table
@@ -34,8 +37,15 @@ pub(crate) const SMOOTH_NUMBERS: usize = 9;
 const LEAST_ROOT: f64 = 0.004;
 /// The least height of the third column by which the last row is divided.
 const LEAST_HEIGHT: f64 = 0.05;
+/// The roughness below which the last row vanishes in layouts that store the lobe itself.
+const SHARP: f64 = 0.002;
 
 impl Layout {
+    /// What the last row of a lobe is scaled by at a roughness.
+    fn row_scale(self, alpha: f64) -> f64 {
+        if self == Self::Reflected { 1.0 } else { alpha / (alpha + SHARP) }
+    }
+
     /// The numbers of what this layout stores at a node. They are not finite where the stored matrix has no inverse or
     /// the amplitude is zero.
     pub(crate) fn to_smooth(self, node: &PerAxis<f64>, stored: &LobeNumbers) -> [f64; SMOOTH_NUMBERS] {
@@ -54,14 +64,15 @@ impl Layout {
         let p = a.sqrt();
         let l = b / p;
         let height = z.max(LEAST_HEIGHT);
+        let scale = self.row_scale(place.alpha);
         [
             p,
             l,
             (d - l * l).max(0.0).sqrt(),
             x / (1.0 + z),
             y / (1.0 + z),
-            height * f - x * a - y * b,
-            height * g - x * b - y * d,
+            (height * f - x * a - y * b) / scale,
+            (height * g - x * b - y * d) / scale,
             terms.amplitude,
             terms.fresnel,
         ]
@@ -79,6 +90,8 @@ impl Layout {
         if mirrors.y {
             (l, along, row_y) = (0.0, 0.0, 0.0);
         }
+        let scale = self.row_scale(place.alpha);
+        let [row_x, row_y] = [row_x, row_y].map(|x| scale * x);
         let [across, along] = [across, along].map(|x: f64| x.clamp(-1.0, 1.0));
         let (p, q) = (p.max(LEAST_ROOT), q.max(LEAST_ROOT));
         let (a, b, d) = (p * p, p * l, l * l + q * q);

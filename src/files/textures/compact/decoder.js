@@ -222,6 +222,7 @@ function store( layout, [ alpha, ratio, theta, phi ], numbers ) {
 	let [ p, l, q, across, along, rowX, rowY, amplitude, fresnel ] = numbers;
 	if ( inY ) l = across = rowX = 0;
 	if ( inX ) l = along = rowY = 0;
+	if ( layout !== 'reflected' ) [ rowX, rowY ] = [ rowX, rowY ].map( x => x * ( alpha / ( alpha + 0.002 ) ) );
 	[ across, along ] = [ across, along ].map( x => Math.min( Math.max( x, - 1 ), 1 ) );
 	[ p, q ] = [ Math.max( p, 0.004 ), Math.max( q, 0.004 ) ];
 	const [ a, b, d ] = [ p * p, p * l, l * l + q * q ], square = across * across + along * along;

@@ -107,12 +107,14 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
     }
     let part = |i: usize, n: usize| i as f64 / n.saturating_sub(1).max(1) as f64;
     let mut made = ["LTC_1", "LTC_2"].map(|name| texture(name, [alpha, theta, 1]));
-    for (i, numbers) in numbers.iter().enumerate() {
+    for (i, numbers) in numbers.iter_mut().enumerate() {
         let (a, t) = (i / theta, i % theta);
         let (roughness, v) = (part(a, alpha), part(t, theta));
         let angle = 2.0 * v.atan2((2.0 - v * v).sqrt());
+        let rough = (roughness * roughness).max(1e-4);
+        numbers[5] *= rough / (rough + 0.002);
         let s = beside_reflection(*numbers, true, t == 0);
-        let lobe = lobe((roughness * roughness).max(1e-4), angle.min(CEILING), s, [numbers[7].max(0.0), numbers[8]]);
+        let lobe = lobe(rough, angle.min(CEILING), s, [numbers[7].max(0.0), numbers[8]]);
         let ([x, y, z], terms) = (lobe.0, if has_terms { lobe.1 } else { [1.0, 0.0] });
         let texel = t * alpha + a;
         let middle = (x[0] * z[2] - x[2] * z[0]) / y[1];
