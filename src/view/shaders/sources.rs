@@ -13,10 +13,13 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 12] = [
+pub const SHADERS: [Shader; 15] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
     Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
+    Shader { name: "ltc_smooth", source: include_str!("../../../shaders/ltc_smooth.wgsl") },
+    Shader { name: "ltc_function", source: include_str!("../../../shaders/ltc_function.wgsl") },
+    Shader { name: "ltc_decode", source: include_str!("../../../shaders/ltc_decode.wgsl") },
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
     Shader { name: "ltc_light", source: include_str!("../../../shaders/ltc_light.wgsl") },
     Shader { name: "normals_edge", source: include_str!("../../../shaders/normals_edge.wgsl") },
@@ -121,6 +124,14 @@ pub(super) fn functions(lit_by: LitBy, has_storage: bool) -> String {
         LitBy::Table(layout) => module(&["ltc_math", nodes, "ltc_table", "ltc_light"], &[layout]),
         LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
     }
+}
+
+/// The functions of a table's light that read no table: `smooth_at` has the coefficients.
+#[cfg(feature = "shaders")]
+pub(super) fn without_textures(smooth_at: &str) -> String {
+    let LayoutShader { source, .. } = Layout::Reflected.rules().shader();
+    let parts = ["ltc_math", "ltc_smooth", "ltc_function", "ltc_light"];
+    format!("{}\n{source}\n{smooth_at}", joined(&parts))
 }
 
 #[cfg(test)]
