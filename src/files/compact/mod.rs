@@ -2,7 +2,7 @@
 //!
 //! An entry becomes nine numbers that vary smoothly, one a channel (`fit::layout::smooth`). Over the nodes a channel
 //! is a sum of products of Gram's polynomials, whose coefficients are rounded to multiples of a step and coded by a range
-//! coder. What the rounded sum misses at a node by more than [`MOST_MISSED`] steps is corrected there, so that an edge
+//! coder. What the rounded sum misses at a node by more than five steps is corrected there, so that an edge
 //! in a table costs bytes and not accuracy. A decoder rebuilds the numbers of the table's own layout.
 //!
 //! The steps are parts of a lobe's width: see `rounding`.
@@ -14,6 +14,7 @@ mod coder;
 mod error;
 mod header;
 mod integers;
+#[cfg(feature = "textures")]
 mod outline;
 mod polynomials;
 mod rounding;
@@ -24,6 +25,7 @@ pub use header::COMPACT_MAGIC;
 pub(crate) use header::LAYOUTS;
 use header::{CHANNELS, Header, TERMS};
 use integers::{MOST_BITS, Models};
+#[cfg(feature = "textures")]
 pub(in crate::files) use outline::Outline;
 use polynomials::{Bases, most_polynomials};
 use rounding::Rounding;

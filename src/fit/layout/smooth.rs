@@ -1,6 +1,6 @@
 //! Nine numbers of an entry that vary smoothly over a table of any layout, and of which any make a lobe.
 //!
-//! Let `S` be the matrix between a lobe and its [`Reflection`](super::Reflection), as layout `reflected` stores it, and
+//! Let `S` be the matrix between a lobe and its [`Reflection`], as layout `reflected` stores it, and
 //! `R` the smallest rotation that takes +z to its third column, of unit length `(x, y, z)`. The distribution is that of
 //!
 //! ```text

@@ -284,7 +284,7 @@ fn beside_reflection(numbers: [f64; CHANNELS], in_x: bool, in_y: bool) -> Matrix
     // The first two columns turn until their upper block is symmetric.
     let (cos, sin) = (x[0] + y[1], x[1] - y[0]);
     let length = (cos * cos + sin * sin).sqrt();
-    if !(length > 0.0) {
+    if length.is_nan() || length <= 0.0 {
         return [x, y, z];
     }
     let (cos, sin) = (cos / length, sin / length);
