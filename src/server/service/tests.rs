@@ -227,11 +227,33 @@ fn a_small_job_is_done_while_a_long_one_has_all_workers() {
     let (long, _) = submit(&service, "long 6");
     shared.wait_for_begun(2);
     fitted(&service, "small 3");
+    // No shard of the long job came to its end before.
+    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
     assert_eq!(service.job(long).unwrap().unwrap().job.state, JobState::Running);
     shared.set(|b| b.endless = None);
     assert!(matches!(end_of(&service, long), JobState::Done { .. }));
     let behaviour = shared.behaviour.lock().unwrap();
+    assert_eq!(behaviour.order[2], "small 3", "{:?}", behaviour.order);
     assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
+}
+
+/// Where shards are short, workers turn to the small job between them.
+#[test]
+fn a_small_job_begins_after_a_shard_of_the_long_one_for_each_worker() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    shared.set(|b| b.held = true);
+    let service = start(dir.path(), &shared);
+    let (long, _) = submit(&service, "long 24");
+    shared.wait_for_begun(2);
+    submit(&service, "small 3");
+    shared.set(|b| b.held = false);
+    assert!(matches!(end_of(&service, long), JobState::Done { .. }));
+    let order = &shared.behaviour.lock().unwrap().order;
+    let first = order.iter().position(|recipe| recipe == "small 3");
+    assert!(first.is_some_and(|first| first <= 4), "{order:?}");
+    let last = order.iter().rposition(|recipe| recipe == "small 3");
+    assert!(last.is_some_and(|last| last <= 12), "{order:?}");
 }
 
 /// However many shards wait in the middle, a small job is begun, goes on and ends; and all stop at once.
@@ -247,6 +269,8 @@ fn a_small_job_is_done_while_many_long_ones_wait_for_their_turns() {
     let long: Vec<JobId> = names.iter().map(|name| submit(&service, name).0).collect();
     shared.wait_for_begun(40);
     fitted(&service, "small 3");
+    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
+    assert_eq!(shared.behaviour.lock().unwrap().order[40], "small 3");
     for id in &long {
         assert_eq!(service.job(*id).unwrap().unwrap().job.state, JobState::Running);
     }
