@@ -237,25 +237,6 @@ fn a_small_job_is_done_while_a_long_one_has_all_workers() {
     assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
 }
 
-/// Where shards are short, workers turn to the small job between them.
-#[test]
-fn a_small_job_begins_after_a_shard_of_the_long_one_for_each_worker() {
-    let dir = tempfile::tempdir().unwrap();
-    let shared = Arc::new(Shared::default());
-    shared.set(|b| b.held = true);
-    let service = start(dir.path(), &shared);
-    let (long, _) = submit(&service, "long 24");
-    shared.wait_for_begun(2);
-    submit(&service, "small 3");
-    shared.set(|b| b.held = false);
-    assert!(matches!(end_of(&service, long), JobState::Done { .. }));
-    let order = &shared.behaviour.lock().unwrap().order;
-    let first = order.iter().position(|recipe| recipe == "small 3");
-    assert!(first.is_some_and(|first| first <= 4), "{order:?}");
-    let last = order.iter().rposition(|recipe| recipe == "small 3");
-    assert!(last.is_some_and(|last| last <= 12), "{order:?}");
-}
-
 /// However many shards wait in the middle, a small job is begun, goes on and ends; and all stop at once.
 #[test]
 fn a_small_job_is_done_while_many_long_ones_wait_for_their_turns() {
