@@ -202,7 +202,10 @@ fn normals_polygon(
         // The triangles between the mean normal and each part of the outline: the exact integral of each, and its weight.
         // The horizon comes twice: as an edge like the others, which it is where it only touches the light, so that
         // nothing jumps where an edge sets; and in parts.
-        parts = vec2(0.0);
+        var sum = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
+        let least_rise = max(0.125 * normals_rise(view, tip), 1e-36);
+        // What is seen is positive on the lit side.
+        let sided = side * view.stretched;
         let tip_share = select(0.2, 0.1, is_fine) * normals_sample(view, tip);
         let begin = normals_spoke(view, tip, first.c, is_fine);
         var before = begin;
@@ -218,14 +221,18 @@ fn normals_polygon(
                 let half_curved = select(normals_get(&half_curves, i, many), half_closing, is_closing);
                 let half = normals_spoke(view, tip, half_c, is_fine);
                 let flux = normals_flux(tip, before, half, half_curved);
-                parts += counts * normals_triangle(view, tip, tip_share + before.at_end + half.at_end, flux, is_fine);
+                let m = normals_centroid(flux, tip);
+                let mean = normals_triangle(view, tip, m, tip_share + before.at_end + half.at_end, is_fine);
+                sum = normals_add(view, sum, least_rise, m, counts * dot(flux, sided), mean);
                 before = half;
             }
             let c = select(normals_get(&ends, i, many), first.c, is_closing);
             let curved = select(normals_get(&curves, i, many), closing, is_closing);
             let to = normals_spoke(view, tip, c, is_fine);
             let flux = normals_flux(tip, before, to, curved);
-            parts += counts * normals_triangle(view, tip, tip_share + before.at_end + to.at_end, flux, is_fine);
+            let m = normals_centroid(flux, tip);
+            let mean = normals_triangle(view, tip, m, tip_share + before.at_end + to.at_end, is_fine);
+            sum = normals_add(view, sum, least_rise, m, counts * dot(flux, sided), mean);
             before = to;
         }
         // A loop of its own: a driver that runs both sides of a branch skips it where nothing is cut.
@@ -234,11 +241,14 @@ fn normals_polygon(
             let c = normals_on_horizon(horizon, f32(part) / f32(horizon_parts));
             let to = NormalsSpoke(c, normals_arc_bend(tip, c), vec3(0.0));
             let flux = normals_flux(tip, before, to, normals_get(&horizon_curves, part - 1u, is_fine));
-            parts += outline.share * normals_horizon_triangle(view, tip, at_tip, flux, is_fine);
+            let m = normals_centroid(flux, tip);
+            let mean = normals_horizon_triangle(view, tip, at_tip, m, is_fine);
+            sum = normals_add(view, sum, least_rise, m, outline.share * dot(flux, sided), mean);
             before = to;
         }
+        parts = normals_total(sum, seen * side, at_tip) * side;
     }
-    // No weight is above one, though triangles that lie upon each other may say so.
+    // No weight is above one.
     let energy = clamp(parts.x * to_part, 0.0, clamp(seen * to_part, 0.0, 1.0));
     return vec2(energy, clamp(parts.y * to_part, 0.0, energy));
 }

@@ -55,30 +55,64 @@ fn normals_flux(tip: vec3<f32>, a: NormalsSpoke, b: NormalsSpoke, curved: vec3<f
     return cross(a.c - tip, b.c - tip) + curved + (a.bend - b.bend);
 }
 
-/// What a triangle on an edge reflects, by its centroid, a normal beyond it and what its corners add to the mean.
-fn normals_triangle(
-    view: NormalsView,
-    tip: vec3<f32>,
-    corners: vec3<f32>,
-    flux: vec3<f32>,
-    is_fine: bool,
-) -> vec2<f32> {
-    let m = normals_centroid(flux, tip);
-    let outer = m + 0.5 * (m - tip);
-    let sum = normals_sample(view, m) + select(0.3, 0.2, is_fine) * normals_sample(view, outer) + corners;
-    return dot(flux, view.stretched) / max(sum.x, 1e-18) * sum.yz;
+/// The mean weight of a triangle on an edge, and that times Schlick's factor, by its centroid m, a normal beyond it and what
+/// its corners add.
+fn normals_triangle(view: NormalsView, tip: vec3<f32>, m: vec3<f32>, corners: vec3<f32>, is_fine: bool) -> vec2<f32> {
+    let outer = normals_sample(view, m + 0.5 * (m - tip));
+    let mean = normals_sample(view, m) + select(0.3, 0.2, is_fine) * outer + corners;
+    return mean.yz / max(mean.x, 1e-18);
 }
 
-/// What a triangle on the horizon reflects, by a normal near its outer edge and at_tip, the weight of its tip.
+/// What triangles reflect together: their parts of what is seen (x), those times their weights, and those times Schlick's
+/// factor; the same of the positive parts alone; and the part of triangles whose weight is unknown.
+struct NormalsSum {
+    all: vec3<f32>,
+    positive: vec3<f32>,
+    unknown: f32,
+}
+
+/// How far above the surface a normal reflects, times the length of its image squared.
+fn normals_rise(view: NormalsView, c: vec3<f32>) -> f32 {
+    let h = vec3(view.alpha * c.xy, c.z);
+    return 2.0 * dot(view.wo, h) * h.z - dot(h, h) * view.wo.z;
+}
+
+/// Adds a triangle by its centroid m, its part of what is seen, its mean weight, and that times Schlick's factor. A centroid
+/// that reflects below the surface is none: the image of the edge crosses the triangle's other sides.
+fn normals_add(
+    view: NormalsView,
+    sum: NormalsSum,
+    least_rise: f32,
+    m: vec3<f32>,
+    whole: f32,
+    mean: vec2<f32>,
+) -> NormalsSum {
+    let known = clamp(normals_rise(view, m) / least_rise, 0.0, 1.0);
+    let part = known * whole * vec3(1.0, mean);
+    return NormalsSum(sum.all + part, sum.positive + select(vec3(0.0), part, part.x > 0.0), sum.unknown + whole - part.x);
+}
+
+/// What is reflected of a light whose part is seen. Where the image bends around the mean normal, triangles reach beyond
+/// it, and those that run back take that away again. Their rules may differ by more than what they leave of each other, so
+/// there the mean weight is in part that of the positive triangles alone; so it is in triangles whose own is unknown.
+fn normals_total(sum: NormalsSum, seen: f32, at_tip: vec2<f32>) -> vec2<f32> {
+    let share = clamp((sum.positive.x + sum.unknown - seen) / max(seen, 1e-18), 0.0, 0.5);
+    // The tip counts so little that it matters only where nothing else does.
+    let tip = 1e-6 * max(seen, 1e-18);
+    let per_part = (share * sum.unknown + (1.0 - share) * seen) / (sum.positive.x + tip);
+    return share * sum.all.yz + per_part * (sum.positive.yz + tip * at_tip.x * vec2(1.0, at_tip.y));
+}
+
+/// What a triangle on the horizon reflects, as its mean weight and that times Schlick's factor, by a normal near its outer
+/// edge and at_tip, the weight of its tip.
 fn normals_horizon_triangle(
     view: NormalsView,
     tip: vec3<f32>,
     at_tip: vec2<f32>,
-    flux: vec3<f32>,
+    m: vec3<f32>,
     is_fine: bool,
 ) -> vec2<f32> {
-    let m = normals_centroid(flux, tip);
     let near = normals_weight(view, m + 0.3 * (m - tip));
     let energy = normals_to_horizon(at_tip.x, near.x, select(0.155, 0.145, is_fine));
-    return dot(flux, view.stretched) * energy * vec2(1.0, mix(near.y, at_tip.y, 0.25));
+    return energy * vec2(1.0, mix(near.y, at_tip.y, 0.25));
 }

@@ -52,6 +52,11 @@ struct NormalsSpoke {
     vec3 bend;
     vec3 at_end;
 };
+struct NormalsSum {
+    vec3 all_;
+    vec3 positive;
+    float unknown;
+};
 struct NormalsOutline {
     uint number;
     uint start;
@@ -89,9 +94,9 @@ vec2 ltc_sin_cos(float turns) {
     float x_3 = ((turns - (0.25 * quarter_1)) * 6.2831855);
     float z_1 = (x_3 * x_3);
     float s = (((((((-0.00019515296 * z_1) + 0.008332161) * z_1) - 0.16666655) * z_1) * x_3) + x_3);
-    float c_3 = ((((((((2.4433157e-5 * z_1) - 0.0013887316) * z_1) + 0.041666646) * z_1) * z_1) - (0.5 * z_1)) + 1.0);
+    float c_4 = ((((((((2.4433157e-5 * z_1) - 0.0013887316) * z_1) + 0.041666646) * z_1) * z_1) - (0.5 * z_1)) + 1.0);
     uint q = (uint(int(quarter_1)) & 3u);
-    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_3, s) : vec2(s, c_3));
+    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_4, s) : vec2(s, c_4));
     if (!((q == 1u))) {
         local = (q == 2u);
     } else {
@@ -103,8 +108,8 @@ vec2 ltc_sin_cos(float turns) {
 
 float ltc_log(float x_1) {
     int bits = (floatBitsToInt(x_1) - 1060439283);
-    float m = intBitsToFloat(((bits & 8388607) + 1060439283));
-    float s_1 = ((m - 1.0) / (m + 1.0));
+    float m_3 = intBitsToFloat(((bits & 8388607) + 1060439283));
+    float s_1 = ((m_3 - 1.0) / (m_3 + 1.0));
     float z_2 = (s_1 * s_1);
     float series = (((((((((0.22222222 * z_2) + 0.2857143) * z_2) + 0.4) * z_2) + 0.6666667) * z_2) * s_1) + (2.0 * s_1));
     return ((float((bits >> 23u)) * 0.6931472) + series);
@@ -134,8 +139,8 @@ NormalsCorner normals_corner(vec3 v_1, NormalsView view_1) {
 }
 
 float normals_half_cosine(NormalsCorner a, NormalsCorner b) {
-    vec3 sum = (a.w + b.w);
-    return max((0.5 * sqrt(dot(sum, sum))), 1e-6);
+    vec3 sum_3 = (a.w + b.w);
+    return max((0.5 * sqrt(dot(sum_3, sum_3))), 1e-6);
 }
 
 NormalsCorner normals_between(NormalsCorner a_1, NormalsCorner b_1, float t, NormalsView view_2) {
@@ -160,10 +165,10 @@ vec3 normals_arc_bend(vec3 a_2, vec3 b_2) {
 
 NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     vec3 longest = vec3(0.0);
-    mat3x3 m_1 = mat3x3(vec3(diagonal.x, off.x, off.y), vec3(off.x, diagonal.y, off.z), vec3(off.y, off.z, diagonal.z));
-    float mean = (((diagonal.x + diagonal.y) + diagonal.z) * 0.33333334);
-    vec3 d = (diagonal - vec3(mean));
-    float p2_ = (0.16666667 - ((0.5 * mean) * mean));
+    mat3x3 m_4 = mat3x3(vec3(diagonal.x, off.x, off.y), vec3(off.x, diagonal.y, off.z), vec3(off.y, off.z, diagonal.z));
+    float mean_1 = (((diagonal.x + diagonal.y) + diagonal.z) * 0.33333334);
+    vec3 d = (diagonal - vec3(mean_1));
+    float p2_ = (0.16666667 - ((0.5 * mean_1) * mean_1));
     float per_p = inversesqrt(p2_);
     float p = (p2_ * per_p);
     float determinant_ = (((d.x * ((d.y * d.z) - (off.z * off.z))) - (off.x * ((off.x * d.z) - (off.z * off.y)))) + (off.y * ((off.x * off.z) - (d.y * off.y))));
@@ -172,7 +177,7 @@ NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     float near_2 = (0.8660254 + (x_5 * (0.1666667 + (x_5 * (-0.0425247 + (0.0098286 * x_5))))));
     float g = (((((8.0 * near_2) * near_2) * near_2) + x_5) / (((12.0 * near_2) * near_2) - 3.0));
     bool is_largest = !((angle < 0.0));
-    float rough = (mean + (((is_largest ? 2.0 : -2.0) * p) * g));
+    float rough = (mean_1 + (((is_largest ? 2.0 : -2.0) * p) * g));
     vec3 row0_ = vec3((diagonal.x - rough), off.x, off.y);
     vec3 row1_ = vec3(off.x, (diagonal.y - rough), off.z);
     vec3 row2_ = vec3(off.y, off.z, (diagonal.z - rough));
@@ -191,14 +196,14 @@ NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     vec3 _e132 = longest;
     vec3 _e133 = longest;
     vec3 isolated = (_e131 * inversesqrt(max(dot(_e132, _e133), 1e-36)));
-    float value = dot(isolated, (m_1 * isolated));
+    float value = dot(isolated, (m_4 * isolated));
     float s_2 = ((isolated.z < 0.0) ? -1.0 : 1.0);
     float q_1 = (-1.0 / (s_2 + isolated.z));
     float r = ((isolated.x * isolated.y) * q_1);
     vec3 e = vec3((1.0 + (((s_2 * isolated.x) * isolated.x) * q_1)), (s_2 * r), (-(s_2) * isolated.x));
     vec3 f = vec3(r, (s_2 + ((isolated.y * isolated.y) * q_1)), -(isolated.y));
-    vec3 image_e = (m_1 * e);
-    vec3 image_f = (m_1 * f);
+    vec3 image_e = (m_4 * e);
+    vec3 image_f = (m_4 * f);
     float ee = dot(e, image_e);
     float ef = dot(e, image_f);
     float ff = dot(f, image_f);
@@ -299,9 +304,9 @@ vec2 normals_weight(NormalsView view_4, vec3 c) {
     vec2 across_2 = (view_4.alpha * wi.xy);
     float stretched_1 = sqrt((dot(across_2, across_2) + (wi.z * wi.z)));
     float weight = (((view_4.wo.z + view_4.length_) * up) / max(((view_4.length_ * up) + (view_4.wo.z * stretched_1)), 1e-36));
-    float m_2 = clamp((1.0 - (cosine * inversesqrt(length2_2))), 0.0, 1.0);
-    float m2_ = (m_2 * m_2);
-    return vec2(weight, ((m2_ * m2_) * m_2));
+    float m_5 = clamp((1.0 - (cosine * inversesqrt(length2_2))), 0.0, 1.0);
+    float m2_ = (m_5 * m_5);
+    return vec2(weight, ((m2_ * m2_) * m_5));
 }
 
 float normals_to_horizon(float tip, float near, float rate) {
@@ -319,8 +324,8 @@ vec3 normals_centroid(vec3 flux, vec3 tip_1) {
 
 vec3 normals_sample(NormalsView view_5, vec3 c_1) {
     vec2 _e2 = normals_weight(view_5, c_1);
-    float seen = max(dot(c_1, view_5.stretched), 0.0);
-    return vec3(seen, (seen * _e2.x), ((seen * _e2.x) * _e2.y));
+    float seen_1 = max(dot(c_1, view_5.stretched), 0.0);
+    return vec3(seen_1, (seen_1 * _e2.x), ((seen_1 * _e2.x) * _e2.y));
 }
 
 NormalsSpoke normals_spoke(NormalsView view_6, vec3 tip_2, vec3 c_2, bool is_fine) {
@@ -333,20 +338,36 @@ vec3 normals_flux(vec3 tip_3, NormalsSpoke a_4, NormalsSpoke b_4, vec3 curved) {
     return ((cross((a_4.c - tip_3), (b_4.c - tip_3)) + curved) + (a_4.bend - b_4.bend));
 }
 
-vec2 normals_triangle(NormalsView view_7, vec3 tip_4, vec3 corners, vec3 flux_1, bool is_fine_1) {
-    vec3 _e5 = normals_centroid(flux_1, tip_4);
-    vec3 outer = (_e5 + (0.5 * (_e5 - tip_4)));
-    vec3 _e10 = normals_sample(view_7, _e5);
-    vec3 _e14 = normals_sample(view_7, outer);
-    vec3 sum_1 = ((_e10 + ((is_fine_1 ? 0.2 : 0.3) * _e14)) + corners);
-    return ((dot(flux_1, view_7.stretched) / max(sum_1.x, 1e-18)) * sum_1.yz);
+vec2 normals_triangle(NormalsView view_7, vec3 tip_4, vec3 m, vec3 corners, bool is_fine_1) {
+    vec3 _e9 = normals_sample(view_7, (m + (0.5 * (m - tip_4))));
+    vec3 _e10 = normals_sample(view_7, m);
+    vec3 mean_2 = ((_e10 + ((is_fine_1 ? 0.2 : 0.3) * _e9)) + corners);
+    return (mean_2.yz / vec2(max(mean_2.x, 1e-18)));
 }
 
-vec2 normals_horizon_triangle(NormalsView view_8, vec3 tip_5, vec2 at_tip, vec3 flux_2, bool is_fine_2) {
-    vec3 _e5 = normals_centroid(flux_2, tip_5);
-    vec2 _e10 = normals_weight(view_8, (_e5 + (0.3 * (_e5 - tip_5))));
-    float _e16 = normals_to_horizon(at_tip.x, _e10.x, (is_fine_2 ? 0.145 : 0.155));
-    return ((dot(flux_2, view_8.stretched) * _e16) * vec2(1.0, mix(_e10.y, at_tip.y, 0.25)));
+float normals_rise(NormalsView view_8, vec3 c_3) {
+    vec3 h_2 = vec3((view_8.alpha * c_3.xy), c_3.z);
+    return (((2.0 * dot(view_8.wo, h_2)) * h_2.z) - (dot(h_2, h_2) * view_8.wo.z));
+}
+
+NormalsSum normals_add(NormalsView view_9, NormalsSum sum, float least_rise, vec3 m_1, float whole, vec2 mean) {
+    float _e6 = normals_rise(view_9, m_1);
+    float known = clamp((_e6 / least_rise), 0.0, 1.0);
+    vec3 part_1 = ((known * whole) * vec3(1.0, mean));
+    return NormalsSum((sum.all_ + part_1), (sum.positive + ((part_1.x > 0.0) ? part_1 : vec3(0.0))), ((sum.unknown + whole) - part_1.x));
+}
+
+vec2 normals_total(NormalsSum sum_1, float seen, vec2 at_tip) {
+    float share_1 = clamp((((sum_1.positive.x + sum_1.unknown) - seen) / max(seen, 1e-18)), 0.0, 0.5);
+    float tip_6 = (1e-6 * max(seen, 1e-18));
+    float per_part = (((share_1 * sum_1.unknown) + ((1.0 - share_1) * seen)) / (sum_1.positive.x + tip_6));
+    return ((share_1 * sum_1.all_.yz) + (per_part * (sum_1.positive.yz + ((tip_6 * at_tip.x) * vec2(1.0, at_tip.y)))));
+}
+
+vec2 normals_horizon_triangle(NormalsView view_10, vec3 tip_5, vec2 at_tip_1, vec3 m_2, bool is_fine_2) {
+    vec2 _e9 = normals_weight(view_10, (m_2 + (0.3 * (m_2 - tip_5))));
+    float _e15 = normals_to_horizon(at_tip_1.x, _e9.x, (is_fine_2 ? 0.145 : 0.155));
+    return (_e15 * vec2(1.0, mix(_e9.y, at_tip_1.y, 0.25)));
 }
 
 vec3 normals_get(inout vec3 list[8], uint i, bool many) {
@@ -479,7 +500,7 @@ NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
     return _e68;
 }
 
-NormalsCorner normals_outline_corner(NormalsView view_9, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
+NormalsCorner normals_outline_corner(NormalsView view_11, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
     bool local_10 = false;
     bool local_11 = false;
     bool local_12 = false;
@@ -506,14 +527,14 @@ NormalsCorner normals_outline_corner(NormalsView view_9, NormalsOutline outline_
     vec3 _e47 = normals_get(vertices_2, ((at >= outline_1.number) ? (at - outline_1.number) : at), outline_1.many);
     vec3 _e54 = normals_get(vertices_2, ((before_2 >= outline_1.number) ? (before_2 - outline_1.number) : before_2), outline_1.many);
     vec3 _e55 = normals_crossing(_e54, _e47);
-    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_9);
+    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_11);
     return _e57;
 }
 
-NormalsHorizon normals_horizon(NormalsView view_10, NormalsCorner begin, NormalsCorner end) {
-    vec3 sum_2 = (begin.w + end.w);
+NormalsHorizon normals_horizon(NormalsView view_12, NormalsCorner begin, NormalsCorner end) {
+    vec3 sum_4 = (begin.w + end.w);
     float _e6 = normals_half_cosine(begin, end);
-    vec3 _e13 = normals_unstretched(((view_10.wo * _e6) + (sum_2 * (0.5 / _e6))), view_10);
+    vec3 _e13 = normals_unstretched(((view_12.wo * _e6) + (sum_4 * (0.5 / _e6))), view_12);
     float turn_1 = cross(begin.w, (end.w - begin.w)).z;
     vec3 across_3 = vec3(0.0, 0.0, ((turn_1 < 0.0) ? -1.0 : 1.0));
     return NormalsHorizon(begin.c, (_e13 * inversesqrt((begin.length_ * end.length_))), end.c, across_3);
@@ -525,7 +546,7 @@ vec3 normals_on_horizon(NormalsHorizon horizon, float t_1) {
     return ((t_1 >= 1.0) ? horizon.end : _e17);
 }
 
-vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
+vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
     vec3 ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 half_ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
@@ -535,7 +556,7 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
     vec3 half_closing = vec3(0.0);
     vec3 half_end = vec3(0.0);
     vec3 arc_start = vec3(0.0);
-    vec3 flux_3 = vec3(0.0);
+    vec3 flux_1 = vec3(0.0);
     NormalsCorner last = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
     uint edge = 0u;
     bool is_second = false;
@@ -550,6 +571,7 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
     bool local_19 = false;
     bool local_20 = false;
     vec2 parts = vec2(0.0);
+    NormalsSum sum_2 = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
     NormalsSpoke before_1 = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
     NormalsSpoke setting = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
     uint i_4 = 0u;
@@ -564,9 +586,9 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
     uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_3 ? 8u : 4u));
     uint edges = (_e8.is_cut ? (_e8.ups + 1u) : _e8.number);
     uint closing_parts = (_e8.is_cut ? horizon_parts : 0u);
-    NormalsCorner _e37 = normals_outline_corner(view_11, _e8, vertices_3, 0u);
-    NormalsCorner _e41 = normals_outline_corner(view_11, _e8, vertices_3, (_e8.ups + 1u));
-    NormalsHorizon _e42 = normals_horizon(view_11, _e41, _e37);
+    NormalsCorner _e37 = normals_outline_corner(view_13, _e8, vertices_3, 0u);
+    NormalsCorner _e41 = normals_outline_corner(view_13, _e8, vertices_3, (_e8.ups + 1u));
+    NormalsHorizon _e42 = normals_horizon(view_13, _e41, _e37);
     arc_start = _e37.c;
     last = _e37;
     bool loop_init_1 = true;
@@ -598,19 +620,19 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
             }
             bool is_half = local_14;
             uint _e86 = edge;
-            NormalsCorner _e89 = normals_outline_corner(view_11, _e8, vertices_3, (_e86 + 1u));
+            NormalsCorner _e89 = normals_outline_corner(view_13, _e8, vertices_3, (_e86 + 1u));
             to = _e89;
             if (is_half) {
                 NormalsCorner _e91 = last;
                 NormalsCorner _e92 = to;
-                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_11);
+                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_13);
                 to = _e94;
             }
             uint _e95 = edge;
             float t_3 = (float(((_e95 + 1u) - edges)) / float(horizon_parts));
             vec3 _e103 = to.c;
             vec3 _e104 = normals_on_horizon(_e42, t_3);
-            vec3 c_4 = (is_closing ? _e104 : _e103);
+            vec3 c_5 = (is_closing ? _e104 : _e103);
             vec3 _e107 = to.w;
             vec3 _e109 = last.w;
             vec3 apart = (_e107 - _e109);
@@ -625,7 +647,7 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
                 local_15 = true;
             }
             bool _e129 = local_15;
-            vec3 _e130 = normals_exact(view_11, _e117, c_4, across_4, _e129);
+            vec3 _e130 = normals_exact(view_13, _e117, c_5, across_4, _e129);
             if (!(is_closing)) {
                 local_16 = (dot(apart, apart) >= 1e-14);
             } else {
@@ -633,13 +655,13 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
             }
             bool is_edge = local_16;
             vec3 _e140 = last.c;
-            vec3 curved_1 = (is_edge ? (_e130 - cross(_e140, c_4)) : vec3(0.0));
-            vec3 _e146 = flux_3;
+            vec3 curved_1 = (is_edge ? (_e130 - cross(_e140, c_5)) : vec3(0.0));
+            vec3 _e146 = flux_1;
             vec3 _e148 = last.c;
-            flux_3 = (_e146 + (curved_1 + cross((_e148 - _e37.c), (c_4 - _e37.c))));
+            flux_1 = (_e146 + (curved_1 + cross((_e148 - _e37.c), (c_5 - _e37.c))));
             if (is_fine_3) {
                 uint _e157 = edge;
-                normals_put(half_ends, (is_half ? _e157 : 8u), c_4, many_2);
+                normals_put(half_ends, (is_half ? _e157 : 8u), c_5, many_2);
                 uint _e160 = edge;
                 normals_put(half_curves, (is_half ? _e160 : 8u), curved_1, many_2);
             }
@@ -650,7 +672,7 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
                 local_17 = true;
             }
             bool _e168 = local_17;
-            normals_put(ends, (_e168 ? 8u : _e162), c_4, many_2);
+            normals_put(ends, (_e168 ? 8u : _e162), c_5, many_2);
             uint _e170 = edge;
             if (!(is_half)) {
                 local_18 = is_closing;
@@ -662,12 +684,12 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
             uint _e179 = edge;
             normals_put(horizon_curves, (is_closing ? (_e179 - edges) : 8u), curved_1, is_fine_3);
             vec3 _e182 = arc_start;
-            arc_start = (is_closing ? _e182 : c_4);
+            arc_start = (is_closing ? _e182 : c_5);
             vec3 _e184 = closing;
             vec3 _e186 = last.c;
             vec3 _e187 = arc_start;
             vec3 _e189 = arc_start;
-            closing = (_e184 + (is_closing ? (curved_1 + cross((_e186 - _e187), (c_4 - _e189))) : vec3(0.0)));
+            closing = (_e184 + (is_closing ? (curved_1 + cross((_e186 - _e187), (c_5 - _e189))) : vec3(0.0)));
             if (is_fine_3) {
                 uint _e199 = edge;
                 local_19 = ((_e199 + 1u) == (edges + (horizon_parts / 2u)));
@@ -678,21 +700,21 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
             if (_e207) {
                 vec3 _e208 = closing;
                 half_closing = _e208;
-                half_end = c_4;
+                half_end = c_5;
                 closing = vec3(0.0);
-                arc_start = c_4;
+                arc_start = c_5;
             }
             vec3 _e212 = to.w;
             float _e214 = to.length_;
-            last = NormalsCorner(_e212, c_4, _e214);
+            last = NormalsCorner(_e212, c_5, _e214);
             uint _e216 = edge;
             edge = (_e216 + (is_half ? 0u : 1u));
             is_second = is_half;
         }
     }
-    vec3 _e224 = flux_3;
-    float seen_1 = dot(_e224, view_11.stretched);
-    float side = ((seen_1 < 0.0) ? -1.0 : 1.0);
+    vec3 _e224 = flux_1;
+    float seen_2 = dot(_e224, view_13.stretched);
+    float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
     if ((side < 0.0)) {
         local_20 = !(two_sided);
     } else {
@@ -702,120 +724,131 @@ vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, 
     if (_e238) {
         return vec2(0.0);
     }
-    float to_part = ((side * 0.3183099) / (view_11.wo.z + view_11.length_));
-    vec3 _e248 = flux_3;
+    float to_part = ((side * 0.3183099) / (view_13.wo.z + view_13.length_));
+    vec3 _e248 = flux_1;
     vec3 _e250 = normals_unit((_e248 * side));
-    vec2 _e251 = normals_weight(view_11, _e250);
-    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_1);
+    vec2 _e251 = normals_weight(view_13, _e250);
+    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_2);
     if ((rule != NORMALS_MEAN)) {
-        parts = vec2(0.0);
-        vec3 _e266 = normals_sample(view_11, _e250);
-        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e266);
-        NormalsSpoke _e269 = normals_spoke(view_11, _e250, _e37.c, is_fine_3);
-        before_1 = _e269;
-        setting = _e269;
+        float _e268 = normals_rise(view_13, _e250);
+        float least_rise_1 = max((0.125 * _e268), 1e-36);
+        vec3 sided = (side * view_13.stretched);
+        vec3 _e278 = normals_sample(view_13, _e250);
+        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e278);
+        NormalsSpoke _e281 = normals_spoke(view_13, _e250, _e37.c, is_fine_3);
+        before_1 = _e281;
+        setting = _e281;
         bool loop_init_2 = true;
         while(true) {
             if (!loop_init_2) {
-                uint _e330 = i_4;
-                i_4 = (_e330 + 1u);
+                uint _e346 = i_4;
+                i_4 = (_e346 + 1u);
             }
             loop_init_2 = false;
-            uint _e274 = i_4;
-            if ((_e274 < (edges + (_e8.is_cut ? 1u : 0u)))) {
+            uint _e286 = i_4;
+            if ((_e286 < (edges + (_e8.is_cut ? 1u : 0u)))) {
             } else {
                 break;
             }
             {
-                uint _e281 = i_4;
-                bool is_closing_1 = (_e281 == edges);
+                uint _e293 = i_4;
+                bool is_closing_1 = (_e293 == edges);
                 if (is_closing_1) {
-                    NormalsSpoke _e283 = before_1;
-                    setting = _e283;
+                    NormalsSpoke _e295 = before_1;
+                    setting = _e295;
                 }
                 float counts = (is_closing_1 ? (1.0 - _e8.share) : 1.0);
                 if (is_fine_3) {
-                    uint _e289 = i_4;
-                    vec3 _e290 = normals_get(half_ends, _e289, many_2);
-                    vec3 _e291 = half_end;
-                    vec3 half_c = (is_closing_1 ? _e291 : _e290);
-                    uint _e293 = i_4;
-                    vec3 _e294 = normals_get(half_curves, _e293, many_2);
-                    vec3 _e295 = half_closing;
-                    vec3 half_curved = (is_closing_1 ? _e295 : _e294);
-                    NormalsSpoke _e297 = normals_spoke(view_11, _e250, half_c, is_fine_3);
-                    NormalsSpoke _e298 = before_1;
-                    vec3 _e299 = normals_flux(_e250, _e298, _e297, half_curved);
-                    vec2 _e300 = parts;
-                    vec3 _e302 = before_1.at_end;
-                    vec2 _e306 = normals_triangle(view_11, _e250, ((tip_share + _e302) + _e297.at_end), _e299, is_fine_3);
-                    parts = (_e300 + (counts * _e306));
-                    before_1 = _e297;
+                    uint _e301 = i_4;
+                    vec3 _e302 = normals_get(half_ends, _e301, many_2);
+                    vec3 _e303 = half_end;
+                    vec3 half_c = (is_closing_1 ? _e303 : _e302);
+                    uint _e305 = i_4;
+                    vec3 _e306 = normals_get(half_curves, _e305, many_2);
+                    vec3 _e307 = half_closing;
+                    vec3 half_curved = (is_closing_1 ? _e307 : _e306);
+                    NormalsSpoke _e309 = normals_spoke(view_13, _e250, half_c, is_fine_3);
+                    NormalsSpoke _e310 = before_1;
+                    vec3 _e311 = normals_flux(_e250, _e310, _e309, half_curved);
+                    vec3 _e312 = normals_centroid(_e311, _e250);
+                    vec3 _e314 = before_1.at_end;
+                    vec2 _e318 = normals_triangle(view_13, _e250, _e312, ((tip_share + _e314) + _e309.at_end), is_fine_3);
+                    NormalsSum _e319 = sum_2;
+                    NormalsSum _e322 = normals_add(view_13, _e319, least_rise_1, _e312, (counts * dot(_e311, sided)), _e318);
+                    sum_2 = _e322;
+                    before_1 = _e309;
                 }
-                uint _e309 = i_4;
-                vec3 _e310 = normals_get(ends, _e309, many_2);
-                vec3 c_5 = (is_closing_1 ? _e37.c : _e310);
-                uint _e313 = i_4;
-                vec3 _e314 = normals_get(curves, _e313, many_2);
-                vec3 _e315 = closing;
-                vec3 curved_2 = (is_closing_1 ? _e315 : _e314);
-                NormalsSpoke _e317 = normals_spoke(view_11, _e250, c_5, is_fine_3);
-                NormalsSpoke _e318 = before_1;
-                vec3 _e319 = normals_flux(_e250, _e318, _e317, curved_2);
-                vec2 _e320 = parts;
-                vec3 _e322 = before_1.at_end;
-                vec2 _e326 = normals_triangle(view_11, _e250, ((tip_share + _e322) + _e317.at_end), _e319, is_fine_3);
-                parts = (_e320 + (counts * _e326));
-                before_1 = _e317;
+                uint _e323 = i_4;
+                vec3 _e324 = normals_get(ends, _e323, many_2);
+                vec3 c_6 = (is_closing_1 ? _e37.c : _e324);
+                uint _e327 = i_4;
+                vec3 _e328 = normals_get(curves, _e327, many_2);
+                vec3 _e329 = closing;
+                vec3 curved_2 = (is_closing_1 ? _e329 : _e328);
+                NormalsSpoke _e331 = normals_spoke(view_13, _e250, c_6, is_fine_3);
+                NormalsSpoke _e332 = before_1;
+                vec3 _e333 = normals_flux(_e250, _e332, _e331, curved_2);
+                vec3 _e334 = normals_centroid(_e333, _e250);
+                vec3 _e336 = before_1.at_end;
+                vec2 _e340 = normals_triangle(view_13, _e250, _e334, ((tip_share + _e336) + _e331.at_end), is_fine_3);
+                NormalsSum _e341 = sum_2;
+                NormalsSum _e344 = normals_add(view_13, _e341, least_rise_1, _e334, (counts * dot(_e333, sided)), _e340);
+                sum_2 = _e344;
+                before_1 = _e331;
             }
         }
-        NormalsSpoke _e332 = setting;
-        before_1 = _e332;
+        NormalsSpoke _e348 = setting;
+        before_1 = _e348;
         bool loop_init_3 = true;
         while(true) {
             if (!loop_init_3) {
-                uint _e358 = part;
-                part = (_e358 + 1u);
+                uint _e376 = part;
+                part = (_e376 + 1u);
             }
             loop_init_3 = false;
-            uint _e335 = part;
-            if ((_e335 <= closing_parts)) {
+            uint _e351 = part;
+            if ((_e351 <= closing_parts)) {
             } else {
                 break;
             }
             {
-                uint _e337 = part;
-                vec3 _e341 = normals_on_horizon(_e42, (float(_e337) / float(horizon_parts)));
-                vec3 _e342 = normals_arc_bend(_e250, _e341);
-                NormalsSpoke to_1 = NormalsSpoke(_e341, _e342, vec3(0.0));
-                NormalsSpoke _e346 = before_1;
-                uint _e347 = part;
-                vec3 _e350 = normals_get(horizon_curves, (_e347 - 1u), is_fine_3);
-                vec3 _e351 = normals_flux(_e250, _e346, to_1, _e350);
-                vec2 _e352 = parts;
-                vec2 _e354 = normals_horizon_triangle(view_11, _e250, _e251, _e351, is_fine_3);
-                parts = (_e352 + (_e8.share * _e354));
+                uint _e353 = part;
+                vec3 _e357 = normals_on_horizon(_e42, (float(_e353) / float(horizon_parts)));
+                vec3 _e358 = normals_arc_bend(_e250, _e357);
+                NormalsSpoke to_1 = NormalsSpoke(_e357, _e358, vec3(0.0));
+                NormalsSpoke _e362 = before_1;
+                uint _e363 = part;
+                vec3 _e366 = normals_get(horizon_curves, (_e363 - 1u), is_fine_3);
+                vec3 _e367 = normals_flux(_e250, _e362, to_1, _e366);
+                vec3 _e368 = normals_centroid(_e367, _e250);
+                vec2 _e369 = normals_horizon_triangle(view_13, _e250, _e251, _e368, is_fine_3);
+                NormalsSum _e370 = sum_2;
+                NormalsSum _e374 = normals_add(view_13, _e370, least_rise_1, _e368, (_e8.share * dot(_e367, sided)), _e369);
+                sum_2 = _e374;
                 before_1 = to_1;
             }
         }
+        NormalsSum _e378 = sum_2;
+        vec2 _e380 = normals_total(_e378, (seen_2 * side), _e251);
+        parts = (_e380 * side);
     }
-    float _e361 = parts.x;
-    float energy = clamp((_e361 * to_part), 0.0, clamp((seen_1 * to_part), 0.0, 1.0));
-    float _e370 = parts.y;
-    return vec2(energy, clamp((_e370 * to_part), 0.0, energy));
+    float _e383 = parts.x;
+    float energy = clamp((_e383 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e392 = parts.y;
+    return vec2(energy, clamp((_e392 * to_part), 0.0, energy));
 }
 
-vec2 normals_rectangle(NormalsView view_12, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
+vec2 normals_rectangle(NormalsView view_14, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
     vec3 vertices_4[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vertices_4[0] = corners_1[0];
     vertices_4[1] = corners_1[1];
     vertices_4[2] = corners_1[2];
     vertices_4[3] = corners_1[3];
-    vec2 _e14 = normals_polygon(view_12, vertices_4, 4u, two_sided_1, rule_1);
+    vec2 _e14 = normals_polygon(view_14, vertices_4, 4u, two_sided_1, rule_1);
     return _e14;
 }
 
-vec2 normals_disk(NormalsView view_13, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
+vec2 normals_disk(NormalsView view_15, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
     vec3 vertices_5[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint i_5 = 0u;
     bool loop_init_4 = true;
@@ -838,6 +871,6 @@ vec2 normals_disk(NormalsView view_13, vec3 centre, vec3 half_x, vec3 half_y, bo
             vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));
         }
     }
-    vec2 _e33 = normals_polygon(view_13, vertices_5, 8u, two_sided_2, rule_2);
+    vec2 _e33 = normals_polygon(view_15, vertices_5, 8u, two_sided_2, rule_2);
     return _e33;
 }

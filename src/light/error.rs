@@ -18,6 +18,12 @@ pub enum LightError {
         /// Three vertices, from zero, that run the other way round than the first three that are not in line.
         vertices: [usize; 3],
     },
+    /// The shaded point lies on the outline, so that it is seen in no direction.
+    #[error("the shaded point lies on the edge that begins at vertex {edge}")]
+    OnOutline {
+        /// Which edge, by the vertex where it begins, from zero.
+        edge: usize,
+    },
     /// The shaded point lies in the light.
     #[error("the shaded point lies inside the light")]
     Inside,

@@ -9,6 +9,9 @@ use crate::fit::Sides;
 /// this part of their farthest distance squared times their longest edge: rounding to f32 moves vertices less.
 const STRAIGHT: f64 = 1e-6;
 
+/// An edge runs through the shaded point where it is closer to it than this part of the farthest vertex's distance.
+const TOUCHING: f64 = 1e-12;
+
 /// A convex polygon of radiance one, as seen from a shaded point.
 ///
 /// Its lit side is that from which the vertices run clockwise.
@@ -25,7 +28,7 @@ impl PolygonLight {
     /// turn the same way as seen from the shaded point.
     ///
     /// # Errors
-    /// [`LightError::TooFewVertices`], [`LightError::NotFinite`], [`LightError::NotConvex`].
+    /// [`LightError::TooFewVertices`], [`LightError::NotFinite`], [`LightError::OnOutline`], [`LightError::NotConvex`].
     pub fn new(vertices: Vec<DVec3>, sides: Sides) -> Result<Self, LightError> {
         if vertices.len() < 3 {
             return Err(LightError::TooFewVertices(vertices.len()));
@@ -37,6 +40,10 @@ impl PolygonLight {
         let farthest = vertices.iter().fold(0.0_f64, |far, v| far.max(v.abs().max_element()));
         let vertices: Vec<DVec3> =
             if farthest > 0.0 { vertices.into_iter().map(|v| v / farthest).collect() } else { vertices };
+        let ends = |edge: usize| (vertices[edge], vertices[(edge + 1) % vertices.len()]);
+        if let Some(edge) = (0..vertices.len()).find(|edge| from_origin(ends(*edge)) < TOUCHING) {
+            return Err(LightError::OnOutline { edge });
+        }
         match wrong_turn(&vertices) {
             Some(vertices) => Err(LightError::NotConvex { vertices }),
             None => Ok(Self { vertices, sides }),
@@ -54,6 +61,14 @@ impl PolygonLight {
     pub fn sides(&self) -> Sides {
         self.sides
     }
+}
+
+/// How close an edge comes to the origin.
+fn from_origin((a, b): (DVec3, DVec3)) -> f64 {
+    let along = b - a;
+    let length2 = along.length_squared();
+    let t = if length2 > 0.0 { (-a.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    (a + along * t).length()
 }
 
 /// Three vertices, in their order, that turn the other way than the first three that turn at all.
@@ -128,6 +143,23 @@ mod tests {
         let mut endless = regular(4, 1);
         endless[2].y = f64::INFINITY;
         assert_eq!(PolygonLight::new(endless, Sides::One), Err(LightError::NotFinite { index: 2 }));
+    }
+
+    #[test]
+    fn an_outline_through_the_shaded_point_is_none() {
+        let square = |centre: DVec3| {
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(|(x, z)| centre + DVec3::new(x, 0.5 * z, z))
+                .to_vec()
+        };
+        // A vertex at the shaded point, an edge through it, one that passes a hair beside it, and one within the light.
+        let vertex = PolygonLight::new(square(DVec3::new(1.0, 0.5, 1.0)), Sides::Two);
+        assert_eq!(vertex, Err(LightError::OnOutline { edge: 0 }));
+        let through = PolygonLight::new(square(DVec3::new(-1.0, 0.0, 0.0)), Sides::Two);
+        assert_eq!(through, Err(LightError::OnOutline { edge: 1 }));
+        assert!(PolygonLight::new(square(DVec3::new(-1.0, 1e-6, 0.0)), Sides::Two).is_ok());
+        assert!(PolygonLight::new(square(DVec3::ZERO), Sides::Two).is_ok());
+        assert_eq!(PolygonLight::new(vec![DVec3::ZERO; 4], Sides::Two), Err(LightError::OnOutline { edge: 0 }));
     }
 
     #[test]

@@ -104,11 +104,19 @@ pub fn reflected<T: Scalar>(
         let [weight, schlick] = view.weight(mean_normal);
         [to_part * seen * weight, to_part * seen * weight * schlick]
     } else {
-        let fan = Fan { view: &view, shares: rule.shares(), tip: mean_normal, to_part, sum: [T::ZERO; 2] };
-        fan.over(&corners, &curved, rule.parts(), cut_share(vertices))
+        let fan = Fan {
+            view: &view,
+            shares: rule.shares(),
+            tip: mean_normal,
+            to_part,
+            at_tip: view.weight(mean_normal),
+            sum: [T::ZERO; 2],
+            positive: [T::ZERO; 3],
+            unknown: T::ZERO,
+        };
+        fan.over(&corners, &curved, rule.parts(), cut_share(vertices)).total(to_part * seen)
     };
-    // No weight is above one. Where triangles lie upon each other, as in a sliver along the horizon, their rules may differ
-    // by more than what they leave of each other.
+    // No weight is above one.
     let visible = (to_part * seen).max(T::ZERO).min(T::ONE);
     let energy = energy.max(T::ZERO).min(visible);
     [energy, fresnel.max(T::ZERO).min(energy)]
@@ -147,53 +155,92 @@ pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Tripl
 struct Fan<'a, T> {
     view: &'a View<T>,
     shares: Shares,
-    /// The mean normal, where all triangles meet.
+    /// The mean normal, where all triangles meet, and its weight.
     tip: Triple<T>,
+    at_tip: [T; 2],
     /// What makes a form factor a part of the visible normals.
     to_part: T,
     sum: [T; 2],
+    /// The positive parts, and what they add to the sum.
+    positive: [T; 3],
+    /// The part of triangles whose weight is unknown.
+    unknown: T,
 }
 
+/// A triangle counts in full where its centroid reflects this part as far above the surface as the tip does, or farther. A
+/// centroid is within the triangle, and so is what it reflects within the light's hemisphere, because the normals that
+/// reflect above the surface form a convex cone; unless the image of the edge crosses the triangle's other sides.
+const LEAST_RISE: f64 = 0.125;
+
 impl<T: Scalar> Fan<'_, T> {
-    /// Adds a triangle, by the integral of its normals, as `times` of one, weighed by what `mean` says of its centroid.
-    fn add(&mut self, flux: Triple<T>, times: T, mean: impl FnOnce(&View<T>, Shares, Triple<T>) -> [T; 2]) {
-        let centroid = unit(flux);
-        let centroid = if dot(centroid, self.tip) < T::ZERO { scaled(centroid, -T::ONE) } else { centroid };
-        let part = self.to_part * times * dot(flux, self.view.stretched);
-        let [energy, fresnel] = mean(self.view, self.shares, centroid);
-        self.sum = [self.sum[0] + part * energy, self.sum[1] + part * fresnel];
+    /// The centroid of a triangle, by the integral of its normals, and its part of the visible normals.
+    fn centroid(&self, flux: Triple<T>) -> (Triple<T>, T) {
+        let m = unit(flux);
+        let m = if dot(m, self.tip) < T::ZERO { scaled(m, -T::ONE) } else { m };
+        (m, self.to_part * dot(flux, self.view.stretched))
+    }
+
+    /// Adds a triangle by its centroid, its part of the visible normals and its mean weight.
+    fn add(&mut self, m: Triple<T>, whole: T, mean: [T; 2]) {
+        let known = self.view.rise(m) / (T::of(LEAST_RISE) * self.view.rise(self.tip)).max(T::of(1e-36));
+        let known = known.max(T::ZERO).min(T::ONE);
+        self.unknown = self.unknown + (T::ONE - known) * whole;
+        let part = known * whole;
+        let [energy, fresnel] = mean.map(|mean| part * mean);
+        self.sum = [self.sum[0] + energy, self.sum[1] + fresnel];
+        if part > T::ZERO {
+            self.positive = plus(self.positive, [part, energy, fresnel]);
+        }
+    }
+
+    /// The sum, for a light whose part of the visible normals is `visible`.
+    ///
+    /// Where the image bends around the mean normal, triangles reach beyond it, and those that run back take that away
+    /// again. Their rules may differ by more than what they leave of each other, so there the mean weight is in part that
+    /// of the positive triangles alone; so it is in triangles whose own is unknown.
+    fn total(&self, visible: T) -> [T; 2] {
+        let least = T::of(1e-18);
+        let [part, energy, fresnel] = self.positive;
+        let negative = (part + self.unknown - visible) / visible.max(least);
+        let share = negative.max(T::ZERO).min(T::of(0.5));
+        // The tip counts so little that it matters only where nothing else does.
+        let tip = T::of(1e-6) * visible.max(least);
+        let [at_tip, schlick] = self.at_tip;
+        let per_part = (share * self.unknown + (T::ONE - share) * visible) / (part + tip);
+        let of = |sum: T, positive: T, at_tip: T| share * sum + per_part * (positive + tip * at_tip);
+        [of(self.sum[0], energy, at_tip), of(self.sum[1], fresnel, at_tip * schlick)]
     }
 
     /// The sum over all triangles. Those of the horizon count by `cut`, and what they are together as edges of the light
     /// by the rest.
-    fn over(mut self, corners: &[Corner<T>], curved: &[Triple<T>], parts: Parts, cut: T) -> [T; 2] {
-        let tip = self.tip;
-        let (at_tip, tip_sample) = (self.view.weight(tip), self.view.sample(tip));
-        let samples: Vec<Sample<T>> = corners.iter().map(|corner| self.view.sample(corner.c)).collect();
+    fn over(mut self, corners: &[Corner<T>], curved: &[Triple<T>], parts: Parts, cut: T) -> Self {
+        let (view, tip) = (self.view, self.tip);
+        let at_tip = view.sample(tip);
+        let samples: Vec<Sample<T>> = corners.iter().map(|corner| view.sample(corner.c)).collect();
         let (mut joined, mut count, mut start) = ([T::ZERO; 3], 0, 0);
         for (i, curved) in curved.iter().enumerate() {
             let next = (i + 1) % corners.len();
             let (from, to) = (&corners[i], &corners[next]);
             let plane = cross(minus(from.c, tip), minus(to.c, tip));
             let flux = plus(plus(plane, *curved), minus(arc_bend(tip, from.c), arc_bend(tip, to.c)));
-            let on_edge = |start: usize| {
-                let samples = [tip_sample, samples[start], samples[next]];
-                move |view: &View<T>, shares, centroid| view.over_triangle(shares, tip, centroid, samples)
-            };
+            let (m, part) = self.centroid(flux);
+            let shares = self.shares;
+            let on_edge = |start: usize, m| view.over_triangle(shares, tip, m, [at_tip, samples[start], samples[next]]);
             if !(from.is_on_horizon() && to.is_on_horizon()) {
-                self.add(flux, T::ONE, on_edge(i));
+                self.add(m, part, on_edge(i, m));
                 continue;
             }
-            self.add(flux, cut, |view, shares, centroid| view.over_triangle_to_horizon(shares, tip, at_tip, centroid));
+            self.add(m, cut * part, view.over_triangle_to_horizon(shares, tip, self.at_tip, m));
             if count == 0 {
                 start = i;
             }
             (joined, count) = (plus(joined, flux), count + 1);
             if count * parts.edge == parts.horizon {
-                self.add(joined, T::ONE - cut, on_edge(start));
+                let (m, part) = self.centroid(joined);
+                self.add(m, (T::ONE - cut) * part, on_edge(start, m));
                 (joined, count) = ([T::ZERO; 3], 0);
             }
         }
-        self.sum
+        self
     }
 }

@@ -62,6 +62,12 @@ impl<T: Scalar> View<T> {
         [weight, m2 * m2 * m]
     }
 
+    /// How far above the surface a normal reflects: `wi.z |A c|^2`.
+    pub(super) fn rise(&self, c: Triple<T>) -> T {
+        let h = [self.alpha[0] * c[0], self.alpha[1] * c[1], c[2]];
+        T::of(2.0) * dot(self.wo, h) * h[2] - dot(h, h) * self.wo[2]
+    }
+
     /// A normal in a mean. It counts by its projection along `A wo`, to which the density of visible normals is
     /// proportional, and by its length.
     pub(super) fn sample(&self, c: Triple<T>) -> Sample<T> {

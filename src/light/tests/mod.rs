@@ -1,5 +1,6 @@
 //! The closed form and the table against the truth, and the truth against a quadrature of another kind.
 
+mod bent;
 mod cases;
 mod closed_form;
 mod extremes;

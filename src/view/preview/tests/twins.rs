@@ -149,6 +149,22 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
     }
 }
 
+/// Lights that stand on the floor, float, set behind it and fill the sky, under each rule.
+#[test]
+fn gpu_and_cpu_agree_in_every_scene_by_normals() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    for (named, weight) in
+        NamedScene::ALL.iter().flat_map(|named| WeightRule::ALL.iter().map(move |rule| (named, *rule)))
+    {
+        let scene = Scene { size: 96, spp: 4, model: LightModel::Normals, weight, ..named.scene() };
+        let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+        assert_eq!(b.adapter, "cpu");
+        assert_twins(&a.picture, &b.picture, &format!("{} {weight}", named.name()));
+    }
+}
+
 #[test]
 fn twice_the_same_picture_is_the_same_bytes() {
     let table = shader_table(TexelFormat::F32);
