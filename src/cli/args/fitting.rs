@@ -44,6 +44,10 @@ pub struct ServeArgs {
     /// Whom it serves
     #[command(flatten)]
     pub connections: ConnectionArgs,
+    /// What it shares
+    #[cfg(feature = "cluster")]
+    #[command(flatten)]
+    pub replica: super::ReplicaArgs,
 }
 
 /// `fsck`.
@@ -115,7 +119,7 @@ impl Threads {
 /// The most threads of a command: more only slow each other down, and thousands can make a machine unusable.
 const MOST_THREADS: usize = 512;
 
-fn threads(text: &str) -> Result<NonZeroUsize, String> {
+pub(super) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     let count = text.parse().ok().filter(|count: &NonZeroUsize| count.get() <= MOST_THREADS);
     count.ok_or_else(|| format!("it is a number from 1 to {MOST_THREADS}"))
 }

@@ -20,6 +20,11 @@ pub(super) fn stopping() -> Problem {
     Problem::new(ProblemKind::Stopping, "the service is stopping").with_retry_after(RESTART)
 }
 
+/// The problem of a service whose database does not answer.
+pub(super) fn unavailable() -> Problem {
+    Problem::new(ProblemKind::Unavailable, "the database does not answer").with_retry_after(RESTART)
+}
+
 /// The problem of an internal error. The log has its text; the client gets none of it.
 pub(super) fn internal(error: &dyn fmt::Display) -> Problem {
     tracing::error!("internal error: {error}");
@@ -89,10 +94,12 @@ impl From<ServiceError> for Problem {
             ServiceError::Stopping => return stopping(),
             ServiceError::Corrupt { .. } => ProblemKind::DamagedBlob,
             ServiceError::DiskFull => ProblemKind::DiskFull,
+            ServiceError::Unavailable(_) => ProblemKind::Unavailable,
             ServiceError::Storage(_) => ProblemKind::Storage,
         };
         tracing::error!("{error}");
-        Self::new(kind, error.to_string())
+        let problem = Self::new(kind, error.to_string());
+        if kind == ProblemKind::Unavailable { problem.with_retry_after(RESTART) } else { problem }
     }
 }
 
@@ -117,7 +124,7 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 13] = [
+        let cases: [(Problem, u16); 14] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
@@ -129,6 +136,7 @@ mod tests {
             (PictureError::Failed("x".into()).into(), 500),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),
             (ServiceError::Storage("x".into()).into(), 500),
+            (ServiceError::Unavailable("x".into()).into(), 503),
             ((&Failure { kind: FailureKind::DiskFull, detail: "x".into() }).into(), 507),
             ((&Failure { kind: FailureKind::Attempts, detail: "x".into() }).into(), 500),
         ];

@@ -56,6 +56,15 @@ pub(super) async fn download(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
+    if api.redirects
+        && method == Method::GET
+        && let Some(url) = api.call(move |service| service.table_link(digest)).await?
+    {
+        return finish(
+            HttpResponse::builder().status(StatusCode::TEMPORARY_REDIRECT).header(header::LOCATION, url),
+            Body::empty(),
+        );
+    }
     let file = api.call(move |service| service.table(digest)).await?.ok_or_else(|| unknown(digest))?;
     respond(&digest, &method, &headers, Bytes::from_owner(File(file)))
 }

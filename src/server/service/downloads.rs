@@ -1,6 +1,6 @@
 //! What users download: tables, manifests, recipes and pictures.
 
-use std::{panic::resume_unwind, sync::Arc, thread};
+use std::{panic::resume_unwind, sync::Arc, thread, time::Duration};
 
 use super::{
     Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow, state::ServiceState,
@@ -13,6 +13,9 @@ use crate::{
         store::{Catalogue, ManifestRow},
     },
 };
+
+/// How long a URL of a table is valid.
+const LINK: Duration = Duration::from_secs(300);
 
 impl Service {
     /// The canonical file of a table, checked against its digest.
@@ -43,6 +46,18 @@ impl Service {
         Ok(Some(manifest.text))
     }
 
+    /// A URL under which a client can fetch a table from the store of blobs for some minutes; `None` where there is none,
+    /// or no such table.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn table_link(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
+        if !self.state.tables.contains(digest)? {
+            return Ok(None);
+        }
+        Ok(self.state.tables.store.blobs.link(digest, LINK)?)
+    }
+
     /// Tables, newest first.
     ///
     /// # Errors
@@ -58,8 +73,8 @@ impl Service {
     /// When the store fails.
     pub fn recipe(&self, digest: Digest) -> Result<Option<(String, Option<Digest>)>, ServiceError> {
         if let Some((recipe, table)) = self.state.tables.catalogue.recipe(digest)? {
-            let table = Some(table).filter(|table| self.state.tables.contains(*table));
-            return Ok(Some((recipe, table)));
+            let is_stored = self.state.tables.contains(table)?;
+            return Ok(Some((recipe, Some(table).filter(|_| is_stored))));
         }
         let job = self.state.queue.job(JobId::of_recipe(&digest))?;
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))

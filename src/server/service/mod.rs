@@ -5,10 +5,15 @@
 
 mod api;
 mod check;
+#[cfg(feature = "cluster")]
+mod cluster;
 mod cursor;
+mod deliveries;
 mod downloads;
 mod engine;
 mod forecast;
+#[cfg(feature = "cluster")]
+mod migrate;
 mod open;
 mod pictures;
 mod reconcile;
@@ -27,7 +32,11 @@ pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, SubmitError, SubmitReply,
 };
 pub use check::{CheckReport, check};
+#[cfg(feature = "cluster")]
+pub use cluster::{DatabaseUrl, Shared, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
+#[cfg(feature = "cluster")]
+pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;
 pub use state::Service;

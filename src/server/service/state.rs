@@ -6,11 +6,11 @@ use std::sync::{
 };
 
 use super::{
-    Config, Metrics, ServiceError, engine::Engine, forecast::Forecast, pictures::Pictures, tables::Tables,
-    turns::Turns, watch::Hub,
+    Config, Metrics, ServiceError, deliveries::Deliveries, engine::Engine, forecast::Forecast, pictures::Pictures,
+    tables::Tables, turns::Turns, watch::Hub,
 };
 use crate::server::{
-    queue::{Clock, JobId, Queue},
+    queue::{JobId, Queue},
     store::Batch,
 };
 
@@ -29,14 +29,14 @@ pub(super) struct ServiceState {
     pub(super) engine: Arc<dyn Engine>,
     pub(super) forecast: Arc<Forecast>,
     pub(super) tables: Arc<Tables>,
-    pub(super) queue: Queue,
+    pub(super) queue: Box<dyn Queue>,
+    pub(super) deliveries: Deliveries,
     pub(super) hub: Hub,
     /// Measures tables. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
     /// until a table is assembled.
     pub(super) measuring_pool: rayon::ThreadPool,
     /// Which of the threads that fit may work.
     pub(super) turns: Turns,
-    pub(super) clock: Clock,
     pub(super) pictures: Pictures,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
@@ -90,7 +90,13 @@ impl Service {
     /// Whether the service accepts jobs and works on them.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        !self.state.is_stopping()
+        !self.state.is_stopping() && self.state.queue.is_reachable()
+    }
+
+    /// Whether [`Self::stop`] was called.
+    #[must_use]
+    pub fn is_stopping(&self) -> bool {
+        self.state.is_stopping()
     }
 
     /// Figures for `/metrics`.
@@ -102,7 +108,7 @@ impl Service {
         let (leases_expired, shard_failures) = state.queue.failures();
         let (tables, table_bytes) = state.tables.catalogue.totals()?;
         Ok(Metrics {
-            jobs: state.queue.counts(),
+            jobs: state.queue.counts()?,
             entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
             shard_failures,
             leases_expired,

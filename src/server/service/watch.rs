@@ -10,7 +10,7 @@ use tokio::sync::watch;
 
 use super::{JobSnapshot, forecast::Forecast};
 use crate::server::{
-    queue::{Clock, Job, JobId, StateName},
+    queue::{Job, JobId, StateName, embedded::Clock},
     store::StoreError,
 };
 
@@ -49,6 +49,14 @@ impl Hub {
     pub(super) fn snapshot(&self, job: Job) -> JobSnapshot {
         let now = (self.clock)();
         self.lock().snapshot(job, &self.forecast, now)
+    }
+
+    /// The jobs that anyone follows.
+    #[cfg(feature = "cluster")]
+    pub(super) fn watched(&self) -> Vec<JobId> {
+        let inner = self.lock();
+        let followed = inner.channels.iter().filter(|(_, channel)| channel.receiver_count() > 0);
+        followed.map(|(id, _)| *id).collect()
     }
 
     /// Whether anyone follows the job.

@@ -71,8 +71,8 @@ impl Pictures {
             plot @ Subject::Plot(_) => plot,
         };
         let table = match table {
-            Some(table) if !self.tables.contains(table) => return Err(PictureError::UnknownTable(table)),
-            Some(table) => table,
+            Some(table) if self.tables.contains(table).map_err(crate::server::service::ServiceError::from)? => table,
+            Some(table) => return Err(PictureError::UnknownTable(table)),
             None => self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?,
         };
         let key = tag(&subject, table, None)?;

@@ -6,12 +6,18 @@ use std::{
 };
 
 use super::{
-    Clock, JobId, JobState, Limits, Queue, active::ActiveJob, jobs::QueueState, reconcile::reconcile,
-    record::JobRecord, task::TaskState,
+    active::ActiveJob,
+    jobs::{Clock, EmbeddedQueue, QueueState},
+    reconcile::reconcile,
+    record::JobRecord,
+    task::TaskState,
 };
-use crate::server::store::{Batch, Rows, StoreError, Tree};
+use crate::server::{
+    queue::{JobId, JobState, Limits},
+    store::{Batch, Rows, StoreError, Tree},
+};
 
-impl Queue {
+impl EmbeddedQueue {
     /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and count as failed
     /// attempts, finished shards stay finished. Rows of jobs and the list of jobs are made to agree.
     ///
@@ -90,7 +96,11 @@ impl Queue {
 
 #[cfg(test)]
 mod tests {
-    use std::{num::NonZeroU32, path::Path, time::Duration};
+    use std::{
+        num::{NonZeroU32, NonZeroUsize},
+        path::Path,
+        time::Duration,
+    };
 
     use jiff::Timestamp;
 
@@ -98,28 +108,28 @@ mod tests {
     use crate::{
         files::digest::Digest,
         server::{
-            queue::{Lease, NewJob, Offer, Submitted, TaskKind},
+            queue::{Demand, Lease, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind},
             store::{Store, copy_folder},
         },
     };
 
-    fn open(dir: &Path, max_attempts: u32) -> (Queue, Store) {
+    fn open(dir: &Path, max_attempts: u32) -> (EmbeddedQueue, Store) {
         let store = Store::open(dir).unwrap();
         let max_attempts = NonZeroU32::new(max_attempts).unwrap();
         let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
-        (Queue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
+        (EmbeddedQueue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
     }
 
-    fn submit(queue: &Queue) -> JobId {
+    fn submit(queue: &EmbeddedQueue) -> JobId {
         let recipe_digest = Digest::of(b"recipe");
         let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; 3] };
         assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
         JobId::of_recipe(&recipe_digest)
     }
 
-    fn lease(queue: &Queue) -> (TaskKind, Lease) {
-        match queue.lease(0) {
-            Offer::Task(leased) => (leased.kind, leased.lease),
+    fn lease(queue: &EmbeddedQueue) -> (TaskKind, Lease) {
+        match queue.lease(0, Demand::Any, NonZeroUsize::MIN) {
+            Offer::Tasks(leased) => (leased[0].kind, leased[0].lease),
             other => panic!("{other:?}"),
         }
     }
@@ -133,7 +143,7 @@ mod tests {
         let (task, first) = lease(&queue);
         assert_eq!(task, TaskKind::Shard(0));
         let second = lease(&queue).1;
-        queue.complete(&second, b"result").unwrap();
+        queue.complete(&[(second, b"result")]).unwrap();
         // kill -9 leaves the files as they are now: the first shard is leased, the second finished.
         copy_folder(&alive, &killed).unwrap();
         let (again, _copy) = open(&killed, 3);
@@ -143,7 +153,7 @@ mod tests {
         assert_eq!(task, TaskKind::Shard(0), "the dead process's lease does not hold it");
         assert_eq!(lease(&again).0, TaskKind::Shard(2), "the second shard is not fitted again");
         assert_ne!(void, first, "another attempt");
-        assert!(again.complete(&first, b"late").is_err());
+        assert_eq!(again.complete(&[(first, b"late")]).unwrap(), [Err(StaleLease)]);
     }
 
     #[test]
@@ -156,12 +166,12 @@ mod tests {
             assert_eq!(lease(&queue).0, TaskKind::Shard(0));
             // Committing another shard's result also writes the lease's row to the disk.
             let other = lease(&queue).1;
-            queue.complete(&other, b"result").unwrap();
+            queue.complete(&[(other, b"result")]).unwrap();
             last = dir.path().join(crash.to_string());
             copy_folder(&dir.path().join((crash - 1).to_string()), &last).unwrap();
         }
         let (queue, _store) = open(&last, 2);
         assert!(matches!(queue.job(id).unwrap().unwrap().state, JobState::Failed { .. }));
-        assert!(matches!(queue.lease(0), Offer::Nothing { .. }));
+        assert!(matches!(queue.lease(0, Demand::Any, NonZeroUsize::MIN), Offer::Nothing { .. }));
     }
 }

@@ -1,0 +1,137 @@
+//! A PostgreSQL server of a test's own: made on first use, gone with the process.
+#![allow(dead_code, unreachable_pub, reason = "the library's tests and those of the binary each use their own part")]
+
+use std::{
+    env, fs,
+    io::Write as _,
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    sync::{
+        LazyLock,
+        atomic::{AtomicU32, Ordering},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+/// Makes a cluster in `$1` with the programs in `$2`, serves it until standard input ends, and removes it. The server
+/// refuses to run as root, so root runs it as `nobody`.
+const SCRIPT: &str = r#"
+as=''; if [ "$(id -u)" = 0 ]; then as='setpriv --reuid=65534 --regid=65534 --clear-groups'; chown 65534:65534 "$1"; fi
+$as "$2/initdb" -D "$1/data" -U postgres -A trust -E UTF8 --locale=C --no-sync >"$1/initdb.log" 2>&1 || exit 1
+$as "$2/postgres" -D "$1/data" -k "$1" -c listen_addresses= -c max_connections=300 $3 >"$1/log" 2>&1 </dev/null &
+server=$!
+cat >/dev/null
+kill -QUIT $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$1"
+"#;
+
+/// How long the server may take to start.
+const DEADLINE: Duration = Duration::from_secs(60);
+
+/// A running server. Its shell stops it when this process ends, however it ends.
+pub struct Server {
+    folder: PathBuf,
+    programs: PathBuf,
+    shell: Child,
+    databases: AtomicU32,
+}
+
+/// The server that the tests of this process share. Nothing of it is to survive, so it does not wait for the disk.
+static SHARED: LazyLock<Option<Server>> = LazyLock::new(|| Server::start("-c fsync=off"));
+
+/// The URL of an empty database on the shared server; `None`, told loudly, where PostgreSQL is not installed.
+pub fn empty_database() -> Option<String> {
+    SHARED.as_ref().map(Server::empty_database)
+}
+
+impl Server {
+    /// Starts a server with further arguments; `None`, told loudly, where PostgreSQL is not installed.
+    pub fn start(arguments: &str) -> Option<Self> {
+        let Some(programs) = programs() else {
+            tell_skipped("there is no PostgreSQL server here; `make packages` installs it");
+            return None;
+        };
+        static SERVERS: AtomicU32 = AtomicU32::new(0);
+        let number = SERVERS.fetch_add(1, Ordering::Relaxed);
+        let folder = env::temp_dir().join(format!("ltcforge-pg-{}-{number}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder for the cluster");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", SCRIPT, "sh"]).arg(&folder).arg(&programs).arg(arguments);
+        let shell = shell.stdin(Stdio::piped()).spawn().expect("a shell");
+        let server = Self { folder, programs, shell, databases: AtomicU32::new(0) };
+        let start = Instant::now();
+        while !server.is_ready() {
+            assert!(start.elapsed() < DEADLINE, "PostgreSQL did not start: see {}", server.folder.display());
+            thread::sleep(Duration::from_millis(10));
+        }
+        Some(server)
+    }
+
+    /// Whether it answers.
+    pub fn is_ready(&self) -> bool {
+        let mut command = self.client("pg_isready");
+        command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+    }
+
+    /// The URL of an empty database.
+    pub fn empty_database(&self) -> String {
+        let name = format!("test{}", self.databases.fetch_add(1, Ordering::Relaxed));
+        let made = self.client("createdb").arg(&name).status().expect("createdb");
+        assert!(made.success(), "createdb {name}");
+        self.url(&name)
+    }
+
+    /// The URL of a database.
+    pub fn url(&self, name: &str) -> String {
+        format!("postgres://postgres@/{name}?host={}&sslmode=disable", self.folder.display())
+    }
+
+    /// Its folder, in which its socket is.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// A program of PostgreSQL's, told where the server is.
+    pub fn client(&self, program: &str) -> Command {
+        let mut command = Command::new(self.programs.join(program));
+        command.arg("-h").arg(&self.folder).args(["-U", "postgres"]);
+        command
+    }
+
+    /// Runs statements in a database and returns what they print.
+    pub fn psql(&self, database: &str, statements: &str) -> String {
+        let mut command = self.client("psql");
+        let output = command.args(["-XAtq", "-v", "ON_ERROR_STOP=1", "-d", database, "-c", statements]).output();
+        let output = output.expect("psql");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).trim().to_owned()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        drop(self.shell.stdin.take());
+        let _ = self.shell.wait();
+    }
+}
+
+/// Where the server's programs are: on the path, or where Debian puts them.
+fn programs() -> Option<PathBuf> {
+    let on_path = env::split_paths(&env::var_os("PATH")?).collect::<Vec<_>>();
+    let mut debian: Vec<PathBuf> = fs::read_dir("/usr/lib/postgresql")
+        .map(|versions| versions.filter_map(|version| Some(version.ok()?.path().join("bin"))).collect())
+        .unwrap_or_default();
+    debian.sort();
+    debian.reverse();
+    let has_all = |folder: &PathBuf| {
+        ["initdb", "postgres", "pg_isready", "createdb", "psql"].iter().all(|name| folder.join(name).is_file())
+    };
+    debian.into_iter().chain(on_path).find(has_all)
+}
+
+/// Says past the harness, which would keep it to itself, that the running test leaves something out, and why.
+fn tell_skipped(reason: &str) {
+    let name = thread::current().name().unwrap_or_default().to_owned();
+    // A line that cannot be printed is no failure of what is tested.
+    let _ = std::io::stderr().write_all(format!("\n*** SKIPPED: {name}: {reason}\n\n").as_bytes());
+}
