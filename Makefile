@@ -6,8 +6,8 @@ CARGO ?= cargo
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 # The linker for crates, what the demo and the tests call, and a Vulkan driver that needs no GPU.
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
-# What checks translated shaders.
-TEST_PACKAGES := spirv-tools glslang-tools
+# What checks translated shaders, and the database of a service in several processes.
+TEST_PACKAGES := spirv-tools glslang-tools postgresql util-linux
 # What runs engines in a browser: WebGL by Mesa, and Node.js from wherever it came.
 BROWSER_PACKAGES = chromium-headless-shell libegl1 libgl1-mesa-dri \
 	$(shell command -v node >/dev/null || echo nodejs) $(shell command -v npm >/dev/null || echo npm)
@@ -59,7 +59,7 @@ test-native:
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	@set -e; for feature in '' shaders render server textures client cli; do \
+	@set -e; for feature in '' shaders render server textures client cli cluster; do \
 		echo "features: $${feature:-none}"; \
 		$(CARGO) clippy --locked --no-default-features --features "$$feature" -- -D warnings; \
 	done
@@ -68,7 +68,7 @@ lint: packages
 
 # What a Rust program takes along that only wants a table.
 CORE_CRATES := 50
-CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq
+CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq|object_store|reqwest
 lint-core:
 	@crates=$$($(CARGO) tree --locked -e normal --no-default-features --prefix none | sed 's/ (\*)//' | sort -u); \
 	count=$$(echo "$$crates" | wc -l); echo "crates of the core: $$count"; \

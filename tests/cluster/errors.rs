@@ -40,8 +40,11 @@ fn a_wrong_password_and_a_newer_schema_are_told_apart() {
     fs::create_dir(&store).expect("a folder");
     let blobs = format!("file://{}", store.display());
 
-    server.psql(name, "CREATE SCHEMA ltcforge; CREATE TABLE ltcforge.migrations (number integer, digest bytea);
-        INSERT INTO ltcforge.migrations SELECT n, '' FROM generate_series(1, 99) n");
+    server.psql(
+        name,
+        "CREATE SCHEMA ltcforge; CREATE TABLE ltcforge.migrations (number integer, digest bytea);
+        INSERT INTO ltcforge.migrations SELECT n, '' FROM generate_series(1, 99) n",
+    );
     let line = complaint(folder.path(), &url, &blobs);
     assert!(line.contains("schema 99"), "{line}");
 

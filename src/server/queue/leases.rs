@@ -39,6 +39,8 @@ pub struct LeasedTask {
     pub recipe: String,
     /// Its digest.
     pub recipe_digest: Digest,
+    /// Entries of all its shards.
+    pub entries_total: u64,
 }
 
 /// Which tasks a worker asks for.

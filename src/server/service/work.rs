@@ -121,10 +121,7 @@ impl ServiceState {
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
                 let seconds = (started.elapsed() + waited).saturating_sub(turn.waited()).as_secs_f64();
-                // Without the job's row the forecast learns nothing.
-                if let Ok(Some(job)) = self.queue.job(task.job) {
-                    self.forecast.learn(&task.recipe, fitted as f64 / job.entries_total as f64, seconds);
-                }
+                self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, seconds);
                 self.complete(task, &result)?;
             }
             None => self.queue.give_back(&task.lease)?,

@@ -67,6 +67,7 @@ impl EmbeddedQueue {
             job: id,
             recipe: active.record.job.recipe.clone(),
             recipe_digest: active.record.job.recipe_digest,
+            entries_total: active.record.job.entries_total,
         };
         state.next_expiry = Some(state.next_expiry.map_or(until, |expiry| expiry.min(until)));
         state.changed_jobs.insert(id);

@@ -40,7 +40,7 @@ pub(super) const COMPLETE: &str = "
         SELECT submission, pg_backend_pid() % $5, sum(entries) FROM done GROUP BY submission ORDER BY submission
         ON CONFLICT (submission, slot) DO UPDATE SET entries = f.entries + excluded.entries
     )
-    SELECT d.place, j.id FROM done AS d LEFT JOIN ltcforge.jobs AS j ON j.submission = d.submission";
+    SELECT place FROM done";
 
 const FINISH: &str = "
     UPDATE ltcforge.jobs SET state = 'done', table_digest = $2, finished_at = (SELECT ltcforge.clock()),
@@ -79,9 +79,6 @@ impl Shared {
             let at = usize::try_from(row.get::<_, i64>(0) - 1).ok().and_then(|at| once.get(at));
             if let Some(answer) = at.and_then(|(lease, _)| answers.get_mut(*places.get(lease)?)) {
                 *answer = Ok(());
-            }
-            if let Some(job) = row.get::<_, Option<&[u8]>>(1).and_then(crate::server::queue::JobId::from_slice) {
-                self.note_progress(job);
             }
         }
         for (lease, _) in &once {

@@ -64,7 +64,7 @@ pub(super) const LEASE: &str = "
             FOR UPDATE SKIP LOCKED
         )
     )
-    SELECT l.submission, l.task, l.attempt, l.is_assembly, j.id, j.recipe, j.recipe_digest, j.state
+    SELECT l.submission, l.task, l.attempt, l.is_assembly, j.id, j.recipe, j.recipe_digest, j.state, j.entries_total
     FROM leased AS l JOIN ltcforge.jobs AS j ON j.submission = l.submission
     ORDER BY l.submission, l.task";
 
@@ -112,12 +112,10 @@ impl Shared {
             if row.get::<_, &str>(7) == "queued" {
                 first.push(submission);
             }
-            tasks.push(LeasedTask { lease, kind, job, recipe: row.get(5), recipe_digest });
+            let entries_total = row.get::<_, i64>(8).cast_unsigned();
+            tasks.push(LeasedTask { lease, kind, job, recipe: row.get(5), recipe_digest, entries_total });
         }
         self.held.add(tasks.iter().map(|task| task.lease));
-        for task in &tasks {
-            self.note_progress(task.job);
-        }
         if !first.is_empty() {
             // Not in the same transaction, which would lock a job after its tasks. If this process ends in between, the next
             // lease makes up for it.

@@ -111,11 +111,6 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// Records that a job's progress has changed, which makes no task available.
-    pub(super) fn note_progress(&self, job: JobId) {
-        self.local().changed_jobs.insert(job);
-    }
-
     pub(super) fn take_changed(&self) -> BTreeSet<JobId> {
         std::mem::take(&mut self.local().changed_jobs)
     }

@@ -199,7 +199,7 @@ impl Shared {
             transaction.commit().await?;
             Ok(row)
         })?;
-        self.note_progress(done.id);
+        self.note_change(Some(done.id));
         job(&row)
     }
 

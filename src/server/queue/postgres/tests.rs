@@ -15,7 +15,8 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind,
+            Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted,
+            TaskKind,
         },
         store::{Batch, Database, throwaway},
     },
