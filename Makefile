@@ -23,7 +23,7 @@ help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
 	@echo 'make test    run all tests'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
-	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, and a picture'
+	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, what the service adds'
 
 # Asks apt only for what is missing, so that a machine without network or root works once it has everything.
 packages:
@@ -81,6 +81,7 @@ fmt:
 bench: packages
 	$(CARGO) bench --locked -p ltcforge-benches --bench fit
 	$(CARGO) bench --locked -p ltcforge-benches --bench preview
+	$(CARGO) bench --locked -p ltcforge-benches --bench service
 
 clean:
 	$(CARGO) clean

@@ -72,10 +72,10 @@ fn frames(_: &mut Criterion) {
         ("ltc, weights by the sampler", weights(Weights::Sampler), &single, ltc.clone()),
         ("ltc, lookup replaced by a constant", variant(constant), &single, ltc.clone()),
         ("ltc, eight edges", usual(), &single, octagon(ltc.clone())),
-        ("normals, weight seven", usual(), &single, normals(WeightRule::Seven)),
+        ("normals, weight fan", usual(), &single, normals(WeightRule::Fan)),
         ("normals, weight mean", usual(), &single, normals(WeightRule::Mean)),
         ("normals, weight fine", usual(), &single, normals(WeightRule::Fine)),
-        ("normals, eight edges", usual(), &single, octagon(normals(WeightRule::Seven))),
+        ("normals, eight edges", usual(), &single, octagon(normals(WeightRule::Fan))),
         ("ltc, CPU twin", Preview::new(Adapter::Cpu), &single, ltc.clone()),
     ];
     let mut times = candidates.each_ref().map(|_| Vec::new());

@@ -15,7 +15,7 @@ struct Light {
     normal: vec4<f32>,
     /// x: radiance.
     radiance: vec4<f32>,
-    /// x: vertices. y: 1 when both sides are lit. z: how model normals averages its weight, see NORMALS_SEVEN.
+    /// x: vertices. y: 1 when both sides are lit.
     options: vec4<u32>,
 }
 

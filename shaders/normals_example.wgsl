@@ -5,7 +5,7 @@ struct NormalsExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
     wo: vec4<f32>,
     /// x: alpha_y. y: how many vertices the light has, 3 to 8; 0 for a disk. z: 1 if it is lit from both sides. w: how the
-    /// weight is averaged, 0 for NORMALS_SEVEN.
+    /// weight is averaged, 0 for NORMALS_FAN.
     light: vec4<f32>,
     /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes.
     vertices: array<vec4<f32>, 8>,

@@ -30,6 +30,10 @@ struct Scene {
 
 /// Puts a constant in place of the table, to measure what a lookup costs.
 override lookup_is_constant: bool = false;
+/// How model normals averages its weight, and whether its light has other than four vertices. These are constants of the
+/// pipeline, since software drivers run both sides of a branch.
+override normals_rule: u32 = 0u;
+override light_is_polygon: bool = true;
 
 const SURFACE_SPHERE: u32 = 0u;
 const SURFACE_FLOOR: u32 = 1u;
@@ -129,7 +133,11 @@ fn shade_by_normals(at: Shaded) -> vec3<f32> {
         vertices[i] = to_local * (light.vertices[i].xyz - at.position);
     }
     let view = normals_view(at.alpha.x, at.alpha.y, at.wo);
-    return reflected(normals_polygon(view, &vertices, light.options.x, light.options.y == 1u, light.options.z));
+    let two_sided = light.options.y == 1u;
+    if (light_is_polygon) {
+        return reflected(normals_polygon(view, &vertices, light.options.x, two_sided, normals_rule));
+    }
+    return reflected(normals_polygon(view, &vertices, 4u, two_sided, normals_rule));
 }
 
 /// Radiance from the two parts of what is reflected of white light, f90 = 1.

@@ -20,8 +20,17 @@ use serde_json::Value;
 
 /// A service whose previews the CPU renders, the same on every machine.
 fn start() -> (tempfile::TempDir, Server) {
+    start_with(&[])
+}
+
+/// One that also takes pictures of minutes.
+fn start_patient() -> (tempfile::TempDir, Server) {
+    start_with(&["--picture-seconds", "86400"])
+}
+
+fn start_with(more: &[&str]) -> (tempfile::TempDir, Server) {
     let folder = tempfile::tempdir().expect("a folder");
-    let server = Server::start(folder.path(), &["--adapter", "cpu"]);
+    let server = Server::start(folder.path(), &[&["--adapter", "cpu"], more].concat());
     (folder, server)
 }
 
@@ -146,7 +155,7 @@ fn every_fault_of_a_query_is_told() {
 
 #[test]
 fn a_full_queue_refuses_and_clients_that_go_make_room() {
-    let (_folder, server) = start();
+    let (_folder, server) = start_patient();
     let table = server.fit(SMALL);
     let address = server.url.strip_prefix("http://").expect("an address").to_owned();
     // Nine hold whatever comes first: one is rendered and eight wait. None ends soon.
@@ -185,7 +194,7 @@ fn a_full_queue_refuses_and_clients_that_go_make_room() {
 
 #[test]
 fn fitting_goes_on_while_a_picture_is_rendered() {
-    let (_folder, server) = start();
+    let (_folder, server) = start_patient();
     let table = server.fit(SMALL);
     let address = server.url.strip_prefix("http://").expect("an address").to_owned();
     let mut stream = TcpStream::connect(&address).expect("a connection");
@@ -195,6 +204,37 @@ fn fitting_goes_on_while_a_picture_is_rendered() {
     assert_ne!(server.fit(&SMALL.replace("\"steps\":5", "\"steps\":2")), table);
     stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a limit");
     assert!(stream.read(&mut [0; 16]).is_err(), "the picture was there before the table");
+}
+
+/// Nothing is known of the renderer before the first picture, and a probe tells.
+#[test]
+fn a_fresh_service_refuses_the_dearest_picture_and_stops_in_the_middle_of_one() {
+    let (_folder, server) = start();
+    let table = server.fit(SMALL);
+    let dearest = format!("/v1/preview?mode=strip&size=2048&spp=4096&table={table}");
+    let refused = server.get(&dearest).with_status(422).json();
+    assert_eq!(refused["type"], "/problems/too-expensive", "{refused:#}");
+    assert!(text(&refused["detail"]).contains("--picture-seconds"), "{refused:#}");
+    server.stop("TERM").exited(0);
+
+    let (_folder, server) = start_patient();
+    let table = server.fit(SMALL);
+    let address = server.url.strip_prefix("http://").expect("an address").to_owned();
+    let mut stream = TcpStream::connect(&address).expect("a connection");
+    let query = format!("mode=strip&size=2048&spp=4096&table={table}");
+    write!(stream, "GET /v1/preview?{query} HTTP/1.1\r\nhost: {address}\r\n\r\n").expect("a request");
+    // The renderer is busy once a cheap picture waits for it; the client of that one goes.
+    let mut size = 63;
+    eventually("a busy renderer", || {
+        let mut waiting = TcpStream::connect(&address).ok()?;
+        waiting.set_read_timeout(Some(Duration::from_millis(200))).ok()?;
+        // Not one that is in memory.
+        size += 1;
+        write!(waiting, "GET /v1/preview?size={size}&table={table} HTTP/1.1\r\nhost: {address}\r\n\r\n").ok()?;
+        waiting.read(&mut [0; 16]).is_err().then_some(())
+    });
+    let ended = server.stop("TERM").exited(0);
+    assert!(!ended.stderr.contains("the render thread did not end"), "{ended:#?}");
 }
 
 /// Mesa complains of no display where there is no runtime folder, as on servers.

@@ -1,5 +1,6 @@
 // Area lights on anisotropic GGX for three.js: replaces the lookup of linearly transformed cosines, which knows round
-// lobes only, by the closed form that `ltcforge shader --model normals --language glsl-es` writes. No table is needed.
+// lobes only. Either by the closed form that `ltcforge shader --model normals --language glsl-es` writes, which needs no
+// table, or by a table that `ltcforge export --for wgpu` writes, with `ltcforge shader --layout reflected --language glsl-es`.
 //
 // Works on MeshStandardMaterial and MeshPhysicalMaterial with three's own RectAreaLight, `roughness`, `anisotropy`,
 // `anisotropyRotation` and anisotropyMap. Diffuse light and clearcoat stay three's.
@@ -12,7 +13,8 @@ const STOCK_GLOSS =
 	'reflectedLight.directSpecular += lightColor * fresnel * LTC_Evaluate( normal, viewDir, position, mInv, rectCoords );';
 const OUR_GLOSS = 'reflectedLight.directSpecular += lightColor * rect_area_gloss( normal, viewDir, position, rectCoords, material );';
 
-const GLOSS = /* glsl */ `
+/** What both ways need: everything is in view space, `reflected` turns the parts of the light into what is seen. */
+const glossOf = ( reflected ) => /* glsl */ `
 	// What a rectangle of radiance one reflects by a material's GGX lobe. Everything is in view space.
 	vec3 rect_area_gloss( const in vec3 normal, const in vec3 viewDir, const in vec3 position, const in vec3 rectCoords[ 4 ], const in PhysicalMaterial material ) {
 
@@ -42,13 +44,24 @@ const GLOSS = /* glsl */ `
 			toTangentFrame * ( rectCoords[ 0 ] - position )
 		);
 
-		vec2 parts = normals_rectangle( normals_view( alphas.x, alphas.y, wo ), corners, false, NORMALS_SEVEN );
-
-		// Schlick: y is the part of x that (1 - cos)^5 weighs.
-		return material.specularColorBlended * ( parts.x - parts.y ) + material.specularF90 * parts.y;
+		${ reflected }
 
 	}
 `;
+
+const BY_NORMALS = glossOf( /* glsl */ `
+		vec2 parts = normals_rectangle( normals_view( alphas.x, alphas.y, wo ), corners, false, NORMALS_FAN );
+
+		// Schlick: y is the part of x that (1 - cos)^5 weighs.
+		return material.specularColorBlended * ( parts.x - parts.y ) + material.specularF90 * parts.y;` );
+
+const BY_TABLE = glossOf( /* glsl */ `
+		LtcLobe lobe = ltc_lookup( alphas.x, alphas.y, wo );
+		float covered = ltc_rectangle( ltc_inverse( lobe.m ), corners, false );
+
+		// Schlick: fresnel is the part of amplitude that (1 - cos)^5 weighs.
+		vec3 reflectance = material.specularColorBlended * ( lobe.amplitude - lobe.fresnel ) + material.specularF90 * lobe.fresnel;
+		return covered * reflectance;` );
 
 /**
  * Lights a material's gloss by three's rectangular lights in closed form.
@@ -59,15 +72,59 @@ const GLOSS = /* glsl */ `
  */
 export function withClosedFormAreaLights( material, normalsGlsl ) {
 
+	return patched( material, 'ltcforge normals', normalsGlsl + BY_NORMALS, {} );
+
+}
+
+/**
+ * Lights a material's gloss by three's rectangular lights with a table.
+ *
+ * @param {import('three').MeshStandardMaterial} material - Patched in place, before it is first drawn.
+ * @param {string} tableGlsl - What `ltcforge shader --layout reflected --language glsl-es` prints.
+ * @param {Object} table - What {@link loadTable} gave. Materials share it.
+ * @returns {import('three').MeshStandardMaterial} The material.
+ */
+export function withTableAreaLights( material, tableGlsl, table ) {
+
+	return patched( material, 'ltcforge table', tableGlsl + BY_TABLE, table );
+
+}
+
+/**
+ * Loads a table that `ltcforge export --for wgpu` wrote.
+ *
+ * @param {string} address - Of the folder, with a slash at its end.
+ * @param {import('three/addons/loaders/KTX2Loader.js').KTX2Loader} loader - After `detectSupport( renderer )`.
+ * @returns {Promise<Object>} The shader's uniforms.
+ */
+export async function loadTable( address, loader ) {
+
+	const answer = await fetch( `${ address }ltc.json` );
+	if ( ! answer.ok ) throw new Error( `${ address }ltc.json: ${ answer.status }` );
+	const { textures, ltc_table, ltc_nodes } = await answer.json();
+	const [ ltc_matrix_a, ltc_matrix_b, ltc_terms ] = await Promise.all( textures.map( ( path ) => loader.loadAsync( address + path ) ) );
+	const four = new Float32Array( 1024 );
+	four.set( [ 'alpha', 'ratio', 'theta', 'phi' ].flatMap( ( axis ) => ltc_nodes[ axis ] ) );
+	const uniforms = { ltc_table, ltc_nodes: { four }, ltc_matrix_a, ltc_matrix_b, ltc_terms };
+	return Object.fromEntries( Object.entries( uniforms ).map( ( [ name, value ] ) => [ name, { value } ] ) );
+
+}
+
+/** A material whose shader has other gloss under rectangular lights. */
+function patched( material, name, glsl, uniforms ) {
+
 	material.onBeforeCompile = ( shader ) => {
 
+		Object.assign( shader.uniforms, uniforms );
 		let chunk = ShaderChunk.lights_physical_pars_fragment;
 		chunk = replaced( chunk, STOCK_GLOSS, OUR_GLOSS );
-		chunk = replaced( chunk, DECLARATION, `${ DECLARATION }\n${ normalsGlsl }\n${ GLOSS }` );
+		chunk = replaced( chunk, DECLARATION, `${ DECLARATION }\n${ glsl }` );
 		shader.fragmentShader = replaced( shader.fragmentShader, '#include <lights_physical_pars_fragment>', chunk );
 
 	};
 
+	// three tells programs apart by the text of the function above, which is the same for both ways.
+	material.customProgramCacheKey = () => name;
 	return material;
 
 }

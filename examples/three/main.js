@@ -1,10 +1,11 @@
-// Draws the scene by three.js as it is, by the closed form, and shows the truth beside them.
+// Draws the scene by three.js as it is, by a table, by the closed form, and shows the truth beside them.
 // ?width=96&height=64 sets the size of each picture in pixels, ?scale=2 how large a pixel is shown.
 
 import * as THREE from 'three';
 import { RectAreaLightUniformsLib } from 'three/addons/lights/RectAreaLightUniformsLib.js';
+import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
 
-import { setAlphas, withClosedFormAreaLights } from './ggx_area_light.js';
+import { loadTable, setAlphas, withClosedFormAreaLights, withTableAreaLights } from './ggx_area_light.js';
 import { axesOf, camera as eye, light as lamp, surfaces } from './scene.js';
 
 const query = new URLSearchParams( location.search );
@@ -144,13 +145,15 @@ async function fetched( address ) {
 
 }
 
-const normalsGlsl = await ( await fetched( 'normals.glsl' ) ).text();
+const [ normalsGlsl, tableGlsl ] = await Promise.all( [ 'normals.glsl', 'table.glsl' ].map( async ( file ) => ( await fetched( file ) ).text() ) );
 const renderer = new THREE.WebGLRenderer();
-// Stock three needs its tables; the closed form does not.
+const table = await loadTable( 'table/', new KTX2Loader().detectSupport( renderer ) );
+// Stock three needs its own tables; ours and the closed form do not.
 RectAreaLightUniformsLib.init();
 
 const pictures = {
 	stock: render( renderer, sceneOf( ( material ) => material ) ),
+	table: render( renderer, sceneOf( ( material ) => withTableAreaLights( material, tableGlsl, table ) ) ),
 	normals: render( renderer, sceneOf( ( material ) => withClosedFormAreaLights( material, normalsGlsl ) ) ),
 };
 for ( const [ name, pixels ] of Object.entries( pictures ) ) show( name, pixels );

@@ -9,8 +9,8 @@
 //       what is reflected of a light of radiance one: for a Fresnel factor of one, and the part of it that Schlick's
 //       (1 - cos)^5 weighs. The light's vertices are relative to the shaded point, in the tangent frame, convex, and run
 //       clockwise seen from the lit side; a disk's is towards half_x x half_y.
-//   rule  how the weight of shadowing is averaged: 0 over seven normals of each triangle; 1 at the mean normal, which is
-//       cheaper; 2 over twice as many triangles.
+//   rule  how the weight of shadowing is averaged: 0 over triangles between the mean normal and each edge; 1 at the mean
+//       normal, which is cheaper; 2 over twice as many triangles. Give it as a constant: compilers then drop the others.
 //   Light of radiance L arrives as L (f0 (x - y) + f90 y).
 //
 // USE
@@ -21,11 +21,11 @@
 //   The parts of the one-sided rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5),
 //   by rules 0 | 1 | 2. A port in 32 bits comes within 0.00002 of each number.
 //   alpha_x 0.3 alpha_y 0.15 wo (0.36 0.48 0.8)
-//     parts 0.700191 0.000228 | 0.710371 0.000052 | 0.701970 0.000247
+//     parts 0.701572 0.000219 | 0.710371 0.000052 | 0.704523 0.000244
 //   alpha_x 0.2 alpha_y 0.6 wo (-0.64 0.48 0.6)
-//     parts 0.551031 0.001375 | 0.599484 0.000332 | 0.551419 0.001477
+//     parts 0.549790 0.001242 | 0.599484 0.000332 | 0.553100 0.001496
 //   alpha_x 0.05 alpha_y 0.02 wo (0.576 -0.768 0.28)
-//     parts 0.985693 0.188876 | 0.991922 0.187098 | 0.982803 0.185731
+//     parts 0.988140 0.187998 | 0.991922 0.187098 | 0.989343 0.187655
 
 
 precision highp float;
@@ -33,6 +33,7 @@ precision highp int;
 
 struct NormalsView {
     vec2 alpha;
+    vec2 per_alpha;
     vec3 wo;
     vec3 stretched;
     float length_;
@@ -43,31 +44,36 @@ struct NormalsCorner {
     float length_;
 };
 struct NormalsOutline {
-    uint count;
-    NormalsCorner first;
-    NormalsCorner last;
-    vec3 flux;
-    vec3 c[20];
-    vec3 curved[20];
+    uint number;
+    uint start;
+    bool is_cut;
+    uint ups;
+    float share;
+    bool many;
+};
+struct NormalsHorizon {
+    vec3 begin;
+    vec3 control;
+    vec3 end;
+    vec3 across;
 };
 struct NormalsEigenframe {
     vec3 values;
     mat3x3 vectors;
 };
-const uint NORMALS_SEVEN = 0u;
+const uint NORMALS_FAN = 0u;
 const uint NORMALS_MEAN = 1u;
 const uint NORMALS_FINE = 2u;
-const uint NORMALS_EDGES = 20u;
 
 
 float ltc_atan2_(float y, float x) {
     float low = min(y, abs(x));
     float high = max(y, abs(x));
     bool is_far = (low > (0.41421357 * high));
-    float t_1 = ((is_far ? (low - high) : low) / max((is_far ? (low + high) : high), 1e-37));
-    float z = (t_1 * t_1);
-    float near = (((((((((0.08053744 * z) - 0.13877685) * z) + 0.1997771) * z) - 0.3333295) * z) * t_1) + t_1);
-    float eighth = (is_far ? (near + 0.7853982) : near);
+    float t_2 = ((is_far ? (low - high) : low) / max((is_far ? (low + high) : high), 1e-37));
+    float z = (t_2 * t_2);
+    float near_1 = (((((((((0.08053744 * z) - 0.13877685) * z) + 0.1997771) * z) - 0.3333295) * z) * t_2) + t_2);
+    float eighth = (is_far ? (near_1 + 0.7853982) : near_1);
     float quarter = ((y > abs(x)) ? (1.5707964 - eighth) : eighth);
     return ((x < 0.0) ? (3.1415927 - quarter) : quarter);
 }
@@ -100,64 +106,66 @@ float ltc_log(float x_1) {
 }
 
 NormalsView normals_view(float alpha_x, float alpha_y, vec3 wo) {
-    vec2 alpha_1 = max(vec2(alpha_x, alpha_y), vec2(1e-5));
-    vec3 stretched = vec3((alpha_1 * wo.xy), wo.z);
-    return NormalsView(alpha_1, wo, stretched, sqrt(dot(stretched, stretched)));
+    vec2 alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    vec3 stretched = vec3((alpha * wo.xy), wo.z);
+    return NormalsView(alpha, (vec2(1.0) / alpha), wo, stretched, sqrt(dot(stretched, stretched)));
 }
 
-vec3 normals_unstretched(vec3 h, vec2 alpha) {
-    return vec3((h.xy / alpha), h.z);
+vec3 normals_unstretched(vec3 h, NormalsView view) {
+    return vec3((h.xy * view.per_alpha), h.z);
 }
 
 vec3 normals_unit(vec3 v) {
     float length2_ = dot(v, v);
-    return ((length2_ > 1e-36) ? (v / vec3(sqrt(max(length2_, 1e-36)))) : vec3(0.0));
+    return (v * ((length2_ > 1e-36) ? inversesqrt(max(length2_, 1e-36)) : 0.0));
 }
 
-NormalsCorner normals_corner(vec3 v_1, NormalsView view) {
+NormalsCorner normals_corner(vec3 v_1, NormalsView view_1) {
     vec3 _e2 = normals_unit(v_1);
-    vec3 _e6 = normals_unstretched((view.wo + _e2), view.alpha);
-    float length_ = max(sqrt(dot(_e6, _e6)), 1e-18);
-    return NormalsCorner(_e2, (_e6 / vec3(length_)), length_);
+    vec3 _e5 = normals_unstretched((view_1.wo + _e2), view_1);
+    float length2_1 = max(dot(_e5, _e5), 1e-36);
+    float per_length = inversesqrt(length2_1);
+    return NormalsCorner(_e2, (_e5 * per_length), (length2_1 * per_length));
 }
 
 float normals_half_cosine(NormalsCorner a, NormalsCorner b) {
-    vec3 sum_1 = (a.w + b.w);
-    return max((0.5 * sqrt(dot(sum_1, sum_1))), 1e-6);
+    vec3 sum = (a.w + b.w);
+    return max((0.5 * sqrt(dot(sum, sum))), 1e-6);
 }
 
-NormalsCorner normals_between(NormalsCorner a_1, NormalsCorner b_1, float t, NormalsView view_1) {
+NormalsCorner normals_between(NormalsCorner a_1, NormalsCorner b_1, float t, NormalsView view_2) {
     float x_4 = ((1.0 - t) * sqrt(b_1.length_));
     float y_2 = (t * sqrt(a_1.length_));
     float _e16 = normals_half_cosine(a_1, b_1);
     vec3 middle = ((a_1.w + b_1.w) * ((x_4 * y_2) / _e16));
-    NormalsCorner _e27 = normals_corner((((a_1.w * (x_4 * x_4)) + middle) + (b_1.w * (y_2 * y_2))), view_1);
+    NormalsCorner _e27 = normals_corner((((a_1.w * (x_4 * x_4)) + middle) + (b_1.w * (y_2 * y_2))), view_2);
     return _e27;
 }
 
 vec3 normals_arc_bend(vec3 a_2, vec3 b_2) {
-    vec3 across = cross(a_2, b_2);
+    vec3 across_1 = cross(a_2, b_2);
     bool is_acute = (dot(a_2, b_2) >= 0.0);
     vec3 chord = (is_acute ? (a_2 - b_2) : (a_2 + b_2));
     float z_3 = (dot(chord, chord) * 0.25);
     float far = (z_3 * (2.271551 + (z_3 * (-3.4068606 + (z_3 * 3.516457)))));
     float bend = (z_3 * (0.6667554 + (z_3 * (0.52912635 + (z_3 * (0.52405584 + (z_3 * (-0.08954556 + far))))))));
-    float obtuse = (((3.1415927 / sqrt(max(dot(across, across), 1e-18))) - bend) - 2.0);
-    return (across * (is_acute ? bend : obtuse));
+    float obtuse = (((3.1415927 / sqrt(max(dot(across_1, across_1), 1e-18))) - bend) - 2.0);
+    return (across_1 * (is_acute ? bend : obtuse));
 }
 
 NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     vec3 longest = vec3(0.0);
     mat3x3 m_1 = mat3x3(vec3(diagonal.x, off.x, off.y), vec3(off.x, diagonal.y, off.z), vec3(off.y, off.z, diagonal.z));
-    float mean = (((diagonal.x + diagonal.y) + diagonal.z) / 3.0);
+    float mean = (((diagonal.x + diagonal.y) + diagonal.z) * 0.33333334);
     vec3 d = (diagonal - vec3(mean));
-    float p2_ = max(((dot(d, d) + (2.0 * dot(off, off))) / 6.0), 1e-30);
-    float p = sqrt(p2_);
+    float p2_ = (0.16666667 - ((0.5 * mean) * mean));
+    float per_p = inversesqrt(p2_);
+    float p = (p2_ * per_p);
     float determinant_ = (((d.x * ((d.y * d.z) - (off.z * off.z))) - (off.x * ((off.x * d.z) - (off.z * off.y)))) + (off.y * ((off.x * off.z) - (d.y * off.y))));
-    float angle = (determinant_ / ((2.0 * p) * p2_));
+    float angle = ((0.5 * determinant_) * ((per_p * per_p) * per_p));
     float x_5 = min(abs(angle), 1.0);
-    float near_1 = (0.8660254 + (x_5 * (0.1666667 + (x_5 * (-0.0425207 + (0.0098286 * x_5))))));
-    float g = (((((8.0 * near_1) * near_1) * near_1) + x_5) / (((12.0 * near_1) * near_1) - 3.0));
+    float near_2 = (0.8660254 + (x_5 * (0.1666667 + (x_5 * (-0.0425247 + (0.0098286 * x_5))))));
+    float g = (((((8.0 * near_2) * near_2) * near_2) + x_5) / (((12.0 * near_2) * near_2) - 3.0));
     bool is_largest = !((angle < 0.0));
     float rough = (mean + (((is_largest ? 2.0 : -2.0) * p) * g));
     vec3 row0_ = vec3((diagonal.x - rough), off.x, off.y);
@@ -166,18 +174,18 @@ NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     longest = cross(row0_, row1_);
     vec3 second = cross(row0_, row2_);
     vec3 third = cross(row1_, row2_);
+    vec3 _e117 = longest;
     vec3 _e119 = longest;
-    vec3 _e121 = longest;
-    vec3 _e122 = longest;
-    longest = ((dot(second, second) > dot(_e121, _e122)) ? second : _e119);
+    vec3 _e120 = longest;
+    longest = ((dot(second, second) > dot(_e119, _e120)) ? second : _e117);
+    vec3 _e124 = longest;
     vec3 _e126 = longest;
-    vec3 _e128 = longest;
-    vec3 _e129 = longest;
-    longest = ((dot(third, third) > dot(_e128, _e129)) ? third : _e126);
+    vec3 _e127 = longest;
+    longest = ((dot(third, third) > dot(_e126, _e127)) ? third : _e124);
+    vec3 _e131 = longest;
+    vec3 _e132 = longest;
     vec3 _e133 = longest;
-    vec3 _e134 = longest;
-    vec3 _e135 = longest;
-    vec3 isolated = (_e133 / vec3(sqrt(max(dot(_e134, _e135), 1e-36))));
+    vec3 isolated = (_e131 * inversesqrt(max(dot(_e132, _e133), 1e-36)));
     float value = dot(isolated, (m_1 * isolated));
     float s_2 = ((isolated.z < 0.0) ? -1.0 : 1.0);
     float q_1 = (-1.0 / (s_2 + isolated.z));
@@ -192,11 +200,12 @@ NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     float middle_1 = (0.5 * (ee + ff));
     float lean = (0.5 * (ee - ff));
     float radius = sqrt(((lean * lean) + (ef * ef)));
-    float doubled = ((radius > 1e-30) ? (lean / max(radius, 1e-30)) : 1.0);
-    float larger = sqrt((0.5 + (0.5 * abs(doubled))));
-    float smaller = ((0.5 * ef) / (max(radius, 1e-30) * larger));
+    float longer = (radius + abs(lean));
+    float per_turn = inversesqrt(max(((longer * longer) + (ef * ef)), 1e-36));
+    float larger = ((longer > 1e-18) ? (longer * per_turn) : 1.0);
+    float smaller = ((longer > 1e-18) ? (ef * per_turn) : 0.0);
     float flip = ((ef < 0.0) ? -1.0 : 1.0);
-    vec2 turn = ((doubled >= 0.0) ? vec2(larger, smaller) : vec2((flip * smaller), (flip * larger)));
+    vec2 turn = ((lean >= 0.0) ? vec2(larger, smaller) : vec2((flip * smaller), (flip * larger)));
     vec3 upper = ((e * turn.x) + (f * turn.y));
     vec3 lower = ((f * turn.x) - (e * turn.y));
     vec3 one = (is_largest ? isolated : upper);
@@ -210,27 +219,26 @@ float normals_atan2_(float y_1, float x_2) {
     return ((y_1 < 0.0) ? -(_e3) : _e3);
 }
 
-vec3 normals_exact(NormalsView view_2, NormalsCorner a_3, NormalsCorner b_3, vec3 apart) {
+vec3 normals_exact(NormalsView view_3, vec3 a_3, vec3 b_3, vec3 across, bool is_long) {
     bool local_1 = false;
     bool local_2 = false;
     bool local_3 = false;
-    vec3 across_1 = cross(a_3.w, apart);
-    float turns_1 = ((dot(view_2.wo, across_1) < 0.0) ? -1.0 : 1.0);
-    vec3 n = (across_1 * turns_1);
-    vec3 o = (view_2.wo * n);
-    float ax = view_2.alpha.x;
-    float ay = view_2.alpha.y;
+    float turns_1 = ((dot(view_3.wo, across) < 0.0) ? -1.0 : 1.0);
+    vec3 n = (across * turns_1);
+    vec3 o = (view_3.wo * n);
+    float ax = view_3.alpha.x;
+    float ay = view_3.alpha.y;
     vec3 diagonal_1 = vec3(((ax * ax) * ((o.x - o.y) - o.z)), ((ay * ay) * ((o.y - o.x) - o.z)), ((o.z - o.x) - o.y));
-    vec3 off_1 = vec3(((ax * ay) * ((view_2.wo.x * n.y) + (view_2.wo.y * n.x))), (ax * ((view_2.wo.x * n.z) + (view_2.wo.z * n.x))), (ay * ((view_2.wo.y * n.z) + (view_2.wo.z * n.y))));
-    float per_norm = (1.0 / max(sqrt((dot(diagonal_1, diagonal_1) + (2.0 * dot(off_1, off_1)))), 1e-30));
-    NormalsEigenframe _e84 = normals_eigenframe((diagonal_1 * per_norm), (off_1 * per_norm));
-    float l1_ = max(_e84.values.x, 1e-12);
-    float l2_ = min(_e84.values.y, 0.0);
-    float l3_ = min(_e84.values.z, l2_);
-    mat3x3 v_2 = transpose(_e84.vectors);
-    vec3 p0_ = (v_2 * a_3.c);
-    vec3 p1_ = (v_2 * b_3.c);
-    vec3 normal = (v_2 * cross(a_3.c, b_3.c));
+    vec3 off_1 = vec3(((ax * ay) * ((view_3.wo.x * n.y) + (view_3.wo.y * n.x))), (ax * ((view_3.wo.x * n.z) + (view_3.wo.z * n.x))), (ay * ((view_3.wo.y * n.z) + (view_3.wo.z * n.y))));
+    float per_norm = inversesqrt(max((dot(diagonal_1, diagonal_1) + (2.0 * dot(off_1, off_1))), 1e-36));
+    NormalsEigenframe _e81 = normals_eigenframe((diagonal_1 * per_norm), (off_1 * per_norm));
+    float l1_ = max(_e81.values.x, 1e-12);
+    float l2_ = min(_e81.values.y, 0.0);
+    float l3_ = min(_e81.values.z, l2_);
+    mat3x3 v_3 = transpose(_e81.vectors);
+    vec3 p0_ = (v_3 * a_3);
+    vec3 p1_ = (v_3 * b_3);
+    vec3 normal = (v_3 * cross(a_3, b_3));
     float d2_ = (l1_ - l2_);
     float e2_ = (l1_ - l3_);
     float g2_ = (l2_ - l3_);
@@ -238,27 +246,27 @@ vec3 normals_exact(NormalsView view_2, NormalsCorner a_3, NormalsCorner b_3, vec
     float e_1 = sqrt(e2_);
     float g_1 = sqrt(g2_);
     float sense = ((p0_.x < 0.0) ? -(turns_1) : turns_1);
-    float _e129 = normals_atan2_(((d_1 * e_1) * normal.x), (((d2_ * p0_.y) * p1_.y) + ((e2_ * p0_.z) * p1_.z)));
-    if (((_e129 * sense) < 0.0)) {
-        if (!((abs(_e129) > 0.01))) {
-            local_2 = (dot(a_3.w, b_3.w) < 0.9);
+    float _e122 = normals_atan2_(((d_1 * e_1) * normal.x), (((d2_ * p0_.y) * p1_.y) + ((e2_ * p0_.z) * p1_.z)));
+    if (((_e122 * sense) < 0.0)) {
+        if (!((abs(_e122) > 0.01))) {
+            local_2 = is_long;
         } else {
             local_2 = true;
         }
-        bool _e147 = local_2;
-        local_1 = _e147;
+        bool _e135 = local_2;
+        local_1 = _e135;
     } else {
         local_1 = false;
     }
     bool is_wrapped = local_1;
-    float psi = (is_wrapped ? (_e129 + (sense * 6.2831855)) : _e129);
+    float psi = (is_wrapped ? (_e122 + (sense * 6.2831855)) : _e122);
     float along1_ = ((l1_ / (d_1 * e_1)) * psi);
     float slope = (normal.y / (((d2_ * p0_.x) * p1_.x) - ((g2_ * p0_.z) * p1_.z)));
     float q_2 = ((d_1 * g_1) * slope);
     float q2_ = (q_2 * q_2);
     float ratio = clamp(((1.0 + q_2) / (1.0 - q_2)), 1e-30, 1e30);
-    float _e179 = ltc_log(ratio);
-    float steep = ((0.5 * _e179) / max((d_1 * g_1), 1e-30));
+    float _e167 = ltc_log(ratio);
+    float steep = ((0.5 * _e167) / max((d_1 * g_1), 1e-30));
     float along2_ = ((q2_ < 0.0025) ? (slope * (1.0 + (q2_ * (0.33333334 + (q2_ * 0.2))))) : steep);
     float bottom = (((e2_ * p0_.x) * p1_.x) + ((g2_ * p0_.y) * p1_.y));
     float top = ((e_1 * g_1) * normal.z);
@@ -268,337 +276,559 @@ vec3 normals_exact(NormalsView view_2, NormalsCorner a_3, NormalsCorner b_3, vec
         local_3 = false;
     }
     bool is_small = local_3;
-    float share = (is_small ? (top / bottom) : 0.0);
+    float per_bottom = (1.0 / bottom);
+    float share = (is_small ? (top * per_bottom) : 0.0);
     float r2_ = (share * share);
-    float _e223 = normals_atan2_(top, bottom);
-    float wide = (_e223 / max((e_1 * g_1), 1e-30));
-    float along3_ = (is_small ? ((normal.z / bottom) * (1.0 - (r2_ * (0.33333334 - (r2_ * 0.2))))) : wide);
-    return (_e84.vectors * vec3(along1_, (-(l2_) * along2_), (-(l3_) * along3_)));
+    float _e213 = normals_atan2_(top, bottom);
+    float wide = (_e213 / max((e_1 * g_1), 1e-30));
+    float along3_ = (is_small ? ((normal.z * per_bottom) * (1.0 - (r2_ * (0.33333334 - (r2_ * 0.2))))) : wide);
+    return (_e81.vectors * vec3(along1_, (-(l2_) * along2_), (-(l3_) * along3_)));
 }
 
-vec3 normals_curved_part(NormalsView view_3, NormalsCorner a_4, NormalsCorner b_4) {
-    vec3 apart_1 = (b_4.w - a_4.w);
-    vec3 _e6 = normals_exact(view_3, a_4, b_4, apart_1);
-    return ((dot(apart_1, apart_1) >= 1e-14) ? (_e6 - cross(a_4.c, b_4.c)) : vec3(0.0));
+vec3 normals_crossing(vec3 a_4, vec3 b_4) {
+    return vec3(((a_4.xy * abs(b_4.z)) + (b_4.xy * abs(a_4.z))), 0.0);
 }
 
-void normals_edge(inout NormalsOutline outline, NormalsView view_4, NormalsCorner to) {
-    vec3 origin = outline.first.c;
-    NormalsCorner last = outline.last;
-    vec3 _e8 = normals_curved_part(view_4, last, to);
-    vec3 _e10 = outline.flux;
-    outline.flux = (_e10 + (_e8 + cross((last.c - origin), (to.c - origin))));
-    uint _e20 = outline.count;
-    outline.c[_e20] = last.c;
-    uint _e25 = outline.count;
-    outline.curved[_e25] = _e8;
-    uint _e28 = outline.count;
-    outline.count = (_e28 + 1u);
-    outline.last = to;
-    return;
-}
-
-vec3 normals_crossing(vec3 a_5, vec3 b_5) {
-    return vec3(((a_5.xy * abs(b_5.z)) + (b_5.xy * abs(a_5.z))), 0.0);
-}
-
-vec3 normals_weight(NormalsView view_5, vec3 c) {
-    vec3 h_1 = vec3((view_5.alpha * c.xy), c.z);
-    float length2_1 = max(dot(h_1, h_1), 1e-36);
-    float cosine = dot(view_5.wo, h_1);
-    vec3 wi = ((h_1 * (2.0 * cosine)) - (view_5.wo * length2_1));
+vec2 normals_weight(NormalsView view_4, vec3 c) {
+    vec3 h_1 = vec3((view_4.alpha * c.xy), c.z);
+    float length2_2 = max(dot(h_1, h_1), 1e-36);
+    float cosine = dot(view_4.wo, h_1);
+    vec3 wi = ((h_1 * (2.0 * cosine)) - (view_4.wo * length2_2));
     float up = max(wi.z, 0.0);
-    vec2 across_2 = (view_5.alpha * wi.xy);
+    vec2 across_2 = (view_4.alpha * wi.xy);
     float stretched_1 = sqrt((dot(across_2, across_2) + (wi.z * wi.z)));
-    float weight = (((view_5.wo.z + view_5.length_) * up) / max(((view_5.length_ * up) + (view_5.wo.z * stretched_1)), 1e-36));
-    float m_2 = clamp((1.0 - (cosine / sqrt(length2_1))), 0.0, 1.0);
+    float weight = (((view_4.wo.z + view_4.length_) * up) / max(((view_4.length_ * up) + (view_4.wo.z * stretched_1)), 1e-36));
+    float m_2 = clamp((1.0 - (cosine * inversesqrt(length2_2))), 0.0, 1.0);
     float m2_ = (m_2 * m_2);
-    float seen = max((dot(c, view_5.stretched) / max(sqrt(dot(c, c)), 1e-18)), 0.0);
-    return vec3(weight, (weight * ((m2_ * m2_) * m_2)), seen);
+    return vec2(weight, ((m2_ * m2_) * m_2));
 }
 
-vec3 normals_sample(NormalsView view_6, vec3 c_1) {
-    vec3 _e2 = normals_weight(view_6, c_1);
-    return vec3(_e2.z, (_e2.z * _e2.xy));
+float normals_to_horizon(float tip, float near, float rate) {
+    float root = sqrt(((rate * near) * max((tip - near), 0.0)));
+    float rest = (near / max((near + root), 1e-36));
+    float u = (1.0 - rest);
+    float series_1 = (2.0 + (u * (-7.406265 + (u * (21.07087 + (u * (-31.448433 + (u * 16.743261))))))));
+    return (((tip * rest) * rest) * (1.0 + (u * series_1)));
 }
 
-vec2 normals_fan(NormalsView view_7, inout NormalsOutline outline_1, vec3 tip) {
-    vec3 from_c = vec3(0.0);
-    vec3 from_sample = vec3(0.0);
-    vec3 from_bend = vec3(0.0);
-    vec2 sum = vec2(0.0);
-    uint i = 0u;
-    vec3 _e3 = normals_sample(view_7, tip);
-    vec3 _e6 = outline_1.c[0];
-    from_c = _e6;
-    vec3 _e8 = from_c;
-    vec3 _e9 = normals_sample(view_7, _e8);
-    from_sample = _e9;
-    vec3 _e11 = from_c;
-    vec3 _e12 = normals_arc_bend(tip, _e11);
-    from_bend = _e12;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e102 = i;
-            i = (_e102 + 1u);
-        }
-        loop_init = false;
-        uint _e19 = i;
-        uint _e21 = outline_1.count;
-        if ((_e19 < _e21)) {
-        } else {
-            break;
-        }
-        {
-            uint _e23 = i;
-            uint _e27 = i;
-            uint _e31 = outline_1.count;
-            uint next = (((_e27 + 1u) == _e31) ? 0u : (_e23 + 1u));
-            vec3 to_c = outline_1.c[next];
-            vec3 _e37 = normals_sample(view_7, to_c);
-            vec3 _e38 = normals_arc_bend(tip, to_c);
-            vec3 _e39 = from_c;
-            uint _e44 = i;
-            vec3 _e46 = outline_1.curved[_e44];
-            vec3 _e48 = from_bend;
-            vec3 flux = ((cross((_e39 - tip), (to_c - tip)) + _e46) + (_e48 - _e38));
-            vec3 _e51 = normals_unit(flux);
-            vec3 m_3 = ((dot(_e51, tip) < 0.0) ? -(_e51) : _e51);
-            vec3 _e62 = normals_sample(view_7, ((1.5 * m_3) - (0.5 * tip)));
-            vec3 _e65 = from_c;
-            vec3 _e69 = normals_sample(view_7, ((1.5 * m_3) - (0.5 * _e65)));
-            vec3 _e76 = normals_sample(view_7, ((1.5 * m_3) - (0.5 * to_c)));
-            vec3 middles = ((_e62 + _e69) + _e76);
-            vec3 _e78 = normals_sample(view_7, m_3);
-            vec3 _e81 = from_sample;
-            vec3 mean_1 = (((0.28 * _e78) + (0.04 * ((_e3 + _e81) + _e37))) + (0.2 * middles));
-            if ((mean_1.x > 1e-18)) {
-                vec2 _e93 = sum;
-                sum = (_e93 + (mean_1.yz * (dot(flux, view_7.stretched) / mean_1.x)));
-            }
-            from_c = to_c;
-            from_sample = _e37;
-            from_bend = _e38;
-        }
-    }
-    vec2 _e104 = sum;
-    return _e104;
+vec3 normals_centroid(vec3 flux, vec3 tip_1) {
+    vec3 _e2 = normals_unit(flux);
+    return ((dot(_e2, tip_1) < 0.0) ? -(_e2) : _e2);
 }
 
-vec2 normals_polygon(NormalsView view_8, inout vec3 vertices_1[8], uint count, bool two_sided, uint rule) {
-    uint start = 0u;
-    bool is_cut = false;
-    uint ups = 0u;
-    bool before = false;
-    uint i_1 = 0u;
+vec3 normals_sample(NormalsView view_5, vec3 c_1) {
+    vec2 _e2 = normals_weight(view_5, c_1);
+    float seen = max(dot(c_1, view_5.stretched), 0.0);
+    return vec3(seen, (seen * _e2.x), ((seen * _e2.x) * _e2.y));
+}
+
+vec2 normals_triangle(NormalsView view_6, vec3 tip_2, vec2 at_tip, vec3 corners, vec3 flux_1, bool on_horizon, bool is_fine) {
+    vec3 _e7 = normals_centroid(flux_1, tip_2);
+    vec3 outer = (_e7 + ((on_horizon ? 0.3 : 0.5) * (_e7 - tip_2)));
+    vec2 _e14 = normals_weight(view_6, outer);
+    float _e20 = normals_to_horizon(at_tip.x, _e14.x, (is_fine ? 0.145 : 0.155));
+    vec2 horizon_1 = vec2(_e20, (_e20 * mix(_e14.y, at_tip.y, 0.25)));
+    float seen_1 = ((is_fine ? 0.2 : 0.3) * max(dot(outer, view_6.stretched), 0.0));
+    vec3 _e35 = normals_sample(view_6, _e7);
+    vec3 sum_1 = ((_e35 + (seen_1 * vec3(1.0, _e14.x, (_e14.x * _e14.y)))) + corners);
+    return (dot(flux_1, view_6.stretched) * (on_horizon ? horizon_1 : (sum_1.yz / vec2(max(sum_1.x, 1e-18)))));
+}
+
+vec3 normals_get(inout vec3 list[8], uint i, bool many) {
     bool local_4 = false;
-    NormalsOutline outline_2 = NormalsOutline(0u, NormalsCorner(vec3(0.0), vec3(0.0), 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0), vec3(0.0), vec3[20](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)), vec3[20](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)));
-    vec3 corner = vec3(0.0);
-    NormalsCorner from_corner = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
-    NormalsCorner to_corner = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
-    uint part = 0u;
-    uint step_ = 0u;
-    vec3 vertex = vec3(0.0);
+    vec3 _e4 = list[0];
+    vec3 _e6 = list[1];
+    vec3 _e11 = list[2];
+    vec3 _e13 = list[3];
+    vec3 low_1 = ((i >= 2u) ? ((i == 3u) ? _e13 : _e11) : ((i == 1u) ? _e6 : _e4));
+    vec3 _e21 = list[4];
+    vec3 _e23 = list[5];
+    vec3 _e28 = list[6];
+    vec3 _e30 = list[7];
+    vec3 high_1 = ((i >= 6u) ? ((i == 7u) ? _e30 : _e28) : ((i == 5u) ? _e23 : _e21));
+    if (many) {
+        local_4 = (i >= 4u);
+    } else {
+        local_4 = false;
+    }
+    bool _e42 = local_4;
+    return (_e42 ? high_1 : low_1);
+}
+
+void normals_put(inout vec3 list_1[8], uint i_1, vec3 v_2, bool many_1) {
     bool local_5 = false;
-    NormalsCorner to_1 = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
     bool local_6 = false;
-    vec2 parts = vec2(0.0);
-    uint number = min(max(count, 3u), 8u);
-    uint edge_parts = ((rule == NORMALS_FINE) ? 2u : 1u);
-    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : ((rule == NORMALS_FINE) ? 4u : 2u));
-    float _e32 = vertices_1[(number - 1u)].z;
-    before = (_e32 > 0.0);
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e60 = i_1;
-            i_1 = (_e60 + 1u);
-        }
-        loop_init_1 = false;
-        uint _e38 = i_1;
-        if ((_e38 < number)) {
-        } else {
-            break;
-        }
-        {
-            uint _e40 = i_1;
-            float _e43 = vertices_1[_e40].z;
-            bool is_up = (_e43 > 0.0);
-            if (is_up) {
-                bool _e48 = before;
-                local_4 = !(_e48);
-            } else {
-                local_4 = false;
-            }
-            bool _e51 = local_4;
-            if (_e51) {
-                uint _e52 = i_1;
-                start = _e52;
-                is_cut = true;
-            }
-            uint _e54 = ups;
-            ups = (_e54 + (is_up ? 1u : 0u));
-            before = is_up;
-        }
+    bool local_7 = false;
+    bool local_8 = false;
+    vec3 _e6 = list_1[0];
+    list_1[0] = ((i_1 == 0u) ? v_2 : _e6);
+    vec3 _e12 = list_1[1];
+    list_1[1] = ((i_1 == 1u) ? v_2 : _e12);
+    vec3 _e18 = list_1[2];
+    list_1[2] = ((i_1 == 2u) ? v_2 : _e18);
+    vec3 _e24 = list_1[3];
+    list_1[3] = ((i_1 == 3u) ? v_2 : _e24);
+    vec3 _e30 = list_1[4];
+    if (many_1) {
+        local_5 = (i_1 == 4u);
+    } else {
+        local_5 = false;
     }
-    uint _e62 = ups;
-    if ((_e62 == 0u)) {
-        return vec2(0.0);
-    }
-    uint _e68 = start;
-    vec3 _e70 = vertices_1[_e68];
-    corner = _e70;
-    bool _e72 = is_cut;
-    if (_e72) {
-        uint _e73 = start;
-        vec3 _e79 = vertices_1[(((_e73 + number) - 1u) % number)];
-        vec3 _e80 = corner;
-        vec3 _e81 = normals_crossing(_e79, _e80);
-        corner = _e81;
-    }
-    vec3 _e83 = corner;
-    NormalsCorner _e84 = normals_corner(_e83, view_8);
-    outline_2.first = _e84;
-    NormalsCorner _e87 = outline_2.first;
-    outline_2.last = _e87;
-    bool _e90 = is_cut;
-    uint skipped = (_e90 ? 0u : 1u);
-    uint _e92 = ups;
-    uint edges = ((_e92 + 1u) - (2u * skipped));
-    bool _e98 = is_cut;
-    uint closing_parts = (_e98 ? horizon_parts : edge_parts);
-    NormalsCorner _e101 = outline_2.first;
-    from_corner = _e101;
-    NormalsCorner _e104 = outline_2.first;
-    to_corner = _e104;
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e168 = step_;
-            step_ = (_e168 + 1u);
-        }
-        loop_init_2 = false;
-        uint _e110 = step_;
-        if ((_e110 < ((edges * edge_parts) + closing_parts))) {
-        } else {
-            break;
-        }
-        {
-            uint _e114 = step_;
-            uint edge = (_e114 / edge_parts);
-            bool is_closing = (edge >= edges);
-            uint _e117 = part;
-            if ((_e117 == 0u)) {
-                uint _e120 = start;
-                vec3 _e125 = vertices_1[(((_e120 + skipped) + edge) % number)];
-                vertex = _e125;
-                bool _e127 = is_cut;
-                if (_e127) {
-                    uint _e130 = ups;
-                    local_5 = (edge == _e130);
-                } else {
-                    local_5 = false;
-                }
-                bool _e133 = local_5;
-                if (_e133) {
-                    uint _e134 = start;
-                    uint _e135 = ups;
-                    vec3 _e141 = vertices_1[(((_e134 + _e135) - 1u) % number)];
-                    vec3 _e142 = vertex;
-                    vec3 _e143 = normals_crossing(_e141, _e142);
-                    vertex = _e143;
-                }
-                NormalsCorner _e145 = outline_2.last;
-                from_corner = _e145;
-                vec3 _e146 = vertex;
-                NormalsCorner _e147 = normals_corner(_e146, view_8);
-                to_corner = _e147;
-                if (is_closing) {
-                    NormalsCorner _e149 = outline_2.first;
-                    to_corner = _e149;
-                }
-            }
-            uint _e150 = part;
-            part = (_e150 + 1u);
-            uint parts_1 = (is_closing ? closing_parts : edge_parts);
-            NormalsCorner _e154 = to_corner;
-            to_1 = _e154;
-            uint _e156 = part;
-            if ((_e156 < parts_1)) {
-                NormalsCorner _e158 = from_corner;
-                NormalsCorner _e159 = to_corner;
-                uint _e160 = part;
-                NormalsCorner _e164 = normals_between(_e158, _e159, (float(_e160) / float(parts_1)), view_8);
-                to_1 = _e164;
-            } else {
-                part = 0u;
-            }
-            NormalsCorner _e166 = to_1;
-            normals_edge(outline_2, view_8, _e166);
-        }
-    }
-    vec3 _e171 = outline_2.flux;
-    float seen_1 = dot(_e171, view_8.stretched);
-    float side = ((seen_1 < 0.0) ? -1.0 : 1.0);
-    if ((side < 0.0)) {
-        local_6 = !(two_sided);
+    bool _e36 = local_5;
+    list_1[4] = (_e36 ? v_2 : _e30);
+    vec3 _e40 = list_1[5];
+    if (many_1) {
+        local_6 = (i_1 == 5u);
     } else {
         local_6 = false;
     }
-    bool _e185 = local_6;
-    if (_e185) {
-        return vec2(0.0);
-    }
-    float to_part = ((side * 0.3183099) / (view_8.wo.z + view_8.length_));
-    vec3 _e196 = outline_2.flux;
-    vec3 _e198 = normals_unit((_e196 * side));
-    if ((rule == NORMALS_MEAN)) {
-        vec3 _e202 = normals_weight(view_8, _e198);
-        parts = (_e202.xy * (to_part * seen_1));
+    bool _e46 = local_6;
+    list_1[5] = (_e46 ? v_2 : _e40);
+    vec3 _e50 = list_1[6];
+    if (many_1) {
+        local_7 = (i_1 == 6u);
     } else {
-        vec2 _e206 = normals_fan(view_8, outline_2, _e198);
-        parts = (_e206 * to_part);
+        local_7 = false;
     }
-    float _e209 = parts.x;
-    float energy = clamp(_e209, 0.0, 1.0);
-    float _e214 = parts.y;
-    return vec2(energy, clamp(_e214, 0.0, energy));
+    bool _e56 = local_7;
+    list_1[6] = (_e56 ? v_2 : _e50);
+    vec3 _e60 = list_1[7];
+    if (many_1) {
+        local_8 = (i_1 == 7u);
+    } else {
+        local_8 = false;
+    }
+    bool _e66 = local_8;
+    list_1[7] = (_e66 ? v_2 : _e60);
+    return;
 }
 
-vec2 normals_rectangle(NormalsView view_9, vec3 corners[4], bool two_sided_1, uint rule_1) {
-    vec3 vertices_2[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vertices_2[0] = corners[0];
-    vertices_2[1] = corners[1];
-    vertices_2[2] = corners[2];
-    vertices_2[3] = corners[3];
-    vec2 _e14 = normals_polygon(view_9, vertices_2, 4u, two_sided_1, rule_1);
+NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
+    NormalsOutline outline = NormalsOutline(0u, 0u, false, 0u, 0.0, false);
+    bool before = false;
+    float above = 0.0;
+    float below = 0.0;
+    uint i_2 = 0u;
+    bool local_9 = false;
+    outline = NormalsOutline(number, 0u, false, 0u, 0.0, (number > 4u));
+    bool _e13 = outline.many;
+    vec3 _e14 = normals_get(vertices_1, (number - 1u), _e13);
+    before = (_e14.z > 0.0);
+    bool loop_init = true;
+    while(true) {
+        if (!loop_init) {
+            uint _e56 = i_2;
+            i_2 = (_e56 + 1u);
+        }
+        loop_init = false;
+        uint _e25 = i_2;
+        if ((_e25 < number)) {
+        } else {
+            break;
+        }
+        {
+            uint _e27 = i_2;
+            bool _e29 = outline.many;
+            vec3 _e30 = normals_get(vertices_1, _e27, _e29);
+            float z_4 = _e30.z;
+            bool is_up = (z_4 > 0.0);
+            float _e34 = above;
+            above = max(_e34, z_4);
+            float _e36 = below;
+            below = max(_e36, -(z_4));
+            if (is_up) {
+                bool _e41 = before;
+                local_9 = !(_e41);
+            } else {
+                local_9 = false;
+            }
+            bool _e44 = local_9;
+            if (_e44) {
+                uint _e46 = i_2;
+                outline.start = _e46;
+                outline.is_cut = true;
+            }
+            uint _e50 = outline.ups;
+            outline.ups = (_e50 + (is_up ? 1u : 0u));
+            before = is_up;
+        }
+    }
+    float _e59 = below;
+    float _e62 = above;
+    outline.share = min(((8.0 * _e59) / max(_e62, 1e-36)), 1.0);
+    NormalsOutline _e68 = outline;
+    return _e68;
+}
+
+NormalsCorner normals_outline_corner(NormalsView view_7, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
+    bool local_10 = false;
+    bool local_11 = false;
+    bool local_12 = false;
+    if (outline_1.is_cut) {
+        if (!((i_3 == 0u))) {
+            local_11 = (i_3 == (outline_1.ups + 1u));
+        } else {
+            local_11 = true;
+        }
+        bool _e17 = local_11;
+        local_10 = _e17;
+    } else {
+        local_10 = false;
+    }
+    bool is_crossing = local_10;
+    if (outline_1.is_cut) {
+        local_12 = (i_3 > 0u);
+    } else {
+        local_12 = false;
+    }
+    bool _e30 = local_12;
+    uint at = ((outline_1.start + i_3) - (_e30 ? 1u : 0u));
+    uint before_1 = ((at == 0u) ? (outline_1.number - 1u) : (at - 1u));
+    vec3 _e47 = normals_get(vertices_2, ((at >= outline_1.number) ? (at - outline_1.number) : at), outline_1.many);
+    vec3 _e54 = normals_get(vertices_2, ((before_1 >= outline_1.number) ? (before_1 - outline_1.number) : before_1), outline_1.many);
+    vec3 _e55 = normals_crossing(_e54, _e47);
+    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_7);
+    return _e57;
+}
+
+NormalsHorizon normals_horizon(NormalsView view_8, NormalsCorner begin, NormalsCorner end) {
+    vec3 sum_2 = (begin.w + end.w);
+    float _e6 = normals_half_cosine(begin, end);
+    vec3 _e13 = normals_unstretched(((view_8.wo * _e6) + (sum_2 * (0.5 / _e6))), view_8);
+    float turn_1 = cross(begin.w, (end.w - begin.w)).z;
+    vec3 across_3 = vec3(0.0, 0.0, ((turn_1 < 0.0) ? -1.0 : 1.0));
+    return NormalsHorizon(begin.c, (_e13 * inversesqrt((begin.length_ * end.length_))), end.c, across_3);
+}
+
+vec3 normals_on_horizon(NormalsHorizon horizon, float t_1) {
+    float u_1 = (1.0 - t_1);
+    vec3 _e17 = normals_unit((((horizon.begin * (u_1 * u_1)) + (horizon.control * ((2.0 * u_1) * t_1))) + (horizon.end * (t_1 * t_1))));
+    return ((t_1 >= 1.0) ? horizon.end : _e17);
+}
+
+vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
+    vec3 ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 half_ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 half_curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 horizon_curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vec3 closing = vec3(0.0);
+    vec3 half_closing = vec3(0.0);
+    vec3 half_end = vec3(0.0);
+    vec3 arc_start = vec3(0.0);
+    vec3 flux_2 = vec3(0.0);
+    NormalsCorner last = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
+    uint edge = 0u;
+    bool is_second = false;
+    uint step_ = 0u;
+    bool local_13 = false;
+    bool local_14 = false;
+    NormalsCorner to = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
+    bool local_15 = false;
+    bool local_16 = false;
+    bool local_17 = false;
+    bool local_18 = false;
+    bool local_19 = false;
+    bool local_20 = false;
+    vec2 parts = vec2(0.0);
+    vec3 from_c = vec3(0.0);
+    vec3 from_bend = vec3(0.0);
+    vec3 begin_bend = vec3(0.0);
+    vec3 from_share = vec3(0.0);
+    uint i_4 = 0u;
+    bool local_21 = false;
+    NormalsOutline _e8 = normals_outline(vertices_3, min(max(count, 3u), 8u));
+    if ((_e8.ups == 0u)) {
+        return vec2(0.0);
+    }
+    bool many_2 = _e8.many;
+    bool is_fine_1 = (rule == NORMALS_FINE);
+    uint edge_parts = (is_fine_1 ? 2u : 1u);
+    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_1 ? 8u : 4u));
+    uint edges = (_e8.is_cut ? (_e8.ups + 1u) : _e8.number);
+    uint closing_parts = (_e8.is_cut ? horizon_parts : 0u);
+    NormalsCorner _e37 = normals_outline_corner(view_9, _e8, vertices_3, 0u);
+    NormalsCorner _e41 = normals_outline_corner(view_9, _e8, vertices_3, (_e8.ups + 1u));
+    NormalsHorizon _e42 = normals_horizon(view_9, _e41, _e37);
+    arc_start = _e37.c;
+    last = _e37;
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e222 = step_;
+            step_ = (_e222 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e69 = step_;
+        if ((_e69 < ((edges * edge_parts) + closing_parts))) {
+        } else {
+            break;
+        }
+        {
+            uint _e73 = edge;
+            bool is_closing = (_e73 >= edges);
+            if (is_fine_1) {
+                bool _e77 = is_second;
+                local_13 = !(_e77);
+            } else {
+                local_13 = false;
+            }
+            bool _e80 = local_13;
+            if (_e80) {
+                local_14 = !(is_closing);
+            } else {
+                local_14 = false;
+            }
+            bool is_half = local_14;
+            uint _e86 = edge;
+            NormalsCorner _e89 = normals_outline_corner(view_9, _e8, vertices_3, (_e86 + 1u));
+            to = _e89;
+            if (is_half) {
+                NormalsCorner _e91 = last;
+                NormalsCorner _e92 = to;
+                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_9);
+                to = _e94;
+            }
+            uint _e95 = edge;
+            float t_3 = (float(((_e95 + 1u) - edges)) / float(horizon_parts));
+            vec3 _e103 = to.c;
+            vec3 _e104 = normals_on_horizon(_e42, t_3);
+            vec3 c_3 = (is_closing ? _e104 : _e103);
+            vec3 _e107 = to.w;
+            vec3 _e109 = last.w;
+            vec3 apart = (_e107 - _e109);
+            vec3 _e112 = last.w;
+            vec3 across_4 = (is_closing ? _e42.across : cross(_e112, apart));
+            vec3 _e117 = last.c;
+            if (!(is_closing)) {
+                vec3 _e122 = last.w;
+                vec3 _e124 = to.w;
+                local_15 = (dot(_e122, _e124) < 0.9);
+            } else {
+                local_15 = true;
+            }
+            bool _e129 = local_15;
+            vec3 _e130 = normals_exact(view_9, _e117, c_3, across_4, _e129);
+            if (!(is_closing)) {
+                local_16 = (dot(apart, apart) >= 1e-14);
+            } else {
+                local_16 = true;
+            }
+            bool is_edge = local_16;
+            vec3 _e140 = last.c;
+            vec3 curved = (is_edge ? (_e130 - cross(_e140, c_3)) : vec3(0.0));
+            vec3 _e146 = flux_2;
+            vec3 _e148 = last.c;
+            flux_2 = (_e146 + (curved + cross((_e148 - _e37.c), (c_3 - _e37.c))));
+            if (is_fine_1) {
+                uint _e157 = edge;
+                normals_put(half_ends, (is_half ? _e157 : 8u), c_3, many_2);
+                uint _e160 = edge;
+                normals_put(half_curves, (is_half ? _e160 : 8u), curved, many_2);
+            }
+            uint _e162 = edge;
+            if (!(is_half)) {
+                local_17 = is_closing;
+            } else {
+                local_17 = true;
+            }
+            bool _e168 = local_17;
+            normals_put(ends, (_e168 ? 8u : _e162), c_3, many_2);
+            uint _e170 = edge;
+            if (!(is_half)) {
+                local_18 = is_closing;
+            } else {
+                local_18 = true;
+            }
+            bool _e176 = local_18;
+            normals_put(curves, (_e176 ? 8u : _e170), curved, many_2);
+            uint _e179 = edge;
+            normals_put(horizon_curves, (is_closing ? (_e179 - edges) : 8u), curved, is_fine_1);
+            vec3 _e182 = arc_start;
+            arc_start = (is_closing ? _e182 : c_3);
+            vec3 _e184 = closing;
+            vec3 _e186 = last.c;
+            vec3 _e187 = arc_start;
+            vec3 _e189 = arc_start;
+            closing = (_e184 + (is_closing ? (curved + cross((_e186 - _e187), (c_3 - _e189))) : vec3(0.0)));
+            if (is_fine_1) {
+                uint _e199 = edge;
+                local_19 = ((_e199 + 1u) == (edges + (horizon_parts / 2u)));
+            } else {
+                local_19 = false;
+            }
+            bool _e207 = local_19;
+            if (_e207) {
+                vec3 _e208 = closing;
+                half_closing = _e208;
+                half_end = c_3;
+                closing = vec3(0.0);
+                arc_start = c_3;
+            }
+            vec3 _e212 = to.w;
+            float _e214 = to.length_;
+            last = NormalsCorner(_e212, c_3, _e214);
+            uint _e216 = edge;
+            edge = (_e216 + (is_half ? 0u : 1u));
+            is_second = is_half;
+        }
+    }
+    vec3 _e224 = flux_2;
+    float seen_2 = dot(_e224, view_9.stretched);
+    float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
+    if ((side < 0.0)) {
+        local_20 = !(two_sided);
+    } else {
+        local_20 = false;
+    }
+    bool _e238 = local_20;
+    if (_e238) {
+        return vec2(0.0);
+    }
+    float to_part = ((side * 0.3183099) / (view_9.wo.z + view_9.length_));
+    vec3 _e248 = flux_2;
+    vec3 _e250 = normals_unit((_e248 * side));
+    vec2 _e251 = normals_weight(view_9, _e250);
+    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_2);
+    if ((rule != NORMALS_MEAN)) {
+        parts = vec2(0.0);
+        from_c = _e37.c;
+        vec3 _e265 = from_c;
+        vec3 _e266 = normals_arc_bend(_e250, _e265);
+        from_bend = _e266;
+        vec3 _e268 = from_bend;
+        begin_bend = _e268;
+        vec3 _e273 = normals_sample(view_9, _e250);
+        vec3 tip_share = ((is_fine_1 ? 0.1 : 0.2) * _e273);
+        float share_1 = (is_fine_1 ? 0.04 : 0.08);
+        vec3 _e278 = from_c;
+        vec3 _e279 = normals_sample(view_9, _e278);
+        from_share = (share_1 * _e279);
+        bool loop_init_2 = true;
+        while(true) {
+            if (!loop_init_2) {
+                uint _e380 = i_4;
+                i_4 = (_e380 + 1u);
+            }
+            loop_init_2 = false;
+            uint _e284 = i_4;
+            if ((_e284 < (edges + (_e8.is_cut ? (horizon_parts + 1u) : 0u)))) {
+            } else {
+                break;
+            }
+            {
+                uint _e292 = i_4;
+                bool is_whole = (_e292 == edges);
+                uint _e294 = i_4;
+                bool on_horizon_1 = (_e294 > edges);
+                if (is_whole) {
+                    vec3 _e296 = from_bend;
+                    begin_bend = _e296;
+                }
+                uint _e297 = i_4;
+                if ((_e297 == (edges + 1u))) {
+                    from_c = _e42.begin;
+                    vec3 _e302 = begin_bend;
+                    from_bend = _e302;
+                }
+                float counts = (on_horizon_1 ? _e8.share : (is_whole ? (1.0 - _e8.share) : 1.0));
+                if (is_fine_1) {
+                    local_21 = !(on_horizon_1);
+                } else {
+                    local_21 = false;
+                }
+                bool _e314 = local_21;
+                if (_e314) {
+                    uint _e315 = i_4;
+                    vec3 _e316 = normals_get(half_ends, _e315, many_2);
+                    vec3 _e317 = half_end;
+                    vec3 half_c = (is_whole ? _e317 : _e316);
+                    uint _e319 = i_4;
+                    vec3 _e320 = normals_get(half_curves, _e319, many_2);
+                    vec3 _e321 = half_closing;
+                    vec3 half_curved = (is_whole ? _e321 : _e320);
+                    vec3 _e323 = normals_arc_bend(_e250, half_c);
+                    vec3 _e324 = from_c;
+                    vec3 _e329 = from_bend;
+                    vec3 half_flux = ((cross((_e324 - _e250), (half_c - _e250)) + half_curved) + (_e329 - _e323));
+                    vec3 _e332 = normals_sample(view_9, half_c);
+                    vec3 half_share = (share_1 * _e332);
+                    vec3 _e334 = from_share;
+                    vec3 half_corners = ((tip_share + _e334) + half_share);
+                    vec2 _e337 = parts;
+                    vec2 _e339 = normals_triangle(view_9, _e250, _e251, half_corners, half_flux, false, is_fine_1);
+                    parts = (_e337 + (counts * _e339));
+                    from_c = half_c;
+                    from_bend = _e323;
+                    from_share = half_share;
+                }
+                uint _e342 = i_4;
+                uint part = (_e342 - edges);
+                vec3 _e347 = normals_on_horizon(_e42, (float(part) / float(horizon_parts)));
+                vec3 _e350 = normals_get(horizon_curves, (part - 1u), is_fine_1);
+                uint _e351 = i_4;
+                vec3 _e352 = normals_get(ends, _e351, many_2);
+                vec3 to_c = (on_horizon_1 ? _e347 : (is_whole ? _e37.c : _e352));
+                uint _e356 = i_4;
+                vec3 _e357 = normals_get(curves, _e356, many_2);
+                vec3 _e358 = closing;
+                vec3 curved_1 = (on_horizon_1 ? _e350 : (is_whole ? _e358 : _e357));
+                vec3 _e361 = normals_arc_bend(_e250, to_c);
+                vec3 _e362 = from_c;
+                vec3 _e367 = from_bend;
+                vec3 part_flux = ((cross((_e362 - _e250), (to_c - _e250)) + curved_1) + (_e367 - _e361));
+                vec3 _e370 = normals_sample(view_9, to_c);
+                vec3 to_share = (share_1 * _e370);
+                vec3 _e372 = from_share;
+                vec3 part_corners = ((tip_share + _e372) + to_share);
+                vec2 _e375 = parts;
+                vec2 _e376 = normals_triangle(view_9, _e250, _e251, part_corners, part_flux, on_horizon_1, is_fine_1);
+                parts = (_e375 + (counts * _e376));
+                from_c = to_c;
+                from_bend = _e361;
+                from_share = to_share;
+            }
+        }
+    }
+    float _e383 = parts.x;
+    float energy = clamp((_e383 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e392 = parts.y;
+    return vec2(energy, clamp((_e392 * to_part), 0.0, energy));
+}
+
+vec2 normals_rectangle(NormalsView view_10, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
+    vec3 vertices_4[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vertices_4[0] = corners_1[0];
+    vertices_4[1] = corners_1[1];
+    vertices_4[2] = corners_1[2];
+    vertices_4[3] = corners_1[3];
+    vec2 _e14 = normals_polygon(view_10, vertices_4, 4u, two_sided_1, rule_1);
     return _e14;
 }
 
-vec2 normals_disk(NormalsView view_10, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
-    vec3 vertices_3[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i_2 = 0u;
+vec2 normals_disk(NormalsView view_11, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
+    vec3 vertices_5[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    uint i_5 = 0u;
     bool loop_init_3 = true;
     while(true) {
         if (!loop_init_3) {
-            uint _e30 = i_2;
-            i_2 = (_e30 + 1u);
+            uint _e30 = i_5;
+            i_5 = (_e30 + 1u);
         }
         loop_init_3 = false;
-        uint _e9 = i_2;
+        uint _e9 = i_5;
         if ((_e9 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e12 = i_2;
+            uint _e12 = i_5;
             vec2 _e18 = ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
-            vec2 turn_1 = (_e18 * 1.0539074);
-            uint _e21 = i_2;
-            vertices_3[_e21] = ((centre + (half_x * turn_1.y)) + (half_y * turn_1.x));
+            vec2 turn_2 = (_e18 * 1.0539074);
+            uint _e21 = i_5;
+            vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));
         }
     }
-    vec2 _e33 = normals_polygon(view_10, vertices_3, 8u, two_sided_2, rule_2);
+    vec2 _e33 = normals_polygon(view_11, vertices_5, 8u, two_sided_2, rule_2);
     return _e33;
 }

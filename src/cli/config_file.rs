@@ -13,6 +13,9 @@
 //! job_seconds = 86400
 //! job_days = 90
 //! adapter = "cpu"
+//! picture_seconds = 30
+//! picture_queue = 9
+//! picture_memory = 64
 //! allow_host = ["farm", "farm.example"]
 //! allow_origin = ["https://wiki.example"]
 //! connections = 1024
@@ -29,7 +32,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{CommandFailure, Exit, args::ClientSeconds, preview_names::AdapterName};
+use super::{CommandFailure, Exit, args::WaitSeconds, preview_names::AdapterName};
 use crate::{
     client::Source,
     files::bounded::read_file,
@@ -68,12 +71,17 @@ pub(super) struct ServeSection {
     pub(super) entry_limit: Option<NonZeroU64>,
     pub(super) job_seconds: Option<NonZeroU64>,
     pub(super) job_days: Option<u32>,
+    pub(super) export_bytes: Option<usize>,
     pub(super) adapter: Option<AdapterName>,
+    pub(super) picture_seconds: Option<WaitSeconds>,
+    pub(super) picture_queue: Option<NonZeroUsize>,
+    /// MiB.
+    pub(super) picture_memory: Option<u32>,
     pub(super) allow_host: Option<Vec<AllowedHost>>,
     pub(super) allow_origin: Option<Vec<AllowedOrigin>>,
     pub(super) connections: Option<NonZeroUsize>,
     pub(super) connections_per_address: Option<NonZeroUsize>,
-    pub(super) client_seconds: Option<ClientSeconds>,
+    pub(super) client_seconds: Option<WaitSeconds>,
 }
 
 impl ConfigFile {
@@ -119,6 +127,8 @@ mod tests {
             "[serve]\nlisten = 'x'",
             "[serve]\nadapter = 'x'",
             "[serve]\nclient_seconds = 86401",
+            "[serve]\npicture_seconds = 0",
+            "[serve]\npicture_queue = 0",
             "[serve]\nallow_host = ['http://farm']",
             "[serve]\nallow_origin = 'https://farm'",
             "sources = 'tables'",

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use super::{
-    args::{ClientSeconds, ConnectionArgs},
+    args::{ConnectionArgs, WaitSeconds},
     config_file::ServeSection,
 };
 use crate::server::http::{ConnectionLimits, Options, Sites};
@@ -23,7 +23,7 @@ pub(super) fn settle(args: ConnectionArgs, file: &ServeSection, descriptors: Opt
     }
     let per_address = args.connections_per_address.or(file.connections_per_address);
     let per_address = per_address.map_or(within.connections.div_ceil(2), NonZeroUsize::get).min(within.connections);
-    let seconds = args.client_seconds.or(file.client_seconds).map(ClientSeconds::duration);
+    let seconds = args.client_seconds.or(file.client_seconds).map(WaitSeconds::duration);
     let limits = ConnectionLimits {
         per_address,
         head: seconds.unwrap_or(default.head),

@@ -17,13 +17,10 @@ use crate::{
         digest::Digest,
         manifest::table_report,
         replace::replace_file,
-        textures::{About, Bundle, Engine, RoundingError, TextureFile, TextureFileError, TextureLayout, sampling_of},
+        textures::{About, Bundle, Export, RoundingError, TextureFile, TextureFileError, TextureLayout},
     },
     fit::{Precision, Recipe, Table},
 };
-
-/// What files that hold all textures are called.
-const STEM: &str = "ltc";
 
 /// Writes the files, and says what to do with them.
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -33,8 +30,11 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         Origin::Recipe(recipe) => Some(recipe),
         Origin::Range(_) => None,
     };
-    let layout = layout_of(&args.choice, &table);
-    let Bundle { files, steps } = args.threads.pool()?.install(|| bundle(&args.choice, &table, digest, recipe))?;
+    let export = export_of(&args.choice)?;
+    // Whatever cannot be is told before the table is measured.
+    let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    let error = args.threads.pool()?.install(|| measured(&table, recipe));
+    let Bundle { files, steps } = bundle(export, &table, digest, recipe, error)?;
     for file in &files {
         let path = args.out.join(&file.path);
         replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
@@ -56,37 +56,41 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
     Ok(Exit::Ok)
 }
 
-/// The layout of the textures that are asked for.
-fn layout_of<'a>(choice: &'a ExportChoice, table: &Table) -> &'a str {
-    let engines = || choice.engine.and_then(Engine::layout);
-    choice.layout.as_deref().or_else(engines).unwrap_or_else(|| table.layout.name())
+/// The export that a command line asks for.
+///
+/// # Errors
+/// When it asks for a layout that there is none of, or for none.
+pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
+    let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
+    match (choice.engine, &choice.layout, choice.container) {
+        (Some(engine), ..) => Ok(Export::Engine(engine)),
+        (None, Some(layout), Some(container)) => {
+            let layout = TextureLayout::named(layout).map_err(|error| refused(&error))?;
+            Ok(Export::Textures { layout, container, precision: choice.precision.unwrap_or(Precision::F32) })
+        }
+        _ => Err(refused(&TextureFileError::Empty)),
+    }
 }
 
-/// The files that are asked for, and what to do with them. They follow from the table and this program alone. Measures the
-/// table on the current rayon pool, where its recipe is known: files state how good it is.
+/// The table's mean error between nodes, which its files state, where its recipe is known. Measures on the current rayon
+/// pool.
+pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<f64> {
+    recipe.map(|recipe| table_report(table, recipe).between.width.mean)
+}
+
+/// The files of an export, and what to do with them. They follow from the arguments and this program alone.
 ///
 /// # Errors
 /// When the table has no such files.
 pub(super) fn bundle(
-    choice: &ExportChoice,
+    export: Export,
     table: &Table,
     digest: Digest,
     recipe: Option<&Recipe>,
+    error: Option<f64>,
 ) -> Result<Bundle, CommandFailure> {
-    let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
-    let layout = TextureLayout::named(layout_of(choice, table)).map_err(|error| refused(&error))?;
-    let textures = layout.textures(table).map_err(|error| refused(&error))?;
-    let report = recipe.map(|recipe| table_report(table, recipe));
-    let about = About::of_table(digest, recipe, report.as_ref()).and(sampling_of(table, layout));
-    let made = match (choice.engine, choice.container) {
-        (Some(engine), _) => engine.bundle(&textures, &table.axes, &about),
-        (None, Some(container)) => {
-            let precision = choice.precision.unwrap_or(Precision::F32);
-            container.files(STEM, &textures, precision, &about).map(|files| Bundle { files, steps: vec![] })
-        }
-        (None, None) => Err(TextureFileError::Empty),
-    };
-    made.map_err(|error| refused(&error))
+    let made = export.bundle(table, About::of_table(digest, recipe, error));
+    made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))
 }
 
 /// The files, what rounding changed, and what to do.

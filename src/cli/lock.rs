@@ -196,8 +196,12 @@ impl Locking<'_, '_> {
             }
         }
         let mut planned = vec![Planned { path: pin.path.clone(), digest, bytes }];
+        if pin.exports.is_empty() {
+            return Ok(planned);
+        }
+        let measured = self.fitting().measure(file, digest)?;
         for export in &mut pin.exports {
-            let (made, files) = self.fitting().export(export, &file, digest)?;
+            let (made, files) = measured.export(export)?;
             let of_file = made.file.iter().zip(files);
             planned.extend(of_file.map(|(pin, file)| Planned {
                 path: pin.path.clone(),

@@ -15,7 +15,7 @@ use crate::{
         container::{self, TableFile},
         digest::Digest,
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
-        textures::{Engine, TextureContainer, TextureFile},
+        textures::{Engine, Export, TextureContainer, TextureFile},
     },
     fit::{Plan, Precision, Recipe},
 };
@@ -57,19 +57,32 @@ impl<'a> Fitting<'a> {
         container::encode(recipe, &table).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
     }
 
+    /// What exports need of a table. Measures it.
+    ///
+    /// # Errors
+    /// When there are no threads.
+    pub(super) fn measure(&self, file: TableFile, digest: Digest) -> Result<Measured, CommandFailure> {
+        let error = self.threads.pool()?.install(|| export::measured(&file.table, Some(&file.recipe)));
+        Ok(Measured { file, digest, error })
+    }
+}
+
+/// A table as exports need it: measured once for all of them.
+pub(super) struct Measured {
+    file: TableFile,
+    digest: Digest,
+    /// Its mean error between nodes.
+    error: Option<f64>,
+}
+
+impl Measured {
     /// The files of an export, with their pins in the same order.
     ///
     /// # Errors
     /// When the export asks for what this program does not know, or the table has no such files.
-    pub(super) fn export(
-        &self,
-        asked: &ExportPin,
-        file: &TableFile,
-        digest: Digest,
-    ) -> Result<(ExportPin, Vec<TextureFile>), CommandFailure> {
-        let choice = choice_of(asked)?;
-        let pool = self.threads.pool()?;
-        let bundle = pool.install(|| export::bundle(&choice, &file.table, digest, Some(&file.recipe)))?;
+    pub(super) fn export(&self, asked: &ExportPin) -> Result<(ExportPin, Vec<TextureFile>), CommandFailure> {
+        let Self { file: TableFile { table, recipe, .. }, digest, error } = self;
+        let bundle = export::bundle(export_of(asked)?, table, *digest, Some(recipe), *error)?;
         let pin = |file: &TextureFile| FilePin {
             path: asked.to.join(&file.path),
             bytes: file.bytes.len() as u64,
@@ -91,6 +104,11 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> ExportPin {
         to: to.to_owned(),
         file: vec![],
     }
+}
+
+/// The export that a pin asks for.
+pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
+    export::export_of(&choice_of(pin)?)
 }
 
 /// What a pin asks for.
@@ -154,6 +172,8 @@ mod tests {
         ] {
             let choice = choice_of(&asked).expect("a known export");
             assert_eq!(asked_by(&choice, Path::new("out")), asked);
+            // The client asks a service for it by the same name.
+            assert_eq!(asked.name(), Some(export_of(&asked).expect("a known export").to_string()));
         }
     }
 

@@ -8,7 +8,7 @@ use super::{
     CommandFailure, Context, Exit,
     args::PullArgs,
     file_failure, lock_failure,
-    pins::{Fitting, of_pin},
+    pins::{Fitting, Measured, export_of, of_pin},
     print, shown,
     sources::Sources,
     table_file::check,
@@ -87,24 +87,27 @@ impl Pulling<'_, '_> {
             _ => self.table(pin)?,
         };
         done.push(Done { path: &pin.path, digest: pin.digest, outcome });
-        // Read once at most, and only where a file has to be made.
-        let mut read: Option<TableFile> = None;
+        // Read and measured once at most, and only where a file has to be made.
+        let mut read: Option<Measured> = None;
         for export in &pin.exports {
             let mut states = Vec::new();
             for file in &export.file {
                 states.push(self.state(&file.path, file.digest)?);
             }
-            if states.iter().any(|state| *state != PinState::Right) {
+            let is_right = |state: &PinState| *state == PinState::Right;
+            let comes = !states.iter().all(is_right) && self.download(pin, export, &states)?;
+            if !comes && !states.iter().all(is_right) {
                 if read.is_none() {
-                    read = Some(self.read(pin)?);
+                    read = Some(self.fitting().measure(self.read(pin)?, pin.digest)?);
                 }
                 if let Some(table) = &read {
-                    self.export(pin, export, table, &states)?;
+                    self.export(export, table, &states)?;
                 }
             }
             for (FilePin { path, digest, .. }, state) in export.file.iter().zip(states) {
                 let outcome = match state {
                     PinState::Right => "unchanged",
+                    PinState::Missing if comes => "downloaded",
                     PinState::Missing => "made",
                     PinState::Different { .. } => "replaced",
                 };
@@ -167,15 +170,28 @@ impl Pulling<'_, '_> {
         Ok(check(&path, &bytes, Some(pin.digest))?.1)
     }
 
+    /// Brings in those files of an export that are not right, if one service has all of them.
+    fn download(&self, pin: &Pin, export: &ExportPin, states: &[PinState]) -> Result<bool, CommandFailure> {
+        // What this program does not know is told without asking anyone.
+        export_of(export)?;
+        let folder = &self.lock.folder;
+        let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
+        let wrong = export.file.iter().zip(states).filter(|(_, state)| **state != PinState::Right);
+        let wrong: Vec<&FilePin> = wrong.map(|(file, _)| file).collect();
+        let interrupt = &self.context.interrupt;
+        let pulled = self.sources.with_access(interrupt, |access| {
+            client::pull_export(pin.digest, export, &wrong, (folder, &sources), access)
+        });
+        match pulled {
+            Ok(()) => Ok(true),
+            Err(PullError::Sources(SourcesError::NoneHasIt(_))) => Ok(false),
+            Err(error) => Err(error.into()),
+        }
+    }
+
     /// Writes those files of an export that are not right. All files have to have their pinned hashes, or none is written.
-    fn export(
-        &self,
-        pin: &Pin,
-        export: &ExportPin,
-        table: &TableFile,
-        states: &[PinState],
-    ) -> Result<(), CommandFailure> {
-        let (made, files) = self.fitting().export(export, table, pin.digest)?;
+    fn export(&self, export: &ExportPin, table: &Measured, states: &[PinState]) -> Result<(), CommandFailure> {
+        let (made, files) = table.export(export)?;
         let advice = "`ltcforge lock` pins what this program makes";
         for FilePin { path, digest, .. } in &export.file {
             let target = client::target(path, &self.lock.folder)?;

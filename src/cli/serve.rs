@@ -13,24 +13,25 @@ use tokio::net::TcpListener;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{ServeArgs, cores},
+    args::{PictureLimitArgs, ServeArgs, WaitSeconds, cores},
     config_file::ServeSection,
     connections, print,
     service_settings::{
-        DEFAULT_DATA, DEFAULT_JOB_DAYS, DEFAULT_JOB_SECONDS, DEFAULT_QUEUE_LIMIT, LEASE_TTL, MAX_ATTEMPTS,
-        PICTURE_LIMIT, failed,
+        DEFAULT_DATA, DEFAULT_EXPORT_BYTES, DEFAULT_JOB_DAYS, DEFAULT_JOB_SECONDS, DEFAULT_QUEUE_LIMIT, LEASE_TTL,
+        MAX_ATTEMPTS, failed,
     },
 };
 use crate::{
     files::recipe_document::DEFAULT_ENTRY_LIMIT,
     server::{
         http,
-        service::{Config, Service},
+        service::{Config, PictureLimits, Service},
     },
     view::preview::Adapter,
 };
 
 const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 8317);
+
 /// Runs the service until it is interrupted.
 pub(super) fn run(
     args: ServeArgs,
@@ -68,6 +69,7 @@ pub(super) fn run(
 
 /// The settings: flags and environment go before the file, that before the defaults.
 fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
+    let pictures = pictures(&args.pictures, &file);
     let config = Config {
         data_dir: args.data.or(file.data).unwrap_or_else(|| DEFAULT_DATA.into()),
         workers: args.workers.or(file.workers).unwrap_or_else(cores),
@@ -78,9 +80,21 @@ fn settle(args: ServeArgs, file: ServeSection) -> (SocketAddr, Config) {
         lease_ttl: LEASE_TTL,
         max_attempts: MAX_ATTEMPTS,
         adapter: args.adapter.or(file.adapter).map_or(Adapter::Any, |name| name.0),
-        picture_limit: PICTURE_LIMIT,
+        pictures,
+        export_bytes: args.export_bytes.or(file.export_bytes).unwrap_or(DEFAULT_EXPORT_BYTES),
     };
     (args.listen.or(file.listen).unwrap_or(DEFAULT_LISTEN), config)
+}
+
+/// The limits of pictures, likewise.
+fn pictures(args: &PictureLimitArgs, file: &ServeSection) -> PictureLimits {
+    let default = PictureLimits::default();
+    let memory_mib = args.picture_memory.or(file.picture_memory);
+    PictureLimits {
+        time: args.picture_seconds.or(file.picture_seconds).map_or(default.time, WaitSeconds::duration),
+        queue: args.picture_queue.or(file.picture_queue).unwrap_or(default.queue),
+        memory_bytes: memory_mib.map_or(default.memory_bytes, |mib| (mib as usize).saturating_mul(1 << 20)),
+    }
 }
 
 fn keep_ended(days: u32) -> Option<Duration> {
@@ -109,7 +123,9 @@ mod tests {
             entry_limit: None,
             job_seconds: None,
             job_days: None,
+            export_bytes: None,
             adapter: None,
+            pictures: PictureLimitArgs::default(),
             connections: ConnectionArgs::default(),
             #[cfg(feature = "cluster")]
             replica: crate::cli::args::ReplicaArgs::default(),
@@ -129,6 +145,20 @@ mod tests {
         assert_eq!(config.keep_ended, Some(Duration::from_secs(90 * 86_400)));
         assert_eq!(config.entry_limit, DEFAULT_ENTRY_LIMIT);
         assert_eq!(listen, DEFAULT_LISTEN);
+    }
+
+    #[test]
+    fn pictures_have_limits_that_flags_and_the_file_set() {
+        assert_eq!(settle(nothing(), ServeSection::default()).1.pictures, PictureLimits::default());
+        let file = ServeSection {
+            picture_seconds: "60".parse().ok(),
+            picture_queue: NonZeroUsize::new(3),
+            picture_memory: Some(0),
+            ..Default::default()
+        };
+        let flags = PictureLimitArgs { picture_seconds: "5".parse().ok(), ..PictureLimitArgs::default() };
+        let set = settle(ServeArgs { pictures: flags, ..nothing() }, file).1.pictures;
+        assert_eq!((set.time, set.queue.get(), set.memory_bytes), (Duration::from_secs(5), 3, 0));
     }
 
     #[test]

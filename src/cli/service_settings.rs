@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::{CommandFailure, Exit};
 #[cfg(feature = "cluster")]
 use crate::{
-    cli::args::cores, files::recipe_document::DEFAULT_ENTRY_LIMIT, server::service::Config, view::preview::Adapter,
+    cli::args::cores, files::recipe_document::DEFAULT_ENTRY_LIMIT, server::service::{Config, PictureLimits}, view::preview::Adapter,
 };
 
 pub(super) const DEFAULT_DATA: &str = "ltcforge-data";
@@ -16,8 +16,7 @@ pub(super) const DEFAULT_JOB_DAYS: u32 = 90;
 /// A worker renews its lease several times a second.
 pub(super) const LEASE_TTL: Duration = Duration::from_secs(60);
 pub(super) const MAX_ATTEMPTS: u32 = 3;
-/// Most pictures take less than a second; the largest references minutes.
-pub(super) const PICTURE_LIMIT: Duration = Duration::from_secs(30);
+pub(super) const DEFAULT_EXPORT_BYTES: usize = 256 << 20;
 
 /// The settings of a process that has no flags for them.
 #[cfg(feature = "cluster")]
@@ -32,7 +31,8 @@ pub(super) fn default_config(data: Option<std::path::PathBuf>) -> Config {
         lease_ttl: LEASE_TTL,
         max_attempts: MAX_ATTEMPTS,
         adapter: Adapter::Cpu,
-        picture_limit: PICTURE_LIMIT,
+        pictures: PictureLimits::default(),
+        export_bytes: DEFAULT_EXPORT_BYTES,
     }
 }
 

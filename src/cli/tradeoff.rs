@@ -20,6 +20,7 @@ use crate::{
         replace::replace_file,
     },
     fit::{Plan, Recipe, Table, report},
+    light::{Lighting, RandomLights},
     view::tradeoff::{
         FittedRecipe, Measurement, POINTS, Size, csv, family, json as rows_json, off_by, picture, rows, stands_for_ltc,
     },
@@ -39,12 +40,12 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let size = if args.quick { Size::Quick } else { Size::Full };
     let recipes = family(&base, size, DEFAULT_ENTRY_LIMIT);
     let interrupt = context.interrupt.clone();
+    let lights = pool.install(|| tradeoff_models::lights(&base))?;
     let bar = progress::bar(context.draws_progress, recipes.iter().map(Recipe::entries).sum());
     let mut fitted = Vec::with_capacity(recipes.len());
     let mut tables = Vec::new();
     for recipe in recipes {
-        let (measured, table) =
-            pool.install(|| measure(&recipe, &bar, &interrupt)).ok_or_else(CommandFailure::interrupted)?;
+        let (measured, table) = pool.install(|| measure(&recipe, &lights, &bar, &interrupt))?;
         if stands_for_ltc(&base, &recipe) {
             let fit_seconds = measured.processor_seconds / threads as f64;
             tables.push(FittedTable { recipe: recipe.clone(), table, fit_seconds });
@@ -54,7 +55,7 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     bar.finish_and_clear();
 
     let rows = rows(&base, &fitted, threads);
-    let models = pool.install(|| tradeoff_models::measure(&tables, size, &interrupt))?;
+    let models = pool.install(|| tradeoff_models::measure(&tables, &lights, size, &interrupt))?;
     let files = [
         ("tradeoff.csv", csv(&rows)),
         ("tradeoff.json", rows_json(&rows, &models, threads)),
@@ -76,13 +77,19 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     Ok(Exit::Ok)
 }
 
-/// Fits and measures one table; `None` when the user stops it.
-fn measure(recipe: &Recipe, bar: &ProgressBar, interrupt: &Interrupt) -> Option<(Measurement, Table)> {
+/// Fits and measures one table.
+fn measure(
+    recipe: &Recipe,
+    lights: &RandomLights,
+    bar: &ProgressBar,
+    interrupt: &Interrupt,
+) -> Result<(Measurement, Table), CommandFailure> {
     let (started, processor_started) = (Instant::now(), processor_seconds());
-    let table = fit::fit(&Plan::new(recipe), bar, interrupt)?;
+    let table = fit::fit(&Plan::new(recipe), bar, interrupt).ok_or_else(CommandFailure::interrupted)?;
     let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
     let between = report(&table, &recipe.range, POINTS).between;
-    Some((Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1 }, table))
+    let light = tradeoff_models::error(Lighting::Ltc(&table), lights)?;
+    Ok((Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1, light }, table))
 }
 
 /// Processor time of all threads of this process. Other processes do not count.

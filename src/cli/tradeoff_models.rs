@@ -8,7 +8,7 @@ use crate::{
         container::{self, TableFileError},
         recipe_document,
     },
-    fit::{Precision, Recipe, Table},
+    fit::{Precision, Recipe, Spread, Table},
     light::{LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
     view::{
         preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
@@ -32,19 +32,30 @@ struct Candidate {
     row: ModelRow,
 }
 
+/// The lights by which tables and models are measured, within the ranges of a family. Runs on the current rayon pool.
+pub(super) fn lights(base: &Recipe) -> Result<RandomLights, CommandFailure> {
+    RandomLights::draw(&base.range, LIGHTS).map_err(|error| no_light(&error))
+}
+
+/// How far off a model's light is.
+pub(super) fn error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, CommandFailure> {
+    light_error(model, lights).map_err(|error| no_light(&error))
+}
+
 /// The models, each by the same lights and the same scene. Runs on the current rayon pool.
-pub(super) fn measure(tables: &[FittedTable], size: Size, interrupt: &Interrupt) -> Result<ModelRows, CommandFailure> {
-    let Some(first) = tables.first() else {
-        return Err(CommandFailure::new(Exit::Failed, "no table stands for model ltc"));
-    };
-    let lights = RandomLights::draw(&first.recipe.range, LIGHTS).map_err(|error| no_light(&error))?;
+pub(super) fn measure(
+    tables: &[FittedTable],
+    lights: &RandomLights,
+    size: Size,
+    interrupt: &Interrupt,
+) -> Result<ModelRows, CommandFailure> {
     let mut candidates = Vec::new();
     for fitted in tables {
-        candidates.push(by_table(fitted, &lights)?);
+        candidates.push(by_table(fitted, lights)?);
     }
     let none = Arc::new(ShaderTable::none());
     for rule in WeightRule::ALL {
-        candidates.push(by_normals(*rule, &none, &lights)?);
+        candidates.push(by_normals(*rule, &none, lights)?);
     }
 
     let mut preview = Preview::new(Adapter::Any);
@@ -88,14 +99,14 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         weight: None,
         layout: Some(recipe.layout),
         recipe_digest: Some(recipe_document::digest(recipe)),
-        light_error: light_error(Lighting::Ltc(table), lights).map_err(|error| no_light(&error))?,
+        light_error: error(Lighting::Ltc(table), lights)?,
         frame_milliseconds: 0.0,
         gpu_bytes: shader_table.gpu_bytes(),
         file_bytes: file.len() as u64,
         shader_bytes: wgsl(recipe.layout).len() as u64,
         fit_seconds: *fit_seconds,
     };
-    Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Seven), table: shader_table, row })
+    Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Fan), table: shader_table, row })
 }
 
 fn by_normals(rule: WeightRule, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
@@ -104,7 +115,7 @@ fn by_normals(rule: WeightRule, none: &Arc<ShaderTable>, lights: &RandomLights) 
         weight: Some(rule),
         layout: None,
         recipe_digest: None,
-        light_error: light_error(Lighting::Normals(rule), lights).map_err(|error| no_light(&error))?,
+        light_error: error(Lighting::Normals(rule), lights)?,
         frame_milliseconds: 0.0,
         gpu_bytes: 0,
         file_bytes: 0,

@@ -5,8 +5,9 @@ use std::path::Path;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value};
 
 use super::{
-    ExportPin, LockFileError, Pin,
-    lock_file::{VERSION, parse, syntax},
+    lock_error::{LockFileError, VERSION, syntax},
+    lock_file::parse,
+    pin::{ExportPin, Pin},
 };
 use crate::files::recipe_document;
 

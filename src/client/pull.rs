@@ -7,8 +7,8 @@ use std::{
 };
 
 use super::{
-    Pin,
-    source::{Access, Source, SourcesError, from_first},
+    pin::{ExportPin, FilePin, Pin},
+    source::{Access, Exported, Source, SourcesError, Wanted, from_first},
 };
 use crate::files::{
     digest::Digest,
@@ -100,16 +100,43 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
 pub fn pull(pin: &Pin, folder: &Path, sources: &[Source], access: &Access<'_>) -> Result<PinState, PullError> {
     let before = check(&pin.path, pin.digest, folder)?;
     if before != PinState::Right {
-        let path = target(&pin.path, folder)?;
-        let replaced = from_first(sources, pin.digest, pin.bytes, access, &mut |write| {
-            replace_file_with(&path, |file| write(file))
-        });
-        replaced.map_err(|error| match error {
-            SourcesError::Write(source) => PullError::File { path, source },
-            error => PullError::Sources(error),
-        })?;
+        let wanted = Wanted { digest: pin.digest, stated_bytes: pin.bytes, of: None };
+        bring(&wanted, target(&pin.path, folder)?, sources, access)?;
     }
     Ok(before)
+}
+
+/// Replaces the file at `path` by what is wanted, once it has come whole and right.
+fn bring(wanted: &Wanted<'_>, path: PathBuf, sources: &[Source], access: &Access<'_>) -> Result<(), PullError> {
+    let replaced = from_first(sources, wanted, access, &mut |write| replace_file_with(&path, |file| write(file)));
+    replaced.map_err(|error| match error {
+        SourcesError::Write(source) => PullError::File { path, source },
+        error => PullError::Sources(error),
+    })
+}
+
+/// Brings `files` of an export of `table` to their paths below `folder`, each from the first of `sources` that is a service
+/// and has it.
+///
+/// # Errors
+/// When no service has the pinned bytes of a file, or they cannot be written; files before it have come by then.
+pub fn pull_export(
+    table: Digest,
+    pin: &ExportPin,
+    files: &[&FilePin],
+    (folder, sources): (&Path, &[Source]),
+    access: &Access<'_>,
+) -> Result<(), PullError> {
+    let servers: Vec<Source> = sources.iter().filter(|source| matches!(source, Source::Server(_))).cloned().collect();
+    let nobody = || SourcesError::NoneHasIt(vec![]);
+    let export = pin.name().ok_or_else(nobody)?;
+    for file in files {
+        let path = pin.path_of(file).ok_or_else(nobody)?;
+        let of = Exported { table, export: &export, path: &path };
+        let wanted = Wanted { digest: file.digest, stated_bytes: Some(file.bytes), of: Some(of) };
+        bring(&wanted, target(&file.path, folder)?, &servers, access)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

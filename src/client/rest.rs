@@ -141,7 +141,19 @@ impl Client {
     /// # Errors
     /// See [`ClientError`].
     pub fn table(&self, digest: Digest) -> Result<Download, ClientError> {
-        let url = self.url(&format!("/v1/tables/{digest}"));
+        self.download(&format!("/v1/tables/{digest}"), digest)
+    }
+
+    /// Asks for the file `path` of an export of a table, which has to have this digest.
+    ///
+    /// # Errors
+    /// See [`ClientError`].
+    pub fn exported(&self, table: Digest, export: &str, path: &str, digest: Digest) -> Result<Download, ClientError> {
+        self.download(&format!("/v1/tables/{table}/exports/{export}/{path}?digest={digest}"), digest)
+    }
+
+    fn download(&self, path: &str, digest: Digest) -> Result<Download, ClientError> {
+        let url = self.url(path);
         let response = self.successful(&url, self.agent.get(&url).call())?;
         Ok(Download::new(url, response, digest, self.limits))
     }

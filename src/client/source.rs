@@ -77,25 +77,24 @@ impl Source {
         }
     }
 
-    /// Writes the table `digest` to `sink` as it comes, and checks its hash. It may be as long as `stated_bytes`, what the
-    /// lock file says, or else as the limit of `access`.
+    /// Writes what is wanted to `sink` as it comes, and checks its hash. It may be as long as the lock file says, or else as
+    /// the limit of `access`.
     ///
     /// # Errors
     /// See [`DownloadError`]. What was written to `sink` by then is not to be used.
-    fn write_to(
-        &self,
-        digest: Digest,
-        stated_bytes: Option<u64>,
-        access: &Access<'_>,
-        sink: &mut dyn Write,
-    ) -> Result<(), DownloadError> {
+    fn write_to(&self, wanted: &Wanted<'_>, access: &Access<'_>, sink: &mut dyn Write) -> Result<(), DownloadError> {
+        let Wanted { digest, stated_bytes, of } = *wanted;
         match self {
             Self::Server(url) if access.offline => {
                 let reason = "--offline asks no server".to_owned();
                 Err(ClientError::Unavailable { url: url.clone(), reason }.into())
             }
             Self::Server(url) => {
-                let download = Client::with_limits(url, access.limits)?.table(digest)?;
+                let client = Client::with_limits(url, access.limits)?;
+                let download = match of {
+                    None => client.table(digest)?,
+                    Some(Exported { table, export, path }) => client.exported(table, export, path, digest)?,
+                };
                 download.write_to(stated_bytes, access.should_stop, sink)
             }
             Self::Folder(folder) => {
@@ -104,6 +103,28 @@ impl Source {
             }
         }
     }
+}
+
+/// A file that sources are asked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wanted<'a> {
+    /// Its digest.
+    pub(super) digest: Digest,
+    /// Its size, as the lock file says.
+    pub(super) stated_bytes: Option<u64>,
+    /// Where services have it; `None` for a table.
+    pub(super) of: Option<Exported<'a>>,
+}
+
+/// Where a service has a file that it makes of a table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Exported<'a> {
+    /// The table.
+    pub(super) table: Digest,
+    /// The name of the export.
+    pub(super) export: &'a str,
+    /// The file's path in it.
+    pub(super) path: &'a str,
 }
 
 /// How sources are asked.
@@ -189,21 +210,20 @@ fn list(errors: &[ClientError]) -> String {
 /// Writes a table to a sink.
 type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), DownloadError> + 'a;
 
-/// Tries `sources` in their order until one gives the table `digest`. `attempt` gets what writes the table to a sink; it is
-/// called once for each source that is tried, and begins with an empty sink each time.
+/// Tries `sources` in their order until one gives what is wanted. `attempt` gets what writes it to a sink; it is called once
+/// for each source that is tried, and begins with an empty sink each time.
 ///
 /// # Errors
 /// When no source has it, `attempt` fails to write it, or the user stopped it.
 pub(super) fn from_first<T>(
     sources: &[Source],
-    digest: Digest,
-    stated_bytes: Option<u64>,
+    wanted: &Wanted<'_>,
     access: &Access<'_>,
     attempt: &mut dyn FnMut(&mut Download<'_>) -> Result<T, DownloadError>,
 ) -> Result<T, SourcesError> {
     let mut failures = Vec::new();
     for source in sources {
-        match attempt(&mut |sink: &mut dyn Write| source.write_to(digest, stated_bytes, access, sink)) {
+        match attempt(&mut |sink: &mut dyn Write| source.write_to(wanted, access, sink)) {
             Ok(done) => return Ok(done),
             Err(DownloadError::Client(error)) => failures.push(error),
             Err(DownloadError::Write(error)) => return Err(SourcesError::Write(error)),
@@ -223,7 +243,7 @@ pub fn fetch(
     stated_bytes: Option<u64>,
     access: &Access<'_>,
 ) -> Result<Vec<u8>, SourcesError> {
-    from_first(sources, digest, stated_bytes, access, &mut |write| {
+    from_first(sources, &Wanted { digest, stated_bytes, of: None }, access, &mut |write| {
         let mut bytes = Vec::new();
         write(&mut bytes)?;
         Ok(bytes)

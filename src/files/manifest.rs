@@ -2,7 +2,7 @@
 //!
 //! Invariant: a manifest follows from the table's file alone and contains no time, host or duration.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     container::{self, TableFile, TableFileError},
@@ -57,6 +57,30 @@ pub fn manifest_json_while(go_on: &GoOn, file_bytes: &[u8]) -> Result<Option<Str
     let file = container::decode(file_bytes)?;
     let report = report_while(go_on, &file.table, &file.recipe.range, report_points(&file.recipe));
     report.map(|report| json(file_bytes, &file, report)).transpose()
+}
+
+/// The mean error between nodes that a manifest tells, as a part of the lobe's width.
+///
+/// # Errors
+/// When the text is no manifest.
+pub fn mean_error(manifest: &str) -> Result<f64, serde_json::Error> {
+    #[derive(Deserialize)]
+    struct Measured {
+        report: MeasuredReport,
+    }
+    #[derive(Deserialize)]
+    struct MeasuredReport {
+        between: Between,
+    }
+    #[derive(Deserialize)]
+    struct Between {
+        width: Width,
+    }
+    #[derive(Deserialize)]
+    struct Width {
+        mean: f64,
+    }
+    serde_json::from_str(manifest).map(|Measured { report }| report.between.width.mean)
 }
 
 fn json(file_bytes: &[u8], file: &TableFile, report: Report) -> Result<String, TableFileError> {

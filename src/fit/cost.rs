@@ -4,14 +4,14 @@ use super::recipe::{FitSettings, Recipe};
 
 /// Seconds of one evaluation of loss and gradient, for each sample and direction. All constants here are seconds of one
 /// thread, measured on one machine. On other machines only their proportions count.
-const EVALUATION_SECONDS: f64 = 4.5e-9;
+const EVALUATION_SECONDS: f64 = 2.4e-9;
 /// Seconds of one evaluation for each direction, whatever the number of samples: the histograms.
-const DIRECTION_SECONDS: f64 = 0.9e-6;
-/// Seconds of an entry for each sample, beside its evaluations: the lobe is sampled twice, each time with four samples
+const DIRECTION_SECONDS: f64 = 0.48e-6;
+/// Seconds of an entry for each sample, beside its evaluations: the lobe is sampled twice, each time with two samples
 /// for each sample of the LTC.
-const SAMPLING_SECONDS: f64 = 1.25e-6;
+const SAMPLING_SECONDS: f64 = 0.31e-6;
 /// Seconds of an entry that do not depend on the settings.
-const ENTRY_SECONDS: f64 = 54e-6;
+const ENTRY_SECONDS: f64 = 65e-6;
 
 /// The time that the fit of a whole recipe takes, in seconds of one thread on the machine of the constants.
 #[must_use]

@@ -1,11 +1,13 @@
 //! One configuration from lobe to matrix.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3};
 
 use super::{
     brdf::{Brdf, LobeTerms, Mirrors},
-    math::{Lattice, row_major},
-    metric::{Distance, Samples, Target},
+    math::{Lattice, SquarePoint, row_major},
+    metric::{Distance, Grain, Samples, Target},
     pulse::{Pulse, unstopped},
     recipe::FitSettings,
     solver::{Effort, Guess, Objective, Solver},
@@ -13,7 +15,7 @@ use super::{
 
 /// Samples of the lobe for each sample of the LTC. The lobe can have more, because its samples are projected once and
 /// those of the LTC in every evaluation.
-const TARGET_SAMPLES_PER_SAMPLE: usize = 4;
+const TARGET_SAMPLES_PER_SAMPLE: usize = 2;
 /// The held-out sequences are those of the fit, shifted by these parts of a turn. Both parts are far from any fraction
 /// with a small denominator.
 const HELD_OUT_SHIFT: [f64; 2] = [0.414_213_562_373_095, 0.732_050_807_568_877];
@@ -35,7 +37,7 @@ pub struct FittedEntry {
 #[derive(Debug)]
 struct Sampling {
     distance: Box<dyn Distance>,
-    target: Lattice,
+    target: Arc<[SquarePoint]>,
 }
 
 impl Sampling {
@@ -43,12 +45,16 @@ impl Sampling {
         let (count, directions) = (settings.samples as usize, settings.directions as usize);
         Self {
             distance: settings.metric.rules().distance(&Samples { count, directions, shift }),
-            target: Lattice::new(count * TARGET_SAMPLES_PER_SAMPLE, shift),
+            target: Lattice::new(count * TARGET_SAMPLES_PER_SAMPLE, shift).points().map(SquarePoint::new).collect(),
         }
     }
 
+    fn another(&self) -> Self {
+        Self { distance: self.distance.another(), target: Arc::clone(&self.target) }
+    }
+
     fn target(&self, brdf: &dyn Brdf, wo: DVec3) -> Target {
-        Target::sample(brdf, wo, Mirrors::of(wo), self.target)
+        Target::sample(brdf, wo, Mirrors::of(wo), &self.target)
     }
 }
 
@@ -74,6 +80,12 @@ impl Fitter {
         Self { settings: *settings, seen: Sampling::new(settings, seen), held_out: Sampling::new(settings, held_out) }
     }
 
+    /// A fitter that shares samples and directions with this one, for another thread.
+    #[must_use]
+    pub fn another(&self) -> Self {
+        Self { settings: self.settings, seen: self.seen.another(), held_out: self.held_out.another() }
+    }
+
     /// Fits the lobe of `brdf` for `wo` and measures the fit. `stream` chooses the random numbers of solver `sgd`.
     /// `None` when `pulse` stops it.
     ///
@@ -81,8 +93,11 @@ impl Fitter {
     pub fn fit(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<FittedEntry> {
         let target = self.seen.target(brdf, wo);
         let matrix = self.solve(self.settings.solver, brdf, wo, &target, stream, pulse)?;
-        let LobeTerms { amplitude, fresnel } = target.terms;
-        let error = self.held_out_error(brdf, wo, &matrix, pulse)?;
+        let unseen = target.again(brdf, wo, &self.held_out.target);
+        // Nothing is fitted to the terms: all samples tell them.
+        let mean = |of: fn(&LobeTerms) -> f64| 0.5 * (of(&target.terms) + of(&unseen.terms));
+        let (amplitude, fresnel) = (mean(|terms| terms.amplitude), mean(|terms| terms.fresnel));
+        let error = self.distance(&unseen, &matrix, pulse)?;
         Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error })
     }
 
@@ -115,18 +130,19 @@ impl Fitter {
         let mut pulse = Pulse::new(&mut beat);
         let Some(mut loss) = self.seen.distance.to(&target, &mut pulse) else { return };
         let matrix = Guess::of(&target.core).matrix();
-        measure(&mut || loss.value_and_gradient(&matrix, &mut pulse).map_or(f64::NAN, |(value, _)| value));
+        measure(&mut || loss.value_and_gradient(&matrix, Grain::Full, &mut pulse).map_or(f64::NAN, |(value, _)| value));
     }
 
     /// The metric's distance between the lobe and the LTC of `matrix` on the held-out samples.
     pub fn error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3) -> f64 {
-        self.held_out_error(brdf, wo, matrix, &mut Pulse::new(&mut unstopped)).unwrap_or(f64::NAN)
+        let unseen = self.held_out.target(brdf, wo);
+        self.distance(&unseen, matrix, &mut Pulse::new(&mut unstopped)).unwrap_or(f64::NAN)
     }
 
-    fn held_out_error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3, pulse: &mut Pulse) -> Option<f64> {
-        let target = self.held_out.target(brdf, wo);
-        let matrix = target.frame.transpose() * *matrix;
-        self.held_out.distance.to(&target, pulse)?.value(&matrix, pulse)
+    /// Distance between a target of the held-out samples and the LTC of `matrix`.
+    fn distance(&mut self, unseen: &Target, matrix: &DMat3, pulse: &mut Pulse) -> Option<f64> {
+        let matrix = unseen.frame.transpose() * *matrix;
+        self.held_out.distance.to(unseen, pulse)?.value(&matrix, pulse)
     }
 }
 
@@ -227,9 +243,9 @@ mod tests {
         // The tabulation of both sample sets, and one evaluation; of `sgd` also the sorts of its one step.
         let least = |solver: Solver| {
             let sorts = if solver == Solver::Sgd { 16 } else { 1 };
-            ((2 * 4 + sorts + 1) * samples as usize * directions as usize) >> 23
+            ((2 * TARGET_SAMPLES_PER_SAMPLE + sorts + 1) * samples as usize * directions as usize) >> 23
         };
-        for solver in [Solver::Bfgs, Solver::Sgd] {
+        for &solver in Solver::ALL {
             let settings = settings(solver, samples, directions, 1);
             let stopped_at = |stop: usize| {
                 let mut beats = 0;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     assemble::assemble,
+    entry::Fitter,
     shard::{Plan, fit_rows},
     table::Table,
 };
@@ -22,9 +23,10 @@ pub type Progress<'a> = dyn Fn(u64) -> ControlFlow<()> + Sync + 'a;
 #[must_use]
 pub fn fit_plan(plan: &Plan, progress: &Progress) -> Option<Table> {
     let finished = AtomicU64::new(0);
+    let fitter = Fitter::new(&plan.recipe().fit);
     let fit_row = |row: u64| {
         let mut counted = 0;
-        fit_rows(plan, row..row + 1, &mut |done| {
+        fit_rows(plan, row..row + 1, &mut fitter.another(), &mut |done| {
             let new = done - counted;
             counted = done;
             progress(finished.fetch_add(new, Ordering::Relaxed) + new)

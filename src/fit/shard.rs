@@ -92,20 +92,21 @@ impl Plan {
 /// stop the fit; then the result is `None` and nothing of the shard is kept.
 pub fn fit_shard(plan: &Plan, shard: u32, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<FittedEntry>> {
     let range = plan.shard_entries(shard);
-    fit_rows(plan, range.start / plan.row_length()..range.end / plan.row_length(), pulse)
+    let rows = range.start / plan.row_length()..range.end / plan.row_length();
+    fit_rows(plan, rows, &mut Fitter::new(&plan.recipe.fit), pulse)
 }
 
 /// Fits the entries of some rows in storage order: [`fit_shard`] for callers who need no leases and whose threads
-/// should end together.
+/// should end together. `fitter` has the plan's settings.
 pub fn fit_rows(
     plan: &Plan,
     rows: Range<u64>,
+    fitter: &mut Fitter,
     pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Option<Vec<FittedEntry>> {
-    let mut fitter = Fitter::new(&plan.recipe.fit);
     let mut entries = Vec::with_capacity(((rows.end - rows.start) * plan.row_length()) as usize);
     for row in rows {
-        fit_row(plan, row, &mut fitter, &mut entries, pulse)?;
+        fit_row(plan, row, fitter, &mut entries, pulse)?;
     }
     Some(entries)
 }

@@ -6,7 +6,7 @@ use super::{
     axes::PerAxis,
     brdf::{BrdfKind, Mirrors},
     layout::{Layout, within_limits},
-    math::Lattice,
+    math::{Lattice, SquarePoint},
     metric::Target,
     table::Terms,
 };
@@ -21,13 +21,13 @@ const SAMPLES: usize = 4096;
 #[must_use]
 pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
     let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
     let (amplitude, fresnel) = (0..alpha * ratio * theta * phi)
         .into_par_iter()
         .map(|index| {
             let place = within_limits(axes.node(index));
             let wo = place.view();
-            let lattice = Lattice::new(SAMPLES, [0.0; 2]);
-            let terms = Target::sample(&*BrdfKind::Ggx.surface_at(&place), wo, Mirrors::of(wo), lattice).terms;
+            let terms = Target::sample(&*BrdfKind::Ggx.surface_at(&place), wo, Mirrors::of(wo), &points).terms;
             let stored = layout.rules().store_terms(&place, terms);
             (stored.amplitude as f32, stored.fresnel as f32)
         })

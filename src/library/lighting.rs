@@ -12,7 +12,7 @@ use crate::{
 /// # Errors
 /// [`Error::Light`] for a roughness outside [0, 1] or a view direction on or below the horizon.
 pub fn light(at: &Configuration, light: &PolygonLight) -> Result<Reflected, Error> {
-    Ok(by_normals(at, light, WeightRule::Seven)?)
+    Ok(by_normals(at, light, WeightRule::Fan)?)
 }
 
 /// The same by a table of LTCs, as a shader would.

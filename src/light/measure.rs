@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn a_map_tells_where_a_model_is_off() {
-        let (wrong, rules) = (cosine(), WeightRule::Seven);
+        let (wrong, rules) = (cosine(), WeightRule::Fan);
         let map = light_map(&[Lighting::Ltc(&wrong), Lighting::Normals(rules)], &EVERYWHERE, 3, 12).expect("a surface");
         assert_eq!((map.errors.len(), map.errors[0].len()), (2, 9));
         // The cosine is the lobe of nothing sharp.
@@ -289,8 +289,8 @@ mod tests {
     fn more_normals_are_nearer_and_a_wrong_model_is_found_out() {
         let lights = lights(&RANGE, 400);
         let error = |rule| light_error(Lighting::Normals(rule), &lights).expect("a surface").mean;
-        let [mean, seven, fine] = [WeightRule::Mean, WeightRule::Seven, WeightRule::Fine].map(error);
-        assert!(10.0 * TOLERANCE < fine && fine < seven && 2.0 * seven < mean && mean < 0.01, "{fine} {seven} {mean}");
+        let [mean, fan, fine] = [WeightRule::Mean, WeightRule::Fan, WeightRule::Fine].map(error);
+        assert!(10.0 * TOLERANCE < fine && fine < fan && 2.0 * fan < mean && mean < 0.01, "{fine} {fan} {mean}");
         let wrong = light_error(Lighting::Ltc(&cosine()), &lights).expect("a lobe");
         assert!(wrong.mean > 0.05 && wrong.max > 0.5, "{wrong:?}");
         assert!(wrong.mean < wrong.p95 && wrong.p95 <= wrong.max, "{wrong:?}");

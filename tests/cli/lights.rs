@@ -34,7 +34,7 @@ fn light_tells_energy_and_fresnel_part_of_each_line() {
     for row in rows(&printed.stdout) {
         assert!((row[0] - row[2]).abs() < 0.01 && (row[1] - row[3]).abs() < 0.005, "{row:?}");
     }
-    let texts = ["mean", "seven", "fine"].map(|rule| with(&["--weight", rule]).stdout);
+    let texts = ["mean", "fan", "fine"].map(|rule| with(&["--weight", rule]).stdout);
     assert!(texts[0] != texts[1] && texts[1] != texts[2]);
     assert_eq!(with(&["--model", "normals"]).stdout, texts[1]);
 

@@ -1,73 +1,10 @@
-//! A project pins its tables by hash: `lock` writes the lock file, `pull` keeps the project to it.
+//! A project pins its tables by hash: what `lock` writes into the lock file, and which lock files are refused.
 
-use std::{
-    ffi::OsStr,
-    fs,
-    io::{Read as _, Write as _},
-    net::TcpListener,
-    os::unix::ffi::OsStrExt as _,
-    path::{Path, PathBuf},
-    thread,
-    time::SystemTime,
-};
+use std::{ffi::OsStr, fs, os::unix::ffi::OsStrExt as _, time::SystemTime};
 
-use crate::common::{
-    SMALL,
-    command::{Run, run},
-    server::Server,
-};
+use super::project::{NOBODY, files_of, modified, project, pull, read};
+use crate::common::{SMALL, command::run, server::Server};
 use ltcforge::files::digest::Digest;
-
-/// A server's URL where nobody listens.
-const NOBODY: &str = "http://127.0.0.1:9";
-
-fn pull(project: &Path, server: &str, args: &[&str]) -> Run {
-    run(project, ["pull", "--server", server].iter().chain(args))
-}
-
-fn modified(path: &Path) -> SystemTime {
-    fs::metadata(path).and_then(|data| data.modified()).expect("a time")
-}
-
-fn read(path: &Path) -> String {
-    fs::read_to_string(path).expect("a text")
-}
-
-/// Every file below a folder with its bytes.
-fn files_of(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-    let mut files = Vec::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else {
-                files.push((path.clone(), fs::read(&path).expect("a file")));
-            }
-        }
-    }
-    files.sort();
-    files
-}
-
-/// A project that pins the table of [`SMALL`] and its textures, and a folder of tables that has it.
-fn project() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let project = folder.path().join("project");
-    fs::create_dir(&project).expect("a project");
-    fs::write(folder.path().join("small.json"), SMALL).expect("a recipe");
-    let words = ["lock", "metal", "--recipe", "../small.json", "--to", "assets/metal.safetensors"];
-    run(&project, words.iter().chain(&["--for", "wgpu", "--out", "assets/ltc"])).exited(0);
-    (folder, project)
-}
-
-/// The digest that a project's lock file pins.
-fn pinned(project: &Path) -> String {
-    let lock = read(&project.join("ltcforge.lock"));
-    let line = lock.lines().find(|line| line.starts_with("digest = ")).expect("a digest");
-    line.split('"').nth(1).expect("a digest in quotes").to_owned()
-}
 
 #[test]
 fn a_recipe_is_pinned_with_its_table_and_its_textures() {
@@ -106,92 +43,6 @@ fn a_recipe_is_pinned_with_its_table_and_its_textures() {
     assert_eq!(removed.stdout, "metal removed\n");
     assert!(!read(&project.join("ltcforge.lock")).contains("metal"));
     run(&project, ["lock", "metal", "--remove"]).exited(2);
-}
-
-#[test]
-fn pull_restores_whatever_drifted_and_locked_tells_it() {
-    let (folder, project) = project();
-    let before = files_of(&project);
-    fs::create_dir(folder.path().join("tables")).expect("a folder");
-    let hex = pinned(&project).replace("sha256:", "");
-    fs::copy(project.join("assets/metal.safetensors"), folder.path().join(format!("tables/{hex}.safetensors")))
-        .expect("a copy");
-    let pinned = before.iter().filter(|(path, _)| path.extension().is_some_and(|name| name != "lock"));
-    // In turn a file is missing, of other bytes, and cut off; each is found.
-    for (i, (path, bytes)) in pinned.enumerate() {
-        match i % 3 {
-            0 => fs::remove_file(path).expect("a file"),
-            1 => fs::write(path, "drifted").expect("a drifted file"),
-            _ => fs::write(path, &bytes[..bytes.len() - 1]).expect("a file cut off"),
-        }
-        let drifted = files_of(&project);
-        let told = run(&project, ["pull", "--locked"]).exited(3);
-        let said = path.strip_prefix(&project).expect("a path below").display().to_string();
-        assert!(told.complaints()[0].contains(&said), "{said}: {told:#?}");
-        assert_eq!(files_of(&project), drifted, "--locked changes nothing");
-        run(&project, ["pull", "--offline", "--from", "../tables"]).exited(0);
-        assert_eq!(files_of(&project), before, "{}", path.display());
-    }
-}
-
-#[test]
-fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
-    let (folder, project) = project();
-    let table = project.join("assets/metal.safetensors");
-    let right = fs::read(&table).expect("the table");
-    let hex = Digest::of(&right).hex();
-    for (name, bytes) in [("wrong", &b"other bytes"[..]), ("right", &right)] {
-        fs::create_dir(folder.path().join(name)).expect("a folder");
-        fs::write(folder.path().join(name).join(format!("{hex}.safetensors")), bytes).expect("a file");
-    }
-    let from = |places: &[&str], code: i32| {
-        let words = places.iter().flat_map(|place| ["--from", place]);
-        run(&project, ["pull"].into_iter().chain(words)).exited(code)
-    };
-    fs::remove_file(&table).expect("a file");
-    let none = from(&["../none"], 1);
-    assert!(none.stderr.contains(&format!("../none/{hex}.safetensors")), "{none:#?}");
-    from(&[NOBODY, "../none"], 4);
-    let wrong = from(&["../wrong", NOBODY], 3);
-    assert!(wrong.stderr.contains(&Digest::of(b"other bytes").to_string()), "{wrong:#?}");
-    let offline = run(&project, ["pull", "--from", NOBODY, "--offline"]).exited(4);
-    assert!(offline.stderr.contains("--offline asks no server"), "{offline:#?}");
-    assert!(!table.exists());
-    let brought = from(&["../none", "../wrong", NOBODY, "../right"], 0);
-    assert!(brought.stdout.starts_with("metal downloaded: assets/metal.safetensors\n"), "{brought:#?}");
-    assert_eq!(fs::read(&table).expect("the table"), right);
-
-    // The lock file and the configuration name sources too.
-    fs::remove_file(&table).expect("a file");
-    let lock = read(&project.join("ltcforge.lock"));
-    fs::write(project.join("ltcforge.lock"), lock.replace("version = 2\n", "version = 2\nsources = [\"../right\"]\n"))
-        .expect("a lock file");
-    run(&project, ["pull"]).exited(0);
-    fs::remove_file(&table).expect("a file");
-    fs::write(project.join("ltcforge.lock"), &lock).expect("a lock file");
-    fs::write(project.join("ltcforge.toml"), "sources = [\"../none\", \"../right\"]\n").expect("a configuration");
-    run(&project, ["pull"]).exited(0);
-    assert_eq!(fs::read(&table).expect("the table"), right);
-}
-
-#[test]
-fn what_no_source_has_is_fitted_again_and_held_to_its_digest() {
-    let (_folder, project) = project();
-    let before = files_of(&project);
-    fs::remove_dir_all(project.join("assets")).expect("a folder");
-    run(&project, ["pull", "--offline"]).exited(4);
-    let fitted = run(&project, ["pull", "--offline", "--fit"]).exited(0);
-    assert!(fitted.stdout.starts_with("metal fitted: assets/metal.safetensors\nmetal made: "), "{}", fitted.stdout);
-    assert_eq!(files_of(&project), before);
-
-    // A recipe of another table does not arrive at the pinned digest, and leaves nothing behind.
-    let lock = read(&project.join("ltcforge.lock"));
-    let other = lock.replace(&pinned(&project), &Digest::of(b"other").to_string());
-    fs::write(project.join("ltcforge.lock"), other).expect("a lock file");
-    let before = files_of(&project);
-    let refused = run(&project, ["pull", "--offline", "--fit"]).exited(3);
-    assert!(refused.stderr.contains("the recipe gives a table that hashes to"), "{refused:#?}");
-    assert_eq!(files_of(&project), before);
 }
 
 #[test]
@@ -357,30 +208,4 @@ fn what_cannot_be_pinned_changes_no_file() {
     let refused = run(&project, words.into_iter().chain([OsStr::from_bytes(b"odd\xff")])).exited(2);
     assert!(refused.stderr.contains("is not UTF-8"), "{refused:#?}");
     assert_eq!(files_of(folder.path()), before);
-}
-
-#[test]
-fn an_endless_table_is_cut_at_the_size_that_the_lock_file_states() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let url = format!("http://{}", listener.local_addr().expect("an address"));
-    thread::spawn(move || {
-        for stream in listener.incoming() {
-            let mut stream = stream.expect("a connection");
-            let _ = stream.read(&mut [0; 4096]);
-            let mut sent = stream.write_all(b"HTTP/1.1 200 OK\r\nconnection: close\r\n\r\n");
-            while sent.is_ok() {
-                sent = stream.write_all(&[0; 8192]);
-            }
-        }
-    });
-    let pin = format!("version = 1\n[[table]]\nname = \"metal\"\ndigest = \"{}\"\npath = \"t\"\n", Digest::of(b""));
-    let lock = folder.path().join("ltcforge.lock");
-    fs::write(&lock, format!("{pin}bytes = 1000000\n")).expect("a lock file");
-    let refused = pull(folder.path(), &url, &[]).exited(1);
-    assert!(refused.stderr.contains("longer than 1000000 bytes, the size that the lock file states"), "{refused:#?}");
-    fs::write(&lock, pin).expect("a lock file");
-    let refused = pull(folder.path(), &url, &["--table-limit", "2000000"]).exited(1);
-    assert!(refused.stderr.contains("longer than 2000000 bytes, the limit for tables"), "{refused:#?}");
-    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "nothing is left");
 }

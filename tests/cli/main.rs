@@ -11,6 +11,8 @@ mod lights;
 mod lock_file;
 mod outputs;
 mod pictures;
+mod project;
+mod pull;
 mod same_bytes;
 mod service;
 mod tables;

@@ -30,7 +30,9 @@ fn a_small_family_is_written_three_times_over() {
         for name in ["samples", "directions", "steps", "entries", "bytes"] {
             assert_eq!(cells[name], row[name].to_string(), "{name}");
         }
-        for name in ["seconds", "error_mean", "error_p95", "predicted_seconds", "predicted_error"] {
+        for name in
+            ["seconds", "error_mean", "error_p95", "light_mean", "light_p95", "predicted_seconds", "predicted_error"]
+        {
             let cell: f64 = cells[name].parse().expect("a number");
             assert!((cell - row[name].as_f64().expect("a number")).abs() <= 1e-4, "{name}: {cells:?}");
         }
@@ -63,14 +65,18 @@ fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     assert_eq!((&models["lights"], &models["frame_size"]), (&2048.into(), &512.into()));
     assert!((0.1..0.9).contains(&models["mean_energy"].as_f64().expect("a number")), "{models}");
     let rows = models["rows"].as_array().expect("rows");
-    let names = ["ltc reflected", "normals seven", "normals mean", "normals fine"];
+    let names = ["ltc reflected", "normals fan", "normals mean", "normals fine"];
     assert_eq!(rows.len(), names.len());
     for (row, name) in rows.iter().zip(names) {
         let kind = if row["layout"].is_null() { &row["weight"] } else { &row["layout"] };
         assert_eq!(format!("{} {}", row["model"].as_str().expect("a name"), kind.as_str().expect("a name")), name);
         assert!(row["frame_milliseconds"].as_f64().expect("a number") > 0.0, "{row}");
         assert!(row["shader_bytes"].as_u64().expect("a number") > 1000, "{row}");
-        assert_eq!(svg.matches(&format!(">{name}</text>")).count(), 2, "{name} stands in the chart and in the table");
+        assert_eq!(
+            svg.matches(&format!(">{name}</text>")).count(),
+            4,
+            "{name} stands in three charts and in the table"
+        );
         assert!(stdout.lines().any(|line| line.starts_with(name)), "{stdout}");
     }
     let error = |row: usize| rows[row]["light_error"]["mean"].as_f64().expect("a number");
@@ -79,6 +85,7 @@ fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     let table = document["rows"].as_array().expect("rows").iter().find(|row| row["preset"] == "paper").expect("a row");
     assert_eq!(rows[0]["recipe_digest"], table["recipe_digest"]);
     assert_eq!(rows[0]["fit_seconds"], table["seconds"]);
+    assert_eq!(rows[0]["light_error"]["mean"], table["light_mean"]);
     // Sixteen entries of twelve numbers, and eight nodes.
     assert_eq!(rows[0]["gpu_bytes"], 16 * 12 * 4 + 8 * 4);
     assert!(rows[0]["file_bytes"].as_u64() > table["bytes"].as_u64(), "{models}");

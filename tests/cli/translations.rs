@@ -74,6 +74,40 @@ const NORMALS_CALL: &str = "
     colour = vec4(normals_rectangle(view, corners, true, 0u), 0.0, 1.0);
 ";
 
+/// The same in HLSL.
+const TABLE_CALL_HLSL: &str = "
+    LtcLobe lobe = ltc_lookup(0.4, 0.2, normalize(float3(place, 1.0)));
+    LtcInverse inverse_ = ltc_inverse(lobe.m);
+    float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
+    return (ltc_rectangle(inverse_, corners, true) * lobe.amplitude).xxxx;
+";
+const NORMALS_CALL_HLSL: &str = "
+    NormalsView view = normals_view(0.4, 0.2, normalize(float3(place, 1.0)));
+    float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
+    return float4(normals_rectangle(view, corners, true, 0u), 0.0, 1.0);
+";
+
+#[test]
+fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for lit_by in LIT_BY {
+        let is_table = lit_by[0] == "--layout";
+        for filter in if is_table { &[None, Some("--hardware-filter")][..] } else { &[None] } {
+            let arguments = ["shader", "--language", "hlsl"].into_iter().chain(lit_by).chain(*filter);
+            let functions = run(folder.path(), arguments).exited(0).stdout;
+            let call = if is_table { TABLE_CALL_HLSL } else { NORMALS_CALL_HLSL };
+            let whole = format!("{functions}\nfloat4 main(float2 place : TEXCOORD0) : SV_Target {{{call}}}\n");
+            fs::write(folder.path().join("whole.hlsl"), whole).expect("a file");
+            let args = ["-D", "-V", "-S", "frag", "-e", "main", "-o", "out.spv", "whole.hlsl"];
+            let Some(output) = checked("glslang-tools", "glslangValidator", &args, folder.path()) else { return };
+            assert_sound(&output);
+            let args = ["--target-env", "vulkan1.0", "out.spv"];
+            let Some(output) = checked("spirv-tools", "spirv-val", &args, folder.path()) else { return };
+            assert_sound(&output);
+        }
+    }
+}
+
 #[test]
 fn what_is_included_compiles_within_a_fragment_shader() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -28,7 +28,7 @@ try {
 		await Promise.race( [ page.waitForFunction( 'window.errors' ), failed ] );
 		if ( values.picture ) {
 
-			await page.setViewportSize( { width: 3 * Number( width ) + 56, height: Number( height ) + 66 } );
+			await page.setViewportSize( { width: 4 * Number( width ) + 68, height: Number( height ) + 66 } );
 			await page.screenshot( { path: values.picture } );
 
 		}

@@ -1,10 +1,14 @@
 // Area lights in real engines, held to the truth. Prints one JSON document.
 //
-//   node run.js --ltcforge PROGRAM --chromium PROGRAM [--tables FILE] [--only ENGINE]
+//   node run.js --ltcforge PROGRAM --chromium PROGRAM [--tables FILE] [--only ENGINE] [--pictures FOLDER]
 //
 // Every engine draws every view at every roughness with the stock tables, with the same numbers by the way that others
 // take, with wrong ones, and with those of FILE. An error is the mean absolute difference of linear radiance.
+//
+// With FOLDER it draws few and larger pictures instead, and writes an ENGINE.png there: stock, FILE's, truth, and both errors.
 
+import { writeFile } from 'node:fs/promises';
+import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
@@ -12,7 +16,7 @@ import { serve } from '../../examples/three/serve.js';
 import { reflected } from '../../examples/three/truth.js';
 import { openPage, withBrowser } from './browser.js';
 import { forBabylon, fromFile, stock, wrong } from './tables.js';
-import { pictures, pointsOf, questionOf, views } from './world.js';
+import { height, pictures, pointsOf, query, questionOf, views, width } from './world.js';
 
 const HERE = fileURLToPath( new URL( '.', import.meta.url ) );
 
@@ -56,8 +60,64 @@ function errorsOf( drawn, expected ) {
 
 }
 
+/** What an error of linear radiance is multiplied by to be seen. */
+const ERROR_SCALE = 10;
+
+/** Writes a row for each picture: by the stock tables, by ours, the truth, and the errors of both. */
+async function writePictures( browser, engine, drawn, truth ) {
+
+	const rows = pictures.map( ( _, number ) => {
+
+		const { pixels, radiance } = truth[ number ];
+		const nothing = () => new Array( width * height ).fill( 0 );
+		const [ expected, ...errors ] = [ nothing(), nothing(), nothing() ];
+		const masked = [ 'stock', 'ours' ].map( ( set, i ) => {
+
+			const masked = nothing();
+			pixels.forEach( ( pixel, n ) => {
+
+				masked[ pixel ] = drawn[ set ][ number ][ pixel ];
+				expected[ pixel ] = radiance[ n ];
+				errors[ i ][ pixel ] = ERROR_SCALE * Math.abs( masked[ pixel ] - radiance[ n ] );
+
+			} );
+			return masked;
+
+		} );
+		return [ ...masked, expected, ...errors ];
+
+	} );
+	const page = await browser.newPage();
+	const address = await page.evaluate( ( { rows, width, height } ) => {
+
+		const gap = 4;
+		const canvas = document.createElement( 'canvas' );
+		Object.assign( canvas, { width: rows[ 0 ].length * ( width + gap ) - gap, height: rows.length * ( height + gap ) - gap } );
+		const context = canvas.getContext( '2d' );
+		rows.forEach( ( row, y ) => row.forEach( ( radiance, x ) => {
+
+			const image = new ImageData( width, height );
+			radiance.forEach( ( value, i ) => {
+
+				const clamped = Math.min( Math.max( value, 0 ), 1 );
+				const shown = clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * clamped ** ( 1 / 2.4 ) - 0.055;
+				image.data.set( [ 255 * shown, 255 * shown, 255 * shown, 255 ], 4 * i );
+
+			} );
+			context.putImageData( image, x * ( width + gap ), y * ( height + gap ) );
+
+		} ) );
+		return canvas.toDataURL( 'image/png' );
+
+	}, { rows, width, height } );
+	await page.close();
+	await writeFile( join( values.pictures, `${ engine }.png` ), Buffer.from( address.split( ',' )[ 1 ], 'base64' ) );
+
+}
+
 const { values } = parseArgs( { options: {
 	ltcforge: { type: 'string' }, chromium: { type: 'string' }, tables: { type: 'string' }, only: { type: 'string' },
+	pictures: { type: 'string' },
 } } );
 
 const sets = { again: stock(), wrong: wrong( stock() ) };
@@ -77,7 +137,7 @@ const address = `http://127.0.0.1:${ server.address().port }`;
 /** The pictures of an engine with tables at an address; nothing for its own. */
 async function drawn( browser, engine, tables ) {
 
-	const page = await openPage( browser, engine, `${ address }/pages/?engine=${ engine }` );
+	const page = await openPage( browser, engine, `${ address }/pages/?engine=${ engine }&${ query }` );
 	await page.waitForFunction( 'window.draw' );
 	const pictures = await page.evaluate( ( at ) => window.draw( at ), tables && `${ address }/tables/${ tables }` );
 	await page.close();
@@ -98,6 +158,7 @@ try {
 			for ( const set of Object.keys( sets ) ) all[ set ] = await drawn( browser, engine, set );
 			report.errors[ engine ] = {};
 			for ( const [ set, those ] of Object.entries( all ) ) report.errors[ engine ][ set ] = errorsOf( those, await truth );
+			if ( values.pictures ) await writePictures( browser, engine, all, await truth );
 			report.same[ engine ] = JSON.stringify( all.stock ) === JSON.stringify( all.again );
 
 		}

@@ -1,9 +1,15 @@
 // The scene that every engine draws and that the truth is computed for. Right-handed, metres, y is up. One table in the
 // plane y = 0, which has gloss alone, and one rectangle of radiance one.
 
+/** Pictures for docs/engines.md are larger and fewer: `run.js --pictures`, or `?scale=4` of a page. */
+const scale = globalThis.location ? Number( new URLSearchParams( location.search ).get( 'scale' ) ) || 1 : process.argv.includes( '--pictures' ) ? 4 : 1;
+
+/** What a page is asked for, so that it draws the pictures that are compared. */
+export const query = `scale=${ scale }`;
+
 /** Pixels of a picture. */
-export const width = 48;
-export const height = 36;
+export const width = 48 * scale;
+export const height = 36 * scale;
 
 /** Perceptual roughness: the square root of GGX alpha. */
 export const roughnesses = [ 0.1, 0.25, 0.4, 0.6, 0.8 ];
@@ -88,7 +94,9 @@ export function pointsOf( view ) {
 }
 
 /** Every picture that an engine draws, in order. */
-export const pictures = reflectances.flatMap( ( f0 ) => roughnesses.flatMap( ( roughness ) => views.map( ( view ) => ( { f0, roughness, view } ) ) ) );
+const all = reflectances.flatMap( ( f0 ) => roughnesses.flatMap( ( roughness ) => views.map( ( view ) => ( { f0, roughness, view } ) ) ) );
+const isShown = ( { f0, roughness, view } ) => f0 === 1 && roughness === 0.4 && view !== views[ 0 ];
+export const pictures = scale === 1 ? all : all.filter( isShown );
 
 /** A line for `ltcforge light`: what is seen of a point of the table. Its tangent frame is (z, x, y). */
 export function questionOf( roughness, view, point ) {

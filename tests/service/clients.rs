@@ -14,7 +14,7 @@ use crate::common::{
 use serde_json::Value;
 
 /// A connection on which `request` was sent.
-fn send(server: &Server, request: &str) -> TcpStream {
+pub(super) fn send(server: &Server, request: &str) -> TcpStream {
     let address = server.url.strip_prefix("http://").expect("an http URL");
     let mut tcp = TcpStream::connect(address).expect("a connection");
     tcp.set_read_timeout(Some(crate::common::DEADLINE)).expect("a time limit");
@@ -25,12 +25,12 @@ fn send(server: &Server, request: &str) -> TcpStream {
 
 /// Status, head and body of what the service sends until it closes the connection.
 #[track_caller]
-fn answer(tcp: TcpStream) -> (u16, String, String) {
+pub(super) fn answer(tcp: TcpStream) -> (u16, String, String) {
     try_answer(tcp).expect("an answer")
 }
 
 /// The same; `None` if the connection is closed without an answer.
-fn try_answer(mut tcp: TcpStream) -> Option<(u16, String, String)> {
+pub(super) fn try_answer(mut tcp: TcpStream) -> Option<(u16, String, String)> {
     let mut all = String::new();
     tcp.read_to_string(&mut all).ok()?;
     let (head, body) = all.split_once("\r\n\r\n")?;
@@ -52,7 +52,7 @@ fn problem(server: &Server, request: &str, status: u16, kind: &str) -> Value {
 }
 
 /// The head of a request that closes the connection, with more fields.
-fn request(line: &str, fields: &[(&str, &str)]) -> String {
+pub(super) fn request(line: &str, fields: &[(&str, &str)]) -> String {
     let mut head = format!("{line} HTTP/1.1\r\nconnection: close\r\n");
     for (name, value) in fields {
         write!(head, "{name}: {value}\r\n").expect("a String takes all");
@@ -60,7 +60,7 @@ fn request(line: &str, fields: &[(&str, &str)]) -> String {
     head + "\r\n"
 }
 
-fn host(server: &Server) -> &str {
+pub(super) fn host(server: &Server) -> &str {
     server.url.strip_prefix("http://").expect("an http URL")
 }
 

@@ -124,3 +124,21 @@ fn a_zeroed_database_loses_neither_jobs_nor_tables() {
     assert_eq!(server.get("/v1/tables").with_status(200).json()["items"][0]["digest"], digest);
     assert_eq!(server.stop("TERM").code, Some(0));
 }
+
+#[test]
+fn exports_are_made_of_no_damaged_table_and_those_in_memory_are_served() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let digest = server.fit(SMALL);
+    let path = |file: &str| format!("/v1/tables/{digest}/exports/{file}");
+    let good = server.get(&format!("/v1/tables/{digest}")).with_status(200).body;
+    let kept = server.get(&path("wgpu/ltc.json")).with_status(200).body;
+    let blobs = holding(folder.path(), &good);
+    assert_eq!(blobs.len(), 1, "{blobs:?}");
+    let mut bad = good;
+    bad[100] ^= 1;
+    fs::write(&blobs[0], &bad).expect("a damaged blob");
+    let damaged = server.get(&path("reflected.npz.f32")).with_status(500).json();
+    assert_eq!(damaged["type"], "/problems/damaged-blob");
+    assert_eq!(server.get(&path("wgpu/ltc.json")).with_status(200).body, kept);
+}

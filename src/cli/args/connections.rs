@@ -25,15 +25,15 @@ pub struct ConnectionArgs {
     /// Seconds that a client may take to send a request's head, to send its body, or to read more of an answer, 1 to
     /// 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
-    pub client_seconds: Option<ClientSeconds>,
+    pub client_seconds: Option<WaitSeconds>,
 }
 
-/// Seconds that the service waits for a client, at most a day.
+/// Seconds that the service waits for a client or a picture, at most a day.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "u64")]
-pub struct ClientSeconds(u64);
+pub struct WaitSeconds(u64);
 
-impl ClientSeconds {
+impl WaitSeconds {
     const MOST: u64 = 86_400;
 
     /// As a time.
@@ -42,7 +42,7 @@ impl ClientSeconds {
     }
 }
 
-impl TryFrom<u64> for ClientSeconds {
+impl TryFrom<u64> for WaitSeconds {
     type Error = String;
 
     fn try_from(seconds: u64) -> Result<Self, String> {
@@ -51,7 +51,7 @@ impl TryFrom<u64> for ClientSeconds {
     }
 }
 
-impl FromStr for ClientSeconds {
+impl FromStr for WaitSeconds {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {

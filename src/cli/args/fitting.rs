@@ -11,7 +11,7 @@ use clap::Args;
 
 use super::{
     super::{CommandFailure, Exit, preview_names::AdapterName},
-    ConnectionArgs,
+    ConnectionArgs, WaitSeconds,
 };
 
 /// `serve`.
@@ -38,9 +38,15 @@ pub struct ServeArgs {
     /// Days after which a job that has ended is forgotten; 0 keeps it for good. Tables stay [default: 90]
     #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
     pub job_days: Option<u32>,
+    /// Bytes of exports that are kept in memory, so that they are not made again; 0 keeps none [default: 268435456]
+    #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
+    pub export_bytes: Option<usize>,
     /// What renders previews [default: any]
     #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
     pub adapter: Option<AdapterName>,
+    /// Limits of pictures
+    #[command(flatten)]
+    pub pictures: PictureLimitArgs,
     /// Whom it serves
     #[command(flatten)]
     pub connections: ConnectionArgs,
@@ -48,6 +54,21 @@ pub struct ServeArgs {
     #[cfg(feature = "cluster")]
     #[command(flatten)]
     pub replica: super::ReplicaArgs,
+}
+
+/// `serve`: limits of pictures.
+#[derive(Debug, Clone, Default, Args)]
+#[allow(clippy::struct_field_names, reason = "they are the flags' names")]
+pub struct PictureLimitArgs {
+    /// Seconds that a picture may take, as predicted and while it is rendered, 1 to 86400 [default: 30]
+    #[arg(long, env = "LTCFORGE_PICTURE_SECONDS", value_name = "N")]
+    pub picture_seconds: Option<WaitSeconds>,
+    /// Pictures that may wait or be rendered at the same time [default: 9]
+    #[arg(long, env = "LTCFORGE_PICTURE_QUEUE", value_name = "N")]
+    pub picture_queue: Option<NonZeroUsize>,
+    /// MiB of rendered pictures that are kept in memory; 0 keeps none [default: 64]
+    #[arg(long, env = "LTCFORGE_PICTURE_MEMORY", value_name = "MIB")]
+    pub picture_memory: Option<u32>,
 }
 
 /// `fsck`.

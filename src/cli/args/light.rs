@@ -27,7 +27,7 @@ pub struct LightArgs {
     /// Where digests are looked for
     #[command(flatten)]
     pub folder: TableFolder,
-    /// How model `normals` averages shadowing over a light [default: seven]
+    /// How model `normals` averages shadowing over a light [default: fan]
     #[arg(long, value_parser = weights())]
     pub weight: Option<WeightRule>,
     /// Print the truth beside it, by adaptive quadrature: milliseconds a line

@@ -18,9 +18,9 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
-pub(super) use connections::{ClientSeconds, ConnectionArgs};
+pub(super) use connections::{ConnectionArgs, WaitSeconds};
 pub(super) use export::{ExportArgs, ExportChoice};
-pub(super) use fitting::{FitArgs, FsckArgs, ServeArgs, Threads, TradeoffArgs, cores};
+pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, Threads, TradeoffArgs, cores};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
@@ -229,6 +229,9 @@ mod tests {
             "ltcforge serve --allow-origin farm",
             "ltcforge serve --connections 0",
             "ltcforge serve --client-seconds 0",
+            "ltcforge serve --picture-seconds 0",
+            "ltcforge serve --picture-queue 0",
+            "ltcforge serve --picture-memory -1",
             "ltcforge serve --client-seconds 18446744073709551615",
         ];
         for line in lines {

@@ -112,7 +112,7 @@ pub struct PlotArgs {
     /// Azimuth of the view direction at which errors are shown, radians, likewise [default: 0.7]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub phi: Option<Azimuth>,
-    /// How model `normals` averages shadowing over a light, for light [default: seven]
+    /// How model `normals` averages shadowing over a light, for light [default: fan]
     #[arg(long, value_parser = weights())]
     pub weight: Option<WeightRule>,
     /// Random rectangles in each cell of light [default: 24]

@@ -137,7 +137,8 @@ fn read_resolution(root: &Object, layout: Layout, range: &PerAxis<[f64; 2]>, fau
 fn check_entries(recipe: &Recipe, entry_limit: u64, faults: &mut Faults) {
     if recipe.entries() > entry_limit {
         let n = recipe.resolution.named().map(|(_, n)| n.to_string()).join(" x ");
-        let detail = format!("{n} makes {} entries; at most {entry_limit} are allowed", recipe.entries());
+        let detail =
+            format!("{n} makes {} entries; at most {entry_limit} are allowed (`--entry-limit`)", recipe.entries());
         faults.note("/resolution", detail);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     files::{digest::Digest, recipe_document},
-    fit::{Recipe, Report},
+    fit::Recipe,
 };
 
 /// The licence of the numbers: tables are facts about a BRDF, and whoever ships them should not have to ask.
@@ -36,18 +36,16 @@ impl About {
         Self { lines: clean }
     }
 
-    /// What is known of a table: its digest and its recipe's, how good it is, licence and papers.
+    /// What is known of a table: its digest and its recipe's, its mean error between nodes as a part of the lobe's width
+    /// (`report.between.width.mean` of its manifest), licence and papers.
     #[must_use]
-    pub fn of_table(table: Digest, recipe: Option<&Recipe>, report: Option<&Report>) -> Self {
+    pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<f64>) -> Self {
         let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
         lines.extend(recipe.map(|recipe| {
             let document = recipe_document::canonical_json(recipe);
             format!("recipe {}", Digest::of(document.as_bytes()))
         }));
-        lines.extend(report.map(|report| {
-            let width = report.between.width.mean;
-            format!("mean error between nodes: {width:.4} of the lobe's width")
-        }));
+        lines.extend(error.map(|width| format!("mean error between nodes: {width:.4} of the lobe's width")));
         lines.push(LICENCE.to_owned());
         lines.extend(PAPERS.map(str::to_owned));
         Self::new(lines)

@@ -9,6 +9,7 @@ mod about;
 mod containers;
 mod digits;
 mod engines;
+mod export;
 mod file;
 mod layouts;
 mod rounding;
@@ -17,6 +18,7 @@ mod texture;
 pub use about::About;
 pub use containers::TextureContainer;
 pub use engines::{Bundle, Engine};
+pub use export::{Export, ExportError, UnknownExport};
 pub use file::{TextureFile, TextureFileError};
 pub use layouts::{
     NoTextures, TextureAxis, TextureLayout, TextureSampling, TexturesOf, layout_names, sampling_of, textures_of,

@@ -49,6 +49,12 @@ impl Displacement {
         }
         form
     }
+
+    /// The mean square of the displacement from the lobe of one matrix to that of another.
+    pub(super) fn mean_square(&self, from: &DMat3, to: &DMat3) -> f64 {
+        let moved = |cosine: &DVec3| ((*to * *cosine).normalize() - (*from * *cosine).normalize()).length_squared();
+        self.cosines.iter().map(moved).sum::<f64>() / self.cosines.len() as f64
+    }
 }
 
 #[cfg(test)]
@@ -80,9 +86,7 @@ mod tests {
             let step = 1e-6;
             let changed = stored + matrix(&change) * step;
             let changed = if is_inverse { changed.inverse() } else { changed };
-            let moved = |cosine: &DVec3| ((changed * *cosine).normalize() - (m * *cosine).normalize()).length_squared();
-            let mean = displacement.cosines.iter().map(moved).sum::<f64>() / displacement.cosines.len() as f64;
-            let found = mean / (step * step);
+            let found = displacement.mean_square(&m, &changed) / (step * step);
             // A direction w of the changed lobe comes from another cosine than that of the first: the means agree for
             // inverses only up to the order of the change, for which the step is small enough.
             prop_assert!((found - predicted).abs() <= 1e-3 * predicted + 1e-6, "{found} {predicted}");

@@ -40,9 +40,6 @@ use super::{
 
 /// Tables with more entries are stored as fitted: between nodes so near to each other no error is left to lower.
 const MOST_ENTRIES: usize = 65_536;
-/// Tables with fewer nodes along either axis are stored as fitted: their lobes change too much from one node to the next for
-/// those between to be known.
-const LEAST_NODES: usize = 12;
 /// Rounds of least squares. A third changes nothing that can be measured.
 const ROUNDS: usize = 2;
 /// Where a cell is observed along either side.
@@ -63,8 +60,7 @@ pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) 
     let free = rules.free_numbers()?;
     let counts = plan.nodes().lengths();
     let grid = Grid { rows: counts.alpha, columns: counts.theta };
-    let is_coarse = grid.rows.min(grid.columns) < LEAST_NODES;
-    if is_coarse || entries.len() != grid.rows * grid.columns || entries.len() > MOST_ENTRIES {
+    if entries.len() != grid.rows * grid.columns || entries.len() > MOST_ENTRIES {
         return None;
     }
     let lobes = Lobes::of(plan, entries);
@@ -86,7 +82,8 @@ const LEAST_PART: f64 = 0.25;
 
 fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: FreeNumbers) -> Vec<DMat3> {
     let rules = plan.recipe().layout.rules();
-    let own: Vec<[f64; 5]> = own.iter().map(|stored| numbers(&stored.matrix)).collect();
+    let fitted: Vec<DMat3> = own.iter().map(|stored| stored.matrix).collect();
+    let own: Vec<[f64; 5]> = fitted.iter().map(numbers).collect();
     let mut pins: Vec<Pins> = own.iter().enumerate().map(|(node, own)| from_above(grid, node, own, free)).collect();
     let mut found = own.clone();
     let displacement = Displacement::new();
@@ -106,8 +103,7 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
             let moved2: f64 = (0..25).map(|i| off[i / 5] * weight[i / 5][i % 5] * off[i % 5]).sum();
             // Projections of a displacement are half as long as it is.
             let errors2 = 0.25 * moved2.max(0.0) / (error * error);
-            let seen = if place.theta > STEEPEST * THETA_CEILING { UNSEEN } else { 1.0 };
-            let factor = seen * lobes.angle(cell[1]) / (error * error * (1.0 + errors2).sqrt());
+            let factor = seen(place.theta) * lobes.angle(cell[1]) / (error * error * (1.0 + errors2).sqrt());
             weight.iter_mut().flatten().for_each(|weight| *weight *= factor);
             normal.observe(cell, at, &weight, &target);
         }
@@ -123,7 +119,30 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
         }
     }
     let kept = |(node, (found, own))| upright(grid, node, found, own);
-    found.iter().zip(&own).enumerate().map(kept).collect()
+    let found: Vec<DMat3> = found.iter().zip(&own).enumerate().map(kept).collect();
+    let errors = |stored: &[DMat3]| errors_between(grid, lobes, stored, free, &displacement);
+    if errors(&found) < errors(&fitted) { found } else { fitted }
+}
+
+/// The errors that stored matrices leave between the nodes, added up over the cells with the weights of the fit. The
+/// form above holds for small displacements. On a coarse grid they are not small, and what is least by it can be worse
+/// than what was fitted.
+fn errors_between(grid: Grid, lobes: &Lobes, stored: &[DMat3], free: FreeNumbers, displacement: &Displacement) -> f64 {
+    let error = |(cell, at): ([usize; 2], [f64; 2])| {
+        let Between { place, lobe, error } = lobes.between(cell, at);
+        let of =
+            |(down, right, phi): (usize, usize, f64)| stored[(cell[0] + down) * grid.columns + cell[1] + right] * phi;
+        let found = corners(at).into_iter().map(of).fold(DMat3::ZERO, |sum, part| sum + part);
+        let found = if free.is_inverse { found.inverse() } else { found };
+        let errors2 = 0.25 * displacement.mean_square(&found, &lobe.matrix) / (error * error);
+        seen(place.theta) * lobes.angle(cell[1]) * (1.0 + errors2).sqrt()
+    };
+    observed(grid).map(error).sum()
+}
+
+/// What a view counts.
+fn seen(theta: f64) -> f64 {
+    if theta > STEEPEST * THETA_CEILING { UNSEEN } else { 1.0 }
 }
 
 /// Whether a node is a view from above.
@@ -166,8 +185,7 @@ fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
     let mut normal = Normal::new(grid);
     for (cell, at) in observed(grid) {
         let Between { place, lobe, .. } = lobes.between(cell, at);
-        let seen = if place.theta > STEEPEST * THETA_CEILING { UNSEEN } else { 1.0 };
-        let weight = seen * lobes.angle(cell[1]);
+        let weight = seen(place.theta) * lobes.angle(cell[1]);
         normal.observe(cell, at, &[[weight, 0.0], [0.0, weight]], &[lobe.terms.amplitude, lobe.terms.fresnel]);
     }
     normal.hold(&own, HOLD, &vec![[None; 2]; own.len()]);

@@ -31,18 +31,21 @@ fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<Fitted
     (plan, entries)
 }
 
-/// The table of entries that fit their own lobes best.
-fn as_fitted(plan: &Plan, entries: &[FittedEntry], chosen: &Table) -> Table {
+/// What is stored of entries that fit their own lobes best.
+fn own_numbers(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
     let rules = plan.recipe().layout.rules();
-    let own: Vec<LobeNumbers> = (0..)
-        .zip(entries)
-        .map(|(index, entry)| {
-            let place = plan.place(index);
-            let matrix = from_row_major(&entry.matrix);
-            let terms = LobeTerms { amplitude: entry.amplitude, fresnel: entry.fresnel };
-            rules.store(&place, &LobeNumbers { matrix, terms }, Mirrors::of(place.view()), Precision::F32)
-        })
-        .collect();
+    let own = |(index, entry): (u64, &FittedEntry)| {
+        let place = plan.place(index);
+        let matrix = from_row_major(&entry.matrix);
+        let terms = LobeTerms { amplitude: entry.amplitude, fresnel: entry.fresnel };
+        rules.store(&place, &LobeNumbers { matrix, terms }, Mirrors::of(place.view()), Precision::F32)
+    };
+    (0..).zip(entries).map(own).collect()
+}
+
+/// The table of those.
+fn as_fitted(plan: &Plan, entries: &[FittedEntry], chosen: &Table) -> Table {
+    let own = own_numbers(plan, entries);
     let matrix = own.iter().map(|own| row_major(&own.matrix).map(|x| x as f32)).collect();
     let term = |of: fn(&LobeTerms) -> f64| own.iter().map(|own| of(&own.terms) as f32).collect();
     let terms = Terms { amplitude: term(|terms| terms.amplitude), fresnel: term(|terms| terms.fresnel) };
@@ -78,6 +81,23 @@ fn chosen_entries_are_nearer_between_nodes_than_those_that_fit_best() {
         assert!(lobes - 1.0 < 0.6 * (own_lobes - 1.0), "{layout}: {lobes}, as fitted {own_lobes}");
         assert!(amplitude < 0.8 * own_amplitude, "{layout}: {amplitude}, as fitted {own_amplitude}");
     }
+}
+
+/// Where nodes are few, the quadratic form is far from the displacement.
+#[test]
+fn coarse_tables_are_no_worse_than_as_fitted() {
+    let mut kept = 0;
+    for (layout, nodes) in OF_ENGINES.iter().flat_map(|layout| [2, 3, 5, 8].map(|nodes| (*layout, nodes))) {
+        let (plan, entries) = fitted(layout, nodes, Precision::F32);
+        let (own, free) = (own_numbers(&plan, &entries), layout.rules().free_numbers().expect("an engine's layout"));
+        let (grid, lobes) = (Grid { rows: nodes as usize, columns: nodes as usize }, Lobes::of(&plan, &entries));
+        let errors = |stored: &[DMat3]| errors_between(grid, &lobes, stored, free, &Displacement::new());
+        let fitted: Vec<DMat3> = own.iter().map(|own| own.matrix).collect();
+        let found = matrices(&plan, grid, &lobes, &own, free);
+        assert!(errors(&found) <= errors(&fitted), "{layout} {nodes}");
+        kept += usize::from(found == fitted);
+    }
+    assert!((1..16).contains(&kept), "{kept} of 16 tables are stored as fitted");
 }
 
 /// At the nodes and between them, for the mirror and at the horizon, in either precision.

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::scattering::{Brdf, BrdfRules, BrdfSample};
-use crate::fit::math::sin_cos;
+use crate::fit::math::SquarePoint;
 
 /// The anisotropic GGX reflector of KT et al. 2022, section 3.1, with a Fresnel factor of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,17 +57,53 @@ impl Ggx {
         seen / (seen + self.smith_lambda(wi))
     }
 
+    /// What sampling needs of a view direction.
+    fn seen_from(&self, wo: DVec3) -> Seen {
+        let stretched = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z);
+        Seen {
+            alpha: DVec2::new(self.alpha_x, self.alpha_y),
+            wo,
+            wo_std: stretched.normalize(),
+            mu: wo.z / stretched.length(),
+        }
+    }
+}
+
+/// A surface and a view direction.
+struct Seen {
+    alpha: DVec2,
+    wo: DVec3,
+    /// `wo` where the surface is a hemisphere.
+    wo_std: DVec3,
+    /// `wo.z / |A wo|`.
+    mu: f64,
+}
+
+impl Seen {
     /// A normal visible from `wo`, by spherical caps [Dupuy and Benyoub 2023].
     ///
     /// In the space where the surface is a hemisphere, normals seen from `wo_std` reflect to directions that are
     /// uniform on the cap `z > -wo_std.z`.
-    fn sample_visible_normal(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
-        let wo_std = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
-        let z = (1.0 - u[1]) * (1.0 + wo_std.z) - wo_std.z;
+    #[inline]
+    fn visible_normal(&self, point: &SquarePoint) -> DVec3 {
+        let Self { alpha, wo_std, .. } = *self;
+        let z = (1.0 - point.u[1]) * (1.0 + wo_std.z) - wo_std.z;
         let radius = (1.0 - z * z).max(0.0).sqrt();
-        let (sin, cos) = sin_cos(2.0 * PI * u[0]);
-        let wm_std = DVec3::new(radius * cos + wo_std.x, radius * sin + wo_std.y, z + wo_std.z);
-        DVec3::new(self.alpha_x * wm_std.x, self.alpha_y * wm_std.y, wm_std.z.max(0.0)).normalize()
+        let wm_std = DVec3::new(radius * point.cos + wo_std.x, radius * point.sin + wo_std.y, z + wo_std.z);
+        DVec3::new(alpha.x * wm_std.x, alpha.y * wm_std.y, wm_std.z.max(0.0)).normalize()
+    }
+
+    /// With `mu = z / |A w|`, `Lambda = (1 / mu - 1) / 2`, and `G2 / G1 = (1 + mu_o) mu_i / (mu_i + mu_o)`, here times
+    /// `|A wi|` above and below.
+    #[inline]
+    fn sample(&self, point: &SquarePoint) -> BrdfSample {
+        let wm = self.visible_normal(point);
+        let cos_theta_d = self.wo.dot(wm);
+        let wi = 2.0 * cos_theta_d * wm - self.wo;
+        let (x, y) = (self.alpha.x * wi.x, self.alpha.y * wi.y);
+        let stretched = (x * x + y * y + wi.z * wi.z).sqrt();
+        let weight = (1.0 + self.mu) * wi.z / (wi.z + self.mu * stretched);
+        BrdfSample { wi, weight: if wi.z > 0.0 { weight } else { 0.0 }, cos_theta_d }
     }
 }
 
@@ -82,10 +118,12 @@ impl Brdf for Ggx {
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
-        let wm = self.sample_visible_normal(wo, u);
-        let cos_theta_d = wo.dot(wm);
-        let wi = 2.0 * cos_theta_d * wm - wo;
-        BrdfSample { wi, weight: self.g2_over_g1(wo, wi), cos_theta_d }
+        self.seen_from(wo).sample(&SquarePoint::new(u))
+    }
+
+    fn sample_all(&self, wo: DVec3, points: &[SquarePoint], drawn: &mut Vec<BrdfSample>) {
+        let seen = self.seen_from(wo);
+        drawn.extend(points.iter().map(|point| seen.sample(point)));
     }
 
     /// `D(wm) G1(wo) / (4 cos(theta_o))`, also for directions below the horizon, which the sampler can draw.
@@ -104,7 +142,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
-    use crate::fit::math::Lattice;
+    use crate::fit::math::{Lattice, sin_cos};
 
     /// Configurations from broad to needle, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
     const CONFIGURATIONS: [(f64, f64, f64, f64); 5] = [

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::fit::math::SquarePoint;
+
 /// A light direction drawn for a view direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BrdfSample {
@@ -22,6 +24,12 @@ pub trait Brdf: Sync {
 
     /// Draws a light direction for `wo` from a point of the unit square. Domain: `wo.z > 0`.
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample;
+
+    /// Draws a light direction for `wo` from each of `points` and hands it on, in their order: [`Brdf::sample`] of all of
+    /// them. A model may do here once what it does there for each.
+    fn sample_all(&self, wo: DVec3, points: &[SquarePoint], drawn: &mut Vec<BrdfSample>) {
+        drawn.extend(points.iter().map(|point| self.sample(wo, point.u)));
+    }
 
     /// Density with which [`Brdf::sample`] draws `wi`, per steradian.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;

@@ -74,6 +74,27 @@ pub fn recurrence4(i: usize, shift: [f64; 4]) -> [f64; 4] {
     std::array::from_fn(|k| fract((i as f64 + 0.5) * RECURRENCE4_STEPS[k] + shift[k]))
 }
 
+/// A point of the unit square, with the sine and cosine of its first number as a part of a turn: what samplers take of
+/// it for every lobe anew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SquarePoint {
+    /// The point, both numbers in [0, 1).
+    pub u: [f64; 2],
+    /// `sin(2 pi u_0)`.
+    pub sin: f64,
+    /// `cos(2 pi u_0)`.
+    pub cos: f64,
+}
+
+impl SquarePoint {
+    /// The point `u`.
+    #[must_use]
+    pub fn new(u: [f64; 2]) -> Self {
+        let (sin, cos) = sin_cos(2.0 * PI * u[0]);
+        Self { u, sin, cos }
+    }
+}
+
 /// A direction with density `cos(theta) / pi` from a point of the unit square.
 #[must_use]
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {

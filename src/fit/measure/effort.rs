@@ -7,7 +7,7 @@ const LEAST_POINTS: usize = 8;
 /// Most configurations at nodes, and again between them.
 pub const MOST_POINTS: usize = 1024;
 /// The part of the fit's time that the report may take.
-const SHARE: f64 = 0.15;
+const SHARE: f64 = 0.2;
 /// The time that one measurement takes, on the scale of [`fit_seconds`].
 const POINT_SECONDS: f64 = 1.8e-3;
 

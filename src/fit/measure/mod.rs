@@ -26,7 +26,7 @@ pub use effort::{MOST_POINTS, report_points};
 pub use extremes::{Corner, extremes};
 pub use figures::GoOn;
 pub use floors::{Floors, Moved};
-pub use map::{ErrorMap, error_map};
+pub use map::{ErrorMap, error_map, error_map_while};
 pub use matrices::{Extent, Matrices};
 
 use crate::fit::{Configuration, PerAxis, Table};

@@ -16,6 +16,15 @@ pub(crate) struct Samples {
     pub(crate) shift: [f64; 2],
 }
 
+/// How finely a distance is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Grain {
+    /// With a part of the samples and directions: an eighth of the work, for the way to the minimum.
+    Coarse,
+    /// With all of them.
+    Full,
+}
+
 /// A metric as an item of [`super::Metric`].
 pub(crate) trait MetricRules: Sync {
     /// The metric over these samples.
@@ -23,7 +32,10 @@ pub(crate) trait MetricRules: Sync {
 }
 
 /// A metric with its fixed samples: prepared once for all entries.
-pub(crate) trait Distance: std::fmt::Debug {
+pub(crate) trait Distance: std::fmt::Debug + Send + Sync {
+    /// The same metric with buffers of its own, for another thread.
+    fn another(&self) -> Box<dyn Distance>;
+
     /// The distance to one target; `None` when `pulse` stops its preparation.
     fn to<'a>(&'a mut self, target: &Target, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>>;
 }
@@ -37,5 +49,5 @@ pub(crate) trait Loss {
     fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64>;
 
     /// The distance at `m` and its gradient by the elements of `m`.
-    fn value_and_gradient(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<(f64, DMat3)>;
+    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)>;
 }

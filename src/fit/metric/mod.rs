@@ -7,7 +7,7 @@ mod distance;
 mod sw1;
 mod target;
 
-pub(super) use distance::{Distance, Loss, MetricRules, Samples};
+pub(super) use distance::{Distance, Grain, Loss, MetricRules, Samples};
 #[cfg(test)]
 pub(super) use target::tests::planted;
 pub(super) use target::{LobeCore, Target};

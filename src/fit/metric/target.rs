@@ -5,7 +5,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use crate::fit::{
     brdf::{Brdf, LobeTerms, Mirrors},
-    math::{Lattice, rotation_from_z},
+    math::{SquarePoint, rotation_from_z},
 };
 
 /// Samples of the cosine-weighted lobe, normalised to a distribution.
@@ -29,15 +29,34 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    /// Samples the lobe of `brdf` for `wo` at the points of `lattice`.
+    /// Samples the lobe of `brdf` for `wo` at some points.
     ///
     /// Domain: `wo.z > 0`, so that some light is reflected above the horizon.
-    pub(crate) fn sample(brdf: &dyn Brdf, wo: DVec3, mirrors: Mirrors, lattice: Lattice) -> Self {
-        let mut directions = Vec::with_capacity(lattice.len());
-        let mut weights = Vec::with_capacity(lattice.len());
+    pub(crate) fn sample(brdf: &dyn Brdf, wo: DVec3, mirrors: Mirrors, points: &[SquarePoint]) -> Self {
+        Drawn::of(brdf, wo, points).target(mirrors)
+    }
+
+    /// The same lobe by samples at other points, in the same frame and with the same core.
+    pub(crate) fn again(&self, brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> Self {
+        Drawn::of(brdf, wo, points).in_frame(self.frame, self.mirrors, Some(self.core))
+    }
+}
+
+/// Weighted directions of a lobe in the tangent frame.
+struct Drawn {
+    directions: Vec<DVec3>,
+    weights: Vec<f64>,
+    terms: LobeTerms,
+}
+
+impl Drawn {
+    fn of(brdf: &dyn Brdf, wo: DVec3, points: &[SquarePoint]) -> Self {
+        let mut drawn = Vec::with_capacity(points.len());
+        brdf.sample_all(wo, points, &mut drawn);
+        let mut directions = Vec::with_capacity(points.len());
+        let mut weights = Vec::with_capacity(points.len());
         let (mut total, mut fresnel) = (0.0, 0.0);
-        for u in lattice.points() {
-            let sample = brdf.sample(wo, u);
+        for sample in &drawn {
             if sample.weight > 0.0 {
                 total += sample.weight;
                 let grazing = (1.0 - sample.cos_theta_d).max(0.0);
@@ -47,26 +66,29 @@ impl Target {
                 weights.push(sample.weight);
             }
         }
-        let count = lattice.len() as f64;
-        let terms = LobeTerms { amplitude: total / count, fresnel: fresnel / count };
-
-        Self::of_directions(&directions, weights, mirrors, terms)
+        let count = points.len() as f64;
+        Self { directions, weights, terms: LobeTerms { amplitude: total / count, fresnel: fresnel / count } }
     }
 
-    /// The target of weighted directions, the mean of which is above the horizon.
-    fn of_directions(directions: &[DVec3], mut weights: Vec<f64>, mirrors: Mirrors, terms: LobeTerms) -> Self {
-        let total: f64 = weights.iter().sum();
-        let sum = directions.iter().zip(&weights).fold(DVec3::ZERO, |sum, (wi, weight)| sum + *weight * *wi);
+    /// The target around the mean direction, which is above the horizon.
+    fn target(self, mirrors: Mirrors) -> Target {
+        let sum = self.directions.iter().zip(&self.weights).fold(DVec3::ZERO, |sum, (wi, weight)| sum + *weight * *wi);
         // The samples of a symmetric lobe are not quite symmetric; their mean direction is made so.
         let axis = DVec3::new(if mirrors.x { 0.0 } else { sum.x }, if mirrors.y { 0.0 } else { sum.y }, sum.z);
-        let frame = rotation_from_z(axis.normalize());
+        self.in_frame(rotation_from_z(axis.normalize()), mirrors, None)
+    }
+
+    /// The target in a frame, with a core that is known or its own.
+    fn in_frame(self, frame: DMat3, mirrors: Mirrors, core: Option<LobeCore>) -> Target {
+        let Self { directions, mut weights, terms } = self;
         let to_lobe = frame.transpose();
         let points: Vec<DVec3> = directions.iter().map(|wi| offset_from_z(to_lobe * *wi)).collect();
+        let whole = 1.0 / weights.iter().sum::<f64>();
         for weight in &mut weights {
-            *weight /= total;
+            *weight *= whole;
         }
-        let core = LobeCore::of(&points, &weights, mirrors);
-        Self { frame, mirrors, points, weights, core, terms }
+        let core = core.unwrap_or_else(|| LobeCore::of(&points, &weights, mirrors));
+        Target { frame, mirrors, points, weights, core, terms }
     }
 }
 
@@ -144,14 +166,14 @@ fn offset_from_z(direction: DVec3) -> DVec3 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::fit::lobe::ltc::Ltc;
+    use crate::fit::{lobe::ltc::Ltc, math::Lattice};
 
     /// The target of a lobe that is itself the LTC of `matrix`. A fit should find this matrix again.
     pub(crate) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let n = 8192;
         let directions: Vec<DVec3> = Lattice::new(n, [0.37, 0.81]).points().map(|u| ltc.sample(u)).collect();
-        Target::of_directions(&directions, vec![1.0; n], mirrors, LobeTerms { amplitude: 1.0, fresnel: 0.0 })
+        Drawn { directions, weights: vec![1.0; n], terms: LobeTerms { amplitude: 1.0, fresnel: 0.0 } }.target(mirrors)
     }
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };

@@ -16,7 +16,7 @@
 //! ```
 //!
 //! The edges of a light become arcs of cones of the second degree, over which the integral is elementary
-//! (`edge.rs`). The weight `G2 / G1`, and Schlick's fifth power, are smooth; they are averaged over a few normals of the
+//! (`edge.rs`). The weight `G2 / G1`, and Schlick's fifth power, are smooth; they are averaged over the
 //! triangles into which the region falls around its mean normal (`weight.rs`). `docs/normals.md` derives all of it.
 //!
 //! Every direction above the surface has its half vector above it and in front of the viewer, so a light is cut at the
@@ -34,8 +34,8 @@ pub(super) use self::{
 };
 use self::{
     edge::curved_part,
-    outline::{Corner, Parts, outline},
-    weight::View,
+    outline::{Corner, Parts, cut_share, outline},
+    weight::{Sample, Shares, View},
 };
 use crate::fit::{
     Sides,
@@ -46,11 +46,12 @@ use crate::fit::{
 named_list! {
     /// How the weight `G2 / G1` is averaged over a light. The integral of the visible normals is exact under each.
     pub enum WeightRule {
-        /// Over seven normals of each triangle between the mean normal and an edge; the horizon is an edge split in two.
-        Seven = "seven",
+        /// Over the triangles between the mean normal and each edge, with a closed form for those on the horizon, which is
+        /// split in four.
+        Fan = "fan",
         /// The weight of the mean normal.
         Mean = "mean",
-        /// As [`Self::Seven`], each edge split in two and the horizon in four.
+        /// As [`Self::Fan`], each edge split in two and the horizon in eight.
         Fine = "fine",
     }
 }
@@ -59,8 +60,15 @@ impl WeightRule {
     fn parts(self) -> Parts {
         match self {
             Self::Mean => Parts { edge: 1, horizon: 1 },
-            Self::Seven => Parts { edge: 1, horizon: 2 },
-            Self::Fine => Parts { edge: 2, horizon: 4 },
+            Self::Fan => Parts { edge: 1, horizon: 4 },
+            Self::Fine => Parts { edge: 2, horizon: 8 },
+        }
+    }
+
+    fn shares(self) -> Shares {
+        match self {
+            Self::Mean | Self::Fan => Shares { outer: 0.3, tip: 0.2, corner: 0.08, horizon_rate: 0.155 },
+            Self::Fine => Shares { outer: 0.2, tip: 0.1, corner: 0.04, horizon_rate: 0.145 },
         }
     }
 }
@@ -93,12 +101,16 @@ pub fn reflected<T: Scalar>(
     let to_part = side * T::of(2.0) / ((wo[2] + view.length) * T::TAU);
     let mean_normal = unit(scaled(flux, side));
     let [energy, fresnel] = if rule == WeightRule::Mean {
-        scaled_pair(view.weight(mean_normal), to_part * seen)
+        let [weight, schlick] = view.weight(mean_normal);
+        [to_part * seen * weight, to_part * seen * weight * schlick]
     } else {
-        fan(&view, &corners, &curved, mean_normal, to_part)
+        let fan = Fan { view: &view, shares: rule.shares(), tip: mean_normal, to_part, sum: [T::ZERO; 2] };
+        fan.over(&corners, &curved, rule.parts(), cut_share(vertices))
     };
-    // A light without area has neither part, but for rounding.
-    let energy = energy.max(T::ZERO).min(T::ONE);
+    // No weight is above one. Where triangles lie upon each other, as in a sliver along the horizon, their rules may differ
+    // by more than what they leave of each other.
+    let visible = (to_part * seen).max(T::ZERO).min(T::ONE);
+    let energy = energy.max(T::ZERO).min(visible);
     [energy, fresnel.max(T::ZERO).min(energy)]
 }
 
@@ -130,26 +142,58 @@ pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Tripl
     T::of(2.0) * seen / ((wo[2] + view.length) * T::TAU)
 }
 
-fn scaled_pair<T: Scalar>([x, y]: [T; 2], by: T) -> [T; 2] {
-    [x * by, y * by]
+/// The sum over the triangles between the mean normal and each edge's image: the exact part of the visible normals in it,
+/// times the mean of their weights.
+struct Fan<'a, T> {
+    view: &'a View<T>,
+    shares: Shares,
+    /// The mean normal, where all triangles meet.
+    tip: Triple<T>,
+    /// What makes a form factor a part of the visible normals.
+    to_part: T,
+    sum: [T; 2],
 }
 
-/// The sum over the triangles between the mean normal `tip` and each edge's image: the exact part of the visible normals
-/// in it, times the mean of their weights.
-fn fan<T: Scalar>(view: &View<T>, corners: &[Corner<T>], curved: &[Triple<T>], tip: Triple<T>, to_part: T) -> [T; 2] {
-    let at_tip = view.sample(tip);
-    let spoke = |corner: &Corner<T>| (corner.c, view.sample(corner.c), arc_bend(tip, corner.c));
-    let (mut from, mut sum) = (spoke(&corners[0]), [T::ZERO; 2]);
-    for (i, curved) in curved.iter().enumerate() {
-        let to = spoke(&corners[(i + 1) % corners.len()]);
-        let plane = cross(minus(from.0, tip), minus(to.0, tip));
-        let flux = plus(plus(plane, *curved), minus(from.2, to.2));
+impl<T: Scalar> Fan<'_, T> {
+    /// Adds a triangle, by the integral of its normals, as `times` of one, weighed by what `mean` says of its centroid.
+    fn add(&mut self, flux: Triple<T>, times: T, mean: impl FnOnce(&View<T>, Shares, Triple<T>) -> [T; 2]) {
         let centroid = unit(flux);
-        let centroid = if dot(centroid, tip) < T::ZERO { scaled(centroid, -T::ONE) } else { centroid };
-        let mean = view.mean(centroid, [tip, from.0, to.0], [at_tip, from.1, to.1]);
-        let part = to_part * dot(flux, view.stretched);
-        sum = [sum[0] + part * mean[0], sum[1] + part * mean[1]];
-        from = to;
+        let centroid = if dot(centroid, self.tip) < T::ZERO { scaled(centroid, -T::ONE) } else { centroid };
+        let part = self.to_part * times * dot(flux, self.view.stretched);
+        let [energy, fresnel] = mean(self.view, self.shares, centroid);
+        self.sum = [self.sum[0] + part * energy, self.sum[1] + part * fresnel];
     }
-    sum
+
+    /// The sum over all triangles. Those of the horizon count by `cut`, and what they are together as edges of the light
+    /// by the rest.
+    fn over(mut self, corners: &[Corner<T>], curved: &[Triple<T>], parts: Parts, cut: T) -> [T; 2] {
+        let tip = self.tip;
+        let (at_tip, tip_sample) = (self.view.weight(tip), self.view.sample(tip));
+        let samples: Vec<Sample<T>> = corners.iter().map(|corner| self.view.sample(corner.c)).collect();
+        let (mut joined, mut count, mut start) = ([T::ZERO; 3], 0, 0);
+        for (i, curved) in curved.iter().enumerate() {
+            let next = (i + 1) % corners.len();
+            let (from, to) = (&corners[i], &corners[next]);
+            let plane = cross(minus(from.c, tip), minus(to.c, tip));
+            let flux = plus(plus(plane, *curved), minus(arc_bend(tip, from.c), arc_bend(tip, to.c)));
+            let on_edge = |start: usize| {
+                let samples = [tip_sample, samples[start], samples[next]];
+                move |view: &View<T>, shares, centroid| view.over_triangle(shares, tip, centroid, samples)
+            };
+            if !(from.is_on_horizon() && to.is_on_horizon()) {
+                self.add(flux, T::ONE, on_edge(i));
+                continue;
+            }
+            self.add(flux, cut, |view, shares, centroid| view.over_triangle_to_horizon(shares, tip, at_tip, centroid));
+            if count == 0 {
+                start = i;
+            }
+            (joined, count) = (plus(joined, flux), count + 1);
+            if count * parts.edge == parts.horizon {
+                self.add(joined, T::ONE - cut, on_edge(start));
+                (joined, count) = ([T::ZERO; 3], 0);
+            }
+        }
+        self.sum
+    }
 }

@@ -22,6 +22,11 @@ impl<T: Scalar> Corner<T> {
         Self { w, c: scaled(c, T::ONE / length), length }
     }
 
+    /// Whether it is on the horizon, where an outline that the surface cuts meets it.
+    pub(super) fn is_on_horizon(&self) -> bool {
+        self.w[2] == T::ZERO
+    }
+
     /// Half the length of the sum of two corners' directions: the cosine of half the angle between them.
     fn half_cosine(&self, to: &Self) -> T {
         let sum = plus(self.w, to.w);
@@ -103,6 +108,17 @@ fn split<T: Scalar>(
     for part in 1..parts {
         corners.push(from.towards(to, T::of(f64::from(part) / f64::from(parts)), alpha, wo));
     }
+}
+
+/// How far the surface cuts a light: 0 where it touches it, 1 where the light is deeper below it than an eighth of its
+/// height above.
+///
+/// An edge that sets is one edge before, and a horizon of several parts after. This blends the two, so that no line is seen
+/// where it happens.
+pub(super) fn cut_share<T: Scalar>(vertices: &[Triple<T>]) -> T {
+    let furthest = |sign: T| vertices.iter().fold(T::ZERO, |most, v| most.max(sign * v[2]));
+    let (above, below) = (furthest(T::ONE), furthest(-T::ONE));
+    if above > T::ZERO { (T::of(8.0) * below / above).min(T::ONE) } else { T::ZERO }
 }
 
 /// The direction in which the edge between vertices on either side of the horizon meets it.

@@ -61,8 +61,8 @@ fn errors(seed: u64, count: usize, roughness: Roughness) -> Vec<(WeightRule, [f6
 #[test]
 fn errors_are_those_of_the_weight() {
     let limits = |roughness: Roughness, rule: WeightRule| match (roughness, rule) {
-        (Roughness::All, WeightRule::Seven) => [0.001, 0.006, 0.04],
-        (_, WeightRule::Seven) => [0.0013, 0.008, 0.04],
+        (Roughness::All, WeightRule::Fan) => [0.001, 0.006, 0.04],
+        (_, WeightRule::Fan) => [0.0013, 0.008, 0.04],
         (_, WeightRule::Fine) => [0.0008, 0.005, 0.03],
         (_, WeightRule::Mean) => [0.006, 0.04, 0.2],
     };
@@ -77,7 +77,7 @@ fn errors_are_those_of_the_weight() {
             for (found, limit) in energy.into_iter().zip(limits(roughness, rule)) {
                 assert!(found < limit, "{seed} {roughness:?} {rule}: {energy:?}");
             }
-            assert!(fresnel[0] < energy[0] && fresnel[2] < 0.2, "{seed} {roughness:?} {rule}: {fresnel:?}");
+            assert!(fresnel[0] < energy[0].max(0.0005) && fresnel[2] < 0.2, "{seed} {roughness:?} {rule}: {fresnel:?}");
         }
     }
 }
@@ -144,8 +144,8 @@ fn f32_tells_the_same_as_f64() {
     for (roughness, seed, [most, all]) in limits {
         let cases = Draw::many(seed, 20_000, roughness);
         let difference = |lit: &Lit| {
-            let single = in_f32(lit, WeightRule::Seven).map(f64::from);
-            let double = found(lit, WeightRule::Seven);
+            let single = in_f32(lit, WeightRule::Fan).map(f64::from);
+            let double = found(lit, WeightRule::Fan);
             (single[0] - double.energy).abs().max((single[1] - double.fresnel).abs())
         };
         let mut differences: Vec<f64> = cases.par_iter().map(difference).collect();
@@ -163,12 +163,12 @@ fn lights_of_any_size_are_right() {
     let cases: Vec<Lit> = (0..3000).map(|_| draw.lit_by(Roughness::Extreme, [0.0005, 50.0])).collect();
     let error = |lit: &Lit| {
         let wanted = truth_within(1e-6, &lit.at, &lit.light(Sides::Two)).expect("a surface");
-        [WeightRule::Seven, WeightRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())
+        [WeightRule::Fan, WeightRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())
     };
     let errors: Vec<[f64; 2]> = cases.par_iter().map(error).collect();
     for (i, limits) in [[0.002, 0.012, 0.08], [0.0015, 0.01, 0.06]].into_iter().enumerate() {
         let found = spread(errors.iter().map(|errors| errors[i]).collect());
-        println!("any size, {}: {found:.5?}", [WeightRule::Seven, WeightRule::Fine][i]);
+        println!("any size, {}: {found:.5?}", [WeightRule::Fan, WeightRule::Fine][i]);
         assert!(found.iter().zip(limits).all(|(found, limit)| *found < limit), "{i}: {found:?}");
     }
 }
@@ -181,18 +181,18 @@ fn a_hundred_thousand_configurations_are_right() {
     let seen = [Roughness::All, Roughness::Anisotropic, Roughness::Extreme].map(|roughness| {
         let cases = Draw::many(41 + roughness as u64, COUNT / 3 + 1, roughness);
         let error = |(i, lit): (usize, &Lit)| {
-            let double = found(lit, WeightRule::Seven);
-            let [energy, fresnel] = in_f32(lit, WeightRule::Seven).map(f64::from);
-            let seven = Reflected { energy, fresnel };
+            let double = found(lit, WeightRule::Fan);
+            let [energy, fresnel] = in_f32(lit, WeightRule::Fan).map(f64::from);
+            let fan = Reflected { energy, fresnel };
             for part in [double.energy, double.fresnel, energy, fresnel] {
-                assert!((0.0..=1.0).contains(&part), "{seven:?} {double:?} {lit:?}");
+                assert!((0.0..=1.0).contains(&part), "{fan:?} {double:?} {lit:?}");
             }
             let fine = found(lit, WeightRule::Fine);
-            if i % 20 > 0 && (seven.energy - fine.energy).abs() < 0.02 {
-                return (seven.energy - fine.energy).abs();
+            if i % 20 > 0 && (fan.energy - fine.energy).abs() < 0.02 {
+                return (fan.energy - fine.energy).abs();
             }
             let wanted = truth_within(1e-4, &lit.at, &lit.light(Sides::Two)).expect("a surface");
-            (seven.energy - wanted.energy).abs()
+            (fan.energy - wanted.energy).abs()
         };
         let mut errors: Vec<f64> = cases.par_iter().enumerate().map(error).collect();
         errors.sort_by(f64::total_cmp);

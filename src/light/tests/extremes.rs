@@ -17,19 +17,14 @@ use crate::{
 };
 
 fn energy(lit: &Lit, sides: Sides) -> f64 {
-    by_normals(&lit.at, &lit.light(sides), WeightRule::Seven).expect("a surface").energy
+    by_normals(&lit.at, &lit.light(sides), WeightRule::Fan).expect("a surface").energy
 }
 
 /// The same as shaders compute it.
 fn energy_in_f32(lit: &Lit) -> f64 {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
-    let [energy, _] = reflected(
-        lit.alpha().map(|x| x as f32),
-        lit.wo().as_vec3().to_array(),
-        &vertices,
-        Sides::Two,
-        WeightRule::Seven,
-    );
+    let [energy, _] =
+        reflected(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices, Sides::Two, WeightRule::Fan);
     f64::from(energy)
 }
 
@@ -149,6 +144,32 @@ fn nothing_jumps_along_a_path() {
         println!("{name}: {most:.3} at most, steps {jump:.1e}, kinks {kink:.1e}");
         assert!(most > 0.1 && jump < 20.0 / f64::from(STEPS) && kink < 0.5 * jump, "{name}: {most} {jump} {kink}");
     }
+}
+
+/// A level edge is one edge of the light above the surface, and a horizon of several parts below.
+#[test]
+fn a_level_edge_sets_without_a_jump() {
+    const HEIGHT: f64 = 1e-9;
+    let mut draw = Draw::new(71);
+    let mut seen = [0.0; WeightRule::ALL.len()];
+    for _ in 0..2000 {
+        let at = draw.configuration(Roughness::All);
+        let towards = at.phi + TAU * draw.within(0.4, 0.6);
+        let (across, centre) = (DVec3::new(-towards.sin(), towards.cos(), 0.0), draw.within(0.3, 2.0));
+        let (x, foot) = (across * draw.within(0.1, 1.2), centre * DVec3::new(towards.cos(), towards.sin(), 0.0));
+        let top = DVec3::new(0.0, 0.0, draw.within(0.1, 2.0));
+        let light = |z: f64| {
+            let low = foot + DVec3::new(0.0, 0.0, z);
+            Lit { at, vertices: vec![low - x, low + x, foot + x + top, foot - x + top] }.light(Sides::Two)
+        };
+        for (rule, seen) in WeightRule::ALL.iter().zip(&mut seen) {
+            let [above, below] =
+                [HEIGHT, -HEIGHT].map(|z| by_normals(&at, &light(z), *rule).expect("a surface").energy);
+            assert!((above - below).abs() < 1e-6, "{rule:?}, {at:?}: {above} and {below}");
+            *seen += above;
+        }
+    }
+    assert!(seen.iter().all(|sum| *sum > 100.0), "{seen:?}");
 }
 
 fn at(alpha_x: f64, alpha_y: f64, theta: f64) -> Configuration {

@@ -95,7 +95,7 @@ fn extremes_are_finite_and_known_ones_right() {
         let found = truth(&at, light).expect("a surface");
         assert!(found.energy.is_finite() && (0.0..=found.energy + 1e-9).contains(&found.fresnel), "{at:?} {found:?}");
         // The closed form knows these as well: what is off is its weight.
-        let normals = by_normals(&at, light, WeightRule::Seven).expect("a surface");
+        let normals = by_normals(&at, light, WeightRule::Fan).expect("a surface");
         assert!((normals.energy - found.energy).abs() < 0.03, "{at:?} {normals:?} {found:?}");
         found.energy
     };

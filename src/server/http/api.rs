@@ -1,6 +1,9 @@
 //! What the handlers share.
 
-use std::sync::Arc;
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Arc,
+};
 
 use tokio::sync::watch;
 
@@ -29,7 +32,12 @@ impl Api {
         E: Into<Problem> + Send + 'static,
     {
         let service = Arc::clone(&self.service);
-        match tokio::task::spawn_blocking(move || use_case(&service)).await {
+        // tokio panics if it has no blocking thread at all and the system gives it none.
+        let spawn = AssertUnwindSafe(|| tokio::task::spawn_blocking(move || use_case(&service)));
+        let Ok(spawned) = catch_unwind(spawn) else {
+            return Err(error::lacking("the machine has no thread to spare".to_owned()));
+        };
+        match spawned.await {
             Ok(result) => result.map_err(Into::into),
             Err(panicked) => Err(error::internal(&panicked)),
         }

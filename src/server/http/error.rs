@@ -7,7 +7,7 @@ use crate::{
     files::recipe_document::RecipeError,
     server::{
         queue::{Failure, FailureKind},
-        service::{PictureError, ServiceError, SubmitError},
+        service::{ExportFailure, PictureError, ServiceError, SubmitError},
     },
     view::parameters::ParameterFault,
 };
@@ -23,6 +23,12 @@ pub(super) fn stopping() -> Problem {
 /// The problem of a service whose database does not answer.
 pub(super) fn unavailable() -> Problem {
     Problem::new(ProblemKind::Unavailable, "the database does not answer").with_retry_after(RESTART)
+}
+
+/// The problem of a machine that lacks something for a moment. It is the operator's to know, and no error of the service.
+pub(super) fn lacking(detail: String) -> Problem {
+    tracing::warn!("{detail}");
+    Problem::new(ProblemKind::Lacking, detail).with_retry_after(RESTART)
 }
 
 /// The problem of an internal error. The log has its text; the client gets none of it.
@@ -88,10 +94,31 @@ impl From<PictureError> for Problem {
     }
 }
 
+impl From<ExportFailure> for Problem {
+    fn from(failure: ExportFailure) -> Self {
+        let detail = failure.to_string();
+        match failure {
+            ExportFailure::Refused(error) => {
+                let problem = Self::new(ProblemKind::CannotExport, detail);
+                match error.recipe().map(serde_json::from_str) {
+                    Some(Ok(recipe)) => problem.with_recipe(recipe),
+                    Some(Err(_)) | None => problem,
+                }
+            }
+            ExportFailure::TooLarge { .. } => Self::new(ProblemKind::TooExpensive, detail),
+            ExportFailure::QueueFull { retry_after, .. } => {
+                Self::new(ProblemKind::QueueFull, detail).with_retry_after(retry_after)
+            }
+            ExportFailure::Store(error) => error.into(),
+        }
+    }
+}
+
 impl From<ServiceError> for Problem {
     fn from(error: ServiceError) -> Self {
         let kind = match error {
             ServiceError::Stopping => return stopping(),
+            ServiceError::Lacking(_) => return lacking(error.to_string()),
             ServiceError::Corrupt { .. } => ProblemKind::DamagedBlob,
             ServiceError::DiskFull => ProblemKind::DiskFull,
             ServiceError::Unavailable(_) => ProblemKind::Unavailable,
@@ -124,7 +151,7 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 14] = [
+        let cases: [(Problem, u16); 18] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
@@ -134,14 +161,22 @@ mod tests {
             (PictureError::TooExpensive { predicted: 31.0, limit: RESTART }.into(), 422),
             (PictureError::TooSlow { limit: RESTART, retry_after: RESTART }.into(), 503),
             (PictureError::Failed("x".into()).into(), 500),
+            (ExportFailure::TooLarge { entries: 2, limit: 1 }.into(), 422),
+            (ExportFailure::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
+            (ExportFailure::Store(ServiceError::Stopping).into(), 503),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),
             (ServiceError::Storage("x".into()).into(), 500),
             (ServiceError::Unavailable("x".into()).into(), 503),
+            (ServiceError::Lacking("x".into()).into(), 503),
             ((&Failure { kind: FailureKind::DiskFull, detail: "x".into() }).into(), 507),
             ((&Failure { kind: FailureKind::Attempts, detail: "x".into() }).into(), 500),
         ];
         for (problem, status) in cases {
             let shown = format!("{problem:?}");
+            // Each limit is named; those of exports have no flag.
+            let is_limit = shown.contains("TooSlow") || shown.contains("TooExpensive") || shown.contains("QueueFull");
+            let names_it = ["`--picture-", "`--queue-limit`", "exports"].iter().any(|name| shown.contains(name));
+            assert!(!is_limit || names_it, "{shown}");
             assert_eq!(problem.into_response().status().as_u16(), status, "{shown}");
         }
     }

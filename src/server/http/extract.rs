@@ -1,7 +1,7 @@
 //! Parsing of path parameters, query strings and recipe bodies. A malformed value is a problem that names the value and
 //! the allowed form.
 
-use std::{fmt::Display, str::FromStr};
+use std::{fmt::Display, str::FromStr, time::Duration};
 
 use axum::{
     body::Bytes,
@@ -117,12 +117,17 @@ impl FromRequest<Api> for RecipeBody {
         check_content_type(request.headers())?;
         check_content_length(request.headers())?;
         let limit = api.limits.body;
-        let body = tokio::time::timeout(limit, Bytes::from_request(request, api)).await.map_err(|_| {
-            let detail = format!("the body of the request was not complete within {} s", limit.as_secs_f64());
-            Problem::new(ProblemKind::SlowRequest, detail)
-        })?;
+        let body = tokio::time::timeout(limit, Bytes::from_request(request, api))
+            .await
+            .map_err(|_| Problem::new(ProblemKind::SlowRequest, slow("body", limit)))?;
         body.map(Self).map_err(|rejection| unreadable(&rejection))
     }
+}
+
+/// What is said of a `part` of a request that was not complete within `limit`.
+pub(super) fn slow(part: &str, limit: Duration) -> String {
+    let seconds = limit.as_secs_f64();
+    format!("the {part} of the request was not complete within {seconds} s; --client-seconds raises the limit")
 }
 
 fn too_large() -> Problem {

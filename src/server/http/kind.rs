@@ -19,6 +19,10 @@ pub(super) enum ProblemKind {
     UnknownJob,
     UnknownTable,
     UnknownRecipe,
+    UnknownExport,
+    UnknownFile,
+    OtherBytes,
+    CannotExport,
     MethodNotAllowed,
     SlowRequest,
     PreconditionFailed,
@@ -32,6 +36,7 @@ pub(super) enum ProblemKind {
     TooSlow,
     RenderFailed,
     Stopping,
+    Lacking,
     DamagedBlob,
     DiskFull,
     Storage,
@@ -67,6 +72,10 @@ impl ProblemKind {
             Self::UnknownJob => row(StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
             Self::UnknownTable => row(StatusCode::NOT_FOUND, "unknown-table", "There is no such table"),
             Self::UnknownRecipe => row(StatusCode::NOT_FOUND, "unknown-recipe", "There is no such recipe"),
+            Self::UnknownExport => row(StatusCode::NOT_FOUND, "unknown-export", "There is no such export"),
+            Self::UnknownFile => row(StatusCode::NOT_FOUND, "unknown-file", "The export has no such file"),
+            Self::OtherBytes => row(StatusCode::CONFLICT, "other-bytes", "The file has other bytes"),
+            Self::CannotExport => row(StatusCode::UNPROCESSABLE_ENTITY, "cannot-export", "The table has no such files"),
             Self::MethodNotAllowed => {
                 row(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method")
             }
@@ -95,6 +104,9 @@ impl ProblemKind {
             Self::TooSlow => row(StatusCode::SERVICE_UNAVAILABLE, "too-slow", "The picture took too long"),
             Self::RenderFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed"),
             Self::Stopping => row(StatusCode::SERVICE_UNAVAILABLE, "stopping", "The service is stopping"),
+            Self::Lacking => {
+                row(StatusCode::SERVICE_UNAVAILABLE, "lacking", "The machine lacks something for a moment")
+            }
             Self::DamagedBlob => row(StatusCode::INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged"),
             Self::DiskFull => row(StatusCode::INSUFFICIENT_STORAGE, "disk-full", "The disk is full"),
             Self::Storage => row(StatusCode::INTERNAL_SERVER_ERROR, "storage", "The storage failed"),

@@ -88,6 +88,7 @@ fn exposition(metrics: &Metrics) -> String {
         ("entries_fitted", "Entries fitted since the start.", metrics.entries_fitted),
         ("shard_failures", "Shards that failed since the start.", metrics.shard_failures),
         ("leases_expired", "Leases that expired since the start.", metrics.leases_expired),
+        ("exports", "Exports made since the start, except those served from memory.", metrics.exports_made),
         ("blobs_corrupt", "Blobs found damaged since the start.", metrics.blobs_corrupt),
     ];
     for (name, help, value) in counters {
@@ -124,6 +125,7 @@ mod tests {
             jobs: vec![(StateName::Done, 3), (StateName::Queued, 0)],
             entries_fitted: 41,
             table_bytes: 176_000,
+            exports_made: 7,
             pictures: PictureCounts { done: 5, refused: 2, ..PictureCounts::default() },
             ..Metrics::default()
         };
@@ -133,6 +135,7 @@ mod tests {
             r#"ltcforge_jobs{state="queued"} 0"#,
             "ltcforge_entries_fitted_total 41",
             "# TYPE ltcforge_entries_fitted_total counter",
+            "ltcforge_exports_total 7",
             r#"ltcforge_pictures_total{outcome="done"} 5"#,
             r#"ltcforge_pictures_total{outcome="given_up"} 0"#,
             r#"ltcforge_pictures_total{outcome="refused"} 2"#,

@@ -8,6 +8,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use serde::Serialize;
+use serde_json::Value;
 
 use super::kind::ProblemKind;
 use crate::{files::recipe_document::Fault, view::parameters::ParameterFault};
@@ -21,6 +22,7 @@ pub(super) struct Problem {
     kind: ProblemKind,
     detail: String,
     errors: Vec<FaultView>,
+    recipe: Option<Value>,
     retry_after: Option<Duration>,
 }
 
@@ -33,6 +35,8 @@ pub(super) struct ProblemView {
     detail: String,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<FaultView>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recipe: Option<Value>,
 }
 
 /// One of the faults of a request: where it is, and what is wrong there.
@@ -60,7 +64,7 @@ impl From<ParameterFault> for FaultView {
 impl Problem {
     /// A problem of `kind`; `detail` is one sentence on this occurrence.
     pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
-        Self { kind, detail: detail.into(), errors: Vec::new(), retry_after: None }
+        Self { kind, detail: detail.into(), errors: Vec::new(), recipe: None, retry_after: None }
     }
 
     /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
@@ -70,6 +74,11 @@ impl Problem {
             _ => self.detail,
         };
         Self { detail, errors: errors.into_iter().take(MOST_FAULTS).map(Into::into).collect(), ..self }
+    }
+
+    /// The same with a recipe whose table would serve, a document as it is submitted.
+    pub(super) fn with_recipe(self, recipe: Value) -> Self {
+        Self { recipe: Some(recipe), ..self }
     }
 
     /// The same with a `Retry-After` field.
@@ -96,6 +105,7 @@ impl Problem {
             status: row.status.as_u16(),
             detail: self.detail,
             errors: self.errors,
+            recipe: self.recipe,
         }
     }
 }

@@ -7,7 +7,7 @@ use axum::{
     routing::MethodRouter,
 };
 
-use super::{api::Api, events, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables};
+use super::{api::Api, events, exports, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables};
 
 /// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
 #[derive(Debug)]
@@ -34,6 +34,10 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/tables/{digest}", |on| on.get(tables::download)),
     route(Method::HEAD, "/v1/tables/{digest}", |on| on.head(tables::download)),
     route(Method::GET, "/v1/tables/{digest}/manifest", |on| on.get(tables::manifest)),
+    route(Method::GET, "/v1/tables/{digest}/exports", |on| on.get(exports::list)),
+    route(Method::GET, "/v1/tables/{digest}/exports/{export}", |on| on.get(exports::show)),
+    route(Method::GET, "/v1/tables/{digest}/exports/{export}/{file}", |on| on.get(exports::file)),
+    route(Method::GET, "/v1/tables/{digest}/exports/{export}/{folder}/{file}", |on| on.get(exports::file)),
     route(Method::GET, "/v1/tables/{digest}/plots/error.png", |on| on.get(pictures::error_plot)),
     route(Method::GET, "/v1/tables/{digest}/plots/matrix.png", |on| on.get(pictures::matrix_plot)),
     route(Method::GET, "/v1/preview", |on| on.get(pictures::preview)),

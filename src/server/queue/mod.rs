@@ -20,5 +20,6 @@ pub use crate::files::job::{JobId, ParseJobIdError, StateName};
 pub use job::{Failure, FailureKind, Job, JobState};
 pub use leases::{Demand, Lease, LeaseError, LeasedTask, Offer, StaleLease, TaskKind};
 pub use limits::Limits;
+use limits::{MOST_DEATHS, SUSPECT_DEATHS};
 pub use operations::{JobPage, Queue};
 pub use submission::{NewJob, QueueError, Submitted};

@@ -40,7 +40,8 @@ pub trait Queue: Send + Sync + Debug {
     fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError>;
 
     /// Leases up to `most` waiting tasks, each of the job that has the fewest leased, and of such jobs the one that was
-    /// served longest ago: jobs share the workers evenly, and a new one is served next.
+    /// served longest ago: jobs share the workers evenly, and a new one is served next. Of the tasks during which process
+    /// after process ended one is leased at a time.
     fn lease(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer;
 
     /// Records the entries done so far and renews the lease, which need not be durable.

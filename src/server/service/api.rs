@@ -40,8 +40,29 @@ pub struct Config {
     pub max_attempts: u32,
     /// What renders previews.
     pub adapter: Adapter,
-    /// How long a picture may take, from when it starts to be rendered.
-    pub picture_limit: Duration,
+    /// The limits of pictures.
+    pub pictures: PictureLimits,
+    /// Bytes of exports that are kept in memory.
+    pub export_bytes: usize,
+}
+
+/// The limits of pictures. The defaults fit one machine and a team.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PictureLimits {
+    /// How long one may take, as predicted and from when it starts to be rendered.
+    pub time: Duration,
+    /// How many may wait or be rendered at the same time.
+    pub queue: NonZeroUsize,
+    /// Bytes of finished ones that are kept in memory.
+    pub memory_bytes: usize,
+}
+
+impl Default for PictureLimits {
+    /// Most pictures take less than a second, the largest references minutes. One is rendered, and eight wait.
+    fn default() -> Self {
+        let queue = NonZeroUsize::MIN.saturating_add(8);
+        Self { time: Duration::from_secs(30), queue, memory_bytes: 64 << 20 }
+    }
 }
 
 /// Why the service did not start.
@@ -123,7 +144,7 @@ pub enum SubmitError {
     #[error(transparent)]
     Recipe(#[from] RecipeError),
     /// Too many jobs are queued or running.
-    #[error("the queue is full: {limit} jobs are waiting or running")]
+    #[error("the queue is full: {limit} jobs are waiting or running; `--queue-limit` of the service raises the limit")]
     QueueFull {
         /// The limit.
         limit: usize,
@@ -171,6 +192,9 @@ pub enum ServiceError {
     /// The storage does not answer, or not now.
     #[error("the storage cannot be reached now: {0}")]
     Unavailable(String),
+    /// The machine or the process lacks something for a moment, such as a thread or a file descriptor.
+    #[error("the machine lacks something for a moment: {0}")]
+    Lacking(String),
     /// Any other error of the storage.
     #[error("storage: {0}")]
     Storage(String),
@@ -226,6 +250,8 @@ pub struct Metrics {
     pub blobs_corrupt: u64,
     /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,
+    /// Exports made since the start; those served from memory are not counted.
+    pub exports_made: u64,
 }
 
 /// How many pictures ended in which way since the start.
@@ -247,6 +273,7 @@ impl From<StoreError> for ServiceError {
             StoreError::DiskFull => Self::DiskFull,
             StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
             StoreError::Unavailable(reason) => Self::Unavailable(reason),
+            other if other.is_passing() => Self::Lacking(other.to_string()),
             other => Self::Storage(other.to_string()),
         }
     }

@@ -1,16 +1,17 @@
-//! What users download: tables, manifests, recipes and pictures.
+//! What users download: tables, manifests, recipes, exports and pictures.
 
-use std::{panic::resume_unwind, sync::Arc, thread, time::Duration};
+use std::{sync::Arc, time::Duration};
 
 use super::{
-    Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow, state::ServiceState,
+    ExportFailure, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow,
+    state::ServiceState,
 };
 use crate::{
-    files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION},
+    files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION, textures::Export},
     fit::GoOn,
     server::{
         queue::JobId,
-        store::{Catalogue, ManifestRow},
+        store::{Catalogue, ManifestRow, StoreError},
     },
 };
 
@@ -40,7 +41,10 @@ impl Service {
             return Ok(Some(text));
         }
         let made = state.make_manifest(&file, &|| !state.is_stopping());
-        let made = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        let made = made.map_err(|error| match error {
+            ManifestError::Table(error) => ServiceError::Storage(format!("the blob {digest}: {error}")),
+            ManifestError::Lacking(error) => error.into(),
+        })?;
         let manifest = made.ok_or(ServiceError::Stopping)?;
         state.tables.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
         Ok(Some(manifest.text))
@@ -80,6 +84,32 @@ impl Service {
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))
     }
 
+    /// The exports of a table that its layout allows; an engine may still want another size.
+    ///
+    /// # Errors
+    /// As [`Self::table`].
+    pub fn exports(&self, table: Digest) -> Result<Option<Vec<Export>>, ExportFailure> {
+        self.table(table)?.map(|file| self.state.engine.exports(&file)).transpose()
+    }
+
+    /// An export of a table, made at the first request and then kept, unless others push it out. Its files follow from the
+    /// table, the export and this program. How good the table is comes from its manifest, so that no export measures it.
+    ///
+    /// # Errors
+    /// See [`ExportFailure`].
+    pub fn export(&self, table: Digest, export: Export) -> Result<Option<Arc<MadeExport>>, ExportFailure> {
+        let key = Digest::of(format!("{export} of {table}").as_bytes());
+        self.state.exports.get(key, || {
+            if self.state.is_stopping() {
+                return Err(ServiceError::Stopping.into());
+            }
+            let Some(file) = self.table(table)? else { return Ok(None) };
+            let Some(manifest) = self.manifest(table)? else { return Ok(None) };
+            let made = self.state.measuring_pool.install(|| self.state.engine.export(&file, &manifest, export));
+            Ok(Some(made?.into()))
+        })
+    }
+
     /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the
     /// picture of a tag.
     ///
@@ -95,15 +125,27 @@ impl Service {
     }
 }
 
+/// Why a manifest could not be made.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum ManifestError {
+    /// The file is not a table.
+    #[error(transparent)]
+    Table(#[from] TableFileError),
+    /// The machine lacks a thread for a moment.
+    #[error(transparent)]
+    Lacking(StoreError),
+}
+
 impl ServiceState {
     /// Measures a table and makes its manifest; `None` as soon as `go_on` says no.
-    pub(super) fn make_manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<ManifestRow>, TableFileError> {
+    pub(super) fn make_manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<ManifestRow>, ManifestError> {
         let measure = || self.measuring_pool.install(|| self.engine.manifest(file, go_on));
         // The caller may be a thread of the fitting pool. If it waited for the other pool, rayon would let it take
         // other work of its own pool meanwhile, such as the endless loop of another worker. So a thread of no pool
         // waits.
-        let made = thread::scope(|scope| scope.spawn(measure).join());
-        let text = made.unwrap_or_else(|panic| resume_unwind(panic))?;
+        let made = self.threads.run("wait-for-measure", measure);
+        let text =
+            made.map_err(|source| ManifestError::Lacking(StoreError::of_io("a thread that measures", source)))??;
         Ok(text.map(|text| ManifestRow { version: MANIFEST_VERSION, text }))
     }
 }

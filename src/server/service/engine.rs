@@ -5,12 +5,14 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+use super::{ExportFailure, ServiceError};
 use crate::{
     files::{
-        container::{self, TableFileError},
+        container::{self, TableFile, TableFileError},
         digest::Digest,
-        manifest::manifest_json_while,
+        manifest::{manifest_json_while, mean_error},
         recipe_document::{self, RecipeError},
+        textures::{About, Bundle, Export},
     },
     fit::{self, Expectation, FITTER_VERSION, GoOn, Plan},
     server::queue::NewJob,
@@ -42,6 +44,12 @@ pub(super) trait Engine: Send + Sync {
 
     /// The manifest of a canonical file; `None` as soon as `go_on` says no. Measures the table on the current rayon pool.
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError>;
+
+    /// The exports for which the table of a canonical file has the layout.
+    fn exports(&self, file: &[u8]) -> Result<Vec<Export>, ExportFailure>;
+
+    /// The files of an export of a canonical file, whose manifest tells how good it is.
+    fn export(&self, file: &[u8], manifest: &str, export: Export) -> Result<Bundle, ExportFailure>;
 }
 
 /// The fitter of this crate.
@@ -73,6 +81,13 @@ impl FitEngine {
         *latest = Some((document.to_owned(), Arc::clone(&plan)));
         Ok(plan)
     }
+}
+
+/// Entries of a table, at most, that is exported: 24 MB of numbers, of which a text takes five times as many bytes.
+const MOST_EXPORTED: usize = 500_000;
+
+fn unreadable(error: impl std::fmt::Display) -> ExportFailure {
+    ServiceError::Storage(error.to_string()).into()
 }
 
 fn entries(plan: &Plan, shard: u32) -> usize {
@@ -125,6 +140,22 @@ impl Engine for FitEngine {
 
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
         manifest_json_while(go_on, file)
+    }
+
+    fn exports(&self, file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
+        let table = container::decode(file).map_err(unreadable)?.table;
+        Ok(Export::all().filter(|export| export.layout(&table).is_ok()).collect())
+    }
+
+    fn export(&self, file: &[u8], manifest: &str, export: Export) -> Result<Bundle, ExportFailure> {
+        let TableFile { table, recipe } = container::decode(file).map_err(unreadable)?;
+        let entries = table.matrix.len();
+        if entries > MOST_EXPORTED {
+            return Err(ExportFailure::TooLarge { entries, limit: MOST_EXPORTED });
+        }
+        let error = mean_error(manifest).map_err(unreadable)?;
+        let about = About::of_table(Digest::of(file), Some(&recipe), Some(error));
+        Ok(export.bundle(&table, about)?)
     }
 }
 

@@ -45,7 +45,8 @@ mod tests {
         // Half of the entries, at a third of the speed.
         forecast.learn(&recipe, 0.5, 3.0 * 0.5 * model.seconds);
         let after = forecast.of(&recipe).expect("this fitter's");
-        assert!((after.seconds / before.seconds - 3.0).abs() < 0.2, "{before:?} {after:?}");
+        // What was believed before still weighs a little.
+        assert!((2.7..3.0).contains(&(after.seconds / before.seconds)), "{before:?} {after:?}");
         assert_eq!(after.error, before.error);
         assert!(forecast.of("another fitter's").is_none());
     }

@@ -1,9 +1,10 @@
-//! The use cases: submit, work, download, preview.
+//! The use cases: submit, work, download, export, preview.
 //!
 //! Invariant: nothing is fitted or rendered on a caller's thread. Tables are fitted on one rayon pool of the service
-//! and measured on another; pictures are rendered on a thread of their own.
+//! and measured and exported on another; pictures are rendered on a thread of their own.
 
 mod api;
+mod cache;
 mod check;
 #[cfg(feature = "cluster")]
 mod cluster;
@@ -11,6 +12,7 @@ mod cursor;
 mod deliveries;
 mod downloads;
 mod engine;
+mod exports;
 mod forecast;
 #[cfg(feature = "cluster")]
 mod migrate;
@@ -23,13 +25,15 @@ mod submit;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod threads;
 mod turns;
 mod watch;
 mod work;
 
 pub use crate::server::store::TableRow;
 pub use api::{
-    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, ServiceError, SubmitError, SubmitReply,
+    Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
+    SubmitReply,
 };
 pub use check::{CheckReport, check};
 #[cfg(feature = "cluster")]
@@ -37,6 +41,7 @@ pub use cluster::{DatabaseUrl, Shared, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
 #[cfg(feature = "cluster")]
 pub use migrate::{Migrated, migrate};
+pub use exports::{ExportFailure, ExportedFile, MadeExport};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;
 pub use state::Service;

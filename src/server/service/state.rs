@@ -6,8 +6,8 @@ use std::sync::{
 };
 
 use super::{
-    Config, Metrics, ServiceError, deliveries::Deliveries, engine::Engine, forecast::Forecast, pictures::Pictures,
-    tables::Tables, turns::Turns, watch::Hub,
+    Config, Metrics, ServiceError, deliveries::Deliveries, engine::Engine, exports::Exports, forecast::Forecast,
+    pictures::Pictures, tables::Tables, threads::Threads, turns::Turns, watch::Hub,
 };
 use crate::server::{
     queue::{JobId, Queue},
@@ -32,12 +32,15 @@ pub(super) struct ServiceState {
     pub(super) queue: Box<dyn Queue>,
     pub(super) deliveries: Deliveries,
     pub(super) hub: Hub,
-    /// Measures tables. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
+    /// Measures tables and makes exports of them. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
     /// until a table is assembled.
     pub(super) measuring_pool: rayon::ThreadPool,
+    /// Starts threads for single pieces of work.
+    pub(super) threads: Threads,
     /// Which of the threads that fit may work.
     pub(super) turns: Turns,
     pub(super) pictures: Pictures,
+    pub(super) exports: Exports,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
 }
@@ -116,6 +119,7 @@ impl Service {
             table_bytes,
             blobs_corrupt: state.tables.damaged(),
             pictures: state.pictures.counts(),
+            exports_made: state.exports.made(),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! The service with a fake engine.
 
+mod exports;
 mod fake_engine;
 mod reconciled;
 mod storage;
@@ -28,7 +29,8 @@ fn config(dir: &Path) -> Config {
         lease_ttl: Duration::from_secs(60),
         adapter: crate::view::preview::Adapter::Cpu,
         max_attempts: 3,
-        picture_limit: Duration::from_secs(60),
+        pictures: PictureLimits::default(),
+        export_bytes: 100,
     }
 }
 

@@ -10,6 +10,7 @@ use std::{
 
 use super::{
     TableRow,
+    downloads::ManifestError,
     state::ServiceState,
     turns::{Asked, Turn},
 };
@@ -150,7 +151,10 @@ impl ServiceState {
         let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
         // The table is measured by other threads.
         let manifest = turn.leave(|| self.make_manifest(&file, &go_on), &mut || self.renew(task, 0));
-        let manifest = manifest.map_err(|error| TaskError::Failed(error.to_string()))?;
+        let manifest = manifest.map_err(|error| match error {
+            ManifestError::Table(error) => TaskError::Failed(error.to_string()),
+            ManifestError::Lacking(error) => TaskError::Store(error),
+        })?;
         let Some(manifest) = manifest.filter(|_| turn.works()) else {
             self.queue.give_back(&task.lease)?;
             return Ok(());

@@ -50,7 +50,7 @@ pub enum StoreError {
 
 impl StoreError {
     /// The error of an operation on `path`, or [`Self::DiskFull`].
-    pub(super) fn of_io(path: impl Into<PathBuf>, source: io::Error) -> Self {
+    pub(in crate::server) fn of_io(path: impl Into<PathBuf>, source: io::Error) -> Self {
         if is_full(source.kind()) { Self::DiskFull } else { Self::Io { path: path.into(), source } }
     }
 

@@ -153,8 +153,18 @@ fn open_rows(folder: &Path, quarantine: &Path, found: &mut Findings) -> Result<S
 
 fn open_and_read(folder: &Path) -> Result<(SledRows, usize), SledOpenError> {
     let rows = SledRows::open(folder, Arc::new(File::sync_all))?;
-    let damaged = rows.read_all().map_err(|error| SledOpenError::Damaged(error.to_string()))?;
+    let damaged = rows.read_all().map_err(unreadable)?;
     Ok((rows, damaged))
+}
+
+/// Rows that cannot be read are damaged, unless the machine lacks something for a moment: then they are left as they are.
+fn unreadable(error: StoreError) -> SledOpenError {
+    match error {
+        StoreError::Io { ref source, .. } if error.is_passing() => {
+            SledOpenError::Unusable(io::Error::new(source.kind(), error.to_string()))
+        }
+        other => SledOpenError::Damaged(other.to_string()),
+    }
 }
 
 fn refusal(error: SledOpenError) -> StoreOpenError {

@@ -193,8 +193,11 @@ impl SledRows {
                 Ok(damaged)
             })
         };
-        let done = thread::scope(|scope| scope.spawn(read).join());
-        done.unwrap_or_else(|_| Err(StoreError::Database("sled panicked while it read its rows".to_owned())))
+        let done = thread::scope(|scope| {
+            let started = thread::Builder::new().name("read-database".to_owned()).spawn_scoped(scope, read);
+            Ok(started.map_err(|source| StoreError::of_io("a thread that reads the database", source))?.join())
+        });
+        done?.unwrap_or_else(|_| Err(StoreError::Database("sled panicked while it read its rows".to_owned())))
     }
 
     fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {

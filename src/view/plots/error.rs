@@ -2,7 +2,7 @@
 
 use super::{ErrorSlice, chart::Chart};
 use crate::{
-    fit::{Table, error_map},
+    fit::{ErrorMap, GoOn, Table, error_map, error_map_while},
     view::picture::{Panel, Picture, bar, colour, grid, headed, number},
 };
 
@@ -13,7 +13,15 @@ const ENDS: [f64; 2] = [1e-3, 1.0];
 
 /// Both errors side by side.
 pub(super) fn draw(table: &Table, name: &str, slice: ErrorSlice) -> Picture {
-    let map = error_map(table, slice.ratio, slice.phi, CELLS);
+    shown(&error_map(table, slice.ratio, slice.phi, CELLS), table, name)
+}
+
+/// The same; `None` as soon as `go_on` says no.
+pub(super) fn draw_while(go_on: &GoOn, table: &Table, name: &str, slice: ErrorSlice) -> Option<Picture> {
+    Some(shown(&error_map_while(go_on, table, slice.ratio, slice.phi, CELLS)?, table, name))
+}
+
+fn shown(map: &ErrorMap, table: &Table, name: &str) -> Picture {
     let nodes = [&table.axes.alpha, &table.axes.theta].map(Vec::as_slice);
     let chart = Chart { cells: CELLS, roughness: map.roughness, theta: map.theta, nodes, ends: ENDS };
     let panels = [("distance, % of the lobe's width", &map.width), ("light, % of the lobe", &map.light)].map(

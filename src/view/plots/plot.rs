@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{ErrorSlice, error, matrix};
 use crate::{
-    fit::Table,
+    fit::{GoOn, Table},
     view::picture::{Picture, short_digest},
 };
 
@@ -35,6 +35,16 @@ impl Plot {
         match self {
             Self::Error(slice) => error::draw(table, &name, *slice),
             Self::Matrix => matrix::draw(table, &name),
+        }
+    }
+
+    /// The same; `None` as soon as `go_on`, which is asked before each configuration, says no.
+    #[must_use]
+    pub fn draw_while(&self, go_on: &GoOn, table: &Table, digest: &str) -> Option<Picture> {
+        let name = format!("table {}", short_digest(digest));
+        match self {
+            Self::Error(slice) => error::draw_while(go_on, table, &name, *slice),
+            Self::Matrix => Some(matrix::draw(table, &name)),
         }
     }
 }

@@ -177,7 +177,7 @@ impl Frame {
         }
         words.vector(light.normal, light.area);
         words.vector(Vec3::splat(light.radiance), 0.0);
-        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), self.weight as u32, 0]);
+        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), 0, 0]);
         words.0
     }
 }

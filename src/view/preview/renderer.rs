@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::{
-    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
+    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose,
+    cost::{NORMALS_COST, TABLE_COST},
+    cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
     gpu::{Gpu, GpuFailure, RenderTask, Variant},
@@ -17,9 +19,8 @@ const CPU: &str = "cpu";
 
 /// Pictures in a row at which a GPU may hang before it is never used again.
 const MOST_HANGS: u32 = 2;
-/// Most rows, and samples, that the CPU renders between asking whether to stop.
-const ROWS: u32 = 32;
-const SAMPLES: u32 = 1 << 20;
+/// Samples that the CPU renders between asking whether to stop. They take some hundredths of a second on one slow core.
+const SAMPLES: u32 = 1 << 18;
 
 /// What renders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -283,16 +284,33 @@ fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
 /// A whole frame, as radiance, on the CPU.
 fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
     let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
-    let samples = if estimator == Estimator::Reference { frame.spp } else { 1 };
-    let rows = (SAMPLES / (frame.size * samples)).clamp(1, ROWS);
-    for top in (0..frame.size).step_by(rows as usize) {
+    for (corner, extent) in cpu_parts(frame.size, samples_of_a_pixel(frame, estimator)) {
         if stop() {
             return Err(PreviewError::Stopped);
         }
-        let extent = [frame.size, rows.min(frame.size - top)];
-        pixels.extend(cpu::render(frame, table, estimator, [0, top], extent).pixels);
+        pixels.extend(cpu::render(frame, table, estimator, corner, extent).pixels);
     }
     Ok(Radiances { width: frame.size, pixels })
+}
+
+/// The work of a pixel in samples of the reference.
+fn samples_of_a_pixel(frame: &Frame, estimator: Estimator) -> u32 {
+    match estimator {
+        Estimator::Reference => frame.spp,
+        Estimator::Normals => NORMALS_COST,
+        Estimator::Table | Estimator::TableLobe | Estimator::ReferenceLobe => TABLE_COST,
+    }
+}
+
+/// The parts of a frame that the CPU renders one after another, as corner and extent: some whole rows, or a part of one
+/// row where a row has more samples than [`SAMPLES`]. Their pixels follow each other as those of the frame do.
+fn cpu_parts(size: u32, samples: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
+    let pixels = (SAMPLES / samples).max(1);
+    let (width, height) = (pixels.min(size), (pixels / size).max(1));
+    (0..size).step_by(height as usize).flat_map(move |top| {
+        let extent = move |left: u32| [width.min(size - left), height.min(size - top)];
+        (0..size).step_by(width as usize).map(move |left| ([left, top], extent(left)))
+    })
 }
 
 /// Three words a pixel.
@@ -327,6 +345,21 @@ mod tests {
 
     fn absent() -> Result<(), GpuFailure> {
         Err(GpuFailure::Absent("none".to_owned()))
+    }
+
+    /// Whatever the scene, the CPU asks whether to stop after so many samples, or after one pixel.
+    #[test]
+    fn parts_for_the_cpu_are_small_and_take_each_pixel_once_in_order() {
+        for (size, samples) in [(64, 1), (64, 4096), (2048, 4096), (2048, 64), (2048, 8), (333, 700), (100, 1 << 20)] {
+            let mut next = 0;
+            for ([left, top], [width, height]) in cpu_parts(size, samples) {
+                assert!(width * height == 1 || width * height * samples <= SAMPLES, "{size} {samples}");
+                assert!(height == 1 || width == size, "whole rows, or a part of one");
+                assert_eq!(top * size + left, next, "{size} {samples}");
+                next += width * height;
+            }
+            assert_eq!(next, size * size, "{size} {samples}");
+        }
     }
 
     #[test]

@@ -219,7 +219,7 @@ impl Default for Scene {
             spp: 64,
             mode: Mode::Ltc,
             model: LightModel::Ltc,
-            weight: WeightRule::Seven,
+            weight: WeightRule::Fan,
             exposure: 1.0,
             difference_scale: 0.2,
         }

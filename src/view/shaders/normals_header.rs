@@ -23,8 +23,8 @@ FUNCTIONS
       what is reflected of a light of radiance one: for a Fresnel factor of one, and the part of it that Schlick's
       (1 - cos)^5 weighs. The light's vertices are relative to the shaded point, in the tangent frame, convex, and run
       clockwise seen from the lit side; a disk's is towards half_x x half_y.
-  rule  how the weight of shadowing is averaged: 0 over seven normals of each triangle; 1 at the mean normal, which is
-      cheaper; 2 over twice as many triangles.
+  rule  how the weight of shadowing is averaged: 0 over triangles between the mean normal and each edge; 1 at the mean
+      normal, which is cheaper; 2 over twice as many triangles. Give it as a constant: compilers then drop the others.
   Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 

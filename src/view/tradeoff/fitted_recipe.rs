@@ -25,6 +25,8 @@ pub struct Measurement {
     pub width: Spread,
     /// Error between nodes, sliced Wasserstein distance.
     pub sw1: Spread,
+    /// Absolute error of the reflected energy of random lights, by which models are measured too.
+    pub light: Spread,
 }
 
 /// A line of the trade-off.
@@ -62,6 +64,10 @@ pub struct FittedRecipe {
     pub sw1_mean: f64,
     /// Its 95th percentile.
     pub sw1_p95: f64,
+    /// Mean absolute error of the reflected energy of random lights.
+    pub light_mean: f64,
+    /// Its 95th percentile.
+    pub light_p95: f64,
     /// The prediction of `seconds`.
     pub predicted_seconds: f64,
     /// The prediction of `error_mean`.
@@ -122,6 +128,8 @@ fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -
         error_p95: measured.width.p95,
         sw1_mean: measured.sw1.mean,
         sw1_p95: measured.sw1.p95,
+        light_mean: measured.light.mean,
+        light_p95: measured.light.p95,
         predicted_seconds: seconds / threads as f64,
         predicted_error: error,
         on_front: Fronts { seconds: false, bytes: false, base: false },

@@ -151,7 +151,7 @@ pub(super) mod tests {
         let normals = |rule, mean| row(LightModel::Normals, Some(rule), None, mean, 0);
         let rows = vec![
             row(LightModel::Ltc, None, Some(Layout::Reflected), 0.0061, 181_440),
-            normals(WeightRule::Seven, 0.0009),
+            normals(WeightRule::Fan, 0.0009),
             normals(WeightRule::Mean, 0.004),
             normals(WeightRule::Fine, 0.0005),
         ];
@@ -163,7 +163,7 @@ pub(super) mod tests {
         let text = rows().text();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 1 + 4 + 1, "{text}");
-        for (line, name) in lines[1..].iter().zip(["ltc reflected", "normals seven", "normals mean", "normals fine"]) {
+        for (line, name) in lines[1..].iter().zip(["ltc reflected", "normals fan", "normals mean", "normals fine"]) {
             assert!(line.starts_with(name), "{line}");
             assert_eq!(line.len(), lines[0].len(), "{line}");
         }

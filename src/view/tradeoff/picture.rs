@@ -6,6 +6,7 @@ use super::{
     FittedRecipe, ModelRows,
     axis::LogAxis,
     label::{Area, places},
+    mark::{MARK, mark},
     model_panels,
     number::{bytes, rounded, two_digits},
 };
@@ -22,8 +23,6 @@ const PANEL_WIDTH: f64 = 480.0;
 /// The width of a letter at 13 pixels, and the height of a name.
 const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
-/// Half a mark.
-const MARK: f64 = 4.0;
 /// Half of what is drawn around a mark that has a name.
 const RING: f64 = 7.5;
 
@@ -46,6 +45,7 @@ text { fill: #24292f; fill: var(--ink) }
 .normals { fill: #1a7f37; fill: var(--c); stroke: #1a7f37; stroke: var(--c) }
 .f16 { fill: #ffffff; fill: var(--paper) }
 .off { opacity: 0.45 }
+.faint { opacity: 0.25 }
 .front { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
 .base { stroke-dasharray: 6 4 }
 .preset { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
@@ -78,7 +78,7 @@ pub fn picture(rows: &[FittedRecipe], models: &ModelRows) -> String {
 fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) -> std::fmt::Result {
     writeln!(
         out,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and against bytes, and the error of models against the time of a frame">"#
+        r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" aria-label="Error against seconds and against bytes, and the light of models against the time of a frame, bytes and seconds">"#
     )?;
     writeln!(out, "<style>\n{STYLE}</style>")?;
     writeln!(out, r#"<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>"#)?;
@@ -104,7 +104,7 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
     for chart in &panels {
         write_chart(out, chart, rows)?;
     }
-    model_panels::write(out, 560.0, models)?;
+    model_panels::write(out, 560.0, rows, models)?;
     writeln!(out, "</svg>")
 }
 
@@ -245,22 +245,8 @@ fn write_names(out: &mut String, frame: &Area, named: &[Named], taken: &[Area]) 
     Ok(())
 }
 
-fn mark(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
-    match Layout::ALL.iter().position(|known| *known == layout).unwrap_or(0) {
-        0 => writeln!(out, r#"<circle class="layout0{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#),
-        number => {
-            let side = 2.0 * MARK - 1.0;
-            let (left, top) = (x - 0.5 * side, y - 0.5 * side);
-            writeln!(
-                out,
-                r#"<rect class="layout{number}{classes}" x="{left:.1}" y="{top:.1}" width="{side}" height="{side}"/>"#
-            )
-        }
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::{
         files::digest::Digest,
@@ -268,7 +254,7 @@ mod tests {
         view::tradeoff::{Fronts, model::tests::rows as models},
     };
 
-    fn row(seconds: f64, error_mean: f64, preset: Option<&'static str>) -> FittedRecipe {
+    pub(crate) fn row(seconds: f64, error_mean: f64, preset: Option<&'static str>) -> FittedRecipe {
         FittedRecipe {
             recipe_digest: Digest::of(b""),
             preset,
@@ -286,6 +272,8 @@ mod tests {
             error_p95: error_mean,
             sw1_mean: error_mean,
             sw1_p95: error_mean,
+            light_mean: 0.1 * error_mean,
+            light_p95: 0.5 * error_mean,
             predicted_seconds: seconds,
             predicted_error: error_mean,
             on_front: Fronts { seconds: true, bytes: false, base: preset.is_some() },

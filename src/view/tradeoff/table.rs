@@ -8,8 +8,8 @@ use super::{FittedRecipe, ModelRows, POINTS};
 use crate::fit::PerAxis;
 
 const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,directions,steps,precision,entries,bytes,seconds,\
-                      wall_seconds,error_mean,error_p95,sw1_mean,sw1_p95,predicted_seconds,predicted_error,\
-                      on_front_seconds,on_front_bytes,on_front_base";
+                      wall_seconds,error_mean,error_p95,sw1_mean,sw1_p95,light_mean,light_p95,predicted_seconds,\
+                      predicted_error,on_front_seconds,on_front_bytes,on_front_base";
 
 /// A header and a line per row; no field needs quotes.
 #[must_use]
@@ -32,6 +32,7 @@ fn write_line(out: &mut String, row: &FittedRecipe) -> std::fmt::Result {
     write!(out, "{samples},{directions},{steps},{precision},{entries},{bytes},")?;
     write!(out, "{:.4},{:.4},", row.seconds, row.wall_seconds)?;
     write!(out, "{:.6},{:.6},{:.6},{:.6},", row.error_mean, row.error_p95, row.sw1_mean, row.sw1_p95)?;
+    write!(out, "{:.6},{:.6},", row.light_mean, row.light_p95)?;
     write!(out, "{:.4},{:.6},", row.predicted_seconds, row.predicted_error)?;
     writeln!(out, "{},{},{}", on_front.seconds, on_front.bytes, on_front.base)
 }

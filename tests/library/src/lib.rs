@@ -13,7 +13,7 @@ mod tests {
     use super::*;
 
     /// The digest that `tests/cli/same_bytes.rs` pins for the command, whatever this was compiled for.
-    const PINNED_DIGEST: &str = "sha256:f4c68a89fffd607ea67d27a5e24c72023f8b03d8ef91c64b74ee1b1cd9dd8acc";
+    const PINNED_DIGEST: &str = "sha256:dfd20800cb3d312f016d0dac3d2427146c3e9a9fca75994a0f0f3dfb6a5a33c5";
 
     #[test]
     fn the_bytes_are_pinned() {

@@ -48,6 +48,8 @@ fn each_bundle_has_steps_and_tells_its_files() {
     for engine in Engine::ALL {
         let bundle = bundle(*engine, 64);
         assert!(!bundle.steps.is_empty() && bundle.files.len() >= 2, "{engine}");
+        // The service has addresses for files of one folder, and of one below it.
+        assert!(bundle.files.iter().all(|file| file.path.split('/').count() <= 2), "{engine}");
         let manifest: Value = serde_json::from_str(text(&bundle, MANIFEST)).expect("JSON");
         let listed = manifest["files"].as_array().expect("files");
         assert_eq!(listed.len(), bundle.files.len() - 1, "{engine}");

@@ -62,14 +62,18 @@ impl TextureLayout {
     /// # Errors
     /// When the table has another layout, or lacks what these textures need; the error names a recipe that has it.
     pub fn textures(self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
+        self.check(table)?;
+        self.rules().textures(table)
+    }
+
+    /// Whether the table has these textures.
+    pub(super) fn check(self, table: &Table) -> Result<(), NoTextures> {
         let TextureSampling { table: needed, recipe, .. } = self.sampling();
         if table.layout != needed {
             return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe });
         }
-        match self.rules().lacks(table) {
-            Some(lacking) => Err(NoTextures::Lacking { asked: self.name(), lacking, recipe }),
-            None => self.rules().textures(table),
-        }
+        let lacking = self.rules().lacks(table);
+        lacking.map_or(Ok(()), |lacking| Err(NoTextures::Lacking { asked: self.name(), lacking, recipe }))
     }
 }
 

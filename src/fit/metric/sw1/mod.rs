@@ -5,32 +5,36 @@
 //! are histograms on the same nodes. The two nodes around a sample share it in proportion (cloud-in-cell), so F moves
 //! continuously with the samples, and the cost is linear in their number.
 
+mod cells;
+mod histogram;
+mod samples;
 mod slice;
+
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use self::slice::{Slice, split};
+use self::{
+    cells::CELLS,
+    histogram::{EQUAL, Histogram, Places},
+    samples::{CosineSamples, LANES},
+    slice::{Slice, TargetSamples},
+};
 use super::{
-    distance::{Distance, Loss, MetricRules, Samples},
+    distance::{Distance, Grain, Loss, MetricRules, Samples},
     target::Target,
 };
 use crate::fit::{
-    math::{Lattice, cosine_hemisphere, fibonacci_hemisphere},
+    math::{Lattice, fibonacci_hemisphere},
     pulse::Pulse,
 };
 
-/// Fixed samples of the clamped cosine.
-#[derive(Debug, Clone)]
-struct CosineSamples {
-    points: Vec<DVec3>,
-}
-
-impl CosineSamples {
-    /// The images of a lattice's points under [`cosine_hemisphere`].
-    fn new(lattice: Lattice) -> Self {
-        Self { points: lattice.points().map(cosine_hemisphere).collect() }
-    }
-}
+/// Directions whose gradients are added to the samples together.
+const GROUP: usize = 4;
+/// Of the samples and of the directions, a coarse evaluation takes one in so many, but this many samples at least.
+const COARSE_SAMPLES: usize = 4;
+const COARSE_DIRECTIONS: usize = 2;
+const LEAST_COARSE: usize = 64;
 
 /// The sliced Wasserstein distance as an item of [`super::Metric`].
 pub(super) struct Rules;
@@ -38,8 +42,12 @@ pub(super) struct Rules;
 impl MetricRules for Rules {
     fn distance(&self, samples: &Samples) -> Box<dyn Distance> {
         let directions = samples.directions;
+        let coarse = (samples.count / COARSE_SAMPLES).max(LEAST_COARSE).min(samples.count);
         Box::new(SlicedWasserstein {
-            samples: CosineSamples::new(Lattice::new(samples.count, samples.shift)),
+            samples: Arc::new([
+                CosineSamples::new(Lattice::new(coarse, samples.shift)),
+                CosineSamples::new(Lattice::new(samples.count, samples.shift)),
+            ]),
             directions: (0..directions).map(|i| fibonacci_hemisphere(i, directions, samples.shift[1])).collect(),
             buffers: Buffers::default(),
         })
@@ -49,12 +57,20 @@ impl MetricRules for Rules {
 /// The metric with its fixed samples and directions, shared by all entries.
 #[derive(Debug)]
 struct SlicedWasserstein {
-    samples: CosineSamples,
-    directions: Vec<DVec3>,
+    samples: Arc<[CosineSamples; 2]>,
+    directions: Arc<[DVec3]>,
     buffers: Buffers,
 }
 
 impl Distance for SlicedWasserstein {
+    fn another(&self) -> Box<dyn Distance> {
+        Box::new(Self {
+            samples: Arc::clone(&self.samples),
+            directions: Arc::clone(&self.directions),
+            buffers: Buffers::default(),
+        })
+    }
+
     fn to<'a>(&'a mut self, target: &Target, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>> {
         Some(Box::new(SlicedLoss::new(target, &self.samples, &self.directions, &mut self.buffers, pulse)?))
     }
@@ -63,100 +79,166 @@ impl Distance for SlicedWasserstein {
 /// The distance to one target over fixed samples and directions.
 #[derive(Debug)]
 struct SlicedLoss<'a> {
-    samples: &'a CosineSamples,
+    samples: &'a [CosineSamples; 2],
     slices: Vec<Slice>,
     /// Mean standard deviation of the target over the directions: the unit in which losses are measured.
     spread: f64,
     buffers: &'a mut Buffers,
 }
 
-/// Buffers of an evaluation, kept between evaluations.
+/// Buffers of tabulations and evaluations, kept from one to the next.
 #[derive(Debug, Default)]
 struct Buffers {
+    target: TargetSamples,
     /// Offsets of the LTC's samples from the lobe's axis, one array a coordinate.
     x: Vec<f32>,
     y: Vec<f32>,
     z: Vec<f32>,
-    inv_length: Vec<f64>,
-    /// Gradient of the loss by each sample's direction.
+    inv_length: Vec<f32>,
+    /// Gradient of the loss by each sample's direction, in parts of a sample.
     gx: Vec<f32>,
     gy: Vec<f32>,
     gz: Vec<f32>,
-    /// Cell, fraction and slope of each sample on the current direction.
-    cell: Vec<u32>,
-    fraction: Vec<f32>,
-    slope: Vec<f32>,
-    /// Samples at each node, and the gradient of each cell.
-    mass: Vec<f32>,
-    push: Vec<f32>,
+    histogram: Histogram,
+    rows: [Row; GROUP],
+}
+
+/// What the gradient needs of one direction.
+#[derive(Debug)]
+struct Row {
+    /// Where each sample is among the direction's nodes.
+    places: Places,
+    /// The direction in which the samples of each cell lower the loss: -1, 0 or 1.
+    push: Box<[f32; CELLS]>,
+    /// The same for each sample.
+    slopes: Vec<f32>,
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        Self { places: Places::default(), push: Box::new([0.0; CELLS]), slopes: Vec::new() }
+    }
 }
 
 impl<'a> SlicedLoss<'a> {
     /// Tabulates `target` along `directions` (unit vectors in the lobe's frame); `None` when `pulse` stops it.
     fn new(
         target: &Target,
-        samples: &'a CosineSamples,
+        samples: &'a [CosineSamples; 2],
         directions: &[DVec3],
         buffers: &'a mut Buffers,
         pulse: &mut Pulse,
     ) -> Option<Self> {
-        let slice = |d: &DVec3| pulse.worked(target.points.len()).map(|()| Slice::new(target, *d));
+        let Buffers { target: sampled, histogram, .. } = &mut *buffers;
+        sampled.fill(&target.points, &target.weights);
+        let slice = |d: &DVec3| {
+            pulse.worked(target.points.len())?;
+            Some(Slice::new(sampled, &target.core, *d, histogram))
+        };
         let slices: Vec<Slice> = directions.iter().map(slice).collect::<Option<_>>()?;
         let spread = directions.iter().map(|d| target.core.project(*d).1).sum::<f64>() / directions.len() as f64;
         Some(Self { samples, slices, spread, buffers })
     }
 
     /// Fills the buffers with the directions that `m` makes of the samples.
-    fn transform(&mut self, m: &DMat3) {
+    fn transform(&mut self, m: &DMat3, grain: Grain) {
+        let CosineSamples { x: cx, y: cy, z: cz, .. } = &self.samples[grain as usize];
         let work = &mut *self.buffers;
-        let n = self.samples.points.len();
-        for buffer in [&mut work.x, &mut work.y, &mut work.z, &mut work.gx, &mut work.gy, &mut work.gz] {
+        let n = cx.len();
+        let buffers =
+            [&mut work.x, &mut work.y, &mut work.z, &mut work.inv_length, &mut work.gx, &mut work.gy, &mut work.gz];
+        for buffer in buffers {
             buffer.resize(n, 0.0);
         }
-        work.fraction.resize(n, 0.0);
-        work.slope.resize(n, 0.0);
-        work.cell.resize(n, 0);
-        work.inv_length.resize(n, 0.0);
+        for row in &mut work.rows {
+            row.places.resize(n);
+            row.slopes.resize(n, 0.0);
+        }
         work.gx.fill(0.0);
         work.gy.fill(0.0);
         work.gz.fill(0.0);
-        for (i, c) in self.samples.points.iter().enumerate() {
-            let w = *m * *c;
-            let tangential2 = w.x * w.x + w.y * w.y;
-            let length = (tangential2 + w.z * w.z).sqrt();
+        let m = m.as_mat3();
+        let [rx, ry, rz] = [m.row(0), m.row(1), m.row(2)];
+        let (xs, ys, zs, lengths) = (&mut work.x[..n], &mut work.y[..n], &mut work.z[..n], &mut work.inv_length[..n]);
+        let (cx, cy, cz) = (&cx[..n], &cy[..n], &cz[..n]);
+        for i in 0..n {
+            let x = rx.x * cx[i] + rx.y * cy[i] + rx.z * cz[i];
+            let y = ry.x * cx[i] + ry.y * cy[i] + ry.z * cz[i];
+            let z = rz.x * cx[i] + rz.y * cy[i] + rz.z * cz[i];
+            let tangential2 = x * x + y * y;
+            let length = (tangential2 + z * z).sqrt();
             let inv = 1.0 / length;
             // The offset of `w / length` from z, without cancellation where w.z is close to the length.
-            let z = if w.z > 0.0 { -tangential2 / (length + w.z) } else { w.z - length };
-            work.x[i] = (w.x * inv) as f32;
-            work.y[i] = (w.y * inv) as f32;
-            work.z[i] = (z * inv) as f32;
-            work.inv_length[i] = inv;
+            let above = -tangential2 / (length + z);
+            let offset = if z > 0.0 { above } else { z - length };
+            xs[i] = x * inv;
+            ys[i] = y * inv;
+            zs[i] = offset * inv;
+            lengths[i] = inv;
         }
     }
 
     /// The mean distance along the slices; leaves its gradient by each sample's direction in the buffers when asked to.
-    fn mean<const GRADIENT: bool>(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
-        self.transform(m);
+    fn mean<const GRADIENT: bool>(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<f64> {
+        self.transform(m, grain);
+        let count = self.samples[grain as usize].count;
+        let stride = Self::stride(grain);
+        let work = &mut *self.buffers;
         let mut sum = 0.0;
-        for slice in &self.slices {
-            pulse.worked(self.samples.points.len())?;
-            sum += slice_loss::<GRADIENT>(slice, self.buffers);
+        for group in self.slices.chunks(GROUP * stride) {
+            for (slice, row) in group.iter().step_by(stride).zip(&mut work.rows) {
+                pulse.worked(count)?;
+                slice.locate_all([&work.x, &work.y, &work.z], &mut row.places);
+                work.histogram.add_equal(&row.places, count);
+                sum += row.compare(slice, count, &mut work.histogram);
+            }
+            if GRADIENT {
+                let gradient = [&mut work.gx, &mut work.gy, &mut work.gz];
+                add_gradient(group.iter().step_by(stride), &mut work.rows, count, gradient);
+            }
         }
-        Some(sum / self.slices.len() as f64)
+        Some(sum / self.slices.len().div_ceil(stride) as f64)
+    }
+
+    /// Of how many directions one is taken.
+    fn stride(grain: Grain) -> usize {
+        match grain {
+            Grain::Coarse => COARSE_DIRECTIONS,
+            Grain::Full => 1,
+        }
     }
 
     /// From the gradient by directions `f = M c / |M c|` to that by `M`:
     /// `dL/dM = sum_i ((g_i - f_i (f_i . g_i)) / |M c_i|) c_i^T`.
-    fn pull_back(&self) -> DMat3 {
+    fn pull_back(&self, grain: Grain) -> DMat3 {
         let work = &*self.buffers;
-        let mut gradient = DMat3::ZERO;
-        for (i, c) in self.samples.points.iter().enumerate() {
-            let f = DVec3::new(f64::from(work.x[i]), f64::from(work.y[i]), 1.0 + f64::from(work.z[i]));
-            let g = DVec3::new(f64::from(work.gx[i]), f64::from(work.gy[i]), f64::from(work.gz[i]));
-            let by_w = (g - f * f.dot(g)) * work.inv_length[i];
-            gradient += DMat3::from_cols(by_w * c.x, by_w * c.y, by_w * c.z);
+        let CosineSamples { x: cx, y: cy, z: cz, .. } = &self.samples[grain as usize];
+        let n = cx.len();
+        let (xs, ys, zs, lengths) = (&work.x[..n], &work.y[..n], &work.z[..n], &work.inv_length[..n]);
+        let (gxs, gys, gzs) = (&work.gx[..n], &work.gy[..n], &work.gz[..n]);
+        let (cx, cy, cz) = (&cx[..n], &cy[..n], &cz[..n]);
+        let mut sums = [[0.0_f32; LANES]; 9];
+        for start in (0..n).step_by(LANES) {
+            let lanes = |numbers: &[f32]| -> [f32; LANES] { std::array::from_fn(|k| numbers[start + k]) };
+            let [x, y, z, inv] = [xs, ys, zs, lengths].map(lanes);
+            let [gx, gy, gz] = [gxs, gys, gzs].map(lanes);
+            let c = [cx, cy, cz].map(lanes);
+            let mut by_w = [[0.0; LANES]; 3];
+            for k in 0..LANES {
+                // With f = (x, y, 1 + z): f . g = beside + gz, and the third component without its cancellation.
+                let beside = x[k] * gx[k] + y[k] * gy[k] + z[k] * gz[k];
+                let along = beside + gz[k];
+                by_w[0][k] = (gx[k] - x[k] * along) * inv[k];
+                by_w[1][k] = (gy[k] - y[k] * along) * inv[k];
+                by_w[2][k] = -(beside + z[k] * along) * inv[k];
+            }
+            for (i, sum) in sums.iter_mut().enumerate() {
+                for k in 0..LANES {
+                    sum[k] += by_w[i % 3][k] * c[i / 3][k];
+                }
+            }
         }
-        gradient
+        DMat3::from_cols_array(&sums.map(|lanes| lanes.iter().map(|x| f64::from(*x)).sum()))
     }
 }
 
@@ -166,184 +248,70 @@ impl Loss for SlicedLoss<'_> {
     }
 
     fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
-        self.mean::<false>(m, pulse)
+        self.mean::<false>(m, Grain::Full, pulse)
     }
 
-    fn value_and_gradient(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
-        let value = self.mean::<true>(m, pulse)?;
-        Some((value, self.pull_back() * (1.0 / self.slices.len() as f64)))
+    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
+        let value = self.mean::<true>(m, grain, pulse)?;
+        let parts = self.slices.len().div_ceil(Self::stride(grain)) * self.samples[grain as usize].count;
+        Some((value, self.pull_back(grain) * (1.0 / parts as f64)))
     }
 }
 
-/// The distance along one slice; adds its gradient by each sample's direction to `work` when asked to.
-fn slice_loss<const GRADIENT: bool>(slice: &Slice, work: &mut Buffers) -> f64 {
-    let n = work.x.len();
-    let (xs, ys, zs) = (&work.x[..n], &work.y[..n], &work.z[..n]);
-    let (cells, fractions, slopes) = (&mut work.cell[..n], &mut work.fraction[..n], &mut work.slope[..n]);
+impl Row {
+    /// The distance along one slice of the samples in the histogram; leaves in which direction those of each cell lower
+    /// it.
+    fn compare(&mut self, slice: &Slice, count: usize, histogram: &mut Histogram) -> f64 {
+        let cells = slice.length.len();
+        histogram.drain(cells);
+        let whole = 1.0 / (count as f32 * EQUAL as f32);
+        let mut loss = [0.0_f32; LANES];
+        // Cells come in whole lanes.
+        let (below, _) = histogram.below().as_chunks::<LANES>();
+        let (cumulative, _) = slice.cumulative.as_chunks::<LANES>();
+        let (length, _) = slice.length.as_chunks::<LANES>();
+        let (push, _) = self.push[..cells].as_chunks_mut::<LANES>();
+        for (((below, cumulative), length), push) in below.iter().zip(cumulative).zip(length).zip(push) {
+            for k in 0..LANES {
+                let gap = below[k] as f32 * whole - cumulative[k];
+                loss[k] += gap.abs() * length[k];
+                // A sample that moves up by dx takes dx / (n length) out of F at the node after its cell.
+                push[k] = -1.0_f32.copysign(gap);
+            }
+        }
+        // Samples off the end are held in the outermost cells and do not move.
+        self.push[0] = 0.0;
+        self.push[cells - 1] = 0.0;
+        loss.iter().map(|loss| f64::from(*loss)).sum()
+    }
+}
+
+/// Adds the gradient of a few slices by each sample's direction.
+fn add_gradient<'s>(
+    slices: impl Iterator<Item = &'s Slice>,
+    rows: &mut [Row; GROUP],
+    count: usize,
+    gradient: [&mut Vec<f32>; 3],
+) {
+    // Fewer slices than rows: the others have no direction.
+    let mut d = [[0.0; 3]; GROUP];
+    for ((slice, row), d) in slices.zip(&mut *rows).zip(&mut d) {
+        *d = slice.direction;
+        for (slope, cell) in row.slopes.iter_mut().zip(&row.places.cells[..count]) {
+            *slope = row.push[*cell as usize & (CELLS - 1)];
+        }
+    }
+    let [gx, gy, gz] = gradient;
+    let n = gx.len();
+    let [a, b, c, e] = rows;
+    let (gx, gy, gz) = (&mut gx[..n], &mut gy[..n], &mut gz[..n]);
+    let (a, b, c, e) = (&a.slopes[..n], &b.slopes[..n], &c.slopes[..n], &e.slopes[..n]);
     for i in 0..n {
-        let (cell, fraction) = split(slice.locate(slice.project(xs[i], ys[i], zs[i])));
-        cells[i] = cell as u32;
-        fractions[i] = fraction;
+        gx[i] += d[0][0] * a[i] + d[1][0] * b[i] + d[2][0] * c[i] + d[3][0] * e[i];
+        gy[i] += d[0][1] * a[i] + d[1][1] * b[i] + d[2][1] * c[i] + d[3][1] * e[i];
+        gz[i] += d[0][2] * a[i] + d[1][2] * b[i] + d[2][2] * c[i] + d[3][2] * e[i];
     }
-    let count = slice.length.len();
-    let mass = &mut work.mass;
-    mass.clear();
-    mass.resize(count + 1, 0.0);
-    for (cell, fraction) in cells.iter().zip(fractions.iter()) {
-        let pair = &mut mass[*cell as usize..][..2];
-        pair[0] += 1.0 - fraction;
-        pair[1] += fraction;
-    }
-    let per_sample = 1.0 / n as f32;
-    let push = &mut work.push;
-    push.resize(count, 0.0);
-    let (mut below, mut loss) = (0.0_f32, 0.0_f64);
-    for c in 0..count {
-        below += mass[c];
-        let gap = below * per_sample - slice.cumulative[c];
-        loss += f64::from(gap.abs() * slice.length[c]);
-        // A sample that moves up by dx takes dx / (n length) out of F at the node after its cell.
-        push[c] = -per_sample.copysign(gap);
-    }
-    // Samples off the end are held in the outermost cells and do not move.
-    push[0] = 0.0;
-    push[count - 1] = 0.0;
-    if GRADIENT {
-        let [dx, dy, dz] = slice.direction;
-        let (gx, gy, gz) = (&mut work.gx[..n], &mut work.gy[..n], &mut work.gz[..n]);
-        for i in 0..n {
-            slopes[i] = push[cells[i] as usize];
-        }
-        for i in 0..n {
-            gx[i] += dx * slopes[i];
-            gy[i] += dy * slopes[i];
-            gz[i] += dz * slopes[i];
-        }
-    }
-    loss
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::DVec2;
-
-    use super::*;
-    use crate::fit::{brdf::Mirrors, metric::planted, pulse::unstopped};
-
-    const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
-
-    fn samples(n: usize) -> CosineSamples {
-        CosineSamples::new(Lattice::new(n, [0.0; 2]))
-    }
-
-    fn directions(n: usize) -> Vec<DVec3> {
-        (0..n).map(|i| fibonacci_hemisphere(i, n, 0.0)).collect()
-    }
-
-    fn lobe(scale: f64) -> DMat3 {
-        DMat3::from_cols(
-            DVec3::new(0.9 * scale, 0.1 * scale, 0.2 * scale),
-            DVec3::new(-0.2 * scale, 0.4 * scale, 0.0),
-            DVec3::new(-0.6, 0.2, 0.8),
-        )
-    }
-
-    fn loss<'a>(
-        target: &Target,
-        samples: &'a CosineSamples,
-        directions: &[DVec3],
-        buffers: &'a mut Buffers,
-    ) -> SlicedLoss<'a> {
-        SlicedLoss::new(target, samples, directions, buffers, &mut Pulse::new(&mut unstopped))
-            .expect("nothing stops it")
-    }
-
-    fn value(loss: &mut SlicedLoss<'_>, m: &DMat3) -> f64 {
-        loss.value(m, &mut Pulse::new(&mut unstopped)).expect("nothing stops it")
-    }
-
-    /// A neighbour of the lobe in its own frame.
-    fn near(target: &Target, scale: f64) -> DMat3 {
-        let m = target.frame.transpose() * lobe(scale);
-        // The slope shrinks with the lobe. With a larger slope, a sample or two would fall behind a sharp lobe.
-        let slope = scale * DVec2::new(0.02, -0.03);
-        m * DMat3::from_cols(
-            DVec3::new(1.1, 0.05, slope.x),
-            DVec3::new(0.05, 0.9, slope.y),
-            DVec3::new(0.1, -0.05, 1.0),
-        )
-    }
-
-    /// Equation 10 of KT et al. 2022 on the loss's own samples: sorted projections, quantile by quantile.
-    fn by_sorting(target: &Target, m: &DMat3, samples: &CosineSamples, directions: &[DVec3]) -> f64 {
-        let sorted = |values: &mut Vec<f64>| values.sort_by(f64::total_cmp);
-        let mut sum = 0.0;
-        for d in directions {
-            let mut wanted: Vec<f64> = target.points.iter().map(|p| d.dot(*p)).collect();
-            let mut ours: Vec<f64> = samples.points.iter().map(|c| d.dot((*m * *c).normalize() - DVec3::Z)).collect();
-            sorted(&mut wanted);
-            sorted(&mut ours);
-            let per_sample = wanted.len() / ours.len();
-            let of = |i: usize| (wanted[i] - ours[i / per_sample]).abs();
-            sum += (0..wanted.len()).map(of).sum::<f64>() / wanted.len() as f64;
-        }
-        sum / directions.len() as f64
-    }
-
-    #[test]
-    fn equals_the_distance_by_sorting() {
-        for scale in [1.0, 0.1, 1e-3] {
-            let target = planted(lobe(scale), NO_MIRRORS);
-            let (samples, directions) = (samples(2048), directions(16));
-            let m = near(&target, scale);
-            let mut buffers = Buffers::default();
-            let loss = value(&mut loss(&target, &samples, &directions, &mut buffers), &m);
-            let exact = by_sorting(&target, &m, &samples, &directions);
-            assert!((loss / exact - 1.0).abs() < 0.01, "{scale}: {loss} {exact}");
-        }
-    }
-
-    #[test]
-    fn gradient_is_that_of_central_differences() {
-        for scale in [1.0, 0.1, 1e-3, 1e-4] {
-            let target = planted(lobe(scale), NO_MIRRORS);
-            let (samples, directions) = (samples(8192), directions(16));
-            let mut buffers = Buffers::default();
-            let mut loss = loss(&target, &samples, &directions, &mut buffers);
-            // Far enough from the lobe for the two cumulatives to cross in few places: at a crossing the
-            // distance has a kink.
-            let far =
-                DMat3::from_cols(DVec3::new(1.8, 0.3, 0.0), DVec3::new(0.3, 0.5, 0.1), DVec3::new(0.5, -0.4, 1.0));
-            let m = near(&target, scale) * far;
-            let found = loss.value_and_gradient(&m, &mut Pulse::new(&mut unstopped));
-            let (at_m, gradient) = found.expect("nothing stops it");
-            assert_eq!(at_m, value(&mut loss, &m));
-            // Small compared with the lobe's width, large compared with the spacing of its samples, so that their kinks
-            // average out.
-            let step = 3e-3 * scale;
-            let norm = gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>().sqrt();
-            for k in 0..9 {
-                let moved = |by: f64| {
-                    let mut numbers = m.to_cols_array();
-                    numbers[k] += by;
-                    DMat3::from_cols_array(&numbers)
-                };
-                let difference = value(&mut loss, &moved(step)) - value(&mut loss, &moved(-step));
-                let slope = difference / (2.0 * step);
-                let analytic = gradient.to_cols_array()[k];
-                assert!((slope - analytic).abs() < 0.01 * norm, "{scale} {k}: {slope} {analytic}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_planted_matrix_has_the_least_loss() {
-        let target = planted(lobe(0.3), NO_MIRRORS);
-        let (samples, directions) = (samples(1024), directions(16));
-        let mut buffers = Buffers::default();
-        let mut loss = loss(&target, &samples, &directions, &mut buffers);
-        let at_truth = value(&mut loss, &(target.frame.transpose() * lobe(0.3)));
-        let nearby = value(&mut loss, &near(&target, 0.3));
-        assert!(at_truth < 0.1 * nearby && at_truth < 0.02 * loss.spread(), "{at_truth} {nearby}");
-    }
-}
+mod tests;

@@ -1,24 +1,58 @@
 //! A target along one direction, tabulated.
 //!
-//! The nodes lie at `centre +- width (2^e (1 + k / 32) - 1)`: evenly spaced in the lobe's core, and in its tails spaced
+//! The nodes lie at `centre +- width (2^e (1 + k / 16) - 1)`: evenly spaced in the lobe's core, and in its tails spaced
 //! in proportion to the distance from the core, so that lobes with a sharp core and far tails lose neither. The
 //! exponent and mantissa of the f32 number `1 + |x - centre| / width` give the position among the nodes; no logarithm
 //! is taken.
 
 use glam::DVec3;
 
-use crate::fit::metric::target::Target;
+use super::{
+    cells::{CELL_BITS, CELLS, FRACTION_BITS, OCTAVE},
+    histogram::{Histogram, Places, WHOLE, split},
+};
+use crate::fit::metric::target::LobeCore;
 
-/// Mantissa bits that number the cells of an octave: 32 cells, a core cell is 1/32 of the lobe's width.
-const CELL_BITS: u32 = 5;
-/// Mantissa bits that are left for the position inside a cell.
-const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1 - CELL_BITS;
 /// One cell in the fixed-point positions.
 const CELL: i32 = 1 << FRACTION_BITS;
 /// Bits of 1.0, where positions start.
 const ONE_BITS: i32 = 0x3f80_0000;
-/// Most octaves on each side, so that positions fit an i32: a tail of 4 million widths.
+/// Most octaves on each side: a tail of 4 million widths.
 const MOST_OCTAVES: i32 = 22;
+const _: () = assert!((2 * MOST_OCTAVES as usize) << CELL_BITS <= CELLS);
+
+/// Numbers of a running maximum, so that its order does not keep the compiler from vector instructions.
+const LANES: usize = 8;
+
+/// The samples of a target, one array a coordinate.
+#[derive(Debug, Default)]
+pub(super) struct TargetSamples {
+    pub(super) x: Vec<f32>,
+    pub(super) y: Vec<f32>,
+    pub(super) z: Vec<f32>,
+    /// Weights, as parts of [`WHOLE`].
+    pub(super) weights: Vec<u32>,
+    /// Distances from the centre in widths, and places, on the current direction.
+    distance: Vec<f32>,
+    places: Places,
+}
+
+impl TargetSamples {
+    /// Takes over the offsets of a lobe's samples and their weights, whose sum is one.
+    pub(super) fn fill(&mut self, points: &[DVec3], weights: &[f64]) {
+        let coordinate = |to: &mut Vec<f32>, of: fn(&DVec3) -> f64| {
+            to.clear();
+            to.extend(points.iter().map(|p| of(p) as f32));
+        };
+        coordinate(&mut self.x, |p| p.x);
+        coordinate(&mut self.y, |p| p.y);
+        coordinate(&mut self.z, |p| p.z);
+        self.weights.clear();
+        self.weights.extend(weights.iter().map(|weight| (weight * f64::from(WHOLE) + 0.5) as u32));
+        self.distance.resize(points.len(), 0.0);
+        self.places.resize(points.len());
+    }
+}
 
 /// The target along one direction.
 #[derive(Debug, Clone)]
@@ -35,66 +69,91 @@ pub(super) struct Slice {
 }
 
 impl Slice {
-    /// Projection of an offset on the direction.
-    #[inline]
-    pub(super) fn project(&self, x: f32, y: f32, z: f32) -> f32 {
-        self.direction[0] * x + self.direction[1] * y + self.direction[2] * z
+    /// Distances of offsets from the centre along the direction, in widths.
+    fn distances(&self, [x, y, z]: [&[f32]; 3], distances: &mut [f32]) {
+        let [dx, dy, dz] = self.direction;
+        for (((x, y), z), distance) in x.iter().zip(y).zip(z).zip(distances) {
+            *distance = (dx * x + dy * y + dz * z - self.centre) * self.inv_width;
+        }
     }
 
-    /// Fixed-point position of a projection. Monotonic; projections off the end are put just before the last node.
+    /// Fixed-point position of a distance in widths. Monotonic; off the end and for NaN just before the last node.
     #[inline]
-    pub(super) fn locate(&self, x: f32) -> i32 {
-        let y = (x - self.centre) * self.inv_width;
-        let from_middle = ((1.0 + y.abs()).to_bits().cast_signed() - ONE_BITS).min(self.middle - 1);
-        // All ones for a negative y, else zero: negates without a branch.
-        let sign = y.to_bits().cast_signed() >> 31;
+    fn locate(&self, distance: f32) -> i32 {
+        let last = f32::from_bits((ONE_BITS + self.middle - 1) as u32);
+        let from_centre = 1.0 + distance.abs();
+        let from_centre = if from_centre < last { from_centre } else { last };
+        let from_middle = from_centre.to_bits().cast_signed() - ONE_BITS;
+        // All ones for a negative distance, else zero: negates without a branch.
+        let sign = distance.to_bits().cast_signed() >> 31;
         ((from_middle ^ sign) - sign) + self.middle
     }
 
-    /// Tabulates `target` along `direction`, a unit vector in the lobe's frame.
-    pub(super) fn new(target: &Target, direction: DVec3) -> Self {
-        let (centre, width) = target.core.project(direction);
+    /// Places of offsets among the cells.
+    pub(super) fn locate_all(&self, [x, y, z]: [&[f32]; 3], places: &mut Places) {
+        let [dx, dy, dz] = self.direction;
+        let n = x.len();
+        let (y, z) = (&y[..n], &z[..n]);
+        let (cells, parts) = (&mut places.cells[..n], &mut places.parts[..n]);
+        for i in 0..n {
+            let position = self.locate((dx * x[i] + dy * y[i] + dz * z[i] - self.centre) * self.inv_width);
+            (cells[i], parts[i]) = split(position);
+        }
+    }
+
+    /// Tabulates a target along `direction`, a unit vector in the frame of its offsets and its core.
+    pub(super) fn new(
+        target: &mut TargetSamples,
+        core: &LobeCore,
+        direction: DVec3,
+        histogram: &mut Histogram,
+    ) -> Self {
+        let (centre, width) = core.project(direction);
         let mut slice = Self {
             direction: direction.as_vec3().to_array(),
             centre: centre as f32,
             inv_width: (1.0 / width) as f32,
-            middle: i32::MAX,
+            middle: i32::MAX - ONE_BITS,
             cumulative: Vec::new(),
             length: Vec::new(),
         };
-        let project = |slice: &Self, p: &DVec3| {
-            let [x, y, z] = p.as_vec3().to_array();
-            slice.project(x, y, z)
-        };
-        let distance = |p: &DVec3| (project(&slice, p) - slice.centre).abs();
-        let farthest = target.points.iter().map(distance).fold(0.0, f32::max) * slice.inv_width;
+        let TargetSamples { x, y, z, weights, distance, places } = target;
+        slice.distances([x, y, z], distance);
+        let farthest = largest(distance);
         // One octave more than the target needs: an LTC may be wider.
         let octaves = (((1.0 + farthest).to_bits().cast_signed() - ONE_BITS) >> (FRACTION_BITS + CELL_BITS)) + 2;
-        let side = octaves.min(MOST_OCTAVES) << CELL_BITS;
+        let octaves = octaves.min(MOST_OCTAVES);
+        let side = octaves << CELL_BITS;
         slice.middle = side * CELL;
-        let node = |c: i32| {
-            let from_middle = c - side;
-            let distance = f64::from(f32::from_bits((from_middle.abs() * CELL + ONE_BITS) as u32)) - 1.0;
-            width * if from_middle < 0 { -distance } else { distance }
-        };
-        let mut mass = vec![0.0; 2 * side as usize + 1];
-        for (point, weight) in target.points.iter().zip(&target.weights) {
-            let (cell, fraction) = split(slice.locate(project(&slice, point)));
-            mass[cell] += weight * f64::from(1.0 - fraction);
-            mass[cell + 1] += weight * f64::from(fraction);
+        let Places { cells, parts } = places;
+        for ((distance, cell), part) in distance.iter().zip(cells).zip(parts) {
+            (*cell, *part) = split(slice.locate(*distance));
         }
-        let mut below = 0.0;
-        for (c, mass) in (0..2 * side).zip(mass) {
-            below += mass;
-            slice.cumulative.push(below as f32);
-            slice.length.push((node(c + 1) - node(c)) as f32);
+        histogram.add(places, weights);
+        let whole = 1.0 / weights.iter().sum::<u32>() as f32;
+        histogram.drain(2 * side as usize);
+        slice.cumulative.extend(histogram.below().iter().map(|below| *below as f32 * whole));
+        // An octave's cells are all as long.
+        slice.length.resize(2 * side as usize, 0.0);
+        let (below, above) = slice.length.split_at_mut(side as usize);
+        for (octave, (below, above)) in below.rchunks_mut(OCTAVE).zip(above.chunks_mut(OCTAVE)).enumerate() {
+            let cell = (width * f64::from(1_u32 << octave) / OCTAVE as f64) as f32;
+            below.fill(cell);
+            above.fill(cell);
         }
         slice
     }
 }
 
-/// Cell of a fixed-point position, and where in the cell it is, in [0, 1).
-#[inline]
-pub(super) fn split(position: i32) -> (usize, f32) {
-    ((position >> FRACTION_BITS) as usize, (position & (CELL - 1)) as f32 * (1.0 / CELL as f32))
+/// The largest absolute value, zero of none.
+fn largest(values: &[f32]) -> f32 {
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    let larger = |a: f32, b: f32| if b.abs() > a { b.abs() } else { a };
+    let mut lanes = [0.0; LANES];
+    for chunk in chunks {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            *lane = larger(*lane, *value);
+        }
+    }
+    lanes.iter().chain(rest).fold(0.0, |most, value| larger(most, *value))
 }

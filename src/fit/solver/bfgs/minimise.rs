@@ -10,8 +10,6 @@ pub(super) type Vector = [f64; VARIABLES];
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Halvings of a step before the direction is given up.
 const MOST_HALVINGS: u32 = 12;
-/// The first step moves no variable by more than this.
-const FIRST_STEP: f64 = 0.1;
 /// No step moves the variables by more than this: past it the quadratic model says nothing.
 const LONGEST_STEP: f64 = 1.0;
 
@@ -29,19 +27,20 @@ fn dot(a: &Vector, b: &Vector) -> f64 {
 }
 
 /// The inverse of the Hessian as BFGS knows it.
-struct InverseHessian {
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct InverseHessian {
     rows: [Vector; VARIABLES],
-    /// Whether a step has scaled it.
-    scaled: bool,
+    /// Whether a step has taught it anything.
+    has_learnt: bool,
 }
 
 impl InverseHessian {
-    fn identity() -> Self {
+    pub(super) fn diagonal(numbers: &Vector) -> Self {
         let mut rows = [[0.0; VARIABLES]; VARIABLES];
-        for (i, row) in rows.iter_mut().enumerate() {
-            row[i] = 1.0;
+        for (i, (row, number)) in rows.iter_mut().zip(numbers).enumerate() {
+            row[i] = *number;
         }
-        Self { rows, scaled: false }
+        Self { rows, has_learnt: false }
     }
 
     fn times(&self, v: &Vector) -> Vector {
@@ -56,12 +55,7 @@ impl InverseHessian {
         if ys <= 1e-10 * yy.sqrt() * dot(s, s).sqrt() {
             return;
         }
-        if !self.scaled {
-            for (i, row) in self.rows.iter_mut().enumerate() {
-                row[i] = ys / yy;
-            }
-            self.scaled = true;
-        }
+        self.has_learnt = true;
         let rho = 1.0 / ys;
         let hy = self.times(y);
         let gain = rho * (1.0 + rho * dot(y, &hy));
@@ -73,12 +67,15 @@ impl InverseHessian {
     }
 }
 
-/// Minimises `function`, which gives value and gradient, from `start`. Variables that are not `free` stay put. Where
-/// `function` gives `None` the search ends with `None`.
+/// Minimises `function`, which gives value and gradient, from `start`. `hessian` is what is known of the inverse Hessian,
+/// and afterwards what was learnt of it; where it misleads, the search goes on with the diagonal `curvature`. Variables
+/// that are not `free` stay put. Where `function` gives `None` the search ends with `None`.
 ///
 /// Returns the lowest point that was found. A value that is not finite counts as too high.
 pub(super) fn minimise(
     start: Vector,
+    curvature: &Vector,
+    hessian: &mut InverseHessian,
     free: [bool; VARIABLES],
     stop: StopRule,
     mut function: impl FnMut(&Vector) -> Option<(f64, Vector)>,
@@ -94,22 +91,20 @@ pub(super) fn minimise(
     };
     let mut point = start;
     let (mut value, mut gradient) = masked(&point)?;
-    let mut hessian = InverseHessian::identity();
     let mut small_steps = 0;
     for _ in 0..stop.steps {
         let mut direction = hessian.times(&gradient).map(|d| -d);
         let mut slope = dot(&direction, &gradient);
         if slope >= 0.0 {
-            hessian = InverseHessian::identity();
-            direction = gradient.map(|d| -d);
-            slope = -dot(&gradient, &gradient);
+            *hessian = InverseHessian::diagonal(curvature);
+            direction = hessian.times(&gradient).map(|d| -d);
+            slope = dot(&direction, &gradient);
             if slope == 0.0 {
                 break;
             }
         }
         let length = dot(&direction, &direction).sqrt();
-        let longest = if hessian.scaled { LONGEST_STEP } else { FIRST_STEP };
-        let mut step = if length > longest || !hessian.scaled { longest / length } else { 1.0 };
+        let mut step = if length > LONGEST_STEP { LONGEST_STEP / length } else { 1.0 };
         let mut next = None;
         for _ in 0..MOST_HALVINGS {
             let mut trial = point;
@@ -122,10 +117,10 @@ pub(super) fn minimise(
             step *= 0.5;
         }
         let Some((next_point, next_value, next_gradient)) = next else {
-            if !hessian.scaled {
+            if !hessian.has_learnt {
                 break;
             }
-            hessian = InverseHessian::identity();
+            *hessian = InverseHessian::diagonal(curvature);
             continue;
         };
         let mut s = next_point;
@@ -148,6 +143,7 @@ pub(super) fn minimise(
 mod tests {
     use super::*;
 
+    const ONES: Vector = [1.0; VARIABLES];
     const ALL: [bool; VARIABLES] = [true; VARIABLES];
 
     /// A quadratic bowl with curvatures from 1 to 64, its bottom at (1, 2, ..., 7) / 10.
@@ -165,7 +161,9 @@ mod tests {
     #[test]
     fn finds_the_bottom_of_a_bowl() {
         let stop = StopRule { steps: 100, relative_decrease: 0.0 };
-        let minimum = minimise([0.0; VARIABLES], ALL, stop, |x| Some(bowl(x))).expect("nothing stops it");
+        let minimum =
+            minimise([0.0; VARIABLES], &ONES, &mut InverseHessian::diagonal(&ONES), ALL, stop, |x| Some(bowl(x)))
+                .expect("nothing stops it");
         for (i, x) in minimum.iter().enumerate() {
             assert!((x - (i + 1) as f64 / 10.0).abs() < 1e-5, "{minimum:?}");
         }
@@ -175,7 +173,7 @@ mod tests {
     fn gives_up_when_told_to() {
         let mut left = 3;
         let stop = StopRule { steps: 100, relative_decrease: 0.0 };
-        let stopped = minimise([0.0; VARIABLES], ALL, stop, |x| {
+        let stopped = minimise([0.0; VARIABLES], &ONES, &mut InverseHessian::diagonal(&ONES), ALL, stop, |x| {
             left -= 1;
             (left > 0).then(|| bowl(x))
         });
@@ -187,7 +185,9 @@ mod tests {
         let mut free = ALL;
         free[3] = false;
         let stop = StopRule { steps: 100, relative_decrease: 0.0 };
-        let minimum = minimise([0.0; VARIABLES], free, stop, |x| Some(bowl(x))).expect("nothing stops it");
+        let minimum =
+            minimise([0.0; VARIABLES], &ONES, &mut InverseHessian::diagonal(&ONES), free, stop, |x| Some(bowl(x)))
+                .expect("nothing stops it");
         assert_eq!(minimum[3], 0.0);
         assert!((minimum[4] - 0.5).abs() < 1e-5);
     }
@@ -196,7 +196,9 @@ mod tests {
     fn survives_values_that_are_not_finite() {
         let stop = StopRule { steps: 50, relative_decrease: 0.0 };
         let wall = |x: &Vector| if x[0] > 0.05 { (f64::NAN, [f64::NAN; VARIABLES]) } else { bowl(x) };
-        let minimum = minimise([0.0; VARIABLES], ALL, stop, |x| Some(wall(x))).expect("nothing stops it");
+        let minimum =
+            minimise([0.0; VARIABLES], &ONES, &mut InverseHessian::diagonal(&ONES), ALL, stop, |x| Some(wall(x)))
+                .expect("nothing stops it");
         assert!(bowl(&minimum).0 < bowl(&[0.0; VARIABLES]).0 && minimum[0] <= 0.05, "{minimum:?}");
     }
 }

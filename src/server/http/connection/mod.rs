@@ -35,6 +35,7 @@ use self::{
     stream::ClientStream,
 };
 use super::{
+    extract::slow,
     kind::ProblemKind,
     limits::{ConnectionLimits, HEAD_LIMIT_BYTES},
     problem::Problem,
@@ -182,8 +183,11 @@ async fn close(tcp: TcpStream, ended: hyper::Result<()>, has_begun_head: bool, l
     match ended {
         Ok(()) => linger(tcp).await,
         Err(error) if error.is_timeout() && has_begun_head => {
-            let detail = format!("the head of the request was not complete within {} s", limit.as_secs_f64());
-            tell(tcp, Problem::new(ProblemKind::SlowRequest, detail)).await;
+            tell(tcp, Problem::new(ProblemKind::SlowRequest, slow("head", limit))).await;
+        }
+        Err(error) if error.is_parse_version_h2() => {
+            let detail = "the connection begins with the preface of HTTP/2, and the service speaks HTTP/1.1";
+            tell(tcp, Problem::new(ProblemKind::BadRequest, detail)).await;
         }
         Err(error) if error.is_parse() => linger(tcp).await,
         Err(error) => tracing::debug!("a connection was given up: {error}"),

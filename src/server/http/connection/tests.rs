@@ -77,7 +77,7 @@ async fn a_slow_head_is_told_so_and_an_idle_connection_is_closed() {
     let served = start(ConnectionLimits { head: SHORT, ..generous() }).await;
     let slow = rest(send(&served, "GET / HTTP/1.1\r\nhost:").await).await;
     assert!(slow.starts_with("HTTP/1.1 408 ") && slow.contains("/problems/slow-request"), "{slow}");
-    assert!(slow.contains("within 0.1 s"), "{slow}");
+    assert!(slow.contains("within 0.1 s; --client-seconds raises the limit"), "{slow}");
     assert_eq!(rest(send(&served, "").await).await, "", "a connection without a request");
     let kept = rest(send(&served, "GET / HTTP/1.1\r\nhost: h\r\n\r\n").await).await;
     assert!(kept.starts_with("HTTP/1.1 200 ") && kept.ends_with("hello"), "then it was closed: {kept}");
@@ -123,6 +123,8 @@ async fn a_head_that_cannot_be_read_gets_a_problem() {
         ("nonsense\r\n\r\n".to_owned(), 400, "bad-request"),
         ("GET / HTTP/1.1\r\nhost h\r\n\r\n".to_owned(), 400, "bad-request"),
         ("GET / HTTP/3.7\r\n\r\n".to_owned(), 400, "bad-request"),
+        // The preface of HTTP/2 and an empty frame of settings.
+        ("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\x04\0\0\0\0\0".to_owned(), 400, "bad-request"),
         (format!("GET /{long} HTTP/1.1\r\nhost: h\r\n\r\n"), 414, "uri-too-long"),
         (format!("GET / HTTP/1.1\r\nhost: h\r\nx: {long}\r\ny: {long}\r\n\r\n"), 431, "head-too-large"),
         (format!("GET / HTTP/1.1\r\nhost: h\r\n{}\r\n", "x: y\r\n".repeat(101)), 431, "head-too-large"),

@@ -86,9 +86,18 @@ impl ActiveJob {
         }
     }
 
-    /// The task to lease next.
-    pub(super) fn next_waiting(&self) -> Option<u32> {
-        self.waiting.first().copied()
+    /// The task to lease next, which may be a suspect one only if `with_suspects`.
+    pub(super) fn next_waiting(&self, with_suspects: bool) -> Option<u32> {
+        self.waiting.iter().copied().find(|task| with_suspects || !self.is_suspect(*task))
+    }
+
+    /// Whether one of its suspect tasks is leased.
+    pub(super) fn has_suspect_leased(&self) -> bool {
+        self.leased.keys().any(|task| self.is_suspect(*task))
+    }
+
+    fn is_suspect(&self, task: u32) -> bool {
+        self.tasks.get(task as usize).is_some_and(TaskState::is_suspect)
     }
 
     /// How many of its tasks are leased.

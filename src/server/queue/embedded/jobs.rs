@@ -14,7 +14,7 @@ use super::{
     task::TaskState,
 };
 use crate::server::{
-    queue::{Failure, FailureKind, JobId, JobState, Lease, Limits, StaleLease, StateName},
+    queue::{Failure, FailureKind, JobId, JobState, Lease, Limits, MOST_DEATHS, StaleLease, StateName},
     store::{Batch, Rows, StoreError},
 };
 
@@ -40,6 +40,8 @@ pub(super) struct QueueState {
     pub(super) next_submission: u64,
     /// Leases given so far.
     pub(super) leases: u64,
+    /// Until then leases are written to the disk before work begins, see [`Queue::lease`].
+    pub(super) careful_until: Option<Timestamp>,
     /// Jobs in final states.
     pub(super) concluded: HashMap<StateName, u64>,
     /// Jobs that failed while their row could not be written. Each later commit writes them too.
@@ -100,28 +102,59 @@ impl EmbeddedQueue {
         attempt: u32,
         error: &str,
     ) -> Result<(), StaleLease> {
-        let active = state.active.get_mut(&submission).ok_or(StaleLease)?;
+        let active = state.active.get(&submission).ok_or(StaleLease)?;
         let failed = active.tasks.get(task as usize).ok_or(StaleLease)?.fail(attempt, error)?;
         let (failures, _) = failed.failures();
-        let (id, is_assembly) = (active.record.job.id, task == active.assembly());
-        tracing::warn!(job = %id, task, attempt, failures, error, "a task failed");
-        active.set(task, failed.clone());
+        tracing::warn!(job = %active.record.job.id, task, attempt, failures, error, "a task failed");
         state.failures += 1;
+        let reason = format!("failed {failures} times; the last error: {error}");
+        let is_last = failures >= self.limits.max_attempts.get();
+        self.put_back(state, submission, task, &failed, is_last.then_some(&reason));
+        Ok(())
+    }
+
+    /// Counts the end of the process that held the lease of a task. Too many of them fail the job.
+    pub(super) fn count_death(
+        &self,
+        state: &mut QueueState,
+        submission: u64,
+        task: u32,
+        attempt: u32,
+    ) -> Result<(), StaleLease> {
+        let active = state.active.get(&submission).ok_or(StaleLease)?;
+        let dead = active.tasks.get(task as usize).ok_or(StaleLease)?.die(attempt)?;
+        let deaths = dead.deaths();
+        tracing::warn!(job = %active.record.job.id, task, attempt, deaths, "the process ended while the task was leased");
+        let reason = format!("was being worked on each of the {deaths} times that the service's process ended");
+        self.put_back(state, submission, task, &dead, (deaths >= MOST_DEATHS).then_some(&reason));
+        Ok(())
+    }
+
+    /// Has a task wait again, or fails its job for a `reason`.
+    fn put_back(
+        &self,
+        state: &mut QueueState,
+        submission: u64,
+        task: u32,
+        waiting: &TaskState,
+        reason: Option<&String>,
+    ) {
+        let Some(active) = state.active.get_mut(&submission) else { return };
+        let (id, is_assembly) = (active.record.job.id, task == active.assembly());
+        active.set(task, waiting.clone());
         state.record_change(id);
         self.changed.notify_all();
-        if failures >= self.limits.max_attempts.get() {
+        if let Some(reason) = reason {
             let task = if is_assembly { "the assembly".to_owned() } else { format!("shard {task}") };
-            let detail = format!("{task} failed {failures} times; the last error: {error}");
-            let error = Failure { kind: FailureKind::Attempts, detail };
+            let error = Failure { kind: FailureKind::Attempts, detail: format!("{task} {reason}") };
             self.fail_job(state, submission, error);
         } else {
             let mut batch = Batch::default();
-            let stored = record::put_task(&mut batch, id, task, &failed).and_then(|()| self.rows.stage(&batch));
+            let stored = record::put_task(&mut batch, id, task, waiting).and_then(|()| self.rows.stage(&batch));
             if let Err(error) = stored {
                 tracing::warn!(job = %id, task, %error, "the failure could not be recorded");
             }
         }
-        Ok(())
     }
 
     /// Fails a job. If that cannot be written, it is kept in memory and written with a later change.

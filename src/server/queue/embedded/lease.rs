@@ -33,8 +33,10 @@ impl EmbeddedQueue {
     fn lease_of(&self, state: &mut QueueState, worker: u32, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
         let now = (self.clock)();
         let until = self.expiry(now);
+        let with_suspects = !state.active.values().any(ActiveJob::has_suspect_leased);
         let waiting = state.active.iter().filter(|(_, active)| of(active));
-        let waiting = waiting.filter_map(|(submission, active)| Some((*submission, active, active.next_waiting()?)));
+        let waiting =
+            waiting.filter_map(|(submission, active)| Some((*submission, active, active.next_waiting(with_suspects)?)));
         let next =
             waiting.min_by_key(|(submission, active, _)| (active.tasks_leased(), active.last_served, *submission));
         let (submission, _, task) = next?;
@@ -52,13 +54,15 @@ impl EmbeddedQueue {
         let id = job.id;
         let lease = Lease { submission, task, attempt: leased.attempt() };
         active.set(task, leased.clone());
-        // A lease ends with the process. Its row only serves to count a crash as a failure, so the disk is not waited
-        // for.
+        // A lease ends with the process. Its row only serves to count that, so the disk is waited for only while a task may
+        // be what ended the last process: within moments of its lease, and again and again.
+        let is_careful = state.careful_until.is_some_and(|until| now < until);
         let mut stored = record::put_task(&mut batch, id, task, &leased);
         if first {
             stored = stored.and_then(|()| record::put_job(&mut batch, &active.record));
         }
-        if let Err(error) = stored.and_then(|()| self.rows.stage(&batch)) {
+        let write = |batch: &Batch| if is_careful { self.rows.commit(batch) } else { self.rows.stage(batch) };
+        if let Err(error) = stored.and_then(|()| write(&batch)) {
             tracing::warn!(job = %id, task, %error, "the lease could not be recorded");
         }
         let leased = LeasedTask {

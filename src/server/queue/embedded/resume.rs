@@ -3,6 +3,7 @@
 use std::{
     collections::HashSet,
     sync::{Arc, Condvar, Mutex},
+    time::Duration,
 };
 
 use super::{
@@ -17,9 +18,13 @@ use crate::server::{
     store::{Batch, Rows, StoreError, Tree},
 };
 
+/// How long after a start with unfinished jobs leases are written to the disk. A process that lives longer has written
+/// them by itself: sled does so twice a second.
+const CAREFUL: Duration = Duration::from_secs(10);
+
 impl EmbeddedQueue {
-    /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and count as failed
-    /// attempts, finished shards stay finished. Rows of jobs and the list of jobs are made to agree.
+    /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and are counted, apart from
+    /// failures; finished shards stay finished. Rows of jobs and the list of jobs are made to agree.
     ///
     /// # Errors
     /// When the database fails.
@@ -55,6 +60,9 @@ impl EmbeddedQueue {
                 queue.commit(&mut state, Ok(obsolete))?;
             }
             queue.forget_old(&mut state);
+            if !state.active.is_empty() {
+                state.careful_until = (queue.clock)().checked_add(CAREFUL).ok();
+            }
         }
         Ok(queue)
     }
@@ -76,7 +84,7 @@ impl EmbeddedQueue {
         state.active.insert(submission, ActiveJob::new(record, tasks));
         for (task, attempt) in crashed {
             // An error means that the job has just failed through another of its leases.
-            let _ = self.fail_task(state, submission, task, attempt, "the process ended while the task was leased");
+            let _ = self.count_death(state, submission, task, attempt);
         }
         Ok(())
     }
@@ -99,7 +107,6 @@ mod tests {
     use std::{
         num::{NonZeroU32, NonZeroUsize},
         path::Path,
-        time::Duration,
     };
 
     use jiff::Timestamp;
@@ -108,8 +115,8 @@ mod tests {
     use crate::{
         files::digest::Digest,
         server::{
-            queue::{Demand, Lease, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind},
-            store::{Store, copy_folder},
+            queue::{Demand, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind},
+            store::{Store, copy_folder, memory::MemoryRows},
         },
     };
 
@@ -127,8 +134,16 @@ mod tests {
         JobId::of_recipe(&recipe_digest)
     }
 
+    fn ask(queue: &EmbeddedQueue) -> Offer {
+        queue.lease(0, Demand::Any, NonZeroUsize::MIN)
+    }
+
+    fn complete(queue: &EmbeddedQueue, lease: Lease) {
+        assert_eq!(queue.complete(&[(lease, b"result")]).unwrap(), [Ok(())]);
+    }
+
     fn lease(queue: &EmbeddedQueue) -> (TaskKind, Lease) {
-        match queue.lease(0, Demand::Any, NonZeroUsize::MIN) {
+        match ask(queue) {
             Offer::Tasks(leased) => (leased[0].kind, leased[0].lease),
             other => panic!("{other:?}"),
         }
@@ -157,21 +172,85 @@ mod tests {
     }
 
     #[test]
-    fn a_shard_that_crashes_the_process_every_time_fails_its_job() {
+    fn a_shard_that_ends_the_process_at_once_fails_its_job_in_the_end() {
         let dir = tempfile::tempdir().unwrap();
-        let mut last = dir.path().join("0");
-        let id = submit(&open(&last, 2).0);
-        for crash in 1..=2 {
-            let (queue, _store) = open(&last, 2);
+        let folder = |death: u32| dir.path().join(death.to_string());
+        let id = submit(&open(&folder(0), 2).0);
+        for death in 0..MOST_DEATHS {
+            let (queue, _store) = open(&folder(death), 2);
+            assert!(!queue.job(id).unwrap().unwrap().state.name().is_final(), "after {death} deaths");
+            // Nothing else writes the lease's row to the disk.
             assert_eq!(lease(&queue).0, TaskKind::Shard(0));
-            // Committing another shard's result also writes the lease's row to the disk.
-            let other = lease(&queue).1;
-            queue.complete(&[(other, b"result")]).unwrap();
-            last = dir.path().join(crash.to_string());
-            copy_folder(&dir.path().join((crash - 1).to_string()), &last).unwrap();
+            copy_folder(&folder(death), &folder(death + 1)).unwrap();
         }
-        let (queue, _store) = open(&last, 2);
-        assert!(matches!(queue.job(id).unwrap().unwrap().state, JobState::Failed { .. }));
-        assert!(matches!(queue.lease(0, Demand::Any, NonZeroUsize::MIN), Offer::Nothing { .. }));
+        let (queue, _store) = open(&folder(MOST_DEATHS), 2);
+        let JobState::Failed { error } = queue.job(id).unwrap().unwrap().state else { panic!("it goes on") };
+        assert_eq!(error.detail, "shard 0 was being worked on each of the 20 times that the service's process ended");
+        assert!(matches!(ask(&queue), Offer::Nothing { .. }));
+    }
+
+    /// Kill -9 keeps what the database was given.
+    fn after_kill(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
+        let max_attempts = NonZeroU32::new(3).unwrap();
+        let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
+        EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Arc::new(Timestamp::now)).unwrap()
+    }
+
+    fn submit_one(queue: &EmbeddedQueue, name: &str) -> JobId {
+        let recipe_digest = Digest::of(name.as_bytes());
+        let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1] };
+        queue.submit(new, &|_| false).unwrap();
+        JobId::of_recipe(&recipe_digest)
+    }
+
+    #[test]
+    fn a_job_outlives_many_kills_in_a_row() {
+        let rows = Arc::new(MemoryRows::default());
+        let id = submit_one(&after_kill(&rows), "job");
+        for _ in 1..MOST_DEATHS {
+            lease(&after_kill(&rows));
+        }
+        let queue = after_kill(&rows);
+        complete(&queue, lease(&queue).1);
+        queue.finish(&lease(&queue).1, Digest::of(b"table"), Batch::default()).unwrap();
+        assert!(matches!(queue.job(id).unwrap().unwrap().state, JobState::Done { .. }));
+    }
+
+    /// It ends the process before the other's shard is finished, which is leased each time as well.
+    #[test]
+    fn a_task_that_ends_the_process_takes_no_other_job_with_it() {
+        let rows = Arc::new(MemoryRows::default());
+        let first = after_kill(&rows);
+        let [deadly, other] = ["deadly", "other"].map(|name| submit_one(&first, name));
+        drop(first);
+        for _ in 0..MOST_DEATHS {
+            let queue = after_kill(&rows);
+            let Offer::Tasks(leased) = ask(&queue) else { panic!("nothing to do") };
+            assert_eq!(leased[0].recipe, "deadly");
+            if let Offer::Tasks(leased) = ask(&queue) {
+                assert_eq!(leased[0].recipe, "other");
+            }
+        }
+        let queue = after_kill(&rows);
+        assert!(matches!(queue.job(deadly).unwrap().unwrap().state, JobState::Failed { .. }));
+        complete(&queue, lease(&queue).1);
+        assert_eq!(queue.job(other).unwrap().unwrap().entries_done, 1);
+    }
+
+    #[test]
+    fn suspect_tasks_run_one_at_a_time_beside_all_others() {
+        let rows = Arc::new(MemoryRows::default());
+        submit(&after_kill(&rows));
+        for _ in 0..3 {
+            let queue = after_kill(&rows);
+            lease(&queue);
+            lease(&queue);
+        }
+        let queue = after_kill(&rows);
+        let (suspect, its_lease) = lease(&queue);
+        assert_eq!((suspect, lease(&queue).0), (TaskKind::Shard(0), TaskKind::Shard(2)));
+        assert!(matches!(ask(&queue), Offer::Nothing { .. }), "shard 1 is suspect too");
+        complete(&queue, its_lease);
+        assert_eq!(lease(&queue).0, TaskKind::Shard(1));
     }
 }

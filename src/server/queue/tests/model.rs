@@ -16,7 +16,7 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, QueueError, Submitted,
+            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, NewJob, Offer, QueueError, Submitted,
             TaskKind,
         },
         store::Batch,
@@ -44,6 +44,8 @@ enum Action {
     Tick(i64),
     /// The process ends. What was acknowledged is on the disk.
     PowerCut,
+    /// The process ends, and the system writes what the database was given.
+    Kill,
     /// The disk is full for the next action.
     DiskFull(Box<Action>),
 }
@@ -61,6 +63,7 @@ fn action() -> impl Strategy<Value = Action> {
         1 => index().prop_map(Action::Progress),
         1 => (1..2 * LEASE_SECONDS).prop_map(Action::Tick),
         1 => Just(Action::PowerCut),
+        2 => Just(Action::Kill),
     ];
     prop_oneof![
         9 => plain.clone(),
@@ -105,6 +108,10 @@ struct Run<W> {
     /// Leases that are certainly not current.
     spent: Vec<LeasedTask>,
     jobs: BTreeMap<JobId, ExpectedJob>,
+    /// A task may have failed: a worker said so, or a lease may have expired.
+    may_fail: bool,
+    /// How often the process ended.
+    restarts: u32,
 }
 
 fn recipe(n: u8) -> NewJob {
@@ -159,6 +166,11 @@ impl<W: World> Run<W> {
             if let JobState::Failed { error } = job.state {
                 assert_eq!(error.kind, FailureKind::Attempts);
                 assert!(job.attempts >= MAX_ATTEMPTS);
+                if error.detail.contains("process ended") {
+                    assert!(self.restarts >= MOST_DEATHS, "{error:?} after {} ends of the process", self.restarts);
+                } else {
+                    assert!(self.may_fail, "{error:?}");
+                }
                 let expected = self.jobs.get_mut(&id).unwrap();
                 expected.stage = if disk_was_full { Stage::FailedUnsaved } else { Stage::Failed };
                 self.close(id);
@@ -242,6 +254,7 @@ impl<W: World> Run<W> {
             Action::Fail(index) => {
                 let Some((leased, current)) = self.take(*index) else { return };
                 assert_eq!(self.world.queue().fail(&leased.lease, "bad luck").is_ok(), current);
+                self.may_fail |= current;
             }
             Action::GiveBack(index) => {
                 let Some((leased, current)) = self.take(*index) else { return };
@@ -259,8 +272,15 @@ impl<W: World> Run<W> {
                     self.held[at].1 = self.now();
                 }
             }
-            Action::Tick(seconds) => self.pass(*seconds),
-            Action::PowerCut => {
+            Action::Tick(seconds) => {
+                self.pass(*seconds);
+                self.may_fail = true;
+            }
+            Action::PowerCut | Action::Kill => {
+                self.restarts += 1;
+                if matches!(action, Action::PowerCut) {
+                    self.world.lose_power();
+                }
                 self.world.reopen(LIMITS);
                 if !W::LEASES_SURVIVE {
                     self.held.clear();
@@ -273,7 +293,7 @@ impl<W: World> Run<W> {
             }
             Action::DiskFull(action) => {
                 self.world.set_full(true);
-                if !matches!(**action, Action::PowerCut) {
+                if !matches!(**action, Action::PowerCut | Action::Kill) {
                     self.act(action);
                 }
                 self.world.set_full(false);
@@ -337,7 +357,7 @@ impl<W: World> Run<W> {
 }
 
 fn agrees<W: World>(world: W, actions: &[Action]) -> TestCaseResult {
-    let mut run = Run { world, seconds: 0, held: vec![], spent: vec![], jobs: BTreeMap::new() };
+    let mut run = Run { world, seconds: 0, held: vec![], spent: vec![], jobs: BTreeMap::new(), may_fail: false, restarts: 0 };
     for action in actions {
         run.act(action);
         run.notice_failures(matches!(action, Action::DiskFull(_)));
@@ -349,6 +369,7 @@ fn agrees<W: World>(world: W, actions: &[Action]) -> TestCaseResult {
 
     // With enough time and room every open job gets done, each shard once.
     run.pass(2 * LEASE_SECONDS);
+    run.may_fail = true;
     loop {
         run.notice_failures(false);
         let Offer::Tasks(tasks) = run.world.queue().lease(7, Demand::Any, NonZeroUsize::MIN) else { break };

@@ -41,6 +41,9 @@ pub(super) trait World: Sized {
     /// Lets time pass.
     fn pass(&mut self, time: Duration);
 
+    /// What was written and not flushed is lost; [`Self::reopen`] follows.
+    fn lose_power(&mut self);
+
     /// The process ends without warning, and another one opens what it left.
     fn reopen(&mut self, limits: Limits);
 
@@ -84,8 +87,11 @@ impl World for EmbeddedWorld {
         self.seconds.fetch_add(time.as_secs().cast_signed(), Ordering::Relaxed);
     }
 
-    fn reopen(&mut self, limits: Limits) {
+    fn lose_power(&mut self) {
         self.rows = Arc::new(self.rows.after_power_cut());
+    }
+
+    fn reopen(&mut self, limits: Limits) {
         self.queue = Self::open(&self.rows, limits, &self.seconds);
     }
 
@@ -174,6 +180,10 @@ impl World for PostgresWorld {
 
     fn pass(&mut self, time: Duration) {
         self.execute(&format!("UPDATE test_clock SET seconds = seconds + {}", time.as_secs()));
+    }
+
+    fn lose_power(&mut self) {
+        // The server's disk is not this process's.
     }
 
     fn reopen(&mut self, limits: Limits) {

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
-    server::service::{PictureCounts, tables::Tables},
+    server::service::{PictureCounts, PictureLimits, tables::Tables},
     view::preview::Adapter,
 };
 
@@ -52,10 +52,10 @@ pub struct PendingPicture {
 }
 
 impl Pictures {
-    /// Pictures that `adapter` renders, each within `limit`. No adapter is opened yet.
-    pub(in crate::server::service) fn new(tables: Arc<Tables>, adapter: Adapter, limit: Duration) -> Self {
-        let threads = RenderThreads::new(&tables, adapter);
-        Self { tables, threads, ranking: Ranking::default(), limit }
+    /// Pictures that `adapter` renders within limits. No adapter is opened yet.
+    pub(in crate::server::service) fn new(tables: Arc<Tables>, adapter: Adapter, limits: PictureLimits) -> Self {
+        let threads = RenderThreads::new(&tables, adapter, limits);
+        Self { tables, threads, ranking: Ranking::default(), limit: limits.time }
     }
 
     /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the

@@ -3,9 +3,9 @@
 //! Invariant: nothing is rendered on a caller's thread or on the fitting pool, and no adapter is opened before the
 //! first picture is rendered.
 
-mod cache;
 mod get;
 mod picture;
+mod probe;
 mod queue;
 mod ranking;
 mod rate;

@@ -62,7 +62,9 @@ pub enum PictureError {
     #[error("no table is stored")]
     NoTable,
     /// Too many pictures are requested at the same time.
-    #[error("{limit} pictures are waiting or being rendered already")]
+    #[error(
+        "{limit} pictures are waiting or being rendered already; `--picture-queue` of the service raises the limit"
+    )]
     QueueFull {
         /// Most pictures that may wait or be rendered.
         limit: usize,
@@ -71,7 +73,8 @@ pub enum PictureError {
     },
     /// Rendering it would take too long.
     #[error(
-        "the picture is predicted to take {:.0} s on this machine, and a picture may take {} s",
+        "the picture is predicted to take {:.0} s on this machine, and a picture may take {} s; fewer pixels or samples take \
+        less, and `--picture-seconds` of the service raises the limit",
         .predicted.ceil(),
         .limit.as_secs_f64()
     )]
@@ -82,7 +85,10 @@ pub enum PictureError {
         limit: Duration,
     },
     /// Rendering it took too long.
-    #[error("the picture was not rendered within {} s", .limit.as_secs_f64())]
+    #[error(
+        "the picture was not rendered within {} s; `--picture-seconds` of the service raises the limit",
+        .limit.as_secs_f64()
+    )]
     TooSlow {
         /// How long it may take.
         limit: Duration,

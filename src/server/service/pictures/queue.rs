@@ -7,21 +7,20 @@ use std::{
 };
 
 use super::{
-    cache::Cache,
     picture::{PictureError, PictureFile, Subject},
     rate::Took,
     rates::{Rates, RendererKind},
     request::PictureRequest,
     waiting::Waiting,
 };
-use crate::{files::digest::Digest, server::service::PictureCounts, view::preview::Adapter};
+use crate::{
+    files::digest::Digest,
+    server::service::{PictureCounts, PictureLimits, ServiceError, cache::Cache},
+    view::preview::Adapter,
+};
 
-/// Pictures that may wait or be rendered at the same time: one, and eight behind it.
-const LIMIT: usize = 9;
 /// When to try again if the queue is full: most pictures take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
-/// Bytes of finished pictures that are kept.
-const CACHE_BYTES: usize = 64 << 20;
 /// How long past its deadline a picture may be rendered before its thread counts as hung. The renderer itself gives a
 /// hanging driver up, and falls back to the CPU, after half of this time.
 const HUNG_AFTER: Duration = Duration::from_secs(20);
@@ -38,13 +37,15 @@ pub(super) struct PictureQueue {
 #[derive(Debug)]
 struct State {
     waiting: Waiting,
+    /// Pictures that may wait or be rendered at the same time.
+    limit: usize,
     /// The deadline of the picture that is being rendered.
     rendering: Option<Instant>,
     thread_runs: bool,
     /// Number of the current render thread: how many before it hung and were abandoned.
     thread: u32,
     is_closed: bool,
-    cache: Cache,
+    cache: Cache<PictureFile>,
     /// What may render scenes.
     allowed: Adapter,
     /// What rendered the last scene.
@@ -59,11 +60,12 @@ impl State {
         RendererKind::expected(subject, self.adapter.as_deref(), self.allowed)
     }
 
-    /// Refuses a request whose picture is predicted to take longer than it may.
+    /// Refuses a request whose picture is predicted to take longer than it may. What was never measured is not predicted.
     fn check_cost(&mut self, request: &PictureRequest) -> Result<(), PictureError> {
         let (subject, limit) = (&request.subject, request.limit);
-        let predicted = self.rates.seconds(self.kind(subject), subject.cost(), Instant::now());
-        if predicted <= limit.as_secs_f64() {
+        let kind = self.kind(subject);
+        let predicted = self.rates.seconds(kind, subject.cost(), Instant::now());
+        if !self.rates.is_known(kind) || predicted <= limit.as_secs_f64() {
             return Ok(());
         }
         self.counts.refused += 1;
@@ -88,7 +90,7 @@ impl State {
     fn ensure_thread(&mut self, start_thread: impl FnOnce(u32) -> io::Result<()>) -> Result<(), PictureError> {
         if !self.thread_runs {
             start_thread(self.thread)
-                .map_err(|error| PictureError::Failed(format!("the render thread did not start: {error}")))?;
+                .map_err(|error| ServiceError::Lacking(format!("the render thread did not start: {error}")))?;
             self.thread_runs = true;
         }
         Ok(())
@@ -97,14 +99,15 @@ impl State {
 
 impl PictureQueue {
     /// An empty queue of pictures whose scenes `allowed` renders.
-    pub(super) fn new(allowed: Adapter) -> Self {
+    pub(super) fn new(allowed: Adapter, limits: PictureLimits) -> Self {
         let state = State {
             waiting: Waiting::default(),
+            limit: limits.queue.get(),
             rendering: None,
             thread_runs: false,
             thread: 0,
             is_closed: false,
-            cache: Cache::new(CACHE_BYTES),
+            cache: Cache::new(limits.memory_bytes),
             allowed,
             adapter: None,
             rates: Rates::new(Instant::now()),
@@ -146,9 +149,9 @@ impl PictureQueue {
             same.replies.extend(request.replies);
             return Ok(());
         }
-        if state.waiting.len() + usize::from(state.rendering.is_some()) >= LIMIT {
+        if state.waiting.len() + usize::from(state.rendering.is_some()) >= state.limit {
             state.counts.refused += 1;
-            return Err(PictureError::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
+            return Err(PictureError::QueueFull { limit: state.limit, retry_after: RETRY_FULL });
         }
         state.ensure_thread(start_thread)?;
         state.waiting.add(request);
@@ -198,6 +201,24 @@ impl PictureQueue {
         self.state().kind(subject)
     }
 
+    /// Whether the speed of what will render a scene is not known yet.
+    pub(super) fn needs_probe(&self, subject: &Subject) -> bool {
+        let state = self.state();
+        !state.rates.is_known(state.kind(subject))
+    }
+
+    /// Records what a probe found: by which the scenes that follow are predicted.
+    pub(super) fn set_probed(&self, adapter: &Arc<str>, rate: f64) {
+        let mut state = self.state();
+        state.rates.set_probed(RendererKind::of_scene(adapter), rate, Instant::now());
+        state.adapter = Some(Arc::clone(adapter));
+    }
+
+    /// Refuses a request whose picture is predicted, by what is known now, to take longer than it may.
+    pub(super) fn check_cost(&self, request: &PictureRequest) -> Result<(), PictureError> {
+        self.state().check_cost(request)
+    }
+
     /// Takes into account what a picture took.
     pub(super) fn learn(&self, kind: RendererKind, cost: f64, took: Took) {
         self.state().rates.learn(kind, cost, took, Instant::now());
@@ -205,7 +226,7 @@ impl PictureQueue {
 
     /// Keeps a picture in memory.
     pub(super) fn keep(&self, key: Digest, file: PictureFile) {
-        self.state().cache.keep(key, file);
+        self.state().cache.keep(key, file.png.len(), file);
     }
 
     /// Records what rendered a scene.
@@ -223,6 +244,8 @@ impl PictureQueue {
         match result {
             Ok(_) => state.counts.done += 1,
             Err(PictureError::TooSlow { .. } | PictureError::Stopping) => state.counts.given_up += 1,
+            // It was counted when it was refused.
+            Err(PictureError::TooExpensive { .. }) => {}
             Err(_) => state.counts.failed += 1,
         }
     }

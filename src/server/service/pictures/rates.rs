@@ -53,22 +53,38 @@ impl Rates {
 
     /// Predicted seconds of a picture.
     pub(super) fn seconds(&self, kind: RendererKind, cost: f64, now: Instant) -> f64 {
-        let rate = match kind {
-            RendererKind::Gpu => &self.gpu,
-            RendererKind::Cpu => &self.cpu,
-            RendererKind::Plot => &self.plot,
-        };
-        rate.seconds(cost, now)
+        self.rate(kind).seconds(cost, now)
+    }
+
+    /// Whether a kind was measured.
+    pub(super) fn is_known(&self, kind: RendererKind) -> bool {
+        self.rate(kind).is_known()
     }
 
     /// Takes a measurement into account.
     pub(super) fn learn(&mut self, kind: RendererKind, cost: f64, took: Took, now: Instant) {
-        let rate = match kind {
+        self.rate_mut(kind).learn(cost, took, now);
+    }
+
+    /// Sets what a probe measured.
+    pub(super) fn set_probed(&mut self, kind: RendererKind, rate: f64, now: Instant) {
+        *self.rate_mut(kind) = Rate::probed(rate, now);
+    }
+
+    fn rate(&self, kind: RendererKind) -> &Rate {
+        match kind {
+            RendererKind::Gpu => &self.gpu,
+            RendererKind::Cpu => &self.cpu,
+            RendererKind::Plot => &self.plot,
+        }
+    }
+
+    fn rate_mut(&mut self, kind: RendererKind) -> &mut Rate {
+        match kind {
             RendererKind::Gpu => &mut self.gpu,
             RendererKind::Cpu => &mut self.cpu,
             RendererKind::Plot => &mut self.plot,
-        };
-        rate.learn(cost, took, now);
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use std::{
 
 use super::{
     picture::{CPU, PictureError, PictureFile, Subject, tag},
+    probe::{Probed, probe},
     queue::PictureQueue,
     rate::Took,
     rates::RendererKind,
@@ -19,7 +20,7 @@ use crate::{
     server::service::{ServiceError, tables::Tables},
     view::{
         picture::Picture,
-        preview::{Adapter, Preview, PreviewError, ShaderTable, TexelFormat},
+        preview::{Adapter, Preview, PreviewError, ShaderTable, Stop, TexelFormat},
     },
 };
 
@@ -64,19 +65,22 @@ impl RenderThread {
         if stop() {
             return Err(stopped(queue, request));
         }
-        let (kind, cost) = (queue.kind(&request.subject), request.subject.cost());
+        let cost = request.subject.cost();
         let (picture, adapter): (Picture, Arc<str>) = match &request.subject {
             Subject::Scene(scene) => {
                 let table = self.shader_table(request.table)?;
+                if queue.needs_probe(&request.subject) {
+                    self.probe(&table, request, queue, &stop)?;
+                }
+                let kind = queue.kind(&request.subject);
                 let start = Instant::now();
-                let rendered = self.preview.render(&table, scene, &stop).map_err(|error| match error {
-                    PreviewError::Stopped => {
-                        if Instant::now() >= deadline {
-                            queue.learn(kind, cost, Took::GivenUp(request.limit));
-                        }
-                        stopped(queue, request)
+                let rendered = self.preview.render(&table, scene, &stop).map_err(|error| {
+                    if error == PreviewError::Stopped {
+                        let is_late = Instant::now() >= deadline;
+                        let took = if is_late { Took::GivenUp } else { Took::Abandoned };
+                        queue.learn(kind, cost, took(start.elapsed()));
                     }
-                    other => PictureError::Failed(other.to_string()),
+                    self::error(error, queue, request)
                 })?;
                 let adapter: Arc<str> = rendered.adapter.into();
                 // Where another renderer stands in for one that failed, the time is not its own.
@@ -89,8 +93,9 @@ impl RenderThread {
             Subject::Plot(plot) => {
                 let table = self.table(request.table)?;
                 let start = Instant::now();
-                let picture = plot.draw(&table, &request.table.hex());
-                queue.learn(kind, cost, Took::Finished(start.elapsed()));
+                let picture = plot.draw_while(&|| !stop(), &table, &request.table.hex());
+                let picture = picture.ok_or_else(|| stopped(queue, request))?;
+                queue.learn(RendererKind::Plot, cost, Took::Finished(start.elapsed()));
                 (picture, CPU.into())
             }
         };
@@ -99,6 +104,22 @@ impl RenderThread {
         let file = PictureFile { png: Arc::new(png), adapter, tag };
         queue.keep(request.key, file.clone());
         Ok(file)
+    }
+
+    /// Measures how fast scenes are rendered, and refuses the request if its own would take too long.
+    fn probe(
+        &mut self,
+        table: &Arc<ShaderTable>,
+        request: &PictureRequest,
+        queue: &PictureQueue,
+        stop: Stop<'_>,
+    ) -> Result<(), PictureError> {
+        let probed = probe(&mut self.preview, table, stop).map_err(|other| error(other, queue, request))?;
+        if let Some(Probed { adapter, rate }) = probed {
+            tracing::info!(adapter, rate, "seconds that a sample of a picture takes");
+            queue.set_probed(&adapter.into(), rate);
+        }
+        queue.check_cost(request)
     }
 
     fn shader_table(&mut self, digest: Digest) -> Result<Arc<ShaderTable>, PictureError> {
@@ -120,6 +141,13 @@ impl RenderThread {
         let file = container::decode(&bytes);
         let file = file.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         Ok(file.table)
+    }
+}
+
+fn error(error: PreviewError, queue: &PictureQueue, request: &PictureRequest) -> PictureError {
+    match error {
+        PreviewError::Stopped => stopped(queue, request),
+        other => PictureError::Failed(other.to_string()),
     }
 }
 

@@ -18,7 +18,7 @@ use super::{
 use crate::{
     files::{container, digest::Digest, recipe_document},
     fit::{Plan, assemble, fit_shard},
-    server::service::{Config, Service, ServiceError},
+    server::service::{Config, PictureLimits, Service, ServiceError},
     view::{
         plots::Plot,
         preview::{Adapter, Mode, Scene},
@@ -28,7 +28,7 @@ use crate::{
 const MINUTE: Duration = Duration::from_secs(60);
 
 /// A service with one blob, which is not a table.
-fn start(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
+fn start(folder: &Path, time: Duration) -> (Arc<Service>, Digest) {
     let service = Service::open(Config {
         data_dir: folder.to_owned(),
         workers: NonZeroUsize::MIN,
@@ -39,7 +39,8 @@ fn start(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
         lease_ttl: Duration::from_secs(60),
         max_attempts: 1,
         adapter: Adapter::Cpu,
-        picture_limit,
+        pictures: PictureLimits { time, ..PictureLimits::default() },
+        export_bytes: 0,
     });
     let service = service.expect("a service");
     let digest = service.state.tables.store.blobs.put(b"no table").expect("a blob");
@@ -47,8 +48,8 @@ fn start(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
 }
 
 /// A service with a table.
-fn start_with_table(folder: &Path, picture_limit: Duration) -> (Arc<Service>, Digest) {
-    let (service, _) = start(folder, picture_limit);
+fn start_with_table(folder: &Path, time: Duration) -> (Arc<Service>, Digest) {
+    let (service, _) = start(folder, time);
     let recipe = r#"{"preset": "draft", "resolution": {"alpha": 2, "ratio": 2, "theta": 2, "phi": 2},
         "fit": {"samples": 64, "directions": 4, "steps": 1}}"#;
     let recipe = recipe_document::parse(recipe.as_bytes(), 100).expect("a recipe");
@@ -172,7 +173,7 @@ fn request(size: u32, limit: Duration) -> (PictureRequest, Receipt) {
 
 #[test]
 fn cheap_pictures_are_first_and_the_time_of_each_counts_from_its_start() {
-    let queue = PictureQueue::new(Adapter::Cpu);
+    let queue = PictureQueue::new(Adapter::Cpu, PictureLimits::default());
     let receipts = [300, 100, 200].map(|size| {
         let (request, receipt) = request(size, MINUTE);
         queue.add(request, |_| Ok(())).expect("room");
@@ -233,7 +234,10 @@ fn a_picture_that_would_take_too_long_is_refused_at_once() {
     let PictureError::TooExpensive { predicted, limit: MINUTE } = refused else { panic!("{refused:?}") };
     assert!((250.0..=270.0).contains(&predicted), "{predicted}");
     let text = refused.to_string();
-    assert!(text.contains("predicted to take 26") && text.ends_with("may take 60 s"), "{text}");
+    assert!(
+        text.contains("predicted to take 26") && text.contains("may take 60 s; ") && text.contains("--picture-seconds"),
+        "{text}"
+    );
     assert!(!queue.thread_runs());
     assert_eq!(service.state.pictures.counts().refused, 1);
     // What the caller has is not rendered, so it is not refused either.
@@ -287,4 +291,26 @@ fn a_picture_that_was_given_up_is_refused_the_next_time() {
     let _ = block_on(pending(&service, table, Subject::Plot(Plot::Matrix)).file());
     let refused = service.picture(Some(table), reference(2048, 256), |_| false);
     assert!(matches!(refused, Err(PictureError::TooExpensive { .. })), "{refused:?}");
+}
+
+/// Nothing is known of its speed, so it is accepted; the probe before it tells.
+#[test]
+fn the_first_picture_is_refused_by_what_a_probe_measures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // No processor renders the dearest picture in a second.
+    let (service, table) = start_with_table(folder.path(), Duration::from_secs(1));
+    let queue = service.state.pictures.queue();
+    let dearest = || Subject::Scene(Box::new(Scene { mode: Mode::Strip, size: 2048, spp: 4096, ..Scene::default() }));
+    let error = match service.picture(Some(table), dearest(), |_| false) {
+        Ok(PictureReply::Pending(pending)) => block_on(pending.file()).expect_err("no picture"),
+        other => panic!("{other:?}"),
+    };
+    assert!(matches!(error, PictureError::TooExpensive { .. }), "{error:?}");
+    assert_eq!(queue.adapter().as_deref(), Some("cpu"));
+    // From now on it is refused at once.
+    let refused = service.picture(Some(table), dearest(), |_| false).expect_err("a refusal");
+    let PictureError::TooExpensive { predicted, .. } = refused else { panic!("{refused:?}") };
+    assert!(predicted > 1.0, "{predicted}");
+    let counts = service.state.pictures.counts();
+    assert_eq!((counts.refused, counts.failed, counts.given_up), (2, 0, 0));
 }

@@ -7,7 +7,10 @@ use std::{
 };
 
 use super::{picture::PictureError, queue::PictureQueue, render_thread::RenderThread, request::PictureRequest};
-use crate::{server::service::tables::Tables, view::preview::Adapter};
+use crate::{
+    server::service::{PictureLimits, tables::Tables},
+    view::preview::Adapter,
+};
 
 /// The queue with what is needed to start its render thread.
 #[derive(Debug, Clone)]
@@ -20,8 +23,8 @@ pub(super) struct RenderThreads {
 
 impl RenderThreads {
     /// No thread is started and no adapter opened yet.
-    pub(super) fn new(tables: &Arc<Tables>, adapter: Adapter) -> Self {
-        Self { queue: Arc::new(PictureQueue::new(adapter)), tables: Arc::downgrade(tables), adapter }
+    pub(super) fn new(tables: &Arc<Tables>, adapter: Adapter, limits: PictureLimits) -> Self {
+        Self { queue: Arc::new(PictureQueue::new(adapter, limits)), tables: Arc::downgrade(tables), adapter }
     }
 
     /// Adds a request to the queue and sees to it that a thread renders it.

@@ -8,9 +8,14 @@ use std::{
 
 use super::super::engine::Engine;
 use crate::{
-    files::{container::TableFileError, digest::Digest, recipe_document::RecipeError},
+    files::{
+        container::TableFileError,
+        digest::Digest,
+        recipe_document::RecipeError,
+        textures::{Bundle, Engine as Engine3d, Export, RoundingError, TextureFile},
+    },
     fit::{Expectation, GoOn},
-    server::queue::NewJob,
+    server::{queue::NewJob, service::ExportFailure},
 };
 
 /// Entries of a shard.
@@ -23,6 +28,8 @@ pub(super) struct Behaviour {
     pub(super) begun: HashMap<(String, u32), u32>,
     /// Manifests made.
     pub(super) manifests: u32,
+    /// Exports begun.
+    pub(super) exports: u32,
     /// Fits that end in a panic, from the first of each shard.
     pub(super) panics: u32,
     /// While set, each fit pauses after its first entry.
@@ -45,6 +52,11 @@ impl Shared {
 
     pub(super) fn begun(&self) -> u32 {
         self.behaviour.lock().unwrap().begun.values().sum()
+    }
+
+    pub(super) fn wait_for_exports(&self, exports: u32) {
+        let behaviour = self.behaviour.lock().unwrap();
+        drop(self.changed.wait_while(behaviour, |b| b.exports < exports).unwrap());
     }
 
     pub(super) fn wait_for_begun(&self, fits: u32) {
@@ -107,6 +119,25 @@ impl Engine for FakeEngine {
         let recipe = recipe.join(" ");
         let digest = Digest::of(recipe.as_bytes());
         Some((recipe, digest))
+    }
+
+    fn exports(&self, _file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
+        Ok(vec![Export::Engine(Engine3d::Three)])
+    }
+
+    /// A file of a hundred bytes at most; of Godot none, and Bevy's ends in a panic.
+    fn export(&self, file: &[u8], manifest: &str, export: Export) -> Result<Bundle, ExportFailure> {
+        self.0.behaviour.lock().unwrap().exports += 1;
+        self.0.changed.notify_all();
+        let behaviour = self.0.behaviour.lock().unwrap();
+        drop(self.0.changed.wait_while(behaviour, |b| b.held).unwrap());
+        assert_ne!(export, Export::Engine(Engine3d::Bevy), "the export fell over");
+        if export == Export::Engine(Engine3d::Godot) {
+            return Err(ExportFailure::TooLarge { entries: 2, limit: 1 });
+        }
+        let bytes = format!("{export} of {}, {manifest}", String::from_utf8_lossy(file)).into_bytes();
+        let file = TextureFile { path: "file".to_owned(), bytes, rounding: RoundingError::default() };
+        Ok(Bundle { files: vec![file], steps: vec![] })
     }
 
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    super::*,
+    super::{downloads::ManifestError, *},
     config, end_of,
     fake_engine::{FakeEngine, Shared},
     fitted, start, submit,
@@ -108,6 +108,29 @@ fn a_database_that_is_opened_again_gets_back_the_jobs_and_tables_that_it_lost() 
     let id = JobId::of_recipe(&Digest::of(b"gold 2"));
     assert!(without.get(Tree::Jobs, id.as_bytes()).unwrap().is_some());
     assert_eq!(Catalogue::new(without).page(None, 9).unwrap().0[0].digest, table);
+}
+
+#[test]
+fn a_machine_that_lacks_a_thread_for_a_moment_costs_a_job_no_attempt() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let service = start(dir.path(), &shared);
+    let lacking = &service.state.threads.lacking;
+    // More often than a task may fail.
+    lacking.store(4, Ordering::Relaxed);
+    let (id, _) = submit(&service, "gold 1");
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    assert_eq!((lacking.load(Ordering::Relaxed), service.metrics().unwrap().shard_failures), (0, 0));
+    // A request is told so.
+    lacking.store(1, Ordering::Relaxed);
+    let Err(ManifestError::Lacking(error)) = service.state.make_manifest(b"TABLE", &|| true) else {
+        panic!("it had one")
+    };
+    let error = ServiceError::from(error);
+    assert!(
+        matches!(error, ServiceError::Lacking(_)) && error.to_string().contains("a thread that measures"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -20,10 +20,13 @@ pub(super) fn render(
     corner: [u32; 2],
     extent: [u32; 2],
 ) -> Radiances {
-    let rows = (0..extent[1]).into_par_iter().flat_map_iter(|y| {
-        (0..extent[0]).map(move |x| surface::pixel(frame, table, estimator, [corner[0] + x, corner[1] + y]))
+    let [width, height] = extent;
+    // A part of one row is for all cores too.
+    let pixels = (0..width * height).into_par_iter().map(|index| {
+        let [x, y] = [index % width, index / width];
+        surface::pixel(frame, table, estimator, [corner[0] + x, corner[1] + y])
     });
-    Radiances { width: extent[0], pixels: rows.collect() }
+    Radiances { width, pixels: pixels.collect() }
 }
 
 /// The lookup alone: `M`, row-major, amplitude, Fresnel term, and a zero.

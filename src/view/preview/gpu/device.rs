@@ -3,9 +3,12 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{GpuFailure, Variant, Weights};
-use crate::view::{
-    preview::{estimator::Estimator, frame::FrameLight},
-    shaders::preview_module,
+use crate::{
+    light::WeightRule,
+    view::{
+        preview::{estimator::Estimator, frame::Frame},
+        shaders::preview_module,
+    },
 };
 
 /// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
@@ -18,12 +21,36 @@ pub(super) struct Device {
     pub(super) name: String,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
-    /// The pipelines of each estimator, for polygons and for ellipses.
-    pipelines: [[Option<wgpu::ComputePipeline>; 2]; Estimator::ALL.len()],
+    pipelines: Vec<(Kind, wgpu::ComputePipeline)>,
     /// The sampler interpolates entries, not the shader.
     pub(super) samples_weighed: bool,
     lookup_is_constant: bool,
     fault: FirstFault,
+}
+
+/// What pipelines differ by. The shader has it in constants, since software drivers run both sides of a branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Kind {
+    estimator: Estimator,
+    /// The reference's light is an ellipse.
+    is_ellipse: bool,
+    /// How model `normals` averages its weight.
+    rule: WeightRule,
+    /// Its light is a polygon of other than four vertices.
+    is_polygon: bool,
+}
+
+impl Kind {
+    /// What does not matter to the estimator is the same for all frames.
+    fn new(estimator: Estimator, frame: &Frame) -> Self {
+        let is_normals = estimator == Estimator::Normals;
+        Self {
+            estimator,
+            is_ellipse: estimator == Estimator::Reference && frame.light.ellipse.is_some(),
+            rule: if is_normals { frame.weight } else { WeightRule::Fan },
+            is_polygon: is_normals && frame.light.vertices.len() != 4,
+        }
+    }
 }
 
 /// The first error that no call returned. Without this, wgpu would panic.
@@ -95,7 +122,7 @@ impl Device {
             name,
             pipeline_layout,
             module,
-            pipelines: [const { [const { None }; 2] }; Estimator::ALL.len()],
+            pipelines: Vec::new(),
             samples_weighed,
             lookup_is_constant: variant.lookup_is_constant,
             fault,
@@ -104,28 +131,30 @@ impl Device {
         Ok(device)
     }
 
-    /// The pipeline of an estimator, compiled when it is first asked for. Only the reference tells ellipses from
-    /// polygons.
-    pub(super) fn pipeline(&mut self, estimator: Estimator, light: &FrameLight) -> wgpu::ComputePipeline {
-        let is_ellipse = estimator == Estimator::Reference && light.ellipse.is_some();
-        let Self { wgpu: device, pipeline_layout, module, .. } = self;
-        let flag = f64::from;
+    /// The pipeline of an estimator for a frame, compiled when it is first asked for.
+    pub(super) fn pipeline(&mut self, estimator: Estimator, frame: &Frame) -> wgpu::ComputePipeline {
+        let kind = Kind::new(estimator, frame);
+        if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == kind) {
+            return pipeline.clone();
+        }
+        let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
-            ("ltc_hardware_filter", flag(u8::from(self.samples_weighed))),
-            ("lookup_is_constant", flag(u8::from(self.lookup_is_constant))),
-            ("light_is_ellipse", flag(u8::from(is_ellipse))),
+            ("ltc_hardware_filter", flag(self.samples_weighed)),
+            ("lookup_is_constant", flag(self.lookup_is_constant)),
+            ("light_is_ellipse", flag(kind.is_ellipse)),
+            ("light_is_polygon", flag(kind.is_polygon)),
+            ("normals_rule", f64::from(kind.rule as u32)),
         ];
-        let build = || {
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(entry_point(estimator)),
-                layout: Some(pipeline_layout),
-                module,
-                entry_point: Some(entry_point(estimator)),
-                compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
-                cache: None,
-            })
-        };
-        self.pipelines[estimator as usize][usize::from(is_ellipse)].get_or_insert_with(build).clone()
+        let pipeline = self.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry_point(estimator)),
+            layout: Some(&self.pipeline_layout),
+            module: &self.module,
+            entry_point: Some(entry_point(estimator)),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            cache: None,
+        });
+        self.pipelines.push((kind, pipeline.clone()));
+        pipeline
     }
 
     /// Fails if anything has gone wrong since the device was opened.

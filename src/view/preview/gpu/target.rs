@@ -1,6 +1,6 @@
 //! Where a GPU writes a picture, and how it comes back.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::{
     GpuFailure,
@@ -69,16 +69,19 @@ impl RenderTarget {
         task: &RenderTask<'_>,
         stop: Stop<'_>,
     ) -> Result<Vec<u32>, GpuFailure> {
-        let pipeline = gpu.pipeline(task.estimator, &task.frame.light);
+        let pipeline = gpu.pipeline(task.estimator, task.frame);
         gpu.check()?;
         let tiles = Tiles::of(task.frame, task.estimator, task.corner, task.extent);
         let packed: Vec<u32> = tiles.seen.iter().map(|[x, y]| x | (y << 16)).collect();
         gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&task.frame.light_words()));
         gpu.queue.write_buffer(&self.tiles, 0, bytemuck::cast_slice(&packed));
-        for part in task.parts(packed.len() as u32) {
+        let mut parts = task.parts(packed.len() as u32);
+        let mut took = None;
+        while let Some(part) = parts.next(took) {
             if stop() {
                 return Err(GpuFailure::Stopped);
             }
+            let start = Instant::now();
             let words = task.frame.scene_words(&part);
             gpu.queue.write_buffer(&self.scene, 0, bytemuck::cast_slice(&words));
             let mut encoder = gpu.wgpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -90,6 +93,7 @@ impl RenderTarget {
                 pass.dispatch_workgroups(part.tiles, 1, 1);
             }
             wait(gpu, gpu.queue.submit([encoder.finish()]))?;
+            took = Some(start.elapsed());
         }
         let mut words = self.read(gpu)?;
         self.fill(&mut words, &tiles.unseen, task.frame);

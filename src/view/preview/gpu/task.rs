@@ -1,5 +1,7 @@
 //! What a GPU renders in one go, and in which parts.
 
+use std::time::Duration;
+
 use super::tiles;
 use crate::view::preview::{
     cost::NORMALS_COST,
@@ -7,9 +9,10 @@ use crate::view::preview::{
     frame::{Frame, Part},
 };
 
-/// Samples that are sent to the GPU at a time. They take a third of a second on two slow cores, after which the caller may
-/// stop: a driver that is busy can neither be stopped nor dropped. Smaller parts cost more, since lavapipe without a
-/// shader cache takes 0.1 s per part to compile the reference anew.
+/// Most samples that are sent to the GPU at a time. They take a third of a second on two slow cores, after which the caller
+/// may stop: a driver that is busy can neither be stopped nor dropped. Smaller parts cost more, since lavapipe without a
+/// shader cache takes 0.1 s per part to compile the reference anew. So parts get smaller only where they take longer, as on
+/// a machine that is busy with other work.
 const SAMPLES_A_PART: u32 = 1 << 24;
 /// Samples of a pixel that one pass takes. Lavapipe ends a shader's loops after 65535 steps, nested ones included, and a
 /// sample takes up to 15.
@@ -42,20 +45,58 @@ impl<'a> RenderTask<'a> {
     }
 
     /// The parts that are sent to the GPU one at a time: some of the tiles that are seen, and a range of their samples.
-    pub(super) fn parts(&self, tiles: u32) -> impl Iterator<Item = Part> {
+    pub(super) fn parts(&self, tiles: u32) -> Parts {
         let is_sampled = self.estimator == Estimator::Reference;
-        let all = if is_sampled { self.frame.spp } else { 1 };
-        let cost = if is_sampled { all.min(SAMPLES_A_PASS) } else { NORMALS_COST };
+        let samples = if is_sampled { self.frame.spp } else { 1 };
+        let cost = if is_sampled { samples.min(SAMPLES_A_PASS) } else { NORMALS_COST };
         let most = (SAMPLES_A_PART / cost / (tiles::SIDE * tiles::SIDE)).min(TILES_A_PART);
-        let as_bytes = self.as_bytes;
-        (0..tiles).step_by(most as usize).flat_map(move |first_tile| {
-            (0..all).step_by(SAMPLES_A_PASS as usize).map(move |first_sample| Part {
-                first_tile,
-                tiles: most.min(tiles - first_tile),
-                first_sample,
-                samples: SAMPLES_A_PASS.min(all - first_sample),
-                as_bytes,
-            })
+        Parts { tiles, samples, as_bytes: self.as_bytes, most, now: most, first_tile: 0, first_sample: 0 }
+    }
+}
+
+/// A part that takes longer is followed by ones of half its tiles.
+const SLOW: Duration = Duration::from_millis(400);
+/// One that takes less is followed by ones of twice its tiles.
+const FAST: Duration = Duration::from_millis(100);
+
+/// The parts of a task that are still to be rendered.
+#[derive(Debug)]
+pub(super) struct Parts {
+    tiles: u32,
+    samples: u32,
+    as_bytes: bool,
+    /// Most tiles of a part, and those of the current one.
+    most: u32,
+    now: u32,
+    first_tile: u32,
+    first_sample: u32,
+}
+
+impl Parts {
+    /// The next part. `took` is the time that the last one took, if there was one.
+    pub(super) fn next(&mut self, took: Option<Duration>) -> Option<Part> {
+        let Self { tiles, samples, as_bytes, most, .. } = *self;
+        if self.first_sample >= samples {
+            self.first_tile += self.now;
+            self.first_sample = 0;
+        }
+        // All passes over the same tiles have as many of them.
+        match took {
+            Some(took) if self.first_sample == 0 && took > SLOW => self.now = (self.now / 2).max(1),
+            Some(took) if self.first_sample == 0 && took < FAST => self.now = self.now.saturating_mul(2).min(most),
+            _ => {}
+        }
+        if self.first_tile >= tiles {
+            return None;
+        }
+        let first_sample = self.first_sample;
+        self.first_sample += SAMPLES_A_PASS;
+        Some(Part {
+            first_tile: self.first_tile,
+            tiles: self.now.min(tiles - self.first_tile),
+            first_sample,
+            samples: SAMPLES_A_PASS.min(samples - first_sample),
+            as_bytes,
         })
     }
 }
@@ -67,17 +108,35 @@ mod tests {
 
     #[test]
     fn parts_take_each_sample_of_each_tile_once() {
-        for (tiles, spp) in [(64, 4096), (4096, 64), (4225, 700), (65536, 1), (64, 1025), (0, 64)] {
+        let cases = [(64, 4096), (4096, 64), (4225, 700), (65536, 1), (64, 1025), (0, 64)];
+        for ((tiles, spp), millis) in cases.into_iter().flat_map(|case| [(case, 0), (case, 200), (case, 900)]) {
             let frame = Frame::new(&Scene { spp, ..Scene::default() }, false);
             let mut taken = vec![0_u32; tiles as usize];
-            for part in RenderTask::whole(&frame, Estimator::Reference, false).parts(tiles) {
+            let mut parts = RenderTask::whole(&frame, Estimator::Reference, false).parts(tiles);
+            let mut took = None;
+            while let Some(part) = parts.next(took) {
+                took = Some(Duration::from_millis(millis));
                 assert!(part.tiles * 64 * part.samples <= SAMPLES_A_PART && part.tiles <= TILES_A_PART);
                 for tile in part.first_tile..part.first_tile + part.tiles {
                     assert_eq!(taken[tile as usize], part.first_sample);
                     taken[tile as usize] += part.samples;
                 }
             }
-            assert!(taken.iter().all(|samples| *samples == spp), "{tiles} {spp}");
+            assert!(taken.iter().all(|samples| *samples == spp), "{tiles} {spp} {millis}");
         }
+    }
+
+    /// Between any two parts the caller may stop.
+    #[test]
+    fn parts_are_halved_while_they_take_long_and_grow_again() {
+        let frame = Frame::new(&Scene { spp: 64, ..Scene::default() }, false);
+        let mut parts = RenderTask::whole(&frame, Estimator::Reference, false).parts(1 << 16);
+        let mut tiles = |took| parts.next(took).expect("more tiles").tiles;
+        let (slow, usual, fast) = (Duration::from_secs(4), Duration::from_millis(200), Duration::ZERO);
+        assert_eq!(tiles(None), 4096);
+        let next = [slow, slow, usual, fast, fast, fast].map(|took| tiles(Some(took)));
+        assert_eq!(next, [2048, 1024, 1024, 2048, 4096, 4096]);
+        let least = (0..20).map(|_| tiles(Some(slow))).last();
+        assert_eq!(least, Some(1));
     }
 }

@@ -1,0 +1,231 @@
+//! What the service adds to a fit and to a download.
+//!
+//! `cargo bench -p ltcforge-benches --bench service`. A job is compared with the same recipe fitted, encoded and measured
+//! without a service, by processor time; a download with a bare server that reads, hashes and sends the same file over
+//! the same kind of connection. Both take turns with what they are compared with, so that a busy machine slows both.
+
+use std::{
+    fs,
+    io::{BufRead as _, BufReader, Read as _, Write as _},
+    net::{SocketAddr, TcpListener, TcpStream},
+    ops::ControlFlow,
+    path::Path,
+    sync::Arc,
+    thread,
+    time::{Duration, Instant},
+};
+
+use ltcforge::{
+    files::{
+        container,
+        digest::Digest,
+        manifest::manifest_json,
+        recipe_document::{self, DEFAULT_ENTRY_LIMIT},
+    },
+    fit::{Plan, fit_plan},
+    server::{
+        http::{Options, serve},
+        service::{Config, PictureLimits, Service},
+    },
+    view::preview::Adapter,
+};
+
+/// Turns of each.
+const JOBS: u32 = 7;
+const DOWNLOADS: u32 = 15;
+/// Downloads of a turn.
+const REPEATED: u32 = 100;
+
+/// A recipe of the default table that was not fitted before.
+fn recipe(seed: u32) -> String {
+    format!(r#"{{"preset":"draft","fit":{{"seed":{seed}}}}}"#)
+}
+
+/// Seconds that the processor has worked for this process.
+fn processor_seconds() -> f64 {
+    /// `USER_HZ` of every Linux.
+    const TICKS: f64 = 100.0;
+    let stat = fs::read_to_string("/proc/self/stat").expect("Linux");
+    let (_, fields) = stat.rsplit_once(')').expect("a name in parentheses");
+    let fields: Vec<&str> = fields.split_whitespace().collect();
+    [11, 12].map(|index| fields[index].parse::<f64>().expect("ticks")).iter().sum::<f64>() / TICKS
+}
+
+/// A client with one connection.
+struct Client(BufReader<TcpStream>);
+
+impl Client {
+    fn new(address: SocketAddr) -> Self {
+        let tcp = TcpStream::connect(address).expect("a connection");
+        tcp.set_nodelay(true).expect("a socket");
+        Self(BufReader::new(tcp))
+    }
+
+    /// The body of the answer to a request.
+    fn ask(&mut self, method: &str, path: &str, body: &str) -> Vec<u8> {
+        let tcp = self.0.get_mut();
+        let host = tcp.peer_addr().expect("an address");
+        let head = format!("{method} {path} HTTP/1.1\r\nhost: {host}\r\ncontent-length: {}\r\n\r\n{body}", body.len());
+        tcp.write_all(head.as_bytes()).expect("a service");
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            self.0.read_line(&mut line).expect("a head");
+            if let Some(value) = line.to_ascii_lowercase().strip_prefix("content-length:") {
+                length = value.trim().parse().expect("a length");
+            }
+            if line.trim().is_empty() {
+                break;
+            }
+        }
+        self.read(length)
+    }
+
+    fn read(&mut self, length: usize) -> Vec<u8> {
+        let mut body = vec![0; length];
+        self.0.read_exact(&mut body).expect("a whole body");
+        body
+    }
+
+    /// Submits a recipe and waits for its table's digest.
+    fn fit(&mut self, recipe: &str) -> String {
+        let job = self.ask("POST", "/v1/jobs", recipe);
+        let id = text(&job, "id");
+        loop {
+            let job = self.ask("GET", &format!("/v1/jobs/{id}"), "");
+            match text(&job, "state").as_str() {
+                "done" => return text(&job, "table"),
+                "queued" | "running" => thread::sleep(Duration::from_millis(20)),
+                other => panic!("the job is {other}"),
+            }
+        }
+    }
+}
+
+/// A text in a JSON object of the service.
+fn text(json: &[u8], name: &str) -> String {
+    let json = String::from_utf8_lossy(json);
+    let (_, rest) = json.split_once(&format!("\"{name}\":\"")).unwrap_or_else(|| panic!("no {name} in {json}"));
+    rest.split('"').next().unwrap_or_default().to_owned()
+}
+
+/// What `ltcforge fit` does, without its output.
+fn fit_directly(pool: &rayon::ThreadPool, recipe: &str) -> usize {
+    let recipe = recipe_document::parse(recipe.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");
+    pool.install(|| {
+        let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
+        let file = container::encode(&recipe, &table).expect("a file");
+        manifest_json(&file).expect("a manifest").len()
+    })
+}
+
+/// A server that answers each byte with the file's bytes, read and hashed anew.
+fn bare_server(path: &Path) -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let (address, path) = (listener.local_addr().expect("an address"), path.to_owned());
+    thread::spawn(move || {
+        let (mut tcp, _) = listener.accept().expect("a client");
+        tcp.set_nodelay(true).expect("a socket");
+        let mut request = [0];
+        while tcp.read_exact(&mut request).is_ok() {
+            let bytes = fs::read(&path).expect("a file");
+            assert!(path.ends_with(Digest::of(&bytes).hex()), "the file is damaged");
+            tcp.write_all(&bytes).expect("a client");
+        }
+    });
+    address
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Prints what both took, and by which part the second took longer.
+fn compare(name: &str, unit: &str, [plain, service]: [Vec<f64>; 2]) {
+    let ratios = plain.iter().zip(&service).map(|(plain, service)| service / plain).collect();
+    let part = 100.0 * (median(ratios) - 1.0);
+    let least_part = 100.0 * (least(&service) / least(&plain) - 1.0);
+    let [plain, service] = [plain, service].map(|values| (least(&values), median(values)));
+    println!(
+        "{name}: {:.4} {unit} without the service, {:.4} with it (medians; least {:.4}, {:.4})",
+        plain.1, service.1, plain.0, service.0
+    );
+    println!("{name}: {part:+.1} % by the median of the turns, {least_part:+.1} % by the least of each");
+}
+
+fn main() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let workers = thread::available_parallelism().expect("cores");
+    let service = Service::open(Config {
+        data_dir: folder.path().to_owned(),
+        workers,
+        queue_limit: 64,
+        entry_limit: DEFAULT_ENTRY_LIMIT,
+        job_seconds: 86_400,
+        keep_ended: None,
+        lease_ttl: Duration::from_secs(60),
+        max_attempts: 3,
+        adapter: Adapter::Cpu,
+        export_bytes: 0,
+        pictures: PictureLimits::default(),
+    });
+    let service = service.expect("a service");
+    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
+    let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).expect("a port");
+    let address = listener.local_addr().expect("an address");
+    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+    let shutdown = async {
+        // Dropped at the end.
+        let _ = stopped.await;
+    };
+    let serving = runtime.spawn(serve(listener, Arc::clone(&service), Options::default(), shutdown));
+    let mut client = Client::new(address);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(workers.get()).build().expect("threads");
+
+    let mut digest = client.fit(&recipe(0));
+    fit_directly(&pool, &recipe(0));
+    let mut taken = [vec![], vec![]];
+    for turn in 1..=JOBS {
+        let recipe = recipe(turn);
+        let start = processor_seconds();
+        fit_directly(&pool, &recipe);
+        let middle = processor_seconds();
+        digest = client.fit(&recipe);
+        taken[0].push(middle - start);
+        taken[1].push(processor_seconds() - middle);
+    }
+    compare("a job", "s of processor time", taken);
+
+    let hex = digest.trim_start_matches("sha256:");
+    let blob = folder.path().join("blobs").join(&hex[..2]).join(hex);
+    let bytes = fs::metadata(&blob).expect("a table").len() as usize;
+    let mut bare = Client::new(bare_server(&blob));
+    let mut taken = [vec![], vec![]];
+    for turn in 0..=DOWNLOADS {
+        let start = Instant::now();
+        for _ in 0..REPEATED {
+            bare.0.get_mut().write_all(b"x").expect("a server");
+            assert_eq!(bare.read(bytes).len(), bytes);
+        }
+        let middle = Instant::now();
+        for _ in 0..REPEATED {
+            assert_eq!(client.ask("GET", &format!("/v1/tables/{digest}"), "").len(), bytes);
+        }
+        // The first warms up.
+        if turn > 0 {
+            let each = |time: Duration| 1e3 * time.as_secs_f64() / f64::from(REPEATED);
+            taken[0].push(each(middle - start));
+            taken[1].push(each(middle.elapsed()));
+        }
+    }
+    compare(&format!("a download of {bytes} bytes"), "ms", taken);
+
+    drop((client, stop));
+    runtime.block_on(serving).expect("the end of the service");
+    service.stop();
+}

@@ -1,0 +1,182 @@
+//! What a project pins: tables, and files that are made of them.
+
+use std::{
+    collections::BTreeSet,
+    path::{Component, Path, PathBuf},
+};
+
+use serde::Deserialize;
+
+use super::{Source, lock_error::LockFileError};
+use crate::files::digest::Digest;
+
+/// One table that a project uses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pin {
+    /// Its name in the project.
+    pub name: String,
+    /// Where its file is: relative to the lock file's folder, and below it.
+    pub path: PathBuf,
+    /// Its digest.
+    pub digest: Digest,
+    /// Its size: a longer file is not taken. A pin of version 1 may lack it.
+    pub bytes: Option<u64>,
+    /// The recipe's document, of which it can be fitted again. A pin of version 1 lacks it.
+    pub recipe: Option<String>,
+    /// Where it is looked for before the sources of the project.
+    pub sources: Vec<Source>,
+    /// The files that are made of it.
+    pub exports: Vec<ExportPin>,
+}
+
+/// Files that are made of a table: which, where, and what they hash to. The first four fields are arguments of
+/// `ltcforge export`, as text.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExportPin {
+    /// The engine whose files they are.
+    #[serde(default, rename = "for")]
+    pub engine: Option<String>,
+    /// Without an engine: the layout of the textures.
+    #[serde(default)]
+    pub layout: Option<String>,
+    /// And their format.
+    #[serde(default)]
+    pub container: Option<String>,
+    /// And their numbers, as in recipes.
+    #[serde(default)]
+    pub precision: Option<String>,
+    /// Their folder, relative to the lock file's and below it.
+    pub to: PathBuf,
+    /// The files.
+    pub file: Vec<FilePin>,
+}
+
+/// A file that is made of a table.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FilePin {
+    /// Where it is: relative to the lock file's folder, and below it.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
+    /// The SHA-256 of its bytes.
+    pub digest: Digest,
+}
+
+impl ExportPin {
+    /// The name under which a service makes these files: that of the engine, or layout, format and numbers. `None` for
+    /// what cannot be one.
+    #[must_use]
+    pub fn name(&self) -> Option<String> {
+        let name = match (&self.engine, &self.layout, &self.container) {
+            (Some(engine), None, None) => engine.clone(),
+            (None, Some(layout), Some(container)) => {
+                // As `ltcforge export` takes it.
+                let precision = self.precision.as_deref().unwrap_or("f32");
+                format!("{layout}.{container}.{precision}")
+            }
+            _ => return None,
+        };
+        is_plain(&name).then_some(name)
+    }
+
+    /// The path of one of the files in the export, with `/` between names; `None` for a path that no export has.
+    #[must_use]
+    pub fn path_of(&self, file: &FilePin) -> Option<String> {
+        let names = file.path.strip_prefix(&self.to).ok()?.iter();
+        let names: Option<Vec<&str>> = names.map(|name| name.to_str().filter(|name| is_plain(name))).collect();
+        names.filter(|names| !names.is_empty()).map(|names| names.join("/"))
+    }
+
+    /// Whether `other` asks for the same files.
+    #[must_use]
+    pub fn asks_as(&self, other: &Self) -> bool {
+        let request = |pin: &Self| {
+            let Self { engine, layout, container, precision, to, .. } = pin.clone();
+            (engine, layout, container, precision, to)
+        };
+        request(self) == request(other)
+    }
+}
+
+/// Whether a text stands in a URL as it is, and is none of `.` and `..`.
+fn is_plain(text: &str) -> bool {
+    let is_allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_');
+    text.chars().all(is_allowed) && text.chars().any(|c| c != '.')
+}
+
+/// Checks the names and paths of pins, before anything is done with them.
+///
+/// # Errors
+/// A name or path that is not allowed, or that two pins share.
+pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
+    let mut names = BTreeSet::new();
+    for pin in pins {
+        if pin.name.is_empty() || pin.name.contains(char::is_control) {
+            return Err(LockFileError::Name(pin.name.clone()));
+        }
+        if !names.insert(&pin.name) {
+            return Err(LockFileError::Twice { owners: "tables", what: "name", value: pin.name.clone() });
+        }
+        for export in &pin.exports {
+            check_path(&export.to, true)?;
+        }
+    }
+    let mut seen = BTreeSet::new();
+    for path in paths(pins) {
+        check_path(path, false)?;
+        if !seen.insert(plain(path)) {
+            return Err(LockFileError::Twice { owners: "files", what: "path", value: path.display().to_string() });
+        }
+    }
+    Ok(())
+}
+
+/// Each file that is pinned.
+pub(super) fn paths(pins: &[Pin]) -> impl Iterator<Item = &Path> {
+    pins.iter().flat_map(|pin| {
+        let files = pin.exports.iter().flat_map(|export| &export.file).map(|file| file.path.as_path());
+        std::iter::once(pin.path.as_path()).chain(files)
+    })
+}
+
+/// A path without `.` in it.
+pub(super) fn plain(path: &Path) -> PathBuf {
+    path.components().filter(|part| *part != Component::CurDir).collect()
+}
+
+/// A lock file comes with a checkout, so it must not cause writes outside of it.
+fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
+    let Some(text) = path.to_str() else { return Err(LockFileError::NotText(path.display().to_string())) };
+    let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    let is_named = is_folder && path.components().next().is_some() || path.file_name().is_some();
+    let prints = !text.contains(char::is_control);
+    if stays && is_named && prints { Ok(()) } else { Err(LockFileError::Path(text.to_owned())) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn export(engine: Option<&str>, to: &str, path: &str) -> ExportPin {
+        let file = FilePin { path: path.into(), bytes: 1, digest: Digest::of(b"x") };
+        let engine = engine.map(str::to_owned);
+        ExportPin { engine, layout: None, container: None, precision: None, to: to.into(), file: vec![file] }
+    }
+
+    #[test]
+    fn names_and_paths_that_no_url_has_are_none() {
+        let three = export(Some("three"), "a/b", "a/b/areaLights/x.bin");
+        assert_eq!(three.name().as_deref(), Some("three"));
+        assert_eq!(three.path_of(&three.file[0]).as_deref(), Some("areaLights/x.bin"));
+        for engine in ["", ".", "..", "a/b", "a?b", "a b", "%2e"] {
+            assert_eq!(export(Some(engine), "a", "a/b").name(), None, "{engine}");
+        }
+        assert_eq!(export(None, "a", "a/b").name(), None);
+        for (to, path) in [("a", "b/c"), ("a", "a"), ("a", "a/x?y"), ("a", "a/x#y")] {
+            let other = export(Some("three"), to, path);
+            assert_eq!(other.path_of(&other.file[0]), None, "{path}");
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Exports of a table: which files, by one name.
+
+use std::{fmt, str::FromStr};
+
+use super::{About, Bundle, Engine, NoTextures, TextureContainer, TextureFileError, TextureLayout, sampling_of};
+use crate::fit::{Layout, Precision, Table};
+
+/// What files that hold all textures are called.
+const STEM: &str = "ltc";
+
+/// Files that can be made of a table. Its name is that of an engine, or layout, format and numbers with dots between:
+/// `three`, `ltc2017.ktx2.f16`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Export {
+    /// The files of an engine, under its names.
+    Engine(Engine),
+    /// Textures of a layout in a format of one's own choice.
+    Textures {
+        /// What axes, texels and channels are.
+        layout: TextureLayout,
+        /// The files' format.
+        container: TextureContainer,
+        /// Bits of a number.
+        precision: Precision,
+    },
+}
+
+/// Why there is no export of a name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "«{}» is no export: an export is an engine ({}), or layout.container.precision, such as ltc2017.ktx2.f16, of the layouts {}, \
+    the containers {} and the precisions {}", .0.escape_debug(), names(Engine::ALL), names(TextureLayout::ALL),
+    names(TextureContainer::ALL), names(Precision::ALL)
+)]
+pub struct UnknownExport(pub String);
+
+fn names<T: fmt::Display>(all: &[T]) -> String {
+    all.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Why a table has no such files.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ExportError {
+    /// It has no such textures.
+    #[error(transparent)]
+    Textures(#[from] NoTextures),
+    /// It has, of other sizes than the engine takes.
+    #[error("{source}; this recipe gives a table that has them: {recipe}")]
+    Sizes {
+        /// What the engine takes, and what there is.
+        source: TextureFileError,
+        /// A recipe that serves.
+        recipe: &'static str,
+    },
+    /// The format cannot hold them.
+    #[error(transparent)]
+    Files(TextureFileError),
+}
+
+impl ExportError {
+    /// A recipe whose table has these files, if another one would help.
+    #[must_use]
+    pub fn recipe(&self) -> Option<&'static str> {
+        match self {
+            Self::Textures(NoTextures::OtherLayout { recipe, .. } | NoTextures::Lacking { recipe, .. })
+            | Self::Sizes { recipe, .. } => Some(recipe),
+            Self::Textures(_) | Self::Files(_) => None,
+        }
+    }
+}
+
+impl Export {
+    /// Every export that there is: of engines first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let textures = TextureLayout::ALL.iter().flat_map(|&layout| {
+            TextureContainer::ALL.iter().flat_map(move |&container| {
+                Precision::ALL.iter().map(move |&precision| Self::Textures { layout, container, precision })
+            })
+        });
+        Engine::ALL.iter().map(|&engine| Self::Engine(engine)).chain(textures)
+    }
+
+    /// The layout of the textures, and whether the table has them. Their sizes are not looked at.
+    ///
+    /// # Errors
+    /// When it has none; the error names a recipe whose table has them.
+    pub fn layout(self, table: &Table) -> Result<TextureLayout, NoTextures> {
+        let layout = match self {
+            Self::Textures { layout, .. } => layout,
+            Self::Engine(engine) => match (engine.layout(), table.layout) {
+                (Some(name), _) => TextureLayout::named(name)?,
+                (None, Layout::Kt2022) => TextureLayout::Kt2022,
+                (None, _) => TextureLayout::Reflected,
+            },
+        };
+        layout.check(table).map(|()| layout)
+    }
+
+    /// The files, and what to do with them. They follow from the arguments and this program alone. `about` says what the
+    /// table is; how its textures are sampled is added.
+    ///
+    /// # Errors
+    /// When the table has no such files.
+    pub fn bundle(self, table: &Table, about: About) -> Result<Bundle, ExportError> {
+        let layout = self.layout(table)?;
+        let textures = layout.textures(table)?;
+        let about = about.and(sampling_of(table, layout));
+        let made = match self {
+            Self::Engine(engine) => engine.bundle(&textures, &table.axes, &about),
+            Self::Textures { container, precision, .. } => {
+                container.files(STEM, &textures, precision, &about).map(|files| Bundle { files, steps: vec![] })
+            }
+        };
+        made.map_err(|source| match source {
+            TextureFileError::Missing { .. } => ExportError::Sizes { source, recipe: layout.sampling().recipe },
+            other => ExportError::Files(other),
+        })
+    }
+}
+
+impl fmt::Display for Export {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Engine(engine) => f.write_str(engine.name()),
+            Self::Textures { layout, container, precision } => {
+                write!(f, "{}.{}.{}", layout.name(), container.name(), precision.name())
+            }
+        }
+    }
+}
+
+impl FromStr for Export {
+    type Err = UnknownExport;
+
+    fn from_str(text: &str) -> Result<Self, UnknownExport> {
+        let textures = || {
+            let mut parts = text.split('.');
+            let layout = TextureLayout::from_name(parts.next()?)?;
+            let container = TextureContainer::from_name(parts.next()?)?;
+            let precision = Precision::from_name(parts.next()?)?;
+            parts.next().is_none().then_some(Self::Textures { layout, container, precision })
+        };
+        let engine = Engine::from_name(text).map(Self::Engine);
+        engine.or_else(textures).ok_or_else(|| UnknownExport(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::BTreeSet, ops::ControlFlow};
+
+    use super::*;
+    use crate::{
+        files::recipe_document,
+        fit::{Plan, fit_plan},
+    };
+
+    fn table(document: &str) -> Table {
+        let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
+        fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")
+    }
+
+    #[test]
+    fn a_name_is_that_of_one_export() {
+        let all: Vec<Export> = Export::all().collect();
+        let names: BTreeSet<String> = all.iter().map(ToString::to_string).collect();
+        assert_eq!(names.len(), all.len());
+        assert!(all.iter().all(|export| export.to_string().parse() == Ok(*export)));
+        for wrong in ["", "unity", "ltc2017", "ltc2017.ktx2", "ltc2017.ktx2.f64", "ltc2017.ktx2.f16.", "Three"] {
+            let error = wrong.parse::<Export>().expect_err(wrong).to_string();
+            assert!(error.contains(&format!("«{wrong}»")) && error.contains("ktx2-zstd"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_table_that_cannot_serve_is_told_which_recipe_does() {
+        let fit = r#""fit":{"samples":64,"directions":4,"steps":5}"#;
+        let own = table(&format!(r#"{{"resolution":{{"alpha":2,"ratio":2,"theta":2,"phi":2}},{fit}}}"#));
+        let small = table(&format!(r#"{{"layout":"ltc2017","resolution":{{"alpha":2,"theta":2}},{fit}}}"#));
+        let refusal = |name: &str, table: &Table| {
+            let export: Export = name.parse().expect("an export");
+            export.bundle(table, About::default()).expect_err(name)
+        };
+        for (name, table, recipe) in [
+            ("three", &own, r#"{"layout": "ltc2017"}"#),
+            ("kt2022.dds.f32", &own, r#"{"layout": "kt2022"}"#),
+            ("wgpu", &small, r#"{"layout": "reflected"}"#),
+            ("three", &small, r#"{"layout": "ltc2017"}"#),
+        ] {
+            let refused = refusal(name, table);
+            assert_eq!(refused.recipe(), Some(recipe), "{name}: {refused}");
+            assert!(refused.to_string().contains(recipe), "{name}: {refused}");
+        }
+        for name in ["wgpu", "reflected.npz.f16"] {
+            let export: Export = name.parse().expect("an export");
+            assert!(!export.bundle(&own, About::default()).expect(name).files.is_empty());
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Samples counted into cells, in whole numbers: their sums are exact, so their order decides nothing.
+
+use super::cells::{CELLS, FRACTION_BITS};
+
+/// Bits of a sample's place inside its cell that are kept: a sample of weight [`WHOLE`] then fits 32 bits twice.
+const PLACE_BITS: u32 = 14;
+/// The weight of all samples together, at most.
+pub(super) const WHOLE: u32 = 1 << 30;
+/// The weight of a sample where all weigh the same. Its part of a cell is the part that is counted.
+pub(super) const EQUAL: u32 = 1 << PLACE_BITS;
+/// Most samples of that weight.
+pub(super) const MOST_SAMPLES: usize = (WHOLE / EQUAL) as usize;
+
+/// How much lies in each cell, and below the node after it.
+///
+/// The two nodes around a sample share it in proportion (cloud-in-cell). Of a sample at the part `f` of its cell, the
+/// node before it has `1 - f` and the one after it `f`. Below the node after a cell there are then all samples up to
+/// and in the cell, but for the parts `f` of those in the cell. One update of a word counts both: the weight in its
+/// upper half, and the weight times `f` in its lower half.
+#[derive(Debug)]
+pub(super) struct Histogram {
+    words: Box<[u64; CELLS]>,
+    below: Vec<i32>,
+}
+
+impl Default for Histogram {
+    fn default() -> Self {
+        Self { words: Box::new([0; CELLS]), below: Vec::new() }
+    }
+}
+
+/// Where samples lie among the cells.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    pub(super) cells: Vec<u32>,
+    /// The parts of their cells, in units of `2^-PLACE_BITS`.
+    pub(super) parts: Vec<u32>,
+}
+
+impl Places {
+    pub(super) fn resize(&mut self, count: usize) {
+        self.cells.resize(count, 0);
+        self.parts.resize(count, 0);
+    }
+}
+
+/// Cell and part of a fixed-point position. Domain: not below zero.
+#[inline]
+pub(super) fn split(position: i32) -> (u32, u32) {
+    let position = position.cast_unsigned();
+    (position >> FRACTION_BITS, (position >> (FRACTION_BITS - PLACE_BITS)) & ((1 << PLACE_BITS) - 1))
+}
+
+impl Histogram {
+    /// Adds samples of the weights. Domain: all weights together are [`WHOLE`] at most, up to the rounding of each.
+    pub(super) fn add(&mut self, places: &Places, weights: &[u32]) {
+        for ((cell, part), weight) in places.cells.iter().zip(&places.parts).zip(weights) {
+            let (weight, part) = (u64::from(*weight), u64::from(*part));
+            self.words[*cell as usize & (CELLS - 1)] += (weight << 32) | (weight * part) >> PLACE_BITS;
+        }
+    }
+
+    /// Adds the first `count` samples, each of the weight [`EQUAL`].
+    pub(super) fn add_equal(&mut self, places: &Places, count: usize) {
+        for (cell, part) in places.cells[..count].iter().zip(&places.parts) {
+            self.words[*cell as usize & (CELLS - 1)] += (u64::from(EQUAL) << 32) + u64::from(*part);
+        }
+    }
+
+    /// Sums up the first `cells` cells, and empties them.
+    pub(super) fn drain(&mut self, cells: usize) {
+        self.below.resize(cells, 0);
+        let mut upto = 0;
+        for (word, below) in self.words.iter_mut().zip(&mut self.below) {
+            upto += (*word >> 32) as i32;
+            *below = upto - *word as i32;
+            *word = 0;
+        }
+    }
+
+    /// What lies below the node after each drained cell.
+    pub(super) fn below(&self) -> &[i32] {
+        &self.below
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn below(histogram: &mut Histogram) -> [f64; 4] {
+        histogram.drain(4);
+        std::array::from_fn(|cell| f64::from(histogram.below()[cell]))
+    }
+
+    #[test]
+    fn a_sample_is_shared_between_the_nodes_around_it() {
+        let places = Places { cells: vec![1, 2, 1], parts: vec![0, EQUAL / 4, EQUAL / 2] };
+        let mut histogram = Histogram::default();
+        let whole = f64::from(EQUAL);
+        histogram.add_equal(&places, 3);
+        assert_eq!(below(&mut histogram), [0.0, 1.5 * whole, 2.75 * whole, 3.0 * whole]);
+        histogram.add(&places, &[2 * EQUAL, EQUAL, 0]);
+        assert_eq!(below(&mut histogram), [0.0, 2.0 * whole, 2.75 * whole, 3.0 * whole]);
+        assert_eq!(below(&mut histogram), [0.0; 4]);
+    }
+
+    /// Nothing carries from one half of a word into the other, nor over its end.
+    #[test]
+    fn all_samples_fit_one_cell() {
+        let mut histogram = Histogram::default();
+        let places = Places { cells: vec![1; MOST_SAMPLES], parts: vec![EQUAL - 1; MOST_SAMPLES] };
+        histogram.add_equal(&places, MOST_SAMPLES);
+        assert_eq!(below(&mut histogram), [0.0, MOST_SAMPLES as f64, f64::from(WHOLE), f64::from(WHOLE)]);
+        histogram.add(&Places { cells: vec![3], parts: vec![EQUAL - 1] }, &[WHOLE]);
+        assert_eq!(below(&mut histogram), [0.0, 0.0, 0.0, f64::from(WHOLE / EQUAL)]);
+    }
+}

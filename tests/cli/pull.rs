@@ -1,0 +1,188 @@
+//! `pull` keeps a project to its lock file, from sources that may have nothing, something else or no end.
+
+use std::{
+    fs,
+    io::{Read as _, Write as _},
+    net::TcpListener,
+    thread,
+};
+
+use super::project::{NOBODY, files_of, modified, pinned, project, pull, read};
+use crate::common::{SMALL, command::run, server::Server};
+use ltcforge::files::digest::Digest;
+
+/// A server that answers every request with a status line, fields and `body`.
+fn answering(status: &'static str, body: &'static [u8]) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let url = format!("http://{}", listener.local_addr().expect("an address"));
+    thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.expect("a connection");
+            let _ = stream.read(&mut [0; 4096]);
+            let head = format!("HTTP/1.1 {status}\r\nconnection: close\r\ncontent-length: {}\r\n\r\n", body.len());
+            let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body));
+        }
+    });
+    url
+}
+
+#[test]
+fn exports_come_from_a_service_that_has_their_pinned_bytes() {
+    let (folder, project) = project();
+    let before = files_of(&project);
+    let server = Server::start(&folder.path().join("data"), &[]);
+    server.fit(SMALL);
+    fs::remove_dir_all(project.join("assets/ltc")).expect("a folder");
+    fs::write(project.join("assets/metal.safetensors"), "drifted").expect("a drifted file");
+    let told = run(&project, ["pull", "--from", NOBODY, "--from", &server.url]).exited(0);
+    assert!(told.stdout.starts_with("metal replaced: assets/metal.safetensors\nmetal downloaded: "), "{told:#?}");
+    assert_eq!(files_of(&project), before);
+    assert_eq!(server.metric("ltcforge_exports_total"), 1);
+
+    // Right files stay as they are, down to their times.
+    let texture = project.join("assets/ltc/ltc_terms.ktx2");
+    let time = modified(&texture);
+    fs::remove_file(project.join("assets/ltc/ltc.json")).expect("a file");
+    run(&project, ["pull", "--from", &server.url]).exited(0);
+    assert_eq!((files_of(&project), modified(&texture)), (before, time));
+}
+
+#[test]
+fn exports_that_no_service_has_are_made() {
+    let (_folder, project) = project();
+    let before = files_of(&project);
+    let texture = project.join("assets/ltc/ltc_terms.ktx2");
+    for url in [
+        answering("200 OK", b"other bytes"),
+        answering("404 Not Found", b"{}"),
+        answering("503 Service Unavailable", b""),
+        NOBODY.to_owned(),
+    ] {
+        fs::remove_file(&texture).expect("a file");
+        let told = run(&project, ["pull", "--from", &url]).exited(0);
+        assert!(told.stdout.contains("metal made: assets/ltc/ltc_terms.ktx2\n"), "{told:#?}");
+        assert_eq!(files_of(&project), before);
+    }
+    // A service of another version makes other bytes than the pinned ones, and says so; so does this program.
+    let lock = read(&project.join("ltcforge.lock"));
+    let pin = format!("digest = \"{}\" }}", Digest::of(&fs::read(&texture).expect("a texture")));
+    let other = lock.replace(&pin, &format!("digest = \"{}\" }}", Digest::of(b"other")));
+    fs::write(project.join("ltcforge.lock"), other).expect("a lock file");
+    let server = Server::start(&project.join("data"), &[]);
+    server.fit(SMALL);
+    let refused = run(&project, ["pull", "--from", &server.url]).exited(3);
+    assert!(refused.stderr.contains("this program makes a file that"), "{refused:#?}");
+    assert_eq!(Digest::of(&fs::read(&texture).expect("a texture")).to_string(), pin[10..10 + 71]);
+}
+
+#[test]
+fn pull_restores_whatever_drifted_and_locked_tells_it() {
+    let (folder, project) = project();
+    let before = files_of(&project);
+    fs::create_dir(folder.path().join("tables")).expect("a folder");
+    let hex = pinned(&project).replace("sha256:", "");
+    fs::copy(project.join("assets/metal.safetensors"), folder.path().join(format!("tables/{hex}.safetensors")))
+        .expect("a copy");
+    let pinned = before.iter().filter(|(path, _)| path.extension().is_some_and(|name| name != "lock"));
+    // In turn a file is missing, of other bytes, and cut off; each is found.
+    for (i, (path, bytes)) in pinned.enumerate() {
+        match i % 3 {
+            0 => fs::remove_file(path).expect("a file"),
+            1 => fs::write(path, "drifted").expect("a drifted file"),
+            _ => fs::write(path, &bytes[..bytes.len() - 1]).expect("a file cut off"),
+        }
+        let drifted = files_of(&project);
+        let told = run(&project, ["pull", "--locked"]).exited(3);
+        let said = path.strip_prefix(&project).expect("a path below").display().to_string();
+        assert!(told.complaints()[0].contains(&said), "{said}: {told:#?}");
+        assert_eq!(files_of(&project), drifted, "--locked changes nothing");
+        run(&project, ["pull", "--offline", "--from", "../tables"]).exited(0);
+        assert_eq!(files_of(&project), before, "{}", path.display());
+    }
+}
+
+#[test]
+fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
+    let (folder, project) = project();
+    let table = project.join("assets/metal.safetensors");
+    let right = fs::read(&table).expect("the table");
+    let hex = Digest::of(&right).hex();
+    for (name, bytes) in [("wrong", &b"other bytes"[..]), ("right", &right)] {
+        fs::create_dir(folder.path().join(name)).expect("a folder");
+        fs::write(folder.path().join(name).join(format!("{hex}.safetensors")), bytes).expect("a file");
+    }
+    let from = |places: &[&str], code: i32| {
+        let words = places.iter().flat_map(|place| ["--from", place]);
+        run(&project, ["pull"].into_iter().chain(words)).exited(code)
+    };
+    fs::remove_file(&table).expect("a file");
+    let none = from(&["../none"], 1);
+    assert!(none.stderr.contains(&format!("../none/{hex}.safetensors")), "{none:#?}");
+    from(&[NOBODY, "../none"], 4);
+    let wrong = from(&["../wrong", NOBODY], 3);
+    assert!(wrong.stderr.contains(&Digest::of(b"other bytes").to_string()), "{wrong:#?}");
+    let offline = run(&project, ["pull", "--from", NOBODY, "--offline"]).exited(4);
+    assert!(offline.stderr.contains("--offline asks no server"), "{offline:#?}");
+    assert!(!table.exists());
+    let brought = from(&["../none", "../wrong", NOBODY, "../right"], 0);
+    assert!(brought.stdout.starts_with("metal downloaded: assets/metal.safetensors\n"), "{brought:#?}");
+    assert_eq!(fs::read(&table).expect("the table"), right);
+
+    // The lock file and the configuration name sources too.
+    fs::remove_file(&table).expect("a file");
+    let lock = read(&project.join("ltcforge.lock"));
+    fs::write(project.join("ltcforge.lock"), lock.replace("version = 2\n", "version = 2\nsources = [\"../right\"]\n"))
+        .expect("a lock file");
+    run(&project, ["pull"]).exited(0);
+    fs::remove_file(&table).expect("a file");
+    fs::write(project.join("ltcforge.lock"), &lock).expect("a lock file");
+    fs::write(project.join("ltcforge.toml"), "sources = [\"../none\", \"../right\"]\n").expect("a configuration");
+    run(&project, ["pull"]).exited(0);
+    assert_eq!(fs::read(&table).expect("the table"), right);
+}
+
+#[test]
+fn what_no_source_has_is_fitted_again_and_held_to_its_digest() {
+    let (_folder, project) = project();
+    let before = files_of(&project);
+    fs::remove_dir_all(project.join("assets")).expect("a folder");
+    run(&project, ["pull", "--offline"]).exited(4);
+    let fitted = run(&project, ["pull", "--offline", "--fit"]).exited(0);
+    assert!(fitted.stdout.starts_with("metal fitted: assets/metal.safetensors\nmetal made: "), "{}", fitted.stdout);
+    assert_eq!(files_of(&project), before);
+
+    // A recipe of another table does not arrive at the pinned digest, and leaves nothing behind.
+    let lock = read(&project.join("ltcforge.lock"));
+    let other = lock.replace(&pinned(&project), &Digest::of(b"other").to_string());
+    fs::write(project.join("ltcforge.lock"), other).expect("a lock file");
+    let before = files_of(&project);
+    let refused = run(&project, ["pull", "--offline", "--fit"]).exited(3);
+    assert!(refused.stderr.contains("the recipe gives a table that hashes to"), "{refused:#?}");
+    assert_eq!(files_of(&project), before);
+}
+
+#[test]
+fn an_endless_table_is_cut_at_the_size_that_the_lock_file_states() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let url = format!("http://{}", listener.local_addr().expect("an address"));
+    thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.expect("a connection");
+            let _ = stream.read(&mut [0; 4096]);
+            let mut sent = stream.write_all(b"HTTP/1.1 200 OK\r\nconnection: close\r\n\r\n");
+            while sent.is_ok() {
+                sent = stream.write_all(&[0; 8192]);
+            }
+        }
+    });
+    let pin = format!("version = 1\n[[table]]\nname = \"metal\"\ndigest = \"{}\"\npath = \"t\"\n", Digest::of(b""));
+    let lock = folder.path().join("ltcforge.lock");
+    fs::write(&lock, format!("{pin}bytes = 1000000\n")).expect("a lock file");
+    let refused = pull(folder.path(), &url, &[]).exited(1);
+    assert!(refused.stderr.contains("longer than 1000000 bytes, the size that the lock file states"), "{refused:#?}");
+    fs::write(&lock, pin).expect("a lock file");
+    let refused = pull(folder.path(), &url, &["--table-limit", "2000000"]).exited(1);
+    assert!(refused.stderr.contains("longer than 2000000 bytes, the limit for tables"), "{refused:#?}");
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "nothing is left");
+}

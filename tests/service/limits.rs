@@ -1,0 +1,152 @@
+//! Each limit of `docs/operations.md` that is answered over HTTP is met once, and its answer says which it was.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::clients::{host, request, send, try_answer};
+use crate::common::{
+    ENDLESS, SMALL, eventually,
+    server::{Server, text},
+};
+
+/// The sections of the file whose tables list them.
+const SECTIONS: [&str; 4] = ["Names and web pages", "Connections", "Requests", "Jobs, tables and pictures"];
+
+/// A row of the file.
+#[derive(Debug, Clone)]
+struct Limit {
+    name: String,
+    /// The type of the problem.
+    kind: String,
+    /// What raises it; `None` if it is fixed.
+    flag: Option<String>,
+}
+
+/// The rows that name a problem.
+fn documented() -> Vec<Limit> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/operations.md");
+    let file = fs::read_to_string(file).expect("the file");
+    let mut limits: Vec<Limit> = Vec::new();
+    for section in file.split("\n## ").filter(|section| SECTIONS.iter().any(|name| section.starts_with(name))) {
+        for row in section.lines().filter(|line| line.starts_with('|')) {
+            let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+            let last = limits.last().cloned();
+            let beyond = cells[2];
+            let kind = match beyond.split_once("/problems/") {
+                Some((_, rest)) => rest.split('`').next().expect("a name").to_owned(),
+                None if beyond.starts_with("the same") => last.clone().expect("a row before").kind,
+                None => continue,
+            };
+            let word = |cell: &str| Some(cell.split_once("`--")?.1.split(['`', ' ']).next()?.to_owned());
+            let flag = match cells.get(3) {
+                Some(&"likewise") => last.and_then(|last| last.flag),
+                Some(cell) => word(cell).map(|flag| format!("--{flag}")),
+                None => None,
+            };
+            limits.push(Limit { name: cells[0].replace('`', ""), kind, flag });
+        }
+    }
+    limits
+}
+
+/// The problem with which the service answers `text`.
+#[track_caller]
+fn told(server: &Server, text: &str) -> Value {
+    let (_, _, body) = try_answer(send(server, text)).expect("an answer");
+    serde_json::from_str(&body).expect("a document")
+}
+
+fn get(server: &Server, path: &str, more: &[(&str, &str)]) -> Value {
+    let fields: Vec<(&str, &str)> = [("host", host(server))].into_iter().chain(more.iter().copied()).collect();
+    told(server, &request(&format!("GET {path}"), &fields))
+}
+
+const DEAREST: &str = "mode=strip&size=2048&spp=4096";
+
+/// The problem of the limit called `name`, on a service that has no table yet.
+fn met(name: &str, server: &Server) -> Value {
+    let long = "x".repeat(70_000);
+    match name {
+        "Host" => told(server, &request("GET /healthz", &[("host", "attacker.example")])),
+        "Origin" => get(server, "/healthz", &[("origin", "http://attacker.example")]),
+        "Sec-Fetch-Site" => get(server, "/healthz", &[("sec-fetch-site", "cross-site")]),
+        "connections open in all" | "connections from one address, or one IPv6 network of 64 bits" => {
+            // The harness keeps its connection.
+            server.get("/healthz").with_status(200);
+            get(server, "/healthz", &[])
+        }
+        name if name.starts_with("time until the head") => told(server, "GET /healthz HTTP/1.1\r\nhost:"),
+        "time until its body is complete" => {
+            let fields = [("host", host(server)), ("content-length", "100")];
+            told(server, &(request("POST /v1/jobs", &fields) + "{"))
+        }
+        "head" => get(server, "/healthz", &[("x", &long), ("y", &long)]),
+        "path and query" => get(server, &format!("/{long}"), &[]),
+        "body" => server.submit(&long).json(),
+        "items on a page" => get(server, "/v1/jobs?limit=1001", &[]),
+        "jobs that wait or run" => {
+            server.submit(ENDLESS).with_status(202);
+            server.submit(SMALL).json()
+        }
+        "entries of a table" => server.submit(SMALL).json(),
+        "predicted seconds of a job, with all workers on it" => server.submit(ENDLESS).json(),
+        "pictures that wait or are rendered" => {
+            server.fit(SMALL);
+            let fields = [("host", host(server))];
+            let _rendered = send(server, &request(&format!("GET /v1/preview?{DEAREST}"), &fields));
+            let mut size = 63;
+            eventually("a full queue", || {
+                size += 1;
+                let answer = server.get(&format!("/v1/preview?size={size}"));
+                (answer.status == 429).then(|| answer.json())
+            })
+        }
+        "predicted seconds of a picture" => {
+            server.fit(SMALL);
+            server.get(&format!("/v1/preview?{DEAREST}")).with_status(422).json()
+        }
+        other => panic!("no test meets the limit «{other}»"),
+    }
+}
+
+/// Arguments under which [`met`] meets it.
+fn arguments(name: &str) -> &'static [&'static str] {
+    match name {
+        "connections open in all" => &["--connections", "1"],
+        "connections from one address, or one IPv6 network of 64 bits" => &["--connections-per-address", "1"],
+        name if name.starts_with("time until") => &["--client-seconds", "1"],
+        "jobs that wait or run" => &["--queue-limit", "1"],
+        "entries of a table" => &["--entry-limit", "15"],
+        "predicted seconds of a job, with all workers on it" => &["--job-seconds", "1"],
+        "pictures that wait or are rendered" => {
+            &["--adapter", "cpu", "--picture-queue", "1", "--picture-seconds", "86400"]
+        }
+        "predicted seconds of a picture" => &["--adapter", "cpu", "--picture-seconds", "1"],
+        _ => &[],
+    }
+}
+
+#[test]
+fn the_answer_of_each_limit_says_which_it_was() {
+    let limits = documented();
+    assert!(limits.len() > 15, "{limits:#?}");
+    for Limit { name, kind, flag } in limits {
+        // Only a picture that is slower than predicted meets it; `http::error` tests what its answer says.
+        if name.starts_with("time of a picture") {
+            continue;
+        }
+        // A table of half a million entries and a crowd of exports take minutes; `http::error` tests what is answered.
+        if name == "entries of a table that is exported" || name.starts_with("requests for exports") {
+            continue;
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let server = Server::start(folder.path(), arguments(&name));
+        let problem = met(&name, &server);
+        assert_eq!(problem["type"], format!("/problems/{kind}"), "{name}: {problem:#}");
+        match flag {
+            Some(flag) => assert!(problem.to_string().contains(&flag), "{name} does not name {flag}: {problem:#}"),
+            None => assert!(text(&problem["detail"]).contains(char::is_numeric), "{name}: {problem:#}"),
+        }
+    }
+}
