@@ -17,7 +17,7 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo test test-native lint lint-core fmt bench packages browser clean
+.PHONY: help demo test test-native lint lint-core lint-deploy fmt bench packages browser s3 clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -46,8 +46,26 @@ browser:
 		|| npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1; } \
 		|| echo '*** npm ci failed in tests/engines: the tests in real engines will be skipped' >&2
 
+# The S3 server of the tests, and what checks deploy/, each in a folder of its own. Not every machine has Python or reaches
+# its registry: the tests that need the server say then that they are skipped, and so does the check.
+PYTHON_TARGET := $(or $(CARGO_TARGET_DIR),target)
+s3:
+	@python3 -c 'import moto.server, moto.s3' 2>/dev/null || [ -x $(PYTHON_TARGET)/s3/bin/moto_server ] \
+		|| { python3 -m venv $(PYTHON_TARGET)/s3 && $(PYTHON_TARGET)/s3/bin/pip install -q --retries 1 'moto[server]==5.2.1'; } \
+		|| echo '*** no moto[server] of PyPI: the tests on an S3 server will be skipped' >&2
+
+lint-deploy:
+	@[ -x $(PYTHON_TARGET)/schemas/bin/kubernetes-validate ] \
+		|| { python3 -m venv $(PYTHON_TARGET)/schemas && $(PYTHON_TARGET)/schemas/bin/pip install -q --retries 1 \
+			kubernetes-validate==1.37.0 check-jsonschema==0.39.0; } \
+		|| rm -rf $(PYTHON_TARGET)/schemas
+	@if [ -x $(PYTHON_TARGET)/schemas/bin/check-jsonschema ]; then \
+		$(PYTHON_TARGET)/schemas/bin/kubernetes-validate --strict --quiet deploy/kubernetes/*.yaml && \
+		$(PYTHON_TARGET)/schemas/bin/check-jsonschema -q --builtin-schema vendor.compose-spec deploy/compose.yaml; \
+	else echo '*** SKIPPED: no kubernetes-validate and check-jsonschema of PyPI: deploy/ was not checked' >&2; fi
+
 test: EXTRA_PACKAGES := $(TEST_PACKAGES)
-test: packages browser
+test: packages browser s3
 	$(CARGO) test --locked
 	@$(MAKE) --no-print-directory test-native
 
@@ -63,7 +81,7 @@ lint: packages
 		echo "features: $${feature:-none}"; \
 		$(CARGO) clippy --locked --no-default-features --features "$$feature" -- -D warnings; \
 	done
-	@$(MAKE) --no-print-directory lint-core
+	@$(MAKE) --no-print-directory lint-core lint-deploy
 	RUSTDOCFLAGS='-D warnings' $(CARGO) doc --locked --no-deps --document-private-items
 
 # What a Rust program takes along that only wants a table.

@@ -35,8 +35,20 @@ CREATE INDEX jobs_by_state ON ltcforge.jobs (state, submission);
 CREATE INDEX jobs_open ON ltcforge.jobs (submission) WHERE state IN ('queued', 'running');
 CREATE INDEX jobs_by_end ON ltcforge.jobs (finished_at);
 
--- A task for each shard of an unfinished job, and one, the last, that assembles the table. A failed job keeps its finished
--- ones.
+-- Shards that were never leased, as runs of shards with equally many entries: a row for each shard would make submitting a
+-- large job slow. Leasing takes the first ones off, so that `next` up to `past` are left.
+CREATE TABLE ltcforge.blocks (
+    submission bigint NOT NULL,
+    first integer NOT NULL,
+    next integer NOT NULL,
+    past integer NOT NULL,
+    entries integer NOT NULL,
+    PRIMARY KEY (submission, first),
+    CHECK (first <= next AND next < past)
+) WITH (fillfactor = 50);
+
+-- A task for each shard of an unfinished job that was leased before, and one, the last, that assembles the table. A failed
+-- job keeps its finished ones.
 CREATE TABLE ltcforge.tasks (
     submission bigint NOT NULL,
     task integer NOT NULL,
@@ -45,7 +57,10 @@ CREATE TABLE ltcforge.tasks (
     state text NOT NULL CHECK (state IN ('waiting', 'leased', 'finished')),
     -- Leases so far. The number is the fence: nothing is written for an attempt that is not the current one.
     attempt integer NOT NULL DEFAULT 0,
+    -- Leases that ended in an error.
     failures integer NOT NULL DEFAULT 0,
+    -- Leases that expired: their workers died, or were cut off.
+    deaths integer NOT NULL DEFAULT 0,
     last_error text,
     worker text,
     -- Leases are found by it and the key. Without a word of the state: the indexes of leased tasks would be taken instead.
@@ -61,6 +76,7 @@ ALTER TABLE ltcforge.tasks ALTER COLUMN result SET STORAGE EXTERNAL;
 -- Its order is that of leasing, and no other index has it.
 CREATE INDEX tasks_waiting ON ltcforge.tasks (submission, is_assembly, task) WHERE state = 'waiting';
 CREATE INDEX tasks_leased ON ltcforge.tasks (submission, lease_until) WHERE state = 'leased';
+CREATE INDEX tasks_suspect ON ltcforge.tasks (deaths) WHERE state = 'leased' AND deaths > 0;
 CREATE INDEX tasks_repeated ON ltcforge.tasks (submission, attempt) WHERE attempt > 1;
 
 -- When a job was last served, in the order of servings.
@@ -84,3 +100,36 @@ CREATE TABLE ltcforge.rows (
     value bytea NOT NULL,
     PRIMARY KEY (tree, key)
 );
+
+-- Number and bytes of the tables in the catalogue, as sums of rows, so that nobody has to count them. Each writer adds to
+-- one of several rows, so that they seldom wait for each other.
+CREATE TABLE ltcforge.totals (
+    slot integer PRIMARY KEY,
+    tables bigint NOT NULL,
+    bytes bigint NOT NULL
+) WITH (fillfactor = 50);
+
+CREATE FUNCTION ltcforge.count_table() RETURNS trigger LANGUAGE plpgsql AS $$
+DECLARE
+    more_tables bigint := 0;
+    more_bytes bigint := 0;
+BEGIN
+    IF TG_OP <> 'INSERT' THEN
+        more_tables := more_tables - 1;
+        more_bytes := more_bytes - coalesce((convert_from(OLD.value, 'UTF8')::json ->> 'bytes')::bigint, 0);
+    END IF;
+    IF TG_OP <> 'DELETE' THEN
+        more_tables := more_tables + 1;
+        more_bytes := more_bytes + coalesce((convert_from(NEW.value, 'UTF8')::json ->> 'bytes')::bigint, 0);
+    END IF;
+    INSERT INTO ltcforge.totals AS t (slot, tables, bytes) VALUES (pg_backend_pid() % 8, more_tables, more_bytes)
+    ON CONFLICT (slot) DO UPDATE SET tables = t.tables + excluded.tables, bytes = t.bytes + excluded.bytes;
+    RETURN NULL;
+END
+$$;
+CREATE TRIGGER table_added AFTER INSERT ON ltcforge.rows
+    FOR EACH ROW WHEN (NEW.tree = 'tables') EXECUTE FUNCTION ltcforge.count_table();
+CREATE TRIGGER table_changed AFTER UPDATE ON ltcforge.rows
+    FOR EACH ROW WHEN (NEW.tree = 'tables') EXECUTE FUNCTION ltcforge.count_table();
+CREATE TRIGGER table_removed AFTER DELETE ON ltcforge.rows
+    FOR EACH ROW WHEN (OLD.tree = 'tables') EXECUTE FUNCTION ltcforge.count_table();

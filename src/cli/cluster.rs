@@ -16,9 +16,6 @@ use crate::server::service::{self, Config, Service, Shared};
 /// Megabytes of tables kept on disk, unless it is said.
 const DEFAULT_CACHE_MB: u64 = 4096;
 
-/// How often a task may fail before its job does. A worker's death counts, and on a farm workers die.
-const MAX_ATTEMPTS: u32 = 10;
-
 fn shared(args: SharedArgs) -> Shared {
     let cache_bytes = args.cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20);
     Shared { database: args.database, blobs: args.blobs, cache_bytes }
@@ -32,7 +29,7 @@ pub(super) fn replica(args: &ReplicaArgs) -> Option<Shared> {
 
 /// The configuration of a process that shares.
 pub(super) fn shared_config(config: Config, lease_seconds: Option<NonZeroU64>) -> Config {
-    Config { max_attempts: MAX_ATTEMPTS, lease_ttl: lease_ttl(lease_seconds), ..config }
+    Config { lease_ttl: lease_ttl(lease_seconds), ..config }
 }
 
 /// Fits what the queue has until it is interrupted.

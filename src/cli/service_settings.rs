@@ -5,7 +5,10 @@ use std::time::Duration;
 use super::{CommandFailure, Exit};
 #[cfg(feature = "cluster")]
 use crate::{
-    cli::args::cores, files::recipe_document::DEFAULT_ENTRY_LIMIT, server::service::{Config, PictureLimits}, view::preview::Adapter,
+    cli::args::cores,
+    files::recipe_document::DEFAULT_ENTRY_LIMIT,
+    server::service::{Config, PictureLimits},
+    view::preview::Adapter,
 };
 
 pub(super) const DEFAULT_DATA: &str = "ltcforge-data";

@@ -8,20 +8,28 @@ mod throwaway;
 
 mod errors;
 mod faults;
+mod kills;
+mod links;
 mod migration;
+mod objects;
+mod proxy;
+mod s3;
 
 use std::{
     io::{BufRead as _, BufReader},
+    net::SocketAddr,
     path::Path,
     process::Child,
 };
 
-use common::command::ltcforge;
+use common::{command::ltcforge, server::Server};
 
 /// What the processes of a test share.
 pub(crate) struct Shared {
     pub(crate) database: String,
     pub(crate) blobs: String,
+    /// Further variables in the environment of their processes.
+    pub(crate) environment: Vec<(String, String)>,
 }
 
 impl Shared {
@@ -29,7 +37,22 @@ impl Shared {
     pub(crate) fn new(folder: &Path) -> Option<Self> {
         let blobs = folder.join("store");
         std::fs::create_dir_all(&blobs).expect("a folder");
-        Some(Self { database: throwaway::empty_database()?, blobs: format!("file://{}", blobs.display()) })
+        let blobs = format!("file://{}", blobs.display());
+        Some(Self { database: throwaway::empty_database()?, blobs, environment: vec![] })
+    }
+
+    /// The same through another link to the database.
+    pub(crate) fn by(&self, address: SocketAddr) -> Self {
+        let (_, name) = self.database.split_once("@/").expect("a URL of a throw-away server");
+        let name = name.split('?').next().unwrap_or(name);
+        let database = format!("postgres://postgres@{address}/{name}?sslmode=disable");
+        Self { database, blobs: self.blobs.clone(), environment: self.environment.clone() }
+    }
+
+    /// A replica with its cache in `folder` that only serves.
+    pub(crate) fn replica(&self, folder: &Path) -> Server {
+        let args: Vec<&str> = self.arguments().into_iter().chain(["--no-workers"]).collect();
+        Server::start_in(folder, &args, &self.environment)
     }
 
     /// Their arguments.
@@ -48,6 +71,7 @@ impl Worker {
         let data = data.to_str().expect("a path in UTF-8");
         let own = ["--workers", "1", "--lease-seconds", lease_seconds, "--data", data];
         let mut command = ltcforge(folder, ["work"].iter().chain(&shared.arguments()).chain(&own));
+        command.envs(shared.environment.iter().map(|(name, value)| (name, value)));
         let mut child = command.stderr(std::process::Stdio::null()).spawn().expect("the binary runs");
         let mut line = String::new();
         BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line on stdout");

@@ -94,6 +94,17 @@ pub trait Queue: Send + Sync + Debug {
     /// When the database fails.
     fn job(&self, id: JobId) -> Result<Option<Job>, StoreError>;
 
+    /// A job by its id, and a time by the queue's own clock at which it was so or became so later. Later calls, of any
+    /// process, give later times.
+    ///
+    /// # Errors
+    /// When the database fails.
+    fn job_now(&self, id: JobId) -> Result<Option<(Job, Timestamp)>, StoreError> {
+        // The time is read first, so that a job that ends in between ended later.
+        let now = self.now();
+        Ok(self.job(id)?.map(|job| (job, now)))
+    }
+
     /// Up to `limit` jobs before the submission `before`, last submitted first; and the submission to pass as `before`
     /// to get the next ones.
     ///

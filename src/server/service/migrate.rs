@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use serde::Serialize;
+use serde_json::Value;
 
 use super::{Config, OpenError, Shared, open::limits};
 use crate::{
@@ -27,6 +28,12 @@ pub struct Migrated {
     pub jobs: usize,
     /// Their finished shards.
     pub shards: usize,
+}
+
+/// The version of the fitter that a stored recipe is for, which may be an older one: its workers alone go on with the job.
+fn fitter_of(recipe: &str) -> u32 {
+    let fitter = serde_json::from_str::<Value>(recipe).ok().and_then(|recipe| recipe.get("fitter")?.as_u64());
+    fitter.and_then(|fitter| fitter.try_into().ok()).unwrap_or(FITTER_VERSION)
 }
 
 /// Takes everything in a data folder along. The folder is locked meanwhile and stays as it is; what is there already is
@@ -77,7 +84,7 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
         }
         for stored in stored_jobs(store.rows.as_ref())? {
             let results = stored_results(store.rows.as_ref(), stored.job.id)?;
-            if queue.import(&stored.job, &stored.shard_entries, &results)? {
+            if queue.import(&stored.job, fitter_of(&stored.job.recipe), &stored.shard_entries, &results)? {
                 done.jobs += 1;
                 done.shards += results.len();
             }
@@ -86,4 +93,15 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
     })()
     .map_err(OpenError::Shared)?;
     Ok(done)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recipe_names_its_fitter() {
+        assert_eq!(fitter_of(r#"{"fitter":1,"preset":"paper"}"#), 1);
+        assert_eq!(fitter_of("damaged"), FITTER_VERSION);
+    }
 }

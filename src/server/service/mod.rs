@@ -39,9 +39,9 @@ pub use check::{CheckReport, check};
 #[cfg(feature = "cluster")]
 pub use cluster::{DatabaseUrl, Shared, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
+pub use exports::{ExportFailure, ExportedFile, MadeExport};
 #[cfg(feature = "cluster")]
 pub use migrate::{Migrated, migrate};
-pub use exports::{ExportFailure, ExportedFile, MadeExport};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;
 pub use state::Service;

@@ -74,7 +74,7 @@ impl Service {
             tables: Arc::clone(&tables),
             queue,
             deliveries: Deliveries::default(),
-            hub: Hub::new(Arc::new(Timestamp::now), Arc::clone(&forecast)),
+            hub: Hub::new(Arc::clone(&forecast)),
             forecast,
             measuring_pool,
             threads: Threads::default(),

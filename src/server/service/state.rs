@@ -146,7 +146,7 @@ impl ServiceState {
 
     /// Notifies the followers of a job.
     pub(super) fn publish(&self, id: JobId) {
-        let published = self.hub.publish(id, || self.queue.job(id));
+        let published = self.hub.publish(id, || self.queue.job_now(id));
         if let Err(error) = published {
             tracing::warn!(job = %id, %error, "the followers of the job were not notified");
         }

@@ -77,7 +77,7 @@ impl Service {
     /// # Errors
     /// When the store fails.
     pub fn watch(&self, id: JobId) -> Result<Option<watch::Receiver<JobSnapshot>>, ServiceError> {
-        Ok(self.state.hub.watch(id, || self.state.queue.job(id))?)
+        Ok(self.state.hub.watch(id, || self.state.queue.job_now(id))?)
     }
 }
 

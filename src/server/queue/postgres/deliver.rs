@@ -108,7 +108,12 @@ impl Shared {
             if page.is_empty() {
                 return Err(StoreError::Database(format!("tasks of submission {submission} are missing")).into());
             }
-            for row in page {
+            for (expected, row) in (from..).zip(page) {
+                if row.get::<_, i32>(0) != expected {
+                    return Err(
+                        StoreError::Database(format!("task {expected} of submission {submission} is missing")).into()
+                    );
+                }
                 let sealed = row.get::<_, bool>(1).then(|| row.get::<_, Option<&[u8]>>(2)).flatten();
                 match sealed.and_then(unseal) {
                     Some(result) => results.push(result),

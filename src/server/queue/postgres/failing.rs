@@ -7,7 +7,7 @@ use super::{
     shared::Shared,
 };
 use crate::server::{
-    queue::{Failure, FailureKind, JobId, Lease, LeaseError, StaleLease},
+    queue::{Failure, FailureKind, JobId, Lease, LeaseError, MOST_DEATHS, StaleLease},
     store::StoreError,
 };
 
@@ -33,6 +33,7 @@ pub(super) async fn remove_tasks(
 ) -> Result<(), tokio_postgres::Error> {
     let tasks = "DELETE FROM ltcforge.tasks WHERE submission = $1 AND NOT ($2 AND state = 'finished')";
     client.execute(tasks, &[&submission, &keep_finished]).await?;
+    client.execute("DELETE FROM ltcforge.blocks WHERE submission = $1", &[&submission]).await?;
     client.execute("DELETE FROM ltcforge.serving WHERE submission = $1", &[&submission]).await?;
     client.execute("DELETE FROM ltcforge.finished_entries WHERE submission = $1", &[&submission]).await?;
     Ok(())
@@ -89,40 +90,45 @@ fn fail_job(shared: &Shared, submission: i64, lease: Option<&Lease>, failure: &F
     Ok(true)
 }
 
-/// A task that has failed once more.
+/// A task that has failed, or whose lease has expired, once more.
 struct FailedTask {
     submission: i64,
     task: i32,
     is_assembly: bool,
-    failures: i32,
-    error: String,
+    /// How often by now.
+    times: i32,
+    /// The error; `None` if the lease has expired.
+    error: Option<String>,
 }
 
 impl FailedTask {
-    fn of(row: &tokio_postgres::Row, error: &str) -> Self {
-        let error = error.to_owned();
-        Self { submission: row.get(0), task: row.get(1), is_assembly: row.get(2), failures: row.get(3), error }
+    fn of(row: &tokio_postgres::Row, error: Option<&str>) -> Self {
+        let error = error.map(str::to_owned);
+        Self { submission: row.get(0), task: row.get(1), is_assembly: row.get(2), times: row.get(3), error }
     }
 
-    /// Fails the job if this was one failure too many.
+    /// Fails the job if this was once too often.
     fn conclude(&self, shared: &Shared) -> Result<(), StoreError> {
-        let Self { submission, task, failures, error, .. } = self;
-        tracing::warn!(submission, task, failures, error, "a task failed");
-        if i64::from(*failures) < i64::from(shared.limits.max_attempts.get()) {
+        let Self { submission, task, times, error, .. } = self;
+        tracing::warn!(submission, task, times, error, "a task failed, or its lease expired");
+        let most = if error.is_some() { shared.limits.max_attempts.get() } else { MOST_DEATHS };
+        if i64::from(*times) < i64::from(most) {
             return Ok(());
         }
         let name = if self.is_assembly { "the assembly".to_owned() } else { format!("shard {task}") };
-        let detail = format!("{name} failed {failures} times; the last error: {error}");
+        let detail = match error {
+            Some(error) => format!("{name} failed {times} times; the last error: {error}"),
+            None => format!("{name} was leased {times} times by workers that did not report any more"),
+        };
         fail_job(shared, *submission, None, &Failure { kind: FailureKind::Attempts, detail }).map(drop)
     }
 }
 
 /// Takes back the leases that have expired, and fails jobs for which that is one failure too many.
 pub(super) fn take_back_expired(shared: &Shared) -> Result<(), StoreError> {
-    const ERROR: &str = "the lease expired without being renewed";
     let rows = shared.database.run(async |client| {
         let take_back = "
-            UPDATE ltcforge.tasks AS t SET state = 'waiting', failures = t.failures + 1, last_error = $1,
+            UPDATE ltcforge.tasks AS t SET state = 'waiting', deaths = t.deaths + 1,
                 lease_until = NULL, worker = NULL, entries_reported = 0
             FROM (
                 SELECT submission, task FROM ltcforge.tasks
@@ -130,15 +136,15 @@ pub(super) fn take_back_expired(shared: &Shared) -> Result<(), StoreError> {
                 LIMIT 1000 FOR UPDATE SKIP LOCKED
             ) AS e
             WHERE t.submission = e.submission AND t.task = e.task
-            RETURNING t.submission, t.task, t.is_assembly, t.failures";
-        client.query(&client.prepare_cached(take_back).await?, &[&ERROR]).await
+            RETURNING t.submission, t.task, t.is_assembly, t.deaths";
+        client.query(&client.prepare_cached(take_back).await?, &[]).await
     })?;
     if rows.is_empty() {
         return Ok(());
     }
     shared.count_failures(rows.len() as u64, rows.len() as u64);
     shared.note_change(None);
-    rows.iter().try_for_each(|row| FailedTask::of(row, ERROR).conclude(shared))
+    rows.iter().try_for_each(|row| FailedTask::of(row, None).conclude(shared))
 }
 
 /// Counts a failure of a leased task.
@@ -168,7 +174,7 @@ pub(super) fn fail_task(shared: &Shared, lease: &Lease, error: &str) -> Result<(
     };
     shared.count_failures(1, 0);
     shared.note_change(None);
-    let concluded = FailedTask::of(&row, &error).conclude(shared);
+    let concluded = FailedTask::of(&row, Some(&error)).conclude(shared);
     // The task has failed too often then, and does so again with its next lease.
     concluded.inspect_err(|error| tracing::warn!(%error, "the failure of a job could not be recorded")).ok();
     Ok(())
@@ -220,5 +226,5 @@ pub(super) fn lose_results(shared: &Shared, lease: &Lease, lost: &[i32]) -> Resu
     let row = row.ok_or(StaleLease)?;
     shared.count_failures(1, 0);
     shared.note_change(None);
-    Ok(FailedTask::of(&row, &error).conclude(shared)?)
+    Ok(FailedTask::of(&row, Some(&error)).conclude(shared)?)
 }

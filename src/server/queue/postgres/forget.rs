@@ -29,6 +29,8 @@ impl Shared {
                     DELETE FROM ltcforge.jobs WHERE submission IN (SELECT submission FROM old)
                 ), tasks AS (
                     DELETE FROM ltcforge.tasks WHERE submission IN (SELECT submission FROM old)
+                ), blocks AS (
+                    DELETE FROM ltcforge.blocks WHERE submission IN (SELECT submission FROM old)
                 )
                 SELECT count(*) FROM old";
             Ok(client.query_one(&client.prepare_cached(forget).await?, &[&seconds]).await?.get(0))

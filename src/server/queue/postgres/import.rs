@@ -1,10 +1,11 @@
 //! Taking over the jobs of another queue.
 
 use super::{
+    blocks::Blocks,
     deliver::seal,
     failing,
     open::PostgresQueue,
-    submit::{INSERT_REST, INSERT_TASKS, shards_of},
+    submit::{INSERT_BLOCKS, INSERT_REST, shards_digest},
 };
 use crate::server::{
     queue::{Job, JobState},
@@ -18,20 +19,34 @@ const IMPORT: &str = "
     ON CONFLICT (recipe_digest) DO NOTHING RETURNING submission";
 
 const FINISHED: &str = "
-    UPDATE ltcforge.tasks AS t SET state = 'finished', result = g.result
-    FROM unnest($2::integer[], $3::bytea[]) AS g (task, result)
-    WHERE t.submission = $1 AND t.task = g.task AND NOT t.is_assembly";
+    INSERT INTO ltcforge.tasks (submission, task, is_assembly, entries, state, attempt, result)
+    SELECT $1, task, false, entries, 'finished', 1, result
+    FROM unnest($2::integer[], $3::integer[], $4::bytea[]) AS g (task, entries, result)";
+
+/// Finished shards, as columns for a statement.
+#[derive(Debug, Default)]
+struct Finished {
+    tasks: Vec<i32>,
+    entries: Vec<i32>,
+    results: Vec<Vec<u8>>,
+}
 
 impl PostgresQueue {
-    /// Takes a job over with its finished shards, in one transaction. Returns whether it was not known before. The limit of
+    /// Takes a job of a version of the fitter over with its finished shards, in one transaction. Returns whether it was not known before. The limit of
     /// jobs does not count.
     ///
     /// # Errors
     /// When the database fails.
-    pub fn import(&self, job: &Job, shard_entries: &[u32], finished: &[(u32, Vec<u8>)]) -> Result<bool, StoreError> {
+    pub fn import(
+        &self,
+        job: &Job,
+        fitter: u32,
+        shard_entries: &[u32],
+        finished: &[(u32, Vec<u8>)],
+    ) -> Result<bool, StoreError> {
         let is_open = !job.state.name().is_final();
         let keeps_tasks = is_open || matches!(job.state, JobState::Failed { .. });
-        let (entries, shards_digest) = shards_of(shard_entries);
+        let shards_digest = shards_digest(shard_entries);
         let (table, failure) = match &job.state {
             JobState::Done { table } => (Some(table.as_bytes().to_vec()), None),
             JobState::Failed { error } => {
@@ -47,14 +62,20 @@ impl PostgresQueue {
             JobState::Cancelled => "cancelled",
         };
         let (id, digest) = (job.id.as_bytes().as_slice(), job.recipe_digest.as_bytes().as_slice());
-        let (fitter, shards) =
-            (self.shared.process.fitter.cast_signed(), i32::try_from(entries.len()).unwrap_or(i32::MAX));
+        let (fitter, shards) = (fitter.cast_signed(), i32::try_from(shard_entries.len()).unwrap_or(i32::MAX));
         let (total, entries_done) =
             (job.entries_total.cast_signed(), (!is_open).then_some(job.entries_done.cast_signed()));
         let attempts = (!is_open).then_some(job.attempts.cast_signed());
         let started_at = job.started_at.filter(|_| !is_open);
-        let tasks: Vec<i32> = finished.iter().map(|(task, _)| task.cast_signed()).collect();
-        let results: Vec<Vec<u8>> = finished.iter().map(|(_, result)| seal(result)).collect();
+        let mut kept = Finished::default();
+        for (task, result) in finished {
+            let Some(entries) = shard_entries.get(*task as usize) else { continue };
+            kept.tasks.push(task.cast_signed());
+            kept.entries.push(entries.cast_signed());
+            kept.results.push(seal(result));
+        }
+        let Finished { tasks, entries, results } = &kept;
+        let blocks = Blocks::of(shard_entries, &finished.iter().map(|(task, _)| *task).collect());
         let is_new = self.shared.database.run(async |client| {
             let transaction = client.transaction().await?;
             let row = transaction
@@ -82,8 +103,9 @@ impl PostgresQueue {
             let Some(row) = row else { return Ok(false) };
             let submission: i64 = row.get(0);
             if keeps_tasks {
-                transaction.execute(INSERT_TASKS, &[&submission, &entries]).await?;
-                transaction.execute(FINISHED, &[&submission, &tasks, &results]).await?;
+                transaction.execute(FINISHED, &[&submission, tasks, entries, results]).await?;
+                let Blocks { first, past, entries } = &blocks;
+                transaction.execute(INSERT_BLOCKS, &[&submission, first, past, entries]).await?;
                 transaction.execute(INSERT_REST, &[&submission, &shards, &format!("begin {}", job.id)]).await?;
                 if !is_open {
                     failing::remove_tasks(&transaction, submission, true).await?;

@@ -22,7 +22,7 @@ pub(super) const COLUMNS: &str = "
         coalesce(attempts, greatest(CASE WHEN started_at IS NULL THEN 0 ELSE 1 END, (
             SELECT max(t.attempt) FROM ltcforge.tasks AS t
             WHERE t.submission = jobs.submission AND t.attempt > 1))) AS attempts_now,
-        created_at, started_at, finished_at
+        created_at, started_at, finished_at, (SELECT ltcforge.clock()) AS now
     FROM ltcforge.jobs";
 
 /// The job of a row of [`COLUMNS`].
@@ -73,11 +73,16 @@ fn name(state: StateName) -> &'static str {
 
 impl Shared {
     pub(super) fn job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
+        Ok(self.job_now(id)?.map(|(job, _)| job))
+    }
+
+    /// With the database's time, which is the same for all processes.
+    pub(super) fn job_now(&self, id: JobId) -> Result<Option<(Job, Timestamp)>, StoreError> {
         let row = self.database.run(async |client| {
             let statement = client.prepare_cached(&format!("{COLUMNS} WHERE id = $1")).await?;
             client.query_opt(&statement, &[&id.as_bytes().as_slice()]).await
         })?;
-        row.as_ref().map(job).transpose()
+        row.map(|row| Ok((job(&row)?, row.get("now")))).transpose()
     }
 
     pub(super) fn list(

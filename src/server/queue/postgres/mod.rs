@@ -5,6 +5,7 @@
 //!
 //! Transactions that change a job lock its row first and its tasks after that.
 
+mod blocks;
 mod deliver;
 mod failing;
 mod fence;

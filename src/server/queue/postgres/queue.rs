@@ -65,6 +65,10 @@ impl Queue for PostgresQueue {
         self.shared.job(id)
     }
 
+    fn job_now(&self, id: JobId) -> Result<Option<(Job, Timestamp)>, StoreError> {
+        self.shared.job_now(id)
+    }
+
     fn list(&self, wanted: Option<StateName>, before: Option<u64>, limit: usize) -> Result<JobPage, StoreError> {
         self.shared.list(wanted, before, limit)
     }

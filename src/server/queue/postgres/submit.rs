@@ -1,9 +1,12 @@
 //! Submitting and cancelling jobs.
 
+use std::collections::HashSet;
+
 use deadpool_postgres::{GenericClient, Transaction};
 use tokio_postgres::{Error, Row};
 
 use super::{
+    blocks::Blocks,
     failing,
     lookup::{COLUMNS, job},
     shared::Shared,
@@ -23,10 +26,9 @@ const INSERT: &str = "
     INSERT INTO ltcforge.jobs (submission, id, recipe_digest, recipe, fitter, shards, shards_digest, entries_total, state, created_at)
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, 'queued', (SELECT ltcforge.clock()))";
 
-pub(super) const INSERT_TASKS: &str = "
-    INSERT INTO ltcforge.tasks (submission, task, is_assembly, entries, state)
-    SELECT $1, n - 1, false, entries, 'waiting' FROM unnest($2::integer[]) WITH ORDINALITY AS s (entries, n)
-    ON CONFLICT (submission, task) DO NOTHING";
+pub(super) const INSERT_BLOCKS: &str = "
+    INSERT INTO ltcforge.blocks (submission, first, next, past, entries)
+    SELECT $1, first, first, past, entries FROM unnest($2::integer[], $3::integer[], $4::integer[]) AS b (first, past, entries)";
 
 pub(super) const INSERT_REST: &str = "
     WITH assembly AS (
@@ -40,14 +42,13 @@ pub(super) const INSERT_REST: &str = "
     SELECT pg_notify('ltcforge', $3)";
 
 const KEEP: &str = "
-    UPDATE ltcforge.tasks SET submission = $2, attempt = 0, failures = 0
-    WHERE submission = $1 AND state = 'finished' AND NOT is_assembly";
+    UPDATE ltcforge.tasks SET submission = $2, attempt = 0, failures = 0, deaths = 0
+    WHERE submission = $1 AND state = 'finished' AND NOT is_assembly RETURNING task";
 
-/// The entries of each shard as a parameter of a statement, and their digest.
-pub(super) fn shards_of(shard_entries: &[u32]) -> (Vec<i32>, Digest) {
-    let entries: Vec<i32> = shard_entries.iter().map(|entries| i32::try_from(*entries).unwrap_or(i32::MAX)).collect();
-    let bytes: Vec<u8> = entries.iter().flat_map(|entries| entries.to_le_bytes()).collect();
-    (entries, Digest::of(&bytes))
+/// The digest of the entries of each shard.
+pub(super) fn shards_digest(shard_entries: &[u32]) -> Digest {
+    let bytes: Vec<u8> = shard_entries.iter().flat_map(|entries| entries.to_le_bytes()).collect();
+    Digest::of(&bytes)
 }
 
 /// The job of a recipe as it was before a submission.
@@ -137,16 +138,18 @@ impl Shared {
         if usize::try_from(open).is_ok_and(|open| open >= self.limits.jobs) {
             return Ok(Outcome::Full);
         }
-        let (entries, shards_digest) = shards_of(&new.shard_entries);
-        let total: i64 = entries.iter().copied().map(i64::from).sum();
-        let shards = i32::try_from(entries.len()).unwrap_or(i32::MAX);
+        let shards_digest = shards_digest(&new.shard_entries);
+        let total: i64 = new.shard_entries.iter().copied().map(i64::from).sum();
+        let shards = i32::try_from(new.shard_entries.len()).unwrap_or(i32::MAX);
+        let mut finished = HashSet::new();
         let submission: i64 = transaction.query_one("SELECT nextval('ltcforge.submissions')", &[]).await?.get(0);
         if let Former::Ended(row) = &former {
             let before: i64 = row.get("submission");
             let removed = "DELETE FROM ltcforge.jobs WHERE submission = $1 RETURNING shards_digest";
             let row = transaction.query_one(removed, &[&before]).await?;
             if row.get::<_, &[u8]>(0) == shards_digest.as_bytes() {
-                transaction.execute(KEEP, &[&before, &submission]).await?;
+                let kept = transaction.query(KEEP, &[&before, &submission]).await?;
+                finished.extend(kept.iter().map(|row| row.get::<_, i32>(0).cast_unsigned()));
             }
             failing::remove_tasks(transaction, before, false).await?;
         }
@@ -156,7 +159,8 @@ impl Shared {
         transaction
             .execute(INSERT, &[&submission, &id_bytes, &digest, recipe, &fitter, &shards, &shards_digest, &total])
             .await?;
-        transaction.execute(INSERT_TASKS, &[&submission, &entries]).await?;
+        let Blocks { first, past, entries } = Blocks::of(&new.shard_entries, &finished);
+        transaction.execute(INSERT_BLOCKS, &[&submission, &first, &past, &entries]).await?;
         transaction.execute(INSERT_REST, &[&submission, &shards, &format!("begin {id}")]).await?;
         let row = transaction.query_one(&format!("{COLUMNS} WHERE submission = $1"), &[&submission]).await?;
         Ok(Outcome::Queued(row))

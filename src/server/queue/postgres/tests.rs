@@ -39,7 +39,7 @@ fn eventually<T>(mut look: impl FnMut() -> Option<T>) -> T {
 /// Queues as `processes` have them, on one database.
 fn queues(processes: usize, lease_ttl: Duration) -> Option<Vec<PostgresQueue>> {
     let url = throwaway::empty_database()?;
-    let limits = Limits { jobs: 99, lease_ttl, max_attempts: NonZeroU32::new(9).unwrap(), keep_ended: None };
+    let limits = Limits { jobs: 999, lease_ttl, max_attempts: NonZeroU32::new(9).unwrap(), keep_ended: None };
     let open = |n: usize| {
         let process = Process { name: n.to_string(), fitter: 1 };
         PostgresQueue::open(Database::open(&url).unwrap(), limits, process).unwrap()
@@ -60,8 +60,8 @@ fn lease(queue: &PostgresQueue) -> Option<LeasedTask> {
 
 #[test]
 fn equal_recipes_at_once_make_one_job() {
-    let Some(queues) = queues(4, Duration::from_secs(60)) else { return };
-    for n in 0..25 {
+    let Some(queues) = queues(2, Duration::from_secs(60)) else { return };
+    for n in 0..100 {
         let queued = AtomicUsize::new(0);
         let barrier = std::sync::Barrier::new(queues.len());
         thread::scope(|scope| {
@@ -78,7 +78,7 @@ fn equal_recipes_at_once_make_one_job() {
         });
         assert_eq!(queued.into_inner(), 1);
     }
-    assert_eq!(queues[0].list(None, None, 99).unwrap().0.len(), 25);
+    assert_eq!(queues[0].list(None, None, 999).unwrap().0.len(), 100);
 }
 
 #[test]
@@ -131,6 +131,49 @@ fn another_fitter_leaves_the_job_alone() {
     old.submit(new("a", 1), &|_| false).unwrap();
     assert_eq!(lease(&new_one), None);
     assert!(lease(&old).is_some());
+}
+
+/// Each has waited before, so that it has a row.
+fn give_all_back(queue: &PostgresQueue) {
+    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
+    tasks.iter().for_each(|task| queue.give_back(&task.lease).unwrap());
+}
+
+fn execute(queue: &PostgresQueue, statement: &str) {
+    queue.shared.database.run(async |client| client.batch_execute(statement).await).unwrap();
+}
+
+#[test]
+fn suspect_shards_run_one_at_a_time_beside_all_others() {
+    let Some(queues) = queues(1, Duration::from_secs(60)) else { return };
+    let queue = &queues[0];
+    queue.submit(new("a", 3), &|_| false).unwrap();
+    give_all_back(queue);
+    execute(queue, "UPDATE ltcforge.tasks SET deaths = 3 WHERE task < 2");
+    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
+    assert_eq!(tasks.iter().map(|task| task.kind).collect::<Vec<_>>(), [TaskKind::Shard(0), TaskKind::Shard(2)]);
+    assert_eq!(lease(queue), None, "shard 1 is suspect too");
+    queue.submit(new("b", 1), &|_| false).unwrap();
+    assert_eq!(lease(queue).unwrap().recipe, "b", "another job goes on");
+    queue.complete(&[(tasks[0].lease, b"result")]).unwrap();
+    assert_eq!(lease(queue).unwrap().kind, TaskKind::Shard(1));
+}
+
+#[test]
+fn a_shard_that_ends_its_worker_each_time_fails_its_job_in_the_end() {
+    let Some(queues) = queues(1, Duration::from_secs(1)) else { return };
+    let queue = &queues[0];
+    queue.submit(new("a", 2), &|_| false).unwrap();
+    give_all_back(queue);
+    execute(queue, "UPDATE ltcforge.tasks SET deaths = 19 WHERE task = 1");
+    lease(queue).unwrap();
+    let deadly = lease(queue).unwrap();
+    let job = eventually(|| {
+        lease(queue);
+        queue.job(deadly.job).unwrap().filter(|job| job.state.name().is_final())
+    });
+    let JobState::Failed { error } = job.state else { panic!("{job:?}") };
+    assert_eq!(error.detail, "shard 1 was leased 20 times by workers that did not report any more");
 }
 
 /// Works until all jobs are done; returns the shards that were completed, each as often as it was.
@@ -247,7 +290,7 @@ fn statements_go_by_indexes_however_long_the_queue_is() {
     };
     let of_submission = format!("{} WHERE submission < $1 ORDER BY submission DESC LIMIT $2", super::lookup::COLUMNS);
     for (statement, arguments) in [
-        (super::lease::LEASE, "1, 16, 60, 'me', false"),
+        (super::lease::LEASE, "1, 16, 60, 'me', false, 3"),
         (super::deliver::COMPLETE, "'{1}', '{0}', '{1}', '{abc}', 8"),
         (super::fence::IS_CURRENT, "1, 0, 1"),
         (super::renew::RENEW, "'{1}', '{0}', '{1}', '{1}', 60"),
@@ -255,6 +298,8 @@ fn statements_go_by_indexes_however_long_the_queue_is() {
     ] {
         let plan = explain(statement, arguments);
         assert!(plan.contains("Scan"), "{plan}");
-        assert!(!plan.contains("Seq Scan on tasks") && !plan.contains("Seq Scan on jobs"), "{plan}");
+        for table in ["tasks", "blocks", "jobs", "serving"] {
+            assert!(!plan.contains(&format!("Seq Scan on {table}")), "{plan}");
+        }
     }
 }

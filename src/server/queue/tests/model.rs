@@ -16,8 +16,8 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, NewJob, Offer, QueueError, Submitted,
-            TaskKind,
+            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, NewJob, Offer,
+            QueueError, Submitted, TaskKind,
         },
         store::Batch,
     },
@@ -357,7 +357,8 @@ impl<W: World> Run<W> {
 }
 
 fn agrees<W: World>(world: W, actions: &[Action]) -> TestCaseResult {
-    let mut run = Run { world, seconds: 0, held: vec![], spent: vec![], jobs: BTreeMap::new(), may_fail: false, restarts: 0 };
+    let mut run =
+        Run { world, seconds: 0, held: vec![], spent: vec![], jobs: BTreeMap::new(), may_fail: false, restarts: 0 };
     for action in actions {
         run.act(action);
         run.notice_failures(matches!(action, Action::DiskFull(_)));

@@ -84,6 +84,15 @@ impl Rows for PostgresRows {
         }
     }
 
+    fn totals(&self) -> Result<Option<(u64, u64)>, StoreError> {
+        let row = self.database.run(async |client| {
+            let sums = "SELECT coalesce(sum(tables), 0)::bigint, coalesce(sum(bytes), 0)::bigint FROM ltcforge.totals";
+            client.query_one(&client.prepare_cached(sums).await?, &[]).await
+        })?;
+        let [tables, bytes] = [0, 1].map(|column| u64::try_from(row.get::<_, i64>(column)).unwrap_or(0));
+        Ok(Some((tables, bytes)))
+    }
+
     fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
         self.database.run(async |client| {
             let transaction = client.transaction().await?;
@@ -100,6 +109,10 @@ impl Rows for PostgresRows {
 #[cfg(test)]
 mod tests {
     use super::{super::test_database, *};
+    use crate::{
+        files::digest::Digest,
+        server::store::{Catalogue, TableRow},
+    };
 
     #[test]
     fn rows_are_found_by_key_by_prefix_and_in_order() {
@@ -107,23 +120,43 @@ mod tests {
         let rows = PostgresRows::new(database);
         let mut batch = Batch::default();
         for key in [b"a\xff".as_slice(), b"a\xff\xff", b"b", b""] {
-            batch.put(Tree::Tables, key, key);
+            batch.put(Tree::Manifests, key, key);
         }
         batch.put(Tree::Recipes, "a", "another tree's");
         rows.commit(&batch).unwrap();
         let keys = |rows: Vec<Row>| rows.into_iter().map(|row| row.key).collect::<Vec<_>>();
-        assert_eq!(rows.get(Tree::Tables, b"b").unwrap().unwrap(), b"b");
-        assert_eq!(rows.get(Tree::Tables, b"a").unwrap(), None);
-        assert_eq!(keys(rows.scan(Tree::Tables, b"a\xff").unwrap()), [b"a\xff".as_slice(), b"a\xff\xff"]);
-        assert_eq!(keys(rows.scan(Tree::Tables, b"").unwrap()).len(), 4);
-        assert_eq!(keys(rows.page(Tree::Tables, None, 2).unwrap()), [b"b".as_slice(), b"a\xff\xff"]);
-        assert_eq!(keys(rows.page(Tree::Tables, Some(b"a\xff\xff"), 9).unwrap()), [b"a\xff".as_slice(), b""]);
+        assert_eq!(rows.get(Tree::Manifests, b"b").unwrap().unwrap(), b"b");
+        assert_eq!(rows.get(Tree::Manifests, b"a").unwrap(), None);
+        assert_eq!(keys(rows.scan(Tree::Manifests, b"a\xff").unwrap()), [b"a\xff".as_slice(), b"a\xff\xff"]);
+        assert_eq!(keys(rows.scan(Tree::Manifests, b"").unwrap()).len(), 4);
+        assert_eq!(keys(rows.page(Tree::Manifests, None, 2).unwrap()), [b"b".as_slice(), b"a\xff\xff"]);
+        assert_eq!(keys(rows.page(Tree::Manifests, Some(b"a\xff\xff"), 9).unwrap()), [b"a\xff".as_slice(), b""]);
         let mut batch = Batch::default();
-        batch.put(Tree::Tables, "b", "once");
-        batch.put(Tree::Tables, "b", "twice");
-        batch.remove(Tree::Tables, "");
+        batch.put(Tree::Manifests, "b", "once");
+        batch.put(Tree::Manifests, "b", "twice");
+        batch.remove(Tree::Manifests, "");
         rows.commit(&batch).unwrap();
-        assert_eq!(rows.get(Tree::Tables, b"b").unwrap().unwrap(), b"twice");
-        assert_eq!(rows.get(Tree::Tables, b"").unwrap(), None);
+        assert_eq!(rows.get(Tree::Manifests, b"b").unwrap().unwrap(), b"twice");
+        assert_eq!(rows.get(Tree::Manifests, b"").unwrap(), None);
+    }
+
+    #[test]
+    fn tables_are_counted_as_they_come_change_and_go() {
+        let Some(database) = test_database::database() else { return };
+        let rows: Arc<dyn Rows> = Arc::new(PostgresRows::new(database));
+        let catalogue = Catalogue::new(Arc::clone(&rows));
+        assert_eq!(catalogue.totals().unwrap(), (0, 0));
+        let row = |name: &str, bytes| TableRow {
+            digest: Digest::of(name.as_bytes()),
+            recipe_digest: Digest::of(name.as_bytes()),
+            bytes,
+            created_at: jiff::Timestamp::UNIX_EPOCH,
+        };
+        for (name, bytes) in [("a", 10), ("b", 5), ("b", 7)] {
+            rows.commit(&Catalogue::entry(&row(name, bytes), "recipe").unwrap()).unwrap();
+        }
+        assert_eq!(catalogue.totals().unwrap(), (2, 17));
+        assert!(catalogue.forget(Digest::of(b"a")).unwrap());
+        assert_eq!(catalogue.totals().unwrap(), (1, 7));
     }
 }

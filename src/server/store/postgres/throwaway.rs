@@ -14,15 +14,26 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Makes a cluster in `$1` with the programs in `$2`, serves it until standard input ends, and removes it. The server
-/// refuses to run as root, so root runs it as `nobody`.
+/// Makes a cluster in `$1` with the programs in `$2`, or a copy of the one that serves the socket in `$4`, serves it with
+/// arguments `$3` until standard input ends, and removes it. The server refuses to run as root, so root runs it as `nobody`.
 const SCRIPT: &str = r#"
 as=''; if [ "$(id -u)" = 0 ]; then as='setpriv --reuid=65534 --regid=65534 --clear-groups'; chown 65534:65534 "$1"; fi
-$as "$2/initdb" -D "$1/data" -U postgres -A trust -E UTF8 --locale=C --no-sync >"$1/initdb.log" 2>&1 || exit 1
+cd "$1"
+if [ -n "$4" ]; then
+    $as "$2/pg_basebackup" -h "$4" -U postgres -D "$1/data" -R -X stream -c fast --no-sync >"$1/copy.log" 2>&1 || exit 1
+else
+    $as "$2/initdb" -D "$1/data" -U postgres -A trust -E UTF8 --locale=C --no-sync >"$1/initdb.log" 2>&1 || exit 1
+fi
 $as "$2/postgres" -D "$1/data" -k "$1" -c listen_addresses= -c max_connections=300 $3 >"$1/log" 2>&1 </dev/null &
 server=$!
 cat >/dev/null
-kill -QUIT $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$1"
+kill -QUIT "$(head -1 "$1/data/postmaster.pid" 2>/dev/null)" 2>/dev/null; wait $server 2>/dev/null; rm -rf "$1"
+"#;
+
+/// Runs a program as the server's user.
+const AS_SERVER: &str = r#"
+as=''; if [ "$(id -u)" = 0 ]; then as='setpriv --reuid=65534 --regid=65534 --clear-groups'; fi
+exec $as "$@"
 "#;
 
 /// How long the server may take to start.
@@ -32,6 +43,7 @@ const DEADLINE: Duration = Duration::from_secs(60);
 pub struct Server {
     folder: PathBuf,
     programs: PathBuf,
+    arguments: String,
     shell: Child,
     databases: AtomicU32,
 }
@@ -47,6 +59,15 @@ pub fn empty_database() -> Option<String> {
 impl Server {
     /// Starts a server with further arguments; `None`, told loudly, where PostgreSQL is not installed.
     pub fn start(arguments: &str) -> Option<Self> {
+        Self::start_as(arguments, None)
+    }
+
+    /// A standby, which follows this server until it is promoted.
+    pub fn standby(&self) -> Option<Self> {
+        Self::start_as(&self.arguments, Some(&self.folder))
+    }
+
+    fn start_as(arguments: &str, copy_of: Option<&Path>) -> Option<Self> {
         let Some(programs) = programs() else {
             tell_skipped("there is no PostgreSQL server here; `make packages` installs it");
             return None;
@@ -56,15 +77,45 @@ impl Server {
         let folder = env::temp_dir().join(format!("ltcforge-pg-{}-{number}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder for the cluster");
         let mut shell = Command::new("sh");
-        shell.args(["-c", SCRIPT, "sh"]).arg(&folder).arg(&programs).arg(arguments);
+        shell.args(["-c", SCRIPT, "sh"]).arg(&folder).arg(&programs).arg(arguments).args(copy_of);
         let shell = shell.stdin(Stdio::piped()).spawn().expect("a shell");
-        let server = Self { folder, programs, shell, databases: AtomicU32::new(0) };
+        let server = Self { folder, programs, arguments: arguments.to_owned(), shell, databases: AtomicU32::new(0) };
+        server.wait_until_ready();
+        Some(server)
+    }
+
+    fn wait_until_ready(&self) {
         let start = Instant::now();
-        while !server.is_ready() {
-            assert!(start.elapsed() < DEADLINE, "PostgreSQL did not start: see {}", server.folder.display());
+        while !self.is_ready() {
+            assert!(start.elapsed() < DEADLINE, "PostgreSQL did not start: see {}", self.folder.display());
             thread::sleep(Duration::from_millis(10));
         }
-        Some(server)
+    }
+
+    /// Stops it at once: connections end, and what was committed stays.
+    pub fn stop(&self) {
+        self.control(&["-m", "immediate", "stop"]);
+    }
+
+    /// Starts it again.
+    pub fn start_again(&self) {
+        let options =
+            format!("-k {} -c listen_addresses= -c max_connections=300 {}", self.folder.display(), self.arguments);
+        let log = self.folder.join("data/log-again");
+        self.control(&["-o", &options, "-l", log.to_str().expect("a path in UTF-8"), "start"]);
+        self.wait_until_ready();
+    }
+
+    fn control(&self, arguments: &[&str]) {
+        let mut command = Command::new("sh");
+        command.args(["-c", AS_SERVER, "sh"]).arg(self.programs.join("pg_ctl")).arg("-D").arg(self.folder.join("data"));
+        command
+            .args(arguments)
+            .current_dir(&self.folder)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        assert!(command.status().expect("pg_ctl").success(), "pg_ctl {arguments:?}");
     }
 
     /// Whether it answers.
@@ -84,6 +135,11 @@ impl Server {
     /// The URL of a database.
     pub fn url(&self, name: &str) -> String {
         format!("postgres://postgres@/{name}?host={}&sslmode=disable", self.folder.display())
+    }
+
+    /// Its socket.
+    pub fn socket(&self) -> PathBuf {
+        self.folder.join(".s.PGSQL.5432")
     }
 
     /// Its folder, in which its socket is.
@@ -124,7 +180,9 @@ fn programs() -> Option<PathBuf> {
     debian.sort();
     debian.reverse();
     let has_all = |folder: &PathBuf| {
-        ["initdb", "postgres", "pg_isready", "createdb", "psql"].iter().all(|name| folder.join(name).is_file())
+        ["initdb", "postgres", "pg_basebackup", "pg_ctl", "pg_isready", "createdb", "psql"]
+            .iter()
+            .all(|name| folder.join(name).is_file())
     };
     debian.into_iter().chain(on_path).find(has_all)
 }
