@@ -6,8 +6,8 @@ CARGO ?= cargo
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 # The linker for crates, what the demo and the tests call, and a Vulkan driver that needs no GPU.
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
-# What checks translated shaders, and the database of a service in several processes.
-TEST_PACKAGES := spirv-tools glslang-tools postgresql util-linux
+# What checks translated shaders; the database of a service in several processes, and a link between them that loses packets.
+TEST_PACKAGES := spirv-tools glslang-tools postgresql util-linux iproute2 nftables
 # What runs engines in a browser: WebGL by Mesa, and Node.js from wherever it came.
 BROWSER_PACKAGES = chromium-headless-shell libegl1 libgl1-mesa-dri \
 	$(shell command -v node >/dev/null || echo nodejs) $(shell command -v npm >/dev/null || echo npm)
@@ -100,6 +100,7 @@ bench: packages
 	$(CARGO) bench --locked -p ltcforge-benches --bench fit
 	$(CARGO) bench --locked -p ltcforge-benches --bench preview
 	$(CARGO) bench --locked -p ltcforge-benches --bench service
+	$(CARGO) bench --locked -p ltcforge-benches --bench cluster
 
 clean:
 	$(CARGO) clean

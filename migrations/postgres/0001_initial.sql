@@ -79,11 +79,15 @@ CREATE INDEX tasks_leased ON ltcforge.tasks (submission, lease_until) WHERE stat
 CREATE INDEX tasks_suspect ON ltcforge.tasks (deaths) WHERE state = 'leased' AND deaths > 0;
 CREATE INDEX tasks_repeated ON ltcforge.tasks (submission, attempt) WHERE attempt > 1;
 
--- When a job was last served, in the order of servings.
+-- When an unfinished job was last served, in the order of servings.
 CREATE TABLE ltcforge.serving (
     submission bigint PRIMARY KEY,
+    -- That of the job.
+    fitter integer NOT NULL,
     last_served bigint NOT NULL DEFAULT 0
-) WITH (fillfactor = 50);
+) WITH (autovacuum_vacuum_scale_factor = 0.02, autovacuum_analyze_scale_factor = 0.02);
+-- Who was not served for longest is found without looking at the others.
+CREATE INDEX serving_order ON ltcforge.serving (fitter, last_served, submission);
 
 -- Entries of a job's finished shards. Each writer adds to one of several rows, so that they seldom wait for each other.
 CREATE TABLE ltcforge.finished_entries (

@@ -19,7 +19,7 @@ use std::{
     io::{BufRead as _, BufReader},
     net::SocketAddr,
     path::Path,
-    process::Child,
+    process::{Child, Command, Stdio},
 };
 
 use common::{command::ltcforge, server::Server};
@@ -67,12 +67,23 @@ pub(crate) struct Worker(Child);
 impl Worker {
     /// Starts one thread of work, with leases of `lease_seconds`.
     pub(crate) fn start(shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
+        Self::start_by(&[], shared, folder, lease_seconds)
+    }
+
+    /// Has another command start it.
+    pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
         let data = folder.join("worker");
         let data = data.to_str().expect("a path in UTF-8");
         let own = ["--workers", "1", "--lease-seconds", lease_seconds, "--data", data];
         let mut command = ltcforge(folder, ["work"].iter().chain(&shared.arguments()).chain(&own));
+        if let [program, arguments @ ..] = by {
+            let mut other = Command::new(program);
+            other.args(arguments).arg(command.get_program()).args(command.get_args()).current_dir(folder);
+            command = other;
+            command.stdin(Stdio::null()).stdout(Stdio::piped());
+        }
         command.envs(shared.environment.iter().map(|(name, value)| (name, value)));
-        let mut child = command.stderr(std::process::Stdio::null()).spawn().expect("the binary runs");
+        let mut child = command.stderr(Stdio::null()).spawn().expect("the binary runs");
         let mut line = String::new();
         BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line on stdout");
         assert!(line.starts_with("working"), "{line}");

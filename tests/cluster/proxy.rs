@@ -2,7 +2,7 @@
 
 use std::{
     io::{self, BufRead as _, BufReader, Read, Write},
-    net::{Shutdown, SocketAddr, TcpListener, TcpStream},
+    net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream},
     os::unix::net::UnixStream,
     path::PathBuf,
     sync::{
@@ -196,7 +196,12 @@ fn answer(mut client: Stream, status: u16, body: &[u8]) -> io::Result<()> {
 
 impl Proxy {
     pub(crate) fn start(upstream: Upstream) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        Self::start_on(Ipv4Addr::LOCALHOST, upstream)
+    }
+
+    /// A link on another address of this machine.
+    pub(crate) fn start_on(address: Ipv4Addr, upstream: Upstream) -> Self {
+        let listener = TcpListener::bind((address, 0)).expect("a port");
         let address = listener.local_addr().expect("its address");
         let inner = Mutex::new(Inner { link: Link::Up, upstream, open: vec![] });
         let state = Arc::new(State { inner, changed: Condvar::new(), refused: AtomicUsize::new(0) });

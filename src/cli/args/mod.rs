@@ -12,6 +12,7 @@ mod pins;
 #[cfg(feature = "cluster")]
 mod shared;
 mod tables;
+mod threads;
 
 use std::path::PathBuf;
 
@@ -20,7 +21,7 @@ use clap_complete::Shell;
 
 pub(super) use connections::{ConnectionArgs, WaitSeconds};
 pub(super) use export::{ExportArgs, ExportChoice};
-pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, Threads, TradeoffArgs, cores};
+pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
@@ -28,6 +29,7 @@ pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
 #[cfg(feature = "cluster")]
 pub(super) use shared::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
+pub(super) use threads::{Threads, cores};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]

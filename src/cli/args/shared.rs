@@ -7,7 +7,7 @@ use std::{
 
 use clap::Args;
 
-use super::fitting::threads;
+use super::threads::threads;
 use crate::server::service::DatabaseUrl;
 
 /// The database and the store of blobs of a command that needs both.

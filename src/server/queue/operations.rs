@@ -143,6 +143,12 @@ pub trait Queue: Send + Sync + Debug {
     /// The time by the queue's own clock.
     fn now(&self) -> Timestamp;
 
+    /// Whether a job is looked up in this process's own memory or files. Otherwise other processes change jobs too, and a
+    /// look takes longer than a step of a fit.
+    fn is_local(&self) -> bool {
+        true
+    }
+
     /// Whether the queue can be used now.
     fn is_reachable(&self) -> bool {
         true

@@ -140,7 +140,10 @@ impl ServiceState {
     /// Notifies the followers of every job that has changed.
     pub(super) fn publish_changes(&self) {
         for id in self.queue.take_changed() {
-            self.publish(id);
+            // A job of other processes that nobody has asked about here need not be looked up.
+            if self.queue.is_local() || self.hub.knows(id) {
+                self.publish(id);
+            }
         }
     }
 

@@ -61,6 +61,12 @@ impl Hub {
         followed.map(|(id, _)| *id).collect()
     }
 
+    /// Whether anything is kept of the job.
+    pub(super) fn knows(&self, id: JobId) -> bool {
+        let inner = self.lock();
+        inner.channels.contains_key(&id) || inner.paces.contains_key(&id)
+    }
+
     /// Whether anyone follows the job.
     pub(super) fn is_watched(&self, id: JobId) -> bool {
         self.lock().channels.contains_key(&id)

@@ -114,7 +114,8 @@ impl ServiceState {
             if self.is_stopping() || self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
-            if self.hub.is_watched(task.job) {
+            // Whoever follows a shared job has it looked at now and then.
+            if self.queue.is_local() && self.hub.is_watched(task.job) {
                 self.publish(task.job);
             }
             ControlFlow::Continue(())

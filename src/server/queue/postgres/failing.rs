@@ -32,8 +32,9 @@ pub(super) async fn remove_tasks(
     keep_finished: bool,
 ) -> Result<(), tokio_postgres::Error> {
     let tasks = "DELETE FROM ltcforge.tasks WHERE submission = $1 AND NOT ($2 AND state = 'finished')";
-    client.execute(tasks, &[&submission, &keep_finished]).await?;
+    // First the blocks, which waits for transactions that are leasing from them: no task comes after that.
     client.execute("DELETE FROM ltcforge.blocks WHERE submission = $1", &[&submission]).await?;
+    client.execute(tasks, &[&submission, &keep_finished]).await?;
     client.execute("DELETE FROM ltcforge.serving WHERE submission = $1", &[&submission]).await?;
     client.execute("DELETE FROM ltcforge.finished_entries WHERE submission = $1", &[&submission]).await?;
     Ok(())

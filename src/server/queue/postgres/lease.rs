@@ -1,6 +1,6 @@
 //! Leasing tasks.
 
-use std::{num::NonZeroUsize, thread, time::Duration};
+use std::{num::NonZeroUsize, sync::LazyLock, thread, time::Duration};
 
 use tokio_postgres::types::ToSql;
 
@@ -26,47 +26,58 @@ const LOOKS: u32 = 20;
 /// `$6` expired leases that make a task suspect.
 ///
 /// Each job offers its waiting shards, then those of its blocks; the assembly only when no shard waits or is leased. A place
-/// in the queue is the number of the job's leased tasks if it gets the task; the lowest places are taken. Tasks and blocks
-/// that another transaction is leasing now are passed over. Of the suspect tasks, one is leased at a time. Tells with each
+/// in the queue is the number of the job's leased tasks if it gets the task; the lowest places are taken. Those are of jobs
+/// that nobody works for, served longest ago first; only if they are too few are the others looked at. Tasks and blocks that
+/// another transaction is leasing now are passed over. Of the suspect tasks, one is leased at a time. Tells with each
 /// task, or alone, whether any job had something to offer.
-pub(super) const LEASE: &str = "
-    WITH load AS MATERIALIZED (
-        SELECT submission, count(*) AS leased FROM ltcforge.tasks WHERE state = 'leased' GROUP BY submission
-    ), suspect AS MATERIALIZED (
+pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| LEASE_TEXT.replace("ltcforge_offer", OFFER));
+
+/// What the job `s.submission` offers: its waiting shards, at most `$2`; and as `waiting` also those of its blocks, or its
+/// assembly if nothing else is left.
+const OFFER: &str = "
+    SELECT r.shards, CASE WHEN r.shards + b.shards > 0 THEN least(r.shards + b.shards, $2) ELSE a.assemblies END AS waiting
+    FROM (
+        SELECT count(*) AS shards FROM (
+            SELECT FROM ltcforge.tasks AS t WHERE t.submission = s.submission AND t.state = 'waiting'
+                AND NOT t.is_assembly AND (t.deaths < $6 OR NOT (SELECT leased FROM suspect)) LIMIT $2
+        ) AS f
+    ) AS r CROSS JOIN (
+        SELECT coalesce(sum(f.past - f.next), 0) AS shards FROM (
+            SELECT u.past, u.next FROM ltcforge.blocks AS u WHERE u.submission = s.submission
+            ORDER BY u.first LIMIT $2 / 64 + 2
+        ) AS f
+    ) AS b CROSS JOIN (
+        SELECT count(*) AS assemblies FROM (
+            SELECT FROM ltcforge.tasks AS t WHERE t.submission = s.submission AND t.state = 'waiting'
+                AND t.is_assembly AND (t.deaths < $6 OR NOT (SELECT leased FROM suspect))
+                AND NOT EXISTS (
+                    SELECT FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased'
+                ) AND NOT EXISTS (
+                    SELECT FROM ltcforge.tasks AS u
+                    WHERE u.submission = s.submission AND u.state = 'waiting' AND NOT u.is_assembly
+                )
+        ) AS f
+    ) AS a";
+
+const LEASE_TEXT: &str = "
+    WITH suspect AS MATERIALIZED (
         SELECT EXISTS (SELECT FROM ltcforge.tasks WHERE state = 'leased' AND deaths > 0 AND deaths >= $6) AS leased
+    ), idle AS MATERIALIZED (
+        SELECT s.submission, 0::bigint AS leased, s.last_served, w.shards, w.waiting
+        FROM ltcforge.serving AS s CROSS JOIN LATERAL (ltcforge_offer) AS w
+        WHERE s.fitter = $1 AND w.waiting > 0 AND NOT EXISTS (
+            SELECT FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased'
+        )
+        ORDER BY s.last_served, s.submission LIMIT $2
+    ), load AS MATERIALIZED (
+        SELECT submission, count(*) AS leased FROM ltcforge.tasks
+        WHERE state = 'leased' AND NOT $5 AND (SELECT count(*) FROM idle) < $2 GROUP BY submission
     ), open AS MATERIALIZED (
-        SELECT j.submission, coalesce(l.leased, 0) AS leased, s.last_served, w.shards, w.waiting
-        FROM ltcforge.jobs AS j
-        JOIN ltcforge.serving AS s ON s.submission = j.submission
-        LEFT JOIN load AS l ON l.submission = j.submission
-        CROSS JOIN LATERAL (
-            SELECT r.shards, CASE
-                WHEN r.shards + b.shards > 0 THEN least(r.shards + b.shards, $2)
-                WHEN l.leased IS NULL THEN a.assemblies
-                ELSE 0
-            END AS waiting
-            FROM (
-                SELECT count(*) AS shards FROM (
-                    SELECT FROM ltcforge.tasks AS t WHERE t.submission = j.submission AND t.state = 'waiting'
-                        AND NOT t.is_assembly AND (t.deaths < $6 OR NOT (SELECT leased FROM suspect)) LIMIT $2
-                ) AS f
-            ) AS r CROSS JOIN (
-                SELECT coalesce(sum(f.past - f.next), 0) AS shards FROM (
-                    SELECT u.past, u.next FROM ltcforge.blocks AS u WHERE u.submission = j.submission
-                    ORDER BY u.first LIMIT $2 / 64 + 2
-                ) AS f
-            ) AS b CROSS JOIN (
-                SELECT count(*) AS assemblies FROM (
-                    SELECT FROM ltcforge.tasks AS t WHERE t.submission = j.submission AND t.state = 'waiting'
-                        AND t.is_assembly AND (t.deaths < $6 OR NOT (SELECT leased FROM suspect))
-                        AND NOT EXISTS (
-                            SELECT FROM ltcforge.tasks AS u
-                            WHERE u.submission = j.submission AND u.state = 'waiting' AND NOT u.is_assembly
-                        )
-                ) AS f
-            ) AS a
-        ) AS w
-        WHERE j.state IN ('queued', 'running') AND j.fitter = $1 AND w.waiting > 0 AND (NOT $5 OR l.leased IS NULL)
+        SELECT * FROM idle UNION ALL
+        SELECT s.submission, l.leased, s.last_served, w.shards, w.waiting
+        FROM load AS l JOIN ltcforge.serving AS s ON s.submission = l.submission
+        CROSS JOIN LATERAL (ltcforge_offer) AS w
+        WHERE s.fitter = $1 AND w.waiting > 0
     ), shares AS MATERIALIZED (
         SELECT submission, count(*) AS share, min(shards) AS shards FROM (
             SELECT submission, shards FROM open CROSS JOIN LATERAL generate_series(1, waiting) AS n
@@ -164,7 +175,7 @@ impl Shared {
         let mut looks = 0;
         let rows = loop {
             let rows = self.database.run(async |client| {
-                let statement = client.prepare_cached(LEASE).await?;
+                let statement = client.prepare_cached(&LEASE).await?;
                 let parameters: [&(dyn ToSql + Sync); 6] =
                     [&fitter, &most, &self.lease_seconds(), &worker, &is_unserved, &suspect];
                 client.query(&statement, &parameters).await

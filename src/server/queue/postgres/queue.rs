@@ -102,6 +102,10 @@ impl Queue for PostgresQueue {
         self.shared.now()
     }
 
+    fn is_local(&self) -> bool {
+        false
+    }
+
     fn is_reachable(&self) -> bool {
         self.shared.database.is_reachable()
     }

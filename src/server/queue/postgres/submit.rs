@@ -34,7 +34,7 @@ pub(super) const INSERT_REST: &str = "
     WITH assembly AS (
         INSERT INTO ltcforge.tasks (submission, task, is_assembly, entries, state) VALUES ($1, $2, true, 0, 'waiting')
     ), serving AS (
-        INSERT INTO ltcforge.serving (submission) VALUES ($1)
+        INSERT INTO ltcforge.serving (submission, fitter) SELECT submission, fitter FROM ltcforge.jobs WHERE submission = $1
     ), kept AS (
         INSERT INTO ltcforge.finished_entries (submission, slot, entries)
         SELECT $1, 0, coalesce(sum(entries), 0) FROM ltcforge.tasks WHERE submission = $1 AND state = 'finished'

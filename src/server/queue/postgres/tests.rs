@@ -290,7 +290,7 @@ fn statements_go_by_indexes_however_long_the_queue_is() {
     };
     let of_submission = format!("{} WHERE submission < $1 ORDER BY submission DESC LIMIT $2", super::lookup::COLUMNS);
     for (statement, arguments) in [
-        (super::lease::LEASE, "1, 16, 60, 'me', false, 3"),
+        (super::lease::LEASE.as_str(), "1, 16, 60, 'me', false, 3"),
         (super::deliver::COMPLETE, "'{1}', '{0}', '{1}', '{abc}', 8"),
         (super::fence::IS_CURRENT, "1, 0, 1"),
         (super::renew::RENEW, "'{1}', '{0}', '{1}', '{1}', 60"),
