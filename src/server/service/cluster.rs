@@ -75,7 +75,7 @@ impl Service {
     /// When the database or the store of blobs cannot be used.
     pub fn open_shared(config: Config, shared: &Shared, works: bool) -> Result<Arc<Self>, OpenError> {
         let (database, blobs) = shared.open(&config, if works { Access::Write } else { Access::Read })?;
-        let process = Process { name: format!("{}", std::process::id()), fitter: FITTER_VERSION };
+        let process = Process { name: process_name(), fitter: FITTER_VERSION };
         let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), process).map_err(OpenError::Shared)?;
         let store = Store::shared(blobs, Arc::new(PostgresRows::new(database)));
         let engine = Arc::new(FitEngine::default());
@@ -93,6 +93,13 @@ impl Service {
         }
         Ok(service)
     }
+}
+
+/// The machine, the process and when it began: no other process has this name.
+fn process_name() -> String {
+    let machine = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let machine: String = machine.trim().chars().take(64).collect();
+    format!("{machine}/{}/{}", std::process::id(), jiff::Timestamp::now().as_nanosecond())
 }
 
 impl ServiceState {

@@ -1,6 +1,14 @@
 //! Leasing tasks.
 
-use std::{num::NonZeroUsize, sync::LazyLock, thread, time::Duration};
+use std::{
+    num::NonZeroUsize,
+    sync::{
+        LazyLock,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread,
+    time::Duration,
+};
 
 use tokio_postgres::types::ToSql;
 
@@ -146,6 +154,14 @@ const LEASE_TEXT: &str = "
     LEFT JOIN (leased AS l JOIN ltcforge.jobs AS j ON j.submission = l.submission) ON true
     ORDER BY l.submission, l.task";
 
+/// The tasks of a lease whose answer was lost: `$1` its name.
+const LEASED_BEFORE: &str = "
+    SELECT true AS is_offered, t.submission, t.task, t.attempt, t.is_assembly, j.id, j.recipe, j.recipe_digest, j.state,
+        j.entries_total
+    FROM ltcforge.tasks AS t JOIN ltcforge.jobs AS j ON j.submission = t.submission
+    WHERE t.state = 'leased' AND t.worker = $1 AND t.lease_until > (SELECT ltcforge.clock())
+    ORDER BY t.submission, t.task";
+
 const START: &str = "
     UPDATE ltcforge.jobs SET state = 'running', started_at = (SELECT ltcforge.clock())
     WHERE submission = ANY ($1) AND state = 'queued'";
@@ -169,12 +185,20 @@ impl Shared {
         }
         let fitter = self.process.fitter.cast_signed();
         let most = i64::try_from(most).unwrap_or(i64::MAX);
-        let worker = format!("{}/{worker}", self.process.name);
+        // No other lease has this name, of whatever process.
+        let worker = format!("{}/{worker}/{}", self.process.name, self.leases_asked.fetch_add(1, Ordering::Relaxed));
+        let tried = AtomicBool::new(false);
         let is_unserved = demand == Demand::Unserved;
         let suspect = SUSPECT_DEATHS.cast_signed();
         let mut looks = 0;
         let rows = loop {
             let rows = self.database.run(async |client| {
+                if tried.swap(true, Ordering::Relaxed) {
+                    let before = client.query(&client.prepare_cached(LEASED_BEFORE).await?, &[&worker]).await?;
+                    if !before.is_empty() {
+                        return Ok(before);
+                    }
+                }
                 let statement = client.prepare_cached(&LEASE).await?;
                 let parameters: [&(dyn ToSql + Sync); 6] =
                     [&fitter, &most, &self.lease_seconds(), &worker, &is_unserved, &suspect];

@@ -27,7 +27,7 @@ const SWEEP: Duration = Duration::from_secs(1);
 /// Who uses a queue.
 #[derive(Debug, Clone)]
 pub struct Process {
-    /// Its name in the database, for people.
+    /// Its name in the database, which no other process has.
     pub name: String,
     /// Version of its fitter. It leaves jobs of other versions alone.
     pub fitter: u32,
@@ -41,6 +41,8 @@ pub(super) struct Shared {
     pub(super) held: Held,
     local: Mutex<Local>,
     changed: Condvar,
+    /// How often this process has asked for tasks.
+    pub(super) leases_asked: AtomicU64,
     pub(super) leases_expired: AtomicU64,
     pub(super) failures: AtomicU64,
     /// Renewals, sweeps and housekeeping take place at each call: a test's clock does not run by itself.
@@ -68,6 +70,7 @@ impl Shared {
             held: Held::default(),
             local: Mutex::default(),
             changed: Condvar::new(),
+            leases_asked: AtomicU64::new(0),
             leases_expired: AtomicU64::new(0),
             failures: AtomicU64::new(0),
             is_eager,

@@ -256,7 +256,8 @@ fn connections_that_are_cut_cost_no_job() {
                     client.query(one, &[]).await
                 });
                 cut.fetch_add(done.map_or(0, |rows| rows.len()), Ordering::Relaxed);
-                thread::sleep(Duration::from_millis(5));
+                // A statement needs some time between two cuts.
+                thread::sleep(Duration::from_millis(25));
             }
         });
         let joined: Vec<_> = workers.into_iter().map(thread::ScopedJoinHandle::join).collect();
