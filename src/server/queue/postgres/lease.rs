@@ -36,7 +36,8 @@ const LOOKS: u32 = 20;
 /// Each job offers its waiting shards, then those of its blocks; the assembly only when no shard waits or is leased. A place
 /// in the queue is the number of the job's leased tasks if it gets the task; the lowest places are taken. Those are of jobs
 /// that nobody works for, served longest ago first; only if they are too few are the others looked at. Tasks and blocks that
-/// another transaction is leasing now are passed over. Of the suspect tasks, one is leased at a time. Tells with each
+/// another transaction is leasing now are passed over. A subquery with LIMIT 1 is asked for each row by an index, where NOT
+/// EXISTS may be joined to all leased tasks. Of the suspect tasks, one is leased at a time. Tells with each
 /// task, or alone, whether any job had something to offer.
 pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| LEASE_TEXT.replace("ltcforge_offer", OFFER));
 
@@ -58,12 +59,12 @@ const OFFER: &str = "
         SELECT count(*) AS assemblies FROM (
             SELECT FROM ltcforge.tasks AS t WHERE t.submission = s.submission AND t.state = 'waiting'
                 AND t.is_assembly AND (t.deaths < $6 OR NOT (SELECT leased FROM suspect))
-                AND NOT EXISTS (
-                    SELECT FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased'
-                ) AND NOT EXISTS (
-                    SELECT FROM ltcforge.tasks AS u
-                    WHERE u.submission = s.submission AND u.state = 'waiting' AND NOT u.is_assembly
-                )
+                AND (
+                    SELECT true FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased' LIMIT 1
+                ) IS NULL AND (
+                    SELECT true FROM ltcforge.tasks AS u
+                    WHERE u.submission = s.submission AND u.state = 'waiting' AND NOT u.is_assembly LIMIT 1
+                ) IS NULL
         ) AS f
     ) AS a";
 
@@ -73,9 +74,9 @@ const LEASE_TEXT: &str = "
     ), idle AS MATERIALIZED (
         SELECT s.submission, 0::bigint AS leased, s.last_served, w.shards, w.waiting
         FROM ltcforge.serving AS s CROSS JOIN LATERAL (ltcforge_offer) AS w
-        WHERE s.fitter = $1 AND w.waiting > 0 AND NOT EXISTS (
-            SELECT FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased'
-        )
+        WHERE s.fitter = $1 AND w.waiting > 0 AND (
+            SELECT true FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased' LIMIT 1
+        ) IS NULL
         ORDER BY s.last_served, s.submission LIMIT $2
     ), load AS MATERIALIZED (
         SELECT submission, count(*) AS leased FROM ltcforge.tasks
@@ -97,14 +98,15 @@ const LEASE_TEXT: &str = "
             WHERE t.submission = shares.submission AND t.state = 'waiting'
                 AND (t.deaths < $6 OR NOT (SELECT leased FROM suspect))
                 AND (
-                    NOT t.is_assembly OR NOT EXISTS (
-                        SELECT FROM ltcforge.tasks AS u
-                        WHERE u.submission = t.submission AND u.state = 'waiting' AND NOT u.is_assembly
-                    ) AND NOT EXISTS (
-                        SELECT FROM ltcforge.tasks AS u WHERE u.submission = t.submission AND u.state = 'leased'
-                    ) AND NOT EXISTS (
-                        SELECT FROM ltcforge.blocks AS u WHERE u.submission = t.submission
-                    )
+                    NOT t.is_assembly OR (
+                        SELECT true FROM ltcforge.tasks AS u
+                        WHERE u.submission = t.submission AND u.state = 'waiting' AND NOT u.is_assembly LIMIT 1
+                    ) IS NULL AND (
+                        SELECT true FROM ltcforge.tasks AS u
+                        WHERE u.submission = t.submission AND u.state = 'leased' LIMIT 1
+                    ) IS NULL AND (
+                        SELECT true FROM ltcforge.blocks AS u WHERE u.submission = t.submission LIMIT 1
+                    ) IS NULL
                 )
             ORDER BY t.is_assembly, t.task LIMIT shares.share FOR UPDATE OF t SKIP LOCKED
         ) AS t

@@ -25,8 +25,8 @@ pub(crate) type Client = deadpool_postgres::Client;
 const CONNECTIONS: usize = 16;
 
 /// Settings of every connection.
-const PLANS: &str =
-    "-c jit=off -c enable_seqscan=off -c enable_bitmapscan=off -c enable_hashjoin=off -c enable_mergejoin=off";
+const PLANS: &str = "-c jit=off -c enable_seqscan=off -c enable_bitmapscan=off -c enable_hashjoin=off \
+    -c enable_mergejoin=off -c plan_cache_mode=force_generic_plan";
 
 /// How long a connection may take to be made, and how long it may stay unanswered.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -75,7 +75,8 @@ impl Database {
             return Err(DatabaseOpenError::BadUrl("it names no host".to_owned()));
         }
         config.connect_timeout(PATIENCE).keepalives_idle(PATIENCE).tcp_user_timeout(2 * PATIENCE);
-        // Each statement is meant to go by an index, whatever the statistics say, and none is worth compiling.
+        // Each statement is meant to go by an index, whatever the statistics and its arguments say: it is planned once for a
+        // connection, and none is worth compiling.
         let options = config.get_options().unwrap_or_default();
         config.options(format!("{options} {PLANS}"));
         if config.get_application_name().is_none() {
