@@ -16,7 +16,7 @@ pub struct SharedArgs {
     /// PostgreSQL database of the queue and the catalogue
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL")]
     pub database: DatabaseUrl,
-    /// Store of the tables: s3://BUCKET/PREFIX, gs://, az:// or file:///FOLDER
+    /// Store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL")]
     pub blobs: String,
     /// Megabytes of tables that are kept in the data folder [default: 4096]
@@ -30,7 +30,7 @@ pub struct ReplicaArgs {
     /// PostgreSQL database of the queue and the catalogue, which any number of processes share
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
     pub database: Option<DatabaseUrl>,
-    /// Store of the tables: s3://BUCKET/PREFIX, gs://, az:// or file:///FOLDER
+    /// Store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL", requires = "database")]
     pub blobs: Option<String>,
     /// Megabytes of tables that are kept in the data folder, with --blobs [default: 4096]
@@ -81,7 +81,7 @@ pub struct MigrateArgs {
     /// PostgreSQL database that jobs and catalogue go to
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL")]
     pub to: DatabaseUrl,
-    /// Store that the tables go to: s3://BUCKET/PREFIX, gs://, az:// or file:///FOLDER
+    /// Store that the tables go to: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL")]
     pub blobs: String,
     /// Folder of jobs and tables of a service that is not running [default: ltcforge-data]

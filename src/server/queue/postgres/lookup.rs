@@ -93,16 +93,13 @@ impl Shared {
     ) -> Result<JobPage, StoreError> {
         let before = before.map_or(i64::MAX, |before| i64::try_from(before).unwrap_or(i64::MAX));
         let rows_wanted = i64::try_from(limit.saturating_add(1)).unwrap_or(i64::MAX);
-        let rows = self.database.run(async |client| match wanted {
-            Some(state) => {
-                let of_state =
-                    format!("{COLUMNS} WHERE state = $3 AND submission < $1 ORDER BY submission DESC LIMIT $2");
-                client.query(&client.prepare_cached(&of_state).await?, &[&before, &rows_wanted, &name(state)]).await
-            }
-            None => {
+        let rows = self.database.run(async |client| {
+            let Some(state) = wanted else {
                 let all = format!("{COLUMNS} WHERE submission < $1 ORDER BY submission DESC LIMIT $2");
-                client.query(&client.prepare_cached(&all).await?, &[&before, &rows_wanted]).await
-            }
+                return client.query(&client.prepare_cached(&all).await?, &[&before, &rows_wanted]).await;
+            };
+            let of_state = format!("{COLUMNS} WHERE state = $3 AND submission < $1 ORDER BY submission DESC LIMIT $2");
+            client.query(&client.prepare_cached(&of_state).await?, &[&before, &rows_wanted, &name(state)]).await
         })?;
         let page = &rows[..limit.min(rows.len())];
         let next =

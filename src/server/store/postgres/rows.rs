@@ -70,18 +70,13 @@ impl Rows for PostgresRows {
 
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
         let limit = i64::try_from(limit).unwrap_or(i64::MAX);
-        match before {
-            Some(before) => {
-                let below =
-                    "SELECT key, value FROM ltcforge.rows WHERE tree = $1 AND key < $2 ORDER BY key DESC LIMIT $3";
-                self.rows(below, tree, before, limit)
-            }
-            None => {
-                let all = "SELECT key, value FROM ltcforge.rows WHERE tree = $1 AND $2::bytea IS NOT NULL
-                    ORDER BY key DESC LIMIT $3";
-                self.rows(all, tree, &[], limit)
-            }
-        }
+        let Some(before) = before else {
+            let all = "SELECT key, value FROM ltcforge.rows WHERE tree = $1 AND $2::bytea IS NOT NULL
+                ORDER BY key DESC LIMIT $3";
+            return self.rows(all, tree, &[], limit);
+        };
+        let below = "SELECT key, value FROM ltcforge.rows WHERE tree = $1 AND key < $2 ORDER BY key DESC LIMIT $3";
+        self.rows(below, tree, before, limit)
     }
 
     fn totals(&self) -> Result<Option<(u64, u64)>, StoreError> {
