@@ -88,6 +88,13 @@ fn a_picture_has_its_size_and_its_name() {
 fn without_a_digest_the_best_stored_table_is_shown() {
     let (_folder, server) = start();
     assert_eq!(server.get("/v1/preview").with_status(404).json()["detail"], "no table is stored");
+    for needs_none in ["model=normals", "model=normals&mode=strip&spp=2", "mode=reference&spp=2"] {
+        let picture = server.get(&format!("/v1/preview?size=64&{needs_none}")).with_status(200);
+        assert_eq!(picture.header("cache-control"), Some("public, max-age=86400"), "{needs_none}");
+    }
+    for needs_one in ["mode=models&spp=2", "mode=lobe&model=normals"] {
+        server.get(&format!("/v1/preview?size=64&{needs_one}")).with_status(404);
+    }
     let mut tables = [server.fit(SMALL), server.fit(&SMALL.replace("\"steps\":5", "\"steps\":1"))];
     let error = |table: &String| {
         let manifest = server.get(&format!("/v1/tables/{table}/manifest")).with_status(200).json();

@@ -43,6 +43,15 @@ struct NormalsCorner {
     vec3 c;
     float length_;
 };
+struct NormalsEigenframe {
+    vec3 values;
+    mat3x3 vectors;
+};
+struct NormalsSpoke {
+    vec3 c;
+    vec3 bend;
+    vec3 at_end;
+};
 struct NormalsOutline {
     uint number;
     uint start;
@@ -56,10 +65,6 @@ struct NormalsHorizon {
     vec3 control;
     vec3 end;
     vec3 across;
-};
-struct NormalsEigenframe {
-    vec3 values;
-    mat3x3 vectors;
 };
 const uint NORMALS_FAN = 0u;
 const uint NORMALS_MEAN = 1u;
@@ -84,9 +89,9 @@ vec2 ltc_sin_cos(float turns) {
     float x_3 = ((turns - (0.25 * quarter_1)) * 6.2831855);
     float z_1 = (x_3 * x_3);
     float s = (((((((-0.00019515296 * z_1) + 0.008332161) * z_1) - 0.16666655) * z_1) * x_3) + x_3);
-    float c_2 = ((((((((2.4433157e-5 * z_1) - 0.0013887316) * z_1) + 0.041666646) * z_1) * z_1) - (0.5 * z_1)) + 1.0);
+    float c_3 = ((((((((2.4433157e-5 * z_1) - 0.0013887316) * z_1) + 0.041666646) * z_1) * z_1) - (0.5 * z_1)) + 1.0);
     uint q = (uint(int(quarter_1)) & 3u);
-    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_2, s) : vec2(s, c_2));
+    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_3, s) : vec2(s, c_3));
     if (!((q == 1u))) {
         local = (q == 2u);
     } else {
@@ -285,10 +290,6 @@ vec3 normals_exact(NormalsView view_3, vec3 a_3, vec3 b_3, vec3 across, bool is_
     return (_e81.vectors * vec3(along1_, (-(l2_) * along2_), (-(l3_) * along3_)));
 }
 
-vec3 normals_crossing(vec3 a_4, vec3 b_4) {
-    return vec3(((a_4.xy * abs(b_4.z)) + (b_4.xy * abs(a_4.z))), 0.0);
-}
-
 vec2 normals_weight(NormalsView view_4, vec3 c) {
     vec3 h_1 = vec3((view_4.alpha * c.xy), c.z);
     float length2_2 = max(dot(h_1, h_1), 1e-36);
@@ -322,16 +323,30 @@ vec3 normals_sample(NormalsView view_5, vec3 c_1) {
     return vec3(seen, (seen * _e2.x), ((seen * _e2.x) * _e2.y));
 }
 
-vec2 normals_triangle(NormalsView view_6, vec3 tip_2, vec2 at_tip, vec3 corners, vec3 flux_1, bool on_horizon, bool is_fine) {
-    vec3 _e7 = normals_centroid(flux_1, tip_2);
-    vec3 outer = (_e7 + ((on_horizon ? 0.3 : 0.5) * (_e7 - tip_2)));
-    vec2 _e14 = normals_weight(view_6, outer);
-    float _e20 = normals_to_horizon(at_tip.x, _e14.x, (is_fine ? 0.145 : 0.155));
-    vec2 horizon_1 = vec2(_e20, (_e20 * mix(_e14.y, at_tip.y, 0.25)));
-    float seen_1 = ((is_fine ? 0.2 : 0.3) * max(dot(outer, view_6.stretched), 0.0));
-    vec3 _e35 = normals_sample(view_6, _e7);
-    vec3 sum_1 = ((_e35 + (seen_1 * vec3(1.0, _e14.x, (_e14.x * _e14.y)))) + corners);
-    return (dot(flux_1, view_6.stretched) * (on_horizon ? horizon_1 : (sum_1.yz / vec2(max(sum_1.x, 1e-18)))));
+NormalsSpoke normals_spoke(NormalsView view_6, vec3 tip_2, vec3 c_2, bool is_fine) {
+    vec3 _e4 = normals_arc_bend(tip_2, c_2);
+    vec3 _e8 = normals_sample(view_6, c_2);
+    return NormalsSpoke(c_2, _e4, ((is_fine ? 0.04 : 0.08) * _e8));
+}
+
+vec3 normals_flux(vec3 tip_3, NormalsSpoke a_4, NormalsSpoke b_4, vec3 curved) {
+    return ((cross((a_4.c - tip_3), (b_4.c - tip_3)) + curved) + (a_4.bend - b_4.bend));
+}
+
+vec2 normals_triangle(NormalsView view_7, vec3 tip_4, vec3 corners, vec3 flux_1, bool is_fine_1) {
+    vec3 _e5 = normals_centroid(flux_1, tip_4);
+    vec3 outer = (_e5 + (0.5 * (_e5 - tip_4)));
+    vec3 _e10 = normals_sample(view_7, _e5);
+    vec3 _e14 = normals_sample(view_7, outer);
+    vec3 sum_1 = ((_e10 + ((is_fine_1 ? 0.2 : 0.3) * _e14)) + corners);
+    return ((dot(flux_1, view_7.stretched) / max(sum_1.x, 1e-18)) * sum_1.yz);
+}
+
+vec2 normals_horizon_triangle(NormalsView view_8, vec3 tip_5, vec2 at_tip, vec3 flux_2, bool is_fine_2) {
+    vec3 _e5 = normals_centroid(flux_2, tip_5);
+    vec2 _e10 = normals_weight(view_8, (_e5 + (0.3 * (_e5 - tip_5))));
+    float _e16 = normals_to_horizon(at_tip.x, _e10.x, (is_fine_2 ? 0.145 : 0.155));
+    return ((dot(flux_2, view_8.stretched) * _e16) * vec2(1.0, mix(_e10.y, at_tip.y, 0.25)));
 }
 
 vec3 normals_get(inout vec3 list[8], uint i, bool many) {
@@ -403,6 +418,10 @@ void normals_put(inout vec3 list_1[8], uint i_1, vec3 v_2, bool many_1) {
     return;
 }
 
+vec3 normals_crossing(vec3 a_5, vec3 b_5) {
+    return vec3(((a_5.xy * abs(b_5.z)) + (b_5.xy * abs(a_5.z))), 0.0);
+}
+
 NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
     NormalsOutline outline = NormalsOutline(0u, 0u, false, 0u, 0.0, false);
     bool before = false;
@@ -460,7 +479,7 @@ NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
     return _e68;
 }
 
-NormalsCorner normals_outline_corner(NormalsView view_7, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
+NormalsCorner normals_outline_corner(NormalsView view_9, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
     bool local_10 = false;
     bool local_11 = false;
     bool local_12 = false;
@@ -483,18 +502,18 @@ NormalsCorner normals_outline_corner(NormalsView view_7, NormalsOutline outline_
     }
     bool _e30 = local_12;
     uint at = ((outline_1.start + i_3) - (_e30 ? 1u : 0u));
-    uint before_1 = ((at == 0u) ? (outline_1.number - 1u) : (at - 1u));
+    uint before_2 = ((at == 0u) ? (outline_1.number - 1u) : (at - 1u));
     vec3 _e47 = normals_get(vertices_2, ((at >= outline_1.number) ? (at - outline_1.number) : at), outline_1.many);
-    vec3 _e54 = normals_get(vertices_2, ((before_1 >= outline_1.number) ? (before_1 - outline_1.number) : before_1), outline_1.many);
+    vec3 _e54 = normals_get(vertices_2, ((before_2 >= outline_1.number) ? (before_2 - outline_1.number) : before_2), outline_1.many);
     vec3 _e55 = normals_crossing(_e54, _e47);
-    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_7);
+    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_9);
     return _e57;
 }
 
-NormalsHorizon normals_horizon(NormalsView view_8, NormalsCorner begin, NormalsCorner end) {
+NormalsHorizon normals_horizon(NormalsView view_10, NormalsCorner begin, NormalsCorner end) {
     vec3 sum_2 = (begin.w + end.w);
     float _e6 = normals_half_cosine(begin, end);
-    vec3 _e13 = normals_unstretched(((view_8.wo * _e6) + (sum_2 * (0.5 / _e6))), view_8);
+    vec3 _e13 = normals_unstretched(((view_10.wo * _e6) + (sum_2 * (0.5 / _e6))), view_10);
     float turn_1 = cross(begin.w, (end.w - begin.w)).z;
     vec3 across_3 = vec3(0.0, 0.0, ((turn_1 < 0.0) ? -1.0 : 1.0));
     return NormalsHorizon(begin.c, (_e13 * inversesqrt((begin.length_ * end.length_))), end.c, across_3);
@@ -506,7 +525,7 @@ vec3 normals_on_horizon(NormalsHorizon horizon, float t_1) {
     return ((t_1 >= 1.0) ? horizon.end : _e17);
 }
 
-vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
+vec2 normals_polygon(NormalsView view_11, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
     vec3 ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 half_ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
@@ -516,7 +535,7 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
     vec3 half_closing = vec3(0.0);
     vec3 half_end = vec3(0.0);
     vec3 arc_start = vec3(0.0);
-    vec3 flux_2 = vec3(0.0);
+    vec3 flux_3 = vec3(0.0);
     NormalsCorner last = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
     uint edge = 0u;
     bool is_second = false;
@@ -531,25 +550,23 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
     bool local_19 = false;
     bool local_20 = false;
     vec2 parts = vec2(0.0);
-    vec3 from_c = vec3(0.0);
-    vec3 from_bend = vec3(0.0);
-    vec3 begin_bend = vec3(0.0);
-    vec3 from_share = vec3(0.0);
+    NormalsSpoke before_1 = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
+    NormalsSpoke setting = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
     uint i_4 = 0u;
-    bool local_21 = false;
+    uint part = 1u;
     NormalsOutline _e8 = normals_outline(vertices_3, min(max(count, 3u), 8u));
     if ((_e8.ups == 0u)) {
         return vec2(0.0);
     }
     bool many_2 = _e8.many;
-    bool is_fine_1 = (rule == NORMALS_FINE);
-    uint edge_parts = (is_fine_1 ? 2u : 1u);
-    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_1 ? 8u : 4u));
+    bool is_fine_3 = (rule == NORMALS_FINE);
+    uint edge_parts = (is_fine_3 ? 2u : 1u);
+    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_3 ? 8u : 4u));
     uint edges = (_e8.is_cut ? (_e8.ups + 1u) : _e8.number);
     uint closing_parts = (_e8.is_cut ? horizon_parts : 0u);
-    NormalsCorner _e37 = normals_outline_corner(view_9, _e8, vertices_3, 0u);
-    NormalsCorner _e41 = normals_outline_corner(view_9, _e8, vertices_3, (_e8.ups + 1u));
-    NormalsHorizon _e42 = normals_horizon(view_9, _e41, _e37);
+    NormalsCorner _e37 = normals_outline_corner(view_11, _e8, vertices_3, 0u);
+    NormalsCorner _e41 = normals_outline_corner(view_11, _e8, vertices_3, (_e8.ups + 1u));
+    NormalsHorizon _e42 = normals_horizon(view_11, _e41, _e37);
     arc_start = _e37.c;
     last = _e37;
     bool loop_init_1 = true;
@@ -567,7 +584,7 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
         {
             uint _e73 = edge;
             bool is_closing = (_e73 >= edges);
-            if (is_fine_1) {
+            if (is_fine_3) {
                 bool _e77 = is_second;
                 local_13 = !(_e77);
             } else {
@@ -581,19 +598,19 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
             }
             bool is_half = local_14;
             uint _e86 = edge;
-            NormalsCorner _e89 = normals_outline_corner(view_9, _e8, vertices_3, (_e86 + 1u));
+            NormalsCorner _e89 = normals_outline_corner(view_11, _e8, vertices_3, (_e86 + 1u));
             to = _e89;
             if (is_half) {
                 NormalsCorner _e91 = last;
                 NormalsCorner _e92 = to;
-                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_9);
+                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_11);
                 to = _e94;
             }
             uint _e95 = edge;
             float t_3 = (float(((_e95 + 1u) - edges)) / float(horizon_parts));
             vec3 _e103 = to.c;
             vec3 _e104 = normals_on_horizon(_e42, t_3);
-            vec3 c_3 = (is_closing ? _e104 : _e103);
+            vec3 c_4 = (is_closing ? _e104 : _e103);
             vec3 _e107 = to.w;
             vec3 _e109 = last.w;
             vec3 apart = (_e107 - _e109);
@@ -608,7 +625,7 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
                 local_15 = true;
             }
             bool _e129 = local_15;
-            vec3 _e130 = normals_exact(view_9, _e117, c_3, across_4, _e129);
+            vec3 _e130 = normals_exact(view_11, _e117, c_4, across_4, _e129);
             if (!(is_closing)) {
                 local_16 = (dot(apart, apart) >= 1e-14);
             } else {
@@ -616,15 +633,15 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
             }
             bool is_edge = local_16;
             vec3 _e140 = last.c;
-            vec3 curved = (is_edge ? (_e130 - cross(_e140, c_3)) : vec3(0.0));
-            vec3 _e146 = flux_2;
+            vec3 curved_1 = (is_edge ? (_e130 - cross(_e140, c_4)) : vec3(0.0));
+            vec3 _e146 = flux_3;
             vec3 _e148 = last.c;
-            flux_2 = (_e146 + (curved + cross((_e148 - _e37.c), (c_3 - _e37.c))));
-            if (is_fine_1) {
+            flux_3 = (_e146 + (curved_1 + cross((_e148 - _e37.c), (c_4 - _e37.c))));
+            if (is_fine_3) {
                 uint _e157 = edge;
-                normals_put(half_ends, (is_half ? _e157 : 8u), c_3, many_2);
+                normals_put(half_ends, (is_half ? _e157 : 8u), c_4, many_2);
                 uint _e160 = edge;
-                normals_put(half_curves, (is_half ? _e160 : 8u), curved, many_2);
+                normals_put(half_curves, (is_half ? _e160 : 8u), curved_1, many_2);
             }
             uint _e162 = edge;
             if (!(is_half)) {
@@ -633,7 +650,7 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
                 local_17 = true;
             }
             bool _e168 = local_17;
-            normals_put(ends, (_e168 ? 8u : _e162), c_3, many_2);
+            normals_put(ends, (_e168 ? 8u : _e162), c_4, many_2);
             uint _e170 = edge;
             if (!(is_half)) {
                 local_18 = is_closing;
@@ -641,17 +658,17 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
                 local_18 = true;
             }
             bool _e176 = local_18;
-            normals_put(curves, (_e176 ? 8u : _e170), curved, many_2);
+            normals_put(curves, (_e176 ? 8u : _e170), curved_1, many_2);
             uint _e179 = edge;
-            normals_put(horizon_curves, (is_closing ? (_e179 - edges) : 8u), curved, is_fine_1);
+            normals_put(horizon_curves, (is_closing ? (_e179 - edges) : 8u), curved_1, is_fine_3);
             vec3 _e182 = arc_start;
-            arc_start = (is_closing ? _e182 : c_3);
+            arc_start = (is_closing ? _e182 : c_4);
             vec3 _e184 = closing;
             vec3 _e186 = last.c;
             vec3 _e187 = arc_start;
             vec3 _e189 = arc_start;
-            closing = (_e184 + (is_closing ? (curved + cross((_e186 - _e187), (c_3 - _e189))) : vec3(0.0)));
-            if (is_fine_1) {
+            closing = (_e184 + (is_closing ? (curved_1 + cross((_e186 - _e187), (c_4 - _e189))) : vec3(0.0)));
+            if (is_fine_3) {
                 uint _e199 = edge;
                 local_19 = ((_e199 + 1u) == (edges + (horizon_parts / 2u)));
             } else {
@@ -661,21 +678,21 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
             if (_e207) {
                 vec3 _e208 = closing;
                 half_closing = _e208;
-                half_end = c_3;
+                half_end = c_4;
                 closing = vec3(0.0);
-                arc_start = c_3;
+                arc_start = c_4;
             }
             vec3 _e212 = to.w;
             float _e214 = to.length_;
-            last = NormalsCorner(_e212, c_3, _e214);
+            last = NormalsCorner(_e212, c_4, _e214);
             uint _e216 = edge;
             edge = (_e216 + (is_half ? 0u : 1u));
             is_second = is_half;
         }
     }
-    vec3 _e224 = flux_2;
-    float seen_2 = dot(_e224, view_9.stretched);
-    float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
+    vec3 _e224 = flux_3;
+    float seen_1 = dot(_e224, view_11.stretched);
+    float side = ((seen_1 < 0.0) ? -1.0 : 1.0);
     if ((side < 0.0)) {
         local_20 = !(two_sided);
     } else {
@@ -685,137 +702,129 @@ vec2 normals_polygon(NormalsView view_9, inout vec3 vertices_3[8], uint count, b
     if (_e238) {
         return vec2(0.0);
     }
-    float to_part = ((side * 0.3183099) / (view_9.wo.z + view_9.length_));
-    vec3 _e248 = flux_2;
+    float to_part = ((side * 0.3183099) / (view_11.wo.z + view_11.length_));
+    vec3 _e248 = flux_3;
     vec3 _e250 = normals_unit((_e248 * side));
-    vec2 _e251 = normals_weight(view_9, _e250);
-    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_2);
+    vec2 _e251 = normals_weight(view_11, _e250);
+    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_1);
     if ((rule != NORMALS_MEAN)) {
         parts = vec2(0.0);
-        from_c = _e37.c;
-        vec3 _e265 = from_c;
-        vec3 _e266 = normals_arc_bend(_e250, _e265);
-        from_bend = _e266;
-        vec3 _e268 = from_bend;
-        begin_bend = _e268;
-        vec3 _e273 = normals_sample(view_9, _e250);
-        vec3 tip_share = ((is_fine_1 ? 0.1 : 0.2) * _e273);
-        float share_1 = (is_fine_1 ? 0.04 : 0.08);
-        vec3 _e278 = from_c;
-        vec3 _e279 = normals_sample(view_9, _e278);
-        from_share = (share_1 * _e279);
+        vec3 _e266 = normals_sample(view_11, _e250);
+        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e266);
+        NormalsSpoke _e269 = normals_spoke(view_11, _e250, _e37.c, is_fine_3);
+        before_1 = _e269;
+        setting = _e269;
         bool loop_init_2 = true;
         while(true) {
             if (!loop_init_2) {
-                uint _e380 = i_4;
-                i_4 = (_e380 + 1u);
+                uint _e330 = i_4;
+                i_4 = (_e330 + 1u);
             }
             loop_init_2 = false;
-            uint _e284 = i_4;
-            if ((_e284 < (edges + (_e8.is_cut ? (horizon_parts + 1u) : 0u)))) {
+            uint _e274 = i_4;
+            if ((_e274 < (edges + (_e8.is_cut ? 1u : 0u)))) {
             } else {
                 break;
             }
             {
-                uint _e292 = i_4;
-                bool is_whole = (_e292 == edges);
-                uint _e294 = i_4;
-                bool on_horizon_1 = (_e294 > edges);
-                if (is_whole) {
-                    vec3 _e296 = from_bend;
-                    begin_bend = _e296;
+                uint _e281 = i_4;
+                bool is_closing_1 = (_e281 == edges);
+                if (is_closing_1) {
+                    NormalsSpoke _e283 = before_1;
+                    setting = _e283;
                 }
-                uint _e297 = i_4;
-                if ((_e297 == (edges + 1u))) {
-                    from_c = _e42.begin;
-                    vec3 _e302 = begin_bend;
-                    from_bend = _e302;
+                float counts = (is_closing_1 ? (1.0 - _e8.share) : 1.0);
+                if (is_fine_3) {
+                    uint _e289 = i_4;
+                    vec3 _e290 = normals_get(half_ends, _e289, many_2);
+                    vec3 _e291 = half_end;
+                    vec3 half_c = (is_closing_1 ? _e291 : _e290);
+                    uint _e293 = i_4;
+                    vec3 _e294 = normals_get(half_curves, _e293, many_2);
+                    vec3 _e295 = half_closing;
+                    vec3 half_curved = (is_closing_1 ? _e295 : _e294);
+                    NormalsSpoke _e297 = normals_spoke(view_11, _e250, half_c, is_fine_3);
+                    NormalsSpoke _e298 = before_1;
+                    vec3 _e299 = normals_flux(_e250, _e298, _e297, half_curved);
+                    vec2 _e300 = parts;
+                    vec3 _e302 = before_1.at_end;
+                    vec2 _e306 = normals_triangle(view_11, _e250, ((tip_share + _e302) + _e297.at_end), _e299, is_fine_3);
+                    parts = (_e300 + (counts * _e306));
+                    before_1 = _e297;
                 }
-                float counts = (on_horizon_1 ? _e8.share : (is_whole ? (1.0 - _e8.share) : 1.0));
-                if (is_fine_1) {
-                    local_21 = !(on_horizon_1);
-                } else {
-                    local_21 = false;
-                }
-                bool _e314 = local_21;
-                if (_e314) {
-                    uint _e315 = i_4;
-                    vec3 _e316 = normals_get(half_ends, _e315, many_2);
-                    vec3 _e317 = half_end;
-                    vec3 half_c = (is_whole ? _e317 : _e316);
-                    uint _e319 = i_4;
-                    vec3 _e320 = normals_get(half_curves, _e319, many_2);
-                    vec3 _e321 = half_closing;
-                    vec3 half_curved = (is_whole ? _e321 : _e320);
-                    vec3 _e323 = normals_arc_bend(_e250, half_c);
-                    vec3 _e324 = from_c;
-                    vec3 _e329 = from_bend;
-                    vec3 half_flux = ((cross((_e324 - _e250), (half_c - _e250)) + half_curved) + (_e329 - _e323));
-                    vec3 _e332 = normals_sample(view_9, half_c);
-                    vec3 half_share = (share_1 * _e332);
-                    vec3 _e334 = from_share;
-                    vec3 half_corners = ((tip_share + _e334) + half_share);
-                    vec2 _e337 = parts;
-                    vec2 _e339 = normals_triangle(view_9, _e250, _e251, half_corners, half_flux, false, is_fine_1);
-                    parts = (_e337 + (counts * _e339));
-                    from_c = half_c;
-                    from_bend = _e323;
-                    from_share = half_share;
-                }
-                uint _e342 = i_4;
-                uint part = (_e342 - edges);
-                vec3 _e347 = normals_on_horizon(_e42, (float(part) / float(horizon_parts)));
-                vec3 _e350 = normals_get(horizon_curves, (part - 1u), is_fine_1);
-                uint _e351 = i_4;
-                vec3 _e352 = normals_get(ends, _e351, many_2);
-                vec3 to_c = (on_horizon_1 ? _e347 : (is_whole ? _e37.c : _e352));
-                uint _e356 = i_4;
-                vec3 _e357 = normals_get(curves, _e356, many_2);
-                vec3 _e358 = closing;
-                vec3 curved_1 = (on_horizon_1 ? _e350 : (is_whole ? _e358 : _e357));
-                vec3 _e361 = normals_arc_bend(_e250, to_c);
-                vec3 _e362 = from_c;
-                vec3 _e367 = from_bend;
-                vec3 part_flux = ((cross((_e362 - _e250), (to_c - _e250)) + curved_1) + (_e367 - _e361));
-                vec3 _e370 = normals_sample(view_9, to_c);
-                vec3 to_share = (share_1 * _e370);
-                vec3 _e372 = from_share;
-                vec3 part_corners = ((tip_share + _e372) + to_share);
-                vec2 _e375 = parts;
-                vec2 _e376 = normals_triangle(view_9, _e250, _e251, part_corners, part_flux, on_horizon_1, is_fine_1);
-                parts = (_e375 + (counts * _e376));
-                from_c = to_c;
-                from_bend = _e361;
-                from_share = to_share;
+                uint _e309 = i_4;
+                vec3 _e310 = normals_get(ends, _e309, many_2);
+                vec3 c_5 = (is_closing_1 ? _e37.c : _e310);
+                uint _e313 = i_4;
+                vec3 _e314 = normals_get(curves, _e313, many_2);
+                vec3 _e315 = closing;
+                vec3 curved_2 = (is_closing_1 ? _e315 : _e314);
+                NormalsSpoke _e317 = normals_spoke(view_11, _e250, c_5, is_fine_3);
+                NormalsSpoke _e318 = before_1;
+                vec3 _e319 = normals_flux(_e250, _e318, _e317, curved_2);
+                vec2 _e320 = parts;
+                vec3 _e322 = before_1.at_end;
+                vec2 _e326 = normals_triangle(view_11, _e250, ((tip_share + _e322) + _e317.at_end), _e319, is_fine_3);
+                parts = (_e320 + (counts * _e326));
+                before_1 = _e317;
+            }
+        }
+        NormalsSpoke _e332 = setting;
+        before_1 = _e332;
+        bool loop_init_3 = true;
+        while(true) {
+            if (!loop_init_3) {
+                uint _e358 = part;
+                part = (_e358 + 1u);
+            }
+            loop_init_3 = false;
+            uint _e335 = part;
+            if ((_e335 <= closing_parts)) {
+            } else {
+                break;
+            }
+            {
+                uint _e337 = part;
+                vec3 _e341 = normals_on_horizon(_e42, (float(_e337) / float(horizon_parts)));
+                vec3 _e342 = normals_arc_bend(_e250, _e341);
+                NormalsSpoke to_1 = NormalsSpoke(_e341, _e342, vec3(0.0));
+                NormalsSpoke _e346 = before_1;
+                uint _e347 = part;
+                vec3 _e350 = normals_get(horizon_curves, (_e347 - 1u), is_fine_3);
+                vec3 _e351 = normals_flux(_e250, _e346, to_1, _e350);
+                vec2 _e352 = parts;
+                vec2 _e354 = normals_horizon_triangle(view_11, _e250, _e251, _e351, is_fine_3);
+                parts = (_e352 + (_e8.share * _e354));
+                before_1 = to_1;
             }
         }
     }
-    float _e383 = parts.x;
-    float energy = clamp((_e383 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
-    float _e392 = parts.y;
-    return vec2(energy, clamp((_e392 * to_part), 0.0, energy));
+    float _e361 = parts.x;
+    float energy = clamp((_e361 * to_part), 0.0, clamp((seen_1 * to_part), 0.0, 1.0));
+    float _e370 = parts.y;
+    return vec2(energy, clamp((_e370 * to_part), 0.0, energy));
 }
 
-vec2 normals_rectangle(NormalsView view_10, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
+vec2 normals_rectangle(NormalsView view_12, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
     vec3 vertices_4[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vertices_4[0] = corners_1[0];
     vertices_4[1] = corners_1[1];
     vertices_4[2] = corners_1[2];
     vertices_4[3] = corners_1[3];
-    vec2 _e14 = normals_polygon(view_10, vertices_4, 4u, two_sided_1, rule_1);
+    vec2 _e14 = normals_polygon(view_12, vertices_4, 4u, two_sided_1, rule_1);
     return _e14;
 }
 
-vec2 normals_disk(NormalsView view_11, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
+vec2 normals_disk(NormalsView view_13, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
     vec3 vertices_5[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint i_5 = 0u;
-    bool loop_init_3 = true;
+    bool loop_init_4 = true;
     while(true) {
-        if (!loop_init_3) {
+        if (!loop_init_4) {
             uint _e30 = i_5;
             i_5 = (_e30 + 1u);
         }
-        loop_init_3 = false;
+        loop_init_4 = false;
         uint _e9 = i_5;
         if ((_e9 < 8u)) {
         } else {
@@ -829,6 +838,6 @@ vec2 normals_disk(NormalsView view_11, vec3 centre, vec3 half_x, vec3 half_y, bo
             vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));
         }
     }
-    vec2 _e33 = normals_polygon(view_11, vertices_5, 8u, two_sided_2, rule_2);
+    vec2 _e33 = normals_polygon(view_13, vertices_5, 8u, two_sided_2, rule_2);
     return _e33;
 }

@@ -1,4 +1,4 @@
-//! `export`: a table in the files of engines, or as textures in a format of one's own choice.
+//! `export`: a table in the files of engines, as textures in a format of one's own choice, or in its compact form.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{ExportArgs, ExportChoice},
+    args::{AnyContainer, ExportArgs, ExportChoice},
     file_failure,
     input::{AnyTable, Origin},
     output::check_output_folder,
@@ -14,13 +14,17 @@ use super::{
 };
 use crate::{
     files::{
+        compact,
         digest::Digest,
         manifest::table_report,
         replace::replace_file,
-        textures::{About, Bundle, Export, RoundingError, TextureFile, TextureFileError, TextureLayout},
+        textures::{About, Bundle, Export, RoundingError, TextureFile, TextureLayout},
     },
-    fit::{Precision, Recipe, Table},
+    fit::{PerAxis, Precision, Recipe, Spread, Table, report},
 };
+
+/// Places at which a table and its compact form are measured, so many that a single one hardly counts.
+const COMPARED_AT: usize = 512;
 
 /// Writes the files, and says what to do with them.
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -33,8 +37,13 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
     let export = export_of(&args.choice)?;
     // Whatever cannot be is told before the table is measured.
     let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
-    let error = args.threads.pool()?.install(|| measured(&table, recipe));
+    let pool = args.threads.pool()?;
+    let error = pool.install(|| measured(&table, recipe));
     let Bundle { files, steps } = bundle(export, &table, digest, recipe, error)?;
+    let compared = match export {
+        Export::Compact(_) => Some(pool.install(|| Compared::of(&table, origin.range()))?),
+        Export::Engine(_) | Export::Textures { .. } => None,
+    };
     for file in &files {
         let path = args.out.join(&file.path);
         replace_file(&path, &file.bytes).map_err(|error| file_failure(&path, &error))?;
@@ -50,25 +59,52 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         .collect();
     let value = json!({
         "table": digest, "for": args.choice.engine, "layout": layout, "container": args.choice.container, "files": list,
-        "steps": steps,
+        "steps": steps, "compared": compared,
     });
-    print(context.stdout, json, &value, text(args, &files, &steps).trim_end())?;
+    print(context.stdout, json, &value, text(args, &files, compared.as_ref(), &steps).trim_end())?;
     Ok(Exit::Ok)
 }
 
 /// The export that a command line asks for.
 ///
 /// # Errors
-/// When it asks for a layout that there is none of, or for none.
+/// When it asks for a layout that there is none of, for none, or for a compact form in another layout or precision than the
+/// table's own.
 pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
-    let refused = |error: &dyn std::error::Error| CommandFailure::new(Exit::Usage, error.to_string());
-    match (choice.engine, &choice.layout, choice.container) {
-        (Some(engine), ..) => Ok(Export::Engine(engine)),
-        (None, Some(layout), Some(container)) => {
-            let layout = TextureLayout::named(layout).map_err(|error| refused(&error))?;
-            Ok(Export::Textures { layout, container, precision: choice.precision.unwrap_or(Precision::F32) })
+    let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
+    let ExportChoice { engine, layout, container, precision } = choice;
+    match (*engine, layout, *container) {
+        (Some(engine), _, _) => Ok(Export::Engine(engine)),
+        (None, Some(layout), Some(AnyContainer::Textures(container))) => match TextureLayout::named(layout) {
+            Ok(layout) => Ok(Export::Textures { layout, container, precision: precision.unwrap_or(Precision::F32) }),
+            Err(error) => refused(error.to_string()),
+        },
+        (None, None, Some(AnyContainer::Compact(container))) if precision.is_none() => Ok(Export::Compact(container)),
+        (None, _, Some(AnyContainer::Compact(container))) => refused(format!(
+            "container {} holds a table in its own layout, rounded in its own way: leave out layout and precision",
+            container.name()
+        )),
+        (None, None, Some(AnyContainer::Textures(container))) => {
+            refused(format!("container {} holds textures: name their layout", container.name()))
         }
-        _ => Err(refused(&TextureFileError::Empty)),
+        (None, _, None) => refused("name an engine, or a container".to_owned()),
+    }
+}
+
+/// A table and its compact form, measured alike: errors between nodes as parts of a lobe's width.
+#[derive(Debug, serde::Serialize)]
+struct Compared {
+    table: Spread,
+    decoded: Spread,
+}
+
+impl Compared {
+    /// Measures on the current rayon pool.
+    fn of(table: &Table, range: &PerAxis<[f64; 2]>) -> Result<Self, CommandFailure> {
+        let decoded = compact::encode(table).and_then(|bytes| compact::decode(&bytes));
+        let decoded = decoded.map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
+        let [table, decoded] = [table, &decoded].map(|table| report(table, range, COMPARED_AT).between.width);
+        Ok(Self { table, decoded })
     }
 }
 
@@ -94,7 +130,7 @@ pub(super) fn bundle(
 }
 
 /// The files, what rounding changed, and what to do.
-fn text(args: &ExportArgs, files: &[TextureFile], steps: &[String]) -> String {
+fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, steps: &[String]) -> String {
     let mut out = String::new();
     for file in files {
         // Writing to a String cannot fail.
@@ -113,6 +149,13 @@ fn text(args: &ExportArgs, files: &[TextureFile], steps: &[String]) -> String {
                 "beyond the range of 16 bits: {clamped} became 65504, {raised} became 6.0e-8 in place of 0"
             );
         }
+    }
+    if let Some(Compared { table, decoded }) = compared {
+        let _ = writeln!(
+            out,
+            "error between nodes as it is decoded: mean {:.5}, p95 {:.5} of the lobe's width; of the table: mean {:.5}, p95 {:.5}",
+            decoded.mean, decoded.p95, table.mean, table.p95
+        );
     }
     for step in steps {
         let _ = writeln!(out, "{step}");

@@ -14,6 +14,7 @@ use super::{
 use crate::{
     files::{
         bounded::{read_file, read_stream},
+        compact::{self, COMPACT_MAGIC},
         container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
         digest::Digest,
     },
@@ -23,7 +24,7 @@ use crate::{
 /// Longest recipe that is read. The service takes 64 KiB.
 const RECIPE_LIMIT_BYTES: u64 = 1 << 20;
 
-/// A table that was read: one of ltcforge's files, or a `.npy` file.
+/// A table that was read: one of ltcforge's files, a compact form, or a `.npy` file.
 pub(super) struct AnyTable {
     pub(super) path: PathBuf,
     /// The digest of the file.
@@ -36,7 +37,7 @@ pub(super) struct AnyTable {
 pub(super) enum Origin {
     /// The recipe in one of ltcforge's files.
     Recipe(Recipe),
-    /// What the axes of a `.npy` file cover; it says nothing else.
+    /// What the axes of a compact form or a `.npy` file cover; they say nothing else.
     Range(PerAxis<[f64; 2]>),
 }
 
@@ -66,6 +67,14 @@ impl AnyTable {
     pub(super) fn named(name: &Path, folder: &TableFolder) -> Result<Self, CommandFailure> {
         let path = table_path(name, folder.tables.as_deref())?;
         let bytes = read_file(&path, folder.limit.table_limit).map_err(|error| file_failure(&path, &error))?;
+        if bytes.starts_with(COMPACT_MAGIC) {
+            let table = compact::decode(&bytes)
+                .map_err(|error| CommandFailure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
+            let ends = |nodes: &Vec<f64>| [nodes.first(), nodes.last()].map(|end| end.copied().unwrap_or_default());
+            let PerAxis { alpha, ratio, theta, phi } = &table.axes;
+            let range = PerAxis { alpha: ends(alpha), ratio: ends(ratio), theta: ends(theta), phi: ends(phi) };
+            return Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) });
+        }
         let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
         if !is_npy {
             let (digest, TableFile { table, recipe }) = check(&path, &bytes, None)?;

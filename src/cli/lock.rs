@@ -159,8 +159,8 @@ fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize,
         pin.path.clone_from(to);
     }
     if let Some(out) = &args.out {
-        if args.export.engine.is_none() && args.export.layout.is_none() {
-            return Err(CommandFailure::new(Exit::Usage, "--out is the folder of an export: add --for or --layout"));
+        if args.export.engine.is_none() && args.export.container.is_none() {
+            return Err(CommandFailure::new(Exit::Usage, "--out is the folder of an export: add --for or --container"));
         }
         let asked = asked_by(&args.export, out);
         if !pin.exports.iter().any(|export| export.asks_as(&asked)) {

@@ -4,7 +4,7 @@ use std::{num::NonZeroU64, path::Path};
 
 use super::{
     CommandFailure, Context, Exit, Interrupt,
-    args::{ExportChoice, Threads},
+    args::{AnyContainer, ExportChoice, Threads},
     export,
     fit::{bad_recipe, fit},
     progress,
@@ -15,7 +15,7 @@ use crate::{
         container::{self, TableFile},
         digest::Digest,
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
-        textures::{Engine, Export, TextureContainer, TextureFile},
+        textures::{Engine, Export, TextureFile},
     },
     fit::{Plan, Precision, Recipe},
 };
@@ -115,15 +115,15 @@ pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
 fn choice_of(pin: &ExportPin) -> Result<ExportChoice, CommandFailure> {
     let ExportPin { engine, layout, container, precision, to, .. } = pin;
     let refused = |what: String| CommandFailure::new(Exit::Usage, format!("the export to {}: {what}", to.display()));
-    if engine.is_some() == layout.is_some()
-        || layout.is_some() != container.is_some()
-        || (engine.is_some() && precision.is_some())
-    {
-        return Err(refused("it has «for», or «layout» and «container» and maybe «precision»".to_owned()));
+    if engine.is_some() == container.is_some() || (engine.is_some() && (layout.is_some() || precision.is_some())) {
+        return Err(refused(
+            "it has «for», or «layout» and «container» and maybe «precision», or a compact «container» alone"
+                .to_owned(),
+        ));
     }
     let engine = named(engine.as_deref(), "for", Engine::ALL, Engine::name).map_err(refused)?;
-    let container =
-        named(container.as_deref(), "container", TextureContainer::ALL, TextureContainer::name).map_err(refused)?;
+    let containers: Vec<AnyContainer> = AnyContainer::all().collect();
+    let container = named(container.as_deref(), "container", &containers, AnyContainer::name).map_err(refused)?;
     let precision = named(precision.as_deref(), "precision", Precision::ALL, Precision::name).map_err(refused)?;
     Ok(ExportChoice { engine, layout: layout.clone(), container, precision })
 }
@@ -169,6 +169,7 @@ mod tests {
             pin(Some("wgpu"), None, None, None),
             pin(None, Some("reflected"), Some("ktx2"), Some("f16")),
             pin(None, Some("reflected"), Some("dds"), None),
+            pin(None, None, Some("compact-js"), None),
         ] {
             let choice = choice_of(&asked).expect("a known export");
             assert_eq!(asked_by(&choice, Path::new("out")), asked);

@@ -7,7 +7,6 @@ use serde_json::json;
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
 use crate::{
     fit::ggx_terms,
-    light::LightModel,
     view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
 };
 
@@ -17,7 +16,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     let out = OutputFile::check(&args.out)?;
     let scene = args.scene.0.clone().into_scene();
     let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
-    if read.is_none() && scene.shows(LightModel::Ltc) {
+    if read.is_none() && scene.needs_table() {
         let needs = "model ltc lights by a table: name one, or choose --model normals";
         return Err(CommandFailure::new(Exit::Usage, needs));
     }

@@ -1,26 +1,42 @@
 //! `shader`: the lookup and the area light, as source for a renderer.
 
+use std::path::Path;
+
 use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
     args::{ShaderArgs, ShaderForm},
+    input::{AnyTable, Origin},
     output::OutputFile,
     print, shown,
 };
 use crate::{
+    files::textures::About,
+    fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report},
     light::LightModel,
-    view::shaders::{Filter, Language, LitBy, include, port},
+    view::shaders::{Filter, Language, LitBy, include, include_function, port},
 };
+
+/// Places at which a table and its polynomials are measured, so many that a single one hardly counts.
+const COMPARED_AT: usize = 512;
 
 /// Writes the shader to the file, or to standard output. With `--json` one line
 /// describes the file, or holds the shader's text.
 pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let language = args.language.0;
+    if let Some(table) = &args.without_textures {
+        return without_textures(args, language, table, json, context);
+    }
     let lit_by = match (args.model, args.layout) {
         (LightModel::Ltc, Some(layout)) => LitBy::Table(layout),
         (LightModel::Normals, None) => LitBy::Normals,
-        (LightModel::Ltc, None) => return Err(CommandFailure::new(Exit::Usage, "model ltc needs --layout")),
+        (LightModel::Ltc, None) => {
+            return Err(CommandFailure::new(
+                Exit::Usage,
+                "model ltc needs --layout, or --without-textures and a table",
+            ));
+        }
         (LightModel::Normals, Some(_)) => {
             return Err(CommandFailure::new(Exit::Usage, "model normals reads no table: leave out --layout"));
         }
@@ -41,25 +57,73 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
         ShaderForm::Example => port(language, lit_by),
     }
     .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-    if let (Some(out), Some(path)) = (&out, &args.out) {
-        out.write(&shader)?;
+    let value = json!({ "language": language.name(), "model": lit_by.model(), "layout": lit_by.layout() });
+    hand_out(args, out.as_ref(), &shader, value, json, context)
+}
+
+/// The light of a table's polynomials, to include. Its comment tells how good they are, beside the table.
+fn without_textures(
+    args: &ShaderArgs,
+    language: Language,
+    table: &Path,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    let usage = |what: &str| CommandFailure::new(Exit::Usage, what.to_owned());
+    if args.form == ShaderForm::Example || language == Language::Spirv {
+        return Err(usage("--without-textures gives functions to include: choose another language, and no example"));
+    }
+    if args.model != LightModel::Ltc {
+        return Err(usage("--without-textures is for model ltc"));
+    }
+    let out = args.out.as_deref().map(OutputFile::check).transpose()?;
+    let AnyTable { path, digest, table, origin } = AnyTable::named(table, &args.folder)?;
+    let refused = |error: FunctionError| CommandFailure::new(Exit::Usage, format!("{}: {error}", path.display()));
+    let function = IsotropicFunction::of(&table).map_err(refused)?;
+    let (recipe, range) = match &origin {
+        Origin::Recipe(recipe) => (Some(recipe), recipe.range),
+        Origin::Range(range) => (None, *range),
+    };
+    let measured = |table: &Table| report(table, &range, COMPARED_AT);
+    let [of_table, of_function] =
+        args.threads.pool()?.install(|| [measured(&table), measured(&function.table(&table))]);
+    let [table_width, width] = [&of_table, &of_function].map(|report| report.between.width.mean);
+    let about = About::of_table(digest, recipe, None);
+    let about = about.and([format!(
+        "mean error of the polynomials: {width:.4} of the lobe's width; of the table: {table_width:.4}"
+    )]);
+    let shader = include_function(language, &function, about.lines())
+        .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
+        .into_bytes();
+    let value = json!({
+        "language": language.name(), "model": LightModel::Ltc, "table": digest,
+        "coefficients": 6 * FUNCTION_SIDE * FUNCTION_SIDE, "error": width, "table_error": table_width,
+    });
+    hand_out(args, out.as_ref(), &shader, value, json, context)
+}
+
+/// Writes the shader to the file or to standard output. With `--json`, `value` describes it, with the file or the text.
+fn hand_out(
+    args: &ShaderArgs,
+    out: Option<&OutputFile>,
+    shader: &[u8],
+    mut value: serde_json::Value,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    if let (Some(out), Some(path)) = (out, &args.out) {
+        out.write(shader)?;
         if json {
-            let value = json!({
-                "file": shown(path), "language": language.name(), "model": lit_by.model(), "layout": lit_by.layout(),
-                "bytes": shader.len(),
-            });
+            (value["file"], value["bytes"]) = (json!(shown(path)), json!(shader.len()));
             print(context.stdout, true, &value, "")?;
         }
     } else if json {
-        let source = String::from_utf8_lossy(&shader);
-        let value = json!({
-            "language": language.name(), "model": lit_by.model(), "layout": lit_by.layout(), "source": source,
-        });
+        value["source"] = json!(String::from_utf8_lossy(shader));
         print(context.stdout, true, &value, "")?;
     } else {
         context
             .stdout
-            .write_all(&shader)
+            .write_all(shader)
             .and_then(|()| context.stdout.flush())
             .map_err(|error| CommandFailure::stdout(&error))?;
     }

@@ -16,6 +16,7 @@ use super::{
 };
 use crate::{
     files::{
+        compact,
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
         replace::replace_file,
     },
@@ -89,7 +90,9 @@ fn measure(
     let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
     let between = report(&table, &recipe.range, POINTS).between;
     let light = tradeoff_models::error(Lighting::Ltc(&table), lights)?;
-    Ok((Measurement { processor_seconds, wall_seconds, width: between.width, sw1: between.sw1, light }, table))
+    let compact_bytes = compact::encode(&table).ok().map(|bytes| bytes.len() as u64);
+    let (width, sw1) = (between.width, between.sw1);
+    Ok((Measurement { processor_seconds, wall_seconds, width, sw1, light, compact_bytes }, table))
 }
 
 /// Processor time of all threads of this process. Other processes do not count.

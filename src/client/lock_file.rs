@@ -14,7 +14,7 @@
 //! sources = ["https://other.example.org"] # optional: asked before the project's
 //!
 //! [[table.export]]
-//! for = "wgpu" # or layout, container and precision
+//! for = "wgpu" # or layout, container and precision; or container = "compact-js"
 //! to = "assets/ltc"
 //! file = [
 //!     { path = "assets/ltc/ltc_matrix_a.ktx2", bytes = 1352, digest = "sha256:..." },

@@ -37,10 +37,10 @@ pub struct ExportPin {
     /// The engine whose files they are.
     #[serde(default, rename = "for")]
     pub engine: Option<String>,
-    /// Without an engine: the layout of the textures.
+    /// Without an engine: the layout of the textures. A compact form has that of its table.
     #[serde(default)]
     pub layout: Option<String>,
-    /// And their format.
+    /// And the files' format.
     #[serde(default)]
     pub container: Option<String>,
     /// And their numbers, as in recipes.
@@ -65,8 +65,8 @@ pub struct FilePin {
 }
 
 impl ExportPin {
-    /// The name under which a service makes these files: that of the engine, or layout, format and numbers. `None` for
-    /// what cannot be one.
+    /// The name under which a service makes these files: that of the engine, layout, format and numbers, or that of a
+    /// compact form. `None` for what cannot be one.
     #[must_use]
     pub fn name(&self) -> Option<String> {
         let name = match (&self.engine, &self.layout, &self.container) {
@@ -76,6 +76,7 @@ impl ExportPin {
                 let precision = self.precision.as_deref().unwrap_or("f32");
                 format!("{layout}.{container}.{precision}")
             }
+            (None, None, Some(container)) if self.precision.is_none() => container.clone(),
             _ => return None,
         };
         is_plain(&name).then_some(name)

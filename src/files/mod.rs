@@ -1,6 +1,7 @@
 //! Documents and containers: recipes, tables as files and as textures, digests.
 
 pub mod bounded;
+pub mod compact;
 pub mod container;
 pub mod digest;
 pub mod hex;

@@ -16,6 +16,8 @@ use super::{
 /// Samples of the lobe for each sample of the LTC. The lobe can have more, because its samples are projected once and
 /// those of the LTC in every evaluation.
 const TARGET_SAMPLES_PER_SAMPLE: usize = 2;
+/// Samples of the lobe that tell its terms, for each sample of the LTC. They are drawn and no more, so they cost little.
+const TERM_SAMPLES_PER_SAMPLE: usize = 4;
 /// The held-out sequences are those of the fit, shifted by these parts of a turn. Both parts are far from any fraction
 /// with a small denominator.
 const HELD_OUT_SHIFT: [f64; 2] = [0.414_213_562_373_095, 0.732_050_807_568_877];
@@ -64,6 +66,8 @@ pub struct Fitter {
     settings: FitSettings,
     seen: Sampling,
     held_out: Sampling,
+    /// Where the lobe is sampled for its terms.
+    terms: Arc<[SquarePoint]>,
 }
 
 impl Fitter {
@@ -77,13 +81,24 @@ impl Fitter {
         };
         let seen = [turn(0.0, 0.236_067_977_499_790), turn(0.0, 0.645_751_311_064_591)];
         let held_out = [turn(seen[0], HELD_OUT_SHIFT[0]), turn(seen[1], HELD_OUT_SHIFT[1])];
-        Self { settings: *settings, seen: Sampling::new(settings, seen), held_out: Sampling::new(settings, held_out) }
+        let terms = Lattice::new(settings.samples as usize * TERM_SAMPLES_PER_SAMPLE, seen);
+        Self {
+            settings: *settings,
+            seen: Sampling::new(settings, seen),
+            held_out: Sampling::new(settings, held_out),
+            terms: terms.points().map(SquarePoint::new).collect(),
+        }
     }
 
     /// A fitter that shares samples and directions with this one, for another thread.
     #[must_use]
     pub fn another(&self) -> Self {
-        Self { settings: self.settings, seen: self.seen.another(), held_out: self.held_out.another() }
+        Self {
+            settings: self.settings,
+            seen: self.seen.another(),
+            held_out: self.held_out.another(),
+            terms: Arc::clone(&self.terms),
+        }
     }
 
     /// Fits the lobe of `brdf` for `wo` and measures the fit. `stream` chooses the random numbers of solver `sgd`.
@@ -94,9 +109,7 @@ impl Fitter {
         let target = self.seen.target(brdf, wo);
         let matrix = self.solve(self.settings.solver, brdf, wo, &target, stream, pulse)?;
         let unseen = target.again(brdf, wo, &self.held_out.target);
-        // Nothing is fitted to the terms: all samples tell them.
-        let mean = |of: fn(&LobeTerms) -> f64| 0.5 * (of(&target.terms) + of(&unseen.terms));
-        let (amplitude, fresnel) = (mean(|terms| terms.amplitude), mean(|terms| terms.fresnel));
+        let LobeTerms { amplitude, fresnel } = brdf.terms(wo, &self.terms);
         let error = self.distance(&unseen, &matrix, pulse)?;
         Some(FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error })
     }

@@ -53,5 +53,7 @@ pub use recipe::{FITTER_VERSION, FitSettings, Recipe};
 pub use run::{Progress, fit_plan};
 pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
 pub use solver::Solver;
-pub use table::{Configuration, LookedUp, Table, Terms};
+#[cfg(test)]
+pub(crate) use table::planted_isotropic;
+pub use table::{Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms};
 pub use terms::ggx_terms;

@@ -14,7 +14,7 @@ use super::{
 };
 
 /// Version of the fitter. Raised whenever the same recipe gives other bytes.
-pub const FITTER_VERSION: u32 = 3;
+pub const FITTER_VERSION: u32 = 4;
 
 /// How hard each entry is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -4,10 +4,9 @@ use rayon::prelude::*;
 
 use super::{
     axes::PerAxis,
-    brdf::{BrdfKind, Mirrors},
+    brdf::BrdfKind,
     layout::{Layout, within_limits},
     math::{Lattice, SquarePoint},
-    metric::Target,
     table::Terms,
 };
 
@@ -27,7 +26,7 @@ pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
         .map(|index| {
             let place = within_limits(axes.node(index));
             let wo = place.view();
-            let terms = Target::sample(&*BrdfKind::Ggx.surface_at(&place), wo, Mirrors::of(wo), &points).terms;
+            let terms = BrdfKind::Ggx.surface_at(&place).terms(wo, &points);
             let stored = layout.rules().store_terms(&place, terms);
             (stored.amplitude as f32, stored.fresnel as f32)
         })

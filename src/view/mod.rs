@@ -12,3 +12,6 @@ pub mod plots;
 pub mod preview;
 #[cfg(feature = "render")]
 pub mod tradeoff;
+
+#[cfg(all(test, feature = "render", feature = "textures"))]
+mod tests;

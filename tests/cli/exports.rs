@@ -76,6 +76,83 @@ fn each_format_is_written() {
     }
 }
 
+/// The compact form tells how good it is, and is read wherever a table is.
+#[test]
+fn a_table_ships_in_few_bytes_and_is_read_again() {
+    let (folder, table) = folder_with_table();
+    let here = folder.path();
+    for (container, names) in [
+        ("compact", &["out/ltc.compact"][..]),
+        ("compact-js", &["out/ltc.compact.js"]),
+        ("compact-rust", &["out/ltc.compact", "out/ltc.compact.rs"]),
+        ("compact-wgsl", &["out/ltc.compact", "out/ltc.compact.wgsl"]),
+    ] {
+        let told = told(
+            here,
+            &run(here, ["export", &table, "--container", container, "-o", "out", "--json"]).exited(0).stdout,
+        );
+        let files: Vec<&str> =
+            told["files"].as_array().expect("files").iter().filter_map(|f| f["file"].as_str()).collect();
+        assert_eq!((files.as_slice(), &told["layout"]), (names, &Value::from("reflected")));
+        for name in ["mean", "p95"] {
+            let [of_table, of_form] = ["table", "decoded"].map(|of| told["compared"][of][name].as_f64());
+            let [of_table, of_form] = [of_table, of_form].map(|error| error.expect("a number"));
+            assert!(of_table > 0.0 && of_form < 1.05 * of_table, "{told}");
+        }
+    }
+    let said = run(here, ["export", &table, "--container", "compact", "-o", "out"]).exited(0).stdout;
+    assert!(said.contains("as it is decoded: mean 0.") && said.contains("of the table: mean 0."), "{said}");
+    let text = fs::read_to_string(here.join("out/ltc.compact.js")).expect("a file");
+    for said in ["// table sha256:", "// recipe sha256:", "mean error", "CC0-1.0", "export function createTextures"] {
+        assert!(text.contains(said), "{said} is not in {text}");
+    }
+    let bytes = fs::read(here.join("out/ltc.compact")).expect("a file");
+    run(here, ["report", "out/ltc.compact", "--points", "8"]).exited(0);
+
+    fs::write(here.join("short.compact"), &bytes[..bytes.len() - 9]).expect("a file");
+    fs::write(here.join("long.compact"), [bytes.as_slice(), b"x"].concat()).expect("a file");
+    for (words, code, said) in [
+        (&["report", "short.compact"][..], 3, "short.compact: the bytes end too early"),
+        (&["report", "long.compact"], 3, "long.compact: 1 bytes follow the end"),
+        (&["export", &table, "--container", "compact", "--layout", "kt2022", "-o", "no"], 2, "in its own layout"),
+    ] {
+        let refused = run(here, words).exited(code);
+        assert!(refused.complaints()[0].contains(said), "{said} is not in {}", refused.stderr);
+    }
+    assert!(!here.join("no").exists());
+}
+
+/// A table of isotropic surfaces in the code itself.
+#[test]
+fn a_shader_needs_no_texture_for_isotropic_tables() {
+    let (folder, anisotropic) = folder_with_table();
+    let here = folder.path();
+    let recipe = r#"{"preset":"draft","resolution":{"alpha":32,"ratio":1,"theta":32,"phi":1},
+                     "range":{"ratio":[1,1],"phi":[0,0]}}"#;
+    let fitted = run_with_stdin(here, ["fit", "-", "-o", "."], recipe).exited(0);
+    let digest: Digest = fitted.last_line().parse().expect("a digest");
+    let table = format!("{}.safetensors", digest.hex());
+    let words = ["shader", "--language", "glsl-es", "--without-textures"];
+    let told = run(here, words.iter().chain(&[table.as_str(), "-o", "light.glsl", "--json"])).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    assert_eq!((&told["coefficients"], &told["table"]), (&Value::from(600), &Value::from(digest.to_string())));
+    // A draft of few nodes: finer tables have less, which docs/compact.md states.
+    assert!(told["error"].as_f64().is_some_and(|error| error < 0.06), "{told}");
+    let text = fs::read_to_string(here.join("light.glsl")).expect("a file");
+    for said in ["table sha256:", "CC0-1.0", "mean error of the polynomials: 0.", "ltc_lookup(", "ltc_rectangle("] {
+        assert!(text.contains(said), "{said} is not in {text}");
+    }
+    let cases: [(&str, &[&str], &str); 3] = [
+        (&anisotropic, &[], "allowed: the one ratio 1"),
+        (&table, &["--as", "example"], "functions to include"),
+        (&table, &["--model", "normals"], "model ltc"),
+    ];
+    for (table, more, said) in cases {
+        let refused = run(here, words.iter().copied().chain([table]).chain(more.iter().copied())).exited(2);
+        assert!(refused.complaints()[0].contains(said), "{said} is not in {}", refused.stderr);
+    }
+}
+
 #[test]
 fn what_cannot_be_exported_is_one_line_and_no_file() {
     let (folder, table) = folder_with_table();

@@ -42,6 +42,7 @@ fn a_small_family_is_written_three_times_over() {
     assert_eq!(presets, ["draft", "standard", "paper", "best"]);
     // 16 entries of 9 numbers.
     assert_eq!(rows[0]["bytes"], 16 * 9 * 4);
+    assert!(rows[0]["compact_bytes"].as_u64().is_some_and(|bytes| (100..1000).contains(&bytes)), "{document}");
     for front in ["seconds", "bytes", "base"] {
         assert!(rows.iter().any(|row| row["on_front"][front] == true), "{front}");
     }

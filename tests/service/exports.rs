@@ -29,6 +29,7 @@ fn an_export_is_what_the_command_writes_and_is_made_once() {
     assert_eq!(list["table"], digest);
     let names: Vec<&str> = list["items"].as_array().expect("items").iter().map(|item| text(&item["name"])).collect();
     assert!(names.contains(&"wgpu") && names.contains(&"reflected-array.ktx2-zstd.f16"), "{names:?}");
+    assert!(names.contains(&"compact") && names.contains(&"compact-rust"), "{names:?}");
     assert!(!names.contains(&"three") && !names.iter().any(|name| name.starts_with("kt2022")), "{names:?}");
     assert_eq!(server.metric("ltcforge_exports_total"), 0, "a list makes none");
 
@@ -37,6 +38,8 @@ fn an_export_is_what_the_command_writes_and_is_made_once() {
         ("reflected.npz.f32", &["--layout", "reflected", "--container", "npz"]),
         ("reflected-array.dds.f16", &["--layout", "reflected-array", "--container", "dds", "--precision", "half"]),
         ("reflected.json.f16", &["--layout", "reflected", "--container", "json", "--precision", "half"]),
+        ("compact-js", &["--container", "compact-js"]),
+        ("compact-wgsl", &["--container", "compact-wgsl"]),
     ] {
         let out = folder.path().join(name);
         let out_text = out.to_str().expect("a path in UTF-8");
@@ -54,7 +57,7 @@ fn an_export_is_what_the_command_writes_and_is_made_once() {
             assert_eq!(answer.header("cache-control"), Some("public, max-age=31536000, immutable"));
         }
     }
-    assert_eq!(server.metric("ltcforge_exports_total"), 4, "each was made once");
+    assert_eq!(server.metric("ltcforge_exports_total"), 6, "each was made once");
 }
 
 #[test]

@@ -9,13 +9,13 @@ use clap::{
 
 use super::{TableChoice, Threads};
 use crate::{
-    files::textures::{Engine, TextureContainer},
+    files::textures::{CompactContainer, Engine, TextureContainer},
     fit::Precision,
 };
 
 /// `export`.
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("what").args(["engine", "layout"]).required(true)))]
+#[command(group(ArgGroup::new("what").args(["engine", "container"]).required(true)))]
 pub struct ExportArgs {
     /// The table
     #[command(flatten)]
@@ -38,13 +38,14 @@ pub struct ExportChoice {
     #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), requires = "out")]
     pub engine: Option<Engine>,
     /// Write textures of this layout, in a format of one's own choice
-    #[arg(long, value_name = "NAME", requires = "container", requires = "out", conflicts_with = "engine")]
+    #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine",
+        required_if_eq_any(TextureContainer::ALL.iter().map(|container| ("container", container.name()))))]
     pub layout: Option<String>,
-    /// The files' format
-    #[arg(long, value_name = "NAME", value_parser = containers(), requires = "layout")]
-    pub container: Option<TextureContainer>,
+    /// The files' format; those that begin with «compact» hold the table itself in a few kilobytes, in its own layout
+    #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]
+    pub container: Option<AnyContainer>,
     /// Bits of a number: 16 or 32 [default: float]
-    #[arg(long, value_parser = precisions(), requires = "layout")]
+    #[arg(long, value_parser = precisions(), requires = "layout", conflicts_with = "engine")]
     pub precision: Option<Precision>,
 }
 
@@ -53,9 +54,35 @@ fn engines() -> impl TypedValueParser<Value = Engine> {
     names.try_map(|name| Engine::from_name(&name).ok_or("is no engine"))
 }
 
-fn containers() -> impl TypedValueParser<Value = TextureContainer> {
-    let names = PossibleValuesParser::new(TextureContainer::ALL.iter().map(|container| container.name()));
-    names.try_map(|name| TextureContainer::from_name(&name).ok_or("is no format"))
+/// A format of textures, or of the table itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(untagged)]
+pub enum AnyContainer {
+    /// Textures.
+    Textures(TextureContainer),
+    /// The table in its compact form.
+    Compact(CompactContainer),
+}
+
+impl AnyContainer {
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let textures = TextureContainer::ALL.iter().map(|container| Self::Textures(*container));
+        textures.chain(CompactContainer::ALL.iter().map(|container| Self::Compact(*container)))
+    }
+
+    /// The name on the command line and in lock files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Textures(container) => container.name(),
+            Self::Compact(container) => container.name(),
+        }
+    }
+}
+
+fn containers() -> impl TypedValueParser<Value = AnyContainer> {
+    let names = PossibleValuesParser::new(AnyContainer::all().map(AnyContainer::name));
+    names.try_map(|name| AnyContainer::all().find(|item| item.name() == name).ok_or("is no format"))
 }
 
 /// By the names that graphics interfaces have, or as in recipes.

@@ -20,7 +20,7 @@ use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
 pub(super) use connections::{ConnectionArgs, WaitSeconds};
-pub(super) use export::{ExportArgs, ExportChoice};
+pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
 pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
@@ -215,6 +215,9 @@ mod tests {
             "ltcforge export table --for three --layout kt2022 --container ktx2 -o out",
             "ltcforge export table --layout kt2022 -o out",
             "ltcforge export table --container ktx2 -o out",
+            "ltcforge export table --container compact",
+            "ltcforge export table --container compact --precision half -o out",
+            "ltcforge export table --for three --container compact -o out",
             "ltcforge export table --for three --precision half -o out",
             "ltcforge export table --layout kt2022 --container ktx2 --precision double -o out",
             "ltcforge light - --model sum",

@@ -155,8 +155,17 @@ pub struct ShaderArgs {
     #[arg(long)]
     pub hardware_filter: bool,
     /// Layout of the tables that the shader reads, for model ltc; a table's recipe names it
-    #[arg(long, value_parser = layout(), required_if_eq("model", "ltc"))]
+    #[arg(long, value_parser = layout())]
     pub layout: Option<Layout>,
+    /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter"])]
+    pub without_textures: Option<PathBuf>,
+    /// Where its digest is looked for
+    #[command(flatten)]
+    pub folder: TableFolder,
+    /// How many threads measure that table, and its polynomials
+    #[command(flatten)]
+    pub threads: Threads,
     /// The file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,

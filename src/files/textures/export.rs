@@ -2,14 +2,17 @@
 
 use std::{fmt, str::FromStr};
 
-use super::{About, Bundle, Engine, NoTextures, TextureContainer, TextureFileError, TextureLayout, sampling_of};
+use super::{
+    About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFileError,
+    TextureLayout, sampling_of,
+};
 use crate::fit::{Layout, Precision, Table};
 
 /// What files that hold all textures are called.
 const STEM: &str = "ltc";
 
-/// Files that can be made of a table. Its name is that of an engine, or layout, format and numbers with dots between:
-/// `three`, `ltc2017.ktx2.f16`.
+/// Files that can be made of a table. Its name is that of an engine, layout, format and numbers with dots between, or that
+/// of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Export {
     /// The files of an engine, under its names.
@@ -23,14 +26,16 @@ pub enum Export {
         /// Bits of a number.
         precision: Precision,
     },
+    /// The table in its compact form.
+    Compact(CompactContainer),
 }
 
 /// Why there is no export of a name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "«{}» is no export: an export is an engine ({}), or layout.container.precision, such as ltc2017.ktx2.f16, of the layouts {}, \
-    the containers {} and the precisions {}", .0.escape_debug(), names(Engine::ALL), names(TextureLayout::ALL),
-    names(TextureContainer::ALL), names(Precision::ALL)
+    "«{}» is no export: an export is an engine ({}), a compact form ({}), or layout.container.precision, such as \
+    ltc2017.ktx2.f16, of the layouts {}, the containers {} and the precisions {}", .0.escape_debug(), names(Engine::ALL),
+    names(CompactContainer::ALL), names(TextureLayout::ALL), names(TextureContainer::ALL), names(Precision::ALL)
 )]
 pub struct UnknownExport(pub String);
 
@@ -55,6 +60,9 @@ pub enum ExportError {
     /// The format cannot hold them.
     #[error(transparent)]
     Files(TextureFileError),
+    /// It has no such compact form.
+    #[error(transparent)]
+    Compact(#[from] CompactFileError),
 }
 
 impl ExportError {
@@ -63,37 +71,41 @@ impl ExportError {
     pub fn recipe(&self) -> Option<&'static str> {
         match self {
             Self::Textures(NoTextures::OtherLayout { recipe, .. } | NoTextures::Lacking { recipe, .. })
-            | Self::Sizes { recipe, .. } => Some(recipe),
-            Self::Textures(_) | Self::Files(_) => None,
+            | Self::Sizes { recipe, .. }
+            | Self::Compact(CompactFileError::Layout { recipe, .. }) => Some(recipe),
+            Self::Textures(_) | Self::Files(_) | Self::Compact(_) => None,
         }
     }
 }
 
 impl Export {
-    /// Every export that there is: of engines first.
+    /// Every export that there is: of engines first, then textures, then compact forms.
     pub fn all() -> impl Iterator<Item = Self> {
         let textures = TextureLayout::ALL.iter().flat_map(|&layout| {
             TextureContainer::ALL.iter().flat_map(move |&container| {
                 Precision::ALL.iter().map(move |&precision| Self::Textures { layout, container, precision })
             })
         });
-        Engine::ALL.iter().map(|&engine| Self::Engine(engine)).chain(textures)
+        let compact = CompactContainer::ALL.iter().map(|&container| Self::Compact(container));
+        Engine::ALL.iter().map(|&engine| Self::Engine(engine)).chain(textures).chain(compact)
     }
 
-    /// The layout of the textures, and whether the table has them. Their sizes are not looked at.
+    /// The name of the layout that the files have, and whether the table has it. Sizes are not looked at.
     ///
     /// # Errors
-    /// When it has none; the error names a recipe whose table has them.
-    pub fn layout(self, table: &Table) -> Result<TextureLayout, NoTextures> {
-        let layout = match self {
-            Self::Textures { layout, .. } => layout,
-            Self::Engine(engine) => match (engine.layout(), table.layout) {
-                (Some(name), _) => TextureLayout::named(name)?,
-                (None, Layout::Kt2022) => TextureLayout::Kt2022,
-                (None, _) => TextureLayout::Reflected,
-            },
-        };
-        layout.check(table).map(|()| layout)
+    /// When it has not; the error names a recipe whose table has it.
+    pub fn layout(self, table: &Table) -> Result<&'static str, ExportError> {
+        match self {
+            Self::Engine(engine) => Ok(engine_textures(engine, table)?.name()),
+            Self::Textures { layout, .. } => {
+                layout.check(table)?;
+                Ok(layout.name())
+            }
+            Self::Compact(container) => {
+                container.check(table)?;
+                Ok(table.layout.name())
+            }
+        }
     }
 
     /// The files, and what to do with them. They follow from the arguments and this program alone. `about` says what the
@@ -102,20 +114,37 @@ impl Export {
     /// # Errors
     /// When the table has no such files.
     pub fn bundle(self, table: &Table, about: About) -> Result<Bundle, ExportError> {
-        let layout = self.layout(table)?;
-        let textures = layout.textures(table)?;
-        let about = about.and(sampling_of(table, layout));
-        let made = match self {
-            Self::Engine(engine) => engine.bundle(&textures, &table.axes, &about),
-            Self::Textures { container, precision, .. } => {
-                container.files(STEM, &textures, precision, &about).map(|files| Bundle { files, steps: vec![] })
+        match self {
+            Self::Engine(engine) => {
+                let layout = engine_textures(engine, table)?;
+                let textures = layout.textures(table)?;
+                let made = engine.bundle(&textures, &table.axes, &about.and(sampling_of(table, layout)));
+                made.map_err(|source| match source {
+                    TextureFileError::Missing { .. } => ExportError::Sizes { source, recipe: layout.sampling().recipe },
+                    other => ExportError::Files(other),
+                })
             }
-        };
-        made.map_err(|source| match source {
-            TextureFileError::Missing { .. } => ExportError::Sizes { source, recipe: layout.sampling().recipe },
-            other => ExportError::Files(other),
-        })
+            Self::Textures { layout, container, precision } => {
+                let textures = layout.textures(table)?;
+                let made = container.files(STEM, &textures, precision, &about.and(sampling_of(table, layout)));
+                made.map(|files| Bundle { files, steps: vec![] }).map_err(ExportError::Files)
+            }
+            Self::Compact(container) => {
+                let files = container.files(STEM, table, &about)?;
+                Ok(Bundle { files, steps: container.steps(STEM) })
+            }
+        }
     }
+}
+
+/// The layout of the textures that an engine takes of a table.
+fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTextures> {
+    let layout = match (engine.layout(), table.layout) {
+        (Some(name), _) => TextureLayout::named(name)?,
+        (None, Layout::Kt2022) => TextureLayout::Kt2022,
+        (None, _) => TextureLayout::Reflected,
+    };
+    layout.check(table).map(|()| layout)
 }
 
 impl fmt::Display for Export {
@@ -125,6 +154,7 @@ impl fmt::Display for Export {
             Self::Textures { layout, container, precision } => {
                 write!(f, "{}.{}.{}", layout.name(), container.name(), precision.name())
             }
+            Self::Compact(container) => f.write_str(container.name()),
         }
     }
 }
@@ -141,7 +171,8 @@ impl FromStr for Export {
             parts.next().is_none().then_some(Self::Textures { layout, container, precision })
         };
         let engine = Engine::from_name(text).map(Self::Engine);
-        engine.or_else(textures).ok_or_else(|| UnknownExport(text.to_owned()))
+        let compact = || CompactContainer::from_name(text).map(Self::Compact);
+        engine.or_else(compact).or_else(textures).ok_or_else(|| UnknownExport(text.to_owned()))
     }
 }
 
@@ -166,9 +197,14 @@ mod tests {
         let names: BTreeSet<String> = all.iter().map(ToString::to_string).collect();
         assert_eq!(names.len(), all.len());
         assert!(all.iter().all(|export| export.to_string().parse() == Ok(*export)));
-        for wrong in ["", "unity", "ltc2017", "ltc2017.ktx2", "ltc2017.ktx2.f64", "ltc2017.ktx2.f16.", "Three"] {
+        for wrong in
+            ["", "unity", "ltc2017", "ltc2017.ktx2", "ltc2017.ktx2.f64", "ltc2017.ktx2.f16.", "Three", "compact.f16"]
+        {
             let error = wrong.parse::<Export>().expect_err(wrong).to_string();
-            assert!(error.contains(&format!("«{wrong}»")) && error.contains("ktx2-zstd"), "{error}");
+            assert!(
+                error.contains(&format!("«{wrong}»")) && error.contains("ktx2-zstd") && error.contains("compact-wgsl"),
+                "{error}"
+            );
         }
     }
 
@@ -177,6 +213,9 @@ mod tests {
         let fit = r#""fit":{"samples":64,"directions":4,"steps":5}"#;
         let own = table(&format!(r#"{{"resolution":{{"alpha":2,"ratio":2,"theta":2,"phi":2}},{fit}}}"#));
         let small = table(&format!(r#"{{"layout":"ltc2017","resolution":{{"alpha":2,"theta":2}},{fit}}}"#));
+        let theirs =
+            table(&format!(r#"{{"layout":"kt2022","resolution":{{"alpha":2,"ratio":2,"theta":2,"phi":2}},{fit}}}"#));
+        let godot = table(&format!(r#"{{"layout":"godot","resolution":{{"alpha":2,"theta":2}},{fit}}}"#));
         let refusal = |name: &str, table: &Table| {
             let export: Export = name.parse().expect("an export");
             export.bundle(table, About::default()).expect_err(name)
@@ -186,12 +225,14 @@ mod tests {
             ("kt2022.dds.f32", &own, r#"{"layout": "kt2022"}"#),
             ("wgpu", &small, r#"{"layout": "reflected"}"#),
             ("three", &small, r#"{"layout": "ltc2017"}"#),
+            ("compact-rust", &theirs, r#"{"layout": "reflected"}"#),
+            ("compact", &godot, r#"{"layout": "ltc2017"}"#),
         ] {
             let refused = refusal(name, table);
             assert_eq!(refused.recipe(), Some(recipe), "{name}: {refused}");
             assert!(refused.to_string().contains(recipe), "{name}: {refused}");
         }
-        for name in ["wgpu", "reflected.npz.f16"] {
+        for name in ["wgpu", "reflected.npz.f16", "compact-wgsl"] {
             let export: Export = name.parse().expect("an export");
             assert!(!export.bundle(&own, About::default()).expect(name).files.is_empty());
         }

@@ -6,6 +6,7 @@
 //! Invariant: equal arguments give equal bytes. No clock, no environment, no file is read or written here.
 
 mod about;
+mod compact;
 mod containers;
 mod digits;
 mod engines;
@@ -16,6 +17,7 @@ mod rounding;
 mod texture;
 
 pub use about::About;
+pub use compact::{CompactContainer, CompactFileError};
 pub use containers::TextureContainer;
 pub use engines::{Bundle, Engine};
 pub use export::{Export, ExportError, UnknownExport};

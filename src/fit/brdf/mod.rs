@@ -7,8 +7,8 @@ mod scattering;
 mod symmetry;
 
 pub use ggx::Ggx;
-pub use scattering::{Brdf, BrdfSample};
-pub(crate) use scattering::{BrdfRules, LobeTerms};
+pub(crate) use scattering::BrdfRules;
+pub use scattering::{Brdf, BrdfSample, LobeTerms};
 pub(crate) use symmetry::Mirrors;
 
 use super::{axes::PerAxis, named_list::named_list};

@@ -31,17 +31,36 @@ pub trait Brdf: Sync {
         drawn.extend(points.iter().map(|point| self.sample(wo, point.u)));
     }
 
+    /// Amplitude and Fresnel term of the lobe for `wo`: means over the reflections drawn from `points`, one at least.
+    fn terms(&self, wo: DVec3, points: &[SquarePoint]) -> LobeTerms {
+        let mut drawn = Vec::with_capacity(points.len());
+        self.sample_all(wo, points, &mut drawn);
+        let sum = drawn.iter().map(LobeTerms::of).fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
+        let [amplitude, fresnel] = sum.map(|sum| sum / points.len() as f64);
+        LobeTerms { amplitude, fresnel }
+    }
+
     /// Density with which [`Brdf::sample`] draws `wi`, per steradian.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
 }
 
 /// The terms of a lobe's reflectance: `reflectance = F0 (amplitude - fresnel) + F90 fresnel` [Hill and Heitz 2016].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LobeTerms {
+pub struct LobeTerms {
     /// Directional albedo for a Fresnel factor of one; for GGX `E[G2/G1]` over visible normals.
-    pub(crate) amplitude: f64,
+    pub amplitude: f64,
     /// The same albedo, weighted by Schlick's fifth power; for GGX `E[G2/G1 (1 - wo.wm)^5]` over visible normals.
-    pub(crate) fresnel: f64,
+    pub fresnel: f64,
+}
+
+impl LobeTerms {
+    /// The part of one reflection in a mean: its weight, and that times Schlick's fifth power.
+    #[must_use]
+    fn of(sample: &BrdfSample) -> [f64; 2] {
+        let grazing = (1.0 - sample.cos_theta_d).max(0.0);
+        let grazing2 = grazing * grazing;
+        [sample.weight, sample.weight * (grazing2 * grazing2 * grazing)]
+    }
 }
 
 /// A scattering model as an item of [`super::BrdfKind`].

@@ -10,6 +10,7 @@ mod precision;
 mod reflected;
 mod reflection;
 mod rules;
+mod smooth;
 mod spacing;
 
 pub use precision::Precision;
@@ -17,6 +18,7 @@ pub use reflection::Reflection;
 #[cfg(feature = "render")]
 pub(crate) use rules::ShaderNumbers;
 pub(crate) use rules::{FreeNumbers, Interpolation, LayoutRules, LayoutShader, LobeNumbers};
+pub(crate) use smooth::SMOOTH_NUMBERS;
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 pub(crate) use spacing::{Spacing, within_limits};
 

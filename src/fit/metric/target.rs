@@ -4,7 +4,7 @@
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use crate::fit::{
-    brdf::{Brdf, LobeTerms, Mirrors},
+    brdf::{Brdf, Mirrors},
     math::{SquarePoint, rotation_from_z},
 };
 
@@ -24,8 +24,6 @@ pub(crate) struct Target {
     pub(crate) weights: Vec<f64>,
     /// Location and width of the lobe in the tangential plane.
     pub(crate) core: LobeCore,
-    /// Amplitude and Fresnel term.
-    pub(crate) terms: LobeTerms,
 }
 
 impl Target {
@@ -46,7 +44,6 @@ impl Target {
 struct Drawn {
     directions: Vec<DVec3>,
     weights: Vec<f64>,
-    terms: LobeTerms,
 }
 
 impl Drawn {
@@ -55,19 +52,13 @@ impl Drawn {
         brdf.sample_all(wo, points, &mut drawn);
         let mut directions = Vec::with_capacity(points.len());
         let mut weights = Vec::with_capacity(points.len());
-        let (mut total, mut fresnel) = (0.0, 0.0);
         for sample in &drawn {
             if sample.weight > 0.0 {
-                total += sample.weight;
-                let grazing = (1.0 - sample.cos_theta_d).max(0.0);
-                let grazing2 = grazing * grazing;
-                fresnel += sample.weight * grazing2 * grazing2 * grazing;
                 directions.push(sample.wi);
                 weights.push(sample.weight);
             }
         }
-        let count = points.len() as f64;
-        Self { directions, weights, terms: LobeTerms { amplitude: total / count, fresnel: fresnel / count } }
+        Self { directions, weights }
     }
 
     /// The target around the mean direction, which is above the horizon.
@@ -80,7 +71,7 @@ impl Drawn {
 
     /// The target in a frame, with a core that is known or its own.
     fn in_frame(self, frame: DMat3, mirrors: Mirrors, core: Option<LobeCore>) -> Target {
-        let Self { directions, mut weights, terms } = self;
+        let Self { directions, mut weights } = self;
         let to_lobe = frame.transpose();
         let points: Vec<DVec3> = directions.iter().map(|wi| offset_from_z(to_lobe * *wi)).collect();
         let whole = 1.0 / weights.iter().sum::<f64>();
@@ -88,7 +79,7 @@ impl Drawn {
             *weight *= whole;
         }
         let core = core.unwrap_or_else(|| LobeCore::of(&points, &weights, mirrors));
-        Target { frame, mirrors, points, weights, core, terms }
+        Target { frame, mirrors, points, weights, core }
     }
 }
 
@@ -173,7 +164,7 @@ pub(crate) mod tests {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let n = 8192;
         let directions: Vec<DVec3> = Lattice::new(n, [0.37, 0.81]).points().map(|u| ltc.sample(u)).collect();
-        Drawn { directions, weights: vec![1.0; n], terms: LobeTerms { amplitude: 1.0, fresnel: 0.0 } }.target(mirrors)
+        Drawn { directions, weights: vec![1.0; n] }.target(mirrors)
     }
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };

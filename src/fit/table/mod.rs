@@ -3,11 +3,16 @@
 //! Invariant: `table` knows how a table is read, not how it came to be.
 
 mod fold;
+mod function;
 mod lookup;
+mod smooth;
 
 use super::{axes::PerAxis, brdf::BrdfKind, layout::Layout, lobe::LobeModel};
 
 pub use fold::Configuration;
+#[cfg(test)]
+pub(crate) use function::tests::planted as planted_isotropic;
+pub use function::{FUNCTION_SIDE, FunctionError, IsotropicFunction};
 pub use lookup::LookedUp;
 
 /// Preintegrated terms of each entry [Hill and Heitz 2016]: reflectance is `F0 (amplitude - fresnel) + F90 fresnel`.

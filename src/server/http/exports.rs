@@ -181,7 +181,7 @@ fn media_type(path: &str) -> &'static str {
         "dds" => "image/vnd.ms-dds",
         "exr" => "image/x-exr",
         "npz" => "application/zip",
-        "h" | "rs" | "cs" => "text/plain",
+        "h" | "rs" | "cs" | "wgsl" => "text/plain",
         _ => "application/octet-stream",
     }
 }

@@ -27,7 +27,7 @@ use crate::{
     },
 };
 
-/// The picture of a named table changes only with the adapter or the version of the service.
+/// The picture of a named table, or of none, changes only with the adapter or the version of the service.
 const ONE_DAY: &str = "public, max-age=86400";
 /// Which stored table is the best changes as tables are added.
 const REVALIDATE: &str = "no-cache";
@@ -74,7 +74,7 @@ async fn plot(
 
 /// The picture, or 304 if the client has it.
 async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: HeaderMap) -> Result<Response, Problem> {
-    let caching = if table.is_some() { ONE_DAY } else { REVALIDATE };
+    let caching = if table.is_none() && subject.needs_table() { REVALIDATE } else { ONE_DAY };
     let conditions = headers.clone();
     let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&conditions);
     let pending = match api.call(move |service| service.picture(table, subject, is_known)).await? {

@@ -110,8 +110,8 @@ impl Service {
         })
     }
 
-    /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the
-    /// picture of a tag.
+    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one. `is_known`
+    /// tells whether the caller has the picture of a tag.
     ///
     /// # Errors
     /// See [`PictureError`].

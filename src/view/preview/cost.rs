@@ -6,7 +6,7 @@ use crate::light::LightModel;
 /// The cost of light by the table, in samples of the reference.
 pub(super) const TABLE_COST: u32 = 8;
 /// The cost of light by the closed form in the space of normals.
-pub(super) const NORMALS_COST: u32 = 12;
+pub(super) const NORMALS_COST: u32 = 10;
 
 impl Scene {
     /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the

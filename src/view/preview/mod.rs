@@ -30,6 +30,8 @@ pub use bounds::SceneFault;
 pub use choices::Choices;
 pub use error::PreviewError;
 pub use estimator::{Estimator, Stop};
+#[cfg(all(test, feature = "textures"))]
+pub(super) use gpu::{GpuFailure, decoder::run as run_decoder};
 pub use gpu::{Variant, Weights};
 pub use named::NamedScene;
 pub use panel_error::PanelError;
@@ -42,3 +44,5 @@ pub use table::{ShaderTable, TexelFormat};
 
 #[cfg(test)]
 mod tests;
+#[cfg(all(test, feature = "textures"))]
+pub(super) use tests::tell_skipped;

@@ -181,6 +181,12 @@ impl Scene {
 }
 
 impl Scene {
+    /// Whether the picture shows anything of a table.
+    #[must_use]
+    pub fn needs_table(&self) -> bool {
+        self.shows(LightModel::Ltc)
+    }
+
     /// Whether the picture shows light by a model.
     #[must_use]
     pub fn shows(&self, model: LightModel) -> bool {

@@ -6,6 +6,7 @@ mod polygons;
 mod ported;
 mod truth;
 mod twins;
+mod without_textures;
 
 use std::{
     io::{Write as _, stderr},
@@ -48,7 +49,7 @@ fn renderers() -> Vec<Preview> {
 }
 
 /// Says that the current test leaves out the GPU, and why.
-pub(super) fn tell_skipped(reason: &str) {
+pub(in crate::view) fn tell_skipped(reason: &str) {
     let name = std::thread::current().name().unwrap_or_default().to_owned();
     let line = format!(
         "\n*** SKIPPED ON THE GPU: {name}: {reason}\n*** Install a Vulkan driver (Debian: mesa-vulkan-drivers).\n\n"

@@ -9,7 +9,7 @@ use super::{
 };
 
 /// The fragment shader that reaches every function of a table's light.
-const TABLE_ENTRY: &str = "
+pub(super) const TABLE_ENTRY: &str = "
 @fragment
 fn ltc_included() -> @location(0) vec4<f32> {
     let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));

@@ -2,11 +2,13 @@
 //!
 //! [`SHADERS`] are the files of `shaders/`. [`port()`] joins those that a renderer needs for one layout of tables, or for
 //! none, with an example that calls them, puts a comment above, and has naga translate them. [`include()`] does so without
-//! the example. WGSL is handed out as it is written, without naga.
+//! the example, and [`include_function()`] puts a table's polynomials in its place. WGSL is handed out as it is written, without naga.
 //!
 //! Invariants: `shaders` knows neither a GPU nor a picture; only `translate` uses naga; equal arguments give equal bytes
 //! on every machine.
 
+#[cfg(feature = "shaders")]
+mod function;
 mod golden;
 mod header;
 #[cfg(feature = "shaders")]
@@ -21,6 +23,8 @@ mod tests;
 #[cfg(feature = "shaders")]
 mod translate;
 
+#[cfg(feature = "shaders")]
+pub use function::include_function;
 #[cfg(test)]
 pub(in crate::view) use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
 #[cfg(feature = "shaders")]

@@ -13,12 +13,17 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 10] = [
+pub const SHADERS: [Shader; 15] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
     Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
+    Shader { name: "ltc_smooth", source: include_str!("../../../shaders/ltc_smooth.wgsl") },
+    Shader { name: "ltc_function", source: include_str!("../../../shaders/ltc_function.wgsl") },
+    Shader { name: "ltc_decode", source: include_str!("../../../shaders/ltc_decode.wgsl") },
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
     Shader { name: "ltc_light", source: include_str!("../../../shaders/ltc_light.wgsl") },
+    Shader { name: "normals_edge", source: include_str!("../../../shaders/normals_edge.wgsl") },
+    Shader { name: "normals_weight", source: include_str!("../../../shaders/normals_weight.wgsl") },
     Shader { name: "normals_light", source: include_str!("../../../shaders/normals_light.wgsl") },
     Shader { name: "ltc_example", source: include_str!("../../../shaders/ltc_example.wgsl") },
     Shader { name: "normals_example", source: include_str!("../../../shaders/normals_example.wgsl") },
@@ -28,11 +33,20 @@ pub const SHADERS: [Shader; 10] = [
 
 /// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
 const PORTED: [&str; 5] = ["ltc_math", "nodes_storage", "ltc_table", "ltc_light", "ltc_example"];
-const PORTED_NORMALS: [&str; 3] = ["ltc_math", "normals_light", "normals_example"];
+const PORTED_NORMALS: [&str; 5] = ["ltc_math", "normals_edge", "normals_weight", "normals_light", "normals_example"];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 7] =
-    ["ltc_math", "nodes_storage", "ltc_table", "ltc_light", "normals_light", "ggx_reference", "sphere"];
+const PREVIEWED: [&str; 9] = [
+    "ltc_math",
+    "nodes_storage",
+    "ltc_table",
+    "ltc_light",
+    "normals_edge",
+    "normals_weight",
+    "normals_light",
+    "ggx_reference",
+    "sphere",
+];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
 pub(in crate::view) fn joined(names: &[&str]) -> String {
@@ -108,8 +122,16 @@ pub(super) fn functions(lit_by: LitBy, has_storage: bool) -> String {
     let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
     match lit_by {
         LitBy::Table(layout) => module(&["ltc_math", nodes, "ltc_table", "ltc_light"], &[layout]),
-        LitBy::Normals => joined(&["ltc_math", "normals_light"]),
+        LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
     }
+}
+
+/// The functions of a table's light that read no table: `smooth_at` has the coefficients.
+#[cfg(feature = "shaders")]
+pub(super) fn without_textures(smooth_at: &str) -> String {
+    let LayoutShader { source, .. } = Layout::Reflected.rules().shader();
+    let parts = ["ltc_math", "ltc_smooth", "ltc_function", "ltc_light"];
+    format!("{}\n{source}\n{smooth_at}", joined(&parts))
 }
 
 #[cfg(test)]
@@ -146,7 +168,7 @@ mod tests {
         validate(&["ltc_math", "nodes_storage", "ltc_table"]);
         validate(&["ltc_math", "nodes_uniform", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
-        validate(&["ltc_math", "normals_light"]);
+        validate(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]);
         validate(&["ltc_math", "nodes_storage", "ltc_table", "ltc_light"]);
         validate(&PORTED);
         validate(&PORTED_NORMALS);

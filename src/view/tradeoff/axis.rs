@@ -22,7 +22,19 @@ impl LogAxis {
     pub(super) fn over(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
         let mut values: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
         values.sort_by(f64::total_cmp);
-        let (low, high) = match without_outliers(&values) {
+        Self::between(without_outliers(&values), ends)
+    }
+
+    /// An axis that shows all positive `values`.
+    pub(super) fn over_all(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
+        let mut values: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        Self::between(&values, ends)
+    }
+
+    /// An axis over ascending values.
+    fn between(values: &[f64], ends: [f64; 2]) -> Self {
+        let (low, high) = match values {
             [] => (1.0, 10.0),
             [low, .., high] => (*low, *high),
             [lone] => (*lone, *lone),
@@ -54,6 +66,17 @@ impl LogAxis {
         let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
         let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10_f64.powi(decade)));
         all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
+    }
+
+    /// Of the values to mark those of whole decades, where the others would stand closer than `least`.
+    pub(super) fn ticks_apart(&self, least: f64) -> Vec<f64> {
+        let ticks = self.ticks();
+        let is_close = |pair: &[f64]| (self.at(pair[1]) - self.at(pair[0])).abs() < least;
+        if !ticks.windows(2).any(is_close) {
+            return ticks;
+        }
+        let decades: Vec<f64> = ticks.iter().copied().filter(|tick| tick.log10().fract().abs() < 1e-9).collect();
+        if decades.len() < 2 { ticks } else { decades }
     }
 }
 
@@ -97,6 +120,15 @@ mod tests {
             assert!(!ticks.is_empty() && ticks.len() < 14, "{values:?}: {ticks:?}");
             assert!(ticks.iter().all(|tick| (0.0..=1.0).contains(&axis.at(*tick))));
         }
+    }
+
+    #[test]
+    fn an_axis_of_all_values_has_no_outliers_and_its_ticks_leave_room() {
+        let values = [3e-4, 0.02, 0.021, 0.022, 0.023, 0.024, 0.025, 0.026, 0.027, 0.028, 0.029];
+        let axis = LogAxis::over_all(values.into_iter(), [0.0, 100.0]);
+        assert!(values.iter().all(|value| !axis.is_beyond(*value)));
+        assert_eq!(axis.ticks_apart(1.0), axis.ticks());
+        assert_eq!(axis.ticks_apart(30.0), [1e-3, 1e-2]);
     }
 
     #[test]

@@ -27,6 +27,8 @@ pub struct Measurement {
     pub sw1: Spread,
     /// Absolute error of the reflected energy of random lights, by which models are measured too.
     pub light: Spread,
+    /// Bytes of the compact form; `None` for a table that has none.
+    pub compact_bytes: Option<u64>,
 }
 
 /// A line of the trade-off.
@@ -52,6 +54,8 @@ pub struct FittedRecipe {
     pub entries: u64,
     /// Bytes of its matrices and terms.
     pub bytes: u64,
+    /// Bytes of its compact form, if it has one: what ships where a decoder rebuilds the table.
+    pub compact_bytes: Option<u64>,
     /// Processor time of the fit over the number of threads, which is its duration if each thread has a core.
     pub seconds: f64,
     /// Time that passed, which depends on what else the machine did.
@@ -122,6 +126,7 @@ fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -
         precision: recipe.precision,
         entries: recipe.entries(),
         bytes: recipe.entries() * numbers * number_bytes,
+        compact_bytes: measured.compact_bytes,
         seconds: measured.processor_seconds / threads as f64,
         wall_seconds: measured.wall_seconds,
         error_mean: measured.width.mean,

@@ -22,6 +22,8 @@ const LEFT: [f64; 3] = [64.0, 428.0, 792.0];
 const CHART_WIDTH: f64 = 312.0;
 /// The width that is kept at the left for what costs nothing.
 const FREE: f64 = 48.0;
+/// The width that is left to what stands below a tick.
+const TICK_WIDTH: f64 = 40.0;
 /// Top of the table below that of the panels.
 const TABLE_TOP: f64 = 428.0;
 /// Half a mark, and the size of a name's letter and line.
@@ -71,7 +73,7 @@ pub(super) fn write(out: &mut String, top: f64, family: &[FittedRecipe], models:
     ];
     let (top, bottom) = (top + TOP, top + TOP + CHART_HEIGHT);
     let errors = models.rows.iter().map(|row| row.light_error.mean).chain(family.iter().map(|row| row.light_mean));
-    let y_axis = LogAxis::over(errors, [bottom, top]);
+    let y_axis = LogAxis::over_all(errors, [bottom, top]);
     for chart in &charts {
         write_chart(out, chart, top, &y_axis, family, models)?;
     }
@@ -98,7 +100,7 @@ fn write_chart(
     let of_family = of_table.iter().flat_map(|price| family.iter().map(price));
     let has_free = of_models().any(|price| price == 0.0);
     let from = if has_free { left + FREE } else { *left };
-    let x_axis = LogAxis::over(of_models().chain(of_family), [from, right]);
+    let x_axis = LogAxis::over_all(of_models().chain(of_family), [from, right]);
     let at = |price: f64| if price > 0.0 { x_axis.at(price) } else { left + 0.5 * FREE };
 
     writeln!(out, r#"<text class="title middle" x="{middle}" y="{}">{title}</text>"#, top - 16.0)?;
@@ -109,7 +111,7 @@ fn write_chart(
     if has_free {
         tick(at(0.0), "0")?;
     }
-    for price in x_axis.ticks() {
+    for price in x_axis.ticks_apart(TICK_WIDTH) {
         tick(x_axis.at(price), &write_tick(price))?;
     }
     for error in y_axis.ticks() {

@@ -61,6 +61,8 @@ struct Chart {
     title: &'static str,
     unit: &'static str,
     price: fn(&FittedRecipe) -> f64,
+    /// A second price of the same table.
+    shipped: fn(&FittedRecipe) -> Option<f64>,
     is_on_front: fn(&FittedRecipe) -> bool,
     write_tick: fn(f64) -> String,
 }
@@ -89,14 +91,16 @@ fn write_picture(out: &mut String, rows: &[FittedRecipe], models: &ModelRows) ->
             title: "Error against seconds",
             unit: "seconds of the fit, every thread on a core of its own",
             price: |row| row.seconds,
+            shipped: |_| None,
             is_on_front: |row| row.on_front.seconds,
             write_tick: |tick| format!("{}", rounded(tick)),
         },
         Chart {
             left: LEFT[1],
             title: "Error against bytes",
-            unit: "bytes of the table's numbers",
+            unit: "bytes of the numbers on the GPU; diamonds: of the compact form, to ship",
             price: |row| row.bytes as f64,
+            shipped: |row| row.compact_bytes.map(|bytes| bytes as f64),
             is_on_front: |row| row.on_front.bytes,
             write_tick: bytes,
         },
@@ -137,7 +141,8 @@ fn write_legend(out: &mut String, rows: &[FittedRecipe]) -> std::fmt::Result {
 
 fn write_chart(out: &mut String, chart: &Chart, rows: &[FittedRecipe]) -> std::fmt::Result {
     let bottom = TOP + PANEL_HEIGHT;
-    let x_axis = LogAxis::over(rows.iter().map(chart.price), [chart.left, chart.left + PANEL_WIDTH]);
+    let prices = rows.iter().map(chart.price).chain(rows.iter().filter_map(chart.shipped));
+    let x_axis = LogAxis::over(prices, [chart.left, chart.left + PANEL_WIDTH]);
     let y_axis = LogAxis::over(rows.iter().map(|row| row.error_mean), [bottom, TOP]);
     let middle = chart.left + 0.5 * PANEL_WIDTH;
     writeln!(out, r#"<text class="title middle" x="{middle}" y="58">{}</text>"#, chart.title)?;
@@ -175,6 +180,9 @@ fn write_chart(out: &mut String, chart: &Chart, rows: &[FittedRecipe]) -> std::f
         let precision = if row.precision == Precision::F16 { " f16" } else { "" };
         let faint = if (chart.is_on_front)(row) || row.on_front.base { "" } else { " off" };
         mark(out, at(row), row.layout, &format!("{precision}{faint}"))?;
+        if let Some(price) = (chart.shipped)(row) {
+            diamond(out, [x_axis.at(price), at(row)[1]], row.layout, faint)?;
+        }
     }
     let presets =
         rows.iter().filter_map(|row| Some(Named { name: row.preset?.to_owned(), at: at(row), is_preset: true }));
@@ -245,6 +253,12 @@ fn write_names(out: &mut String, frame: &Area, named: &[Named], taken: &[Area]) 
     Ok(())
 }
 
+/// The mark of what ships.
+fn diamond(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
+    let number = Layout::ALL.iter().position(|known| *known == layout).unwrap_or(0);
+    writeln!(out, r#"<path class="layout{number}{classes}" d="M{:.1} {y:.1}l4 -4l4 4l-4 4Z"/>"#, x - MARK)
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -266,6 +280,7 @@ pub(super) mod tests {
             precision: Precision::F32,
             entries: 256,
             bytes: 11_264,
+            compact_bytes: Some(1_500),
             seconds,
             wall_seconds: seconds,
             error_mean,
@@ -289,7 +304,10 @@ pub(super) mod tests {
             row(23.0, 0.049, Some("best")),
             row(0.5, 0.07, None),
         ];
-        assert!(!picture(&rows, &models()).contains("off:"));
+        let svg = picture(&rows, &models());
+        assert!(!svg.contains("off:"));
+        // What ships has a mark of its own, in the chart of bytes alone.
+        assert_eq!(svg.matches("l4 -4l4 4l-4 4Z").count(), rows.len());
         rows.push(row(2.0, 0.934, None));
         let svg = picture(&rows, &models());
         assert_eq!(svg.matches(">off: 0.93</text>").count(), 2, "{svg}");

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{FittedRecipe, ModelRows, POINTS};
 use crate::fit::PerAxis;
 
-const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,directions,steps,precision,entries,bytes,seconds,\
+const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,directions,steps,precision,entries,bytes,compact_bytes,seconds,\
                       wall_seconds,error_mean,error_p95,sw1_mean,sw1_p95,light_mean,light_p95,predicted_seconds,\
                       predicted_error,on_front_seconds,on_front_bytes,on_front_base";
 
@@ -27,9 +27,10 @@ fn write_line(out: &mut String, row: &FittedRecipe) -> std::fmt::Result {
     // The names of recipe documents.
     let name = |value: serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     let (layout, precision) = (name(json!(row.layout)), name(json!(row.precision)));
-    let FittedRecipe { samples, directions, steps, entries, bytes, on_front, .. } = row;
+    let FittedRecipe { samples, directions, steps, entries, bytes, compact_bytes, on_front, .. } = row;
     write!(out, "{},{},{layout},{alpha},{ratio},{theta},{phi},", row.recipe_digest, row.preset.unwrap_or_default())?;
     write!(out, "{samples},{directions},{steps},{precision},{entries},{bytes},")?;
+    write!(out, "{},", compact_bytes.map_or_else(String::new, |bytes| bytes.to_string()))?;
     write!(out, "{:.4},{:.4},", row.seconds, row.wall_seconds)?;
     write!(out, "{:.6},{:.6},{:.6},{:.6},", row.error_mean, row.error_p95, row.sw1_mean, row.sw1_p95)?;
     write!(out, "{:.6},{:.6},", row.light_mean, row.light_p95)?;

@@ -13,7 +13,7 @@ mod tests {
     use super::*;
 
     /// The digest that `tests/cli/same_bytes.rs` pins for the command, whatever this was compiled for.
-    const PINNED_DIGEST: &str = "sha256:dfd20800cb3d312f016d0dac3d2427146c3e9a9fca75994a0f0f3dfb6a5a33c5";
+    const PINNED_DIGEST: &str = "sha256:2c3d0be191fa318bae02c01a19581ccfd5ffe169f39cf14adc6ab35065d221d3";
 
     #[test]
     fn the_bytes_are_pinned() {

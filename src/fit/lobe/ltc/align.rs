@@ -34,7 +34,7 @@ pub(crate) fn align_to(reflection: &DMat3, m: &DMat3, mirrors: Mirrors, flattest
 
 /// Turns the first two columns by the polar factor of their upper block. The block becomes symmetric and, where its
 /// determinant is positive, positive definite.
-fn turned(mut local: DMat3) -> DMat3 {
+pub(crate) fn turned(mut local: DMat3) -> DMat3 {
     let (x, y) = (local.x_axis, local.y_axis);
     let (cos, sin) = (x.x + y.y, x.y - y.x);
     // Zero only for a block without positive determinant.

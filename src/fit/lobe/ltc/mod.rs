@@ -6,7 +6,7 @@ mod model;
 mod polygon;
 mod sphere;
 
-pub(crate) use align::{align, align_to};
+pub(crate) use align::{align, align_to, turned};
 pub use distribution::Ltc;
 pub(super) use model::Rules;
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
-    server::service::{PictureCounts, PictureLimits, tables::Tables},
+    server::service::{PictureCounts, PictureLimits, ServiceError, tables::Tables},
     view::preview::Adapter,
 };
 
@@ -58,8 +58,8 @@ impl Pictures {
         Self { tables, threads, ranking: Ranking::default(), limit: limits.time }
     }
 
-    /// The picture of `subject` with a table, or with the best stored one. `is_known` tells whether the caller has the
-    /// picture of a tag.
+    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one. `is_known`
+    /// tells whether the caller has the picture of a tag.
     pub(in crate::server::service) fn get(
         &self,
         table: Option<Digest>,
@@ -71,9 +71,11 @@ impl Pictures {
             plot @ Subject::Plot(_) => plot,
         };
         let table = match table {
-            Some(table) if self.tables.contains(table).map_err(crate::server::service::ServiceError::from)? => table,
-            Some(table) => return Err(PictureError::UnknownTable(table)),
-            None => self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?,
+            Some(table) if !self.tables.contains(table).map_err(ServiceError::from)? => {
+                return Err(PictureError::UnknownTable(table));
+            },
+            None if subject.needs_table() => Some(self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?),
+            named_or_none => named_or_none,
         };
         let key = tag(&subject, table, None)?;
         if let Some(file) = self.threads.queue.cached(key) {

@@ -21,17 +21,25 @@ const RETRY_SLOW: Duration = Duration::from_secs(30);
 /// picture of some fifty million samples.
 const CONFIGURATION_COST: f64 = 32_768.0;
 
-/// What a picture of a table shows.
+/// What a picture shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Subject {
-    /// A scene rendered with the table.
+    /// A scene, lit by a table or without one.
     Scene(Box<Scene>),
-    /// The table's numbers or errors.
+    /// A table's numbers or errors.
     Plot(Plot),
 }
 
 impl Subject {
+    /// Whether a table is part of it.
+    pub(crate) fn needs_table(&self) -> bool {
+        match self {
+            Self::Scene(scene) => scene.needs_table(),
+            Self::Plot(_) => true,
+        }
+    }
+
     /// How much work it is, in samples of the reference.
     pub(super) fn cost(&self) -> f64 {
         match self {
@@ -115,7 +123,7 @@ impl PictureError {
 
 /// The digest of the canonical JSON of everything that determines a picture's bytes; without an adapter, of what is
 /// requested.
-pub(super) fn tag(subject: &Subject, table: Digest, adapter: Option<&str>) -> Result<Digest, PictureError> {
+pub(super) fn tag(subject: &Subject, table: Option<Digest>, adapter: Option<&str>) -> Result<Digest, PictureError> {
     let version = env!("CARGO_PKG_VERSION");
     let all = json!({ "subject": subject, "table": table, "adapter": adapter, "version": version });
     let text = serde_jcs::to_vec(&all).map_err(|error| PictureError::Failed(error.to_string()))?;

@@ -68,7 +68,9 @@ impl RenderThread {
         let cost = request.subject.cost();
         let (picture, adapter): (Picture, Arc<str>) = match &request.subject {
             Subject::Scene(scene) => {
-                let table = self.shader_table(request.table)?;
+                let table = request
+                    .table
+                    .map_or_else(|| Ok(Arc::new(ShaderTable::none())), |table| self.shader_table(table))?;
                 if queue.needs_probe(&request.subject) {
                     self.probe(&table, request, queue, &stop)?;
                 }
@@ -91,9 +93,10 @@ impl RenderThread {
                 (rendered.picture, adapter)
             }
             Subject::Plot(plot) => {
-                let table = self.table(request.table)?;
+                let digest = request.table.ok_or(PictureError::NoTable)?;
+                let table = self.table(digest)?;
                 let start = Instant::now();
-                let picture = plot.draw_while(&|| !stop(), &table, &request.table.hex());
+                let picture = plot.draw_while(&|| !stop(), &table, &digest.hex());
                 let picture = picture.ok_or_else(|| stopped(queue, request))?;
                 queue.learn(RendererKind::Plot, cost, Took::Finished(start.elapsed()));
                 (picture, CPU.into())

@@ -12,7 +12,8 @@ use crate::files::digest::Digest;
 pub(super) struct PictureRequest {
     /// The tag without an adapter: equal requests have equal keys.
     pub(super) key: Digest,
-    pub(super) table: Digest,
+    /// The table that it shows, if any.
+    pub(super) table: Option<Digest>,
     pub(super) subject: Subject,
     /// How long it may take, from when it starts to be rendered.
     pub(super) limit: Duration,

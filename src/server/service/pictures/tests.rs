@@ -167,8 +167,8 @@ fn a_blob_that_is_not_a_table_is_an_error() {
 /// A request for a picture of its own, and what its caller waits for.
 fn request(size: u32, limit: Duration) -> (PictureRequest, Receipt) {
     let (reply, receipt) = Reply::new();
-    let (key, table) = (Digest::of(&size.to_le_bytes()), Digest::of(b"table"));
-    (PictureRequest { key, table, subject: reference(size, 1), limit, replies: vec![reply] }, receipt)
+    let key = Digest::of(&size.to_le_bytes());
+    (PictureRequest { key, table: None, subject: reference(size, 1), limit, replies: vec![reply] }, receipt)
 }
 
 #[test]

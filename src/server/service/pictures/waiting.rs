@@ -77,7 +77,7 @@ mod tests {
         let (reply, receipt) = Reply::new();
         waiting.add(PictureRequest {
             key: Digest::of(name.as_bytes()),
-            table: Digest::of(b"table"),
+            table: None,
             subject: Subject::Scene(Box::new(Scene { size, ..Scene::default() })),
             limit: Duration::from_secs(30),
             replies: vec![reply],

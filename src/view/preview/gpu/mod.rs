@@ -1,5 +1,7 @@
 //! The renderer on a GPU, or on lavapipe, a software rasteriser that Vulkan lists as one.
 
+#[cfg(all(test, feature = "textures"))]
+pub(super) mod decoder;
 mod device;
 #[cfg(test)]
 pub(super) mod example;
@@ -11,7 +13,7 @@ mod task;
 mod tiles;
 mod variant;
 
-pub(super) use failure::GpuFailure;
+pub(in crate::view) use failure::GpuFailure;
 pub(super) use session::Gpu;
 pub(super) use task::RenderTask;
 pub use variant::{Variant, Weights};

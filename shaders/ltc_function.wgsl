@@ -1,0 +1,64 @@
+// A table of isotropic surfaces as polynomials: no texture, no buffer. Needs layout_reflected.wgsl, ltc_smooth.wgsl and a
+// function ltc_smooth_at with the table's coefficients, which `ltcforge shader --without-textures` writes.
+
+/// What the table holds for a configuration.
+struct LtcLobe {
+    /// The matrix from the clamped cosine to the lobe, in the surface's tangent frame.
+    m: mat3x3<f32>,
+    /// Reflectance is f0 (amplitude - fresnel) + f90 fresnel.
+    amplitude: f32,
+    fresnel: f32,
+}
+
+/// The least roughness that is fitted.
+const LTC_LEAST_ALPHA: f32 = 1e-4;
+/// The cosine of the most grazing view that is fitted.
+const LTC_LEAST_COSINE: f32 = 1.570796e-4;
+
+/// Chebyshev's polynomials of degree 0 to 9. Domain: x in [-1, 1].
+fn ltc_chebyshev(x: f32) -> array<f32, 10> {
+    let t2 = 2.0 * x * x - 1.0;
+    let t3 = 2.0 * x * t2 - x;
+    let t4 = 2.0 * x * t3 - t2;
+    let t5 = 2.0 * x * t4 - t3;
+    let t6 = 2.0 * x * t5 - t4;
+    let t7 = 2.0 * x * t6 - t5;
+    let t8 = 2.0 * x * t7 - t6;
+    let t9 = 2.0 * x * t8 - t7;
+    return array<f32, 10>(1.0, x, t2, t3, t4, t5, t6, t7, t8, t9);
+}
+
+/// A sum of polynomials.
+fn ltc_sum(t: array<f32, 10>, c: array<vec3<f32>, 10>) -> vec3<f32> {
+    let low = t[0] * c[0] + t[1] * c[1] + t[2] * c[2] + t[3] * c[3] + t[4] * c[4];
+    return low + t[5] * c[5] + t[6] * c[6] + t[7] * c[7] + t[8] * c[8] + t[9] * c[9];
+}
+
+/// The lobe of an isotropic surface, alpha_x = alpha_y; of an anisotropic one that of its larger roughness. wo: view
+/// direction in the tangent frame, normal +z, of unit length.
+fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
+    let alpha = clamp(max(alpha_x, alpha_y), LTC_LEAST_ALPHA, 1.0);
+    let height = clamp(wo.z, LTC_LEAST_COSINE, 1.0);
+    let place = 2.0 * (vec2(sqrt(alpha), 1.0 - sqrt(height)) - LTC_FUNCTION_START) * LTC_FUNCTION_SCALE - vec2(1.0);
+    let bounded = clamp(place, vec2(-1.0), vec2(1.0));
+    let numbers = ltc_smooth_at(ltc_chebyshev(bounded.x), ltc_chebyshev(bounded.y));
+    // p, q and the slant; the last row, amplitude and Fresnel term. In the plane of incidence the others are zero. Seen from
+    // above the lobe is round.
+    var slant = numbers.shape.z;
+    var row = numbers.terms.x;
+    let flat = sqrt(max(dot(wo.xy, wo.xy), 0.0));
+    if (flat == 0.0) {
+        slant = 0.0;
+        row = 0.0;
+    }
+    let stored = ltc_of_smooth(vec3(numbers.shape.x, 0.0, numbers.shape.y), vec2(slant, 0.0), vec2(row, 0.0));
+    let view = vec3(sqrt(1.0 - height * height), 0.0, height);
+    var lobe = ltc_restore_reflected(LtcLobe(stored, max(numbers.terms.y, 0.0), numbers.terms.z), alpha, 1.0, view);
+    // The lobe turns about the normal with the view.
+    if (flat > 0.0) {
+        let turn = wo.xy / flat;
+        let r = mat3x3(vec3(turn, 0.0), vec3(-turn.y, turn.x, 0.0), vec3(0.0, 0.0, 1.0));
+        lobe.m = r * lobe.m * transpose(r);
+    }
+    return lobe;
+}

@@ -1,0 +1,170 @@
+//! An adaptive binary range coder, that of LZMA [Pavlov 1999; Martin 1979]: a bit costs as much as it surprises.
+//!
+//! A model holds the chance of a 0 in parts of 2^11 and moves by a sixteenth of the way to each bit that it sees. All
+//! arithmetic is in integers.
+
+/// Bits of a chance.
+const CHANCE_BITS: u32 = 11;
+/// How fast chances move: by 2^-4 of what they lack.
+const RATE: u32 = 4;
+/// Below this width of the interval a byte is shifted out.
+const NARROW: u32 = 1 << 24;
+
+/// The chance that the next bit is a 0, in parts of 2^11.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chance(u16);
+
+impl Chance {
+    pub(super) const EVEN: Self = Self(1 << (CHANCE_BITS - 1));
+
+    fn bound(self, range: u32) -> u32 {
+        (range >> CHANCE_BITS) * u32::from(self.0)
+    }
+
+    fn saw(&mut self, bit: bool) {
+        if bit {
+            self.0 -= self.0 >> RATE;
+        } else {
+            self.0 += ((1 << CHANCE_BITS) - self.0) >> RATE;
+        }
+    }
+}
+
+/// Writes bits.
+pub(super) struct Encoder {
+    low: u64,
+    range: u32,
+    /// The last byte that a carry can still change, and how many bytes of 255 follow it.
+    pending: u8,
+    ones: usize,
+    /// Whether there is a pending byte: the first one would always be 0.
+    begun: bool,
+    bytes: Vec<u8>,
+}
+
+impl Encoder {
+    pub(super) fn new() -> Self {
+        Self { low: 0, range: u32::MAX, pending: 0, ones: 0, begun: false, bytes: Vec::new() }
+    }
+
+    pub(super) fn write(&mut self, chance: &mut Chance, bit: bool) {
+        let bound = chance.bound(self.range);
+        if bit {
+            self.low += u64::from(bound);
+            self.range -= bound;
+        } else {
+            self.range = bound;
+        }
+        chance.saw(bit);
+        while self.range < NARROW {
+            self.range <<= 8;
+            self.shift();
+        }
+    }
+
+    /// The bytes of all bits.
+    pub(super) fn finish(mut self) -> Vec<u8> {
+        for _ in 0..5 {
+            self.shift();
+        }
+        self.bytes
+    }
+
+    /// Shifts the highest byte of `low` out, as soon as no carry can change it.
+    fn shift(&mut self) {
+        let (carry, next) = ((self.low >> 32) as u8, (self.low >> 24) as u8);
+        if next != 0xff || carry != 0 {
+            if self.begun {
+                self.bytes.push(self.pending.wrapping_add(carry));
+            }
+            self.bytes.resize(self.bytes.len() + self.ones, 0xff_u8.wrapping_add(carry));
+            (self.pending, self.ones, self.begun) = (next, 0, true);
+        } else {
+            self.ones += 1;
+        }
+        self.low = u64::from((self.low as u32) << 8);
+    }
+}
+
+/// Reads bits.
+pub(super) struct Decoder<'a> {
+    code: u32,
+    range: u32,
+    bytes: &'a [u8],
+}
+
+impl<'a> Decoder<'a> {
+    /// `None` for too few bytes.
+    pub(super) fn new(bytes: &'a [u8]) -> Option<Self> {
+        let (first, bytes) = bytes.split_first_chunk::<4>()?;
+        Some(Self { code: u32::from_be_bytes(*first), range: u32::MAX, bytes })
+    }
+
+    /// The next bit; `None` where the bytes end.
+    pub(super) fn read(&mut self, chance: &mut Chance) -> Option<bool> {
+        let bound = chance.bound(self.range);
+        let bit = self.code >= bound;
+        if bit {
+            self.code -= bound;
+            self.range -= bound;
+        } else {
+            self.range = bound;
+        }
+        chance.saw(bit);
+        while self.range < NARROW {
+            let (next, rest) = self.bytes.split_first()?;
+            self.code = self.code << 8 | u32::from(*next);
+            self.range <<= 8;
+            self.bytes = rest;
+        }
+        Some(bit)
+    }
+
+    /// Bytes that were not read.
+    pub(super) fn left(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn bits_round_trip(bits in prop::collection::vec((0_usize..4, prop::bool::weighted(0.03)), 0..4000)) {
+            let mut chances = [Chance::EVEN; 4];
+            let mut encoder = Encoder::new();
+            for (model, bit) in &bits {
+                encoder.write(&mut chances[*model], *bit);
+            }
+            let bytes = encoder.finish();
+            let mut chances = [Chance::EVEN; 4];
+            let mut decoder = Decoder::new(&bytes).expect("four bytes");
+            for (model, bit) in &bits {
+                prop_assert_eq!(decoder.read(&mut chances[*model]), Some(*bit));
+            }
+            prop_assert_eq!(decoder.left(), 0);
+        }
+    }
+
+    #[test]
+    fn a_bit_costs_as_much_as_it_surprises() {
+        let mut chance = Chance::EVEN;
+        let mut encoder = Encoder::new();
+        for _ in 0..8000 {
+            encoder.write(&mut chance, false);
+        }
+        assert!(encoder.finish().len() < 20);
+    }
+
+    #[test]
+    fn bytes_that_end_early_say_so() {
+        assert!(Decoder::new(&[1, 2, 3]).is_none());
+        let mut decoder = Decoder::new(&[0x80, 2, 3, 4]).expect("four bytes");
+        let mut chance = Chance::EVEN;
+        assert!((0..100).any(|_| decoder.read(&mut chance).is_none()));
+    }
+}

@@ -1,0 +1,219 @@
+//! The uncompressed beginning of a compact file.
+//!
+//! | bytes | |
+//! |---|---|
+//! | 8 | `LTCcomp1`, the last byte being the version |
+//! | for each of BRDF, lobe model, layout: 1 + n | the length of the name, the name in ASCII |
+//! | for each axis: 2 + 1 + 8 + 8 | nodes, u16; polynomials; first and last node, f64 |
+//! | 2 | channels that are stored, u16, channel 0 the lowest bit |
+//! | 2 | those of them that have corrections |
+//! | 4 | what a correction is a multiple of, in steps of its channel, f32 |
+//! | for each stored channel: 4 | the step of its coefficients, f32 |
+//!
+//! Little-endian. The range coder's bytes follow to the end of the file.
+
+use super::{error::CompactError, polynomials::MOST_POLYNOMIALS};
+use crate::fit::{BrdfKind, Layout, LobeModel, PerAxis};
+
+/// What a compact file begins with, its version last.
+pub const COMPACT_MAGIC: &[u8; 8] = b"LTCcomp1";
+/// The layouts with a compact form.
+pub(crate) const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
+/// Channels: the smooth numbers of an entry.
+pub(super) const CHANNELS: usize = 9;
+/// Those of amplitude and Fresnel term.
+pub(super) const TERMS: [usize; 2] = [7, 8];
+/// Most nodes on an axis, as in recipes.
+const MOST_NODES: u16 = 16_384;
+/// Most entries of a table, so that a short file cannot ask for all memory.
+pub(super) const MOST_ENTRIES: usize = 1 << 20;
+
+/// What the header says.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
+    pub(super) brdf: BrdfKind,
+    pub(super) lobe: LobeModel,
+    pub(super) layout: Layout,
+    pub(super) nodes: [u16; 4],
+    pub(super) polynomials: [u8; 4],
+    pub(super) ranges: [[f64; 2]; 4],
+    /// The step of each stored channel.
+    pub(super) steps: [Option<f32>; CHANNELS],
+    pub(super) corrected: [bool; CHANNELS],
+    /// What a correction is a multiple of, in steps of its channel.
+    pub(super) correction_steps: f32,
+}
+
+impl Header {
+    /// The nodes of the layout over the ranges, ascending from one end to the other.
+    pub(super) fn axes(&self) -> Result<PerAxis<Vec<f64>>, CompactError> {
+        let (ranges, axes) = self.divided();
+        let only = self.layout.only_ranges().is_none_or(|only| only == ranges);
+        for (axis, (name, nodes)) in axes.named().into_iter().enumerate() {
+            let [low, high] = self.ranges[axis];
+            // A layout may move the first node up to a floor.
+            let ends = nodes.first().is_some_and(|first| *first >= low) && nodes.last() == Some(&high);
+            if !(only && ends && nodes.is_sorted_by(|one, next| one < next)) {
+                return Err(self.other_nodes(axis, name));
+            }
+        }
+        Ok(axes)
+    }
+
+    /// The ranges, and what the layout makes of them.
+    fn divided(&self) -> (PerAxis<[f64; 2]>, PerAxis<Vec<f64>>) {
+        let ([alpha, ratio, theta, phi], nodes) = (self.ranges, self.nodes.map(u32::from));
+        let resolution = PerAxis { alpha: nodes[0], ratio: nodes[1], theta: nodes[2], phi: nodes[3] };
+        let ranges = PerAxis { alpha, ratio, theta, phi };
+        let axes = self.layout.nodes(&ranges, &resolution);
+        (ranges, axes)
+    }
+
+    /// Finds the ranges of these nodes. Where a floor moved the first one up, the range began at 0.
+    pub(super) fn find_ranges(&mut self, axes: &PerAxis<Vec<f64>>) -> Result<(), CompactError> {
+        for (axis, (name, nodes)) in axes.named().into_iter().enumerate() {
+            let first = nodes.first().copied().unwrap_or_default();
+            let high = nodes.last().copied().unwrap_or_default();
+            let found = [first, 0.0].into_iter().any(|low| {
+                self.ranges[axis] = [if nodes.len() > 1 { low } else { first }, high];
+                self.divided().1.named()[axis].1 == nodes
+            });
+            if !found {
+                self.ranges[axis] = [first, high];
+                return Err(self.other_nodes(axis, name));
+            }
+        }
+        self.axes().map(|_| ())
+    }
+
+    /// The error of nodes that the layout does not have.
+    pub(super) fn other_nodes(&self, axis: usize, name: &'static str) -> CompactError {
+        let [low, high] = self.ranges[axis].map(|end| end.to_string());
+        CompactError::Nodes { axis: name, layout: self.layout.to_string(), low, high }
+    }
+
+    pub(super) fn has_terms(&self) -> bool {
+        TERMS.iter().any(|term| self.steps[*term].is_some())
+    }
+
+    pub(super) fn bytes(&self) -> Vec<u8> {
+        let mut bytes = COMPACT_MAGIC.to_vec();
+        for name in [self.brdf.name(), self.lobe.name(), self.layout.name()] {
+            // Names in the lists have a few letters.
+            bytes.push(name.len() as u8);
+            bytes.extend(name.bytes());
+        }
+        for axis in 0..4 {
+            bytes.extend(self.nodes[axis].to_le_bytes());
+            bytes.push(self.polynomials[axis]);
+            bytes.extend(self.ranges[axis].iter().flat_map(|end| end.to_le_bytes()));
+        }
+        let mask = |chosen: [bool; CHANNELS]| (0..).zip(chosen).fold(0_u16, |mask, (i, on)| mask | u16::from(on) << i);
+        bytes.extend(mask(self.steps.map(|step| step.is_some())).to_le_bytes());
+        bytes.extend(mask(self.corrected).to_le_bytes());
+        bytes.extend(self.correction_steps.to_le_bytes());
+        bytes.extend(self.steps.iter().flatten().flat_map(|step| step.to_le_bytes()));
+        bytes
+    }
+
+    /// The header, and the bytes that follow it.
+    pub(super) fn read(bytes: &[u8]) -> Result<(Self, &[u8]), CompactError> {
+        let mut reader = Reader(bytes);
+        if reader.take::<8>().ok().as_ref() != Some(COMPACT_MAGIC) {
+            return Err(CompactError::Magic);
+        }
+        let brdf = reader.named("brdf", BrdfKind::from_name, BrdfKind::ALL)?;
+        let lobe = reader.named("lobe", LobeModel::from_name, LobeModel::ALL)?;
+        let layout =
+            reader.named("layout", |name| Layout::from_name(name).filter(|found| LAYOUTS.contains(found)), &LAYOUTS)?;
+        let (mut nodes, mut polynomials, mut ranges) = ([0; 4], [0; 4], [[0.0; 2]; 4]);
+        for (axis, name) in ["alpha", "ratio", "theta", "phi"].into_iter().enumerate() {
+            nodes[axis] = u16::from_le_bytes(reader.take()?);
+            [polynomials[axis]] = reader.take()?;
+            ranges[axis] = [f64::from_le_bytes(reader.take()?), f64::from_le_bytes(reader.take()?)];
+            let most = nodes[axis].min(MOST_POLYNOMIALS as u16);
+            if !(1..=MOST_NODES).contains(&nodes[axis]) {
+                return Err(CompactError::field(format!("nodes of {name}"), &nodes[axis], "1 to 16384"));
+            }
+            if !(1..=most).contains(&u16::from(polynomials[axis])) {
+                let (field, allowed) = (format!("polynomials of {name}"), format!("1 to {most}"));
+                return Err(CompactError::field(field, &polynomials[axis], &allowed));
+            }
+            let ([low, high], highest) = (ranges[axis], if axis < 2 { 1.0 } else { std::f64::consts::FRAC_PI_2 });
+            let ordered = if nodes[axis] == 1 { low == high } else { low < high };
+            if !(ordered && (0.0..=highest).contains(&low) && (0.0..=highest).contains(&high)) {
+                let found = format!("{low} to {high}");
+                return Err(CompactError::field(
+                    format!("range of {name}"),
+                    &found,
+                    &format!("ascending, within 0 to {highest}"),
+                ));
+            }
+        }
+        let (stored, corrected) = (u16::from_le_bytes(reader.take()?), u16::from_le_bytes(reader.take()?));
+        for (field, mask, all) in
+            [("channels", stored, (1_u16 << CHANNELS) - 1), ("corrected channels", corrected, stored)]
+        {
+            if mask & !all != 0 {
+                return Err(CompactError::field(field.to_owned(), &format!("{mask:#b}"), &format!("bits of {all:#b}")));
+            }
+        }
+        let correction_steps = f32::from_le_bytes(reader.take()?);
+        if !(1e-3..=64.0).contains(&correction_steps) {
+            return Err(CompactError::field("steps of corrections".to_owned(), &correction_steps, "0.001 to 64"));
+        }
+        let mut steps = [None; CHANNELS];
+        for (channel, step) in steps.iter_mut().enumerate().filter(|(channel, _)| stored >> channel & 1 == 1) {
+            let value = f32::from_le_bytes(reader.take()?);
+            if !(1e-9..=1.0).contains(&value) {
+                return Err(CompactError::field(format!("step of channel {channel}"), &value, "1e-9 to 1"));
+            }
+            *step = Some(value);
+        }
+        let corrected = std::array::from_fn(|channel| corrected >> channel & 1 == 1);
+        let header = Self { brdf, lobe, layout, nodes, polynomials, ranges, steps, corrected, correction_steps };
+        header.check_entries()?;
+        Ok((header, reader.0))
+    }
+
+    /// Refuses tables with too many entries.
+    pub(super) fn check_entries(&self) -> Result<(), CompactError> {
+        let entries = self.nodes.iter().try_fold(1_usize, |product, n| product.checked_mul(usize::from(*n)));
+        match entries {
+            Some(1..=MOST_ENTRIES) => Ok(()),
+            _ => Err(CompactError::field(
+                "entries".to_owned(),
+                &self.nodes.map(|n| n.to_string()).join(" x "),
+                &format!("at most {MOST_ENTRIES} in all"),
+            )),
+        }
+    }
+}
+
+/// Takes bytes from the front.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], CompactError> {
+        let (taken, rest) = self.0.split_first_chunk::<N>().ok_or(CompactError::Short)?;
+        self.0 = rest;
+        Ok(*taken)
+    }
+
+    /// The item of a list whose name comes next.
+    fn named<T: std::fmt::Display>(
+        &mut self,
+        field: &str,
+        from_name: impl Fn(&str) -> Option<T>,
+        all: &[T],
+    ) -> Result<T, CompactError> {
+        let [length] = self.take()?;
+        let (name, rest) = self.0.split_at_checked(usize::from(length)).ok_or(CompactError::Short)?;
+        self.0 = rest;
+        let name = String::from_utf8_lossy(name);
+        from_name(&name).ok_or_else(|| {
+            let all: Vec<String> = all.iter().map(ToString::to_string).collect();
+            CompactError::field(field.to_owned(), &format!("{name:?}"), &all.join(", "))
+        })
+    }
+}

@@ -1,0 +1,180 @@
+//! The compact form of a table: a hundredth of a byte to four bytes an entry, to ship where a texture is too long.
+//!
+//! An entry becomes nine numbers that vary smoothly, one a channel (`fit::layout::smooth`). Over the nodes a channel
+//! is a sum of products of Gram's polynomials, whose coefficients are rounded to multiples of a step and coded by a range
+//! coder. What the rounded sum misses at a node by more than five steps is corrected there, so that an edge
+//! in a table costs bytes and not accuracy. A decoder rebuilds the numbers of the table's own layout.
+//!
+//! The steps are parts of a lobe's width: see `rounding`.
+//!
+//! Invariant: equal tables give equal bytes, equal bytes equal tables, on every machine. Hostile bytes give an error,
+//! never a panic.
+
+mod coder;
+mod error;
+mod header;
+mod integers;
+#[cfg(feature = "textures")]
+mod outline;
+mod polynomials;
+mod rounding;
+
+use coder::{Decoder, Encoder};
+pub use error::CompactError;
+pub use header::COMPACT_MAGIC;
+pub(crate) use header::LAYOUTS;
+use header::{CHANNELS, Header, TERMS};
+use integers::{MOST_BITS, Models};
+#[cfg(feature = "textures")]
+pub(in crate::files) use outline::Outline;
+use polynomials::{Bases, most_polynomials};
+use rounding::Rounding;
+
+use crate::fit::Table;
+
+/// Coefficients are rounded down up to this part beyond a half, which costs less accuracy than it saves bytes.
+const ROUND_UP: f64 = 0.4;
+/// What a number may miss, in steps of its channel.
+const MOST_MISSED: f64 = 5.0;
+
+/// The compact form of a table. `node_error` is not kept.
+///
+/// # Errors
+/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a singular
+/// matrix, or an amplitude of zero.
+pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
+    if !LAYOUTS.contains(&table.layout()) {
+        return Err(CompactError::Layout { layout: table.layout().to_string() });
+    }
+    let mut header = header_of(table)?;
+    let numbers = table.smooth_numbers();
+    if let Some(entry) = numbers.iter().position(|entry| entry.iter().any(|x| !x.is_finite())) {
+        return Err(CompactError::Entry { entry });
+    }
+    let rounding = Rounding::of(table);
+    header.correction_steps = rounding.correction_steps;
+    let bases = bases(&header);
+    let (mut models, mut corrections) = (Models::new(), Models::new());
+    let mut encoder = Encoder::new();
+    for channel in 0..CHANNELS {
+        let exact: Vec<f64> = numbers.iter().map(|entry| entry[channel]).collect();
+        if exact.iter().all(|x| x.abs() < 1e-6) && !TERMS.contains(&channel) || !kept(table, channel) {
+            continue;
+        }
+        let step = rounding.step(channel) as f32;
+        header.steps[channel] = Some(step);
+        let step = f64::from(step);
+        let smooth = rounding.smoothed(table, step, exact.clone());
+        let rounded = rounded(&bases.coefficients(smooth), step, ROUND_UP);
+        let rounded = rounded.ok_or(CompactError::Large { channel })?;
+        models.write(bases.counts(), &rounded, &mut encoder);
+        let values = bases.values(multiples(&rounded, step));
+        let missed = exact.iter().zip(values).enumerate().map(|(entry, (exact, value))| {
+            let missed = exact - value;
+            let is_large = missed.abs() >= MOST_MISSED * step * rounding.tolerance(channel, &numbers[entry]);
+            if is_large && rounding.is_seen(table, channel, entry, [*exact, value], step) { missed } else { 0.0 }
+        });
+        let missed: Vec<f64> = missed.collect();
+        let correction = self::rounded(&missed, step * f64::from(header.correction_steps), 0.5);
+        let correction = correction.ok_or(CompactError::Large { channel })?;
+        if correction.iter().any(|x| *x != 0) {
+            header.corrected[channel] = true;
+            corrections.write(bases.nodes(), &correction, &mut encoder);
+        }
+    }
+    let mut bytes = header.bytes();
+    bytes.extend(encoder.finish());
+    Ok(bytes)
+}
+
+/// The table of a compact form, in the layout that was encoded. Its `node_error` is NaN throughout. The nodes are exact,
+/// the numbers as near as the lobes need.
+///
+/// # Errors
+/// When the bytes are not those of a table.
+pub fn decode(bytes: &[u8]) -> Result<Table, CompactError> {
+    let (header, coded) = Header::read(bytes)?;
+    let axes = header.axes()?;
+    let bases = bases(&header);
+    let (mut models, mut corrections) = (Models::new(), Models::new());
+    let mut decoder = Decoder::new(coded).ok_or(CompactError::Short)?;
+    let mut numbers = vec![[0.0; CHANNELS]; bases.nodes().iter().product()];
+    for channel in 0..CHANNELS {
+        let Some(step) = header.steps[channel].map(f64::from) else { continue };
+        let rounded = models.read(bases.counts(), &mut decoder).ok_or(CompactError::Short)?;
+        let mut values = bases.values(multiples(&rounded, step));
+        if header.corrected[channel] {
+            let correction = corrections.read(bases.nodes(), &mut decoder).ok_or(CompactError::Short)?;
+            for (value, more) in
+                values.iter_mut().zip(multiples(&correction, step * f64::from(header.correction_steps)))
+            {
+                *value += more;
+            }
+        }
+        for (entry, value) in numbers.iter_mut().zip(values) {
+            entry[channel] = value;
+        }
+    }
+    if decoder.left() > 0 {
+        return Err(CompactError::Long { bytes: decoder.left() });
+    }
+    let items = (header.brdf, header.lobe, header.layout);
+    let table = Table::of_smooth_numbers(items, axes, &numbers, header.has_terms());
+    let finite = |entry: usize| {
+        let terms = table
+            .terms()
+            .is_none_or(|terms| terms.amplitude()[entry].is_finite() && terms.fresnel()[entry].is_finite());
+        terms && table.matrices()[entry].iter().all(|x| x.is_finite())
+    };
+    match (0..numbers.len()).find(|entry| !finite(*entry)) {
+        Some(entry) => Err(CompactError::Entry { entry }),
+        None => Ok(table),
+    }
+}
+
+/// Whether a table has this channel at all.
+fn kept(table: &Table, channel: usize) -> bool {
+    table.terms().is_some() || !TERMS.contains(&channel)
+}
+
+/// The header of a table, without channels.
+fn header_of(table: &Table) -> Result<Header, CompactError> {
+    let axes = table.axes();
+    let counts = axes.named().map(|(_, nodes)| u16::try_from(nodes.len()).unwrap_or(u16::MAX));
+    let mut header = Header {
+        brdf: table.brdf(),
+        lobe: table.lobe(),
+        layout: table.layout(),
+        nodes: counts,
+        polynomials: counts.map(|n| most_polynomials(usize::from(n)) as u8),
+        ranges: [[0.0; 2]; 4],
+        correction_steps: 1.0,
+        steps: [None; CHANNELS],
+        corrected: [false; CHANNELS],
+    };
+    header.check_entries()?;
+    header.find_ranges(axes)?;
+    Ok(header)
+}
+
+fn bases(header: &Header) -> Bases {
+    Bases::new(header.nodes.map(usize::from), header.polynomials.map(usize::from))
+}
+
+/// Numbers as multiples of a step; a fraction of at least `1 - up` is rounded away from zero. `None` for a number that is
+/// too large.
+fn rounded(numbers: &[f64], step: f64, up: f64) -> Option<Vec<i32>> {
+    let most = f64::from(1_u32 << MOST_BITS);
+    let multiple = |x: &f64| {
+        let magnitude = (x.abs() / step + up).floor();
+        (magnitude < most).then(|| magnitude.copysign(*x) as i32)
+    };
+    numbers.iter().map(multiple).collect()
+}
+
+fn multiples(rounded: &[i32], step: f64) -> Vec<f64> {
+    rounded.iter().map(|k| f64::from(*k) * step).collect()
+}
+
+#[cfg(test)]
+pub(in crate::files) mod tests;

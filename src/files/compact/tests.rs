@@ -1,0 +1,212 @@
+//! Tables that are planted, and bytes that are hostile.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::{
+    files::{digest::Digest, recipe_document},
+    fit::{Layout, Recipe},
+};
+
+fn recipe(layout: Layout, nodes: [u32; 4]) -> Recipe {
+    let isotropic = layout.only_ranges().is_some();
+    let [alpha, ratio, theta, phi] = if isotropic { [nodes[0], 1, nodes[2], 1] } else { nodes };
+    let range = if isotropic { r#", "range": {"ratio": [1, 1], "phi": [0, 0]}"# } else { "" };
+    let resolution = format!(r#"{{"alpha": {alpha}, "ratio": {ratio}, "theta": {theta}, "phi": {phi}}}"#);
+    let document = format!(r#"{{"layout": "{layout}", "resolution": {resolution}{range}}}"#);
+    recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe")
+}
+
+/// A table of numbers that are a function of the place in [0, 1] on each axis, from the values of the channels at the
+/// origin to those at the far corner.
+pub(in crate::files) fn planted(
+    layout: Layout,
+    nodes: [u32; 4],
+    has_terms: bool,
+    bump: impl Fn(usize, [f64; 4]) -> f64,
+) -> Table {
+    let recipe = recipe(layout, nodes);
+    let axes = recipe.nodes();
+    let lengths = axes.lengths().named().map(|(_, n)| *n);
+    let part = |i: usize, n: usize| i as f64 / n.saturating_sub(1).max(1) as f64;
+    let numbers = (0..lengths.iter().product()).map(|i: usize| {
+        let [_, ratio, theta, phi] = lengths;
+        let place = [
+            part(i / (phi * theta * ratio), lengths[0]),
+            part(i / (phi * theta) % ratio, ratio),
+            part(i / phi % theta, theta),
+            part(i % phi, phi),
+        ];
+        let bow: f64 = place.iter().map(|u| u * (1.5 - u)).sum::<f64>() / 4.0;
+        let base = [1.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.0, 0.9, 0.1];
+        let far = [1.3, -0.3, 1.1, 0.2, -0.1, -0.3, 0.2, 0.6, 0.2];
+        std::array::from_fn(|channel| base[channel] + (far[channel] - base[channel]) * bow + bump(channel, place))
+    });
+    let numbers: Vec<[f64; CHANNELS]> = numbers.collect();
+    Table::of_smooth_numbers((recipe.brdf, recipe.lobe, recipe.layout), axes, &numbers, has_terms)
+}
+
+/// A Fresnel term that is off by less is as good as the other, whatever its stored root.
+const UNSEEN_TERM: f32 = 1e-4;
+
+/// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound what they store, so that
+/// their numbers there are not those that were planted.
+fn misses(one: &Table, other: &Table) -> [f64; CHANNELS] {
+    let rounding = Rounding::of(one);
+    let is_bounded = |entry: usize| one.layout() != Layout::Reflected && one.axes().node(entry).theta >= 1.57;
+    let kept: Vec<usize> = (0..one.matrices().len()).filter(|entry| !is_bounded(*entry)).collect();
+    let is_unseen = |channel: usize, entry: usize| {
+        let fresnel = |table: &Table| table.terms().map_or(0.0, |terms| terms.fresnel()[entry]);
+        channel == TERMS[1] && (fresnel(one) - fresnel(other)).abs() < UNSEEN_TERM
+    };
+    let numbers = [one, other].map(Table::smooth_numbers);
+    std::array::from_fn(|channel| {
+        let seen = kept.iter().filter(|entry| !is_unseen(channel, **entry));
+        let worst = seen.map(|i| (numbers[0][*i][channel] - numbers[1][*i][channel]).abs()).fold(0.0, f64::max);
+        worst / rounding.step(channel)
+    })
+}
+
+#[test]
+fn smooth_tables_of_every_layout_come_back_in_few_bytes() {
+    for layout in &LAYOUTS {
+        for has_terms in [true, false] {
+            let table = planted(*layout, [12, 5, 9, 6], has_terms, |_, _| 0.0);
+            let bytes = encode(&table).expect("bytes");
+            let again = decode(&bytes).expect("a table");
+            assert_eq!((again.layout(), again.brdf(), again.lobe()), (table.layout(), table.brdf(), table.lobe()));
+            assert_eq!(again.axes(), table.axes());
+            assert_eq!(again.terms().is_some(), has_terms);
+            assert!(again.node_error().iter().all(|error| error.is_nan()));
+            let misses = misses(&table, &again);
+            // What is not corrected, and the 32 bits of a matrix that is nearly singular at the horizon.
+            let most = if *layout == Layout::Reflected { 4.1 } else { 6.0 };
+            assert!(misses.iter().all(|miss| *miss < most), "{layout}: {misses:?}");
+            assert!(bytes.len() < 1500, "{layout}: {} bytes", bytes.len());
+            assert_eq!(encode(&table), Ok(bytes), "{layout}");
+        }
+    }
+}
+
+/// Without corrections the edge would be missed by half its height.
+#[test]
+fn an_edge_costs_bytes_and_not_accuracy() {
+    let edge = |channel, place: [f64; 4]| if channel == 0 && place[0] > 0.97 && place[2] < 0.5 { 0.5 } else { 0.0 };
+    let table = planted(Layout::Ltc2017, [64, 1, 64, 1], true, edge);
+    let bytes = encode(&table).expect("bytes");
+    let misses = misses(&table, &decode(&bytes).expect("a table"));
+    assert!(misses.iter().all(|miss| *miss < 4.5), "{misses:?}");
+}
+
+/// Other bytes mean another version: the last byte of [`COMPACT_MAGIC`].
+#[test]
+fn bytes_and_decoded_numbers_are_pinned() {
+    let wave = |channel: usize, place: [f64; 4]| 0.02 * (channel as f64) * place[0] * (place[2] - 0.5) * place[3];
+    let bytes = encode(&planted(Layout::Reflected, [6, 4, 5, 5], true, wave)).expect("bytes");
+    let table = decode(&bytes).expect("a table");
+    let numbers: Vec<u8> = table.matrices().iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    assert_eq!(
+        [Digest::of(&bytes).hex()[..16].to_owned(), Digest::of(&numbers).hex()[..16].to_owned()],
+        ["84c5aa48e15d0d37", "328afb3542d6270f"],
+        "{} bytes",
+        bytes.len()
+    );
+}
+
+#[test]
+fn each_fault_of_a_table_is_named() {
+    let error = encode(&planted(Layout::Hdrp, [4, 1, 4, 1], true, |_, _| 0.0)).expect_err("no such form").to_string();
+    assert!(error.starts_with("layout hdrp has no compact form") && error.ends_with("ltc2017 have one"), "{error}");
+    let mut table = planted(Layout::Reflected, [4, 3, 4, 3], true, |_, _| 0.0);
+    table.axes.theta[1] += 1e-9;
+    let error = encode(&table).expect_err("other nodes").to_string();
+    assert!(error.starts_with("the nodes of theta are not those of layout reflected from 0 to 1.57"), "{error}");
+    let mut table = planted(Layout::Reflected, [4, 3, 4, 3], true, |_, _| 0.0);
+    table.matrix[7][0] = f32::NAN;
+    assert_eq!(encode(&table), Err(CompactError::Entry { entry: 7 }));
+}
+
+fn valid() -> Vec<u8> {
+    encode(&planted(Layout::Reflected, [4, 3, 5, 3], true, |_, _| 0.0)).expect("bytes")
+}
+
+#[test]
+fn each_fault_of_the_header_is_named() {
+    let names = 8 + 4 + 4 + 10;
+    let horizon = std::f64::consts::FRAC_PI_2.to_le_bytes();
+    let cases: [(usize, &[u8], &str); 15] = [
+        (7, b"2", "not a compact table of version 1"),
+        (9, b"x", r#"brdf is "xgx"; allowed: ggx"#),
+        (17, b"K", "layout is "),
+        (17, b"kt2016xyz", "allowed: reflected, kt2022, ltc2017"),
+        (names, &[0, 0], "nodes of alpha is 0; allowed: 1 to 16384"),
+        (names, &[0xff, 0x3f], "entries is 16383 x 3 x 5 x 3"),
+        (names + 2, &[5], "polynomials of alpha is 5; allowed: 1 to 4"),
+        (names + 2, &[0], "polynomials of alpha is 0"),
+        (names + 3, &[0xff; 8], "range of alpha is NaN to 1"),
+        (names + 3 * 19 - 8, &horizon, "the nodes of theta are not those of layout reflected from 0 to 1.57"),
+        (names + 76, &[0xff, 0xff], "channels is 0b1111111111111111"),
+        (names + 78, &[0, 2], "corrected channels is "),
+        (names + 80, &[0, 0, 0, 0], "steps of corrections is 0; allowed: 0.001 to 64"),
+        (names + 80, &[0xff; 4], "steps of corrections is NaN"),
+        (names + 84, &[0, 0, 0, 0], "step of channel 0 is 0; allowed: 1e-9 to 1"),
+    ];
+    decode(&valid()).expect("a table");
+    for (at, change, said) in cases {
+        let mut bytes = valid();
+        // 16383 nodes of alpha times 45 are below the limit: take more of ratio.
+        bytes[at..at + change.len()].copy_from_slice(change);
+        if said.starts_with("entries") {
+            bytes[names + 19..names + 21].copy_from_slice(&[0xff, 0x0f]);
+        }
+        let error = decode(&bytes).expect_err(said).to_string();
+        let said = if said.starts_with("entries") { "entries is 16383 x 4095 x 5 x 3" } else { said };
+        assert!(error.contains(said), "{error}");
+    }
+    let mut long = valid();
+    long.push(0);
+    assert_eq!(decode(&long), Err(CompactError::Long { bytes: 1 }));
+}
+
+proptest! {
+    /// Any numbers within half of the correction's step, and whatever the axes' lengths.
+    #[test]
+    fn rough_tables_come_back(
+        nodes in (1_u32..6, 1_u32..5, 1_u32..7, 1_u32..5), noise in prop::collection::vec(-0.2..0.2, 97),
+    ) {
+        let nodes = [nodes.0 + 1, nodes.1 + 1, nodes.2 + 1, nodes.3 + 1];
+        let rough = |channel: usize, place: [f64; 4]| {
+            let at = place.iter().fold(channel as f64, |hash, u| hash * 7.0 + u * 31.0);
+            noise[at as usize % noise.len()]
+        };
+        let table = planted(Layout::Reflected, nodes, true, rough);
+        let again = decode(&encode(&table).expect("bytes")).expect("a table");
+        let misses = misses(&table, &again);
+        prop_assert!(misses.iter().all(|miss| *miss < 6.0), "{misses:?}");
+    }
+
+    #[test]
+    fn hostile_bytes_give_an_error_or_a_table(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
+        cut in prop::option::of(any::<prop::sample::Index>()), more in prop::collection::vec(any::<u8>(), 0..64),
+    ) {
+        let mut bytes = valid();
+        for (at, byte) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        if let Some(cut) = cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        bytes.extend(more);
+        if let Ok(table) = decode(&bytes) {
+            prop_assert!(table.matrices().iter().flatten().all(|x| x.is_finite()));
+        }
+    }
+
+    #[test]
+    fn any_bytes_behind_a_header_are_survived(coded in prop::collection::vec(any::<u8>(), 0..600)) {
+        let header = Header::read(&valid()).expect("a header").0.bytes();
+        let _ = decode(&[header, coded].concat());
+    }
+}

@@ -1,0 +1,317 @@
+/// A texture, RGBA. Texels run along x, then y, then z.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    pub name: &'static str,
+    pub width: usize,
+    pub height: usize,
+    pub depth: usize,
+    pub texels: Vec<f32>,
+}
+
+const CHANNELS: usize = 9;
+const LONGEST: usize = 24;
+const MOST_POLYNOMIALS: usize = 28;
+const MOST_ENTRIES: usize = 1 << 20;
+const CEILING: f64 = 0.9999 * std::f64::consts::FRAC_PI_2;
+
+/// The textures of a compact form: `ltc_matrix_a`, `ltc_matrix_b` and `ltc_terms` of layout `reflected`, `LTC_1` and `LTC_2`
+/// of `ltc2017`. The last channel of `LTC_2` is 0.
+///
+/// # Errors
+/// Other bytes, and other layouts.
+pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
+    let mut reader = Reader { bytes };
+    if reader.take::<8>()? != *b"LTCcomp1" {
+        return Err("no compact table of version 1");
+    }
+    let (_brdf, _lobe, layout) = (reader.name()?, reader.name()?, reader.name()?);
+    let is_reflected = match layout {
+        b"reflected" => true,
+        b"ltc2017" => false,
+        _ => return Err("a layout that this decoder makes no textures of"),
+    };
+    let (mut nodes, mut counts, mut ranges) = ([0; 4], [0; 4], [[0.0; 2]; 4]);
+    for axis in 0..4 {
+        nodes[axis] = usize::from(u16::from_le_bytes(reader.take()?));
+        counts[axis] = usize::from(reader.take::<1>()?[0]);
+        ranges[axis] = [f64::from_le_bytes(reader.take()?), f64::from_le_bytes(reader.take()?)];
+        if counts[axis] < 1 || counts[axis] > nodes[axis].min(MOST_POLYNOMIALS) {
+            return Err("nodes or polynomials that no table has");
+        }
+    }
+    let entries = nodes.iter().try_fold(1_usize, |product, n| product.checked_mul(*n));
+    let entries = entries.filter(|entries| *entries <= MOST_ENTRIES).ok_or("too many entries")?;
+    if !is_reflected && nodes[1] * nodes[3] != 1 {
+        return Err("an isotropic layout with several ratios or phi");
+    }
+    let [stored, corrected] = [u16::from_le_bytes(reader.take()?), u16::from_le_bytes(reader.take()?)];
+    let correction = f64::from(f32::from_le_bytes(reader.take()?));
+    let mut steps = [0.0; CHANNELS];
+    for (channel, step) in steps.iter_mut().enumerate() {
+        if stored >> channel & 1 == 1 {
+            *step = f64::from(f32::from_le_bytes(reader.take()?));
+        }
+    }
+    let mut coder = Coder { code: u32::from_be_bytes(reader.take()?), range: u32::MAX, bytes: reader.bytes };
+    let bases: Vec<Vec<f64>> = (0..4).map(|axis| polynomials(nodes[axis], counts[axis])).collect();
+    let (mut coefficients, mut corrections) = (Models::new(), Models::new());
+    let mut numbers = vec![[0.0; CHANNELS]; entries];
+    for channel in (0..CHANNELS).filter(|channel| stored >> channel & 1 == 1) {
+        let read = coder.integers(&mut coefficients, counts)?;
+        let mut values: Vec<f64> = read.into_iter().map(|k| f64::from(k) * steps[channel]).collect();
+        let mut after = 1;
+        for axis in (0..4).rev() {
+            values = along(&values, &bases[axis], counts[axis], nodes[axis], after);
+            after *= nodes[axis];
+        }
+        if corrected >> channel & 1 == 1 {
+            for (value, k) in values.iter_mut().zip(coder.integers(&mut corrections, nodes)?) {
+                *value += f64::from(k) * (steps[channel] * correction);
+            }
+        }
+        for (entry, value) in numbers.iter_mut().zip(values) {
+            entry[channel] = value;
+        }
+    }
+    if !coder.bytes.is_empty() {
+        return Err("bytes follow the end");
+    }
+
+    let has_terms = stored >> 7 != 0;
+    let [alpha, ratio, theta, phi] = nodes;
+    let texture = |name, [width, height, depth]: [usize; 3]| Texture {
+        name,
+        width,
+        height,
+        depth,
+        texels: vec![0.0; 4 * entries],
+    };
+    let put = |texture: &mut Texture, texel: usize, numbers: [f64; 4]| {
+        texture.texels[4 * texel..4 * texel + 4].copy_from_slice(&numbers.map(|x| x as f32));
+    };
+    if is_reflected {
+        let size = [phi, ratio * theta, alpha];
+        let mut made = ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"].map(|name| texture(name, size));
+        for (i, numbers) in numbers.iter().enumerate() {
+            let (t, p) = (i / phi % theta, i % phi);
+            let from_above = t == 0 && ranges[2][0] == 0.0;
+            let in_x = from_above || p == 0 && ranges[3][0] == 0.0;
+            let in_y = from_above || p + 1 == phi && ranges[3][1] == std::f64::consts::FRAC_PI_2;
+            let [x, y, z] = beside_reflection(*numbers, in_x, in_y);
+            let (amplitude, fresnel) = if has_terms { (numbers[7].max(0.0), numbers[8]) } else { (1.0, 0.0) };
+            put(&mut made[0], i, [x[0], y[0], z[0], x[1]]);
+            put(&mut made[1], i, [y[1], z[1], x[2], y[2]]);
+            put(&mut made[2], i, [z[2], amplitude, fresnel, 0.0]);
+        }
+        return Ok(made.into());
+    }
+    let part = |i: usize, n: usize| i as f64 / n.saturating_sub(1).max(1) as f64;
+    let mut made = ["LTC_1", "LTC_2"].map(|name| texture(name, [alpha, theta, 1]));
+    for (i, numbers) in numbers.iter_mut().enumerate() {
+        let (a, t) = (i / theta, i % theta);
+        let (roughness, v) = (part(a, alpha), part(t, theta));
+        let angle = 2.0 * v.atan2((2.0 - v * v).sqrt());
+        let rough = (roughness * roughness).max(1e-4);
+        numbers[5] *= rough / (rough + 0.002);
+        let s = beside_reflection(*numbers, true, t == 0);
+        let lobe = lobe(rough, angle.min(CEILING), s, [numbers[7].max(0.0), numbers[8]]);
+        let ([x, y, z], terms) = (lobe.0, if has_terms { lobe.1 } else { [1.0, 0.0] });
+        let texel = t * alpha + a;
+        let middle = (x[0] * z[2] - x[2] * z[0]) / y[1];
+        let [m00, m20, m02, m22] = [z[2], -x[2], -z[0], x[0]].map(|number| (number / middle).clamp(-6e4, 6e4));
+        put(&mut made[0], texel, [m00.max(1e-30), m20, m02, m22.max(1e-30)]);
+        put(&mut made[1], texel, [terms[0], terms[1], 0.0, 0.0]);
+    }
+    Ok(made.into())
+}
+
+/// Takes bytes from the front.
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], &'static str> {
+        let taken = self.bytes.get(..N).ok_or("the bytes end too early")?;
+        self.bytes = &self.bytes[N..];
+        taken.try_into().map_err(|_| "the bytes end too early")
+    }
+
+    fn name(&mut self) -> Result<&'a [u8], &'static str> {
+        let length = usize::from(self.take::<1>()?[0]);
+        let name = self.bytes.get(..length).ok_or("the bytes end too early")?;
+        self.bytes = &self.bytes[length..];
+        Ok(name)
+    }
+}
+
+/// Chances of bits: by neighbourhood and bits so far whether a magnitude is longer; by length its second bit; other bits;
+/// signs.
+struct Models {
+    lengths: [[u16; LONGEST]; 13],
+    seconds: [u16; LONGEST + 1],
+    low: u16,
+    sign: u16,
+}
+
+impl Models {
+    fn new() -> Self {
+        Self { lengths: [[1024; LONGEST]; 13], seconds: [1024; LONGEST + 1], low: 1024, sign: 1024 }
+    }
+}
+
+/// The range coder.
+struct Coder<'a> {
+    code: u32,
+    range: u32,
+    bytes: &'a [u8],
+}
+
+impl Coder<'_> {
+    fn bit(&mut self, chance: &mut u16) -> Result<bool, &'static str> {
+        let bound = (self.range >> 11) * u32::from(*chance);
+        let is_one = self.code >= bound;
+        if is_one {
+            self.code -= bound;
+            self.range -= bound;
+            *chance -= *chance >> 4;
+        } else {
+            self.range = bound;
+            *chance += (2048 - *chance) >> 4;
+        }
+        while self.range < 1 << 24 {
+            let (next, rest) = self.bytes.split_first().ok_or("the bytes end too early")?;
+            self.code = self.code << 8 | u32::from(*next);
+            self.range <<= 8;
+            self.bytes = rest;
+        }
+        Ok(is_one)
+    }
+
+    fn integers(&mut self, models: &mut Models, lengths: [usize; 4]) -> Result<Vec<i32>, &'static str> {
+        let [_, ratio, theta, phi] = lengths;
+        let strides = [ratio * theta * phi, theta * phi, phi, 1];
+        let mut numbers = vec![0_i32; lengths.iter().product()];
+        for i in 0..numbers.len() {
+            let mut sum = 0;
+            for (stride, length) in strides.into_iter().zip(lengths) {
+                let place = i / stride % length;
+                for (back, weight) in [(1, 2), (2, 1)] {
+                    if place >= back {
+                        sum += weight * numbers[i - back * stride].unsigned_abs();
+                    }
+                }
+            }
+            let longer = &mut models.lengths[((u32::BITS - sum.leading_zeros()) as usize).min(12)];
+            let mut bits = 0;
+            while bits < LONGEST && self.bit(&mut longer[bits])? {
+                bits += 1;
+            }
+            if bits == 0 {
+                continue;
+            }
+            let mut magnitude = 1;
+            for place in (0..bits - 1).rev() {
+                let chance = if place + 2 == bits { &mut models.seconds[bits] } else { &mut models.low };
+                magnitude = 2 * magnitude + i32::from(self.bit(chance)?);
+            }
+            numbers[i] = if self.bit(&mut models.sign)? { -magnitude } else { magnitude };
+        }
+        Ok(numbers)
+    }
+}
+
+/// Polynomials that are orthonormal on n nodes [Gram 1883], n values each.
+fn polynomials(n: usize, count: usize) -> Vec<f64> {
+    let nodes = n as f64;
+    let mut values = vec![1.0 / nodes.sqrt(); n];
+    let mut before = 0.0;
+    for k in 1..count {
+        let square = (k * k) as f64;
+        let weight = (square * (nodes * nodes - square) / (4.0 * (4.0 * square - 1.0))).sqrt();
+        for i in 0..n {
+            let t = i as f64 - 0.5 * (nodes - 1.0);
+            let last = values[(k - 1) * n + i];
+            let earlier = if k > 1 { values[(k - 2) * n + i] } else { 0.0 };
+            values.push((t * last - before * earlier) / weight);
+        }
+        before = weight;
+    }
+    values
+}
+
+/// An array whose axis of `count` coefficients, `after` numbers each, becomes one of n nodes.
+fn along(array: &[f64], basis: &[f64], count: usize, n: usize, after: usize) -> Vec<f64> {
+    let mut made = vec![0.0; array.len() / count * n];
+    for (from, to) in array.chunks_exact(count * after).zip(made.chunks_exact_mut(n * after)) {
+        for (i, to) in to.chunks_exact_mut(after).enumerate() {
+            for (k, from) in from.chunks_exact(after).enumerate() {
+                for (sum, number) in to.iter_mut().zip(from) {
+                    *sum += basis[k * n + i] * number;
+                }
+            }
+        }
+    }
+    made
+}
+
+/// Three columns.
+type Matrix = [[f64; 3]; 3];
+
+fn times(a: &Matrix, b: &Matrix) -> Matrix {
+    b.map(|c| std::array::from_fn(|i| a[0][i] * c[0] + a[1][i] * c[1] + a[2][i] * c[2]))
+}
+
+/// The matrix beside the reflection, of an entry's numbers; zeros where a lobe is symmetric in a plane.
+fn beside_reflection(numbers: [f64; CHANNELS], in_x: bool, in_y: bool) -> Matrix {
+    let [p, mut l, q, mut across, mut along, mut row_x, mut row_y, ..] = numbers;
+    if in_y {
+        (l, across, row_x) = (0.0, 0.0, 0.0);
+    }
+    if in_x {
+        (l, along, row_y) = (0.0, 0.0, 0.0);
+    }
+    let [across, along] = [across, along].map(|x| x.clamp(-1.0, 1.0));
+    let (p, q) = (p.max(0.004), q.max(0.004));
+    let (a, b, d) = (p * p, p * l, l * l + q * q);
+    let square = across * across + along * along;
+    let (x, y, z) = (2.0 * across / (1.0 + square), 2.0 * along / (1.0 + square), (1.0 - square) / (1.0 + square));
+    let height = z.max(0.05);
+    let (f, g) = ((row_x + x * a + y * b) / height, (row_y + x * b + y * d) / height);
+    let k = 1.0 / (1.0 + z);
+    let frame = [[1.0 - x * x * k, -x * y * k, -x], [-x * y * k, 1.0 - y * y * k, -y], [x, y, z]];
+    let [x, y, z] = times(&frame, &[[a, b, f], [b, d, g], [0.0, 0.0, 1.0]]);
+    // The first two columns turn until their upper block is symmetric.
+    let (cos, sin) = (x[0] + y[1], x[1] - y[0]);
+    let length = (cos * cos + sin * sin).sqrt();
+    if length.is_nan() || length <= 0.0 {
+        return [x, y, z];
+    }
+    let (cos, sin) = (cos / length, sin / length);
+    [std::array::from_fn(|i| x[i] * cos - y[i] * sin), std::array::from_fn(|i| x[i] * sin + y[i] * cos), z]
+}
+
+/// The lobe of an isotropic surface seen from phi 0, and its terms.
+fn lobe(alpha: f64, theta: f64, s: Matrix, [amplitude, fresnel]: [f64; 2]) -> (Matrix, [f64; 2]) {
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let unit = |v: [f64; 3]| v.map(|element| element / dot(v, v).sqrt());
+    let wo = [theta.sin(), 0.0, theta.cos()];
+    let [x, y, z] = unit([alpha * wo[0], 0.0, wo[2]]);
+    let wm = unit([alpha * x, alpha * y, z + 1.0]);
+    let d = dot(wo, wm);
+    let r: [f64; 3] = std::array::from_fn(|i| 2.0 * d * wm[i] - wo[i]);
+    let column = |axis: usize| -> [f64; 3] {
+        let tilt: [f64; 3] = std::array::from_fn(|i| f64::from(u8::from(i == axis)) - wm[axis] * wm[i]);
+        let along = dot(wo, tilt);
+        std::array::from_fn(|i| 2.0 * alpha * (along * wm[i] + d * tilt[i]))
+    };
+    let lambda = |w: [f64; 3]| {
+        let slope2 = alpha * alpha * (w[0] * w[0] + w[1] * w[1]) / (w[2] * w[2]);
+        0.5 * ((1.0 + slope2).sqrt() - 1.0)
+    };
+    let seen = 1.0 + lambda(wo);
+    let g = if r[2] > 0.0 { seen / (seen + lambda(r)) } else { 0.0 };
+    let amplitude = amplitude * g * g;
+    let terms = [amplitude, amplitude * (fresnel + 1.0 - d).max(0.0).powi(5)];
+    (times(&[column(0), column(1), r], &s), terms)
+}

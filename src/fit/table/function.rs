@@ -1,0 +1,300 @@
+//! A table of isotropic surfaces as a function: polynomials in roughness and view that a shader evaluates without a
+//! texture.
+//!
+//! Six of the nine numbers of [`Table::smooth_numbers`] differ from zero where a surface is isotropic and seen from phi 0.
+//! Each is a polynomial in `x` and `y`,
+//!
+//! ```text
+//! sum over i, j < 10 of c_ij T_i(x) T_j(y)
+//! x = from -1 to 1 over the table's roughness sqrt(alpha),    y = the same over its 1 - sqrt(cos theta)
+//! ```
+//!
+//! with Chebyshev's polynomials `T`. The coefficients are those of least squares at the nodes, weighed by the roughness and
+//! the angle for which a node stands, and rounded to multiples of 1/8192 or 1/16384 that 16 bits hold.
+//!
+//! Fitted lobes scatter a little from one to the next. Least squares average this away, so that the function comes nearer
+//! to the truth than a fine table of layout `reflected`.
+
+use super::{Configuration, LookedUp, Table};
+use crate::fit::{
+    axes::PerAxis,
+    layout::{ALPHA_FLOOR, Layout, LobeNumbers, SMOOTH_NUMBERS, THETA_CEILING},
+    math::{cos, row_major, turned_about_z},
+};
+
+/// Polynomials along either axis.
+pub const FUNCTION_SIDE: usize = 10;
+/// The channels that are stored, by their places among the smooth numbers.
+const CHANNELS: [usize; 6] = [0, 2, 3, 5, 7, 8];
+/// The steps of their coefficients.
+const STEPS: [f64; 6] = [1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 8192.0, 1.0 / 16384.0, 1.0 / 16384.0, 1.0 / 16384.0];
+/// Fewest nodes along either axis: between those of a coarser table the polynomials would swing.
+const LEAST_NODES: usize = 32;
+/// Nodes along either axis of the table that measures the function.
+const MEASURED_NODES: u32 = 128;
+
+/// A recipe of the tables that polynomials are found of.
+const RECIPE: &str = r#"{"layout": "reflected", "resolution": {"alpha": 64, "ratio": 1, "theta": 64, "phi": 1}, "range": {"ratio": [1, 1], "phi": [0, 0]}}"#;
+
+/// Why a table is no function of this kind.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FunctionError {
+    /// A table of anisotropic surfaces.
+    #[error("the table has {ratios} ratios and {phis} phi; allowed: the one ratio 1 and the one phi 0")]
+    Anisotropic {
+        /// Nodes of ratio.
+        ratios: usize,
+        /// Nodes of phi.
+        phis: usize,
+    },
+    /// A layout whose numbers are not those of the lobes at the nodes.
+    #[error(
+        "the table has layout {layout}, whose numbers are chosen for what lies between its nodes; a recipe whose table serves: \
+         {RECIPE}"
+    )]
+    Chosen {
+        /// The layout.
+        layout: Layout,
+    },
+    /// Too few nodes to find the polynomials.
+    #[error("the table has {nodes} nodes of {axis}; allowed: at least {least}", least = LEAST_NODES)]
+    Coarse {
+        /// The axis.
+        axis: &'static str,
+        /// Its nodes.
+        nodes: usize,
+    },
+    /// A table without amplitude and Fresnel term.
+    #[error("the table has no terms: its recipe needs \"terms\": true")]
+    NoTerms,
+    /// An entry without an inverse or with an amplitude of zero.
+    #[error("entry {entry} has a number that is not finite")]
+    Entry {
+        /// Its index.
+        entry: usize,
+    },
+    /// Numbers that vary too much.
+    #[error("a coefficient of channel {channel} is {value}, which 16 bits do not hold")]
+    Large {
+        /// The channel.
+        channel: usize,
+        /// The coefficient, in its steps.
+        value: String,
+    },
+}
+
+/// An isotropic table as polynomials.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IsotropicFunction {
+    /// By power of roughness, of view, and channel.
+    coefficients: [[[i16; 6]; FUNCTION_SIDE]; FUNCTION_SIDE],
+    /// Where `sqrt(alpha)` begins and ends.
+    roughness: [f64; 2],
+    /// Where `1 - sqrt(cos theta)` begins and ends.
+    view: [f64; 2],
+}
+
+impl IsotropicFunction {
+    /// The function that is nearest to a table.
+    ///
+    /// # Errors
+    /// When the table is not one of isotropic surfaces with terms and enough nodes.
+    pub fn of(table: &Table) -> Result<Self, FunctionError> {
+        let PerAxis { alpha, ratio, theta, phi } = &table.axes;
+        if ratio.as_slice() != [1.0] || phi.as_slice() != [0.0] {
+            return Err(FunctionError::Anisotropic { ratios: ratio.len(), phis: phi.len() });
+        }
+        if table.layout.rules().free_numbers().is_some() {
+            return Err(FunctionError::Chosen { layout: table.layout });
+        }
+        for (axis, nodes) in [("alpha", alpha.len()), ("theta", theta.len())] {
+            if nodes < LEAST_NODES {
+                return Err(FunctionError::Coarse { axis, nodes });
+            }
+        }
+        if table.terms.is_none() {
+            return Err(FunctionError::NoTerms);
+        }
+        let numbers = table.smooth_numbers();
+        if let Some(entry) = numbers.iter().position(|entry| entry.iter().any(|x| !x.is_finite())) {
+            return Err(FunctionError::Entry { entry });
+        }
+        let (rows, columns) = (alpha.len(), theta.len());
+        let roughness: Vec<f64> = alpha.iter().map(|x| roughness_of(*x)).collect();
+        let view: Vec<f64> = theta.iter().map(|x| view_of(*x)).collect();
+        let row_weights = shares(&roughness);
+        let ends = |places: &[f64]| [places[0], places[places.len() - 1]];
+        let mut found = Self {
+            coefficients: [[[0; 6]; FUNCTION_SIDE]; FUNCTION_SIDE],
+            roughness: ends(&roughness),
+            view: ends(&view),
+        };
+        let across = Projection::new(&roughness, found.roughness, &row_weights);
+        let along = Projection::new(&view, found.view, &shares(theta));
+        for (channel, (place, step)) in CHANNELS.into_iter().zip(STEPS).enumerate() {
+            let by_row: Vec<[f64; FUNCTION_SIDE]> =
+                (0..rows).map(|row| along.of(|column| numbers[row * columns + column][place])).collect();
+            for (i, j) in (0..FUNCTION_SIDE * FUNCTION_SIDE).map(|k| (k / FUNCTION_SIDE, k % FUNCTION_SIDE)) {
+                let steps = (across.of(|row| by_row[row][j])[i] / step).round();
+                if !(f64::from(i16::MIN)..=f64::from(i16::MAX)).contains(&steps) {
+                    return Err(FunctionError::Large { channel: place, value: steps.to_string() });
+                }
+                found.coefficients[i][j][channel] = steps as i16;
+            }
+        }
+        Ok(found)
+    }
+
+    /// The coefficients in multiples of [`Self::steps`], by power of roughness, of view, and channel: `p`, `q`, the slant of
+    /// the third column, the last row, and the two terms, as `shaders/ltc_function.wgsl` takes them.
+    #[must_use]
+    pub fn coefficients(&self) -> &[[[i16; 6]; FUNCTION_SIDE]; FUNCTION_SIDE] {
+        &self.coefficients
+    }
+
+    /// What one of a channel's coefficients is a multiple of.
+    #[must_use]
+    pub fn steps() -> [f64; 6] {
+        STEPS
+    }
+
+    /// The ends of `sqrt(alpha)` and of `1 - sqrt(cos theta)`; beyond them the function is that of the nearest end.
+    #[must_use]
+    pub fn ends(&self) -> [[f64; 2]; 2] {
+        [self.roughness, self.view]
+    }
+
+    /// The function as a table of layout `reflected` whose nodes are so near to each other that interpolation adds nothing,
+    /// to be measured.
+    #[must_use]
+    pub fn table(&self, source: &Table) -> Table {
+        let range = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
+        let ranges = PerAxis {
+            alpha: range(&source.axes.alpha),
+            ratio: [1.0; 2],
+            theta: range(&source.axes.theta),
+            phi: [0.0; 2],
+        };
+        let resolution = PerAxis { alpha: MEASURED_NODES, ratio: 1, theta: MEASURED_NODES, phi: 1 };
+        let axes = Layout::Reflected.nodes(&ranges, &resolution);
+        let numbers: Vec<[f64; SMOOTH_NUMBERS]> =
+            axes.alpha.iter().flat_map(|alpha| axes.theta.iter().map(|theta| self.numbers(*alpha, *theta))).collect();
+        Table::of_smooth_numbers((source.brdf, source.lobe, Layout::Reflected), axes, &numbers, true)
+    }
+
+    /// What a shader computes: the lobe of the larger roughness, turned with the view.
+    #[must_use]
+    pub fn lobe(&self, configuration: &Configuration) -> LookedUp {
+        let Configuration { alpha_x, alpha_y, theta, phi } = *configuration;
+        let alpha = alpha_x.max(alpha_y).clamp(ALPHA_FLOOR, 1.0);
+        let place = PerAxis { alpha, ratio: 1.0, theta: theta.min(THETA_CEILING), phi: 0.0 };
+        let stored = Layout::Reflected.of_smooth(&place, &self.numbers(alpha, theta));
+        let LobeNumbers { matrix, terms } = Layout::Reflected.rules().restore(&place, &stored);
+        LookedUp {
+            matrix: row_major(&turned_about_z(matrix, phi)),
+            amplitude: Some(terms.amplitude),
+            fresnel: Some(terms.fresnel),
+        }
+    }
+
+    /// The smooth numbers at a roughness and an angle.
+    fn numbers(&self, alpha: f64, theta: f64) -> [f64; SMOOTH_NUMBERS] {
+        let x = chebyshev(within(roughness_of(alpha), self.roughness));
+        let y = chebyshev(within(view_of(theta), self.view));
+        let mut numbers = [0.0; SMOOTH_NUMBERS];
+        for (channel, (place, step)) in CHANNELS.into_iter().zip(STEPS).enumerate() {
+            for (row, x) in self.coefficients.iter().zip(x) {
+                numbers[place] += row.iter().zip(y).map(|(c, y)| f64::from(c[channel]) * step * x * y).sum::<f64>();
+            }
+        }
+        numbers
+    }
+}
+
+fn roughness_of(alpha: f64) -> f64 {
+    alpha.max(ALPHA_FLOOR).sqrt()
+}
+
+fn view_of(theta: f64) -> f64 {
+    1.0 - cos(theta.min(THETA_CEILING)).sqrt()
+}
+
+/// The place between two ends, from -1 to 1.
+fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
+    (2.0 * (x - low) / (high - low) - 1.0).clamp(-1.0, 1.0)
+}
+
+/// Chebyshev's polynomials.
+fn chebyshev(x: f64) -> [f64; FUNCTION_SIDE] {
+    let mut t = [1.0; FUNCTION_SIDE];
+    t[1] = x;
+    for k in 2..FUNCTION_SIDE {
+        t[k] = 2.0 * x * t[k - 1] - t[k - 2];
+    }
+    t
+}
+
+/// The part of the axis for which each of ascending places stands.
+fn shares(places: &[f64]) -> Vec<f64> {
+    let last = places.len() - 1;
+    (0..=last).map(|i| 0.5 * (places[(i + 1).min(last)] - places[i.saturating_sub(1)])).collect()
+}
+
+/// Least squares along one axis: a matrix from values at nodes to coefficients.
+struct Projection(Vec<[f64; FUNCTION_SIDE]>);
+
+impl Projection {
+    /// Domain: at least [`FUNCTION_SIDE`] different places.
+    fn new(places: &[f64], ends: [f64; 2], weights: &[f64]) -> Self {
+        let basis: Vec<[f64; FUNCTION_SIDE]> = places.iter().map(|x| chebyshev(within(*x, ends))).collect();
+        let mut normal = [[0.0; FUNCTION_SIDE]; FUNCTION_SIDE];
+        for (t, weight) in basis.iter().zip(weights) {
+            for i in 0..FUNCTION_SIDE {
+                for j in 0..FUNCTION_SIDE {
+                    normal[i][j] += weight * t[i] * t[j];
+                }
+            }
+        }
+        let factor = cholesky(&normal);
+        let column = |(t, weight): (&[f64; FUNCTION_SIDE], &f64)| solved(&factor, t.map(|t| t * weight));
+        Self(basis.iter().zip(weights).map(column).collect())
+    }
+
+    /// The coefficients of values at the places.
+    fn of(&self, value: impl Fn(usize) -> f64) -> [f64; FUNCTION_SIDE] {
+        let mut sum = [0.0; FUNCTION_SIDE];
+        for (i, column) in self.0.iter().enumerate() {
+            let value = value(i);
+            sum.iter_mut().zip(column).for_each(|(sum, factor)| *sum += value * factor);
+        }
+        sum
+    }
+}
+
+type Square = [[f64; FUNCTION_SIDE]; FUNCTION_SIDE];
+
+/// The lower factor `L` of a positive definite `L L^T`.
+fn cholesky(matrix: &Square) -> Square {
+    let mut factor = [[0.0; FUNCTION_SIDE]; FUNCTION_SIDE];
+    for i in 0..FUNCTION_SIDE {
+        for j in 0..=i {
+            let rest = matrix[i][j] - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+            factor[i][j] = if i == j { rest.max(f64::MIN_POSITIVE).sqrt() } else { rest / factor[j][j] };
+        }
+    }
+    factor
+}
+
+/// `x` of `L L^T x = y`.
+fn solved(factor: &Square, mut y: [f64; FUNCTION_SIDE]) -> [f64; FUNCTION_SIDE] {
+    for i in 0..FUNCTION_SIDE {
+        y[i] = (y[i] - (0..i).map(|k| factor[i][k] * y[k]).sum::<f64>()) / factor[i][i];
+    }
+    for i in (0..FUNCTION_SIDE).rev() {
+        y[i] = (y[i] - (i + 1..FUNCTION_SIDE).map(|k| factor[k][i] * y[k]).sum::<f64>()) / factor[i][i];
+    }
+    y
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

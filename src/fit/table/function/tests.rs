@@ -1,0 +1,76 @@
+//! Polynomials that are planted, and tables that are none.
+
+use super::*;
+use crate::fit::{brdf::BrdfKind, lobe::LobeModel};
+
+/// Numbers that are polynomials of low degree in the function's own variables.
+pub(crate) fn planted(layout: Layout) -> Table {
+    let theta_end = if layout == Layout::Reflected { THETA_CEILING } else { std::f64::consts::FRAC_PI_2 };
+    let ranges = PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: [0.0, theta_end], phi: [0.0; 2] };
+    let axes = layout.nodes(&ranges, &PerAxis { alpha: 36, ratio: 1, theta: 32, phi: 1 });
+    let numbers: Vec<[f64; SMOOTH_NUMBERS]> =
+        axes.alpha.iter().flat_map(|alpha| axes.theta.iter().map(|theta| wanted(*alpha, *theta))).collect();
+    Table::of_smooth_numbers((BrdfKind::Ggx, LobeModel::Ltc, layout), axes, &numbers, true)
+}
+
+/// The planted numbers.
+fn wanted(alpha: f64, theta: f64) -> [f64; SMOOTH_NUMBERS] {
+    let (x, y) = (roughness_of(alpha), view_of(theta));
+    let p = 1.0 - 0.3 * x * x + 0.2 * x * y * y;
+    let q = 1.0 + 0.4 * y * y * y - 0.3 * x * x;
+    let (slant, row) = (0.3 * y * y * (1.0 - x), -0.5 * x * y);
+    [p, 0.0, q, slant, 0.0, row, 0.0, 1.0 - 0.6 * x * x * (1.0 - y), 0.15 * x + 0.1 * x * y]
+}
+
+#[test]
+fn planted_polynomials_are_found() {
+    let found = IsotropicFunction::of(&planted(Layout::Reflected)).expect("a function");
+    for alpha in [0.0, 0.003, 0.2, 0.55, 1.0] {
+        for theta in [0.0, 0.4, 1.1, 1.5] {
+            for (found, wanted) in found.numbers(alpha, theta).into_iter().zip(wanted(alpha, theta)) {
+                // A hundred coefficients, each off by at most half of a step.
+                assert!((found - wanted).abs() < 2e-3, "{alpha} {theta}: {found} {wanted}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_measured_table_is_the_function() {
+    let source = planted(Layout::Reflected);
+    let found = IsotropicFunction::of(&source).expect("a function");
+    let table = found.table(&source);
+    assert_eq!((table.layout(), table.axes().lengths().alpha), (Layout::Reflected, 128));
+    let (at, numbers) = (table.axes().node(64 * 128 + 50), table.smooth_numbers()[64 * 128 + 50]);
+    for (one, other) in found.numbers(at.alpha, at.theta).into_iter().zip(numbers) {
+        assert!((one - other).abs() < 1e-5, "{one} {other}");
+    }
+}
+
+#[test]
+fn tables_that_are_no_function_are_refused_by_name() {
+    let error = IsotropicFunction::of(&planted(Layout::Ltc2017)).expect_err("chosen numbers").to_string();
+    assert!(error.contains("layout ltc2017") && error.contains(r#"{"layout": "reflected""#), "{error}");
+    let mut table = planted(Layout::Reflected);
+    table.terms = None;
+    assert_eq!(IsotropicFunction::of(&table), Err(FunctionError::NoTerms));
+    let mut table = planted(Layout::Reflected);
+    table.matrix[5] = [f32::NAN; 9];
+    assert_eq!(IsotropicFunction::of(&table), Err(FunctionError::Entry { entry: 5 }));
+    let ranges = PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, 1.5], phi: [0.0, 1.5] };
+    for (resolution, said) in [
+        (PerAxis { alpha: 32, ratio: 2, theta: 32, phi: 3 }, "2 ratios and 3 phi; allowed: the one ratio 1"),
+        (PerAxis { alpha: 31, ratio: 1, theta: 32, phi: 1 }, "31 nodes of alpha; allowed: at least 32"),
+        (PerAxis { alpha: 32, ratio: 1, theta: 3, phi: 1 }, "3 nodes of theta"),
+    ] {
+        let mut axes = Layout::Reflected.nodes(&ranges, &resolution);
+        if resolution.ratio == 1 {
+            (axes.ratio, axes.phi) = (vec![1.0], vec![0.0]);
+        }
+        let entries = axes.lengths().named().iter().map(|(_, n)| **n).product::<usize>();
+        let numbers = vec![wanted(0.5, 0.5); entries];
+        let table = Table::of_smooth_numbers((BrdfKind::Ggx, LobeModel::Ltc, Layout::Reflected), axes, &numbers, true);
+        let error = IsotropicFunction::of(&table).expect_err(said).to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}

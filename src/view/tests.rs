@@ -1,0 +1,63 @@
+//! The decoder of compact forms in WGSL, on the GPU against the one in Rust.
+
+use super::preview::{GpuFailure, run_decoder, tell_skipped};
+use crate::{
+    files::{
+        compact::{decode, encode},
+        textures::{About, CompactContainer, Texture, textures_of},
+    },
+    fit::{Layout, Table, planted_isotropic},
+};
+
+/// A number that the module's header states: the one before ` bytes` in the line of a binding, or before ` workgroups`.
+fn stated(text: &str, line: &str, word: &str) -> u64 {
+    let line = text.lines().find(|found| found.contains(line)).expect(line);
+    let (before, _) = line.split_once(word).expect(word);
+    before.split_whitespace().next_back().and_then(|number| number.parse().ok()).expect("a number")
+}
+
+/// Tables with an edge, so that entries need corrections.
+fn edged(layout: Layout) -> Table {
+    let mut table = planted_isotropic(layout);
+    let numbers = &mut table.matrix;
+    let last = numbers.len() - 3;
+    for row in &mut numbers[last..] {
+        row[0] *= 1.7;
+    }
+    table
+}
+
+#[test]
+fn the_decoder_in_wgsl_makes_the_textures() {
+    for layout in [Layout::Reflected, Layout::Ltc2017] {
+        let table = edged(layout);
+        let bytes = encode(&table).expect("bytes");
+        let files = CompactContainer::Wgsl.files("ltc", &table, &About::new(["a table"])).expect("files");
+        assert_eq!((files[0].path.as_str(), &files[0].bytes), ("ltc.compact", &bytes));
+        let source = std::str::from_utf8(&files[1].bytes).expect("UTF-8");
+        let sizes = [stated(source, "for the decoder alone", " bytes"), stated(source, "RGBA of 32 bits", " bytes")];
+        let passes = [stated(source, "ltc_read, ", " times"), stated(source, "ltc_expand, ", " workgroups. Copy")];
+        let passes = passes.map(|n| u32::try_from(n).expect("few"));
+        let found = match run_decoder(source, &bytes, sizes, passes) {
+            Ok(found) => found,
+            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(error) => panic!("{error}"),
+        };
+        let decoded = decode(&bytes).expect("a table");
+        let textures = textures_of(&decoded, layout.name()).expect("textures");
+        let wanted: Vec<f32> = textures.iter().flat_map(|texture| texture.texels.iter().copied()).collect();
+        assert_eq!(found.len(), wanted.len(), "{layout}");
+        for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+            // The last channel of LTC_2 is for lights that are spheres.
+            let is_sphere = layout == Layout::Ltc2017 && i >= wanted_half(&textures) && i % 4 == 3;
+            assert!(
+                is_sphere || (found - wanted).abs() < 2e-4 * (1.0 + wanted.abs()),
+                "{layout} {i}: {found} {wanted}"
+            );
+        }
+    }
+}
+
+fn wanted_half(textures: &[Texture]) -> usize {
+    textures[0].texels.len()
+}
