@@ -18,7 +18,7 @@ impl S3 {
     /// Starts it; `None`, told loudly, where moto is not installed.
     pub(crate) fn start() -> Option<Self> {
         let Some(python) = python() else {
-            tell_skipped("there is no Python with moto[server] here; `make s3` installs it");
+            tell_skipped("there is no Python with moto[server] here; `make cluster` installs it");
             return None;
         };
         // The port is free now; nobody else on this machine asks for that one by number.
@@ -59,7 +59,7 @@ impl Drop for S3 {
     }
 }
 
-/// A Python that has moto: the one that `make s3` made, or the one on the path.
+/// A Python that has moto: the one that `make cluster` made, or the one on the path.
 fn python() -> Option<PathBuf> {
     let target = Path::new(env!("CARGO_BIN_EXE_ltcforge")).ancestors().nth(2)?;
     let has_moto = |python: &PathBuf| {

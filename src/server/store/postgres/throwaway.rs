@@ -69,7 +69,7 @@ impl Server {
 
     fn start_as(arguments: &str, copy_of: Option<&Path>) -> Option<Self> {
         let Some(programs) = programs() else {
-            tell_skipped("there is no PostgreSQL server here; `make packages` installs it");
+            tell_skipped("there is no PostgreSQL server here; `make cluster` installs it");
             return None;
         };
         static SERVERS: AtomicU32 = AtomicU32::new(0);
