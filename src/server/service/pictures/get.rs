@@ -73,7 +73,7 @@ impl Pictures {
         let table = match table {
             Some(table) if !self.tables.contains(table).map_err(ServiceError::from)? => {
                 return Err(PictureError::UnknownTable(table));
-            },
+            }
             None if subject.needs_table() => Some(self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?),
             named_or_none => named_or_none,
         };
