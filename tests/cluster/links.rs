@@ -7,7 +7,7 @@ use std::{
 
 use crate::{
     Shared, Worker,
-    common::{LARGE, SMALL, command::run_with_stdin, server::text, tell_skipped},
+    common::{LARGE, SMALL, command::run_with_stdin, eventually, server::text, tell_skipped},
     faults::entries_done,
     proxy::{Link, Proxy, Upstream},
     throwaway,
@@ -93,7 +93,9 @@ fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let replica = shared.replica(&folder.path().join("replica"));
     let by = ["ip", "netns", "exec", &lossy.name];
-    let _worker = Worker::start_by(&by, &shared.by(link.address), folder.path(), "60");
+    let far = shared.by(link.address);
+    // One that has not got through when it gives up is started again, as by whatever runs it.
+    let _worker = eventually("a worker that connects", || Worker::start_by(&by, &far, folder.path(), "60"));
     let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
     assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
 }

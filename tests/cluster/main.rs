@@ -67,11 +67,11 @@ pub(crate) struct Worker(Child);
 impl Worker {
     /// Starts one thread of work, with leases of `lease_seconds`.
     pub(crate) fn start(shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
-        Self::start_by(&[], shared, folder, lease_seconds)
+        Self::start_by(&[], shared, folder, lease_seconds).expect("a worker that connects")
     }
 
-    /// Has another command start it.
-    pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
+    /// Has another command start it; `None` if it ended because it could not connect.
+    pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Option<Self> {
         let data = folder.join("worker");
         let data = data.to_str().expect("a path in UTF-8");
         let own = ["--workers", "1", "--lease-seconds", lease_seconds, "--data", data];
@@ -84,10 +84,12 @@ impl Worker {
         }
         command.envs(shared.environment.iter().map(|(name, value)| (name, value)));
         let mut child = command.stderr(Stdio::null()).spawn().expect("the binary runs");
+        let stdout = child.stdout.take().expect("a pipe");
+        let worker = Self(child);
         let mut line = String::new();
-        BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line on stdout");
-        assert!(line.starts_with("working"), "{line}");
-        Self(child)
+        BufReader::new(stdout).read_line(&mut line).expect("a line on stdout or its end");
+        assert!(line.is_empty() || line.starts_with("working"), "{line}");
+        (!line.is_empty()).then_some(worker)
     }
 }
 
