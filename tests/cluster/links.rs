@@ -45,26 +45,29 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
 /// A network namespace whose only link loses a fifth of all packets in each direction. Gone when dropped.
 struct Lossy {
     name: String,
+    /// This machine's end of the link.
+    here: Ipv4Addr,
 }
-
-/// This machine's end of the link.
-const HERE: Ipv4Addr = Ipv4Addr::new(10, 213, 77, 1);
 
 impl Lossy {
     /// `None`, told loudly, where namespaces cannot be made.
     fn new() -> Option<Self> {
-        let name = format!("ltcforge{}", std::process::id());
+        let process = std::process::id();
+        // Addresses of its own: a namespace whose test was killed may be left, and two links to the same network make none.
+        let network = u32::from(Ipv4Addr::new(10, 213, 0, 0)) + process % 0x4000 * 4;
+        let [here, there] = [1, 2].map(|end| Ipv4Addr::from(network + end));
+        let (name, link) = (format!("ltcforge{process}"), format!("ltc{process}v"));
         let script = format!(
-            "ip netns add {name} && ip link add {name:.12}v type veth peer name eth0 netns {name} &&
-            ip addr add {HERE}/30 dev {name:.12}v && ip link set {name:.12}v up &&
-            ip -n {name} addr add 10.213.77.2/30 dev eth0 && ip -n {name} link set eth0 up && ip -n {name} link set lo up &&
+            "ip netns add {name} && ip link add {link} type veth peer name eth0 netns {name} &&
+            ip addr add {here}/30 dev {link} && ip link set {link} up &&
+            ip -n {name} addr add {there}/30 dev eth0 && ip -n {name} link set eth0 up && ip -n {name} link set lo up &&
             ip netns exec {name} nft 'add table inet loss;
                 add chain inet loss incoming {{ type filter hook input priority 0; }};
                 add chain inet loss outgoing {{ type filter hook output priority 0; }};
                 add rule inet loss incoming iifname eth0 numgen random mod 5 == 0 drop;
                 add rule inet loss outgoing oifname eth0 numgen random mod 5 == 0 drop'"
         );
-        let lossy = Self { name };
+        let lossy = Self { name, here };
         let mut command = Command::new("sh");
         command.args(["-c", &script]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         if command.status().is_ok_and(|status| status.success()) {
@@ -89,7 +92,7 @@ fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
     let Some(lossy) = Lossy::new() else { return };
     let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
     shared.database = database.empty_database();
-    let link = Proxy::start_on(HERE, Upstream::Unix(database.socket()));
+    let link = Proxy::start_on(lossy.here, Upstream::Unix(database.socket()));
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let replica = shared.replica(&folder.path().join("replica"));
     let by = ["ip", "netns", "exec", &lossy.name];
