@@ -44,6 +44,9 @@ fn text(report: &CheckReport) -> String {
                     jobs from the journal and the catalogue from the tables; jobs that the end of the journal has lost as \
                     well are lost";
     line(store.database_was_replaced, replaced.to_owned());
+    let older = "the database is older than the journal of jobs: jobs that the end of the journal has lost as well leave \
+                 no trace";
+    line(store.database_is_older && !store.database_was_replaced, older.to_owned());
     line(store.damaged_rows > 0, format!("{} rows of the database do not match their seal", store.damaged_rows));
     let rows = store.restored_rows;
     line(
@@ -64,6 +67,8 @@ fn text(report: &CheckReport) -> String {
     line(store.journal_is_incomplete, incomplete.to_owned());
     let lost = report.lost_jobs();
     line(!lost.is_empty(), format!("jobs that are lost: {}", listed(&lost)));
+    let doubtful = "jobs that may be lost; damaged entries of the journal name them, and an id may be misread";
+    line(!store.doubtful_jobs.is_empty(), format!("{doubtful}: {}", listed(&store.doubtful_jobs)));
     let missing = listed(&jobs.listed);
     line(!jobs.listed.is_empty(), format!("jobs that are missing in the list; the next start adds them: {missing}"));
     let places = jobs.places_without_job;

@@ -1,6 +1,6 @@
 //! Why a request to a service failed.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use crate::files::{digest::Digest, recipe_document::Fault};
 
@@ -80,10 +80,25 @@ pub enum ClientError {
 /// The part of a problem document that the client reads. A proxy's page in its place is read as empty.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct ProblemDocument {
-    #[serde(default)]
+    #[serde(default, deserialize_with = "printable_text")]
     pub(super) detail: String,
     #[serde(default)]
     pub(super) errors: Vec<Fault>,
+}
+
+/// What a server says, as a terminal may show it: white space in place of line breaks and the like, U+FFFD in place of all
+/// other control characters, such as that with which sequences for the terminal begin.
+pub(super) fn printable(text: &str) -> String {
+    let shown = |c: char| match c {
+        _ if !c.is_control() => c,
+        _ if c.is_whitespace() => ' ',
+        _ => char::REPLACEMENT_CHARACTER,
+    };
+    text.chars().map(shown).collect()
+}
+
+fn printable_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Ok(printable(&String::deserialize(deserializer)?))
 }
 
 impl ClientError {
@@ -105,11 +120,13 @@ impl ClientError {
     pub(super) fn status(url: &str, status: u16, body: &[u8]) -> Self {
         let problem: ProblemDocument = serde_json::from_slice(body).unwrap_or_default();
         let url = url.to_owned();
+        let shown = |fault: &Fault| Fault { pointer: printable(&fault.pointer), detail: printable(&fault.detail) };
+        let faults = problem.errors.iter().map(shown).collect();
         let detail =
             if problem.detail.is_empty() { "the server refused the request".to_owned() } else { problem.detail };
         match status {
             502..=504 => Self::Unavailable { url, reason: format!("{detail} ({status})") },
-            _ => Self::Refused { url, status, detail, faults: problem.errors },
+            _ => Self::Refused { url, status, detail, faults },
         }
     }
 }
@@ -126,6 +143,16 @@ mod tests {
         assert_eq!(error.to_string(), "http://h/v1/jobs: 1 fault in the recipe (422)");
         assert!(matches!(error, ClientError::Refused { faults, .. } if faults.len() == 1));
         assert!(matches!(ClientError::status("u", 404, b"<html>"), ClientError::Refused { status: 404, .. }));
+    }
+
+    #[test]
+    fn what_a_server_says_sends_nothing_to_the_terminal() {
+        let body = br#"{"detail":"a\u001b[2Jb\u009bc\r\nd","errors":[{"pointer":"/\u001b","detail":"\u0007e"}]}"#;
+        let error = ClientError::status("u", 422, body);
+        assert_eq!(error.to_string(), "u: a\u{fffd}[2Jb\u{fffd}c  d (422)");
+        let ClientError::Refused { faults, .. } = error else { panic!("{error}") };
+        assert_eq!((faults[0].pointer.as_str(), faults[0].detail.as_str()), ("/\u{fffd}", "\u{fffd}e"));
+        assert!(!ClientError::status("u", 503, body).to_string().contains('\x1b'));
     }
 
     #[test]

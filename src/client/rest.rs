@@ -13,7 +13,7 @@ use ureq::{
     http::{Response, Uri},
 };
 
-use super::{ClientError, JobDocument, Limits, answer, download::Download, events::events};
+use super::{ClientError, JobDocument, Limits, answer, download::Download, error::printable, events::events};
 use crate::files::{
     digest::Digest,
     job::{JobId, StateName},
@@ -251,7 +251,8 @@ fn parse_job(url: &str, body: &[u8]) -> Result<JobDocument, ClientError> {
 }
 
 fn unexpected(url: &str, error: &serde_json::Error) -> ClientError {
-    ClientError::Unexpected { url: url.to_owned(), reason: error.to_string() }
+    // It may quote what the server sent.
+    ClientError::Unexpected { url: url.to_owned(), reason: printable(&error.to_string()) }
 }
 
 /// Whether a server is on this machine, which a proxy cannot reach.

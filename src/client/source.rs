@@ -1,6 +1,7 @@
 //! Where pinned tables come from: services, and folders of `<digest>.safetensors` files.
 
 use std::{
+    ffi::OsString,
     fmt,
     fs::File,
     io::{self, Read as _, Write},
@@ -38,6 +39,23 @@ impl FromStr for Source {
             return Err(ClientError::BadSource { source_name: text.escape_debug().to_string() });
         }
         Ok(Self::Folder(text.into()))
+    }
+}
+
+impl TryFrom<OsString> for Source {
+    type Error = ClientError;
+
+    /// What is not UTF-8 is the path of a folder.
+    fn try_from(name: OsString) -> Result<Self, ClientError> {
+        let name = match name.into_string() {
+            Ok(text) => return text.parse(),
+            Err(name) => name,
+        };
+        let text = name.to_string_lossy();
+        if text.contains("://") || text.contains(char::is_control) {
+            return Err(ClientError::BadSource { source_name: text.escape_debug().to_string() });
+        }
+        Ok(Self::Folder(name.into()))
     }
 }
 

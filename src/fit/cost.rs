@@ -1,14 +1,13 @@
 //! The time that a fit takes, estimated from its recipe.
 
-use super::recipe::{FitSettings, Recipe};
+use super::{
+    recipe::{FitSettings, Recipe},
+    solver::Effort,
+};
 
-/// Seconds of one evaluation of loss and gradient, for each sample and direction. All constants here are seconds of one
-/// thread, measured on one machine. On other machines only their proportions count.
-const EVALUATION_SECONDS: f64 = 2.4e-9;
-/// Seconds of one evaluation for each direction, whatever the number of samples: the histograms.
-const DIRECTION_SECONDS: f64 = 0.48e-6;
-/// Seconds of an entry for each sample, beside its evaluations: the lobe is sampled twice, each time with two samples
-/// for each sample of the LTC.
+/// Seconds of an entry for each sample, beside its solver's: the lobe is sampled twice, each time with two samples for
+/// each sample of the LTC. All constants of the model, here and in `solver`, are seconds of one thread, measured on one
+/// machine. On other machines only their proportions count.
 const SAMPLING_SECONDS: f64 = 0.31e-6;
 /// Seconds of an entry that do not depend on the settings.
 const ENTRY_SECONDS: f64 = 65e-6;
@@ -21,10 +20,9 @@ pub fn fit_seconds(recipe: &Recipe) -> f64 {
 
 /// The time that one entry's fit takes, likewise.
 fn entry_seconds(fit: &FitSettings) -> f64 {
-    let evaluations = fit.solver.rules().evaluations(fit.steps);
-    let (samples, directions) = (f64::from(fit.samples), f64::from(fit.directions));
-    let evaluation = directions * (EVALUATION_SECONDS * samples + DIRECTION_SECONDS);
-    f64::from(evaluations) * evaluation + SAMPLING_SECONDS * samples + ENTRY_SECONDS
+    let effort =
+        Effort { samples: fit.samples as usize, directions: fit.directions as usize, steps: fit.steps, seed: fit.seed };
+    fit.solver.rules().seconds(&effort) + SAMPLING_SECONDS * f64::from(fit.samples) + ENTRY_SECONDS
 }
 
 /// The number of entries that are fitted. Where the surface is isotropic or seen from above, the entries of all phi
@@ -35,4 +33,26 @@ fn lobes(recipe: &Recipe) -> f64 {
     let of_row = |ratio: f64, theta: f64| if ratio == 1.0 || theta == 0.0 { 1 } else { phi };
     let rows = nodes.ratio.iter().flat_map(|ratio| nodes.theta.iter().map(move |theta| (*ratio, *theta)));
     nodes.alpha.len() as f64 * rows.map(|(ratio, theta)| of_row(ratio, theta)).sum::<usize>() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{Fitter, Metric, Solver, brdf::Ggx, math::direction, pulse::work_of};
+
+    /// A fit counts its work in projections of a sample on a direction. `cargo bench --bench cost` measures the seconds.
+    #[test]
+    fn the_seconds_of_each_solver_are_those_of_the_work_that_it_counts() {
+        let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
+        for &solver in Solver::ALL {
+            for (samples, directions) in [(1024, 8), (1024, 64), (8192, 16)] {
+                let fit = FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 20, seed: 0 };
+                let work = work_of(|pulse| {
+                    Fitter::new(&fit).fit(&ggx, direction(1.0, 0.6), 0, pulse).expect("nothing stops it");
+                });
+                let nanoseconds = 1e9 * entry_seconds(&fit) / work as f64;
+                assert!((1.0..10.0).contains(&nanoseconds), "{solver} {samples} x {directions}: {nanoseconds} ns");
+            }
+        }
+    }
 }

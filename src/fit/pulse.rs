@@ -37,6 +37,20 @@ impl<'a> Pulse<'a> {
     }
 }
 
+/// The work that `fit` counts. What it counts beyond a beat's work before each beat is left out.
+#[cfg(test)]
+pub(crate) fn work_of(fit: impl FnOnce(&mut Pulse)) -> usize {
+    let mut beats = 0;
+    let mut beat = || {
+        beats += 1;
+        ControlFlow::Continue(())
+    };
+    let mut pulse = Pulse::new(&mut beat);
+    fit(&mut pulse);
+    let rest = pulse.work;
+    beats * WORK_PER_BEAT + rest
+}
+
 /// The beat of a fit that nothing stops.
 pub(crate) fn unstopped() -> ControlFlow<()> {
     ControlFlow::Continue(())

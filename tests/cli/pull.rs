@@ -1,9 +1,11 @@
 //! `pull` keeps a project to its lock file, from sources that may have nothing, something else or no end.
 
 use std::{
+    ffi::OsStr,
     fs,
     io::{Read as _, Write as _},
     net::TcpListener,
+    os::unix::ffi::OsStrExt as _,
     thread,
 };
 
@@ -99,6 +101,27 @@ fn pull_restores_whatever_drifted_and_locked_tells_it() {
         run(&project, ["pull", "--offline", "--from", "../tables"]).exited(0);
         assert_eq!(files_of(&project), before, "{}", path.display());
     }
+}
+
+#[test]
+fn a_folder_of_tables_needs_no_name_in_utf_8() {
+    let (folder, project) = project();
+    let before = files_of(&project);
+    let table = project.join("assets/metal.safetensors");
+    let odd = OsStr::from_bytes(b"../odd\xff");
+    fs::create_dir(project.join(odd)).expect("a folder");
+    let name = format!("{}.safetensors", pinned(&project).trim_start_matches("sha256:"));
+    fs::rename(&table, project.join(odd).join(name)).expect("a table");
+    let from = |words: &[&str]| run(&project, words.iter().map(OsStr::new).chain([OsStr::new("--from"), odd]));
+    from(&["pull", "--offline"]).exited(0);
+    assert_eq!(files_of(&project), before);
+    fs::remove_file(&table).expect("a file");
+    from(&["lock", "--offline"]).exited(0);
+    assert_eq!(files_of(&project), before, "the lock file names no folder of this machine");
+    let escape = OsStr::from_bytes(b"odd\xff\x1b[2J");
+    let refused = run(&project, [OsStr::new("pull"), OsStr::new("--from"), escape]).exited(2);
+    assert!(!refused.stderr.contains('\x1b'), "{refused:#?}");
+    drop(folder);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::{
     thread::{self, JoinHandle},
 };
 
+use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
 use serde_json::Value;
 use tempfile::TempDir;
 use ureq::{Agent, Body, http::Response};
@@ -196,9 +197,34 @@ impl Server {
         self.child.wait().expect("its end");
     }
 
-    /// Asks it to stop by a signal and waits for its end.
-    pub(crate) fn stop(mut self, by: &str) -> Run {
+    /// Seconds that the processor has worked for it; it may have ended, if nobody has waited for its end.
+    pub(crate) fn processor_seconds(&self) -> f64 {
+        /// `USER_HZ` of every Linux.
+        const TICKS: f64 = 100.0;
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).expect("a process on Linux");
+        let (_, fields) = stat.rsplit_once(')').expect("a name in parentheses");
+        let fields: Vec<&str> = fields.split_whitespace().collect();
+        [11, 12].map(|index| fields[index].parse::<f64>().expect("ticks")).iter().sum::<f64>() / TICKS
+    }
+
+    /// Asks it to stop by a signal, and tells how many seconds the processor worked for it from then to its end.
+    pub(crate) fn stop_and_measure(self, by: &str) -> (Run, f64) {
+        let before = self.processor_seconds();
         signal(&self.child, by);
+        let id = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw).expect("an id");
+        // Its end is awaited, and what it took is still told.
+        waitid(WaitId::Pid(id), WaitIdOptions::EXITED | WaitIdOptions::NOWAIT).expect("a child");
+        let taken = self.processor_seconds() - before;
+        (self.ended(), taken)
+    }
+
+    /// Asks it to stop by a signal and waits for its end.
+    pub(crate) fn stop(self, by: &str) -> Run {
+        signal(&self.child, by);
+        self.ended()
+    }
+
+    fn ended(mut self) -> Run {
         let status = self.child.wait().expect("its end");
         let stderr = self.stderr.take().map(|thread| thread.join().expect("its stderr")).unwrap_or_default();
         Run { code: status.code(), stdout: String::new(), stderr }

@@ -81,6 +81,36 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     ask("GET", &[("range", "bytes=0-99"), ("if-range", &tag)]).with_status(206);
 }
 
+/// What has no entity tag matches none [RFC 9110, section 13.1.1].
+#[test]
+fn a_condition_on_what_has_no_entity_tag_fails() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let job = server.submit(ENDLESS).with_status(202).json();
+    let path = format!("/v1/jobs/{}", text(&job["id"]));
+    let asked = [("if-match", "\"nope\"")];
+    let refused = server.request("DELETE", &path, &asked, None).with_status(412).json();
+    assert_eq!(refused["type"], "/problems/precondition-failed");
+    let submit = |fields: &[(&str, &str)]| server.request("POST", "/v1/jobs", fields, Some(SMALL.as_bytes()));
+    submit(&asked).with_status(412);
+    let jobs = server.get("/v1/jobs").with_status(200).json();
+    assert_eq!(jobs["items"].as_array().map(Vec::len), Some(1), "{jobs:#}");
+    assert!(jobs["items"][0]["state"] != "cancelled", "{jobs:#}");
+    let events = format!("{path}/events");
+    for path in [&path, &events, "/v1/jobs", "/v1/tables", "/healthz", "/metrics", "/openapi.yaml"] {
+        for method in ["GET", "HEAD"] {
+            server.request(method, path, &asked, None).with_status(412);
+        }
+    }
+    // Where the answer is no success anyway, conditions are ignored.
+    let unknown = format!("/v1/jobs/{}", "0".repeat(32));
+    server.request("DELETE", &unknown, &asked, None).with_status(404);
+    server.request("GET", &unknown, &asked, None).with_status(404);
+    server.request("PUT", "/v1/jobs", &asked, None).with_status(405);
+    submit(&[("if-match", "*")]).with_status(202);
+    server.request("DELETE", &path, &[("if-match", "*")], None).with_status(200);
+}
+
 #[test]
 fn two_clients_with_the_same_recipe_share_a_job() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! Whatever a recipe asks for, its job can be ended and the service stopped. A shard that does not stop outlasts the test.
+//! Whatever a recipe asks for, its job can be ended and the service stopped, and neither goes on with the work first.
 
 use crate::common::{
     SMALL,
@@ -7,6 +7,10 @@ use crate::common::{
 
 /// Entries of a shard.
 const SHARD: u64 = 64;
+
+/// Processor seconds that the service may spend on a shard that has to stop, and on all else meanwhile. It asks after some
+/// hundredths of a second; a step of the dearest recipe takes six seconds.
+const MOST_SECONDS: f64 = 3.0;
 
 /// Four shards, each of which takes a minute or hours, by the dearest legal settings of a solver.
 fn dearest(solver: &str) -> String {
@@ -26,15 +30,20 @@ fn a_job_of_any_length_frees_its_worker_and_lets_the_service_stop() {
         let path = format!("/v1/jobs/{}", text(&job["id"]));
         let running = || server.job_when(text(&job["id"]), |job| job["state"] == "running");
         running();
+        let before = server.processor_seconds();
         assert_eq!(server.request("DELETE", &path, &[], None).with_status(200).json()["state"], "cancelled");
         // The only worker is free again, and not because the shard came to its end.
         server.fit(SMALL);
+        let taken = server.processor_seconds() - before;
+        assert!(taken < MOST_SECONDS, "{solver}: {taken} s until another job was done");
         let done = server.get(&path).with_status(200).json()["progress"]["entries_done"].clone();
         assert!(done.as_u64().is_some_and(|done| done < SHARD), "{solver}: {done}");
 
         server.submit(&dearest(solver)).with_status(202);
         running();
-        server.stop("TERM").exited(0);
+        let (run, taken) = server.stop_and_measure("TERM");
+        run.exited(0);
+        assert!(taken < MOST_SECONDS, "{solver}: {taken} s until the service had stopped");
         let server = start();
         let again = server.get(&path).with_status(200).json();
         assert!(again["state"] == "running" || again["state"] == "queued", "{again:#}");

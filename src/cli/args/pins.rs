@@ -2,7 +2,10 @@
 
 use std::{num::NonZeroU64, path::PathBuf};
 
-use clap::Args;
+use clap::{
+    Args,
+    builder::{OsStringValueParser, TypedValueParser},
+};
 
 use super::{ExportChoice, TableLimit, Threads};
 use crate::client::Source;
@@ -15,7 +18,7 @@ pub struct SourceArgs {
     pub lock: PathBuf,
     /// Look for tables here: the URL of a service, or a folder of `<digest>.safetensors` files; give it several times to
     /// look in several places, in this order [default: --server, or what the lock file and the configuration name]
-    #[arg(long, value_name = "URL|DIR")]
+    #[arg(long, value_name = "URL|DIR", value_parser = source())]
     pub from: Vec<Source>,
     /// Ask no server: look in folders alone
     #[arg(long)]
@@ -29,6 +32,11 @@ pub struct SourceArgs {
     /// Number of threads that fit and measure
     #[command(flatten)]
     pub threads: Threads,
+}
+
+/// A folder's path need not be UTF-8.
+fn source() -> impl TypedValueParser<Value = Source> {
+    OsStringValueParser::new().try_map(Source::try_from)
 }
 
 /// `lock`.

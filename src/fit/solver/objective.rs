@@ -42,6 +42,7 @@ pub(crate) trait SolverRules: Sync {
     /// The matrix of the lobe in the tangent frame; `None` when `pulse` stops the search.
     fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3>;
 
-    /// Evaluations of loss and gradient that an entry takes when at most `steps` steps are allowed.
-    fn evaluations(&self, steps: u32) -> u32;
+    /// Seconds that an entry takes to project its lobe, to search, and to measure the error, with at most `effort.steps`
+    /// steps. Of one thread, on the machine of `fit_seconds`.
+    fn seconds(&self, effort: &Effort) -> f64;
 }

@@ -1,6 +1,11 @@
 //! Entity tags and conditional requests [RFC 9110, sections 8.8 and 13].
 
-use axum::http::{HeaderMap, header};
+use axum::{
+    extract::Request,
+    http::{HeaderMap, header},
+    middleware::Next,
+    response::{IntoResponse as _, Response},
+};
 
 use super::{kind::ProblemKind, problem::Problem};
 
@@ -24,12 +29,7 @@ impl EntityTag {
     /// # Errors
     /// 412 if the client asks for another representation only.
     pub(super) fn check_if_match(&self, headers: &HeaderMap) -> Result<(), Problem> {
-        let mut fields = headers.get_all(header::IF_MATCH).iter().peekable();
-        if fields.peek().is_none() {
-            return Ok(());
-        }
-        let mut wanted = fields.filter_map(|field| field.to_str().ok()).flat_map(tags);
-        if wanted.any(|tag| tag == "*" || tag == self.0) {
+        if if_match_allows(headers, |tag| tag == self.0) {
             return Ok(());
         }
         let detail = format!("the entity tag is {}, which If-Match does not list", self.0);
@@ -50,6 +50,39 @@ impl EntityTag {
     pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {
         headers.get(header::IF_RANGE).is_none_or(|field| field.as_bytes() == self.0.as_bytes())
     }
+}
+
+/// Checks `If-Match` for what is there and has no entity tag: only `*` matches it. A call that changes anything asks this
+/// before it does.
+///
+/// # Errors
+/// 412 if the client asks for an entity tag.
+pub(super) fn check_untagged(headers: &HeaderMap) -> Result<(), Problem> {
+    if if_match_allows(headers, |_| false) {
+        return Ok(());
+    }
+    let detail = "this has no entity tag; of If-Match, only * matches it";
+    Err(Problem::new(ProblemKind::PreconditionFailed, detail))
+}
+
+/// The layer that answers 412 in place of a success without an entity tag, by [`check_untagged`]. Only success counts:
+/// preconditions of other requests are ignored [RFC 9110, section 13.2.1].
+pub(super) async fn require_if_match(request: Request, next: Next) -> Response {
+    let checked = check_untagged(request.headers());
+    let response = next.run(request).await;
+    match checked {
+        Err(problem) if response.status().is_success() && !response.headers().contains_key(header::ETAG) => {
+            problem.into_response()
+        }
+        _ => response,
+    }
+}
+
+/// Whether there is no `If-Match`, or it lists `*` or a tag that `is_own`.
+fn if_match_allows(headers: &HeaderMap, is_own: impl Fn(&str) -> bool) -> bool {
+    let mut fields = headers.get_all(header::IF_MATCH).iter().peekable();
+    fields.peek().is_none()
+        || fields.filter_map(|field| field.to_str().ok()).flat_map(tags).any(|tag| tag == "*" || is_own(tag))
 }
 
 /// The members of a list of entity tags. The service's own tags contain no comma, so a foreign tag that is split within
@@ -95,6 +128,17 @@ mod tests {
         }
         for other in [r#"W/"sha256:ab""#, r#""sha256:cd""#, "", r#""*""#] {
             let problem = tag.check_if_match(&headers(&[(header::IF_MATCH, other)])).expect_err(other);
+            assert_eq!(problem.status().as_u16(), 412, "{other}");
+        }
+    }
+
+    #[test]
+    fn only_a_star_matches_what_has_no_tag() {
+        for allowed in [&[][..], &[(header::IF_MATCH, "*")], &[(header::IF_MATCH, r#""x""#), (header::IF_MATCH, "*")]] {
+            assert!(check_untagged(&headers(allowed)).is_ok(), "{allowed:?}");
+        }
+        for other in [r#""x""#, "", r#""*""#] {
+            let problem = check_untagged(&headers(&[(header::IF_MATCH, other)])).expect_err(other);
             assert_eq!(problem.status().as_u16(), 412, "{other}");
         }
     }

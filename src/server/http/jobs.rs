@@ -12,6 +12,7 @@ use serde::Deserialize;
 
 use super::{
     api::Api,
+    conditional::check_untagged,
     extract::{NoParameters, PageLimit, PathOf, QueryOf, RecipeBody},
     kind::ProblemKind,
     problem::{Problem, retry_after_value},
@@ -38,8 +39,10 @@ pub(super) struct ListParameters {
 pub(super) async fn submit(
     State(api): State<Api>,
     _: QueryOf<NoParameters>,
+    headers: HeaderMap,
     RecipeBody(document): RecipeBody,
 ) -> Result<Response, Problem> {
+    check_untagged(&headers)?;
     let submit = move |service: &Service| {
         let (status, job) = match service.submit(&document)? {
             SubmitReply::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
@@ -85,7 +88,12 @@ pub(super) async fn cancel(
     State(api): State<Api>,
     _: QueryOf<NoParameters>,
     PathOf(id): PathOf<JobId>,
+    headers: HeaderMap,
 ) -> Result<Response, Problem> {
+    if let Err(problem) = check_untagged(&headers) {
+        // A condition on a job that there is not is ignored.
+        return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
+    }
     let snapshot = api.call(move |service| service.cancel(id)).await?.ok_or_else(|| unknown(id))?;
     answer(&snapshot)
 }

@@ -2,14 +2,18 @@
 
 use std::{future::Future, sync::Arc};
 
-use axum::{Router, extract::DefaultBodyLimit, middleware::from_fn_with_state};
+use axum::{
+    Router,
+    extract::DefaultBodyLimit,
+    middleware::{from_fn, from_fn_with_state},
+};
 use tokio::{net::TcpListener, sync::watch};
 use tower_http::trace::{DefaultMakeSpan, DefaultOnFailure, DefaultOnResponse, TraceLayer};
 use tracing::Level;
 
 use super::{
     api::Api,
-    connection,
+    conditional, connection,
     extract::BODY_LIMIT_BYTES,
     limits::ConnectionLimits,
     routes,
@@ -57,6 +61,7 @@ fn router(api: Api, sites: Sites) -> Router {
     routes::router()
         .fallback(routes::no_such_path)
         .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
+        .layer(from_fn(conditional::require_if_match))
         .layer(from_fn_with_state(Arc::new(sites), sites::check))
         .layer(trace)
         .with_state(api)

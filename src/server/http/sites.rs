@@ -112,9 +112,14 @@ impl Sites {
         if let Some(asked) = &asked {
             self.check_host(asked, local)?;
         }
-        let Some(origin) = request.headers().get(header::ORIGIN) else {
+        let mut origins = request.headers().get_all(header::ORIGIN).iter();
+        let Some(origin) = origins.next() else {
             return self.check_embedding(request.headers());
         };
+        if origins.next().is_some() {
+            let detail = "the request has more than one Origin field";
+            return Err(Problem::new(ProblemKind::BadRequest, detail));
+        }
         let origin = String::from_utf8_lossy(origin.as_bytes()).to_ascii_lowercase();
         // A page that the service has served itself, or a proxy in front of it.
         let own = asked.is_some_and(|asked| {
@@ -264,6 +269,11 @@ mod tests {
     fn a_request_says_once_for_whom_it_is() {
         assert_eq!(refused(LOOPBACK, "/", &[]), Some(400));
         assert_eq!(refused(LOOPBACK, "/", &[("host", "localhost:8317"), ("host", "farm")]), Some(400));
+        let own = [("host", "localhost:8317"), ("origin", "http://localhost:8317")];
+        assert_eq!(refused(LOOPBACK, "/", &own), None);
+        for second in ["http://attacker.example", "http://localhost:8317"] {
+            assert_eq!(refused(LOOPBACK, "/", &[own[0], own[1], ("origin", second)]), Some(400), "{second}");
+        }
         // The name in an absolute URI is the one that counts.
         let host = [("host", "localhost:8317")];
         assert_eq!(refused(LOOPBACK, "http://attacker.example/", &host), Some(421));

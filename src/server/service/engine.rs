@@ -14,7 +14,7 @@ use crate::{
         recipe_document::{self, RecipeError},
         textures::{About, Bundle, Export},
     },
-    fit::{self, Expectation, FITTER_VERSION, GoOn, Plan},
+    fit::{self, Expectation, FITTER_VERSION, GoOn, Plan, Solver},
     server::queue::NewJob,
 };
 
@@ -24,8 +24,8 @@ pub(super) trait Engine: Send + Sync {
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
 
     /// The expected duration of the fit of a planned recipe, on one thread of the cost model's machine, and its
-    /// expected error; `None` for a recipe that this engine does not fit.
-    fn expect(&self, recipe: &str) -> Option<Expectation>;
+    /// expected error, with the solver; `None` for a recipe that this engine does not fit.
+    fn expect(&self, recipe: &str) -> Option<(Solver, Expectation)>;
 
     /// Fits one shard of a planned recipe. `on_progress` is called with the number of entries done and may stop the
     /// fit, whose result is then `None`.
@@ -104,8 +104,9 @@ impl Engine for FitEngine {
         Ok(NewJob { recipe_digest: Digest::of(text.as_bytes()), recipe: text, shard_entries })
     }
 
-    fn expect(&self, recipe: &str) -> Option<Expectation> {
-        self.plan_of(recipe).ok().map(|plan| fit::expectation(plan.recipe()))
+    fn expect(&self, recipe: &str) -> Option<(Solver, Expectation)> {
+        let plan = self.plan_of(recipe).ok()?;
+        Some((plan.recipe().fit().solver, fit::expectation(plan.recipe())))
     }
 
     fn fit_shard(
@@ -169,7 +170,7 @@ mod tests {
         let job = engine.plan(br#"{"range": {"phi": [0, 0]}}"#, 10_000).expect("a recipe");
         let older = job.recipe.replace(&format!("\"fitter\":{FITTER_VERSION}"), "\"fitter\":1");
         assert_ne!(older, job.recipe);
-        assert!(engine.expect(&job.recipe).is_some_and(|expected| expected.seconds > 0.0 && expected.error > 0.0));
+        assert!(engine.expect(&job.recipe).is_some_and(|(_, expected)| expected.seconds > 0.0 && expected.error > 0.0));
         assert_eq!(engine.expect(&older), None);
         let error = engine.fit_shard(&older, 0, &mut |_| ControlFlow::Continue(())).expect_err("another fitter's");
         assert!(error.contains("submit the recipe again"), "{error}");

@@ -227,10 +227,13 @@ fn a_small_job_is_done_while_a_long_one_has_all_workers() {
     let (long, _) = submit(&service, "long 6");
     shared.wait_for_begun(2);
     fitted(&service, "small 3");
+    // No shard of the long job came to its end before.
+    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
     assert_eq!(service.job(long).unwrap().unwrap().job.state, JobState::Running);
     shared.set(|b| b.endless = None);
     assert!(matches!(end_of(&service, long), JobState::Done { .. }));
     let behaviour = shared.behaviour.lock().unwrap();
+    assert_eq!(behaviour.order[2], "small 3", "{:?}", behaviour.order);
     assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
 }
 
@@ -247,6 +250,8 @@ fn a_small_job_is_done_while_many_long_ones_wait_for_their_turns() {
     let long: Vec<JobId> = names.iter().map(|name| submit(&service, name).0).collect();
     shared.wait_for_begun(40);
     fitted(&service, "small 3");
+    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
+    assert_eq!(shared.behaviour.lock().unwrap().order[40], "small 3");
     for id in &long {
         assert_eq!(service.job(*id).unwrap().unwrap().job.state, JobState::Running);
     }

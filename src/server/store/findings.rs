@@ -10,6 +10,8 @@ pub struct Findings {
     /// The database was missing, did not open or could not be read: a part of it, or an empty one, took its place. Jobs that
     /// the end of the journal has lost as well leave no trace.
     pub database_was_replaced: bool,
+    /// The journal goes on where the database ends. Jobs that the end of the journal has lost as well leave no trace.
+    pub database_is_older: bool,
     /// Rows that do not match their seal. They count as absent.
     pub damaged_rows: usize,
     /// Rows of jobs that the database had lost, or had as they once were, and that the journal had.
@@ -20,6 +22,8 @@ pub struct Findings {
     pub reverted_jobs: Vec<String>,
     /// Ids of jobs that there were, and that neither the database nor the journal has whole.
     pub lost_jobs: Vec<String>,
+    /// Ids that damaged entries of the journal name and that no job has. Either the job is lost, or the id is misread.
+    pub doubtful_jobs: Vec<String>,
     /// Damaged entries of the journal.
     pub damaged_journal_entries: usize,
     /// The journal is missing, empty, or lacks entries: whether the database has lost or reverted jobs cannot be proved.
@@ -33,6 +37,12 @@ impl Findings {
             tracing::error!(
                 "the database was replaced; jobs are restored from their journal, and those that its end has lost as well \
                  are lost"
+            );
+        }
+        if self.database_is_older && !self.database_was_replaced {
+            tracing::error!(
+                "the database is older than the journal of jobs; jobs that the end of the journal has lost as well \
+                 leave no trace"
             );
         }
         if self.damaged_rows > 0 {
@@ -65,6 +75,13 @@ impl Findings {
         }
         if !self.lost_jobs.is_empty() {
             tracing::error!(jobs = listed(&self.lost_jobs), "these jobs are lost and can be submitted again");
+        }
+        if !self.doubtful_jobs.is_empty() {
+            tracing::error!(
+                jobs = listed(&self.doubtful_jobs),
+                "damaged entries of the journal name these jobs, which are nowhere else; they may be lost, or an id may \
+                 be misread"
+            );
         }
     }
 }

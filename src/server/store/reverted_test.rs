@@ -168,6 +168,51 @@ fn a_journal_cut_after_any_line_is_noticed() {
     }
 }
 
+/// The jobs whose state is wrong in a folder as it was after `changes` changes: all jobs are queued first.
+fn wrong_after(changes: usize) -> Vec<u32> {
+    let jobs = JOBS as usize;
+    let has_ended = |n: usize| changes > jobs + n;
+    let is_right = |n: usize| has_ended(n) || (end(n as u32).is_none() && changes <= n);
+    (0..jobs).filter(|n| !is_right(*n)).map(|n| n as u32).collect()
+}
+
+/// Whatever both have lost, the findings say that something is. Only where both end after the same change there is
+/// nothing to tell by: that is the folder as it once was.
+#[test]
+fn no_cut_of_both_loses_a_job_without_a_word() {
+    let setting = setting();
+    let journal = fs::read(setting.killed.join("jobs.log")).unwrap();
+    let database = fs::read(setting.killed.join("db/db")).unwrap();
+    let used = database.iter().rposition(|byte| *byte != 0).unwrap() + 1;
+    let mut concerned = 0;
+    for cut in (5..100).step_by(5).map(|percent| journal.len() * percent / 100) {
+        let cut_journal = |copy: &Path| fs::write(copy.join("jobs.log"), &journal[..cut]).unwrap();
+        // The first line is the head. A crash between the two leaves the database one change ahead.
+        let changes = line_ends(&journal[..cut]).len() - 1;
+        let mut check = |what: &str, change: &dyn Fn(&Path)| {
+            let (found, wrong) = setting.opened(&setting.killed, |copy| {
+                change(copy);
+                cut_journal(copy);
+            });
+            let is_told = found.database_was_replaced || found.database_is_older || found.journal_is_incomplete;
+            let is_as_it_once_was = wrong == wrong_after(changes) || wrong == wrong_after(changes + 1);
+            assert!(
+                wrong.is_empty() || is_told || is_as_it_once_was,
+                "{what}, journal cut at {cut}: {wrong:?} {found:?}"
+            );
+            concerned += usize::from(!wrong.is_empty() && is_told);
+        };
+        for percent in [20, 50, 80] {
+            let kept = &database[..used * percent / 100];
+            check(&format!("{percent} % of the database"), &|copy| fs::write(copy.join("db/db"), kept).unwrap());
+        }
+        for earlier in &setting.earlier {
+            check(&earlier.display().to_string(), &older_database(earlier));
+        }
+    }
+    assert!(concerned > 30, "only {concerned} cuts concerned a job");
+}
+
 /// What a start wrote anew states how many jobs there are.
 #[test]
 fn a_journal_written_anew_and_cut_is_noticed_even_beside_an_empty_database() {

@@ -14,18 +14,23 @@ use crate::{
         recipe_document::RecipeError,
         textures::{Bundle, Engine as Engine3d, Export, RoundingError, TextureFile},
     },
-    fit::{Expectation, GoOn},
+    fit::{Expectation, GoOn, Solver},
     server::{queue::NewJob, service::ExportFailure},
 };
 
 /// Entries of a shard.
 const ENTRIES: u32 = 4;
 
+/// How often an endless fit asks, which takes seconds: nobody turned to another task meanwhile.
+const MOST_ASKED: u32 = 20_000_000;
+
 /// How the fake engine behaves, and what it has done.
 #[derive(Debug, Default)]
 pub(super) struct Behaviour {
     /// Fits begun, by recipe and shard.
     pub(super) begun: HashMap<(String, u32), u32>,
+    /// The recipes of these fits, in the order in which they were begun.
+    pub(super) order: Vec<String>,
     /// Manifests made.
     pub(super) manifests: u32,
     /// Exports begun.
@@ -34,8 +39,10 @@ pub(super) struct Behaviour {
     pub(super) panics: u32,
     /// While set, each fit pauses after its first entry.
     pub(super) held: bool,
-    /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop.
+    /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop, [`MOST_ASKED`] times.
     pub(super) endless: Option<String>,
+    /// Endless fits that asked so often.
+    pub(super) gave_up: u32,
 }
 
 #[derive(Debug, Default)]
@@ -76,8 +83,8 @@ impl Engine for FakeEngine {
         Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards] })
     }
 
-    fn expect(&self, _recipe: &str) -> Option<Expectation> {
-        Some(Expectation { seconds: 8.0, error: 0.25 })
+    fn expect(&self, _recipe: &str) -> Option<(Solver, Expectation)> {
+        Some((Solver::Bfgs, Expectation { seconds: 8.0, error: 0.25 }))
     }
 
     fn fit_shard(
@@ -88,15 +95,22 @@ impl Engine for FakeEngine {
     ) -> Result<Option<Vec<u8>>, String> {
         let panics = {
             let mut behaviour = self.0.behaviour.lock().unwrap();
+            behaviour.order.push(recipe.to_owned());
             let begun = behaviour.begun.entry((recipe.to_owned(), shard)).or_default();
             *begun += 1;
             *begun <= behaviour.panics
         };
         self.0.changed.notify_all();
         assert!(!panics, "the lobe fell over");
+        let mut asked = 0;
         while self.0.behaviour.lock().unwrap().endless.as_deref().is_some_and(|endless| recipe.starts_with(endless)) {
             if on_progress(1).is_break() {
                 return Ok(None);
+            }
+            asked += 1;
+            if asked == MOST_ASKED {
+                self.0.behaviour.lock().unwrap().gave_up += 1;
+                break;
             }
         }
         for done in 1..=u64::from(ENTRIES) {

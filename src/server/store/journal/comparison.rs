@@ -88,6 +88,17 @@ pub(super) fn compare(
     let stored = Stored::read(rows)?;
     let mut entries = entries::read(journal.unwrap_or_default());
     let has_entries = entries.intact > 0;
+    found.database_is_older = has_entries && stored.revision() < entries.revision();
+    // The database gets a change before the journal does. If it knows of none after the last whole entry, the one that was
+    // cut off was acknowledged, and the database has lost it.
+    let has_revisions = stored.revision() > 0 || entries.head.is_some();
+    let lacks_cut_off = match entries.in_cut_off.take() {
+        Some(jobs) if has_revisions && stored.revision() <= entries.revision() => {
+            entries.in_damaged.extend(jobs);
+            true
+        }
+        _ => false,
+    };
     // A crash may have come between the database and the journal.
     if let Some((revision, true, last)) = &stored.last
         && *revision > entries.revision()
@@ -103,7 +114,7 @@ pub(super) fn compare(
         stored.lacking_in(&entries) > UNFINISHED + entries.damaged
     };
     found.journal_is_incomplete =
-        (was_journalled || found.database_was_replaced || revision > 0) && (lacks_all || lacks_some);
+        (was_journalled || found.database_was_replaced || revision > 0) && (lacks_all || lacks_some || lacks_cut_off);
 
     let mut changes = Batch::default();
     let (mut restored_jobs, mut reverted_jobs) = (BTreeSet::new(), BTreeSet::new());
@@ -125,12 +136,11 @@ pub(super) fn compare(
     }
     let is_changed = |key: &Vec<u8>| changes.changes.iter().any(|(tree, other, _)| *tree == Tree::Jobs && other == key);
     let broken = stored.jobs().filter(|(_, is_intact)| !is_intact).map(|(key, _)| key);
-    let in_damaged = entries.in_damaged.iter().filter(|key| {
-        let place = (Tree::Jobs, (*key).clone());
-        !entries.latest.contains_key(&place) && !stored.rows.contains_key(&place)
-    });
-    let lost: BTreeSet<&Vec<u8>> = broken.chain(in_damaged).filter(|key| !is_changed(key)).collect();
-    found.lost_jobs = lost.into_iter().map(|key| to_hex(key)).collect();
+    found.lost_jobs = broken.filter(|key| !is_changed(key)).map(|key| to_hex(key)).collect();
+    let known = stored.rows.keys().chain(entries.latest.keys()).filter(|(tree, _)| *tree == Tree::Jobs);
+    let known: Vec<&Vec<u8>> = known.map(|(_, key)| key).collect();
+    let in_damaged = entries.in_damaged.iter().filter(|key| !known.iter().any(|known| may_be(known, key)));
+    found.doubtful_jobs = in_damaged.map(|key| to_hex(key)).collect();
     found.restored_rows = changes.changes.len();
     found.restored_jobs = restored_jobs.into_iter().collect();
     found.reverted_jobs = reverted_jobs.into_iter().collect();
@@ -139,6 +149,16 @@ pub(super) fn compare(
         changes.put(Tree::Journal, LAST, entries::entry(revision, &Batch::default()).trim());
     }
     Ok(Comparison { revision, changes, database_is_older })
+}
+
+/// Part of a key, as one in so many bytes, that may differ in the same key misread.
+const MISREAD: usize = 4;
+
+/// Whether `read`, found in a damaged entry, may be the key `known` with wrong or missing bytes. Keys of jobs are parts of
+/// digests: two jobs' differ in nearly all bytes.
+fn may_be(known: &[u8], read: &[u8]) -> bool {
+    let different = known.iter().zip(read).filter(|(a, b)| a != b).count();
+    known.starts_with(read) || (known.len() == read.len() && MISREAD * different <= known.len())
 }
 
 /// What the row at `place` has to be, if it is not what it has to be; `row` is `None` if there is none.

@@ -50,10 +50,12 @@ pub(super) struct Entries {
     revisions: BTreeSet<u64>,
     /// Entries that match their seal.
     pub(super) intact: usize,
-    /// Entries that do not, an interrupted last one not counted.
+    /// Entries that do not, a last one that was cut off not counted.
     pub(super) damaged: usize,
     /// Keys of jobs that can be read in damaged entries.
     pub(super) in_damaged: BTreeSet<Vec<u8>>,
+    /// Keys of jobs that can be read in a last entry that was cut off; `None` if none was.
+    pub(super) in_cut_off: Option<Vec<Vec<u8>>>,
 }
 
 impl Entries {
@@ -153,13 +155,18 @@ fn line(words: &str) -> String {
     format!("\n{}{words}\n", seal(words))
 }
 
-/// Reads a journal. A last entry that was cut off was never acknowledged.
+/// Reads a journal. Whether a last entry that was cut off was acknowledged, the database has to tell.
 pub(super) fn read(bytes: &[u8]) -> Entries {
     let mut entries = Entries::default();
     let mut lines = bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()).peekable();
     while let Some(line) = lines.next() {
         let was_cut_off = lines.peek().is_none() && !bytes.ends_with(b"\n");
-        if !entries.add(line) && !was_cut_off {
+        if entries.add(line) {
+            continue;
+        }
+        if was_cut_off {
+            entries.in_cut_off = Some(jobs_in_damaged(line));
+        } else {
             entries.damaged += 1;
             entries.in_damaged.extend(jobs_in_damaged(line));
         }
@@ -199,12 +206,12 @@ impl Entry {
     }
 }
 
-/// The keys of the jobs that a damaged entry still names. One may be wrong, so they serve only to name jobs that are
-/// found nowhere else.
+/// The keys of the jobs that a damaged entry still names, whole ones: a value follows. One may be wrong, so they serve only
+/// to name jobs that are found nowhere else.
 fn jobs_in_damaged(line: &[u8]) -> Vec<Vec<u8>> {
     let text = String::from_utf8_lossy(line);
     let words: Vec<&str> = text.split_ascii_whitespace().collect();
-    words.windows(2).filter(|pair| pair[0] == "jobs").filter_map(|pair| from_hex(pair[1])).collect()
+    words.windows(3).filter(|words| words[0] == "jobs").filter_map(|words| from_hex(words[1])).collect()
 }
 
 fn seal(words: &str) -> String {

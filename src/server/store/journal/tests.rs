@@ -241,7 +241,7 @@ fn a_damaged_journal_is_copied_to_quarantine_before_it_is_written_anew() {
 
 /// The seal of the entry is broken, and its job can be read. Neither the database nor another entry has the job.
 #[test]
-fn a_job_that_only_a_damaged_entry_has_is_named_as_lost() {
+fn a_job_that_only_a_damaged_entry_has_is_named_as_doubtful() {
     let dir = tempfile::tempdir().unwrap();
     journal(dir.path());
     let entry = format!(" jobs {} ", to_hex(b"a"));
@@ -251,7 +251,64 @@ fn a_job_that_only_a_damaged_entry_has_is_named_as_lost() {
     });
     let (rows, found) = open(MemoryRows::default(), dir.path());
     assert_eq!(jobs(&rows), ["b done", "d queued"]);
-    assert_eq!((found.lost_jobs, found.restored_jobs), (named(&["a"]), named(&["b", "d"])));
+    assert_eq!((found.doubtful_jobs, found.restored_jobs), (named(&["a"]), named(&["b", "d"])));
+    assert!(found.lost_jobs.is_empty());
+}
+
+/// A whole database proves that no job is lost. One bit of an id in the journal makes no job of another name.
+#[test]
+fn a_misread_id_of_a_job_that_is_there_is_not_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let ids = ["0123456789abcdef", "fedcba9876543210"];
+    let (rows, _) = open(MemoryRows::default(), dir.path());
+    for id in ids {
+        rows.commit(&job(id, Some("queued"))).unwrap();
+    }
+    let whole = fs::read(dir.path().join("jobs.log")).unwrap();
+    let mut concerned = 0;
+    for at in 0..8 * whole.len() {
+        let (mut bytes, mut found) = (whole.clone(), Findings::default());
+        bytes[at / 8] ^= 1 << (at % 8);
+        comparison::compare(&rows.rows, Some(&bytes), true, &mut found).unwrap();
+        assert!(found.lost_jobs.is_empty() && found.doubtful_jobs.is_empty(), "bit {at}: {found:?}");
+        concerned += usize::from(found.damaged_journal_entries > 0);
+    }
+    assert!(concerned > 4 * whole.len(), "{concerned}");
+}
+
+/// A database that fell back and a journal whose end was cut off: the line that was cut had been acknowledged.
+#[test]
+fn what_both_have_lost_is_told_wherever_the_journal_was_cut() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("jobs.log");
+    let (rows, _) = open(MemoryRows::default(), dir.path());
+    let ids = ["0123456789abcdef", "1123456789abcdef", "fedcba9876543210"];
+    for id in ids {
+        rows.commit(&job(id, Some("queued"))).unwrap();
+    }
+    let whole = fs::read(&path).unwrap();
+    let older = || stored(&[(ids[0], "queued", 1)]);
+    let key = to_hex(ids[2].as_bytes());
+    let after_key = whole.windows(key.len()).position(|found| found == key.as_bytes()).unwrap() + key.len();
+    let last = whole[..whole.len() - 1].iter().rposition(|byte| *byte == b'\n').unwrap() + 1;
+    for cut in last..whole.len() - 1 {
+        fs::write(&path, &whole[..cut]).unwrap();
+        let (opened, found) = open(older(), dir.path());
+        assert_eq!(jobs(&opened).len(), 2, "cut at {cut}");
+        assert!(found.database_is_older, "cut at {cut}: {found:?}");
+        assert_eq!(found.journal_is_incomplete, cut > last, "cut at {cut}: {found:?}");
+        let is_named = found.doubtful_jobs == named(&[ids[2]]);
+        assert_eq!(is_named, cut > after_key + 1, "cut at {cut}: {found:?}");
+        // A database that fell back no further than the journal's last whole line.
+        let level = stored(&[(ids[0], "queued", 1), (ids[1], "queued", 2)]);
+        fs::write(&path, &whole[..cut]).unwrap();
+        let (_, found) = open(level, dir.path());
+        assert_eq!((found.database_is_older, found.journal_is_incomplete), (false, cut > last), "cut at {cut}");
+    }
+    // After a crash between the two, the database has the change.
+    fs::write(&path, &whole[..after_key]).unwrap();
+    let (_, found) = open(rows.rows, dir.path());
+    assert_eq!(found, Findings::default());
 }
 
 #[test]
