@@ -19,7 +19,7 @@ fn shared_on_s3(folder: &std::path::Path) -> Option<(Shared, S3, Proxy)> {
     let mut shared = Shared::new(folder)?;
     let server = S3::start()?;
     let link = Proxy::start(Upstream::Tcp(server.address));
-    shared.blobs = "s3://tables/ltc".to_owned();
+    "s3://tables/ltc".clone_into(&mut shared.blobs);
     shared.environment = S3::environment(link.address);
     Some((shared, server, link))
 }

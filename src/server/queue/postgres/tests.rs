@@ -71,7 +71,7 @@ fn equal_recipes_at_once_make_one_job() {
                     match queue.submit(new(&n.to_string(), 3), &|_| false).unwrap() {
                         Submitted::Queued(_) => drop(queued.fetch_add(1, Ordering::Relaxed)),
                         Submitted::Joined(_) => {}
-                        other => panic!("{other:?}"),
+                        other @ Submitted::Done(..) => panic!("{other:?}"),
                     }
                 });
             }
@@ -136,7 +136,9 @@ fn another_fitter_leaves_the_job_alone() {
 /// Each has waited before, so that it has a row.
 fn give_all_back(queue: &PostgresQueue) {
     let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
-    tasks.iter().for_each(|task| queue.give_back(&task.lease).unwrap());
+    for task in &tasks {
+        queue.give_back(&task.lease).unwrap();
+    }
 }
 
 fn execute(queue: &PostgresQueue, statement: &str) {
@@ -262,7 +264,9 @@ fn connections_that_are_cut_cost_no_job() {
         });
         let joined: Vec<_> = workers.into_iter().map(thread::ScopedJoinHandle::join).collect();
         ended.store(true, Ordering::Relaxed);
-        joined.into_iter().for_each(|worker| worker.unwrap());
+        for worker in joined {
+            worker.unwrap();
+        }
     });
     assert!(cut.into_inner() > 10);
     assert_all_done(&queues[0], &jobs, completed);

@@ -103,7 +103,9 @@ mod tests {
         std::thread::scope(|scope| {
             let open = || super::super::Database::open(&url).map(drop).unwrap();
             let threads: Vec<_> = (0..8).map(|_| scope.spawn(open)).collect();
-            threads.into_iter().for_each(|thread| thread.join().unwrap());
+            for thread in threads {
+                thread.join().unwrap();
+            }
         });
     }
 

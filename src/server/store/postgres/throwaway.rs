@@ -68,11 +68,11 @@ impl Server {
     }
 
     fn start_as(arguments: &str, copy_of: Option<&Path>) -> Option<Self> {
+        static SERVERS: AtomicU32 = AtomicU32::new(0);
         let Some(programs) = programs() else {
             tell_skipped("there is no PostgreSQL server here; `make cluster` installs it");
             return None;
         };
-        static SERVERS: AtomicU32 = AtomicU32::new(0);
         let number = SERVERS.fetch_add(1, Ordering::Relaxed);
         let folder = env::temp_dir().join(format!("ltcforge-pg-{}-{number}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder for the cluster");
