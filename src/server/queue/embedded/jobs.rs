@@ -40,7 +40,7 @@ pub(super) struct QueueState {
     pub(super) next_submission: u64,
     /// Leases given so far.
     pub(super) leases: u64,
-    /// Until then leases are written to the disk before work begins, see [`Queue::lease`].
+    /// Until then leases are written to the disk before work begins, see `Queue::lease`.
     pub(super) careful_until: Option<Timestamp>,
     /// Jobs in final states.
     pub(super) concluded: HashMap<StateName, u64>,
