@@ -8,6 +8,10 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
 # What checks translated shaders.
 TEST_PACKAGES := spirv-tools glslang-tools
+# The database of a service in several processes, and a link between them that loses packets.
+CLUSTER_PACKAGES := postgresql util-linux iproute2 nftables
+# Debian has the modules that make a virtual environment apart from Python.
+PYTHON_PACKAGES = $(shell python3 -c 'import ensurepip, venv' 2>/dev/null || echo python3-venv)
 # What runs engines in a browser: WebGL by Mesa, and Node.js from wherever it came.
 BROWSER_PACKAGES = chromium-headless-shell libegl1 libgl1-mesa-dri \
 	$(shell command -v node >/dev/null || echo nodejs) $(shell command -v npm >/dev/null || echo npm)
@@ -17,7 +21,7 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo test test-native lint lint-core fmt bench packages browser clean
+.PHONY: help demo test test-native lint lint-core lint-deploy fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -46,8 +50,31 @@ browser:
 		|| npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1; } \
 		|| echo '*** npm ci failed in tests/engines: the tests in real engines will be skipped' >&2
 
+# The PostgreSQL and the S3 server of the tests. Not every system has these packages, and not every machine reaches PyPI: the
+# tests that need them say then that they are skipped.
+PYTHON_TARGET := $(or $(CARGO_TARGET_DIR),target)
+cluster:
+	@$(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(CLUSTER_PACKAGES)' \
+		|| echo '*** no PostgreSQL, iproute2 or nftables: the tests that need them will be skipped' >&2
+	@python3 -c 'import moto.server, moto.s3' 2>/dev/null || [ -x $(PYTHON_TARGET)/s3/bin/moto_server ] \
+		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
+			&& python3 -m venv $(PYTHON_TARGET)/s3 && $(PYTHON_TARGET)/s3/bin/pip install -q --retries 1 'moto[server]==5.2.1'; } \
+		|| echo '*** no moto[server] of PyPI: the tests on an S3 server will be skipped' >&2
+
+# What checks deploy/, in a folder of its own.
+lint-deploy:
+	@[ -x $(PYTHON_TARGET)/schemas/bin/kubernetes-validate ] \
+		|| { $(MAKE) --no-print-directory packages PACKAGES= EXTRA_PACKAGES='$(PYTHON_PACKAGES)' \
+			&& python3 -m venv $(PYTHON_TARGET)/schemas && $(PYTHON_TARGET)/schemas/bin/pip install -q --retries 1 \
+			kubernetes-validate==1.37.0 check-jsonschema==0.39.0; } \
+		|| rm -rf $(PYTHON_TARGET)/schemas
+	@if [ -x $(PYTHON_TARGET)/schemas/bin/check-jsonschema ]; then \
+		$(PYTHON_TARGET)/schemas/bin/kubernetes-validate --strict --quiet deploy/kubernetes/*.yaml && \
+		$(PYTHON_TARGET)/schemas/bin/check-jsonschema -q --builtin-schema vendor.compose-spec deploy/compose.yaml; \
+	else echo '*** SKIPPED: no kubernetes-validate and check-jsonschema of PyPI: deploy/ was not checked' >&2; fi
+
 test: EXTRA_PACKAGES := $(TEST_PACKAGES)
-test: packages browser
+test: packages browser cluster
 	$(CARGO) test --locked
 	@$(MAKE) --no-print-directory test-native
 
@@ -59,16 +86,16 @@ test-native:
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	@set -e; for feature in '' shaders render server textures client cli; do \
+	@set -e; for feature in '' shaders render server textures client cli cluster; do \
 		echo "features: $${feature:-none}"; \
 		$(CARGO) clippy --locked --no-default-features --features "$$feature" -- -D warnings; \
 	done
-	@$(MAKE) --no-print-directory lint-core
+	@$(MAKE) --no-print-directory lint-core lint-deploy
 	RUSTDOCFLAGS='-D warnings' $(CARGO) doc --locked --no-deps --document-private-items
 
 # What a Rust program takes along that only wants a table.
 CORE_CRATES := 50
-CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq
+CORE_WITHOUT := tokio|axum|sled|wgpu|naga|clap|rustls|ureq|object_store|reqwest
 lint-core:
 	@crates=$$($(CARGO) tree --locked -e normal --no-default-features --prefix none | sed 's/ (\*)//' | sort -u); \
 	count=$$(echo "$$crates" | wc -l); echo "crates of the core: $$count"; \
@@ -78,10 +105,11 @@ lint-core:
 fmt:
 	$(CARGO) fmt --all
 
-bench: packages
+bench: packages cluster
 	$(CARGO) bench --locked -p ltcforge-benches --bench fit
 	$(CARGO) bench --locked -p ltcforge-benches --bench preview
 	$(CARGO) bench --locked -p ltcforge-benches --bench service
+	$(CARGO) bench --locked -p ltcforge-benches --bench cluster
 
 clean:
 	$(CARGO) clean

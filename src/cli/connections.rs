@@ -32,6 +32,7 @@ pub(super) fn settle(args: ConnectionArgs, file: &ServeSection, descriptors: Opt
         ..within
     };
     Options {
+        redirects: false,
         limits,
         sites: Sites {
             hosts: list(args.allow_host, file.allow_host.as_ref()),

@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::FsckArgs, config_file::ServeSection, print, serve::DEFAULT_DATA};
+use super::{
+    CommandFailure, Context, Exit, args::FsckArgs, config_file::ServeSection, print, service_settings::DEFAULT_DATA,
+};
 use crate::{
     files::job::listed,
     server::service::{CheckReport, check},

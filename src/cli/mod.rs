@@ -4,6 +4,8 @@
 //! [`crate::server::service`] could hold.
 
 mod args;
+#[cfg(feature = "cluster")]
+mod cluster;
 mod config_file;
 mod connections;
 mod context;
@@ -33,6 +35,7 @@ mod report;
 mod report_models;
 mod run;
 mod serve;
+mod service_settings;
 mod shader;
 mod sources;
 mod table_file;

@@ -22,6 +22,12 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
     let connect = || client(server.as_deref(), &file);
     match command {
         Command::Serve(args) => serve::run(args, file.serve, json, context),
+        #[cfg(feature = "cluster")]
+        Command::Work(args) => super::cluster::work(args, &file.serve, json, context),
+        #[cfg(feature = "cluster")]
+        Command::Gc(args) => super::cluster::gc(args, &file.serve, json, context),
+        #[cfg(feature = "cluster")]
+        Command::Migrate(args) => super::cluster::migrate(args, &file.serve, json, context),
         Command::Fsck(args) => fsck::run(args, file.serve, json, context),
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),

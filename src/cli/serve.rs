@@ -16,6 +16,10 @@ use super::{
     args::{PictureLimitArgs, ServeArgs, WaitSeconds, cores},
     config_file::ServeSection,
     connections, print,
+    service_settings::{
+        DEFAULT_DATA, DEFAULT_EXPORT_BYTES, DEFAULT_JOB_DAYS, DEFAULT_JOB_SECONDS, DEFAULT_QUEUE_LIMIT, LEASE_TTL,
+        MAX_ATTEMPTS, failed,
+    },
 };
 use crate::{
     files::recipe_document::DEFAULT_ENTRY_LIMIT,
@@ -27,15 +31,6 @@ use crate::{
 };
 
 const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 8317);
-pub(super) const DEFAULT_DATA: &str = "ltcforge-data";
-const DEFAULT_QUEUE_LIMIT: usize = 64;
-/// A day.
-const DEFAULT_JOB_SECONDS: u64 = 86_400;
-const DEFAULT_JOB_DAYS: u32 = 90;
-const DEFAULT_EXPORT_BYTES: usize = 256 << 20;
-/// A worker renews its lease several times a second.
-const LEASE_TTL: Duration = Duration::from_secs(60);
-const MAX_ATTEMPTS: u32 = 3;
 
 /// Runs the service until it is interrupted.
 pub(super) fn run(
@@ -45,12 +40,24 @@ pub(super) fn run(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let options = connections::settle(args.connections.clone(), &file, connections::raise_descriptor_limit());
+    #[cfg(feature = "cluster")]
+    let (options, open) = {
+        let replica = &args.replica;
+        let (shared, works, seconds) = (super::cluster::replica(replica), !replica.no_workers, replica.lease_seconds);
+        let open = move |config| match &shared {
+            Some(shared) => Service::open_shared(super::cluster::shared_config(config, seconds), shared, works),
+            None => Service::open(config),
+        };
+        (http::Options { redirects: replica.redirect, ..options }, open)
+    };
+    #[cfg(not(feature = "cluster"))]
+    let open = Service::open;
     let (listen, config) = settle(args, file);
     let runtime = context.runtime.clone();
     runtime.block_on(async {
         let listener = TcpListener::bind(listen).await.map_err(|error| cannot_listen(listen, &error))?;
         let address = listener.local_addr().map_err(|error| cannot_listen(listen, &error))?;
-        let opened = tokio::task::spawn_blocking(|| Service::open(config)).await;
+        let opened = tokio::task::spawn_blocking(move || open(config)).await;
         let service = opened.map_err(failed)?.map_err(failed)?;
         let url = format!("http://{address}");
         print(context.stdout, json, &json!({ "listening": url }), &format!("listening on {url}"))?;
@@ -102,10 +109,6 @@ fn cannot_listen(listen: SocketAddr, error: &io::Error) -> CommandFailure {
     CommandFailure::new(Exit::Failed, format!("cannot listen on {listen}: {reason}"))
 }
 
-fn failed(error: impl std::fmt::Display) -> CommandFailure {
-    CommandFailure::new(Exit::Failed, error.to_string())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,6 +127,8 @@ mod tests {
             adapter: None,
             pictures: PictureLimitArgs::default(),
             connections: ConnectionArgs::default(),
+            #[cfg(feature = "cluster")]
+            replica: crate::cli::args::ReplicaArgs::default(),
         }
     }
 

@@ -69,6 +69,16 @@ impl Server {
         Self::of(command, folder)
     }
 
+    /// Starts it with further variables in its environment.
+    pub(crate) fn start_in(data: &Path, args: &[&str], environment: &[(String, String)]) -> Self {
+        let data = data.to_str().expect("a path in UTF-8");
+        let fixed = ["serve", "--listen", "127.0.0.1:0", "--data", data];
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut command = ltcforge(folder.path(), fixed.iter().chain(args));
+        command.envs(environment.iter().map(|(name, value)| (name, value)));
+        Self::of(command, folder)
+    }
+
     /// Starts it with `descriptors` file descriptors at most.
     pub(crate) fn start_within(descriptors: u32, data: &Path, args: &[&str]) -> Self {
         let data = data.to_str().expect("a path in UTF-8");

@@ -9,7 +9,10 @@ mod light;
 mod models;
 mod pictures;
 mod pins;
+#[cfg(feature = "cluster")]
+mod shared;
 mod tables;
+mod threads;
 
 use std::path::PathBuf;
 
@@ -18,12 +21,15 @@ use clap_complete::Shell;
 
 pub(super) use connections::{ConnectionArgs, WaitSeconds};
 pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
-pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, Threads, TradeoffArgs, cores};
+pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
+#[cfg(feature = "cluster")]
+pub(super) use shared::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
+pub(super) use threads::{Threads, cores};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
@@ -51,6 +57,15 @@ const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failed, 2 usage, 3 verification mi
 pub enum Command {
     /// Run the HTTP service
     Serve(ServeArgs),
+    /// Fit what the queue of a shared database has, without HTTP
+    #[cfg(feature = "cluster")]
+    Work(WorkArgs),
+    /// Remove tables from a shared store that no job has made known for a day
+    #[cfg(feature = "cluster")]
+    Gc(GcArgs),
+    /// Take the tables and jobs of a data folder along into a shared database and store
+    #[cfg(feature = "cluster")]
+    Migrate(MigrateArgs),
     /// Check the data folder of a service that is not running, and tell what its next start would mend
     Fsck(FsckArgs),
     /// Fit a table without a server; the last line of stdout is its digest
@@ -111,6 +126,8 @@ impl Command {
     pub fn log_level(&self) -> &'static str {
         match self {
             Self::Serve(_) => "info",
+            #[cfg(feature = "cluster")]
+            Self::Work(_) => "info",
             // It rehearses a start, and tells itself what a start would log.
             Self::Fsck(_) => "off",
             _ => "warn",
@@ -122,6 +139,10 @@ impl Command {
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
             Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
+            #[cfg(feature = "cluster")]
+            Self::Work(_) => OnInterrupt::Finishes,
+            #[cfg(feature = "cluster")]
+            Self::Gc(_) | Self::Migrate(_) => OnInterrupt::Ends,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
             Self::Lookup(_)
             | Self::Light(_)

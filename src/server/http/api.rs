@@ -17,6 +17,8 @@ pub(super) struct Api {
     pub(super) limits: Arc<ConnectionLimits>,
     /// Becomes true when the server stops; open event streams then end.
     pub(super) stopping: watch::Receiver<bool>,
+    /// Whether downloads are answered with URLs of the store of blobs.
+    pub(super) redirects: bool,
 }
 
 impl Api {

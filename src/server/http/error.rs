@@ -20,6 +20,11 @@ pub(super) fn stopping() -> Problem {
     Problem::new(ProblemKind::Stopping, "the service is stopping").with_retry_after(RESTART)
 }
 
+/// The problem of a service whose database does not answer.
+pub(super) fn unavailable() -> Problem {
+    Problem::new(ProblemKind::Unavailable, "the database does not answer").with_retry_after(RESTART)
+}
+
 /// The problem of a machine that lacks something for a moment. It is the operator's to know, and no error of the service.
 pub(super) fn lacking(detail: String) -> Problem {
     tracing::warn!("{detail}");
@@ -116,10 +121,12 @@ impl From<ServiceError> for Problem {
             ServiceError::Lacking(_) => return lacking(error.to_string()),
             ServiceError::Corrupt { .. } => ProblemKind::DamagedBlob,
             ServiceError::DiskFull => ProblemKind::DiskFull,
+            ServiceError::Unavailable(_) => ProblemKind::Unavailable,
             ServiceError::Storage(_) => ProblemKind::Storage,
         };
         tracing::error!("{error}");
-        Self::new(kind, error.to_string())
+        let problem = Self::new(kind, error.to_string());
+        if kind == ProblemKind::Unavailable { problem.with_retry_after(RESTART) } else { problem }
     }
 }
 
@@ -144,7 +151,7 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 17] = [
+        let cases: [(Problem, u16); 18] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
@@ -159,6 +166,7 @@ mod tests {
             (ExportFailure::Store(ServiceError::Stopping).into(), 503),
             (SubmitError::Store(ServiceError::DiskFull).into(), 507),
             (ServiceError::Storage("x".into()).into(), 500),
+            (ServiceError::Unavailable("x".into()).into(), 503),
             (ServiceError::Lacking("x".into()).into(), 503),
             ((&Failure { kind: FailureKind::DiskFull, detail: "x".into() }).into(), 507),
             ((&Failure { kind: FailureKind::Attempts, detail: "x".into() }).into(), 500),

@@ -40,6 +40,7 @@ pub(super) enum ProblemKind {
     DamagedBlob,
     DiskFull,
     Storage,
+    Unavailable,
     FitFailed,
     Internal,
 }
@@ -109,6 +110,7 @@ impl ProblemKind {
             Self::DamagedBlob => row(StatusCode::INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged"),
             Self::DiskFull => row(StatusCode::INSUFFICIENT_STORAGE, "disk-full", "The disk is full"),
             Self::Storage => row(StatusCode::INTERNAL_SERVER_ERROR, "storage", "The storage failed"),
+            Self::Unavailable => row(StatusCode::SERVICE_UNAVAILABLE, "unavailable", "The storage does not answer now"),
             Self::FitFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "fit-failed", "The fit failed"),
             Self::Internal => row(StatusCode::INTERNAL_SERVER_ERROR, "internal", "The service is at fault"),
         }

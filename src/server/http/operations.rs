@@ -47,7 +47,12 @@ pub(super) async fn healthz(_: QueryOf<NoParameters>) -> Json<Status> {
 /// `GET /readyz`: the service accepts jobs and works on them.
 pub(super) async fn readyz(State(api): State<Api>, _: QueryOf<NoParameters>) -> Result<Json<Status>, Problem> {
     let ready = api.call(|service| Ok::<_, ServiceError>(service.is_ready())).await?;
-    if ready && !*api.stopping.borrow() { Ok(Json(Status { status: "ready" })) } else { Err(error::stopping()) }
+    match (ready, *api.stopping.borrow()) {
+        (_, true) => Err(error::stopping()),
+        (false, false) if api.service.is_stopping() => Err(error::stopping()),
+        (false, false) => Err(error::unavailable()),
+        (true, false) => Ok(Json(Status { status: "ready" })),
+    }
 }
 
 /// `GET /metrics`.

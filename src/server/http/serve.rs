@@ -28,6 +28,8 @@ pub struct Options {
     pub limits: ConnectionLimits,
     /// Names and origins that are served beyond the service's own.
     pub sites: Sites,
+    /// Whether clients that download a table are sent to the store of blobs, where it gives URLs for that.
+    pub redirects: bool,
 }
 
 /// Serves requests on `listener` until `shutdown` resolves. Then it accepts no more, ends event streams, gives open
@@ -40,7 +42,7 @@ pub async fn serve(
 ) {
     let (stop, stopping) = watch::channel(false);
     let limits = Arc::new(options.limits);
-    let api = Api { service, limits: Arc::clone(&limits), stopping: stopping.clone() };
+    let api = Api { service, limits: Arc::clone(&limits), stopping: stopping.clone(), redirects: options.redirects };
     let served = connection::serve(listener, router(api, options.sites), limits, stopping);
     let stopped = async {
         shutdown.await;

@@ -3,7 +3,7 @@
 use axum::{
     Json,
     extract::State,
-    http::{HeaderMap, Method, header},
+    http::{HeaderMap, Method, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use serde::Deserialize;
@@ -47,6 +47,12 @@ pub(super) async fn download(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
+    if api.redirects
+        && method == Method::GET
+        && let Some(url) = api.call(move |service| service.table_link(digest)).await?
+    {
+        return Ok((StatusCode::TEMPORARY_REDIRECT, [(header::LOCATION, url)]).into_response());
+    }
     let file = api.call(move |service| service.table(digest)).await?.ok_or_else(|| unknown(digest))?;
     let name = format!("{}.safetensors", digest.hex());
     let file = File { digest, bytes: file, media_type: "application/octet-stream", caching: FOREVER, name: Some(name) };

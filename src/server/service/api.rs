@@ -8,6 +8,8 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
+#[cfg(feature = "cluster")]
+use crate::server::store::{DatabaseOpenError, ObjectsOpenError};
 use crate::{
     files::{digest::Digest, recipe_document::RecipeError},
     server::{
@@ -80,6 +82,18 @@ pub enum OpenError {
     /// It has no store, and none was to be made.
     #[error("{} has no jobs and tables of this service", .0.display())]
     NoStore(PathBuf),
+    /// The database that processes share cannot be used.
+    #[cfg(feature = "cluster")]
+    #[error(transparent)]
+    Database(#[from] DatabaseOpenError),
+    /// The store of blobs that processes share cannot be used.
+    #[cfg(feature = "cluster")]
+    #[error(transparent)]
+    Blobs(#[from] ObjectsOpenError),
+    /// A database that was opened failed.
+    #[cfg(feature = "cluster")]
+    #[error(transparent)]
+    Shared(StoreError),
     /// The store is of a later version of the program.
     #[error("the data folder {} has schema {found}; this program knows schemas up to {known}", .path.display())]
     FromTheFuture {
@@ -175,6 +189,9 @@ pub enum ServiceError {
     /// The service stops and does not begin or finish what takes long.
     #[error("the service is stopping")]
     Stopping,
+    /// The storage does not answer, or not now.
+    #[error("the storage cannot be reached now: {0}")]
+    Unavailable(String),
     /// The machine or the process lacks something for a moment, such as a thread or a file descriptor.
     #[error("the machine lacks something for a moment: {0}")]
     Lacking(String),
@@ -255,6 +272,7 @@ impl From<StoreError> for ServiceError {
         match error {
             StoreError::DiskFull => Self::DiskFull,
             StoreError::Corrupt { expected, actual, moved_to } => Self::Corrupt { expected, actual, moved_to },
+            StoreError::Unavailable(reason) => Self::Unavailable(reason),
             other if other.is_passing() => Self::Lacking(other.to_string()),
             other => Self::Storage(other.to_string()),
         }

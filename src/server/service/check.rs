@@ -8,7 +8,7 @@ use super::{OpenError, Reconciled, engine::FitEngine, reconcile::reconcile};
 use crate::{
     files::digest::Digest,
     server::{
-        queue::{self, ReconciledJobs},
+        queue::embedded::{self, ReconciledJobs},
         store::{Findings, Rehearsal, Store, StoreError},
     },
 };
@@ -67,7 +67,7 @@ pub fn check(folder: &Path) -> Result<CheckReport, OpenError> {
             Err(error) => return Err(of(error)),
         }
     }
-    let jobs = queue::reconcile(store.rows.as_ref()).map_err(of)?;
+    let jobs = embedded::reconcile(store.rows.as_ref()).map_err(of)?;
     let mut catalogue = reconcile(&store.rows, store.blobs.as_ref(), &FitEngine::default()).map_err(of)?;
     // Their file is there.
     catalogue.lost.retain(|digest| !damaged_tables.contains(digest));

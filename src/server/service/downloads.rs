@@ -1,6 +1,6 @@
 //! What users download: tables, manifests, recipes, exports and pictures.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use super::{
     ExportFailure, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow,
@@ -14,6 +14,9 @@ use crate::{
         store::{Catalogue, ManifestRow, StoreError},
     },
 };
+
+/// How long a URL of a table is valid.
+const LINK: Duration = Duration::from_secs(300);
 
 impl Service {
     /// The canonical file of a table, checked against its digest.
@@ -47,6 +50,18 @@ impl Service {
         Ok(Some(manifest.text))
     }
 
+    /// A URL under which a client can fetch a table from the store of blobs for some minutes; `None` where there is none,
+    /// or no such table.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn table_link(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
+        if !self.state.tables.contains(digest)? {
+            return Ok(None);
+        }
+        Ok(self.state.tables.store.blobs.link(digest, LINK)?)
+    }
+
     /// Tables, newest first.
     ///
     /// # Errors
@@ -62,8 +77,8 @@ impl Service {
     /// When the store fails.
     pub fn recipe(&self, digest: Digest) -> Result<Option<(String, Option<Digest>)>, ServiceError> {
         if let Some((recipe, table)) = self.state.tables.catalogue.recipe(digest)? {
-            let table = Some(table).filter(|table| self.state.tables.contains(*table));
-            return Ok(Some((recipe, table)));
+            let is_stored = self.state.tables.contains(table)?;
+            return Ok(Some((recipe, Some(table).filter(|_| is_stored))));
         }
         let job = self.state.queue.job(JobId::of_recipe(&digest))?;
         Ok(job.filter(|job| job.recipe_digest == digest).map(|job| (job.recipe, None)))

@@ -6,11 +6,16 @@
 mod api;
 mod cache;
 mod check;
+#[cfg(feature = "cluster")]
+mod cluster;
 mod cursor;
+mod deliveries;
 mod downloads;
 mod engine;
 mod exports;
 mod forecast;
+#[cfg(feature = "cluster")]
+mod migrate;
 mod open;
 mod pictures;
 mod reconcile;
@@ -31,8 +36,12 @@ pub use api::{
     SubmitReply,
 };
 pub use check::{CheckReport, check};
+#[cfg(feature = "cluster")]
+pub use cluster::{DatabaseUrl, Shared, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
+#[cfg(feature = "cluster")]
+pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;
 pub use state::Service;

@@ -12,6 +12,7 @@ use jiff::Timestamp;
 
 use super::{
     Config, OpenError, Service,
+    deliveries::Deliveries,
     engine::{Engine, FitEngine},
     exports::Exports,
     forecast::Forecast,
@@ -24,7 +25,10 @@ use super::{
     watch::Hub,
 };
 use crate::server::{
-    queue::{Clock, Limits, Queue},
+    queue::{
+        Limits, Queue,
+        embedded::{Clock, EmbeddedQueue},
+    },
     store::{Rows, Store, StoreOpenError},
 };
 
@@ -41,12 +45,6 @@ impl Service {
     /// As [`Service::open`], on a given store and engine.
     pub(super) fn open_with(config: Config, store: Store, engine: Box<dyn Engine>) -> Result<Arc<Self>, OpenError> {
         let clock: Clock = Arc::new(Timestamp::now);
-        let limits = Limits {
-            jobs: config.queue_limit,
-            lease_ttl: config.lease_ttl,
-            keep_ended: config.keep_ended,
-            max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
-        };
         let engine: Arc<dyn Engine> = Arc::from(engine);
         let check = {
             let (blobs, engine) = (Arc::clone(&store.blobs), Arc::clone(&engine));
@@ -54,13 +52,20 @@ impl Service {
         };
         let prepared = (|| {
             check(&store.rows)?;
-            Queue::open(Arc::clone(&store.rows), limits, Arc::clone(&clock))
+            EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), clock)
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
         store.checks.add(check);
+        Self::start(config, Parts { queue: Box::new(queue), store, engine, works: true })
+    }
+
+    /// Starts the workers, if there are to be any.
+    pub(super) fn start(config: Config, parts: Parts) -> Result<Arc<Self>, OpenError> {
+        let Parts { queue, store, engine, works } = parts;
         let workers = config.workers.get();
-        let threads = workers.saturating_add(config.queue_limit.clamp(1, MOST_WAITING));
-        let (fitting_pool, measuring_pool) = (pool(&config, "fit", threads)?, pool(&config, "measure", workers)?);
+        let threads = if works { workers.saturating_add(config.queue_limit.clamp(1, MOST_WAITING)) } else { 0 };
+        let (fitting_pool, measuring_pool) =
+            (pool(&config, "fit", threads.max(1))?, pool(&config, "measure", workers)?);
         let turns = Turns::new(workers, config.lease_ttl / 4);
         let forecast = Arc::new(Forecast::new(Arc::clone(&engine), config.workers));
         let tables = Arc::new(Tables::new(store));
@@ -68,12 +73,12 @@ impl Service {
             engine,
             tables: Arc::clone(&tables),
             queue,
-            hub: Hub::new(Arc::clone(&clock), Arc::clone(&forecast)),
+            deliveries: Deliveries::default(),
+            hub: Hub::new(Arc::clone(&forecast)),
             forecast,
             measuring_pool,
             threads: Threads::default(),
             turns,
-            clock,
             pictures: Pictures::new(tables, config.adapter, config.pictures),
             exports: Exports::new(config.export_bytes),
             stopping: AtomicBool::new(false),
@@ -92,6 +97,25 @@ impl Service {
             });
         }
         Ok(Arc::new(Self { state, workers, _pool: fitting_pool }))
+    }
+}
+
+/// What a service is made of.
+pub(super) struct Parts {
+    pub(super) queue: Box<dyn Queue>,
+    pub(super) store: Store,
+    pub(super) engine: Arc<dyn Engine>,
+    /// Whether it fits.
+    pub(super) works: bool,
+}
+
+/// The bounds of the queue.
+pub(super) fn limits(config: &Config) -> Limits {
+    Limits {
+        jobs: config.queue_limit,
+        lease_ttl: config.lease_ttl,
+        keep_ended: config.keep_ended,
+        max_attempts: NonZeroU32::new(config.max_attempts).unwrap_or(NonZeroU32::MIN),
     }
 }
 

@@ -6,11 +6,11 @@ use std::sync::{
 };
 
 use super::{
-    Config, Metrics, ServiceError, engine::Engine, exports::Exports, forecast::Forecast, pictures::Pictures,
-    tables::Tables, threads::Threads, turns::Turns, watch::Hub,
+    Config, Metrics, ServiceError, deliveries::Deliveries, engine::Engine, exports::Exports, forecast::Forecast,
+    pictures::Pictures, tables::Tables, threads::Threads, turns::Turns, watch::Hub,
 };
 use crate::server::{
-    queue::{Clock, JobId, Queue},
+    queue::{JobId, Queue},
     store::Batch,
 };
 
@@ -29,7 +29,8 @@ pub(super) struct ServiceState {
     pub(super) engine: Arc<dyn Engine>,
     pub(super) forecast: Arc<Forecast>,
     pub(super) tables: Arc<Tables>,
-    pub(super) queue: Queue,
+    pub(super) queue: Box<dyn Queue>,
+    pub(super) deliveries: Deliveries,
     pub(super) hub: Hub,
     /// Measures tables and makes exports of them. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
     /// until a table is assembled.
@@ -38,7 +39,6 @@ pub(super) struct ServiceState {
     pub(super) threads: Threads,
     /// Which of the threads that fit may work.
     pub(super) turns: Turns,
-    pub(super) clock: Clock,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
     pub(super) stopping: AtomicBool,
@@ -93,7 +93,13 @@ impl Service {
     /// Whether the service accepts jobs and works on them.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        !self.state.is_stopping()
+        !self.state.is_stopping() && self.state.queue.is_reachable()
+    }
+
+    /// Whether [`Self::stop`] was called.
+    #[must_use]
+    pub fn is_stopping(&self) -> bool {
+        self.state.is_stopping()
     }
 
     /// Figures for `/metrics`.
@@ -105,7 +111,7 @@ impl Service {
         let (leases_expired, shard_failures) = state.queue.failures();
         let (tables, table_bytes) = state.tables.catalogue.totals()?;
         Ok(Metrics {
-            jobs: state.queue.counts(),
+            jobs: state.queue.counts()?,
             entries_fitted: state.entries_fitted.load(Ordering::Relaxed),
             shard_failures,
             leases_expired,
@@ -134,13 +140,16 @@ impl ServiceState {
     /// Notifies the followers of every job that has changed.
     pub(super) fn publish_changes(&self) {
         for id in self.queue.take_changed() {
-            self.publish(id);
+            // A job of other processes that nobody has asked about here need not be looked up.
+            if self.queue.is_local() || self.hub.knows(id) {
+                self.publish(id);
+            }
         }
     }
 
     /// Notifies the followers of a job.
     pub(super) fn publish(&self, id: JobId) {
-        let published = self.hub.publish(id, || self.queue.job(id));
+        let published = self.hub.publish(id, || self.queue.job_now(id));
         if let Err(error) = published {
             tracing::warn!(job = %id, %error, "the followers of the job were not notified");
         }

@@ -77,7 +77,7 @@ impl Service {
     /// # Errors
     /// When the store fails.
     pub fn watch(&self, id: JobId) -> Result<Option<watch::Receiver<JobSnapshot>>, ServiceError> {
-        Ok(self.state.hub.watch(id, || self.state.queue.job(id))?)
+        Ok(self.state.hub.watch(id, || self.state.queue.job_now(id))?)
     }
 }
 
@@ -94,7 +94,7 @@ impl ServiceState {
         }
         let predicted = self.forecast.of(&new.recipe).map_or(0.0, |expected| expected.seconds);
         let limit = self.config.job_seconds;
-        if predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&digest)) {
+        if predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&digest)).map_err(ServiceError::from)? {
             return Err(SubmitError::TooExpensive { predicted, limit });
         }
         let has_table = |_| self.tables.of_recipe(digest).is_ok_and(|table| table.is_some());
@@ -110,7 +110,7 @@ impl ServiceState {
     /// A done job for a table that is stored although its job was lost.
     fn done(&self, new: NewJob, table: Digest) -> Job {
         let stored_at =
-            self.tables.catalogue.table(table).ok().flatten().map_or_else(|| (self.clock)(), |row| row.created_at);
+            self.tables.catalogue.table(table).ok().flatten().map_or_else(|| self.queue.now(), |row| row.created_at);
         let entries = new.shard_entries.iter().copied().map(u64::from).sum();
         Job {
             id: JobId::of_recipe(&new.recipe_digest),
@@ -128,7 +128,7 @@ impl ServiceState {
 
     /// When the first job is expected to end.
     fn retry_after(&self) -> Duration {
-        let first = self.queue.unfinished().into_iter().next();
+        let first = self.queue.first_unfinished().ok().flatten();
         let seconds = first.and_then(|job| self.hub.snapshot(job).seconds_left).unwrap_or(RETRY_UNKNOWN_SECONDS);
         Duration::try_from_secs_f64(seconds.clamp(RETRY_SECONDS.0, RETRY_SECONDS.1)).unwrap_or(Duration::from_secs(1))
     }

@@ -27,7 +27,7 @@ impl Tables {
     }
 
     /// Whether there is a file of this digest. Its bytes are not read.
-    pub(super) fn contains(&self, digest: Digest) -> bool {
+    pub(super) fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
         self.store.blobs.contains(digest)
     }
 
@@ -57,8 +57,10 @@ impl Tables {
 
     /// The table of a recipe, if it is in the catalogue and its file is there.
     pub(super) fn of_recipe(&self, recipe_digest: Digest) -> Result<Option<Digest>, StoreError> {
-        let table = self.catalogue.recipe(recipe_digest)?.map(|(_, table)| table);
-        Ok(table.filter(|table| self.contains(*table)))
+        match self.catalogue.recipe(recipe_digest)? {
+            Some((_, table)) if self.contains(table)? => Ok(Some(table)),
+            _ => Ok(None),
+        }
     }
 
     /// How many blobs were found damaged so far.

@@ -5,11 +5,12 @@
 
 use std::{
     collections::VecDeque,
+    num::NonZeroUsize,
     sync::{Condvar, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
-use crate::server::queue::Offer;
+use crate::server::queue::{Demand, LeasedTask, Offer};
 
 /// How long a thread works before it lets another have its turn.
 const SLICE: Duration = Duration::from_millis(100);
@@ -35,6 +36,32 @@ struct State {
     waiting: VecDeque<u64>,
     tickets: u64,
     is_closed: bool,
+    asking: Asking,
+}
+
+/// The threads that ask for a task. One of them leases for all.
+#[derive(Debug, Default)]
+struct Asking {
+    threads: usize,
+    /// Whether one of them is leasing now.
+    is_leasing: bool,
+    /// How often one of them has begun to.
+    rounds: u64,
+    /// The last round that found nothing, and what it saw.
+    nothing: Option<(u64, u64)>,
+    /// Leased tasks that no thread has taken yet.
+    tasks: VecDeque<LeasedTask>,
+}
+
+/// What a thread that asked for a task gets.
+#[derive(Debug)]
+pub(super) enum Asked {
+    /// A task.
+    Task(Box<LeasedTask>),
+    /// None is available; the generation of the queue that was seen.
+    Nothing(u64),
+    /// The queue is closed.
+    Closed,
 }
 
 /// The turns of a thread during one task.
@@ -52,14 +79,47 @@ impl Turns {
         Self { state: Mutex::default(), changed: Condvar::new(), at_once, renewal }
     }
 
-    /// Asks for a task: any while fewer threads have one than may work, else one of a job that no thread works for.
-    pub(super) fn offer(&self, lease: impl FnOnce(bool) -> Offer) -> Offer {
+    /// Asks for a task: any while fewer threads have one than may work, else one of a job that no thread works for. Of
+    /// threads that ask at the same time, one calls `lease` for all.
+    pub(super) fn ask(&self, lease: impl Fn(Demand, NonZeroUsize) -> Offer) -> Asked {
         let mut state = self.lock();
-        let offer = lease(state.busy < self.at_once);
-        if matches!(offer, Offer::Task(_)) {
-            state.busy += 1;
-        }
-        offer
+        let arrived = state.asking.rounds;
+        state.asking.threads += 1;
+        let asked = loop {
+            if let Some(task) = state.asking.tasks.pop_front() {
+                break Asked::Task(Box::new(task));
+            }
+            if state.asking.is_leasing {
+                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            }
+            // A round that began before this thread came may have missed what it was woken for.
+            if let Some((_, seen)) = state.asking.nothing.filter(|(round, _)| *round > arrived) {
+                break Asked::Nothing(seen);
+            }
+            let free = NonZeroUsize::new(self.at_once.saturating_sub(state.busy).min(state.asking.threads));
+            state.asking.rounds += 1;
+            state.asking.is_leasing = true;
+            drop(state);
+            let offer =
+                lease(if free.is_some() { Demand::Any } else { Demand::Unserved }, free.unwrap_or(NonZeroUsize::MIN));
+            state = self.lock();
+            state.asking.is_leasing = false;
+            self.changed.notify_all();
+            match offer {
+                Offer::Tasks(tasks) => {
+                    state.busy += tasks.len();
+                    state.asking.tasks.extend(tasks);
+                }
+                Offer::Nothing { seen } => {
+                    state.asking.nothing = Some((state.asking.rounds, seen));
+                    break Asked::Nothing(seen);
+                }
+                Offer::Closed => break Asked::Closed,
+            }
+        };
+        state.asking.threads -= 1;
+        asked
     }
 
     /// Begins a task that was offered, as soon as a thread that works lets it. `renew` is called now and then until then.

@@ -8,10 +8,18 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{TableRow, downloads::ManifestError, state::ServiceState, turns::Turn};
-use crate::server::{
-    queue::{Failure, FailureKind, LeaseError, LeasedTask, Offer, StaleLease, TaskKind},
-    store::{Catalogue, StoreError},
+use super::{
+    TableRow,
+    downloads::ManifestError,
+    state::ServiceState,
+    turns::{Asked, Turn},
+};
+use crate::{
+    files::digest::Digest,
+    server::{
+        queue::{Failure, FailureKind, LeaseError, LeasedTask, StaleLease, TaskKind},
+        store::{Catalogue, StoreError},
+    },
 };
 
 /// Why a task was not delivered.
@@ -44,15 +52,14 @@ impl ServiceState {
     /// Does tasks until the queue is closed.
     pub(super) fn work(&self, thread: u32) {
         loop {
-            let lease = |is_free| if is_free { self.queue.lease(thread) } else { self.queue.lease_unserved(thread) };
-            match self.turns.offer(lease) {
-                Offer::Task(task) => {
+            match self.turns.ask(|demand, most| self.queue.lease(thread, demand, most)) {
+                Asked::Task(task) => {
                     self.publish_changes();
                     let mut turn = self.turns.begin(&mut || self.renew(&task, 0));
                     self.deliver(&task, &mut turn);
                 }
-                Offer::Nothing { seen } => self.queue.wait(seen),
-                Offer::Closed => return,
+                Asked::Nothing(seen) => self.queue.wait(seen),
+                Asked::Closed => return,
             }
             self.publish_changes();
         }
@@ -107,7 +114,8 @@ impl ServiceState {
             if self.is_stopping() || self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
-            if self.hub.is_watched(task.job) {
+            // Whoever follows a shared job has it looked at now and then.
+            if self.queue.is_local() && self.hub.is_watched(task.job) {
                 self.publish(task.job);
             }
             ControlFlow::Continue(())
@@ -115,10 +123,7 @@ impl ServiceState {
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
                 let seconds = (started.elapsed() + waited).saturating_sub(turn.waited()).as_secs_f64();
-                // Without the job's row the forecast learns nothing.
-                if let Ok(Some(job)) = self.queue.job(task.job) {
-                    self.forecast.learn(&task.recipe, fitted as f64 / job.entries_total as f64, seconds);
-                }
+                self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, seconds);
                 self.complete(task, &result)?;
             }
             None => self.queue.give_back(&task.lease)?,
@@ -129,7 +134,7 @@ impl ServiceState {
     /// Stores a shard's result. An error that passes is waited out, because the shard may have taken minutes.
     fn complete(&self, task: &LeasedTask, result: &[u8]) -> Result<(), LeaseError> {
         loop {
-            match self.queue.complete(&task.lease, result) {
+            match self.deliveries.deliver(self.queue.as_ref(), task.lease, result) {
                 Err(LeaseError::Store(error)) if error.is_passing() && !self.is_stopping() => {
                     tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result is stored again");
                     self.queue.pause(RETRY);
@@ -155,18 +160,34 @@ impl ServiceState {
             self.queue.give_back(&task.lease)?;
             return Ok(());
         };
-        let digest = self.tables.store.blobs.put(&file)?;
+        let digest = self.store_file(task, &file)?;
         let row = TableRow {
             digest,
             recipe_digest: task.recipe_digest,
             bytes: file.len() as u64,
-            created_at: (self.clock)(),
+            created_at: self.queue.now(),
         };
         let mut batch = Catalogue::entry(&row, &task.recipe)?;
         batch.extend(Catalogue::manifest_entry(digest, &manifest)?);
         self.queue.finish(&task.lease, digest, batch)?;
         tracing::info!(job = %task.job, table = %digest, bytes = row.bytes, "the table is stored");
         Ok(())
+    }
+}
+
+impl ServiceState {
+    /// Stores a table's file. An error that passes is waited out, because assembling and measuring may have taken minutes.
+    fn store_file(&self, task: &LeasedTask, file: &[u8]) -> Result<Digest, TaskError> {
+        loop {
+            match self.tables.store.blobs.put(file) {
+                Err(error) if error.is_passing() && !self.is_stopping() => {
+                    tracing::warn!(job = %task.job, %error, "the table is stored again");
+                    self.queue.pause(RETRY);
+                    self.queue.progress(&task.lease, 0)?;
+                }
+                done => return Ok(done?),
+            }
+        }
     }
 }
 

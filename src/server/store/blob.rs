@@ -3,6 +3,7 @@
 use std::{
     fs, io,
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use jiff::Timestamp;
@@ -37,13 +38,25 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError>;
 
     /// Whether there is a blob of that name; its bytes are not read.
-    fn contains(&self, digest: Digest) -> bool;
+    ///
+    /// # Errors
+    /// When the storage does not tell.
+    fn contains(&self, digest: Digest) -> Result<bool, StoreError>;
 
     /// All blobs, by digest.
     ///
     /// # Errors
     /// When the storage cannot be listed.
     fn list(&self) -> Result<Vec<BlobInfo>, StoreError>;
+
+    /// A URL of the blob for a client, valid for so long; `None` if the storage has none.
+    ///
+    /// # Errors
+    /// When it cannot be made.
+    fn link(&self, digest: Digest, valid: Duration) -> Result<Option<String>, StoreError> {
+        let _ = (digest, valid);
+        Ok(None)
+    }
 }
 
 /// Blobs as files `ROOT/ab/ab12...`.
@@ -120,8 +133,8 @@ impl Blobs for FileBlobs {
         Err(StoreError::Corrupt { expected: digest, actual, moved_to })
     }
 
-    fn contains(&self, digest: Digest) -> bool {
-        self.path(digest).is_file()
+    fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
+        Ok(self.path(digest).is_file())
     }
 
     fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
@@ -155,7 +168,7 @@ mod tests {
         assert_eq!(digest, Digest::of(b"table"));
         assert_eq!(blobs.put(b"table").unwrap(), digest);
         assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
-        assert!(blobs.contains(digest));
+        assert!(blobs.contains(digest).unwrap());
         assert_eq!(blobs.list().unwrap().iter().map(|blob| blob.digest).collect::<Vec<_>>(), [digest]);
         assert!(blobs.get(Digest::of(b"other")).unwrap().is_none());
     }

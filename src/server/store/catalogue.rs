@@ -156,6 +156,9 @@ impl Catalogue {
     /// # Errors
     /// When the database fails.
     pub fn totals(&self) -> Result<(u64, u64), StoreError> {
+        if let Some(totals) = self.rows.totals()? {
+            return Ok(totals);
+        }
         let rows = self.rows.scan(Tree::Tables, &[])?;
         let sizes = rows.iter().filter_map(|row| serde_json::from_slice::<TableRow>(row.value.as_deref()?).ok());
         Ok(sizes.fold((0, 0), |(count, bytes), row| (count + 1, bytes + row.bytes)))

@@ -40,6 +40,12 @@ pub enum StoreError {
     /// The database failed.
     #[error("database: {0}")]
     Database(String),
+    /// The store of blobs refuses the credentials.
+    #[error("the store of blobs refuses: {0}")]
+    Refused(String),
+    /// The database or the store of blobs does not answer, or not now.
+    #[error("the storage cannot be reached: {0}")]
+    Unavailable(String),
 }
 
 impl StoreError {
@@ -62,11 +68,15 @@ impl StoreError {
 }
 
 impl StoreError {
-    /// Whether the process or the machine lacked something for a moment, such as a free descriptor: the same operation
-    /// may succeed later.
+    /// Whether the process or the machine lacked something for a moment, such as a free descriptor or a connection: the same
+    /// operation may succeed later.
     #[must_use]
     pub fn is_passing(&self) -> bool {
-        matches!(self, Self::Io { source, .. } if is_passing(source))
+        match self {
+            Self::Io { source, .. } => is_passing(source),
+            Self::Unavailable(_) => true,
+            _ => false,
+        }
     }
 }
 

@@ -25,8 +25,8 @@ pub struct Store {
     pub found: Findings,
     /// What is checked when a write error closed the database and it was opened again.
     pub checks: Checks,
-    /// Dropping it unlocks the folder.
-    _lock: File,
+    /// Dropping it unlocks the folder. A store that processes share has no folder.
+    _lock: Option<File>,
 }
 
 /// Why a data folder did not open.
@@ -87,7 +87,16 @@ impl Store {
         let rows = JournalledRows::open(rows, paths, was_journalled, &mut found)?;
         found.log();
         checks.add(move |rows| journal::restore_again(rows, &journal));
-        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, checks, _lock: lock })
+        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, checks, _lock: Some(lock) })
+    }
+}
+
+#[cfg(feature = "cluster")]
+impl Store {
+    /// A store that any number of processes share.
+    #[must_use]
+    pub fn shared(blobs: Arc<dyn Blobs>, rows: Arc<dyn Rows>) -> Self {
+        Self { blobs, rows, found: Findings::default(), checks: Checks::default(), _lock: None }
     }
 }
 

@@ -67,6 +67,14 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// The database's error. Damaged rows are in the result, without a value.
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError>;
 
+    /// Number of tables in the catalogue and bytes of their files, where they are counted as they change.
+    ///
+    /// # Errors
+    /// The database's error.
+    fn totals(&self) -> Result<Option<(u64, u64)>, StoreError> {
+        Ok(None)
+    }
+
     /// Applies `batch`; it is durable when this returns.
     ///
     /// # Errors

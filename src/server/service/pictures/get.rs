@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
-    server::service::{PictureCounts, PictureLimits, tables::Tables},
+    server::service::{PictureCounts, PictureLimits, ServiceError, tables::Tables},
     view::preview::Adapter,
 };
 
@@ -71,7 +71,9 @@ impl Pictures {
             plot @ Subject::Plot(_) => plot,
         };
         let table = match table {
-            Some(table) if !self.tables.contains(table) => return Err(PictureError::UnknownTable(table)),
+            Some(table) if !self.tables.contains(table).map_err(ServiceError::from)? => {
+                return Err(PictureError::UnknownTable(table));
+            }
             None if subject.needs_table() => Some(self.ranking.best(&self.tables)?.ok_or(PictureError::NoTable)?),
             named_or_none => named_or_none,
         };

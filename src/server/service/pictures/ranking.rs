@@ -55,7 +55,10 @@ impl Ranking {
         let mut cursor = None;
         loop {
             let (rows, next) = tables.catalogue.page(cursor.as_deref(), PAGE)?;
-            for table in rows.iter().map(|row| row.digest).filter(|table| tables.contains(*table)) {
+            for table in rows.iter().map(|row| row.digest) {
+                if !tables.contains(table)? {
+                    continue;
+                }
                 newest.get_or_insert(table);
                 let Some(rank) = self.rank(tables, table)? else { continue };
                 if best.is_none_or(|(best, _)| rank.compare(&best).is_lt()) {

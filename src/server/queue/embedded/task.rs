@@ -3,6 +3,8 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use crate::server::queue::{SUSPECT_DEATHS, StaleLease};
+
 /// The state of a task. `attempt` counts its leases and never decreases within one submission, so that a result can be
 /// matched with its lease. `failures` counts the leases that ended in an error or an expiry, `deaths` those that ended with
 /// the process. Both are limited.
@@ -43,27 +45,6 @@ pub(super) enum TaskState {
         attempt: u32,
     },
 }
-
-/// Processes that may end while a task is leased before its job fails. Kills and power cuts are no fault of the task, and
-/// even a bad day has fewer; a task that ends its process each time must not go on for ever.
-pub(super) const MOST_DEATHS: u32 = 20;
-/// After so many, a task is suspect: of all suspect tasks one is leased at a time, so that what ends the process does not
-/// bring the limit closer for the others.
-const SUSPECT_DEATHS: u32 = 3;
-
-/// The right to deliver one task. It names the submission and the attempt, so that a lease that has expired, or one
-/// from before the job was submitted again, is not taken for the current one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lease {
-    pub(super) submission: u64,
-    pub(super) task: u32,
-    pub(super) attempt: u32,
-}
-
-/// A transition that the task's state does not allow, because the lease is not the current one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the lease has expired or was taken back")]
-pub struct StaleLease;
 
 impl TaskState {
     /// A task that has not been leased.

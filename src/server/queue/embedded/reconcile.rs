@@ -4,10 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::{JobId, record, record::JobRecord};
+use super::{record, record::JobRecord};
 use crate::{
     files::{hex::to_hex, job::listed},
-    server::store::{Batch, Rows, StoreError, Tree},
+    server::{
+        queue::JobId,
+        store::{Batch, Rows, StoreError, Tree},
+    },
 };
 
 /// What was done to make the rows of jobs and the list of jobs agree.
@@ -100,15 +103,15 @@ mod tests {
     use crate::{
         files::digest::Digest,
         server::{
-            queue::{Limits, NewJob, Queue},
+            queue::{Limits, NewJob, Queue as _, embedded::EmbeddedQueue},
             store::memory::MemoryRows,
         },
     };
 
-    fn open(rows: &Arc<MemoryRows>) -> Queue {
+    fn open(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
         let lease_ttl = Duration::from_secs(60);
         let limits = Limits { jobs: 9, lease_ttl, max_attempts: NonZeroU32::MIN, keep_ended: None };
-        Queue::open(rows.clone(), limits, Arc::new(Timestamp::now)).unwrap()
+        EmbeddedQueue::open(rows.clone(), limits, Arc::new(Timestamp::now)).unwrap()
     }
 
     /// Rows of the jobs a, b and c, and the ids.
@@ -124,7 +127,7 @@ mod tests {
         (rows, ids)
     }
 
-    fn recipes(queue: &Queue) -> Vec<String> {
+    fn recipes(queue: &EmbeddedQueue) -> Vec<String> {
         queue.list(None, None, 9).unwrap().0.into_iter().map(|job| job.recipe).collect()
     }
 

@@ -1,47 +1,21 @@
 //! Submitting and cancelling jobs.
 
 use super::{
-    Job, JobId, JobState, Queue, QueueError,
     active::ActiveJob,
-    jobs::conclusion,
+    jobs::{EmbeddedQueue, conclusion},
     record::{self, JobRecord},
     task::TaskState,
 };
 use crate::{
     files::digest::Digest,
-    server::store::{Batch, StoreError, Tree},
+    server::{
+        queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
+        store::{Batch, StoreError, Tree},
+    },
 };
 
-/// A job to submit.
-#[derive(Debug, Clone)]
-pub struct NewJob {
-    /// Canonical text of the recipe.
-    pub recipe: String,
-    /// Its digest; the job's id follows from it.
-    pub recipe_digest: Digest,
-    /// Entries of each shard. Equal recipes have equal shards.
-    pub shard_entries: Vec<u32>,
-}
-
-/// What became of a submission.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Submitted {
-    /// The job is queued now.
-    Queued(Job),
-    /// An equal job was queued or running already.
-    Joined(Job),
-    /// The job was done before, and its table is still stored.
-    Done(Job, Digest),
-}
-
-impl Queue {
-    /// Submits a job, which is durable when this returns. A queued or running job is joined. A job that has failed or
-    /// was cancelled, or whose table `has_table` says is gone, is queued again: its attempts are counted anew, and its
-    /// finished shards are kept as far as they are still stored.
-    ///
-    /// # Errors
-    /// When the queue is full, or the job cannot be stored; then nothing has changed.
-    pub fn submit(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {
+impl EmbeddedQueue {
+    pub(super) fn submit_job(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {
         let id = JobId::of_recipe(&new.recipe_digest);
         let mut state = self.lock();
         if let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) {
@@ -112,12 +86,7 @@ impl Queue {
         Ok(())
     }
 
-    /// Records a done job whose table was found in the store although the queue did not know the job. A job that is
-    /// queued, running or done already stays as it is.
-    ///
-    /// # Errors
-    /// When it cannot be stored.
-    pub fn adopt(&self, done: Job) -> Result<Job, StoreError> {
+    pub(super) fn adopt_job(&self, done: Job) -> Result<Job, StoreError> {
         let mut state = self.lock();
         if let Some(active) = state.by_id.get(&done.id).and_then(|submission| state.active.get(submission)) {
             return Ok(active.job());
@@ -141,12 +110,7 @@ impl Queue {
         Ok(record.job)
     }
 
-    /// Cancels a job, durably when this returns, and voids its leases. A job in a final state stays as it is. Returns
-    /// the job as it is afterwards.
-    ///
-    /// # Errors
-    /// When it cannot be stored; then nothing has changed.
-    pub fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError> {
+    pub(super) fn cancel_job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
         let mut state = self.lock();
         let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) else {
             return self.find(&state, id);

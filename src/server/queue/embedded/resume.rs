@@ -7,16 +7,22 @@ use std::{
 };
 
 use super::{
-    Clock, JobId, JobState, Limits, Queue, active::ActiveJob, jobs::QueueState, reconcile::reconcile,
-    record::JobRecord, task::TaskState,
+    active::ActiveJob,
+    jobs::{Clock, EmbeddedQueue, QueueState},
+    reconcile::reconcile,
+    record::JobRecord,
+    task::TaskState,
 };
-use crate::server::store::{Batch, Rows, StoreError, Tree};
+use crate::server::{
+    queue::{JobId, JobState, Limits},
+    store::{Batch, Rows, StoreError, Tree},
+};
 
 /// How long after a start with unfinished jobs leases are written to the disk. A process that lives longer has written
 /// them by itself: sled does so twice a second.
 const CAREFUL: Duration = Duration::from_secs(10);
 
-impl Queue {
+impl EmbeddedQueue {
     /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and are counted, apart from
     /// failures; finished shards stay finished. Rows of jobs and the list of jobs are made to agree.
     ///
@@ -98,7 +104,10 @@ impl Queue {
 
 #[cfg(test)]
 mod tests {
-    use std::{num::NonZeroU32, path::Path};
+    use std::{
+        num::{NonZeroU32, NonZeroUsize},
+        path::Path,
+    };
 
     use jiff::Timestamp;
 
@@ -106,28 +115,36 @@ mod tests {
     use crate::{
         files::digest::Digest,
         server::{
-            queue::{Lease, NewJob, Offer, Submitted, TaskKind, task::MOST_DEATHS},
+            queue::{Demand, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind},
             store::{Store, copy_folder, memory::MemoryRows},
         },
     };
 
-    fn open(dir: &Path, max_attempts: u32) -> (Queue, Store) {
+    fn open(dir: &Path, max_attempts: u32) -> (EmbeddedQueue, Store) {
         let store = Store::open(dir).unwrap();
         let max_attempts = NonZeroU32::new(max_attempts).unwrap();
         let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
-        (Queue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
+        (EmbeddedQueue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
     }
 
-    fn submit(queue: &Queue) -> JobId {
+    fn submit(queue: &EmbeddedQueue) -> JobId {
         let recipe_digest = Digest::of(b"recipe");
         let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1; 3] };
         assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
         JobId::of_recipe(&recipe_digest)
     }
 
-    fn lease(queue: &Queue) -> (TaskKind, Lease) {
-        match queue.lease(0) {
-            Offer::Task(leased) => (leased.kind, leased.lease),
+    fn ask(queue: &EmbeddedQueue) -> Offer {
+        queue.lease(0, Demand::Any, NonZeroUsize::MIN)
+    }
+
+    fn complete(queue: &EmbeddedQueue, lease: Lease) {
+        assert_eq!(queue.complete(&[(lease, b"result")]).unwrap(), [Ok(())]);
+    }
+
+    fn lease(queue: &EmbeddedQueue) -> (TaskKind, Lease) {
+        match ask(queue) {
+            Offer::Tasks(leased) => (leased[0].kind, leased[0].lease),
             other => panic!("{other:?}"),
         }
     }
@@ -141,7 +158,7 @@ mod tests {
         let (task, first) = lease(&queue);
         assert_eq!(task, TaskKind::Shard(0));
         let second = lease(&queue).1;
-        queue.complete(&second, b"result").unwrap();
+        queue.complete(&[(second, b"result")]).unwrap();
         // kill -9 leaves the files as they are now: the first shard is leased, the second finished.
         copy_folder(&alive, &killed).unwrap();
         let (again, _copy) = open(&killed, 3);
@@ -151,7 +168,7 @@ mod tests {
         assert_eq!(task, TaskKind::Shard(0), "the dead process's lease does not hold it");
         assert_eq!(lease(&again).0, TaskKind::Shard(2), "the second shard is not fitted again");
         assert_ne!(void, first, "another attempt");
-        assert!(again.complete(&first, b"late").is_err());
+        assert_eq!(again.complete(&[(first, b"late")]).unwrap(), [Err(StaleLease)]);
     }
 
     #[test]
@@ -169,17 +186,17 @@ mod tests {
         let (queue, _store) = open(&folder(MOST_DEATHS), 2);
         let JobState::Failed { error } = queue.job(id).unwrap().unwrap().state else { panic!("it goes on") };
         assert_eq!(error.detail, "shard 0 was being worked on each of the 20 times that the service's process ended");
-        assert!(matches!(queue.lease(0), Offer::Nothing { .. }));
+        assert!(matches!(ask(&queue), Offer::Nothing { .. }));
     }
 
     /// Kill -9 keeps what the database was given.
-    fn after_kill(rows: &Arc<MemoryRows>) -> Queue {
+    fn after_kill(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
         let max_attempts = NonZeroU32::new(3).unwrap();
         let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
-        Queue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Arc::new(Timestamp::now)).unwrap()
+        EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Arc::new(Timestamp::now)).unwrap()
     }
 
-    fn submit_one(queue: &Queue, name: &str) -> JobId {
+    fn submit_one(queue: &EmbeddedQueue, name: &str) -> JobId {
         let recipe_digest = Digest::of(name.as_bytes());
         let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1] };
         queue.submit(new, &|_| false).unwrap();
@@ -194,7 +211,7 @@ mod tests {
             lease(&after_kill(&rows));
         }
         let queue = after_kill(&rows);
-        queue.complete(&lease(&queue).1, b"result").unwrap();
+        complete(&queue, lease(&queue).1);
         queue.finish(&lease(&queue).1, Digest::of(b"table"), Batch::default()).unwrap();
         assert!(matches!(queue.job(id).unwrap().unwrap().state, JobState::Done { .. }));
     }
@@ -208,15 +225,15 @@ mod tests {
         drop(first);
         for _ in 0..MOST_DEATHS {
             let queue = after_kill(&rows);
-            let Offer::Task(leased) = queue.lease(0) else { panic!("nothing to do") };
-            assert_eq!(leased.recipe, "deadly");
-            if let Offer::Task(leased) = queue.lease(1) {
-                assert_eq!(leased.recipe, "other");
+            let Offer::Tasks(leased) = ask(&queue) else { panic!("nothing to do") };
+            assert_eq!(leased[0].recipe, "deadly");
+            if let Offer::Tasks(leased) = ask(&queue) {
+                assert_eq!(leased[0].recipe, "other");
             }
         }
         let queue = after_kill(&rows);
         assert!(matches!(queue.job(deadly).unwrap().unwrap().state, JobState::Failed { .. }));
-        queue.complete(&lease(&queue).1, b"result").unwrap();
+        complete(&queue, lease(&queue).1);
         assert_eq!(queue.job(other).unwrap().unwrap().entries_done, 1);
     }
 
@@ -232,8 +249,8 @@ mod tests {
         let queue = after_kill(&rows);
         let (suspect, its_lease) = lease(&queue);
         assert_eq!((suspect, lease(&queue).0), (TaskKind::Shard(0), TaskKind::Shard(2)));
-        assert!(matches!(queue.lease(0), Offer::Nothing { .. }), "shard 1 is suspect too");
-        queue.complete(&its_lease, b"result").unwrap();
+        assert!(matches!(ask(&queue), Offer::Nothing { .. }), "shard 1 is suspect too");
+        complete(&queue, its_lease);
         assert_eq!(lease(&queue).0, TaskKind::Shard(1));
     }
 }

@@ -1,31 +1,19 @@
 //! Looking jobs up, listing and counting them.
 
 use super::{
-    Job, JobId, Queue, StateName,
-    active::ActiveJob,
-    jobs::QueueState,
+    jobs::{EmbeddedQueue, QueueState},
     record::{self, JobRecord},
     task::TaskState,
 };
-use crate::server::store::{StoreError, Tree};
+use crate::server::{
+    queue::{Job, JobId, JobPage, StateName},
+    store::{StoreError, Tree},
+};
 
 /// Rows read at a time while a list is filtered.
 const PAGE_ROWS: usize = 64;
 
-impl Queue {
-    /// A job by its id.
-    ///
-    /// # Errors
-    /// When the database fails.
-    pub fn job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
-        self.find(&self.lock(), id)
-    }
-
-    /// Whether a job is queued or running.
-    pub fn is_active(&self, id: JobId) -> bool {
-        self.lock().by_id.contains_key(&id)
-    }
-
+impl EmbeddedQueue {
     pub(super) fn find(&self, state: &QueueState, id: JobId) -> Result<Option<Job>, StoreError> {
         if let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) {
             return Ok(Some(active.job()));
@@ -55,17 +43,12 @@ impl Queue {
         Ok(rows.into_iter().filter_map(|row| Some((record::task_of_key(&row.key)?, read(row.value)))).collect())
     }
 
-    /// Up to `limit` jobs before the submission `before`, last submitted first; and the submission to pass as `before`
-    /// to get the next ones.
-    ///
-    /// # Errors
-    /// When the database fails.
-    pub fn list(
+    pub(super) fn list_jobs(
         &self,
         wanted: Option<StateName>,
         before: Option<u64>,
         limit: usize,
-    ) -> Result<(Vec<Job>, Option<u64>), StoreError> {
+    ) -> Result<JobPage, StoreError> {
         let state = self.lock();
         let mut jobs = Vec::new();
         let mut before = before;
@@ -94,23 +77,12 @@ impl Queue {
     }
 
     /// Number of jobs in each state.
-    pub fn counts(&self) -> Vec<(StateName, u64)> {
+    pub(super) fn count_jobs(&self) -> Vec<(StateName, u64)> {
         let state = self.lock();
         let active =
             |name| state.active.values().filter(|active| active.record.job.state.name() == name).count() as u64;
         let concluded = |name| state.concluded.get(&name).copied().unwrap_or(0);
         let count = |name: StateName| if name.is_final() { concluded(name) } else { active(name) };
         StateName::ALL.iter().map(|name| (*name, count(*name))).collect()
-    }
-
-    /// The queued and running jobs, in the order in which they are worked on.
-    pub fn unfinished(&self) -> Vec<Job> {
-        self.lock().active.values().map(ActiveJob::job).collect()
-    }
-
-    /// Number of leases that expired and of tasks that failed, expired ones included, since the queue was opened.
-    pub fn failures(&self) -> (u64, u64) {
-        let state = self.lock();
-        (state.leases_expired, state.failures)
     }
 }

@@ -2,7 +2,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
-    num::NonZeroU32,
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
     time::Duration,
 };
@@ -10,47 +9,22 @@ use std::{
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
-    Failure, FailureKind, JobId, JobState, Lease, StaleLease, StateName,
     active::ActiveJob,
     record::{self, JobRecord},
-    task::{MOST_DEATHS, TaskState},
+    task::TaskState,
 };
-use crate::server::store::{Batch, Rows, StoreError};
+use crate::server::{
+    queue::{Failure, FailureKind, JobId, JobState, Lease, Limits, MOST_DEATHS, StaleLease, StateName},
+    store::{Batch, Rows, StoreError},
+};
 
 /// The current time; tests have their own clock.
 pub type Clock = Arc<dyn Fn() -> Timestamp + Send + Sync>;
 
-/// Bounds of a queue.
-#[derive(Debug, Clone, Copy)]
-pub struct Limits {
-    /// Jobs that may be queued or running at the same time.
-    pub jobs: usize,
-    /// How long a lease lasts unless it is renewed.
-    pub lease_ttl: Duration,
-    /// How often a task may fail before its job does.
-    pub max_attempts: NonZeroU32,
-    /// How long a job that has ended is remembered; `None` for ever.
-    pub keep_ended: Option<Duration>,
-}
-
-/// Why a job was not accepted.
-#[derive(Debug, thiserror::Error)]
-pub enum QueueError {
-    /// Too many jobs are queued or running.
-    #[error("the queue is full: {limit} jobs are waiting or running")]
-    Full {
-        /// The limit.
-        limit: usize,
-    },
-    /// It could not be stored.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-}
-
 /// Durable jobs, which share the workers evenly.
 ///
 /// The lock is held while a change is written, so that only durable changes can be seen.
-pub struct Queue {
+pub struct EmbeddedQueue {
     pub(super) rows: Arc<dyn Rows>,
     pub(super) limits: Limits,
     pub(super) clock: Clock,
@@ -66,7 +40,7 @@ pub(super) struct QueueState {
     pub(super) next_submission: u64,
     /// Leases given so far.
     pub(super) leases: u64,
-    /// Until then leases are written to the disk before work begins, see [`Queue::lease`].
+    /// Until then leases are written to the disk before work begins, see `Queue::lease`.
     pub(super) careful_until: Option<Timestamp>,
     /// Jobs in final states.
     pub(super) concluded: HashMap<StateName, u64>,
@@ -85,13 +59,13 @@ pub(super) struct QueueState {
     pub(super) failures: u64,
 }
 
-impl std::fmt::Debug for Queue {
+impl std::fmt::Debug for EmbeddedQueue {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Queue").field("limits", &self.limits).finish_non_exhaustive()
+        f.debug_struct("EmbeddedQueue").field("limits", &self.limits).finish_non_exhaustive()
     }
 }
 
-impl Queue {
+impl EmbeddedQueue {
     /// The state, after all expired leases have been taken back.
     pub(super) fn lock(&self) -> MutexGuard<'_, QueueState> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -208,9 +182,7 @@ impl Queue {
         Ok(())
     }
 
-    /// Waits until a task may have become available since the generation `seen`, a lease expires, or the queue is
-    /// closed.
-    pub fn wait(&self, seen: u64) {
+    pub(super) fn wait_for_change(&self, seen: u64) {
         let mut state = self.lock();
         while state.generation == seen && !state.closed {
             let now = (self.clock)();
@@ -223,23 +195,10 @@ impl Queue {
         }
     }
 
-    /// Waits for `time`, or until the queue is closed.
-    pub fn pause(&self, time: Duration) {
+    pub(super) fn pause_for(&self, time: Duration) {
         let state = self.lock();
         let waited = self.changed.wait_timeout_while(state, time, |state| !state.closed);
         drop(waited.unwrap_or_else(PoisonError::into_inner));
-    }
-
-    /// Leases no more tasks and wakes all workers that wait for one. Tasks may still be completed or given back.
-    pub fn close(&self) {
-        let mut state = self.lock();
-        state.closed = true;
-        self.changed.notify_all();
-    }
-
-    /// The jobs whose state or progress has changed since the last call.
-    pub fn take_changed(&self) -> BTreeSet<JobId> {
-        std::mem::take(&mut self.lock().changed_jobs)
     }
 }
 

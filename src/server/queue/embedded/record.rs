@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Job, JobId, task::TaskState};
-use crate::server::store::{Batch, StoreError, Tree};
+use super::task::TaskState;
+use crate::server::{
+    queue::{Job, JobId},
+    store::{Batch, StoreError, Tree},
+};
 
 /// A job's row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,21 +2,25 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    num::NonZeroU32,
-    sync::{
-        Arc,
-        atomic::{AtomicI64, Ordering},
-    },
+    num::{NonZeroU32, NonZeroUsize},
     time::Duration,
 };
 
-use jiff::Timestamp;
-use proptest::prelude::*;
+use proptest::{
+    prelude::*,
+    test_runner::{TestCaseResult, TestRunner},
+};
 
-use super::{task::MOST_DEATHS, *};
+use super::world::World;
 use crate::{
     files::digest::Digest,
-    server::store::{Batch, Tree, memory::MemoryRows},
+    server::{
+        queue::{
+            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, NewJob, Offer,
+            QueueError, Submitted, TaskKind,
+        },
+        store::Batch,
+    },
 };
 
 const LEASE_SECONDS: i64 = 10;
@@ -27,7 +31,8 @@ const SHARDS: u32 = 3;
 enum Action {
     Submit(u8),
     Cancel(u8),
-    Lease,
+    /// Lease up to so many tasks at once.
+    Lease(usize),
     /// Deliver a held lease, whether it is still current or not.
     Deliver(prop::sample::Index),
     /// Deliver under a lease once more.
@@ -50,7 +55,7 @@ fn action() -> impl Strategy<Value = Action> {
     let plain = prop_oneof![
         3 => (0..3_u8).prop_map(Action::Submit),
         1 => (0..3_u8).prop_map(Action::Cancel),
-        8 => Just(Action::Lease),
+        8 => (1..4_usize).prop_map(Action::Lease),
         8 => index().prop_map(Action::Deliver),
         1 => index().prop_map(Action::DeliverAgain),
         1 => index().prop_map(Action::Fail),
@@ -95,10 +100,9 @@ impl ExpectedJob {
     }
 }
 
-struct Run {
-    rows: Arc<MemoryRows>,
-    queue: Queue,
-    seconds: Arc<AtomicI64>,
+struct Run<W> {
+    world: W,
+    seconds: i64,
     /// Leases that may still be current, with the time of their last renewal.
     held: Vec<(LeasedTask, i64)>,
     /// Leases that are certainly not current.
@@ -114,27 +118,21 @@ fn recipe(n: u8) -> NewJob {
     NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
 }
 
-fn open(rows: &Arc<MemoryRows>, seconds: &Arc<AtomicI64>) -> Queue {
-    let limits = Limits {
-        jobs: 2,
-        lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
-        max_attempts: NonZeroU32::new(MAX_ATTEMPTS).unwrap(),
-        keep_ended: None,
-    };
-    let seconds = Arc::clone(seconds);
-    let clock: Clock = Arc::new(move || Timestamp::from_second(seconds.load(Ordering::Relaxed)).unwrap());
-    Queue::open(rows.clone(), limits, clock).unwrap()
-}
+const LIMITS: Limits = Limits {
+    jobs: 2,
+    lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
+    max_attempts: NonZeroU32::new(MAX_ATTEMPTS).unwrap(),
+    keep_ended: None,
+};
 
-impl Run {
-    fn new() -> Self {
-        let (rows, seconds) = (Arc::new(MemoryRows::default()), Arc::new(AtomicI64::new(0)));
-        let queue = open(&rows, &seconds);
-        Self { rows, queue, seconds, held: vec![], spent: vec![], jobs: BTreeMap::new(), may_fail: false, restarts: 0 }
+impl<W: World> Run<W> {
+    fn now(&self) -> i64 {
+        self.seconds
     }
 
-    fn now(&self) -> i64 {
-        self.seconds.load(Ordering::Relaxed)
+    fn pass(&mut self, seconds: i64) {
+        self.seconds += seconds;
+        self.world.pass(Duration::from_secs(seconds.cast_unsigned()));
     }
 
     fn is_current(&self, leased: &LeasedTask, seen: i64) -> bool {
@@ -164,7 +162,7 @@ impl Run {
     fn notice_failures(&mut self, disk_was_full: bool) {
         let open: Vec<JobId> = self.jobs.iter().filter(|(_, job)| job.is_open()).map(|(id, _)| *id).collect();
         for id in open {
-            let job = self.queue.job(id).unwrap().unwrap();
+            let job = self.world.queue().job(id).unwrap().unwrap();
             if let JobState::Failed { error } = job.state {
                 assert_eq!(error.kind, FailureKind::Attempts);
                 assert!(job.attempts >= MAX_ATTEMPTS);
@@ -183,13 +181,16 @@ impl Run {
     fn deliver(&mut self, leased: &LeasedTask) -> Result<(), LeaseError> {
         match leased.kind {
             TaskKind::Shard(shard) => {
-                self.queue.complete(&leased.lease, format!("{}/{shard}", leased.recipe).as_bytes())
+                let result = format!("{}/{shard}", leased.recipe);
+                let answers = self.world.queue().complete(&[(leased.lease, result.as_bytes())])?;
+                let [answer] = answers[..] else { panic!("{answers:?}") };
+                Ok(answer?)
             }
             TaskKind::Assemble => {
-                let results = self.queue.results(&leased.lease)?.expect("no result was damaged");
+                let results = self.world.queue().results(&leased.lease)?.expect("no result was damaged");
                 let wanted: Vec<_> = (0..SHARDS).map(|n| format!("{}/{n}", leased.recipe).into_bytes()).collect();
                 assert_eq!(results, wanted, "every shard's own result, once");
-                self.queue.finish(&leased.lease, Digest::of(leased.recipe.as_bytes()), Batch::default())
+                self.world.queue().finish(&leased.lease, Digest::of(leased.recipe.as_bytes()), Batch::default())
             }
         }
     }
@@ -212,7 +213,7 @@ impl Run {
             Action::Cancel(n) => {
                 let id = JobId::of_recipe(&recipe(*n).recipe_digest);
                 let known = self.jobs.get(&id).cloned();
-                match self.queue.cancel(id) {
+                match self.world.queue().cancel(id) {
                     Ok(job) => assert_eq!(job.is_some(), known.is_some()),
                     Err(_) => return,
                 }
@@ -221,17 +222,13 @@ impl Run {
                     self.close(id);
                 }
             }
-            Action::Lease => {
-                let Offer::Task(leased) = self.queue.lease(7) else { return };
-                assert!(self.jobs[&leased.job].is_open(), "only open jobs are worked on");
-                if let TaskKind::Shard(shard) = leased.kind {
-                    assert!(!self.jobs[&leased.job].finished.contains(&shard), "a finished shard was leased");
+            Action::Lease(most) => {
+                let most = NonZeroUsize::new(*most).unwrap();
+                let Offer::Tasks(tasks) = self.world.queue().lease(7, Demand::Any, most) else { return };
+                assert!((1..=most.get()).contains(&tasks.len()));
+                for leased in tasks {
+                    self.leased(leased);
                 }
-                for (other, seen) in &self.held {
-                    let same = (other.job, other.kind) == (leased.job, leased.kind);
-                    assert!(!same || !self.is_current(other, *seen), "leased twice");
-                }
-                self.held.push((leased, self.now()));
             }
             Action::Deliver(index) => {
                 let Some((leased, current)) = self.take(*index) else { return };
@@ -256,12 +253,12 @@ impl Run {
             }
             Action::Fail(index) => {
                 let Some((leased, current)) = self.take(*index) else { return };
-                assert_eq!(self.queue.fail(&leased.lease, "bad luck").is_ok(), current);
+                assert_eq!(self.world.queue().fail(&leased.lease, "bad luck").is_ok(), current);
                 self.may_fail |= current;
             }
             Action::GiveBack(index) => {
                 let Some((leased, current)) = self.take(*index) else { return };
-                assert_eq!(self.queue.give_back(&leased.lease).is_ok(), current);
+                assert_eq!(self.world.queue().give_back(&leased.lease).is_ok(), current);
             }
             Action::Progress(index) => {
                 if self.held.is_empty() {
@@ -270,44 +267,57 @@ impl Run {
                 let at = index.index(self.held.len());
                 let (leased, seen) = self.held[at].clone();
                 let current = self.is_current(&leased, seen);
-                assert_eq!(self.queue.progress(&leased.lease, 1).is_ok(), current);
+                assert_eq!(self.world.queue().progress(&leased.lease, 1).is_ok(), current);
                 if current {
                     self.held[at].1 = self.now();
                 }
             }
             Action::Tick(seconds) => {
-                self.seconds.fetch_add(*seconds, Ordering::Relaxed);
+                self.pass(*seconds);
                 self.may_fail = true;
             }
             Action::PowerCut | Action::Kill => {
                 self.restarts += 1;
                 if matches!(action, Action::PowerCut) {
-                    self.rows = Arc::new(self.rows.after_power_cut());
+                    self.world.lose_power();
                 }
-                self.queue = open(&self.rows, &self.seconds);
-                // Leases are held in memory: they ended with the process.
-                self.held.clear();
-                self.spent.clear();
+                self.world.reopen(LIMITS);
+                if !W::LEASES_SURVIVE {
+                    self.held.clear();
+                    self.spent.clear();
+                }
                 for (id, expected) in self.jobs.iter_mut().filter(|(_, job)| job.stage == Stage::FailedUnsaved) {
-                    let job = self.queue.job(*id).unwrap().unwrap();
+                    let job = self.world.queue().job(*id).unwrap().unwrap();
                     expected.stage = if job.state.name().is_final() { Stage::Failed } else { Stage::Open };
                 }
             }
             Action::DiskFull(action) => {
-                self.rows.full.store(true, Ordering::Relaxed);
+                self.world.set_full(true);
                 if !matches!(**action, Action::PowerCut | Action::Kill) {
                     self.act(action);
                 }
-                self.rows.full.store(false, Ordering::Relaxed);
+                self.world.set_full(false);
             }
         }
+    }
+
+    fn leased(&mut self, leased: LeasedTask) {
+        assert!(self.jobs[&leased.job].is_open(), "only open jobs are worked on");
+        if let TaskKind::Shard(shard) = leased.kind {
+            assert!(!self.jobs[&leased.job].finished.contains(&shard), "a finished shard was leased");
+        }
+        for (other, seen) in &self.held {
+            let same = (other.job, other.kind) == (leased.job, leased.kind);
+            assert!(!same || !self.is_current(other, *seen), "leased twice");
+        }
+        self.held.push((leased, self.now()));
     }
 
     fn submit(&mut self, n: u8) {
         let id = JobId::of_recipe(&recipe(n).recipe_digest);
         let open = self.jobs.values().filter(|job| job.is_open()).count();
         let former = self.jobs.get(&id).cloned();
-        match self.queue.submit(recipe(n), &|_| true) {
+        match self.world.queue().submit(recipe(n), &|_| true) {
             Ok(Submitted::Joined(_)) => assert!(former.is_some_and(|job| job.is_open())),
             Ok(Submitted::Done(..)) => assert!(former.is_some_and(|job| job.stage == Stage::Done)),
             Ok(Submitted::Queued(job)) => {
@@ -323,13 +333,13 @@ impl Run {
         }
     }
 
-    /// What was acknowledged is still there, now or after a power cut.
-    fn check(&self, queue: &Queue, after_power_cut: bool) {
+    /// What was acknowledged is still there.
+    fn check(&self) {
         for (id, expected) in &self.jobs {
-            let job = queue.job(*id).unwrap().expect("an acknowledged job is there");
+            let job = self.world.queue().job(*id).unwrap().expect("an acknowledged job is there");
             match job.state {
                 JobState::Queued | JobState::Running => {
-                    assert!(expected.is_open() || (after_power_cut && expected.stage == Stage::FailedUnsaved));
+                    assert!(expected.is_open());
                 }
                 JobState::Done { table } => {
                     assert_eq!(expected.stage, Stage::Done);
@@ -346,36 +356,50 @@ impl Run {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+fn agrees<W: World>(world: W, actions: &[Action]) -> TestCaseResult {
+    let mut run =
+        Run { world, seconds: 0, held: vec![], spent: vec![], jobs: BTreeMap::new(), may_fail: false, restarts: 0 };
+    for action in actions {
+        run.act(action);
+        run.notice_failures(matches!(action, Action::DiskFull(_)));
+        run.check();
+    }
+    run.act(&Action::PowerCut);
+    run.notice_failures(false);
+    run.check();
 
-    #[test]
-    fn every_history_agrees_with_the_model(actions in prop::collection::vec(action(), 1..120)) {
-        let mut run = Run::new();
-        for action in &actions {
-            run.act(action);
-            run.notice_failures(matches!(action, Action::DiskFull(_)));
-            run.check(&run.queue, false);
-        }
-        let rows = Arc::new(run.rows.after_power_cut());
-        run.check(&open(&rows, &run.seconds), true);
-
-        // With enough time and room every open job gets done, each shard once.
-        run.seconds.fetch_add(2 * LEASE_SECONDS, Ordering::Relaxed);
-        run.may_fail = true;
-        loop {
-            run.notice_failures(false);
-            let Offer::Task(leased) = run.queue.lease(7) else { break };
+    // With enough time and room every open job gets done, each shard once.
+    run.pass(2 * LEASE_SECONDS);
+    run.may_fail = true;
+    loop {
+        run.notice_failures(false);
+        let Offer::Tasks(tasks) = run.world.queue().lease(7, Demand::Any, NonZeroUsize::MIN) else { break };
+        for leased in tasks {
             run.deliver(&leased).unwrap();
             run.delivered(&leased);
         }
-        prop_assert!(run.jobs.values().all(|job| !job.is_open()));
-        // A failed job keeps its tasks, all others leave nothing.
-        let rows = run.rows.after_power_cut();
-        let failed = run.jobs.values().filter(|job| matches!(job.stage, Stage::Failed | Stage::FailedUnsaved)).count();
-        if failed == 0 {
-            run.queue.submit(recipe(9), &|_| true).unwrap();
-            prop_assert_eq!(run.rows.len(Tree::Results) + rows.len(Tree::Results), 0);
-        }
     }
+    prop_assert!(run.jobs.values().all(|job| !job.is_open()));
+    // A failed job keeps its tasks, all others leave nothing.
+    let failed = run.jobs.values().filter(|job| matches!(job.stage, Stage::Failed | Stage::FailedUnsaved)).count();
+    if failed == 0 {
+        run.world.queue().submit(recipe(9), &|_| true).unwrap();
+        run.world.reopen(LIMITS);
+        prop_assert_eq!(run.world.results(), 0);
+    }
+    Ok(())
+}
+
+pub(super) fn every_history_agrees_with_the_model<W: World>() {
+    let mut runner = TestRunner::new(ProptestConfig {
+        cases: W::HISTORIES,
+        source_file: Some(file!()),
+        test_name: Some(concat!(module_path!(), "::every_history_agrees_with_the_model")),
+        ..ProptestConfig::default()
+    });
+    let ran = runner.run(&prop::collection::vec(action(), 1..120), |actions| match W::new(LIMITS) {
+        Some(world) => agrees(world, &actions),
+        None => Ok(()),
+    });
+    ran.unwrap_or_else(|error| panic!("{error}"));
 }

@@ -1,0 +1,90 @@
+//! What processes share: `serve`, `work`, `gc` and `migrate`.
+
+use std::{
+    num::{NonZeroU64, NonZeroUsize},
+    path::PathBuf,
+};
+
+use clap::Args;
+
+use super::threads::threads;
+use crate::server::service::DatabaseUrl;
+
+/// The database and the store of blobs of a command that needs both.
+#[derive(Debug, Args)]
+pub struct SharedArgs {
+    /// PostgreSQL database of the queue and the catalogue
+    #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL")]
+    pub database: DatabaseUrl,
+    /// Store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
+    #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL")]
+    pub blobs: String,
+    /// Megabytes of tables that are kept in the data folder [default: 4096]
+    #[arg(long, env = "LTCFORGE_CACHE_MB", value_name = "N")]
+    pub cache_mb: Option<NonZeroU64>,
+}
+
+/// What makes `serve` one of several.
+#[derive(Debug, Default, Args)]
+pub struct ReplicaArgs {
+    /// PostgreSQL database of the queue and the catalogue, which any number of processes share
+    #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
+    pub database: Option<DatabaseUrl>,
+    /// Store of the tables: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
+    #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL", requires = "database")]
+    pub blobs: Option<String>,
+    /// Megabytes of tables that are kept in the data folder, with --blobs [default: 4096]
+    #[arg(long, env = "LTCFORGE_CACHE_MB", value_name = "N", requires = "blobs")]
+    pub cache_mb: Option<NonZeroU64>,
+    /// Only serve; `ltcforge work` fits
+    #[arg(long, requires = "database")]
+    pub no_workers: bool,
+    /// Answer downloads with URLs of the store of tables, where it gives them
+    #[arg(long, requires = "blobs")]
+    pub redirect: bool,
+    /// Seconds after which another worker does what one has not reported on, with --database [default: 60]
+    #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
+    pub lease_seconds: Option<NonZeroU64>,
+}
+
+/// `work`.
+#[derive(Debug, Args)]
+pub struct WorkArgs {
+    /// What it shares
+    #[command(flatten)]
+    pub shared: SharedArgs,
+    /// Folder of the cache [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Shards fitted at the same time, 1 to 512 [default: one for each core]
+    #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N", value_parser = threads)]
+    pub workers: Option<NonZeroUsize>,
+    /// Seconds after which another worker does what this one has not reported on [default: 60]
+    #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N")]
+    pub lease_seconds: Option<NonZeroU64>,
+}
+
+/// `gc`.
+#[derive(Debug, Args)]
+pub struct GcArgs {
+    /// What is cleaned up
+    #[command(flatten)]
+    pub shared: SharedArgs,
+    /// Folder of the cache [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// `migrate`.
+#[derive(Debug, Args)]
+pub struct MigrateArgs {
+    /// PostgreSQL database that jobs and catalogue go to
+    #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL")]
+    pub to: DatabaseUrl,
+    /// Store that the tables go to: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
+    #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL")]
+    pub blobs: String,
+    /// Folder of jobs and tables of a service that is not running [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}

@@ -1,0 +1,195 @@
+//! Leasing tasks, renewing leases, and what a worker reports under a lease.
+
+use std::{collections::BTreeMap, num::NonZeroUsize};
+
+use jiff::Timestamp;
+
+use super::{
+    active::ActiveJob,
+    jobs::{EmbeddedQueue, QueueState, conclusion},
+    record,
+    task::TaskState,
+};
+use crate::{
+    files::digest::Digest,
+    server::{
+        queue::{Demand, Failure, JobState, Lease, LeaseError, LeasedTask, Offer, StaleLease, TaskKind},
+        store::{Batch, StoreError, Tree},
+    },
+};
+
+impl EmbeddedQueue {
+    pub(super) fn lease_tasks(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer {
+        let mut state = self.lock();
+        if state.closed {
+            return Offer::Closed;
+        }
+        let is_meant = |active: &ActiveJob| demand == Demand::Any || active.tasks_leased() == 0;
+        let tasks: Vec<LeasedTask> =
+            (0..most.get()).map_while(|_| self.lease_of(&mut state, worker, is_meant)).collect();
+        if tasks.is_empty() { Offer::Nothing { seen: state.generation } } else { Offer::Tasks(tasks) }
+    }
+
+    fn lease_of(&self, state: &mut QueueState, worker: u32, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
+        let now = (self.clock)();
+        let until = self.expiry(now);
+        let with_suspects = !state.active.values().any(ActiveJob::has_suspect_leased);
+        let waiting = state.active.iter().filter(|(_, active)| of(active));
+        let waiting =
+            waiting.filter_map(|(submission, active)| Some((*submission, active, active.next_waiting(with_suspects)?)));
+        let next =
+            waiting.min_by_key(|(submission, active, _)| (active.tasks_leased(), active.last_served, *submission));
+        let (submission, _, task) = next?;
+        let active = state.active.get_mut(&submission)?;
+        let leased = active.tasks.get(task as usize)?.lease(worker, until).ok()?;
+        state.leases += 1;
+        active.last_served = state.leases;
+        let mut batch = Batch::default();
+        let job = &mut active.record.job;
+        let first = job.state == JobState::Queued;
+        if first {
+            job.state = JobState::Running;
+            job.started_at = Some(now);
+        }
+        let id = job.id;
+        let lease = Lease { submission, task, attempt: leased.attempt() };
+        active.set(task, leased.clone());
+        // A lease ends with the process. Its row only serves to count that, so the disk is waited for only while a task may
+        // be what ended the last process: within moments of its lease, and again and again.
+        let is_careful = state.careful_until.is_some_and(|until| now < until);
+        let mut stored = record::put_task(&mut batch, id, task, &leased);
+        if first {
+            stored = stored.and_then(|()| record::put_job(&mut batch, &active.record));
+        }
+        let write = |batch: &Batch| if is_careful { self.rows.commit(batch) } else { self.rows.stage(batch) };
+        if let Err(error) = stored.and_then(|()| write(&batch)) {
+            tracing::warn!(job = %id, task, %error, "the lease could not be recorded");
+        }
+        let leased = LeasedTask {
+            lease,
+            kind: if task == active.assembly() { TaskKind::Assemble } else { TaskKind::Shard(task) },
+            job: id,
+            recipe: active.record.job.recipe.clone(),
+            recipe_digest: active.record.job.recipe_digest,
+            entries_total: active.record.job.entries_total,
+        };
+        state.next_expiry = Some(state.next_expiry.map_or(until, |expiry| expiry.min(until)));
+        state.changed_jobs.insert(id);
+        Some(leased)
+    }
+
+    pub(super) fn record_progress(&self, lease: &Lease, entries_done: u64) -> Result<(), StaleLease> {
+        let until = self.expiry((self.clock)());
+        let mut state = self.lock();
+        let active = state.active.get_mut(&lease.submission).ok_or(StaleLease)?;
+        active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.extend(lease.attempt, until)?;
+        active.report(lease.task, entries_done);
+        Ok(())
+    }
+
+    pub(super) fn complete_shards(&self, done: &[(Lease, &[u8])]) -> Result<Vec<Result<(), StaleLease>>, StoreError> {
+        let mut state = self.lock();
+        let mut batch = Batch::default();
+        let (mut answers, mut accepted) = (Vec::with_capacity(done.len()), BTreeMap::new());
+        for (lease, result) in done {
+            let finished = state.current(lease).and_then(|(active, task)| {
+                let is_shard = lease.task != active.assembly() && !accepted.contains_key(lease);
+                if is_shard { Ok((active.record.job.id, task.finish(lease.attempt)?)) } else { Err(StaleLease) }
+            });
+            answers.push(finished.as_ref().map(drop).map_err(|error| *error));
+            let Ok((id, finished)) = finished else { continue };
+            record::put_task(&mut batch, id, lease.task, &finished)?;
+            batch.put(Tree::Results, record::task_key(id, lease.task), *result);
+            accepted.insert(*lease, finished);
+        }
+        if !accepted.is_empty() {
+            self.commit(&mut state, Ok(batch))?;
+        }
+        for (lease, finished) in accepted {
+            self.set(&mut state, &lease, finished);
+        }
+        Ok(answers)
+    }
+
+    pub(super) fn all_results(&self, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
+        let id = self.lock().current(lease)?.0.record.job.id;
+        let mut results = Vec::with_capacity(lease.task as usize);
+        let mut lost = Vec::new();
+        for shard in 0..lease.task {
+            match self.rows.get(Tree::Results, &record::task_key(id, shard)) {
+                Ok(Some(result)) => results.push(result),
+                Ok(None) | Err(StoreError::DamagedRow { .. }) => lost.push(shard),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        if lost.is_empty() {
+            return Ok(Some(results));
+        }
+        let mut state = self.lock();
+        let error = format!("the results of shards {lost:?} are lost or damaged");
+        self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, &error)?;
+        if !state.active.contains_key(&lease.submission) {
+            // That was its last attempt, and the job has failed.
+            return Ok(None);
+        }
+        for shard in lost {
+            let waiting = TaskState::new();
+            let mut batch = Batch::default();
+            record::put_task(&mut batch, id, shard, &waiting)?;
+            batch.remove(Tree::Results, record::task_key(id, shard));
+            self.commit(&mut state, Ok(batch))?;
+            self.set(&mut state, &Lease { task: shard, ..*lease }, waiting);
+        }
+        Ok(None)
+    }
+
+    pub(super) fn finish_job(&self, lease: &Lease, table: Digest, with: Batch) -> Result<(), LeaseError> {
+        let mut state = self.lock();
+        let (active, _) = state.current(lease)?;
+        if lease.task != active.assembly() {
+            return Err(StaleLease.into());
+        }
+        let record = active.concluded(JobState::Done { table }, (self.clock)());
+        let mut batch = with;
+        batch.extend(conclusion(&record)?);
+        self.commit(&mut state, Ok(batch))?;
+        state.conclude(&record);
+        self.changed.notify_all();
+        Ok(())
+    }
+
+    pub(super) fn give_task_back(&self, lease: &Lease) -> Result<(), StaleLease> {
+        let mut state = self.lock();
+        let (active, task) = state.current(lease)?;
+        let waiting = task.give_back(lease.attempt)?;
+        let mut batch = Batch::default();
+        let id = active.record.job.id;
+        let stored = record::put_task(&mut batch, id, lease.task, &waiting).and_then(|()| self.rows.stage(&batch));
+        if let Err(error) = stored {
+            tracing::warn!(job = %id, task = lease.task, %error, "giving the lease back could not be recorded");
+        }
+        self.set(&mut state, lease, waiting);
+        Ok(())
+    }
+
+    pub(super) fn abort_job(&self, lease: &Lease, error: Failure) -> Result<(), StaleLease> {
+        let mut state = self.lock();
+        state.current(lease)?;
+        self.fail_job(&mut state, lease.submission, error);
+        self.changed.notify_all();
+        Ok(())
+    }
+
+    fn set(&self, state: &mut QueueState, lease: &Lease, task: TaskState) {
+        if let Some(active) = state.active.get_mut(&lease.submission) {
+            active.set(lease.task, task);
+            let id = active.record.job.id;
+            state.record_change(id);
+        }
+        self.changed.notify_all();
+    }
+
+    fn expiry(&self, now: Timestamp) -> Timestamp {
+        now.checked_add(self.limits.lease_ttl).unwrap_or(Timestamp::MAX)
+    }
+}

@@ -1,0 +1,20 @@
+//! The queue of one process, with its jobs in [`crate::server::store::Rows`].
+//!
+//! Invariant: leases are not durable; they end with the process.
+
+mod active;
+mod export;
+mod forget;
+mod jobs;
+mod lease;
+mod lookup;
+mod queue;
+mod reconcile;
+mod record;
+mod resume;
+mod submit;
+mod task;
+
+pub use export::{StoredJob, stored_jobs, stored_results};
+pub use jobs::{Clock, EmbeddedQueue};
+pub use reconcile::{ReconciledJobs, reconcile};

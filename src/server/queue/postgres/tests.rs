@@ -1,0 +1,310 @@
+//! What several processes do to one queue. What every queue does is in [`crate::server::queue`]'s own tests.
+
+use std::{
+    num::{NonZeroU32, NonZeroUsize},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use super::{PostgresQueue, Process};
+use crate::{
+    files::digest::Digest,
+    server::{
+        queue::{
+            Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted,
+            TaskKind,
+        },
+        store::{Batch, Database, throwaway},
+    },
+};
+
+/// How long a condition may take to come true. It only ends a test that hangs.
+const DEADLINE: Duration = Duration::from_secs(60);
+
+fn eventually<T>(mut look: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(start.elapsed() < DEADLINE);
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Queues as `processes` have them, on one database.
+fn queues(processes: usize, lease_ttl: Duration) -> Option<Vec<PostgresQueue>> {
+    let url = throwaway::empty_database()?;
+    let limits = Limits { jobs: 999, lease_ttl, max_attempts: NonZeroU32::new(9).unwrap(), keep_ended: None };
+    let open = |n: usize| {
+        let process = Process { name: n.to_string(), fitter: 1 };
+        PostgresQueue::open(Database::open(&url).unwrap(), limits, process).unwrap()
+    };
+    Some((0..processes).map(open).collect())
+}
+
+fn new(name: &str, shards: usize) -> NewJob {
+    NewJob { recipe: name.to_owned(), recipe_digest: Digest::of(name.as_bytes()), shard_entries: vec![1; shards] }
+}
+
+fn lease(queue: &PostgresQueue) -> Option<LeasedTask> {
+    match queue.lease(0, Demand::Any, NonZeroUsize::MIN) {
+        Offer::Tasks(mut tasks) => tasks.pop(),
+        Offer::Nothing { .. } | Offer::Closed => None,
+    }
+}
+
+#[test]
+fn equal_recipes_at_once_make_one_job() {
+    let Some(queues) = queues(2, Duration::from_secs(60)) else { return };
+    for n in 0..100 {
+        let queued = AtomicUsize::new(0);
+        let barrier = std::sync::Barrier::new(queues.len());
+        thread::scope(|scope| {
+            for queue in &queues {
+                scope.spawn(|| {
+                    barrier.wait();
+                    match queue.submit(new(&n.to_string(), 3), &|_| false).unwrap() {
+                        Submitted::Queued(_) => drop(queued.fetch_add(1, Ordering::Relaxed)),
+                        Submitted::Joined(_) => {}
+                        other @ Submitted::Done(..) => panic!("{other:?}"),
+                    }
+                });
+            }
+        });
+        assert_eq!(queued.into_inner(), 1);
+    }
+    assert_eq!(queues[0].list(None, None, 999).unwrap().0.len(), 100);
+}
+
+#[test]
+fn a_result_that_comes_after_its_lease_is_refused() {
+    let Some(queues) = queues(2, Duration::from_secs(1)) else { return };
+    let [late, other] = &queues[..] else { panic!("two") };
+    late.submit(new("a", 1), &|_| false).unwrap();
+    let lost = lease(late).unwrap();
+    // Nobody reports on it, so that it expires.
+    let again = eventually(|| lease(other));
+    assert_eq!(again.kind, lost.kind);
+    assert_eq!(late.complete(&[(lost.lease, b"late")]).unwrap(), [Err(StaleLease)]);
+    assert_eq!(late.give_back(&lost.lease), Err(StaleLease));
+    assert_eq!(late.fail(&lost.lease, "late"), Err(StaleLease));
+    assert_eq!(other.complete(&[(again.lease, b"in time")]).unwrap(), [Ok(())]);
+    let assembly = eventually(|| lease(other));
+    assert_eq!(other.results(&assembly.lease).unwrap().unwrap(), [b"in time"]);
+    assert_eq!(other.failures(), (1, 1));
+}
+
+#[test]
+fn a_worker_that_reports_keeps_its_lease_and_hears_of_a_cancel_elsewhere() {
+    let Some(queues) = queues(2, Duration::from_secs(1)) else { return };
+    let [worker, other] = &queues[..] else { panic!("two") };
+    worker.submit(new("a", 1), &|_| false).unwrap();
+    let task = lease(worker).unwrap();
+    let end = Instant::now() + Duration::from_secs(3);
+    while Instant::now() < end {
+        worker.progress(&task.lease, 1).unwrap();
+        assert_eq!(lease(other), None);
+        thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(other.job(task.job).unwrap().unwrap().entries_done, 1);
+    other.cancel(task.job).unwrap();
+    eventually(|| worker.progress(&task.lease, 1).err());
+    assert!(worker.take_changed().contains(&task.job));
+    assert_eq!(worker.complete(&[(task.lease, b"late")]).unwrap(), [Err(StaleLease)]);
+}
+
+#[test]
+fn another_fitter_leaves_the_job_alone() {
+    let Some(url) = throwaway::empty_database() else { return };
+    let limits =
+        Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    let of = |fitter| {
+        let process = Process { name: "test".to_owned(), fitter };
+        PostgresQueue::open(Database::open(&url).unwrap(), limits, process).unwrap()
+    };
+    let (old, new_one) = (of(1), of(2));
+    old.submit(new("a", 1), &|_| false).unwrap();
+    assert_eq!(lease(&new_one), None);
+    assert!(lease(&old).is_some());
+}
+
+/// Each has waited before, so that it has a row.
+fn give_all_back(queue: &PostgresQueue) {
+    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
+    for task in &tasks {
+        queue.give_back(&task.lease).unwrap();
+    }
+}
+
+fn execute(queue: &PostgresQueue, statement: &str) {
+    queue.shared.database.run(async |client| client.batch_execute(statement).await).unwrap();
+}
+
+#[test]
+fn suspect_shards_run_one_at_a_time_beside_all_others() {
+    let Some(queues) = queues(1, Duration::from_secs(60)) else { return };
+    let queue = &queues[0];
+    queue.submit(new("a", 3), &|_| false).unwrap();
+    give_all_back(queue);
+    execute(queue, "UPDATE ltcforge.tasks SET deaths = 3 WHERE task < 2");
+    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
+    assert_eq!(tasks.iter().map(|task| task.kind).collect::<Vec<_>>(), [TaskKind::Shard(0), TaskKind::Shard(2)]);
+    assert_eq!(lease(queue), None, "shard 1 is suspect too");
+    queue.submit(new("b", 1), &|_| false).unwrap();
+    assert_eq!(lease(queue).unwrap().recipe, "b", "another job goes on");
+    queue.complete(&[(tasks[0].lease, b"result")]).unwrap();
+    assert_eq!(lease(queue).unwrap().kind, TaskKind::Shard(1));
+}
+
+#[test]
+fn a_shard_that_ends_its_worker_each_time_fails_its_job_in_the_end() {
+    let Some(queues) = queues(1, Duration::from_secs(1)) else { return };
+    let queue = &queues[0];
+    queue.submit(new("a", 2), &|_| false).unwrap();
+    give_all_back(queue);
+    execute(queue, "UPDATE ltcforge.tasks SET deaths = 19 WHERE task = 1");
+    lease(queue).unwrap();
+    let deadly = lease(queue).unwrap();
+    let job = eventually(|| {
+        lease(queue);
+        queue.job(deadly.job).unwrap().filter(|job| job.state.name().is_final())
+    });
+    let JobState::Failed { error } = job.state else { panic!("{job:?}") };
+    assert_eq!(error.detail, "shard 1 was leased 20 times by workers that did not report any more");
+}
+
+/// Works until all jobs are done; returns the shards that were completed, each as often as it was.
+fn work(queue: &PostgresQueue, jobs: &[JobId], completed: &Mutex<Vec<(JobId, u32)>>) {
+    eventually(|| {
+        let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(3).unwrap()) else {
+            let is_done = |id: &JobId| queue.job(*id).unwrap().is_some_and(|job| job.state.name().is_final());
+            return jobs.iter().all(is_done).then_some(());
+        };
+        for task in tasks {
+            match task.kind {
+                TaskKind::Shard(shard) => {
+                    let result = format!("{}/{shard}", task.recipe);
+                    if queue.complete(&[(task.lease, result.as_bytes())]).unwrap() == [Ok(())] {
+                        completed.lock().unwrap().push((task.job, shard));
+                    }
+                }
+                TaskKind::Assemble => {
+                    let Ok(Some(results)) = queue.results(&task.lease) else { continue };
+                    let wanted = (0..40).map(|n| format!("{}/{n}", task.recipe).into_bytes());
+                    assert_eq!(results, wanted.collect::<Vec<_>>());
+                    match queue.finish(&task.lease, Digest::of(task.recipe.as_bytes()), Batch::default()) {
+                        // Stale as well if it was committed and the answer got lost.
+                        Ok(()) | Err(LeaseError::Stale(_)) => {}
+                        Err(error) => panic!("{error}"),
+                    }
+                }
+            }
+        }
+        None
+    });
+}
+
+fn submit_ten(queue: &PostgresQueue) -> Vec<JobId> {
+    let submit = |n: usize| {
+        let job = new(&format!("job {n}"), 40);
+        let id = JobId::of_recipe(&job.recipe_digest);
+        queue.submit(job, &|_| false).unwrap();
+        id
+    };
+    (0..10).map(submit).collect()
+}
+
+fn assert_all_done(queue: &PostgresQueue, jobs: &[JobId], completed: Mutex<Vec<(JobId, u32)>>) {
+    let mut completed = completed.into_inner().unwrap();
+    completed.sort_unstable();
+    assert!(completed.windows(2).all(|pair| pair[0] != pair[1]), "a shard was completed twice");
+    for id in jobs {
+        let job = queue.job(*id).unwrap().unwrap();
+        assert!(matches!(job.state, JobState::Done { .. }), "{job:?}");
+        assert_eq!(job.entries_done, 40);
+    }
+}
+
+#[test]
+fn of_many_workers_each_shard_is_accepted_from_one() {
+    let Some(queues) = queues(6, Duration::from_secs(60)) else { return };
+    let jobs = submit_ten(&queues[0]);
+    let completed = Mutex::default();
+    thread::scope(|scope| queues.iter().for_each(|queue| drop(scope.spawn(|| work(queue, &jobs, &completed)))));
+    assert_eq!(completed.lock().unwrap().len(), 400);
+    assert_all_done(&queues[0], &jobs, completed);
+}
+
+#[test]
+fn connections_that_are_cut_cost_no_job() {
+    let Some(queues) = queues(3, Duration::from_secs(2)) else { return };
+    let jobs = submit_ten(&queues[0]);
+    let (completed, ended, cut) = (Mutex::default(), AtomicBool::new(false), AtomicUsize::new(0));
+    thread::scope(|scope| {
+        let workers: Vec<_> = queues.iter().map(|queue| scope.spawn(|| work(queue, &jobs, &completed))).collect();
+        scope.spawn(|| {
+            let database: &Arc<Database> = &queues[0].shared.database;
+            while !ended.load(Ordering::Relaxed) {
+                // The oldest connection but this one's own.
+                let done = database.run(async |client| {
+                    let one =
+                        "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database()
+                        AND pid <> pg_backend_pid() ORDER BY query_start LIMIT 1";
+                    client.query(one, &[]).await
+                });
+                cut.fetch_add(done.map_or(0, |rows| rows.len()), Ordering::Relaxed);
+                // A statement needs some time between two cuts.
+                thread::sleep(Duration::from_millis(25));
+            }
+        });
+        let joined: Vec<_> = workers.into_iter().map(thread::ScopedJoinHandle::join).collect();
+        ended.store(true, Ordering::Relaxed);
+        for worker in joined {
+            worker.unwrap();
+        }
+    });
+    assert!(cut.into_inner() > 10);
+    assert_all_done(&queues[0], &jobs, completed);
+}
+
+/// The statements that a worker and a page of jobs wait for, with 100,000 shards in the queue.
+#[test]
+fn statements_go_by_indexes_however_long_the_queue_is() {
+    let Some(queues) = queues(1, Duration::from_secs(60)) else { return };
+    for n in 0..4 {
+        queues[0].submit(new(&n.to_string(), 25_000), &|_| false).unwrap();
+    }
+    let explain = |statement: &str, arguments: &str| {
+        let types = arguments.matches(',').count() + 1;
+        let placeholders: Vec<&str> = vec!["unknown"; types];
+        let statements = format!(
+            "PREPARE s ({}) AS {statement}; EXPLAIN (COSTS OFF) EXECUTE s ({arguments}); DEALLOCATE s",
+            placeholders.join(", ")
+        );
+        let messages = queues[0].shared.database.run(async |client| client.simple_query(&statements).await).unwrap();
+        let lines = messages.iter().filter_map(|message| match message {
+            tokio_postgres::SimpleQueryMessage::Row(row) => row.get(0).map(str::to_owned),
+            _ => None,
+        });
+        lines.collect::<Vec<_>>().join("\n")
+    };
+    let of_submission = format!("{} WHERE submission < $1 ORDER BY submission DESC LIMIT $2", super::lookup::COLUMNS);
+    for (statement, arguments) in [
+        (super::lease::LEASE.as_str(), "1, 16, 60, 'me', false, 3"),
+        (super::deliver::COMPLETE, "'{1}', '{0}', '{1}', '{abc}', 8"),
+        (super::fence::IS_CURRENT, "1, 0, 1"),
+        (super::renew::RENEW, "'{1}', '{0}', '{1}', '{1}', 60"),
+        (of_submission.as_str(), "9, 20"),
+    ] {
+        let plan = explain(statement, arguments);
+        assert!(plan.contains("Scan"), "{plan}");
+        for table in ["tasks", "blocks", "jobs", "serving"] {
+            assert!(!plan.contains(&format!("Seq Scan on {table}")), "{plan}");
+        }
+    }
+}

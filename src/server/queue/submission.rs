@@ -1,0 +1,40 @@
+//! What is submitted, and what becomes of it.
+
+use super::Job;
+use crate::{files::digest::Digest, server::store::StoreError};
+
+/// A job to submit.
+#[derive(Debug, Clone)]
+pub struct NewJob {
+    /// Canonical text of the recipe.
+    pub recipe: String,
+    /// Its digest; the job's id follows from it.
+    pub recipe_digest: Digest,
+    /// Entries of each shard. Equal recipes have equal shards.
+    pub shard_entries: Vec<u32>,
+}
+
+/// What became of a submission.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Submitted {
+    /// The job is queued now.
+    Queued(Job),
+    /// An equal job was queued or running already.
+    Joined(Job),
+    /// The job was done before, and its table is still stored.
+    Done(Job, Digest),
+}
+
+/// Why a job was not accepted.
+#[derive(Debug, thiserror::Error)]
+pub enum QueueError {
+    /// Too many jobs are queued or running.
+    #[error("the queue is full: {limit} jobs are waiting or running")]
+    Full {
+        /// The limit.
+        limit: usize,
+    },
+    /// It could not be stored.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}

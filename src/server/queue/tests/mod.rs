@@ -1,0 +1,39 @@
+//! What every queue does, whatever it is built on.
+
+mod forgetting;
+mod model;
+mod sharing;
+mod world;
+
+macro_rules! in_world {
+    ($world:ty: $($suite:ident::$test:ident),* $(,)?) => {
+        $(#[test]
+        fn $test() {
+            super::$suite::$test::<$world>();
+        })*
+    };
+}
+
+macro_rules! every_queue {
+    ($($tests:tt)*) => {
+        mod embedded {
+            in_world!(crate::server::queue::tests::world::EmbeddedWorld: $($tests)*);
+        }
+
+        #[cfg(feature = "cluster")]
+        mod postgres {
+            in_world!(crate::server::queue::tests::world::PostgresWorld: $($tests)*);
+        }
+    };
+}
+
+every_queue!(
+    forgetting::a_start_forgets_too_and_without_a_limit_nothing_is_forgotten,
+    forgetting::jobs_that_ended_long_ago_are_forgotten_with_all_their_rows,
+    model::every_history_agrees_with_the_model,
+    sharing::a_job_without_workers_is_told_from_others,
+    sharing::jobs_share_the_workers_evenly_and_a_new_one_is_next,
+    sharing::one_worker_alternates,
+    sharing::several_results_have_an_answer_each,
+    sharing::several_tasks_at_once_are_shared_as_evenly,
+);

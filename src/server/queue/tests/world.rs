@@ -1,0 +1,203 @@
+//! Queues with a clock that a test sets.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicI64, Ordering},
+    },
+    time::Duration,
+};
+
+use jiff::Timestamp;
+
+#[cfg(feature = "cluster")]
+use crate::server::{
+    queue::postgres::PostgresQueue,
+    store::{Database, test_database},
+};
+use crate::{
+    files::digest::Digest,
+    server::{
+        queue::{
+            Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue, Submitted,
+            embedded::{Clock, EmbeddedQueue},
+        },
+        store::{Tree, memory::MemoryRows},
+    },
+};
+
+/// A queue of its own, empty at first.
+pub(super) trait World: Sized {
+    /// Random histories that the model is compared with.
+    const HISTORIES: u32;
+    /// Whether leases outlive the process.
+    const LEASES_SURVIVE: bool;
+
+    /// An empty queue; `None`, told loudly, where a part is missing.
+    fn new(limits: Limits) -> Option<Self>;
+
+    fn queue(&self) -> &dyn Queue;
+
+    /// Lets time pass.
+    fn pass(&mut self, time: Duration);
+
+    /// What was written and not flushed is lost; [`Self::reopen`] follows.
+    fn lose_power(&mut self);
+
+    /// The process ends without warning, and another one opens what it left.
+    fn reopen(&mut self, limits: Limits);
+
+    /// While full, nothing can be written, as far as this can be had.
+    fn set_full(&self, full: bool);
+
+    /// Number of stored results.
+    fn results(&self) -> usize;
+}
+
+/// The embedded queue on rows in memory.
+pub(super) struct EmbeddedWorld {
+    rows: Arc<MemoryRows>,
+    queue: EmbeddedQueue,
+    seconds: Arc<AtomicI64>,
+}
+
+impl EmbeddedWorld {
+    fn open(rows: &Arc<MemoryRows>, limits: Limits, seconds: &Arc<AtomicI64>) -> EmbeddedQueue {
+        let seconds = Arc::clone(seconds);
+        let clock: Clock = Arc::new(move || Timestamp::from_second(seconds.load(Ordering::Relaxed)).unwrap());
+        EmbeddedQueue::open(rows.clone(), limits, clock).unwrap()
+    }
+}
+
+impl World for EmbeddedWorld {
+    const HISTORIES: u32 = 2000;
+    const LEASES_SURVIVE: bool = false;
+
+    fn new(limits: Limits) -> Option<Self> {
+        let (rows, seconds) = (Arc::new(MemoryRows::default()), Arc::new(AtomicI64::new(1_700_000_000)));
+        let queue = Self::open(&rows, limits, &seconds);
+        Some(Self { rows, queue, seconds })
+    }
+
+    fn queue(&self) -> &dyn Queue {
+        &self.queue
+    }
+
+    fn pass(&mut self, time: Duration) {
+        self.seconds.fetch_add(time.as_secs().cast_signed(), Ordering::Relaxed);
+    }
+
+    fn lose_power(&mut self) {
+        self.rows = Arc::new(self.rows.after_power_cut());
+    }
+
+    fn reopen(&mut self, limits: Limits) {
+        self.queue = Self::open(&self.rows, limits, &self.seconds);
+    }
+
+    fn set_full(&self, full: bool) {
+        self.rows.full.store(full, Ordering::Relaxed);
+    }
+
+    fn results(&self) -> usize {
+        self.rows.len(Tree::Results)
+    }
+}
+
+/// Submits a job of `shards` shards that is not known yet.
+#[track_caller]
+pub(super) fn submit(queue: &dyn Queue, name: &str, shards: usize) -> JobId {
+    let recipe_digest = Digest::of(name.as_bytes());
+    let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1; shards] };
+    assert!(matches!(queue.submit(new, &|_| false), Ok(Submitted::Queued(_))));
+    JobId::of_recipe(&recipe_digest)
+}
+
+/// Up to `most` tasks.
+#[track_caller]
+pub(super) fn tasks(queue: &dyn Queue, demand: Demand, most: usize) -> Vec<LeasedTask> {
+    match queue.lease(0, demand, most.try_into().unwrap()) {
+        Offer::Tasks(tasks) => tasks,
+        Offer::Nothing { .. } => vec![],
+        Offer::Closed => panic!("the queue is closed"),
+    }
+}
+
+/// A task, which there must be.
+#[track_caller]
+pub(super) fn task(queue: &dyn Queue) -> LeasedTask {
+    tasks(queue, Demand::Any, 1).pop().expect("a task")
+}
+
+/// Stores the result of a shard.
+#[track_caller]
+pub(super) fn complete(queue: &dyn Queue, task: &LeasedTask) {
+    assert_eq!(queue.complete(&[(task.lease, b"result")]).unwrap(), [Ok(())]);
+}
+
+/// The queue in PostgreSQL, in a database of its own for each thread.
+#[cfg(feature = "cluster")]
+pub(super) struct PostgresWorld {
+    database: Arc<Database>,
+    queue: PostgresQueue,
+}
+
+#[cfg(feature = "cluster")]
+impl PostgresWorld {
+    fn execute(&self, statements: &str) {
+        let done = self.database.run(async |client| client.batch_execute(statements).await);
+        done.unwrap();
+    }
+}
+
+#[cfg(feature = "cluster")]
+thread_local! {
+    static DATABASE: std::cell::OnceCell<Option<Arc<Database>>> = const { std::cell::OnceCell::new() };
+}
+
+#[cfg(feature = "cluster")]
+impl World for PostgresWorld {
+    const HISTORIES: u32 = 48;
+    const LEASES_SURVIVE: bool = true;
+
+    fn new(limits: Limits) -> Option<Self> {
+        let database = DATABASE.with(|database| database.get_or_init(test_database::database).clone())?;
+        let queue = PostgresQueue::open_eager(Arc::clone(&database), limits);
+        let world = Self { database, queue };
+        world.execute(
+            "CREATE TABLE IF NOT EXISTS test_clock (seconds bigint NOT NULL);
+            TRUNCATE test_clock, ltcforge.jobs, ltcforge.tasks, ltcforge.blocks, ltcforge.serving, ltcforge.finished_entries, ltcforge.rows;
+            INSERT INTO test_clock VALUES (1700000000);
+            CREATE OR REPLACE FUNCTION ltcforge.clock() RETURNS timestamptz LANGUAGE sql STABLE
+                AS 'SELECT to_timestamp(seconds) FROM public.test_clock'",
+        );
+        Some(world)
+    }
+
+    fn queue(&self) -> &dyn Queue {
+        &self.queue
+    }
+
+    fn pass(&mut self, time: Duration) {
+        self.execute(&format!("UPDATE test_clock SET seconds = seconds + {}", time.as_secs()));
+    }
+
+    fn lose_power(&mut self) {
+        // The server's disk is not this process's.
+    }
+
+    fn reopen(&mut self, limits: Limits) {
+        self.queue = PostgresQueue::open_eager(Arc::clone(&self.database), limits);
+    }
+
+    fn set_full(&self, _full: bool) {
+        // The server's disk is not this process's.
+    }
+
+    fn results(&self) -> usize {
+        let count = self.database.run(async |client| {
+            client.query_one("SELECT count(*) FROM ltcforge.tasks WHERE result IS NOT NULL", &[]).await
+        });
+        usize::try_from(count.unwrap().get::<_, i64>(0)).unwrap()
+    }
+}

@@ -1,0 +1,146 @@
+//! The service on a database and a store of blobs that any number of processes share.
+
+use std::{collections::HashMap, fmt, str::FromStr, sync::Arc, thread};
+
+use jiff::SignedDuration;
+
+use super::{
+    Config, OpenError, Service,
+    engine::FitEngine,
+    open::{Parts, limits},
+    state::ServiceState,
+};
+use crate::{
+    files::digest::Digest,
+    fit::FITTER_VERSION,
+    server::{
+        queue::postgres::{PostgresQueue, Process},
+        store::{Access, Catalogue, Database, ObjectBlobs, PostgresRows, Store, StoreError},
+    },
+};
+
+/// How often the jobs that clients follow are looked at.
+const FOLLOW: std::time::Duration = std::time::Duration::from_millis(250);
+
+/// How long a blob that no row knows is kept: its row may be on its way.
+const ORPHAN_AGE: SignedDuration = SignedDuration::from_hours(24);
+
+/// The URL of a database, which may have a password and is never printed.
+#[derive(Clone, PartialEq, Eq)]
+pub struct DatabaseUrl(String);
+
+impl FromStr for DatabaseUrl {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self(text.to_owned()))
+    }
+}
+
+impl fmt::Debug for DatabaseUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("DatabaseUrl(..)")
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for DatabaseUrl {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer).map(Self)
+    }
+}
+
+/// What processes share.
+#[derive(Debug, Clone)]
+pub struct Shared {
+    /// The database of the queue and the catalogue.
+    pub database: DatabaseUrl,
+    /// The store of blobs.
+    pub blobs: String,
+    /// Bytes of blobs that this process keeps in its data folder.
+    pub cache_bytes: u64,
+}
+
+impl Shared {
+    pub(super) fn open(&self, config: &Config, access: Access) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
+        let database = Database::open(&self.database.0)?;
+        let cache = config.data_dir.join("cache");
+        Ok((database, Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?)))
+    }
+}
+
+impl Service {
+    /// As [`Service::open`], on what other processes use too. If it does not work, it only serves.
+    ///
+    /// # Errors
+    /// When the database or the store of blobs cannot be used.
+    pub fn open_shared(config: Config, shared: &Shared, works: bool) -> Result<Arc<Self>, OpenError> {
+        let (database, blobs) = shared.open(&config, if works { Access::Write } else { Access::Read })?;
+        let process = Process { name: process_name(), fitter: FITTER_VERSION };
+        let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), process).map_err(OpenError::Shared)?;
+        let store = Store::shared(blobs, Arc::new(PostgresRows::new(database)));
+        let engine = Arc::new(FitEngine::default());
+        let service = Self::start(config, Parts { queue: Box::new(queue), store, engine, works })?;
+        let (state, workers) = (Arc::clone(&service.state), Arc::clone(&service.workers));
+        workers.begin();
+        let follower = thread::Builder::new().name("follow".to_owned()).spawn(move || {
+            state.follow();
+            drop(state);
+            workers.end();
+        });
+        if let Err(error) = follower {
+            service.workers.end();
+            return Err(OpenError::Unusable { path: service.state.config.data_dir.clone(), source: error });
+        }
+        Ok(service)
+    }
+}
+
+/// The machine, the process and when it began: no other process has this name.
+fn process_name() -> String {
+    let machine = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let machine: String = machine.trim().chars().take(64).collect();
+    format!("{machine}/{}/{}", std::process::id(), jiff::Timestamp::now().as_nanosecond())
+}
+
+impl ServiceState {
+    /// Notifies clients of what other processes do to the jobs that they follow.
+    fn follow(&self) {
+        let mut last = HashMap::new();
+        while !self.is_stopping() {
+            self.publish_changes();
+            let watched = self.hub.watched();
+            last.retain(|id, _| watched.contains(id));
+            for id in watched {
+                let Ok(Some(job)) = self.queue.job(id) else { continue };
+                let now = (job.state.name(), job.entries_done);
+                if last.insert(id, now) != Some(now) {
+                    self.publish(id);
+                }
+            }
+            self.queue.pause(FOLLOW);
+        }
+    }
+}
+
+/// Removes the blobs that no table of the catalogue has and that are older than a day. Returns how many.
+///
+/// # Errors
+/// When the database or the store of blobs cannot be used.
+pub fn sweep(config: &Config, shared: &Shared) -> Result<usize, OpenError> {
+    let (database, blobs) = shared.open(config, Access::Write)?;
+    let catalogue = Catalogue::new(Arc::new(PostgresRows::new(database)));
+    let is_known = |digest: Digest| -> Result<bool, StoreError> { Ok(catalogue.table(digest)?.is_some()) };
+    blobs.sweep(ORPHAN_AGE, &is_known).map_err(OpenError::Shared)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_url_of_a_database_is_not_printed() {
+        let url: DatabaseUrl = "postgres://user:hunter2@host/name".parse().unwrap();
+        let shared = Shared { database: url, blobs: "s3://bucket/x".to_owned(), cache_bytes: 1 };
+        assert!(!format!("{shared:?}").contains("hunter2"));
+    }
+}

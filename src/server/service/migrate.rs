@@ -1,0 +1,107 @@
+//! Taking a data folder's tables and jobs along into a database and a store of blobs that processes share.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::{Config, OpenError, Shared, open::limits};
+use crate::{
+    fit::FITTER_VERSION,
+    server::{
+        queue::{
+            embedded::{stored_jobs, stored_results},
+            postgres::{PostgresQueue, Process},
+        },
+        store::{Access, Batch, Blobs as _, Catalogue, PostgresRows, Rows as _, Store, StoreError},
+    },
+};
+
+/// What was taken along. What was there already does not count.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Migrated {
+    /// Tables, with recipe and manifest.
+    pub tables: usize,
+    /// Tables of the catalogue whose file is missing or damaged.
+    pub missing: usize,
+    /// Jobs.
+    pub jobs: usize,
+    /// Their finished shards.
+    pub shards: usize,
+}
+
+/// The version of the fitter that a stored recipe is for, which may be an older one: its workers alone go on with the job.
+fn fitter_of(recipe: &str) -> u32 {
+    let fitter = serde_json::from_str::<Value>(recipe).ok().and_then(|recipe| recipe.get("fitter")?.as_u64());
+    fitter.and_then(|fitter| fitter.try_into().ok()).unwrap_or(FITTER_VERSION)
+}
+
+/// Takes everything in a data folder along. The folder is locked meanwhile and stays as it is; what is there already is
+/// passed over, so that it can be done again after an interruption.
+///
+/// # Errors
+/// When the folder is in use or has no store, or one of the others cannot be used.
+pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> {
+    let folder = &config.data_dir;
+    if !folder.join("db").is_dir() {
+        return Err(OpenError::NoStore(folder.clone()));
+    }
+    let store = Store::open(folder).map_err(|error| OpenError::of(folder, error))?;
+    let (database, blobs) = shared.open(config, Access::Write)?;
+    let process = Process { name: "migrate".to_owned(), fitter: FITTER_VERSION };
+    let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;
+    let to = Arc::new(PostgresRows::new(database));
+    let mut done = Migrated::default();
+    (|| -> Result<(), StoreError> {
+        let (from, known) = (Catalogue::new(Arc::clone(&store.rows)), Catalogue::new(Arc::clone(&to) as _));
+        let mut cursor = None;
+        loop {
+            let (tables, next) = from.page(cursor.as_deref(), 64)?;
+            for row in tables {
+                if known.table(row.digest)?.is_some() && blobs.contains(row.digest)? {
+                    continue;
+                }
+                let (Ok(Some(file)), Some((recipe, _))) =
+                    (store.blobs.get(row.digest), from.recipe(row.recipe_digest)?)
+                else {
+                    done.missing += 1;
+                    continue;
+                };
+                blobs.put(&file)?;
+                let mut batch = Catalogue::entry(&row, &recipe)?;
+                let manifest = from.manifest(row.digest)?;
+                batch.extend(
+                    manifest
+                        .map_or(Ok(Batch::default()), |manifest| Catalogue::manifest_entry(row.digest, &manifest))?,
+                );
+                to.commit(&batch)?;
+                done.tables += 1;
+            }
+            cursor = next;
+            if cursor.is_none() {
+                break;
+            }
+        }
+        for stored in stored_jobs(store.rows.as_ref())? {
+            let results = stored_results(store.rows.as_ref(), stored.job.id)?;
+            if queue.import(&stored.job, fitter_of(&stored.job.recipe), &stored.shard_entries, &results)? {
+                done.jobs += 1;
+                done.shards += results.len();
+            }
+        }
+        Ok(())
+    })()
+    .map_err(OpenError::Shared)?;
+    Ok(done)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recipe_names_its_fitter() {
+        assert_eq!(fitter_of(r#"{"fitter":1,"preset":"paper"}"#), 1);
+        assert_eq!(fitter_of("damaged"), FITTER_VERSION);
+    }
+}

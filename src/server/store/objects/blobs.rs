@@ -1,0 +1,252 @@
+//! [`Blobs`] in an object store.
+
+use std::{
+    collections::HashMap,
+    path::Path as FilePath,
+    sync::{Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use futures_util::TryStreamExt as _;
+use jiff::{SignedDuration, Timestamp};
+use object_store::{Error, ObjectMeta, ObjectStoreExt as _, PutPayload, path::Path};
+use tokio::runtime::{Builder, Runtime};
+
+use super::{
+    cache::BlobCache,
+    connect::{Access, Connected, ObjectsOpenError, connect, probe, text},
+};
+use crate::{
+    files::digest::Digest,
+    server::store::{BlobInfo, Blobs, StoreError},
+};
+
+/// How long it is believed without asking that an object is there.
+const BELIEVED: Duration = Duration::from_secs(60);
+
+/// Objects that are believed to be there, at most.
+const MOST_BELIEVED: usize = 1 << 16;
+
+/// Blobs in an object store, as `PREFIX/ab/ab12...`.
+#[derive(Debug)]
+pub struct ObjectBlobs {
+    /// `None` while it is dropped.
+    runtime: Option<Runtime>,
+    connected: Connected,
+    cache: BlobCache,
+    /// When an object was last seen.
+    seen: Mutex<HashMap<Digest, Instant>>,
+}
+
+impl Drop for ObjectBlobs {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_background();
+        }
+    }
+}
+
+impl ObjectBlobs {
+    /// The blobs at `url`, which must exist, with a cache of at most `cache_bytes` in the folder `cache`.
+    ///
+    /// # Errors
+    /// See [`ObjectsOpenError`].
+    pub fn open(url: &str, access: Access, cache: &FilePath, cache_bytes: u64) -> Result<Self, ObjectsOpenError> {
+        let connected = connect(url)?;
+        let unusable = |error: std::io::Error| ObjectsOpenError::Refused {
+            url: cache.display().to_string(),
+            verb: "used as a cache",
+            reason: error.to_string(),
+        };
+        let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("blobs").enable_all().build();
+        let runtime = runtime.map_err(unusable)?;
+        runtime.block_on(probe(&connected, url, access))?;
+        let cache = BlobCache::open(cache, cache_bytes).map_err(unusable)?;
+        Ok(Self { runtime: Some(runtime), connected, cache, seen: Mutex::default() })
+    }
+
+    fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
+        // It is taken out when this is dropped, and nothing is called then.
+        self.runtime.as_ref().unwrap_or_else(|| unreachable!("blobs that are being dropped were used")).block_on(work)
+    }
+
+    fn path(&self, digest: Digest) -> Path {
+        let hex = digest.hex();
+        self.connected.prefix.clone().join(&hex[..2]).join(hex.as_str())
+    }
+
+    fn see(&self, digest: Digest) {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        if seen.len() >= MOST_BELIEVED {
+            seen.clear();
+        }
+        seen.insert(digest, Instant::now());
+    }
+
+    fn fetch(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        let fetched = self.block_on(async { self.connected.store.get(&self.path(digest)).await?.bytes().await });
+        match fetched {
+            Ok(bytes) => Ok(Some(bytes.to_vec())),
+            Err(Error::NotFound { .. }) => Ok(None),
+            Err(error) => Err(failure(&error)),
+        }
+    }
+
+    /// Removes the blobs that were stored longer ago than `age` and that `is_known` does not know. Returns how many.
+    ///
+    /// # Errors
+    /// When the store, or `is_known`, fails.
+    pub fn sweep(
+        &self,
+        age: SignedDuration,
+        is_known: &dyn Fn(Digest) -> Result<bool, StoreError>,
+    ) -> Result<usize, StoreError> {
+        let before = Timestamp::now().checked_sub(age).unwrap_or(Timestamp::UNIX_EPOCH);
+        let mut removed = 0;
+        for blob in self.list()?.into_iter().filter(|blob| blob.stored_at < before) {
+            if is_known(blob.digest)? {
+                continue;
+            }
+            match self.block_on(self.connected.store.delete(&self.path(blob.digest))) {
+                Ok(()) | Err(Error::NotFound { .. }) => removed += 1,
+                Err(error) => return Err(failure(&error)),
+            }
+        }
+        Ok(removed)
+    }
+}
+
+fn failure(error: &Error) -> StoreError {
+    match error {
+        Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => StoreError::Refused(text(error)),
+        _ => StoreError::Unavailable(text(error)),
+    }
+}
+
+fn info(object: &ObjectMeta) -> Option<BlobInfo> {
+    let digest = object.location.filename()?.parse().ok()?;
+    let stored_at = Timestamp::from_microsecond(object.last_modified.timestamp_micros()).ok()?;
+    Some(BlobInfo { digest, stored_at })
+}
+
+impl Blobs for ObjectBlobs {
+    /// Writes the object even if it is there: that renews its age, by which an orphan is told from one that is about to
+    /// become known, and mends one that is damaged.
+    fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
+        let digest = Digest::of(bytes);
+        let payload = PutPayload::from(bytes.to_vec());
+        let put = self.block_on(self.connected.store.put(&self.path(digest), payload));
+        put.map_err(|error| failure(&error))?;
+        self.see(digest);
+        self.cache.put(digest, bytes);
+        Ok(digest)
+    }
+
+    /// Bytes that do not have the digest are an error that passes: they may be a proxy's, and the object may be whole.
+    fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        if let Some(bytes) = self.cache.get(digest) {
+            return Ok(Some(bytes));
+        }
+        for _ in 0..2 {
+            let Some(bytes) = self.fetch(digest)? else { return Ok(None) };
+            if Digest::of(&bytes) == digest {
+                self.see(digest);
+                self.cache.put(digest, &bytes);
+                return Ok(Some(bytes));
+            }
+        }
+        tracing::error!(%digest, "the object store gave other bytes than were stored, twice");
+        Err(StoreError::Unavailable(format!("the object store gives other bytes for {digest} than were stored")))
+    }
+
+    fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
+        let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner).get(&digest).copied();
+        if seen.is_some_and(|seen| seen.elapsed() < BELIEVED) {
+            return Ok(true);
+        }
+        match self.block_on(self.connected.store.head(&self.path(digest))) {
+            Ok(_) => {
+                self.see(digest);
+                Ok(true)
+            }
+            Err(Error::NotFound { .. }) => Ok(false),
+            Err(error) => Err(failure(&error)),
+        }
+    }
+
+    fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
+        let listed = self.connected.store.list(Some(&self.connected.prefix));
+        let blobs = listed.try_filter_map(|object| std::future::ready(Ok(info(&object)))).try_collect::<Vec<_>>();
+        let mut blobs = self.block_on(blobs).map_err(|error| failure(&error))?;
+        blobs.sort_by_key(|blob| blob.digest);
+        Ok(blobs)
+    }
+
+    fn link(&self, digest: Digest, valid: Duration) -> Result<Option<String>, StoreError> {
+        let Some(signer) = &self.connected.signer else { return Ok(None) };
+        let path = self.path(digest);
+        let signed = self.block_on(signer.signed_url(reqwest::Method::GET, &path, valid));
+        signed.map(|url| Some(url.to_string())).map_err(|error| failure(&error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn open(dir: &FilePath) -> ObjectBlobs {
+        let store = dir.join("store");
+        fs::create_dir_all(&store).unwrap();
+        ObjectBlobs::open(&format!("file://{}", store.display()), Access::Write, &dir.join("cache"), 1 << 20).unwrap()
+    }
+
+    fn file(dir: &FilePath, digest: Digest) -> std::path::PathBuf {
+        let hex = digest.hex();
+        dir.join("store").join(&hex[..2]).join(&hex)
+    }
+
+    #[test]
+    fn a_blob_can_be_read_listed_and_put_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = open(dir.path());
+        let digest = blobs.put(b"table").unwrap();
+        assert_eq!(blobs.put(b"table").unwrap(), digest);
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+        assert!(blobs.contains(digest).unwrap() && !blobs.contains(Digest::of(b"other")).unwrap());
+        assert_eq!(blobs.list().unwrap().iter().map(|blob| blob.digest).collect::<Vec<_>>(), [digest]);
+        assert!(blobs.get(Digest::of(b"other")).unwrap().is_none());
+        fs::remove_file(file(dir.path(), digest)).unwrap();
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table", "from the cache");
+    }
+
+    #[test]
+    fn other_bytes_are_never_served_and_putting_mends_them() {
+        let dir = tempfile::tempdir().unwrap();
+        let digest = open(dir.path()).put(b"table").unwrap();
+        fs::remove_dir_all(dir.path().join("cache")).unwrap();
+        fs::write(file(dir.path(), digest), "tabel").unwrap();
+        let blobs = open(dir.path());
+        assert!(matches!(blobs.get(digest), Err(error) if error.is_passing()));
+        blobs.put(b"table").unwrap();
+        assert_eq!(fs::read(file(dir.path(), digest)).unwrap(), b"table");
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+    }
+
+    #[test]
+    fn only_old_blobs_that_nobody_knows_are_swept() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = open(dir.path());
+        let (known, orphan) = (blobs.put(b"known").unwrap(), blobs.put(b"orphan").unwrap());
+        let is_known = |digest| Ok(digest == known);
+        assert_eq!(blobs.sweep(SignedDuration::from_hours(24), &is_known).unwrap(), 0, "they are young");
+        let day = std::time::SystemTime::now() - Duration::from_secs(100_000);
+        for digest in [known, orphan] {
+            fs::File::options().write(true).open(file(dir.path(), digest)).unwrap().set_modified(day).unwrap();
+        }
+        assert_eq!(blobs.sweep(SignedDuration::from_hours(24), &is_known).unwrap(), 1);
+        assert_eq!(blobs.list().unwrap().len(), 1);
+        assert!(file(dir.path(), known).exists());
+    }
+}

@@ -1,0 +1,74 @@
+//! Databases and stores that cannot be used: one line that says which, and exit code 1.
+
+use std::{fs, path::Path};
+
+use crate::{Shared, common::command::run, throwaway::Server};
+
+/// The complaint of `ltcforge work` about a database and a store.
+#[track_caller]
+fn complaint(folder: &Path, database: &str, blobs: &str) -> String {
+    let args = ["work", "--database", database, "--blobs", blobs, "--data", "data"];
+    let run = run(folder, args).exited(1);
+    let [line] = run.complaints()[..] else { panic!("{run:#?}") };
+    assert!(!run.stderr.contains("hunter2"), "{run:#?}");
+    line.to_owned()
+}
+
+#[test]
+fn a_database_that_cannot_be_used_is_named_without_its_password() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(shared) = Shared::new(folder.path()) else { return };
+    let of = |database: &str| complaint(folder.path(), database, &shared.blobs);
+
+    let line = of("postgres://me:hunter2@127.0.0.1:1/tables");
+    assert!(line.contains("tables on 127.0.0.1:1 cannot be reached"), "{line}");
+    let line = of("mysql://me:hunter2@host/tables");
+    assert!(line.contains("cannot be read"), "{line}");
+    let missing = shared.database.replacen("/test", "/missing", 1);
+    assert!(of(&missing).contains("does not exist"), "{}", of(&missing));
+    let with_tls = shared.database.replace("sslmode=disable", "sslmode=require");
+    assert!(of(&with_tls).contains("TLS"), "{}", of(&with_tls));
+}
+
+#[test]
+fn a_wrong_password_and_a_newer_schema_are_told_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(server) = Server::start("-c fsync=off") else { return };
+    let url = server.empty_database();
+    let name = url.split(['/', '?']).nth(3).expect("a name");
+    let store = folder.path().join("store");
+    fs::create_dir(&store).expect("a folder");
+    let blobs = format!("file://{}", store.display());
+
+    server.psql(
+        name,
+        "CREATE SCHEMA ltcforge; CREATE TABLE ltcforge.migrations (number integer, digest bytea);
+        INSERT INTO ltcforge.migrations SELECT n, '' FROM generate_series(1, 99) n",
+    );
+    let line = complaint(folder.path(), &url, &blobs);
+    assert!(line.contains("schema 99"), "{line}");
+
+    server.psql(name, "CREATE ROLE me LOGIN PASSWORD 'right'");
+    let rules = server.folder().join("data/pg_hba.conf");
+    fs::write(&rules, "local all me scram-sha-256\nlocal all all trust\n").expect("the server's rules");
+    server.psql(name, "SELECT pg_reload_conf()");
+    let with_password = url.replace("postgres@", "me:hunter2@");
+    // The server reads its rules when it gets to it.
+    let line = crate::common::eventually("the new rules", || {
+        let line = complaint(folder.path(), &with_password, &blobs);
+        line.contains("password").then_some(line)
+    });
+    assert!(line.contains("refuses the user or the password"), "{line}");
+}
+
+#[test]
+fn a_store_that_cannot_be_used_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(shared) = Shared::new(folder.path()) else { return };
+    let of = |blobs: &str| complaint(folder.path(), &shared.database, blobs);
+    assert!(of("tables").contains("«tables» is no store of blobs"));
+    assert!(of("s3://key:hunter2@bucket/x").contains("read from the environment"));
+    fs::write(folder.path().join("file"), "").expect("a file");
+    let line = of(&format!("file://{}/file", folder.path().display()));
+    assert!(line.contains("the store of blobs"), "{line}");
+}

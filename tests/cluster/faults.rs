@@ -1,0 +1,133 @@
+//! What the processes of a cluster survive.
+
+use serde_json::Value;
+
+use crate::{
+    Shared, Worker,
+    common::{
+        LARGE, SMALL,
+        command::run_with_stdin,
+        eventually,
+        server::{Server, text},
+    },
+    proxy::{Proxy, Upstream},
+    throwaway,
+};
+
+pub(crate) fn entries_done(job: &Value) -> u64 {
+    job["progress"]["entries_done"].as_u64().expect("a count")
+}
+
+#[test]
+fn replicas_share_their_jobs_and_a_killed_worker_s_shards_are_done_by_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(shared) = Shared::new(folder.path()) else { return };
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
+    let [one, other] = ["one", "other"].map(|name| shared.replica(&folder.path().join(name)));
+
+    let id = text(&one.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    assert_eq!(text(&other.submit(LARGE).with_status(202).json()["id"]), id, "the same job");
+    let doomed = Worker::start(&shared, folder.path(), "2");
+    let job = one.job_when(&id, |job| entries_done(job) > 0);
+    assert_eq!(job["state"], "running", "the job was over before it could be interrupted");
+    drop(doomed);
+    one.kill();
+
+    // A replica and its clients lose nothing by another's end.
+    let _worker = Worker::start(&shared, folder.path(), "2");
+    let job = other.finished(&id);
+    assert_eq!(job["state"], "done", "{job:#}");
+    assert_eq!(job["table"], expected.last_line());
+    let path = format!("/v1/tables/{}", expected.last_line());
+    let file = other.get(&path).with_status(200);
+    assert_eq!(file.header("etag"), Some(format!("\"{}\"", expected.last_line()).as_str()));
+    other.get(&format!("{path}/manifest")).with_status(200);
+    other.get("/readyz").with_status(200);
+}
+
+#[test]
+fn a_worker_that_stops_gives_back_and_a_third_replica_knows_all_jobs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(shared) = Shared::new(folder.path()) else { return };
+    let server = Server::start(&folder.path().join("one"), &shared.arguments());
+    let table = server.fit(SMALL);
+    assert_eq!(server.stop("TERM").code, Some(0));
+    let again = Server::start(&folder.path().join("two"), &shared.arguments());
+    let job = again.submit(SMALL).with_status(200).json();
+    assert_eq!(job["table"], table);
+    assert_eq!(again.metric("ltcforge_entries_fitted_total"), 0, "nothing is fitted twice");
+}
+
+#[test]
+fn a_database_that_stops_for_a_while_costs_no_job() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
+    shared.database = database.empty_database();
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
+    let replica = shared.replica(&folder.path().join("replica"));
+    let _worker = Worker::start(&shared, folder.path(), "60");
+    let id = text(&replica.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    replica.job_when(&id, |job| entries_done(job) > 0);
+
+    database.stop();
+    let answer = replica.get("/readyz").with_status(503).json();
+    assert_eq!(answer["type"], "/problems/unavailable");
+    replica.get(&format!("/v1/jobs/{id}")).with_status(503);
+    replica.get("/healthz").with_status(200);
+    database.start_again();
+    eventually("readiness", || (replica.get("/readyz").status == 200).then_some(()));
+    let job = replica.finished(&id);
+    assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
+}
+
+#[test]
+fn a_standby_takes_over_with_all_that_was_acknowledged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(primary) = throwaway::Server::start("-c fsync=off") else { return };
+    let name_url = primary.empty_database();
+    let standby = primary.standby().expect("a standby of a server that runs");
+    primary.psql("postgres", "ALTER SYSTEM SET synchronous_standby_names = '*'");
+    primary.psql("postgres", "ALTER SYSTEM SET synchronous_commit = 'remote_apply'");
+    primary.psql("postgres", "SELECT pg_reload_conf()");
+    shared.database = name_url;
+    let link = Proxy::start(Upstream::Unix(primary.socket()));
+    let shared = shared.by(link.address);
+    let replica = shared.replica(&folder.path().join("replica"));
+    let _worker = Worker::start(&shared, folder.path(), "60");
+    let first = replica.fit(SMALL);
+    let id = text(&replica.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    replica.job_when(&id, |job| entries_done(job) > 0);
+
+    primary.stop();
+    standby.psql("postgres", "SELECT pg_promote()");
+    standby.psql("postgres", "ALTER SYSTEM SET synchronous_standby_names = ''");
+    standby.psql("postgres", "SELECT pg_reload_conf()");
+    link.lead_to(Upstream::Unix(standby.socket()));
+    let job = replica.finished(&id);
+    assert_eq!(job["state"], "done", "{job:#}");
+    assert_eq!(replica.submit(SMALL).with_status(200).json()["table"], first);
+}
+
+/// Leases are as long by the database's clock, whatever that of a worker says.
+#[test]
+fn a_clock_that_is_an_hour_off_has_no_effect() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
+    shared.database = database.empty_database();
+    let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
+    let replica = shared.replica(&folder.path().join("replica"));
+    for (offset, steps) in [("- interval '1 hour'", "\"steps\":6"), ("+ interval '1 hour'", "\"steps\":7")] {
+        let clock = format!(
+            "CREATE OR REPLACE FUNCTION ltcforge.clock() RETURNS timestamptz LANGUAGE sql STABLE AS $$SELECT now() {offset}$$"
+        );
+        database.psql(&name, &clock);
+        let _worker = Worker::start(&shared, folder.path(), "5");
+        let recipe = SMALL.replace("\"steps\":5", steps);
+        let id = text(&replica.submit(&recipe).with_status(202).json()["id"]).to_owned();
+        let job = replica.finished(&id);
+        assert_eq!((&job["state"], &job["attempts"]), (&"done".into(), &1.into()), "{job:#}");
+    }
+}

@@ -1,0 +1,108 @@
+//! Kill -9 at random, under a stream of jobs: [`KILLS`] times, or as often as `LTCFORGE_TEST_KILLS` says.
+
+use crate::{
+    Shared, Worker,
+    common::{
+        SMALL,
+        command::run_with_stdin,
+        eventually,
+        server::{Server, text},
+    },
+    throwaway,
+};
+
+/// Two of them take about a second.
+const KILLS: usize = 50;
+
+fn kills() -> usize {
+    match std::env::var("LTCFORGE_TEST_KILLS") {
+        Ok(number) => number.parse().expect("LTCFORGE_TEST_KILLS is a number"),
+        Err(_) => KILLS,
+    }
+}
+
+/// Numbers that are the same each time.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(self.0 >> 33).unwrap_or(0) % limit
+    }
+}
+
+/// A recipe of four shards that nobody has fitted, some hundredths of a second long.
+fn recipe(number: usize) -> String {
+    format!(
+        r#"{{"preset":"draft","resolution":{{"alpha":4,"ratio":4,"theta":4,"phi":4}},
+        "fit":{{"samples":64,"directions":4,"steps":5,"seed":{number}}}}}"#
+    )
+}
+
+#[test]
+fn kills_lose_nothing_that_was_acknowledged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
+    shared.database = database.empty_database();
+    let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
+    // A finished shard that is ever leased again would be written down here.
+    let replica = |number: usize| shared.replica(&folder.path().join(format!("replica-{number}")));
+    let mut replicas: Vec<Option<Server>> = (0..2).map(|number| Some(replica(number))).collect();
+    database.psql(
+        &name,
+        "CREATE TABLE refitted (submission bigint, task integer);
+        CREATE FUNCTION note() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN
+            INSERT INTO public.refitted VALUES (OLD.submission, OLD.task); RETURN NEW; END $$;
+        CREATE TRIGGER note AFTER UPDATE ON ltcforge.tasks FOR EACH ROW
+            WHEN (OLD.state = 'finished' AND NEW.state <> 'finished') EXECUTE FUNCTION note()",
+    );
+    let worker = || Worker::start(&shared, folder.path(), "1");
+    let mut workers: Vec<Option<Worker>> = (0..2).map(|_| Some(worker())).collect();
+    let mut random = Random(1);
+    let mut acknowledged = Vec::new();
+    let kills = kills();
+    for kill in 0..kills {
+        // Whom it hits comes back, before the next is hit; now and then it hits all.
+        let hit = random.below(5);
+        let submitted = recipe(kill);
+        if let Some(server) = replicas.iter().flatten().next() {
+            acknowledged.push((submitted.clone(), text(&server.submit(&submitted).json()["id"]).to_owned()));
+        }
+        // As far as the job has come, which is another place each time.
+        let wanted = random.below(5);
+        let (_, id) = acknowledged.last().expect("a job");
+        let finished = format!(
+            "SELECT count(*) FROM ltcforge.tasks AS t JOIN ltcforge.jobs AS j USING (submission)
+            WHERE encode(j.id, 'hex') = '{id}' AND t.state = 'finished'"
+        );
+        let ended = format!("SELECT count(*) FROM ltcforge.jobs WHERE encode(id, 'hex') = '{id}' AND state = 'done'");
+        eventually("a place to kill at", || {
+            let count: usize = database.psql(&name, &finished).parse().expect("a count");
+            (count >= wanted || database.psql(&name, &ended) == "1").then_some(())
+        });
+        for number in 0..2 {
+            if hit == number || hit == 4 {
+                workers[number].take();
+                workers[number] = Some(worker());
+            }
+            if hit == number + 2 || hit == 4 {
+                replicas[number].take().into_iter().for_each(Server::kill);
+                replicas[number] = Some(replica(number));
+            }
+        }
+    }
+    let server = replicas[0].as_ref().expect("a replica");
+    for (recipe, id) in &acknowledged {
+        let job = server.finished(id);
+        assert_eq!(job["state"], "done", "{job:#}");
+        if id.starts_with(['0', '1']) {
+            let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], recipe).exited(0);
+            assert_eq!(job["table"], expected.last_line());
+        }
+    }
+    assert_eq!(acknowledged.len(), kills);
+    assert_eq!(database.psql(&name, "SELECT count(*) FROM refitted"), "0", "a finished shard was fitted again");
+    let small = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], SMALL).exited(0);
+    assert_eq!(server.fit(SMALL), small.last_line());
+}

@@ -1,0 +1,104 @@
+//! A worker whose link to the database is down for longer than its leases, or loses packets.
+
+use std::{
+    net::Ipv4Addr,
+    process::{Command, Stdio},
+};
+
+use crate::{
+    Shared, Worker,
+    common::{LARGE, SMALL, command::run_with_stdin, eventually, server::text, tell_skipped},
+    faults::entries_done,
+    proxy::{Link, Proxy, Upstream},
+    throwaway,
+};
+
+#[test]
+fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
+    shared.database = database.empty_database();
+    let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
+    let link = Proxy::start(Upstream::Unix(database.socket()));
+    let replica = shared.replica(&folder.path().join("replica"));
+    let cut_off = Worker::start(&shared.by(link.address), folder.path(), "2");
+    let id = text(&replica.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    replica.job_when(&id, |job| entries_done(job) > 0);
+
+    link.set(Link::Held);
+    let other = Worker::start(&shared, folder.path(), "2");
+    let job = replica.finished(&id);
+    assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
+    assert!(job["attempts"].as_u64().expect("a count") >= 2, "the shard was leased again: {job:#}");
+    drop(other);
+
+    // What it was fitting is refused, and it works on what there is then.
+    link.set(Link::Up);
+    let job = replica.finished(text(&replica.submit(SMALL).with_status(202).json()["id"]));
+    assert_eq!(job["state"], "done", "{job:#}");
+    assert_eq!(database.psql(&name, "SELECT count(*) FROM ltcforge.tasks"), "0", "a late result was taken");
+    drop(cut_off);
+}
+
+/// A network namespace whose only link loses a fifth of all packets in each direction. Gone when dropped.
+struct Lossy {
+    name: String,
+    /// This machine's end of the link.
+    here: Ipv4Addr,
+}
+
+impl Lossy {
+    /// `None`, told loudly, where namespaces cannot be made.
+    fn new() -> Option<Self> {
+        let process = std::process::id();
+        // Addresses of its own: a namespace whose test was killed may be left, and two links to the same network make none.
+        let network = u32::from(Ipv4Addr::new(10, 213, 0, 0)) + process % 0x4000 * 4;
+        let [here, there] = [1, 2].map(|end| Ipv4Addr::from(network + end));
+        let (name, link) = (format!("ltcforge{process}"), format!("ltc{process}v"));
+        let script = format!(
+            "ip netns add {name} && ip link add {link} type veth peer name eth0 netns {name} &&
+            ip addr add {here}/30 dev {link} && ip link set {link} up &&
+            ip -n {name} addr add {there}/30 dev eth0 && ip -n {name} link set eth0 up && ip -n {name} link set lo up &&
+            ip netns exec {name} nft 'add table inet loss;
+                add chain inet loss incoming {{ type filter hook input priority 0; }};
+                add chain inet loss outgoing {{ type filter hook output priority 0; }};
+                add rule inet loss incoming iifname eth0 numgen random mod 5 == 0 drop;
+                add rule inet loss outgoing oifname eth0 numgen random mod 5 == 0 drop'"
+        );
+        let lossy = Self { name, here };
+        let mut command = Command::new("sh");
+        command.args(["-c", &script]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        if command.status().is_ok_and(|status| status.success()) {
+            return Some(lossy);
+        }
+        tell_skipped("there are no network namespaces here, which root makes with iproute2 and nftables");
+        None
+    }
+}
+
+impl Drop for Lossy {
+    fn drop(&mut self) {
+        // It may not have been made.
+        let _ = Command::new("ip").args(["netns", "del", &self.name]).stderr(Stdio::null()).status();
+    }
+}
+
+#[test]
+fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(lossy) = Lossy::new() else { return };
+    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
+    shared.database = database.empty_database();
+    let link = Proxy::start_on(lossy.here, Upstream::Unix(database.socket()));
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
+    let replica = shared.replica(&folder.path().join("replica"));
+    let by = ["ip", "netns", "exec", &lossy.name];
+    let far = shared.by(link.address);
+    // One that has not got through when it gives up is started again, as by whatever runs it.
+    let _worker = eventually("a worker that connects", || Worker::start_by(&by, &far, folder.path(), "60"));
+    let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
+    assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
+}

@@ -1,0 +1,102 @@
+//! Several processes of the binary on one PostgreSQL and one store of tables: a folder, which outlives them all.
+#![cfg(feature = "cluster")]
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../../src/server/store/postgres/throwaway.rs"]
+mod throwaway;
+
+mod errors;
+mod faults;
+mod kills;
+mod links;
+mod migration;
+mod objects;
+mod proxy;
+mod s3;
+
+use std::{
+    io::{BufRead as _, BufReader},
+    net::SocketAddr,
+    path::Path,
+    process::{Child, Command, Stdio},
+};
+
+use common::{command::ltcforge, server::Server};
+
+/// What the processes of a test share.
+pub(crate) struct Shared {
+    pub(crate) database: String,
+    pub(crate) blobs: String,
+    /// Further variables in the environment of their processes.
+    pub(crate) environment: Vec<(String, String)>,
+}
+
+impl Shared {
+    /// An empty database and an empty folder in `folder`; `None`, told loudly, where PostgreSQL is not installed.
+    pub(crate) fn new(folder: &Path) -> Option<Self> {
+        let blobs = folder.join("store");
+        std::fs::create_dir_all(&blobs).expect("a folder");
+        let blobs = format!("file://{}", blobs.display());
+        Some(Self { database: throwaway::empty_database()?, blobs, environment: vec![] })
+    }
+
+    /// The same through another link to the database.
+    pub(crate) fn by(&self, address: SocketAddr) -> Self {
+        let (_, name) = self.database.split_once("@/").expect("a URL of a throw-away server");
+        let name = name.split('?').next().unwrap_or(name);
+        let database = format!("postgres://postgres@{address}/{name}?sslmode=disable");
+        Self { database, blobs: self.blobs.clone(), environment: self.environment.clone() }
+    }
+
+    /// A replica with its cache in `folder` that only serves.
+    pub(crate) fn replica(&self, folder: &Path) -> Server {
+        let args: Vec<&str> = self.arguments().into_iter().chain(["--no-workers"]).collect();
+        Server::start_in(folder, &args, &self.environment)
+    }
+
+    /// Their arguments.
+    pub(crate) fn arguments(&self) -> [&str; 4] {
+        ["--database", &self.database, "--blobs", &self.blobs]
+    }
+}
+
+/// A process that works. Killed when dropped.
+pub(crate) struct Worker(Child);
+
+impl Worker {
+    /// Starts one thread of work, with leases of `lease_seconds`.
+    pub(crate) fn start(shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
+        Self::start_by(&[], shared, folder, lease_seconds).expect("a worker that connects")
+    }
+
+    /// Has another command start it; `None` if it ended because it could not connect.
+    pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Option<Self> {
+        let data = folder.join("worker");
+        let data = data.to_str().expect("a path in UTF-8");
+        let own = ["--workers", "1", "--lease-seconds", lease_seconds, "--data", data];
+        let mut command = ltcforge(folder, ["work"].iter().chain(&shared.arguments()).chain(&own));
+        if let [program, arguments @ ..] = by {
+            let mut other = Command::new(program);
+            other.args(arguments).arg(command.get_program()).args(command.get_args()).current_dir(folder);
+            command = other;
+            command.stdin(Stdio::null()).stdout(Stdio::piped());
+        }
+        command.envs(shared.environment.iter().map(|(name, value)| (name, value)));
+        let mut child = command.stderr(Stdio::null()).spawn().expect("the binary runs");
+        let stdout = child.stdout.take().expect("a pipe");
+        let worker = Self(child);
+        let mut line = String::new();
+        BufReader::new(stdout).read_line(&mut line).expect("a line on stdout or its end");
+        assert!(line.is_empty() || line.starts_with("working"), "{line}");
+        (!line.is_empty()).then_some(worker)
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}

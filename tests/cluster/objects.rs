@@ -1,0 +1,105 @@
+//! An object store that is down, full, broken, or gives other bytes.
+
+use ureq::Agent;
+
+use crate::{
+    Shared, Worker,
+    common::{
+        SMALL,
+        command::run,
+        eventually,
+        server::{Server, text},
+    },
+    proxy::{Link, Proxy, Upstream},
+    s3::S3,
+};
+
+/// A database, an S3 server, and a link to it that the processes use.
+fn shared_on_s3(folder: &std::path::Path) -> Option<(Shared, S3, Proxy)> {
+    let mut shared = Shared::new(folder)?;
+    let server = S3::start()?;
+    let link = Proxy::start(Upstream::Tcp(server.address));
+    "s3://tables/ltc".clone_into(&mut shared.blobs);
+    shared.environment = S3::environment(link.address);
+    Some((shared, server, link))
+}
+
+#[test]
+fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
+    let replica = shared.replica(&folder.path().join("one"));
+    let _worker = Worker::start(&shared, folder.path(), "60");
+
+    link.set(Link::Answers(500));
+    let id = text(&replica.submit(SMALL).with_status(202).json()["id"]).to_owned();
+    // Broken, full, down: each must have refused an upload before the next.
+    for next in [Link::Answers(507), Link::Down, Link::Up] {
+        let before = link.refused();
+        eventually("an upload", || (link.refused() > before).then_some(()));
+        let job = replica.get(&format!("/v1/jobs/{id}")).with_status(200).json();
+        assert!(job["state"] == "queued" || job["state"] == "running", "{job:#}");
+        link.set(next);
+    }
+    let job = replica.finished(&id);
+    assert_eq!(job["state"], "done", "{job:#}");
+    let table = text(&job["table"]).to_owned();
+
+    // This replica has never read it, so that nothing comes from its cache.
+    let other = shared.replica(&folder.path().join("other"));
+    let path = format!("/v1/tables/{table}");
+    link.set(Link::OtherBytes);
+    other.get(&path).with_status(503);
+    link.set(Link::Down);
+    other.get(&path).with_status(503);
+    link.set(Link::Up);
+    let whole = other.get(&path).with_status(200);
+    let part = other.request("GET", &path, &[("range", "bytes=1-4")], None).with_status(206);
+    assert_eq!(part.body, whole.body[1..5]);
+    other.request("GET", &path, &[("if-none-match", &format!("\"{table}\""))], None).with_status(304);
+    // From its cache.
+    link.set(Link::Down);
+    assert_eq!(other.get(&path).with_status(200).body, whole.body);
+}
+
+#[test]
+fn downloads_can_be_redirected_to_the_store() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some((shared, _server, _link)) = shared_on_s3(folder.path()) else { return };
+    let args: Vec<&str> = shared.arguments().into_iter().chain(["--redirect", "--workers", "1"]).collect();
+    let replica = Server::start_in(&folder.path().join("one"), &args, &shared.environment);
+    let table = replica.fit(SMALL);
+    let path = format!("{}/v1/tables/{table}", replica.url);
+    let agent: Agent = Agent::config_builder().max_redirects(0).http_status_as_error(false).build().into();
+    let answer = agent.get(&path).call().expect("an answer");
+    assert_eq!(answer.status(), 307);
+    let location = answer.headers()["location"].to_str().expect("a URL").to_owned();
+    let bytes = agent.get(&location).call().expect("the object").body_mut().read_to_vec().expect("a whole body");
+    // A request for the head is answered here, with the table's size.
+    let head = replica.request("HEAD", &format!("/v1/tables/{table}"), &[], None).with_status(200);
+    assert_eq!(head.header("content-length"), Some(bytes.len().to_string().as_str()));
+    let file = folder.path().join(format!("{}.safetensors", table.trim_start_matches("sha256:")));
+    std::fs::write(&file, bytes).expect("a file");
+    run(folder.path(), ["verify", file.to_str().expect("a path in UTF-8")]).exited(0);
+}
+
+#[test]
+fn a_store_without_the_bucket_or_the_permission_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
+    let complaint = |blobs: &str| {
+        let args = ["work", "--database", &shared.database, "--blobs", blobs, "--data", "data"];
+        let mut command = crate::common::command::ltcforge(folder.path(), args);
+        command.envs(shared.environment.iter().map(|(name, value)| (name, value)));
+        let run: crate::common::command::Run = command.output().expect("the binary runs").into();
+        let run = run.exited(1);
+        assert!(!run.stderr.contains("hunter2"), "{run:#?}");
+        let [line] = run.complaints()[..] else { panic!("{run:#?}") };
+        line.to_owned()
+    };
+    let line = complaint("s3://nowhere/ltc");
+    assert!(line.contains("s3://nowhere/ltc does not exist"), "{line}");
+    link.set(Link::Answers(403));
+    let line = complaint("s3://tables/ltc");
+    assert!(line.contains("s3://tables/ltc cannot be written"), "{line}");
+}

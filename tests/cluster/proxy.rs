@@ -1,0 +1,242 @@
+//! A link to PostgreSQL or an object store that a test cuts, holds up, or answers in the other's place.
+
+use std::{
+    io::{self, BufRead as _, BufReader, Read, Write},
+    net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream},
+    os::unix::net::UnixStream,
+    path::PathBuf,
+    sync::{
+        Arc, Condvar, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
+};
+
+/// Where a link leads.
+#[derive(Debug, Clone)]
+pub(crate) enum Upstream {
+    /// A server's socket in the file system.
+    Unix(PathBuf),
+    Tcp(SocketAddr),
+}
+
+/// What the link does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Link {
+    Up,
+    /// Connections end at once.
+    Down,
+    /// Connections stay, and nothing gets through until the link is another.
+    Held,
+    /// Each request of HTTP is answered with this status.
+    Answers(u16),
+    /// Each request of HTTP is answered with bytes that nobody stored.
+    OtherBytes,
+}
+
+/// A link on a port of this machine.
+pub(crate) struct Proxy {
+    pub(crate) address: SocketAddr,
+    state: Arc<State>,
+}
+
+struct State {
+    inner: Mutex<Inner>,
+    changed: Condvar,
+    /// Connections that were ended, and requests that were answered here.
+    refused: AtomicUsize,
+}
+
+struct Inner {
+    link: Link,
+    upstream: Upstream,
+    open: Vec<Stream>,
+}
+
+enum Stream {
+    Unix(UnixStream),
+    Tcp(TcpStream),
+}
+
+impl Stream {
+    fn connect(upstream: &Upstream) -> io::Result<Self> {
+        Ok(match upstream {
+            Upstream::Unix(path) => Self::Unix(UnixStream::connect(path)?),
+            Upstream::Tcp(address) => Self::Tcp(TcpStream::connect(address)?),
+        })
+    }
+
+    fn another(&self) -> io::Result<Self> {
+        Ok(match self {
+            Self::Unix(stream) => Self::Unix(stream.try_clone()?),
+            Self::Tcp(stream) => Self::Tcp(stream.try_clone()?),
+        })
+    }
+
+    fn end(&self) {
+        // It may have ended already.
+        let _ = match self {
+            Self::Unix(stream) => stream.shutdown(Shutdown::Both),
+            Self::Tcp(stream) => stream.shutdown(Shutdown::Both),
+        };
+    }
+}
+
+impl Read for Stream {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Unix(stream) => stream.read(bytes),
+            Self::Tcp(stream) => stream.read(bytes),
+        }
+    }
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Unix(stream) => stream.write(bytes),
+            Self::Tcp(stream) => stream.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl State {
+    fn lock(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn serve(self: &Arc<Self>, client: Stream) -> io::Result<()> {
+        let (link, upstream) = {
+            let inner = self.lock();
+            (inner.link, inner.upstream.clone())
+        };
+        match link {
+            Link::Down => {
+                self.refused.fetch_add(1, Ordering::Relaxed);
+                client.end();
+            }
+            Link::Up | Link::Held => {
+                let server = Stream::connect(&upstream)?;
+                self.lock().open.extend([client.another()?, server.another()?]);
+                let (here, there) = (client.another()?, server.another()?);
+                let state = Arc::clone(self);
+                thread::spawn(move || state.copy(there, here));
+                self.copy(client, server);
+            }
+            Link::Answers(status) => {
+                self.lock().open.push(client.another()?);
+                while let Some(_method) = read_request(&client)? {
+                    self.refused.fetch_add(1, Ordering::Relaxed);
+                    answer(client.another()?, status, b"<Error><Code>Test</Code></Error>")?;
+                }
+            }
+            Link::OtherBytes => {
+                self.lock().open.push(client.another()?);
+                while let Some(_method) = read_request(&client)? {
+                    self.refused.fetch_add(1, Ordering::Relaxed);
+                    answer(client.another()?, 200, b"not what was stored")?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Copies until either side ends; waits while the link is held.
+    fn copy(&self, mut from: Stream, mut to: Stream) {
+        let mut bytes = vec![0; 1 << 16];
+        while let Ok(count @ 1..) = from.read(&mut bytes) {
+            let held = |inner: &mut Inner| inner.link == Link::Held;
+            drop(self.changed.wait_while(self.lock(), held).unwrap_or_else(PoisonError::into_inner));
+            if to.write_all(&bytes[..count]).is_err() {
+                break;
+            }
+        }
+        from.end();
+        to.end();
+    }
+}
+
+/// Reads a request to the end of its body; returns its method, or `None` at the end of the connection.
+fn read_request(client: &Stream) -> io::Result<Option<String>> {
+    let mut reader = BufReader::with_capacity(1, client.another()?);
+    let (mut first, mut length) = (String::new(), 0);
+    if reader.read_line(&mut first)? == 0 {
+        return Ok(None);
+    }
+    loop {
+        let mut line = String::new();
+        if reader.read_line(&mut line)? == 0 {
+            return Ok(None);
+        }
+        if line.trim().is_empty() {
+            break;
+        }
+        if let Some((name, value)) = line.split_once(':')
+            && name.eq_ignore_ascii_case("content-length")
+        {
+            length = value.trim().parse().unwrap_or(0);
+        }
+    }
+    io::copy(&mut reader.take(length), &mut io::sink())?;
+    Ok(first.split(' ').next().map(str::to_owned))
+}
+
+fn answer(mut client: Stream, status: u16, body: &[u8]) -> io::Result<()> {
+    let head = format!(
+        "HTTP/1.1 {status} Test\r\ncontent-type: application/xml\r\ncontent-length: {}\r\netag: \"x\"\r\n\
+        last-modified: Thu, 01 Jan 2026 00:00:00 GMT\r\n\r\n",
+        body.len()
+    );
+    client.write_all(&[head.as_bytes(), body].concat())
+}
+
+impl Proxy {
+    pub(crate) fn start(upstream: Upstream) -> Self {
+        Self::start_on(Ipv4Addr::LOCALHOST, upstream)
+    }
+
+    /// A link on another address of this machine.
+    pub(crate) fn start_on(address: Ipv4Addr, upstream: Upstream) -> Self {
+        let listener = TcpListener::bind((address, 0)).expect("a port");
+        let address = listener.local_addr().expect("its address");
+        let inner = Mutex::new(Inner { link: Link::Up, upstream, open: vec![] });
+        let state = Arc::new(State { inner, changed: Condvar::new(), refused: AtomicUsize::new(0) });
+        let accepting = Arc::clone(&state);
+        thread::spawn(move || {
+            for client in listener.incoming().map_while(Result::ok) {
+                let state = Arc::clone(&accepting);
+                // A connection that fails is the test's purpose, not its failure.
+                thread::spawn(move || drop(state.serve(Stream::Tcp(client))));
+            }
+        });
+        Self { address, state }
+    }
+
+    /// Changes the link. Connections that are open go on through a link that is up or held, and end otherwise.
+    pub(crate) fn set(&self, link: Link) {
+        let mut inner = self.state.lock();
+        let was = std::mem::replace(&mut inner.link, link);
+        let passes = |link| matches!(link, Link::Up | Link::Held);
+        if !(passes(was) && passes(link)) {
+            inner.open.drain(..).for_each(|stream| stream.end());
+        }
+        drop(inner);
+        self.state.changed.notify_all();
+    }
+
+    /// Leads the link elsewhere.
+    pub(crate) fn lead_to(&self, upstream: Upstream) {
+        let mut inner = self.state.lock();
+        inner.upstream = upstream;
+        inner.open.drain(..).for_each(|stream| stream.end());
+    }
+
+    /// Connections that were ended at once, and requests that were answered here.
+    pub(crate) fn refused(&self) -> usize {
+        self.state.refused.load(Ordering::Relaxed)
+    }
+}
