@@ -53,7 +53,11 @@ pub(super) fn run(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let path = &args.sources.lock;
-    let refused = |error: LockFileError| lock_failure(path, &error);
+    let refused = |error: LockFileError| {
+        let is_shared = matches!(error, LockFileError::Twice { owners: "files", .. });
+        let CommandFailure { exit, message } = lock_failure(path, &error);
+        CommandFailure { exit, message: message + if is_shared { ": choose another --out or --to" } else { "" } }
+    };
     let old = match read_text(path) {
         Ok(text) => text,
         Err(LockFileError::Read { source }) if source.kind() == io::ErrorKind::NotFound && args.name.is_some() => {
@@ -92,11 +96,7 @@ pub(super) fn run(
             planned.extend(locking.pin(pin).map_err(|failure| of_pin(pin, &failure))?);
         }
     }
-    let text = with_pins(&old, &pins).map_err(|error| {
-        let is_shared = matches!(error, LockFileError::Twice { owners: "files", .. });
-        let CommandFailure { exit, message } = refused(error);
-        CommandFailure { exit, message: message + if is_shared { ": choose another --out or --to" } else { "" } }
-    })?;
+    let text = with_pins(&old, &pins).map_err(refused)?;
     LockFile::parse(&text, path).map_err(refused)?;
     // What stands in the way of any file is told before the first is written.
     for Planned { path, digest, .. } in &planned {

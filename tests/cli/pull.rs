@@ -130,7 +130,9 @@ fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
     let table = project.join("assets/metal.safetensors");
     let right = fs::read(&table).expect("the table");
     let hex = Digest::of(&right).hex();
-    for (name, bytes) in [("wrong", &b"other bytes"[..]), ("right", &right)] {
+    let mut other = right.clone();
+    other[100] ^= 1;
+    for (name, bytes) in [("wrong", &other), ("right", &right)] {
         fs::create_dir(folder.path().join(name)).expect("a folder");
         fs::write(folder.path().join(name).join(format!("{hex}.safetensors")), bytes).expect("a file");
     }
@@ -143,7 +145,7 @@ fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
     assert!(none.stderr.contains(&format!("../none/{hex}.safetensors")), "{none:#?}");
     from(&[NOBODY, "../none"], 4);
     let wrong = from(&["../wrong", NOBODY], 3);
-    assert!(wrong.stderr.contains(&Digest::of(b"other bytes").to_string()), "{wrong:#?}");
+    assert!(wrong.stderr.contains(&Digest::of(&other).to_string()), "{wrong:#?}");
     let offline = run(&project, ["pull", "--from", NOBODY, "--offline"]).exited(4);
     assert!(offline.stderr.contains("--offline asks no server"), "{offline:#?}");
     assert!(!table.exists());
