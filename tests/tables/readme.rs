@@ -27,7 +27,7 @@ fn the_readme_has_the_errors_of_today_s_draft() {
     ] {
         let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
         let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
-        let width = report(&table, recipe.range(), POINTS).between.width;
+        let width = report(&table, &recipe.range(), POINTS).between.width;
         let measured = [width.mean, width.p95, width.max].map(|part| format!("{:.1}", 100.0 * part));
         assert_eq!(row(&readme, name), measured, "{name}");
     }
