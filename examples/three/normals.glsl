@@ -76,7 +76,7 @@ const uint NORMALS_MEAN = 1u;
 const uint NORMALS_FINE = 2u;
 
 
-float ltc_atan2_(float y, float x) {
+float normals_ltc_atan2_(float y, float x) {
     float low = min(y, abs(x));
     float high = max(y, abs(x));
     bool is_far = (low > (0.41421357 * high));
@@ -88,7 +88,7 @@ float ltc_atan2_(float y, float x) {
     return ((x < 0.0) ? (3.1415927 - quarter) : quarter);
 }
 
-vec2 ltc_sin_cos(float turns) {
+vec2 normals_ltc_sin_cos(float turns) {
     bool local = false;
     float quarter_1 = floor(((4.0 * turns) + 0.5));
     float x_3 = ((turns - (0.25 * quarter_1)) * 6.2831855);
@@ -106,7 +106,7 @@ vec2 ltc_sin_cos(float turns) {
     return vec2(((q >= 2u) ? -(swapped.x) : swapped.x), (_e64 ? -(swapped.y) : swapped.y));
 }
 
-float ltc_log(float x_1) {
+float normals_ltc_log(float x_1) {
     int bits = (floatBitsToInt(x_1) - 1060439283);
     float m_3 = intBitsToFloat(((bits & 8388607) + 1060439283));
     float s_1 = ((m_3 - 1.0) / (m_3 + 1.0));
@@ -225,7 +225,7 @@ NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
 }
 
 float normals_atan2_(float y_1, float x_2) {
-    float _e3 = ltc_atan2_(abs(y_1), x_2);
+    float _e3 = normals_ltc_atan2_(abs(y_1), x_2);
     return ((y_1 < 0.0) ? -(_e3) : _e3);
 }
 
@@ -275,7 +275,7 @@ vec3 normals_exact(NormalsView view_3, vec3 a_3, vec3 b_3, vec3 across, bool is_
     float q_2 = ((d_1 * g_1) * slope);
     float q2_ = (q_2 * q_2);
     float ratio = clamp(((1.0 + q_2) / (1.0 - q_2)), 1e-30, 1e30);
-    float _e167 = ltc_log(ratio);
+    float _e167 = normals_ltc_log(ratio);
     float steep = ((0.5 * _e167) / max((d_1 * g_1), 1e-30));
     float along2_ = ((q2_ < 0.0025) ? (slope * (1.0 + (q2_ * (0.33333334 + (q2_ * 0.2))))) : steep);
     float bottom = (((e2_ * p0_.x) * p1_.x) + ((g2_ * p0_.y) * p1_.y));
@@ -865,7 +865,7 @@ vec2 normals_disk(NormalsView view_15, vec3 centre, vec3 half_x, vec3 half_y, bo
         }
         {
             uint _e12 = i_5;
-            vec2 _e18 = ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
+            vec2 _e18 = normals_ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
             vec2 turn_2 = (_e18 * 1.0539074);
             uint _e21 = i_5;
             vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));

@@ -16,6 +16,7 @@
 // USE
 //   ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Isotropic surfaces have alpha_x =
 //   alpha_y. Diffuse light is the albedo times ltc_rectangle, ltc_polygon or ltc_disk with the unit matrix for inverse.
+//   A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
 //
 // BINDINGS OF A TABLE
 //   uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; the layout's number, not read here

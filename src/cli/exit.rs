@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, io, path::Path};
 
-use crate::client::{ClientError, LockFileError, PullError, SourcesError};
+use crate::client::{ClientError, LockFileError, PullError, SizeOrigin, SourcesError};
 
 /// The exit code of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +80,9 @@ impl From<ClientError> for CommandFailure {
         let exit = match error {
             ClientError::BadUrl { .. } | ClientError::BadSource { .. } => Exit::Usage,
             ClientError::Unavailable { .. } => Exit::Unavailable,
-            ClientError::Mismatch { .. } => Exit::Mismatch,
+            ClientError::Mismatch { .. }
+            | ClientError::TooShort { .. }
+            | ClientError::TooLong { origin: SizeOrigin::LockFile, .. } => Exit::Mismatch,
             ClientError::Refused { faults, .. } if !faults.is_empty() => {
                 for fault in faults {
                     // Writing to a String cannot fail.
@@ -102,6 +104,7 @@ impl From<PullError> for CommandFailure {
         match error {
             PullError::Sources(error) => error.into(),
             PullError::File { .. } => Self::new(Exit::Failed, error.to_string()),
+            PullError::Size { .. } => Self::new(Exit::Mismatch, error.to_string()),
             PullError::LeadsOut { .. } => Self::new(Exit::Usage, error.to_string()),
         }
     }
@@ -151,7 +154,9 @@ mod tests {
             (refused(422, vec![fault]), 2),
             (refused(404, vec![]), 1),
             (ClientError::Unexpected { url: url(), reason: "x".into() }, 1),
-            (ClientError::TooLong { url: url(), limit_bytes: 1, origin: "a limit" }, 1),
+            (ClientError::TooLong { url: url(), limit_bytes: 1, origin: SizeOrigin::Tables }, 1),
+            (ClientError::TooLong { url: url(), limit_bytes: 1, origin: SizeOrigin::LockFile }, 3),
+            (ClientError::TooShort { url: url(), bytes: 1, stated_bytes: 2 }, 3),
             (ClientError::BadUrl { url: url() }, 2),
             (ClientError::BadSource { source_name: String::new() }, 2),
             (ClientError::Unreadable { place: "p".into(), reason: "x".into() }, 1),

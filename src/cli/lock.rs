@@ -53,7 +53,11 @@ pub(super) fn run(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let path = &args.sources.lock;
-    let refused = |error: LockFileError| lock_failure(path, &error);
+    let refused = |error: LockFileError| {
+        let is_shared = matches!(error, LockFileError::Twice { owners: "files", .. });
+        let CommandFailure { exit, message } = lock_failure(path, &error);
+        CommandFailure { exit, message: message + if is_shared { ": choose another --out or --to" } else { "" } }
+    };
     let old = match read_text(path) {
         Ok(text) => text,
         Err(LockFileError::Read { source }) if source.kind() == io::ErrorKind::NotFound && args.name.is_some() => {
@@ -97,10 +101,10 @@ pub(super) fn run(
     // What stands in the way of any file is told before the first is written.
     for Planned { path, digest, .. } in &planned {
         client::target(path, &lock.folder)?;
-        client::check(path, *digest, &lock.folder)?;
+        client::check(path, *digest, None, &lock.folder)?;
     }
     for Planned { path, digest, bytes } in &planned {
-        if client::check(path, *digest, &lock.folder)? != PinState::Right {
+        if client::check(path, *digest, None, &lock.folder)? != PinState::Right {
             let target = client::target(path, &lock.folder)?;
             replace_file(&target, bytes).map_err(|error| file_failure(&target, &error))?;
         }
@@ -238,7 +242,7 @@ impl Locking<'_, '_> {
         let is_pinned = pin.recipe.as_ref().is_some_and(|old| *old == recipe_document::canonical_json(&recipe));
         let old = self.lock.pins.iter().find(|old| old.name == pin.name);
         if let Some(old) = old.filter(|_| is_pinned)
-            && client::check(&old.path, old.digest, &self.lock.folder)? == PinState::Right
+            && client::check(&old.path, old.digest, None, &self.lock.folder)? == PinState::Right
         {
             return self.read(&self.lock.folder.join(&old.path), Some(old.digest));
         }
@@ -251,7 +255,7 @@ impl Locking<'_, '_> {
     /// The table that is pinned already.
     fn pinned(&self, pin: &Pin) -> Result<Found, CommandFailure> {
         let old = self.lock.pins.iter().find(|old| old.name == pin.name).unwrap_or(pin);
-        match client::check(&old.path, pin.digest, &self.lock.folder)? {
+        match client::check(&old.path, pin.digest, None, &self.lock.folder)? {
             PinState::Right => self.read(&self.lock.folder.join(&old.path), Some(pin.digest)),
             _ => self.of_source(pin.digest, pin.bytes, pin),
         }

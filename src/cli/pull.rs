@@ -1,6 +1,9 @@
 //! `pull`: the tables pinned in the lock file, and the files that are pinned with them.
 
-use std::path::Path;
+use std::{
+    io::{self, Write as _},
+    path::Path,
+};
 
 use serde_json::json;
 
@@ -15,7 +18,7 @@ use super::{
 };
 use crate::{
     client::{self, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError},
-    files::{bounded::read_file, container::TableFile, digest::Digest, replace::replace_file},
+    files::{bounded::read_file, container::TableFile, digest::Digest, replace::PairError, staged::Staged},
 };
 
 /// What was done with a file.
@@ -25,8 +28,9 @@ struct Done<'a> {
     outcome: &'static str,
 }
 
-/// Brings in every pinned table that is missing or differs, and makes the pinned files that do. A failure does not stop the
-/// other pins; the first one decides the exit code.
+/// Brings in every pinned table that is missing or differs, and makes the pinned files that do. They are put in their places
+/// once all pins were looked at. Where a pin is wrong, or what it pins has other bytes, every file stays as it was. A pin that no
+/// source has keeps no other out. The first failure decides the exit code.
 pub(super) fn run(
     args: &PullArgs,
     sources: &Sources,
@@ -35,43 +39,62 @@ pub(super) fn run(
 ) -> Result<Exit, CommandFailure> {
     let lock_path = &args.sources.lock;
     let lock = LockFile::read(lock_path).map_err(|error| lock_failure(lock_path, &error))?;
-    let mut failures: Vec<CommandFailure> = Vec::new();
+    let mut ends = Vec::new();
+    let mut staged = Vec::new();
     for pin in &lock.pins {
         if context.interrupt.is_set() {
             return Err(CommandFailure::interrupted());
         }
-        let pulling = Pulling { args, sources, lock: &lock, context };
+        let mut pulling = Pulling { args, sources, lock: &lock, context, staged: Staged::default() };
         let mut done = Vec::new();
         let failure = pulling.pin(pin, &mut done).err();
-        for Done { path, digest, outcome } in done {
+        if failure.is_none() {
+            staged.push(pulling.staged);
+        }
+        ends.push((pin, done, failure));
+    }
+    let failures = || ends.iter().filter_map(|(.., failure)| failure.as_ref());
+    let is_wrong = |failure: &CommandFailure| matches!(failure.exit, Exit::Usage | Exit::Mismatch | Exit::Interrupted);
+    let places = !failures().any(is_wrong);
+    if places {
+        for files in staged {
+            files.place().map_err(|PairError { path, source }| file_failure(&path, &source))?;
+        }
+    } else {
+        // The last first: a folder goes once nothing is in it.
+        staged.drain(..).rev().for_each(drop);
+    }
+    for (pin, done, failure) in &ends {
+        // What is not in its place was not done.
+        let is_done = |done: &&Done<'_>| places && failure.is_none() || done.outcome == UNCHANGED;
+        for Done { path, digest, outcome } in done.iter().filter(is_done) {
             let value = json!({ "name": pin.name, "path": shown(path), "digest": digest, "outcome": outcome });
             print(context.stdout, json, &value, &format!("{} {outcome}: {}", pin.name, path.display()))?;
         }
-        if let Some(failure) = failure {
-            if json {
-                let value = json!({
-                    "name": pin.name, "path": shown(&pin.path), "digest": pin.digest, "outcome": "failed",
-                    "detail": failure.message,
-                });
-                print(context.stdout, true, &value, "")?;
-            }
-            failures.push(of_pin(pin, &failure));
+        if let (Some(failure), true) = (failure, json) {
+            let value = json!({
+                "name": pin.name, "path": shown(&pin.path), "digest": pin.digest, "outcome": "failed",
+                "detail": failure.message,
+            });
+            print(context.stdout, true, &value, "")?;
         }
     }
-    match failures.first().map(|first| first.exit) {
-        None => Ok(Exit::Ok),
-        Some(exit) => {
-            let lines: Vec<String> = failures.into_iter().map(|failure| failure.message).collect();
-            Err(CommandFailure::new(exit, lines.join("\n")))
-        }
-    }
+    let told: Vec<String> =
+        ends.iter().filter_map(|(pin, _, failure)| Some(of_pin(pin, failure.as_ref()?).message)).collect();
+    let first = failures().next().map(|failure| failure.exit);
+    first.map_or(Ok(Exit::Ok), |exit| Err(CommandFailure::new(exit, told.join("\n"))))
 }
+
+/// What became of a file that was right.
+const UNCHANGED: &str = "unchanged";
 
 struct Pulling<'a, 'b> {
     args: &'a PullArgs,
     sources: &'a Sources,
     lock: &'a LockFile,
     context: &'a Context<'b>,
+    /// The files of one pin.
+    staged: Staged,
 }
 
 impl Pulling<'_, '_> {
@@ -81,9 +104,9 @@ impl Pulling<'_, '_> {
     }
 
     /// Brings in a table and the files that are made of it; `done` gets what became of each file.
-    fn pin<'p>(&self, pin: &'p Pin, done: &mut Vec<Done<'p>>) -> Result<(), CommandFailure> {
-        let outcome = match self.state(&pin.path, pin.digest)? {
-            PinState::Right => "unchanged",
+    fn pin<'p>(&mut self, pin: &'p Pin, done: &mut Vec<Done<'p>>) -> Result<(), CommandFailure> {
+        let outcome = match self.state(&pin.path, pin.digest, pin.bytes)? {
+            PinState::Right => UNCHANGED,
             _ => self.table(pin)?,
         };
         done.push(Done { path: &pin.path, digest: pin.digest, outcome });
@@ -92,7 +115,7 @@ impl Pulling<'_, '_> {
         for export in &pin.exports {
             let mut states = Vec::new();
             for file in &export.file {
-                states.push(self.state(&file.path, file.digest)?);
+                states.push(self.state(&file.path, file.digest, Some(file.bytes))?);
             }
             let is_right = |state: &PinState| *state == PinState::Right;
             let comes = !states.iter().all(is_right) && self.download(pin, export, &states)?;
@@ -106,7 +129,7 @@ impl Pulling<'_, '_> {
             }
             for (FilePin { path, digest, .. }, state) in export.file.iter().zip(states) {
                 let outcome = match state {
-                    PinState::Right => "unchanged",
+                    PinState::Right => UNCHANGED,
                     PinState::Missing if comes => "downloaded",
                     PinState::Missing => "made",
                     PinState::Different { .. } => "replaced",
@@ -118,8 +141,8 @@ impl Pulling<'_, '_> {
     }
 
     /// The state of a pinned file. Under `--locked` it has to be right.
-    fn state(&self, path: &Path, digest: Digest) -> Result<PinState, CommandFailure> {
-        let state = client::check(path, digest, &self.lock.folder)?;
+    fn state(&self, path: &Path, digest: Digest, bytes: Option<u64>) -> Result<PinState, CommandFailure> {
+        let state = client::check(path, digest, bytes, &self.lock.folder)?;
         let drift = |reason: String| Err(mismatch(&self.lock.folder.join(path), &reason));
         match state {
             PinState::Missing if self.args.locked => drift("the file is missing".to_owned()),
@@ -131,13 +154,15 @@ impl Pulling<'_, '_> {
     }
 
     /// Brings in a table that is missing or differs. Says what was done.
-    fn table(&self, pin: &Pin) -> Result<&'static str, CommandFailure> {
+    fn table(&mut self, pin: &Pin) -> Result<&'static str, CommandFailure> {
         let folder = &self.lock.folder;
         let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
-        let pulled =
-            self.sources.with_access(&self.context.interrupt, |access| client::pull(pin, folder, &sources, access));
+        let staged = &mut self.staged;
+        let pulled = self
+            .sources
+            .with_access(&self.context.interrupt, |access| client::pull(pin, (folder, &sources), access, staged));
         match pulled {
-            Ok(PinState::Right) => Ok("unchanged"),
+            Ok(PinState::Right) => Ok(UNCHANGED),
             Ok(PinState::Missing) => Ok("downloaded"),
             Ok(PinState::Different { .. }) => Ok("replaced"),
             Err(PullError::Sources(SourcesError::NoneHasIt(_))) if self.args.fit => self.fit(pin),
@@ -146,7 +171,7 @@ impl Pulling<'_, '_> {
     }
 
     /// Fits a pinned recipe again, which has to give the pinned bytes.
-    fn fit(&self, pin: &Pin) -> Result<&'static str, CommandFailure> {
+    fn fit(&mut self, pin: &Pin) -> Result<&'static str, CommandFailure> {
         let Some(document) = &pin.recipe else {
             let reason = "no source has the table, and the lock file has no recipe of it: `ltcforge lock` writes it";
             return Err(CommandFailure::new(Exit::Failed, reason));
@@ -158,20 +183,27 @@ impl Pulling<'_, '_> {
             let reason = format!("the recipe gives a table that hashes to {actual}, {} is pinned", pin.digest);
             return Err(mismatch(&target, &reason));
         }
-        replace_file(&target, &bytes).map_err(|error| file_failure(&target, &error))?;
+        client::check_size(target.clone(), bytes.len() as u64, pin.bytes)?;
+        self.stage(&target, &bytes)?;
         Ok("fitted")
     }
 
-    /// The table of a pin whose file is right.
+    fn stage(&mut self, target: &Path, bytes: &[u8]) -> Result<(), CommandFailure> {
+        let staged: io::Result<()> = self.staged.write(target, |file| file.write_all(bytes));
+        staged.map_err(|error| file_failure(target, &error))
+    }
+
+    /// The table of a pin whose file is right, or staged.
     fn read(&self, pin: &Pin) -> Result<TableFile, CommandFailure> {
-        let path = self.lock.folder.join(&pin.path);
+        let place = self.lock.folder.join(&pin.path);
+        let path = self.staged.path_of(&place).unwrap_or(&place);
         let limit = pin.bytes.unwrap_or(self.args.sources.limit.table_limit);
-        let bytes = read_file(&path, limit).map_err(|error| file_failure(&path, &error))?;
-        Ok(check(&path, &bytes, Some(pin.digest))?.1)
+        let bytes = read_file(path, limit).map_err(|error| file_failure(path, &error))?;
+        Ok(check(&place, &bytes, Some(pin.digest))?.1)
     }
 
     /// Brings in those files of an export that are not right, if one service has all of them.
-    fn download(&self, pin: &Pin, export: &ExportPin, states: &[PinState]) -> Result<bool, CommandFailure> {
+    fn download(&mut self, pin: &Pin, export: &ExportPin, states: &[PinState]) -> Result<bool, CommandFailure> {
         // What this program does not know is told without asking anyone.
         export_of(export)?;
         let folder = &self.lock.folder;
@@ -179,8 +211,9 @@ impl Pulling<'_, '_> {
         let wrong = export.file.iter().zip(states).filter(|(_, state)| **state != PinState::Right);
         let wrong: Vec<&FilePin> = wrong.map(|(file, _)| file).collect();
         let interrupt = &self.context.interrupt;
+        let staged = &mut self.staged;
         let pulled = self.sources.with_access(interrupt, |access| {
-            client::pull_export(pin.digest, export, &wrong, (folder, &sources), access)
+            client::pull_export(pin.digest, export, &wrong, (folder, &sources), access, staged)
         });
         match pulled {
             Ok(()) => Ok(true),
@@ -189,14 +222,14 @@ impl Pulling<'_, '_> {
         }
     }
 
-    /// Writes those files of an export that are not right. All files have to have their pinned hashes, or none is written.
-    fn export(&self, export: &ExportPin, table: &Measured, states: &[PinState]) -> Result<(), CommandFailure> {
+    /// Stages those files of an export that are not right. All files have to have their pinned hashes, or none is written.
+    fn export(&mut self, export: &ExportPin, table: &Measured, states: &[PinState]) -> Result<(), CommandFailure> {
         let (made, files) = table.export(export)?;
         let advice = "`ltcforge lock` pins what this program makes";
-        for FilePin { path, digest, .. } in &export.file {
+        for FilePin { path, digest, bytes } in &export.file {
             let target = client::target(path, &self.lock.folder)?;
             match made.file.iter().find(|file| file.path == *path) {
-                Some(file) if file.digest == *digest => {}
+                Some(file) if file.digest == *digest => client::check_size(target, file.bytes, Some(*bytes))?,
                 Some(FilePin { digest: actual, .. }) => {
                     let reason =
                         format!("this program makes a file that hashes to {actual}, {digest} is pinned; {advice}");
@@ -216,7 +249,7 @@ impl Pulling<'_, '_> {
         {
             if let Some((_, file)) = made.file.iter().zip(&files).find(|(made, _)| made.path == *path) {
                 let target = client::target(path, &self.lock.folder)?;
-                replace_file(&target, &file.bytes).map_err(|error| file_failure(&target, &error))?;
+                self.stage(&target, &file.bytes)?;
             }
         }
         Ok(())

@@ -15,7 +15,7 @@ use crate::{
     files::textures::About,
     fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report},
     light::LightModel,
-    view::shaders::{Filter, Language, LitBy, include, include_function, port},
+    view::shaders::{Filter, Language, LitBy, Place, include, include_function, port},
 };
 
 /// Places at which a table and its polynomials are measured, so many that a single one hardly counts.
@@ -52,13 +52,18 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     let shader = match args.form {
         ShaderForm::Include => {
             let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
-            include(language, lit_by, filter).map(String::into_bytes)
+            include(language, lit_by, filter, &place(args)).map(String::into_bytes)
         }
         ShaderForm::Example => port(language, lit_by),
     }
     .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     let value = json!({ "language": language.name(), "model": lit_by.model(), "layout": lit_by.layout() });
     hand_out(args, out.as_ref(), &shader, value, json, context)
+}
+
+/// What the text takes for itself in the shader that includes it.
+fn place(args: &ShaderArgs) -> Place {
+    Place { prefix: args.prefix.clone(), first_binding: args.first_binding.unwrap_or(0) }
 }
 
 /// The light of a table's polynomials, to include. Its comment tells how good they are, beside the table.
@@ -92,7 +97,7 @@ fn without_textures(
     let about = about.and([format!(
         "mean error of the polynomials: {width:.4} of the lobe's width; of the table: {table_width:.4}"
     )]);
-    let shader = include_function(language, &function, about.lines())
+    let shader = include_function(language, &function, about.lines(), &place(args))
         .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
         .into_bytes();
     let value = json!({
@@ -134,7 +139,15 @@ fn hand_out(
 fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailure> {
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
     let name = language.name();
+    let is_numbered = matches!(language, Language::Wgsl | Language::Glsl | Language::Hlsl);
     match args.form {
+        ShaderForm::Example if args.prefix.is_some() || args.first_binding.is_some() => {
+            refused("--prefix and --first-binding are for a text to include".to_owned())
+        }
+        _ if args.first_binding.is_some() && (args.model == LightModel::Normals || !is_numbered) => {
+            let what = if is_numbered { "model normals" } else { name };
+            refused(format!("{what} binds nothing by number: leave out --first-binding"))
+        }
         ShaderForm::Include if !language.has_includes() => {
             refused(format!("{name} has no text to include: add --as example"))
         }

@@ -9,15 +9,27 @@ use ureq::{Body, http::Response};
 
 use super::{
     ClientError,
-    limits::{Limits, Pace},
+    limits::{Limits, Pace, SizeOrigin},
 };
 
 /// How much of an answer is read, and what says so.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SizeLimit {
     pub(super) bytes: u64,
-    /// Where the limit comes from, for people.
-    pub(super) origin: &'static str,
+    /// Who says so.
+    pub(super) origin: SizeOrigin,
+}
+
+impl SizeLimit {
+    /// Whether a file of `total` bytes from `url` has the size that the lock file states, if that is what this is.
+    ///
+    /// # Errors
+    /// When it is shorter; longer ones were cut off before.
+    pub(super) fn check(&self, url: &str, total: u64) -> Result<(), ClientError> {
+        let is_right = total == self.bytes || self.origin != SizeOrigin::LockFile;
+        let too_short = || ClientError::TooShort { url: url.to_owned(), bytes: total, stated_bytes: self.bytes };
+        is_right.then_some(()).ok_or_else(too_short)
+    }
 }
 
 /// Why a body was not written to the end.
@@ -59,7 +71,7 @@ pub(super) fn copy(
             return Err(CopyError::Stopped);
         }
         let read = match reader.read(&mut chunk) {
-            Ok(0) => return Ok(()),
+            Ok(0) => return Ok(size.check(url, total)?),
             Ok(read) => read,
             Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
             Err(error) => return Err(ClientError::transport(url, &ureq::Error::from(error)).into()),
@@ -79,7 +91,7 @@ pub(super) fn copy(
 /// # Errors
 /// See [`copy`].
 pub(super) fn document(url: &str, response: Response<Body>, limits: Limits) -> Result<Vec<u8>, ClientError> {
-    let size = SizeLimit { bytes: limits.document_bytes, origin: "the client's limit for documents" };
+    let size = SizeLimit { bytes: limits.document_bytes, origin: SizeOrigin::Documents };
     let mut bytes = Vec::new();
     match copy(url, response, (size, limits.document_time, limits), &|| false, &mut bytes) {
         Ok(()) => Ok(bytes),

@@ -7,6 +7,7 @@ use ureq::{Body, http::Response};
 use super::{
     ClientError, Limits,
     answer::{self, CopyError, SizeLimit},
+    limits::SizeOrigin,
 };
 use crate::files::digest::{Digest, Hasher};
 
@@ -38,8 +39,8 @@ impl Download {
         Self { url, response, digest, limits }
     }
 
-    /// Writes the table to `sink` as it comes, and checks its hash. It may be as long as `stated_bytes`, what the lock file
-    /// says, or else as the limit of the client. `should_stop` is asked after each part.
+    /// Writes the table to `sink` as it comes, and checks its hash. It has to be as long as `stated_bytes`, what the lock file
+    /// says, or else within the limit of the client. `should_stop` is asked after each part.
     ///
     /// # Errors
     /// See [`DownloadError`]. What was written to `sink` by then is not to be used.
@@ -68,11 +69,11 @@ impl From<CopyError> for DownloadError {
     }
 }
 
-/// How long a table may be: as the lock file states, or else as the limit for tables.
+/// How long a table is: as the lock file states, or else at most the limit for tables.
 pub(super) fn size_limit(stated_bytes: Option<u64>, limits: Limits) -> SizeLimit {
     match stated_bytes {
-        Some(bytes) => SizeLimit { bytes, origin: "the size that the lock file states" },
-        None => SizeLimit { bytes: limits.table_bytes, origin: "the limit for tables; --table-limit sets another" },
+        Some(bytes) => SizeLimit { bytes, origin: SizeOrigin::LockFile },
+        None => SizeLimit { bytes: limits.table_bytes, origin: SizeOrigin::Tables },
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer};
 
+use super::limits::SizeOrigin;
 use crate::files::{digest::Digest, recipe_document::Fault};
 
 /// A failed request. Every variant names the URL, or the file in a folder of tables.
@@ -62,8 +63,18 @@ pub enum ClientError {
         url: String,
         /// The limit.
         limit_bytes: u64,
-        /// Where it comes from.
-        origin: &'static str,
+        /// Who says so.
+        origin: SizeOrigin,
+    },
+    /// The response is shorter than the lock file says.
+    #[error("{url}: the answer has {bytes} bytes, the lock file states {stated_bytes}")]
+    TooShort {
+        /// The requested URL.
+        url: String,
+        /// Its length.
+        bytes: u64,
+        /// What is pinned.
+        stated_bytes: u64,
     },
     /// The bytes do not have the requested digest.
     #[error("{url}: the bytes hash to {actual}, but {expected} was requested")]
@@ -86,11 +97,18 @@ pub(super) struct ProblemDocument {
     pub(super) errors: Vec<Fault>,
 }
 
+/// Whether a character prints nothing, or turns what stands around it: one that controls, marks the direction of a text, or
+/// breaks its lines.
+pub(super) fn is_hidden(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+}
+
 /// What a server says, as a terminal may show it: white space in place of line breaks and the like, U+FFFD in place of all
-/// other control characters, such as that with which sequences for the terminal begin.
+/// other characters that do not print, such as that with which sequences for the terminal begin.
 pub(super) fn printable(text: &str) -> String {
     let shown = |c: char| match c {
-        _ if !c.is_control() => c,
+        _ if !is_hidden(c) => c,
         _ if c.is_whitespace() => ' ',
         _ => char::REPLACEMENT_CHARACTER,
     };
@@ -147,9 +165,10 @@ mod tests {
 
     #[test]
     fn what_a_server_says_sends_nothing_to_the_terminal() {
-        let body = br#"{"detail":"a\u001b[2Jb\u009bc\r\nd","errors":[{"pointer":"/\u001b","detail":"\u0007e"}]}"#;
+        let body =
+            br#"{"detail":"a\u001b[2Jb\u009bc\r\nd\u202ee","errors":[{"pointer":"/\u001b","detail":"\u0007e"}]}"#;
         let error = ClientError::status("u", 422, body);
-        assert_eq!(error.to_string(), "u: a\u{fffd}[2Jb\u{fffd}c  d (422)");
+        assert_eq!(error.to_string(), "u: a\u{fffd}[2Jb\u{fffd}c  d\u{fffd}e (422)");
         let ClientError::Refused { faults, .. } = error else { panic!("{error}") };
         assert_eq!((faults[0].pointer.as_str(), faults[0].detail.as_str()), ("/\u{fffd}", "\u{fffd}e"));
         assert!(!ClientError::status("u", 503, body).to_string().contains('\x1b'));

@@ -1,6 +1,6 @@
 //! How much of an answer is read, and how long it may take: a server is not trusted to end.
 
-use std::time::Duration;
+use std::{fmt, time::Duration};
 
 /// Limits on the answers of a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +32,27 @@ impl Limits {
         pace_window: Duration::from_secs(60),
         pace_bytes_per_second: 1000,
     };
+}
+
+/// Who says how long an answer may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SizeOrigin {
+    /// The lock file, which states the size of the file.
+    LockFile,
+    /// The limit for tables of an unknown size.
+    Tables,
+    /// The limit for documents.
+    Documents,
+}
+
+impl fmt::Display for SizeOrigin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::LockFile => "the size that the lock file states",
+            Self::Tables => "the limit for tables; --table-limit sets another",
+            Self::Documents => "the client's limit for documents",
+        })
+    }
 }
 
 impl Default for Limits {

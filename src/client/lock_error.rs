@@ -35,12 +35,14 @@ pub enum LockFileError {
         /// The value they share.
         value: String,
     },
-    /// A path leads out of the lock file's folder.
-    #[error(
-        "the path «{}» is not allowed: paths are relative, stay below the lock file's folder and have no control characters",
-        .0.escape_debug()
-    )]
-    Path(String),
+    /// A path leads out of the lock file's folder, into what version control keeps, or is none on some system.
+    #[error("the path «{}» is not allowed: {reason}", .path.escape_debug())]
+    Path {
+        /// The path.
+        path: String,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// A path cannot be written in a file of text.
     #[error("the path «{0}» is not UTF-8 and cannot be written into a lock file")]
     NotText(String),

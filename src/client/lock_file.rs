@@ -111,7 +111,8 @@ impl LockFile {
         if let Some(name) = path.file_name()
             && let Some(pinned) = paths(&lock.pins).find(|pinned| plain(pinned) == Path::new(name))
         {
-            return Err(LockFileError::Path(pinned.display().to_string()));
+            let path = pinned.display().to_string();
+            return Err(LockFileError::Path { path, reason: "it is the lock file itself" });
         }
         Ok(lock)
     }

@@ -7,7 +7,7 @@ use std::{
 
 use serde::Deserialize;
 
-use super::{Source, lock_error::LockFileError};
+use super::{Source, error::is_hidden, lock_error::LockFileError};
 use crate::files::digest::Digest;
 
 /// One table that a project uses.
@@ -19,7 +19,7 @@ pub struct Pin {
     pub path: PathBuf,
     /// Its digest.
     pub digest: Digest,
-    /// Its size: a longer file is not taken. A pin of version 1 may lack it.
+    /// Its size: no other is taken. A pin of version 1 may lack it.
     pub bytes: Option<u64>,
     /// The recipe's document, of which it can be fitted again. A pin of version 1 lacks it.
     pub recipe: Option<String>,
@@ -114,7 +114,7 @@ fn is_plain(text: &str) -> bool {
 pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
     let mut names = BTreeSet::new();
     for pin in pins {
-        if pin.name.is_empty() || pin.name.contains(char::is_control) {
+        if pin.name.is_empty() || pin.name.contains(is_hidden) {
             return Err(LockFileError::Name(pin.name.clone()));
         }
         if !names.insert(&pin.name) {
@@ -147,13 +147,46 @@ pub(super) fn plain(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
-/// A lock file comes with a checkout, so it must not cause writes outside of it.
+/// A lock file comes with a checkout, so it must not cause writes outside of it, nor into what version control keeps there,
+/// and its paths mean the same on every system.
 fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
     let Some(text) = path.to_str() else { return Err(LockFileError::NotText(path.display().to_string())) };
+    let refused = |reason| Err(LockFileError::Path { path: text.to_owned(), reason });
+    if text.contains(is_hidden) {
+        return refused("it has characters that do not print");
+    }
     let stays = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     let is_named = is_folder && path.components().next().is_some() || path.file_name().is_some();
-    let prints = !text.contains(char::is_control);
-    if stays && is_named && prints { Ok(()) } else { Err(LockFileError::Path(text.to_owned())) }
+    if !stays || !is_named {
+        return refused("paths are relative, name a file, and stay below the lock file's folder");
+    }
+    for name in text.split('/') {
+        if name.contains(['\\', ':', '*', '?', '"', '<', '>', '|']) {
+            return refused("not every system allows \\ : * ? \" < > | in names; folders are divided by /");
+        }
+        // Windows leaves out dots and blanks at the end.
+        let bare = name.trim_end_matches(['.', ' ']);
+        if bare != name && !bare.is_empty() {
+            return refused("not every system allows names that end in a dot or a blank");
+        }
+        if ["git~1", ".git", ".hg", ".svn", ".bzr", ".jj"].iter().any(|kept| name.eq_ignore_ascii_case(kept)) {
+            return refused("version control keeps its own files there");
+        }
+        if is_device(name) {
+            return refused("Windows has a device of that name");
+        }
+    }
+    Ok(())
+}
+
+/// Whether Windows takes a name for a device, whatever follows its first dot.
+fn is_device(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default().trim_end_matches(' ').to_ascii_uppercase();
+    let numbered = stem.strip_prefix("COM").or(stem.strip_prefix("LPT"));
+    let is_digit = |rest: &str| {
+        matches!(rest, "\u{b9}" | "\u{b2}" | "\u{b3}") || rest.len() == 1 && rest.as_bytes()[0].is_ascii_digit()
+    };
+    ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"].contains(&stem.as_str()) || numbered.is_some_and(is_digit)
 }
 
 #[cfg(test)]
@@ -164,6 +197,44 @@ mod tests {
         let file = FilePin { path: path.into(), bytes: 1, digest: Digest::of(b"x") };
         let engine = engine.map(str::to_owned);
         ExportPin { engine, layout: None, container: None, precision: None, to: to.into(), file: vec![file] }
+    }
+
+    #[test]
+    fn paths_mean_the_same_everywhere_and_lead_into_no_repository() {
+        for (path, said) in [
+            (".git/config", "version control"),
+            ("a/.GIT/hooks/x", "version control"),
+            ("GIT~1/config", "version control"),
+            (".git./config", "dot or a blank"),
+            ("a /b", "dot or a blank"),
+            ("CON.safetensors", "device"),
+            ("a/nul", "device"),
+            ("com1.x.y", "device"),
+            ("lpt\u{b2}", "device"),
+            ("a\\b", "divided by /"),
+            ("c:x", "divided by /"),
+            ("a\u{202e}b", "do not print"),
+            ("a\u{2066}b", "do not print"),
+            ("a\u{feff}b", "do not print"),
+            ("../x", "stay below"),
+        ] {
+            let refused = check_path(Path::new(path), false).expect_err(path).to_string();
+            assert!(refused.contains(said) && !refused.contains(is_hidden), "{path:?}: {refused}");
+        }
+        for path in ["a/.gitignore", "console.bin", "com10", "git", "\u{e4}/\u{65e5} b.x"] {
+            check_path(Path::new(path), false).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let pin = |name: &str| Pin {
+            name: name.into(),
+            path: "a".into(),
+            digest: Digest::of(b""),
+            bytes: None,
+            recipe: None,
+            sources: vec![],
+            exports: vec![],
+        };
+        assert!(matches!(check_pins(&[pin("a\u{202e}")]), Err(LockFileError::Name(_))));
+        check_pins(&[pin("a b")]).expect("a name");
     }
 
     #[test]

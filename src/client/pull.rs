@@ -10,10 +10,7 @@ use super::{
     pin::{ExportPin, FilePin, Pin},
     source::{Access, Exported, Source, SourcesError, Wanted, from_first},
 };
-use crate::files::{
-    digest::Digest,
-    replace::{folder_of, replace_file_with},
-};
+use crate::files::{digest::Digest, replace::folder_of, staged::Staged};
 
 /// The state of a pinned file on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,6 +40,16 @@ pub enum PullError {
         /// The system's error.
         source: io::Error,
     },
+    /// It has the pinned digest, and the lock file states another size.
+    #[error("{}: a file of the pinned digest has {bytes} bytes, the lock file states {stated_bytes}", .path.display())]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Its length.
+        bytes: u64,
+        /// What is pinned.
+        stated_bytes: u64,
+    },
     /// Its folder is a link that leads out of the lock file's folder.
     #[error("{}: the folder is a link that leads out of the lock file's folder", .path.display())]
     LeadsOut {
@@ -51,26 +58,40 @@ pub enum PullError {
     },
 }
 
-/// The state of the file at `path` below `folder`, which should have this digest. Writes nothing, and keeps no more than a
-/// part of the file in memory.
+/// The state of the file at `path` below `folder`, which should have this digest, and this size where one is stated. Writes
+/// nothing, and keeps no more than a part of the file in memory.
 ///
 /// # Errors
-/// When something is there that cannot be read or is no regular file.
-pub fn check(path: &Path, digest: Digest, folder: &Path) -> Result<PinState, PullError> {
+/// When something is there that cannot be read or is no regular file, or whose digest and stated size do not go together.
+pub fn check(path: &Path, digest: Digest, stated_bytes: Option<u64>, folder: &Path) -> Result<PinState, PullError> {
     let path = folder.join(path);
     match digest_of_file(&path) {
-        Ok(actual) => Ok(if actual == digest { PinState::Right } else { PinState::Different { actual } }),
+        Ok((actual, bytes)) if actual == digest => check_size(path, bytes, stated_bytes).map(|()| PinState::Right),
+        Ok((actual, _)) => Ok(PinState::Different { actual }),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(PinState::Missing),
         Err(source) => Err(PullError::File { path, source }),
     }
 }
 
-fn digest_of_file(path: &Path) -> io::Result<Digest> {
+/// Whether a file of the pinned digest has the size that is stated.
+///
+/// # Errors
+/// When it has not: one of the two is wrong in the lock file.
+pub fn check_size(path: PathBuf, bytes: u64, stated_bytes: Option<u64>) -> Result<(), PullError> {
+    match stated_bytes {
+        Some(stated_bytes) if stated_bytes != bytes => Err(PullError::Size { path, bytes, stated_bytes }),
+        _ => Ok(()),
+    }
+}
+
+/// With how many bytes that are.
+fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
     // Others, such as pipes and devices, may have no end; opening a pipe may even wait.
-    if !path.metadata()?.is_file() {
+    let metadata = path.metadata()?;
+    if !metadata.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is no regular file"));
     }
-    Digest::of_stream(File::open(path)?)
+    Ok((Digest::of_stream(File::open(path)?)?, metadata.len()))
 }
 
 /// Where the file at `path` below `folder` is written. A checkout may hold links, and none may lead a write out of it.
@@ -92,40 +113,52 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
     }
 }
 
-/// Brings the table of `pin` to its path below `folder` from the first of `sources` that has it, unless it is there.
+/// Stages the table of `pin` for its path below `folder` from the first of `sources` that has it, unless it is there.
 /// Returns the state before.
 ///
 /// # Errors
-/// When no source has the pinned bytes or they cannot be written; the old file then stays, and nothing else is left.
-pub fn pull(pin: &Pin, folder: &Path, sources: &[Source], access: &Access<'_>) -> Result<PinState, PullError> {
-    let before = check(&pin.path, pin.digest, folder)?;
+/// When no source has the pinned bytes or they cannot be written; nothing is staged then.
+pub fn pull(
+    pin: &Pin,
+    (folder, sources): (&Path, &[Source]),
+    access: &Access<'_>,
+    staged: &mut Staged,
+) -> Result<PinState, PullError> {
+    let before = check(&pin.path, pin.digest, pin.bytes, folder)?;
     if before != PinState::Right {
         let wanted = Wanted { digest: pin.digest, stated_bytes: pin.bytes, of: None };
-        bring(&wanted, target(&pin.path, folder)?, sources, access)?;
+        bring(&wanted, target(&pin.path, folder)?, sources, access, staged)?;
     }
     Ok(before)
 }
 
-/// Replaces the file at `path` by what is wanted, once it has come whole and right.
-fn bring(wanted: &Wanted<'_>, path: PathBuf, sources: &[Source], access: &Access<'_>) -> Result<(), PullError> {
-    let replaced = from_first(sources, wanted, access, &mut |write| replace_file_with(&path, |file| write(file)));
-    replaced.map_err(|error| match error {
+/// Stages what is wanted for `path`, once it has come whole and right.
+fn bring(
+    wanted: &Wanted<'_>,
+    path: PathBuf,
+    sources: &[Source],
+    access: &Access<'_>,
+    staged: &mut Staged,
+) -> Result<(), PullError> {
+    let brought = from_first(sources, wanted, access, &mut |write| staged.write(&path, |file| write(file)));
+    brought.map_err(|error| match error {
         SourcesError::Write(source) => PullError::File { path, source },
         error => PullError::Sources(error),
     })
 }
 
-/// Brings `files` of an export of `table` to their paths below `folder`, each from the first of `sources` that is a service
+/// Stages `files` of an export of `table` for their paths below `folder`, each from the first of `sources` that is a service
 /// and has it.
 ///
 /// # Errors
-/// When no service has the pinned bytes of a file, or they cannot be written; files before it have come by then.
+/// When no service has the pinned bytes of a file, or they cannot be written; files before it are staged by then.
 pub fn pull_export(
     table: Digest,
     pin: &ExportPin,
     files: &[&FilePin],
     (folder, sources): (&Path, &[Source]),
     access: &Access<'_>,
+    staged: &mut Staged,
 ) -> Result<(), PullError> {
     let servers: Vec<Source> = sources.iter().filter(|source| matches!(source, Source::Server(_))).cloned().collect();
     let nobody = || SourcesError::NoneHasIt(vec![]);
@@ -134,7 +167,7 @@ pub fn pull_export(
         let path = pin.path_of(file).ok_or_else(nobody)?;
         let of = Exported { table, export: &export, path: &path };
         let wanted = Wanted { digest: file.digest, stated_bytes: Some(file.bytes), of: Some(of) };
-        bring(&wanted, target(&file.path, folder)?, &servers, access)?;
+        bring(&wanted, target(&file.path, folder)?, &servers, access, staged)?;
     }
     Ok(())
 }
@@ -164,13 +197,17 @@ mod tests {
     fn the_state_of_a_pin_is_that_of_its_bytes() {
         let folder = tempfile::tempdir().expect("a folder");
         let digest = Digest::of(b"right");
-        let state = || check(Path::new("sub/a"), digest, folder.path()).expect("a readable file");
+        let state = || check(Path::new("sub/a"), digest, Some(5), folder.path()).expect("a readable file");
         assert_eq!(state(), PinState::Missing);
         replace_file(&folder.path().join("sub/a"), b"wrong").expect("a file");
         assert_eq!(state(), PinState::Different { actual: Digest::of(b"wrong") });
         replace_file(&folder.path().join("sub/a"), b"right").expect("a file");
         assert_eq!(state(), PinState::Right);
-        assert!(check(Path::new("/dev/zero"), digest, folder.path()).is_err());
+        for stated in [4, 6] {
+            let refused = check(Path::new("sub/a"), digest, Some(stated), folder.path()).expect_err("another size");
+            assert!(matches!(refused, PullError::Size { bytes: 5, stated_bytes, .. } if stated_bytes == stated));
+        }
+        assert!(check(Path::new("/dev/zero"), digest, None, folder.path()).is_err());
     }
 
     #[test]
@@ -181,8 +218,9 @@ mod tests {
         let modified = || fs::metadata(&path).and_then(|data| data.modified()).expect("a time");
         let before = modified();
         // There is no source, so a request would fail.
-        assert_eq!(pull(&right("a"), folder.path(), &[], &OFFLINE).expect("nothing to do"), PinState::Right);
-        assert_eq!(modified(), before);
+        let mut staged = Staged::default();
+        let pulled = pull(&right("a"), (folder.path(), &[]), &OFFLINE, &mut staged).expect("nothing to do");
+        assert_eq!((pulled, staged.is_empty(), modified()), (PinState::Right, true, before));
     }
 
     #[test]
@@ -197,13 +235,18 @@ mod tests {
         symlink(&outside, project.join("out")).expect("a link");
         symlink("inside", project.join("in")).expect("a link");
         let sources = [Source::Folder(tables)];
+        let mut staged = Staged::default();
         for path in ["out/a", "out/new/a"] {
-            let refused = pull(&right(path), &project, &sources, &OFFLINE).expect_err(path);
+            let refused = pull(&right(path), (&project, &sources), &OFFLINE, &mut staged).expect_err(path);
             assert!(matches!(refused, PullError::LeadsOut { .. }), "{refused}");
         }
         assert_eq!(fs::read_dir(&outside).expect("the folder").count(), 0);
         for path in ["in/new/a", "a"] {
-            assert_eq!(pull(&right(path), &project, &sources, &OFFLINE).expect(path), PinState::Missing);
+            let pulled = pull(&right(path), (&project, &sources), &OFFLINE, &mut staged).expect(path);
+            assert!(pulled == PinState::Missing && !project.join(path).exists());
+        }
+        staged.place().expect("both placed");
+        for path in ["in/new/a", "a"] {
             assert_eq!(fs::read(project.join(path)).expect("the table"), b"right");
         }
     }

@@ -14,6 +14,7 @@ use serde::Deserialize;
 use super::{
     Client, ClientError, DownloadError, Limits,
     download::{HashingWriter, size_limit},
+    error::is_hidden,
 };
 use crate::files::digest::Digest;
 
@@ -35,7 +36,7 @@ impl FromStr for Source {
         if text.contains("://") {
             return Self::server(text);
         }
-        if text.is_empty() || text.contains(char::is_control) {
+        if text.is_empty() || text.contains(is_hidden) {
             return Err(ClientError::BadSource { source_name: text.escape_debug().to_string() });
         }
         Ok(Self::Folder(text.into()))
@@ -52,7 +53,7 @@ impl TryFrom<OsString> for Source {
             Err(name) => name,
         };
         let text = name.to_string_lossy();
-        if text.contains("://") || text.contains(char::is_control) {
+        if text.contains("://") || text.contains(is_hidden) {
             return Err(ClientError::BadSource { source_name: text.escape_debug().to_string() });
         }
         Ok(Self::Folder(name.into()))
@@ -186,7 +187,7 @@ fn copy_file(
             return Err(DownloadError::Stopped);
         }
         match file.read(&mut chunk) {
-            Ok(0) => break,
+            Ok(0) => break size.check(&place(), total)?,
             Ok(read) => {
                 total += read as u64;
                 if total > size.bytes {
@@ -282,7 +283,7 @@ mod tests {
     fn a_url_is_a_server_and_anything_else_a_folder() {
         assert_eq!("https://h/ltc".parse::<Source>().expect("a URL"), Source::Server("https://h/ltc".into()));
         assert_eq!("../cache".parse::<Source>().expect("a folder"), Source::Folder("../cache".into()));
-        for wrong in ["", "ftp://h", "http://", "a\0b", "a\nb"] {
+        for wrong in ["", "ftp://h", "http://", "a\0b", "a\nb", "a\u{202e}b"] {
             assert!(wrong.parse::<Source>().is_err(), "{wrong:?}");
         }
         let below = Source::Folder("cache".into()).below(Path::new("project"));
@@ -303,6 +304,9 @@ mod tests {
         let refused = fetch(&sources[..2], digest, None, &access()).expect_err("none of two");
         let SourcesError::NoneHasIt(said) = refused else { panic!("{refused}") };
         assert!(matches!(said[..], [ClientError::Unreadable { .. }, ClientError::Mismatch { .. }]), "{said:?}");
+        assert_eq!(fetch(&sources, digest, Some(5), &access()).expect("the third"), b"right");
+        let long = fetch(&sources[2..], digest, Some(6), &access()).expect_err("too short");
+        assert!(long.to_string().contains("has 5 bytes, the lock file states 6"), "{long}");
         let short = fetch(&sources[2..], digest, Some(4), &access()).expect_err("too long");
         assert!(short.to_string().contains("longer than 4 bytes, the size that the lock file states"), "{short}");
     }

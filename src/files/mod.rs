@@ -9,5 +9,7 @@ pub mod job;
 pub mod manifest;
 pub mod recipe_document;
 pub mod replace;
+#[cfg(feature = "client")]
+pub mod staged;
 #[cfg(feature = "textures")]
 pub mod textures;

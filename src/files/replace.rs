@@ -11,7 +11,7 @@ use std::{
 /// Temporary files of other runs that are skipped before the search for a free name ends.
 const MOST_NAMES: usize = 1000;
 
-/// One of two files was not written.
+/// One of several files that belong together was not written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {source}", .path.display())]
 pub struct PairError {
@@ -110,7 +110,7 @@ pub fn folder_of(path: &Path) -> &Path {
 }
 
 /// A new file in `folder`, under a name of no other run, thread or file.
-fn temporary_file(folder: &Path) -> io::Result<(File, PathBuf)> {
+pub(super) fn temporary_file(folder: &Path) -> io::Result<(File, PathBuf)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     for _ in 0..MOST_NAMES {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);

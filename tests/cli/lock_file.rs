@@ -157,6 +157,8 @@ fn a_lock_file_that_is_wrong_is_refused_before_anything_is_written() {
         (lock.replace(table, "path = \"ltcforge.lock\""), 2, "«ltcforge.lock»"),
         (lock.replace("assets/ltc/ltc_terms", "../ltc_terms"), 2, "«../ltc_terms.ktx2»"),
         (lock.replace("to = \"assets/ltc\"", "to = \"../ltc\""), 2, "«../ltc»"),
+        (lock.replace(table, "path = \".git/config\""), 2, "«.git/config» is not allowed: version control"),
+        (lock.replace(table, "path = \"a\\u202Eb\""), 2, "«a\\u{202e}b»"),
         (lock.replace("name = \"metal\"", "name = \"a\\u001b[2J\""), 2, "the name «a\\u{1b}[2J»"),
         (lock.replace("recipe_digest = \"sha256:", "recipe_digest = \"sha256:zz"), 2, "is not a digest"),
         (lock.replace("\"seed\":", "\"seed\":9"), 3, "the recipe hashes to"),
@@ -188,14 +190,15 @@ fn what_cannot_be_pinned_changes_no_file() {
     fs::write(folder.path().join("bytes"), "no table").expect("a file");
     let before = files_of(folder.path());
     let lock = |words: &[&str]| run(&project, ["lock"].iter().chain(words));
-    let cases: [(&[&str], i32, &str); 9] = [
+    let cases: [(&[&str], i32, &str); 10] = [
         (&["other"], 2, "no table of that name is pinned"),
         (&["other", "sha256:12"], 1, "no 12*.safetensors"),
         (&["other", "../table.npy"], 3, "table.npy"),
         (&["other", "../bytes"], 3, "bytes"),
         (&["other", "../none"], 1, "../none"),
         (&["other", "--recipe", "draft", "--to", "../x"], 2, "«../x»"),
-        (&["other", "--recipe", "draft", "--to", "assets/metal.safetensors"], 2, "two files have the path"),
+        (&["other", "--recipe", "draft", "--to", "assets/metal.safetensors"], 2, "choose another --out or --to"),
+        (&["metal", "--layout", "reflected", "--container", "ktx2", "--out", "assets/ltc"], 2, "choose another --out"),
         (&["other", "--recipe", "./none.json"], 1, "none.json"),
         (&["metal", "--layout", "kt2022", "--container", "dds", "--out", "x"], 2, "\"layout\": \"kt2022\""),
     ];

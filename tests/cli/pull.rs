@@ -130,7 +130,9 @@ fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
     let table = project.join("assets/metal.safetensors");
     let right = fs::read(&table).expect("the table");
     let hex = Digest::of(&right).hex();
-    for (name, bytes) in [("wrong", &b"other bytes"[..]), ("right", &right)] {
+    let mut other = right.clone();
+    other[100] ^= 1;
+    for (name, bytes) in [("wrong", &other), ("right", &right)] {
         fs::create_dir(folder.path().join(name)).expect("a folder");
         fs::write(folder.path().join(name).join(format!("{hex}.safetensors")), bytes).expect("a file");
     }
@@ -143,7 +145,7 @@ fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
     assert!(none.stderr.contains(&format!("../none/{hex}.safetensors")), "{none:#?}");
     from(&[NOBODY, "../none"], 4);
     let wrong = from(&["../wrong", NOBODY], 3);
-    assert!(wrong.stderr.contains(&Digest::of(b"other bytes").to_string()), "{wrong:#?}");
+    assert!(wrong.stderr.contains(&Digest::of(&other).to_string()), "{wrong:#?}");
     let offline = run(&project, ["pull", "--from", NOBODY, "--offline"]).exited(4);
     assert!(offline.stderr.contains("--offline asks no server"), "{offline:#?}");
     assert!(!table.exists());
@@ -202,10 +204,83 @@ fn an_endless_table_is_cut_at_the_size_that_the_lock_file_states() {
     let pin = format!("version = 1\n[[table]]\nname = \"metal\"\ndigest = \"{}\"\npath = \"t\"\n", Digest::of(b""));
     let lock = folder.path().join("ltcforge.lock");
     fs::write(&lock, format!("{pin}bytes = 1000000\n")).expect("a lock file");
-    let refused = pull(folder.path(), &url, &[]).exited(1);
+    let refused = pull(folder.path(), &url, &[]).exited(3);
     assert!(refused.stderr.contains("longer than 1000000 bytes, the size that the lock file states"), "{refused:#?}");
     fs::write(&lock, pin).expect("a lock file");
     let refused = pull(folder.path(), &url, &["--table-limit", "2000000"]).exited(1);
     assert!(refused.stderr.contains("longer than 2000000 bytes, the limit for tables"), "{refused:#?}");
     assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "nothing is left");
+}
+
+#[test]
+fn a_size_that_is_not_the_pinned_one_is_refused_on_every_way() {
+    let (folder, project) = project();
+    let (table, texture) = ("assets/metal.safetensors", "assets/ltc/ltc_terms.ktx2");
+    let hex = pinned(&project).replace("sha256:", "");
+    fs::create_dir(folder.path().join("tables")).expect("a folder");
+    let copy = folder.path().join(format!("tables/{hex}.safetensors"));
+    fs::copy(project.join(table), copy).expect("a copy");
+    let server = Server::start(&folder.path().join("data"), &[]);
+    server.fit(SMALL);
+    let lock = read(&project.join("ltcforge.lock"));
+    let from_server = ["pull", "--from", &server.url];
+    for (file, is_there, ways) in [
+        (table, true, &[&["pull", "--offline"][..], &["pull", "--locked"]][..]),
+        (table, false, &[&["pull", "--offline", "--from", "../tables"], &["pull", "--offline", "--fit"], &from_server]),
+        (texture, true, &[&["pull", "--offline"], &["pull", "--locked"]]),
+        (texture, false, &[&["pull", "--offline"], &from_server]),
+    ] {
+        let right = fs::read(project.join(file)).expect("a file");
+        if !is_there {
+            fs::remove_file(project.join(file)).expect("a file");
+        }
+        for bytes in [right.len() - 1, right.len() + 1, right.len() + 1000] {
+            // The size stands before the digest of a texture, and behind that of a table.
+            let digest = Digest::of(&right);
+            let wrong = lock
+                .replace(
+                    &format!("digest = \"{digest}\"\nbytes = {}\n", right.len()),
+                    &format!("digest = \"{digest}\"\nbytes = {bytes}\n"),
+                )
+                .replace(
+                    &format!("bytes = {}, digest = \"{digest}\"", right.len()),
+                    &format!("bytes = {bytes}, digest = \"{digest}\""),
+                );
+            assert_ne!(wrong, lock);
+            fs::write(project.join("ltcforge.lock"), wrong).expect("a lock file");
+            let before = files_of(&project);
+            for words in ways {
+                let refused = run(&project, *words).exited(3);
+                assert!(refused.stderr.contains(&format!("{bytes}")), "{words:?}: {refused:#?}");
+                assert_eq!(files_of(&project), before, "{words:?}");
+            }
+        }
+        fs::write(project.join("ltcforge.lock"), &lock).expect("a lock file");
+        fs::write(project.join(file), right).expect("a file");
+    }
+    run(&project, ["pull", "--locked"]).exited(0);
+}
+
+#[test]
+fn a_wrong_pin_leaves_the_files_of_those_before_it_as_they_were() {
+    let (_folder, project) = project();
+    fs::write(project.join("other.json"), SMALL.replace("\"alpha\":2", "\"alpha\":3")).expect("a recipe");
+    run(&project, ["lock", "third", "--recipe", "../small.json", "--to", "assets/third"]).exited(0);
+    run(&project, ["lock", "other", "--recipe", "other.json", "--to", "other/table"]).exited(0);
+    let right = read(&project.join("ltcforge.lock"));
+    let digest = Digest::of(&fs::read(project.join("other/table")).expect("the table"));
+    fs::remove_dir_all(project.join("assets")).expect("a folder");
+    fs::remove_dir_all(project.join("other")).expect("a folder");
+    // The recipe of the last does not arrive at what is pinned.
+    let wrong = right.replace(&digest.to_string(), &Digest::of(b"other").to_string());
+    fs::write(project.join("ltcforge.lock"), wrong).expect("a lock file");
+    let before = files_of(&project);
+    let refused = run(&project, ["pull", "--offline", "--fit"]).exited(3);
+    assert!(refused.stderr.contains("other: ") && refused.stdout.is_empty(), "{refused:#?}");
+    assert_eq!(files_of(&project), before);
+    assert!(!project.join("assets").exists(), "no folder is left either");
+    fs::write(project.join("ltcforge.lock"), right).expect("a lock file");
+    let told = run(&project, ["pull", "--offline", "--fit"]).exited(0);
+    assert!(told.stdout.contains("metal fitted: ") && told.stdout.contains("other fitted: "), "{told:#?}");
+    run(&project, ["pull", "--locked"]).exited(0);
 }

@@ -108,6 +108,58 @@ fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
     }
 }
 
+/// The light of a table, that of another table, and that without a table, for one shader.
+fn together(folder: &Path, language: &str) -> String {
+    let second: &[&str] = match language {
+        // Loose uniforms have no numbers.
+        "glsl-330" | "glsl-es" => &["--layout", "ltc2017", "--prefix", "iso"],
+        _ => &["--layout", "ltc2017", "--prefix", "iso", "--first-binding", "6"],
+    };
+    let lights = [&["--layout", "reflected"], second, &["--model", "normals"]];
+    lights.map(|light| run(folder, ["shader", "--language", language].iter().chain(light)).exited(0).stdout).concat()
+}
+
+#[test]
+fn several_lights_compile_in_one_shader() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let hlsl: &[&str] = &["-D", "-V", "-S", "frag", "-e", "main", "-o", "out.spv"];
+    for (language, version, args) in [
+        ("glsl", "#version 450 core", &["-V", "-o", "out.spv"][..]),
+        ("glsl-330", "#version 330 core", &[]),
+        ("glsl-es", "#version 300 es\nprecision highp float;\nprecision highp int;", &[]),
+        ("hlsl", "", hlsl),
+    ] {
+        let functions = together(folder.path(), language);
+        let (table, normals) =
+            if language == "hlsl" { (TABLE_CALL_HLSL, NORMALS_CALL_HLSL) } else { (TABLE_CALL, NORMALS_CALL) };
+        let iso = table.replace("ltc_", "iso_").replace("Ltc", "Iso");
+        let calls = [table, &iso, normals];
+        let whole = if language == "hlsl" {
+            let of = |(n, call)| format!("float4 light{n}(float2 place) {{{call}}}\n");
+            let lights: String = calls.iter().enumerate().map(of).collect();
+            let sum = "return light0(place) + light1(place) + light2(place);";
+            format!("{functions}\n{lights}float4 main(float2 place : TEXCOORD0) : SV_Target {{{sum}}}\n")
+        } else {
+            let end = if language == "glsl" { "layout(location = 0) " } else { "" };
+            let calls: String = calls.iter().map(|call| format!("{{{call}}}\n")).collect();
+            format!("{version}\n{functions}\n{end}in vec2 place;\n{end}out vec4 colour;\nvoid main() {{{calls}}}\n")
+        };
+        let file = if language == "hlsl" { "whole.hlsl" } else { "whole.frag" };
+        fs::write(folder.path().join(file), whole).expect("a file");
+        let args: Vec<&str> = args.iter().copied().chain([file]).collect();
+        let Some(output) = checked("glslang-tools", "glslangValidator", &args, folder.path()) else { return };
+        assert_sound(&output);
+    }
+    for refused in [
+        &["--language", "glsl", "--layout", "reflected", "--prefix", "GL"][..],
+        &["--language", "glsl", "--layout", "reflected", "--prefix", "a", "--as", "example"],
+        &["--language", "glsl-es", "--layout", "reflected", "--first-binding", "3"],
+        &["--language", "glsl", "--model", "normals", "--first-binding", "3"],
+    ] {
+        run(folder.path(), ["shader"].iter().chain(refused)).exited(2);
+    }
+}
+
 #[test]
 fn what_is_included_compiles_within_a_fragment_shader() {
     let folder = tempfile::tempdir().expect("a folder");

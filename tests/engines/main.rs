@@ -33,23 +33,30 @@ fn starts(program: &str) -> bool {
     command.status().is_ok_and(|status| status.success())
 }
 
-/// What a script of this folder prints as JSON; nothing where it cannot run.
+/// What a script of this folder that needs a browser prints as JSON; nothing where it cannot run.
 fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     let chromium = env::var("CHROMIUM").unwrap_or_else(|_| "chromium-headless-shell".to_owned());
-    for (program, package) in [("node", "nodejs"), (chromium.as_str(), "chromium-headless-shell")] {
-        if !starts(program) {
-            tell_skipped(&format!("there is no {program} (Debian: {package})"));
-            return None;
-        }
+    if !starts(&chromium) {
+        tell_skipped(&format!("there is no {chromium} (Debian: chromium-headless-shell)"));
+        return None;
+    }
+    // playwright-core asks for a path.
+    let words = ["--ltcforge", env!("CARGO_BIN_EXE_ltcforge"), "--chromium", &which(&chromium)];
+    node(file, &[&words, args].concat())
+}
+
+/// What a script prints as JSON that needs no browser; nothing where it cannot run.
+fn node<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
+    if !starts("node") {
+        tell_skipped("there is no node (Debian: nodejs)");
+        return None;
     }
     if !here().join("node_modules/.package-lock.json").exists() {
         tell_skipped("the packages are not installed (npm ci in tests/engines)");
         return None;
     }
     let mut command = Command::new("node");
-    command.current_dir(here()).arg(file).args(["--ltcforge", env!("CARGO_BIN_EXE_ltcforge")]);
-    // playwright-core asks for a path.
-    command.args(["--chromium", &which(&chromium)]).args(args).stdin(Stdio::null());
+    command.current_dir(here()).arg(file).args(args).stdin(Stdio::null());
     let output = command.output().expect("node runs");
     let complaints = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{file}: {complaints}");
@@ -174,6 +181,63 @@ fn engines_draw_what_their_tables_say() {
         assert!(ours[0] < stock[0], "{engine}: {ours:?}, {stock:?}");
         let all = |set| report.mean(engine, set, |_| true);
         assert!(all("ours") < all("stock"), "{engine}: {ours:?}, {stock:?}");
+    }
+}
+
+/// What `ktx.js` prints of a file.
+#[derive(Deserialize)]
+struct Ktx {
+    format: u32,
+    #[serde(rename = "typeSize")]
+    type_size: u32,
+    sides: [u32; 3],
+    layers: u32,
+    faces: u32,
+    levels: usize,
+    scheme: u32,
+    stored: usize,
+    length: usize,
+    keys: Vec<String>,
+    bits: Vec<u32>,
+}
+
+#[test]
+fn ktx_parse_reads_our_textures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fit = r#""fit": {"samples": 64, "directions": 4, "steps": 5}"#;
+    let recipe = format!(r#"{{"resolution": {{"alpha": 4, "ratio": 2, "theta": 3, "phi": 5}}, {fit}}}"#);
+    fs::write(folder.path().join("recipe.json"), recipe).expect("a recipe");
+    let fitted = run(folder.path(), ["fit", "recipe.json", "-o", "."]).exited(0);
+    let digest = fitted.last_line();
+    // A texel has four numbers; an array has the layers of three textures.
+    let (texels, array) = (5 * 6 * 4, 3 * 5 * 6 * 4);
+    let (single, half) = ((109, 4, vec![32; 4]), (97, 2, vec![16; 4]));
+    let cases = [
+        ("reflected", "ktx2", "float", "ltc_terms", &single, [5, 6, 4], 0, 0, 16 * texels),
+        ("reflected", "ktx2", "half", "ltc_matrix_a", &half, [5, 6, 4], 0, 0, 8 * texels),
+        ("reflected", "ktx2-zstd", "float", "ltc_matrix_b", &single, [5, 6, 4], 0, 2, 16 * texels),
+        ("reflected-array", "ktx2-zstd", "half", "ltc", &half, [5, 6, 0], 12, 2, 8 * array),
+    ];
+    let file = |i: usize, name: &str| folder.path().join(i.to_string()).join(format!("{name}.ktx2"));
+    let mut paths = Vec::new();
+    for (i, (layout, container, precision, name, ..)) in cases.iter().enumerate() {
+        let to = i.to_string();
+        let words =
+            ["export", digest, "--layout", layout, "--container", container, "--precision", precision, "-o", &to];
+        run(folder.path(), words).exited(0);
+        paths.push(file(i, name).to_string_lossy().into_owned());
+    }
+    let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+    let Some(read) = node::<Vec<Ktx>>("ktx.js", &paths) else { return };
+    assert_eq!(read.len(), cases.len());
+    for ((.., name, (format, type_size, bits), sides, layers, scheme, length), file) in cases.iter().zip(read) {
+        assert_eq!((file.format, file.type_size, &file.bits), (*format, *type_size, bits), "{name}");
+        assert_eq!((file.sides, file.layers, file.faces, file.levels), (*sides, *layers, 1, 1), "{name}");
+        assert_eq!((file.scheme, file.length), (*scheme, *length), "{name}");
+        assert!(file.stored == *length || *scheme == 2, "{name}");
+        for key in ["KTXwriter", "ltcforge", "ltcforge.channels"] {
+            assert!(file.keys.iter().any(|found| found == key), "{name}: {:?}", file.keys);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
-//! Tables as such: how near they are to the best fit, at the extremes, and those of the example recipes.
+//! Tables as such: how near they are to the best fit, at the extremes, those of the example recipes, and the README's.
 
 mod accuracy;
 mod examples;
 mod extremes;
+mod readme;

@@ -18,6 +18,7 @@ use crate::{
     view::{
         plots::{Azimuth, Ratio},
         preview::{Choices, Form, PARAMETERS, Parameter, Value},
+        shaders::Prefix,
     },
 };
 
@@ -154,11 +155,17 @@ pub struct ShaderArgs {
     /// Let the sampler interpolate a table's entries, in a text to include: fewer fetches, less exact
     #[arg(long)]
     pub hardware_filter: bool,
+    /// What all names begin with, in place of ltc or normals, in a text to include: two tables in one shader
+    #[arg(long, value_name = "NAME")]
+    pub prefix: Option<Prefix>,
+    /// Number of the first binding, in a text to include that reads a table and binds it by number [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=1000))]
+    pub first_binding: Option<u16>,
     /// Layout of the tables that the shader reads, for model ltc; a table's recipe names it
     #[arg(long, value_parser = layout())]
     pub layout: Option<Layout>,
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter"])]
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "first_binding"])]
     pub without_textures: Option<PathBuf>,
     /// Where its digest is looked for
     #[command(flatten)]

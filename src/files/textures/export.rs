@@ -6,7 +6,7 @@ use super::{
     About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFileError,
     TextureLayout, sampling_of,
 };
-use crate::fit::{Layout, Precision, Table};
+use crate::fit::{Precision, Table};
 
 /// What files that hold all textures are called.
 const STEM: &str = "ltc";
@@ -141,8 +141,7 @@ impl Export {
 fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTextures> {
     let layout = match (engine.layout(), table.layout) {
         (Some(name), _) => TextureLayout::named(name)?,
-        (None, Layout::Kt2022) => TextureLayout::Kt2022,
-        (None, _) => TextureLayout::Reflected,
+        (None, layout) => TextureLayout::of_shader(layout),
     };
     layout.check(table).map(|()| layout)
 }
@@ -183,7 +182,7 @@ mod tests {
     use super::*;
     use crate::{
         files::recipe_document,
-        fit::{Plan, fit_plan},
+        fit::{Layout, Plan, fit_plan},
     };
 
     fn table(document: &str) -> Table {
@@ -223,7 +222,7 @@ mod tests {
         for (name, table, recipe) in [
             ("three", &own, r#"{"layout": "ltc2017"}"#),
             ("kt2022.dds.f32", &own, r#"{"layout": "kt2022"}"#),
-            ("wgpu", &small, r#"{"layout": "reflected"}"#),
+            ("ltc2016-3d.ktx2.f32", &small, r#"{"layout": "ltc2016"}"#),
             ("three", &small, r#"{"layout": "ltc2017"}"#),
             ("compact-rust", &theirs, r#"{"layout": "reflected"}"#),
             ("compact", &godot, r#"{"layout": "ltc2017"}"#),
@@ -235,6 +234,57 @@ mod tests {
         for name in ["wgpu", "reflected.npz.f16", "compact-wgsl"] {
             let export: Export = name.parse().expect("an export");
             assert!(!export.bundle(&own, About::default()).expect(name).files.is_empty());
+        }
+        for table in [&small, &theirs, &godot] {
+            let wgpu: Export = "wgpu".parse().expect("an export");
+            assert_eq!(wgpu.bundle(table, About::default()).expect("every layout").files.len(), 5);
+        }
+    }
+
+    /// The texels of a KTX2 file with four channels of 32 bits, and its sides.
+    fn texels(bundle: &Bundle, path: &str) -> ([usize; 3], Vec<f32>) {
+        let file = bundle.files.iter().find(|file| file.path == path).expect(path);
+        let reader = ktx2::Reader::new(&file.bytes).expect("KTX2");
+        let header = reader.header();
+        assert_eq!(header.format, Some(ktx2::Format::R32G32B32A32_SFLOAT));
+        let sides = [header.pixel_width, header.pixel_height, header.pixel_depth].map(|side| side as usize);
+        let data = reader.levels().next().expect("a level").data;
+        (sides, data.as_chunks::<4>().0.iter().map(|x| f32::from_le_bytes(*x)).collect())
+    }
+
+    #[test]
+    fn our_shader_finds_every_number_of_a_table_of_every_layout() {
+        for &layout in Layout::ALL {
+            let sides = match layout.only_ranges() {
+                Some(_) => r#"{"alpha":3,"theta":2}"#,
+                None => r#"{"alpha":3,"ratio":2,"theta":2,"phi":3}"#,
+            };
+            let fit = r#""fit":{"samples":64,"directions":4,"steps":5}"#;
+            let table = table(&format!(r#"{{"layout":"{layout}","resolution":{sides},{fit}}}"#));
+            let bundle = Export::Engine(Engine::Wgpu).bundle(&table, About::default()).expect("textures");
+            let [a, b, terms] =
+                ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"].map(|name| texels(&bundle, &format!("{name}.ktx2")));
+            let counts = table.axes.lengths();
+            assert_eq!(a.0, [counts.phi, counts.ratio * counts.theta, counts.alpha], "{layout}");
+            assert!(a.0 == b.0 && a.0 == terms.0, "{layout}");
+            // As the shader does: texel (p, r * theta_nodes + t, a).
+            let at = |(sides, texels): &([usize; 3], Vec<f32>), [x, y, z]: [usize; 3]| -> [f32; 4] {
+                let start = 4 * ((z * sides[1] + y) * sides[0] + x);
+                texels[start..start + 4].try_into().expect("a texel")
+            };
+            let own = table.terms.as_ref().expect("terms");
+            let mut entry = 0;
+            for alpha in 0..counts.alpha {
+                for row in 0..counts.ratio * counts.theta {
+                    for phi in 0..counts.phi {
+                        let [a, b, terms] = [&a, &b, &terms].map(|texture| at(texture, [phi, row, alpha]));
+                        assert_eq!([&a[..], &b[..], &terms[..1]].concat(), table.matrix[entry], "{layout}, {entry}");
+                        assert_eq!(terms[1..3], [own.amplitude()[entry], own.fresnel()[entry]], "{layout}, {entry}");
+                        entry += 1;
+                    }
+                }
+            }
+            assert_eq!(entry, table.matrix.len(), "{layout}");
         }
     }
 }

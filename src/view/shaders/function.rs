@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use super::{
-    Language, PortError,
+    Language, Place, PortError,
     header::commented,
     include::TABLE_ENTRY,
     sources::without_textures,
     translate::{Included, translate_functions},
 };
-use crate::fit::IsotropicFunction;
+use crate::fit::{IsotropicFunction, Layout};
 
 /// What the text is, and how to call it.
 const ABOUT: &str = "\
@@ -34,7 +34,7 @@ TABLE
 ";
 
 /// The functions in `language`, with the coefficients of `function`, under a comment that ends with the lines `about` the
-/// table.
+/// table. `place` keeps the lights of several tables in one shader apart; nothing is bound.
 ///
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shaders or of naga.
@@ -42,13 +42,14 @@ pub fn include_function(
     language: Language,
     function: &IsotropicFunction,
     about: &[String],
+    place: &Place,
 ) -> Result<String, PortError> {
     let source = format!("{}{TABLE_ENTRY}", without_textures(&smooth_at(function)));
     let included = Included { source: &source, entry: "ltc_included", filter: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");
     let header = commented(&format!("{}  {lines}", ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"))));
-    Ok(format!("{header}\n{text}"))
+    Ok(place.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
 }
 
 /// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in multiples of

@@ -1,7 +1,7 @@
 //! The comment at the top of a translation.
 
 #[cfg(feature = "shaders")]
-use super::Filter;
+use super::{Filter, Place};
 use super::{
     Language,
     golden::{CASES, CORNERS, Case, Golden, table},
@@ -35,6 +35,7 @@ const USE: &str = "
 USE
   ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Isotropic surfaces have alpha_x =
   alpha_y. Diffuse light is the albedo times ltc_rectangle, ltc_polygon or ltc_disk with the unit matrix for inverse.
+  A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
 ";
 
 /// What a table consists of on the GPU, in every language.
@@ -102,14 +103,19 @@ fn bindings(language: Language) -> &'static str {
 
 /// Where a text to include binds them.
 #[cfg(feature = "shaders")]
-fn included_bindings(language: Language, filter: Filter) -> String {
-    let place = match language {
+fn included_bindings(language: Language, filter: Filter, place: &Place) -> String {
+    let bound = match language {
         Language::Wgsl => {
-            return bindings(language).lines().filter(|line| !line.contains("of the example")).collect::<Vec<_>>().join("\n");
+            return place.numbered(
+                "\
+  here      group 0: uniform {0}, nodes {1}, matrix_a {2}, matrix_b {3}, terms {4}, sampler {5}
+  The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
+  entries are weighed here and it may be any.",
+            );
         }
         Language::Glsl => {
             "\
-  here      uniform block 0, nodes: storage block 1, textures ltc_matrix_a 2, ltc_matrix_b 3, ltc_terms 4: in Vulkan
+  here      uniform block {0}, nodes: storage block {1}, textures ltc_matrix_a {2}, ltc_matrix_b {3}, ltc_terms {4}: in Vulkan
             bindings of set 0, the textures with samplers; in OpenGL 4.3 textures are units"
         }
         Language::Glsl330 | Language::GlslEs => {
@@ -120,7 +126,7 @@ fn included_bindings(language: Language, filter: Filter) -> String {
         Language::Hlsl => {
             "\
   matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b0, nodes t1, matrix_a t2, matrix_b t3, terms t4, sampler s5"
+  here      uniform b{0}, nodes t{1}, matrix_a t{2}, matrix_b t{3}, terms t{4}, sampler s{5}"
         }
         Language::Msl | Language::Spirv => {
             "\
@@ -132,7 +138,7 @@ fn included_bindings(language: Language, filter: Filter) -> String {
         Filter::Exact => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
         Filter::Hardware => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
     };
-    format!("{place}\n  {weighed}")
+    format!("{}\n  {weighed}", place.numbered(bound))
 }
 
 /// The table and what it is called, with its nodes in a buffer or a uniform.
@@ -156,10 +162,10 @@ pub(super) fn header(language: Language, layout: Layout) -> String {
 
 /// The comment of a text to include that reads tables of `layout`.
 #[cfg(feature = "shaders")]
-pub(super) fn table_include_header(language: Language, layout: Layout, filter: Filter) -> String {
+pub(super) fn table_include_header(language: Language, layout: Layout, filter: Filter, place: &Place) -> String {
     let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
     let table = bound_table(if is_loose { "uniform of f32, at most 1024" } else { NODES_IN_STORAGE });
-    let bindings = included_bindings(language, filter);
+    let bindings = included_bindings(language, filter, place);
     commented(&format!("{}{USE}\n{table}{bindings}\n\n{}", about(layout), check(layout)))
 }
 

@@ -1,7 +1,7 @@
 //! The shader as text to include: functions and what they bind, no program.
 
 use super::{
-    Filter, Language, LitBy, PortError,
+    Filter, Language, LitBy, Place, PortError,
     header::table_include_header,
     normals_header::normals_include_header,
     sources::functions,
@@ -36,19 +36,28 @@ fn ltc_included() -> @location(0) vec4<f32> {
 /// has to reproduce.
 ///
 /// `filter` says who interpolates a table's entries; model normals has none. In WGSL it is the constant
-/// `ltc_hardware_filter`, and the text is the same for both.
+/// `ltc_hardware_filter`, and the text is the same for both. `place` keeps several texts apart that are to stand in one
+/// shader; a table's and that of model normals need none.
 ///
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shaders or of naga.
-pub fn include(language: Language, lit_by: impl Into<LitBy>, filter: Filter) -> Result<String, PortError> {
+pub fn include(
+    language: Language,
+    lit_by: impl Into<LitBy>,
+    filter: Filter,
+    place: &Place,
+) -> Result<String, PortError> {
     let lit_by = lit_by.into();
     let has_storage = !matches!(language, Language::Glsl330 | Language::GlslEs);
     let (entry, filter, header) = match lit_by {
-        LitBy::Table(layout) => (TABLE_ENTRY, Some(filter), table_include_header(language, layout, filter)),
+        LitBy::Table(layout) => (TABLE_ENTRY, Some(filter), table_include_header(language, layout, filter, place)),
         LitBy::Normals => (NORMALS_ENTRY, None, normals_include_header()),
     };
     let source = format!("{}{entry}", functions(lit_by, has_storage));
     let included = Included { source: &source, entry: "ltc_included", filter };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
-    Ok(format!("{header}\n{text}"))
+    Ok(place.named(&format!("{header}\n{}", place.bound(&text, language)), language, lit_by))
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,6 +16,8 @@ mod include;
 mod language;
 mod lit_by;
 mod normals_header;
+#[cfg(feature = "shaders")]
+mod place;
 mod port;
 mod sources;
 #[cfg(all(test, feature = "shaders"))]
@@ -31,6 +33,8 @@ pub(in crate::view) use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table 
 pub use include::include;
 pub use language::Language;
 pub use lit_by::{Filter, LitBy};
+#[cfg(feature = "shaders")]
+pub use place::{BadPrefix, Place, Prefix};
 pub use port::wgsl;
 #[cfg(feature = "shaders")]
 pub use port::{PortError, port};

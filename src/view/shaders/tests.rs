@@ -209,7 +209,8 @@ fn includes() -> impl Iterator<Item = (Language, LitBy, Filter, String)> {
     languages.flat_map(move |language| {
         lit_by.into_iter().flat_map(move |lit_by| {
             [Filter::Exact, Filter::Hardware].into_iter().map(move |filter| {
-                let text = include(language, lit_by, filter).unwrap_or_else(|error| panic!("{lit_by:?}: {error}"));
+                let text = include(language, lit_by, filter, &Place::default())
+                    .unwrap_or_else(|error| panic!("{lit_by:?}: {error}"));
                 (language, lit_by, filter, text)
             })
         })
@@ -242,7 +243,8 @@ fn what_is_included_has_functions_and_no_program() {
 
 #[test]
 fn what_is_included_binds_what_its_comment_says() {
-    let included = |language, filter| code(&include(language, Layout::Reflected, filter).expect("a text"));
+    let included =
+        |language, filter| code(&include(language, Layout::Reflected, filter, &Place::default()).expect("a text"));
     let glsl = included(Language::Glsl, Filter::Exact);
     for line in [
         "layout(std140, binding = 0) uniform ",
@@ -267,7 +269,7 @@ fn what_is_included_binds_what_its_comment_says() {
         assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
     }
     assert!(!hlsl.contains("nagaSampler") && !included(Language::Hlsl, Filter::Exact).contains("ltc_sampler"));
-    let refused = include(Language::Spirv, Layout::Reflected, Filter::Exact).expect_err("no text");
+    let refused = include(Language::Spirv, Layout::Reflected, Filter::Exact, &Place::default()).expect_err("no text");
     assert!(refused.to_string().contains("include"), "{refused}");
     assert!(port(Language::Glsl330, LitBy::Normals).expect_err("no program").to_string().contains("compute"));
 }

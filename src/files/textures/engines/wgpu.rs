@@ -23,7 +23,7 @@ impl EngineRules for Rules {
 
     fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
         for name in ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"] {
-            source.named(name, || "a table of layout reflected or kt2022".to_owned())?;
+            source.named(name, || "the three 3D textures of our shader".to_owned())?;
         }
         let mut files = Vec::new();
         for texture in source.textures {

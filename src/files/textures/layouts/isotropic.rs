@@ -126,7 +126,7 @@ enum Number {
 
 /// One of the layouts.
 pub(super) struct Rules {
-    sampling: TextureSampling,
+    pub(super) sampling: TextureSampling,
     /// The numbers of each texture's channels.
     numbers: &'static [&'static [Number]],
 }

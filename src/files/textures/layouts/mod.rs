@@ -9,7 +9,7 @@ mod published;
 mod rules;
 mod volumes;
 
-use crate::fit::{Table, named_list::named_list};
+use crate::fit::{Layout, Table, named_list::named_list};
 
 use super::texture::Texture;
 
@@ -38,6 +38,14 @@ named_list! {
         Godot = "godot" => isotropic::GODOT,
         /// One 2D texture of layout `hdrp`.
         Hdrp = "hdrp" => isotropic::HDRP,
+        /// Three 3D textures of a table of layout `ltc2017`, as the shader of `ltcforge shader` reads them.
+        Ltc2017In3d = "ltc2017-3d" => volumes::LTC2017,
+        /// The same of layout `ltc2016`.
+        Ltc2016In3d = "ltc2016-3d" => volumes::LTC2016,
+        /// The same of layout `godot`.
+        GodotIn3d = "godot-3d" => volumes::GODOT,
+        /// The same of layout `hdrp`.
+        HdrpIn3d = "hdrp-3d" => volumes::HDRP,
     }
 }
 
@@ -55,6 +63,19 @@ impl TextureLayout {
     #[must_use]
     pub fn sampling(self) -> TextureSampling {
         self.rules().sampling()
+    }
+
+    /// The three 3D textures of tables of a layout, as our own shader reads them.
+    #[must_use]
+    pub fn of_shader(layout: Layout) -> Self {
+        match layout {
+            Layout::Reflected => Self::Reflected,
+            Layout::Kt2022 => Self::Kt2022,
+            Layout::Ltc2017 => Self::Ltc2017In3d,
+            Layout::Ltc2016 => Self::Ltc2016In3d,
+            Layout::Godot => Self::GodotIn3d,
+            Layout::Hdrp => Self::HdrpIn3d,
+        }
     }
 
     /// The textures of a table.

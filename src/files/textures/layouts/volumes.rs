@@ -1,10 +1,11 @@
-//! The textures that our own shader reads: of layouts `reflected` and `kt2022`.
+//! The textures that our own shader reads, of each layout of tables.
 //!
 //! Nodes need not be evenly spaced, so that a shader finds the place along each axis among the nodes and samples between
 //! texel centres, or weighs the texels itself.
 
 use super::{
     error::NoTextures,
+    isotropic,
     rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
 };
 use crate::{
@@ -47,22 +48,33 @@ const TOGETHER: &[TexturesOf] = &[TexturesOf {
 const COLUMN: &str = "the stored matrix, its third column of unit length";
 
 pub(super) const REFLECTED: Rules =
-    Rules { table: Layout::Reflected, is_array: false, recipe: r#"{"layout": "reflected"}"# };
-pub(super) const KT2022: Rules = Rules { table: Layout::Kt2022, is_array: false, recipe: r#"{"layout": "kt2022"}"# };
+    Rules { table: Layout::Reflected, is_array: false, normalisation: COLUMN, recipe: r#"{"layout": "reflected"}"# };
+pub(super) const KT2022: Rules = Rules { table: Layout::Kt2022, recipe: r#"{"layout": "kt2022"}"#, ..REFLECTED };
+pub(super) const LTC2017: Rules = of(&isotropic::LTC2017);
+pub(super) const LTC2016: Rules = of(&isotropic::LTC2016);
+pub(super) const GODOT: Rules = of(&isotropic::GODOT);
+pub(super) const HDRP: Rules = of(&isotropic::HDRP);
 pub(super) const REFLECTED_ARRAY: Rules = Rules { is_array: true, ..REFLECTED };
 pub(super) const KT2022_ARRAY: Rules = Rules { is_array: true, ..KT2022 };
+
+/// Of the tables whose 2D textures these are.
+const fn of(engines: &isotropic::Rules) -> Rules {
+    let TextureSampling { table, normalisation, recipe, .. } = engines.sampling;
+    Rules { table, is_array: false, normalisation, recipe }
+}
 
 /// One of the layouts.
 pub(super) struct Rules {
     table: Layout,
     is_array: bool,
+    normalisation: &'static str,
     recipe: &'static str,
 }
 
 impl TextureRules for Rules {
     fn sampling(&self) -> TextureSampling {
         let (axes, textures) = if self.is_array { (ARRAY, TOGETHER) } else { (VOLUME, PARTS) };
-        TextureSampling { table: self.table, axes, textures, normalisation: COLUMN, recipe: self.recipe }
+        TextureSampling { table: self.table, axes, textures, normalisation: self.normalisation, recipe: self.recipe }
     }
 
     fn lacks(&self, _: &Table) -> Option<String> {

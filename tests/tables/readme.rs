@@ -1,0 +1,34 @@
+//! The README's figures are those of today's fitter.
+
+use std::{fs, ops::ControlFlow, path::Path};
+
+use ltcforge::{
+    files::recipe_document,
+    fit::{Plan, fit_plan, report},
+};
+
+/// Places at which the README's command measures.
+const POINTS: usize = 1024;
+
+/// Mean, p95 and maximum in percent, as a row of the README has them.
+fn row<'a>(readme: &'a str, table: &str) -> Vec<&'a str> {
+    let mut rows = readme.lines().filter_map(|line| line.strip_prefix(&format!("| {table} | ")));
+    let row = rows.find(|row| row.ends_with(" % |")).unwrap_or_else(|| panic!("the README has no row of {table}"));
+    row.trim_end_matches(" |").split(" | ").map(|cell| cell.trim_end_matches(" %")).collect()
+}
+
+#[test]
+fn the_readme_has_the_errors_of_today_s_draft() {
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).expect("the README");
+    assert!(readme.contains(&format!("`ltcforge report TABLE --points {POINTS}`")));
+    for (name, document) in [
+        ("preset `draft`", r#"{"preset": "draft"}"#),
+        ("preset `draft`, `f16`", r#"{"preset": "draft", "precision": "f16"}"#),
+    ] {
+        let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
+        let table = fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it");
+        let width = report(&table, &recipe.range(), POINTS).between.width;
+        let measured = [width.mean, width.p95, width.max].map(|part| format!("{:.1}", 100.0 * part));
+        assert_eq!(row(&readme, name), measured, "{name}");
+    }
+}
