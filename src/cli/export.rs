@@ -16,7 +16,7 @@ use crate::{
     files::{
         compact,
         digest::Digest,
-        manifest::table_report,
+        manifest::{MeanError, table_report},
         replace::replace_file,
         textures::{About, Bundle, Export, RoundingError, TextureFile, TextureLayout},
     },
@@ -110,8 +110,8 @@ impl Compared {
 
 /// The table's mean error between nodes, which its files state, where its recipe is known. Measures on the current rayon
 /// pool.
-pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<f64> {
-    recipe.map(|recipe| table_report(table, recipe).between.width.mean)
+pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanError> {
+    recipe.map(|recipe| MeanError::of(&table_report(table, recipe)))
 }
 
 /// The files of an export, and what to do with them. They follow from the arguments and this program alone.
@@ -123,7 +123,7 @@ pub(super) fn bundle(
     table: &Table,
     digest: Digest,
     recipe: Option<&Recipe>,
-    error: Option<f64>,
+    error: Option<MeanError>,
 ) -> Result<Bundle, CommandFailure> {
     let made = export.bundle(table, About::of_table(digest, recipe, error));
     made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))

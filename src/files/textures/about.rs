@@ -1,7 +1,7 @@
 //! What a file says of itself.
 
 use crate::{
-    files::{digest::Digest, recipe_document},
+    files::{digest::Digest, manifest::MeanError, recipe_document},
     fit::Recipe,
 };
 
@@ -36,16 +36,18 @@ impl About {
         Self { lines: clean }
     }
 
-    /// What is known of a table: its digest and its recipe's, its mean error between nodes as a part of the lobe's width
-    /// (`report.between.width.mean` of its manifest), licence and papers.
+    /// What is known of a table: its digest and its recipe's, its mean error between nodes (`report.between` of its
+    /// manifest), licence and papers.
     #[must_use]
-    pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<f64>) -> Self {
+    pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<MeanError>) -> Self {
         let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
         lines.extend(recipe.map(|recipe| {
             let document = recipe_document::canonical_json(recipe);
             format!("recipe {}", Digest::of(document.as_bytes()))
         }));
-        lines.extend(error.map(|width| format!("mean error between nodes: {width:.4} of the lobe's width")));
+        lines.extend(error.map(|MeanError { width, places }| {
+            format!("mean error between nodes: {width:.4} of the lobe's width, at {places} places")
+        }));
         lines.push(LICENCE.to_owned());
         lines.extend(PAPERS.map(str::to_owned));
         Self::new(lines)
@@ -80,6 +82,14 @@ fn is_break(c: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The mean of a few places may be twice that of many.
+    #[test]
+    fn the_error_is_told_with_the_places_where_it_was_measured() {
+        let about = About::of_table(Digest::of(b""), None, Some(MeanError { width: 0.046_98, places: 512 }));
+        let line = "mean error between nodes: 0.0470 of the lobe's width, at 512 places";
+        assert!(about.lines().iter().any(|own| own == line), "{about:?}");
+    }
 
     #[test]
     fn no_line_ends_a_comment() {
