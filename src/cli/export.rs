@@ -14,17 +14,16 @@ use super::{
 };
 use crate::{
     files::{
-        compact,
+        compact::{self, Encoded},
         digest::Digest,
         manifest::{MeanError, table_report},
         replace::replace_file,
-        textures::{About, Bundle, Export, RoundingError, TextureFile, TextureLayout},
+        textures::{
+            About, Bundle, CompactContainer, Export, RoundingError, TextureFile, TextureLayout,
+        },
     },
-    fit::{PerAxis, Precision, Recipe, Spread, Table, report},
+    fit::{Precision, Recipe, Spread, Table},
 };
-
-/// Places at which a table and its compact form are measured, so many that a single one hardly counts.
-const COMPARED_AT: usize = 512;
 
 /// Writes the files, and says what to do with them.
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -39,10 +38,13 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
     let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     let pool = args.threads.pool()?;
     let error = pool.install(|| measured(&table, recipe));
-    let Bundle { files, steps } = bundle(export, &table, digest, recipe, error)?;
-    let compared = match export {
-        Export::Compact(_) => Some(pool.install(|| Compared::of(&table, origin.range()))?),
-        Export::Engine(_) | Export::Textures { .. } => None,
+    let (Bundle { files, steps }, compared) = match export {
+        Export::Compact(container) => {
+            let about = About::of_table(digest, recipe, error);
+            let (bundle, compared) = pool.install(|| compact_bundle(container, &table, &about))?;
+            (bundle, Some(compared))
+        }
+        Export::Engine(_) | Export::Textures { .. } => (bundle(export, &table, digest, recipe, error)?, None),
     };
     for file in &files {
         let path = args.out.join(&file.path);
@@ -98,14 +100,17 @@ struct Compared {
     decoded: Spread,
 }
 
-impl Compared {
-    /// Measures on the current rayon pool.
-    fn of(table: &Table, range: &PerAxis<[f64; 2]>) -> Result<Self, CommandFailure> {
-        let decoded = compact::encode(table).and_then(|bytes| compact::decode(&bytes));
-        let decoded = decoded.map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-        let [table, decoded] = [table, &decoded].map(|table| report(table, range, COMPARED_AT).between.width);
-        Ok(Self { table, decoded })
-    }
+/// The files of a compact form, and how good it is. Measures on the current rayon pool.
+fn compact_bundle(
+    container: CompactContainer,
+    table: &Table,
+    about: &About,
+) -> Result<(Bundle, Compared), CommandFailure> {
+    let Encoded { bytes, table, decoded } =
+        compact::encode_measured(table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    let made = Export::compact_bundle(container, bytes, about);
+    let bundle = made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    Ok((bundle, Compared { table, decoded }))
 }
 
 /// The table's mean error between nodes, which its files state, where its recipe is known. Measures on the current rayon

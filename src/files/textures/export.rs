@@ -6,7 +6,10 @@ use super::{
     About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFileError,
     TextureLayout, sampling_of,
 };
-use crate::fit::{Layout, Precision, Table};
+use crate::{
+    files::compact::encode,
+    fit::{Layout, Precision, Table},
+};
 
 /// What files that hold all textures are called.
 const STEM: &str = "ltc";
@@ -130,10 +133,18 @@ impl Export {
                 made.map(|files| Bundle { files, steps: vec![] }).map_err(ExportError::Files)
             }
             Self::Compact(container) => {
-                let files = container.files(STEM, table, &about)?;
-                Ok(Bundle { files, steps: container.steps(STEM) })
+                container.check(table)?;
+                Self::compact_bundle(container, encode(table).map_err(CompactFileError::Form)?, &about)
             }
         }
+    }
+
+    /// [`Self::bundle`] of a table whose compact form is there already.
+    ///
+    /// # Errors
+    /// When the bytes are no compact form.
+    pub fn compact_bundle(container: CompactContainer, bytes: Vec<u8>, about: &About) -> Result<Bundle, ExportError> {
+        Ok(Bundle { files: container.files_of(STEM, bytes, about)?, steps: container.steps(STEM) })
     }
 }
 
