@@ -19,7 +19,7 @@ use crate::{
         manifest::{MeanError, table_report},
         replace::replace_file,
         textures::{
-            About, Bundle, CompactContainer, Export, RoundingError, TextureFile, TextureLayout,
+            About, Bundle, CompactContainer, Displacement, Export, RoundingError, TextureFile, TextureLayout,
         },
     },
     fit::{Precision, Recipe, Spread, Table},
@@ -143,11 +143,14 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
     }
     let all = files.iter().fold(RoundingError::default(), |all, file| all.and(file.rounding));
     if all != RoundingError::default() {
-        let RoundingError { relative, absolute_of_small, clamped, raised } = all;
+        let RoundingError { relative, absolute_of_small, clamped, raised, displacement } = all;
         let _ = writeln!(
             out,
             "rounded to 16 bits: relative error at most {relative:.1e}, of numbers below 6.1e-5 {absolute_of_small:.1e}"
         );
+        if let Some(Displacement { mean, max }) = displacement {
+            let _ = writeln!(out, "which moves a lobe by {mean:.4} of its width in the mean, by {max:.4} at most");
+        }
         if clamped + raised > 0 {
             let _ = writeln!(
                 out,
