@@ -129,7 +129,8 @@ impl Export {
             }
             Self::Textures { layout, container, precision } => {
                 let textures = layout.textures(table)?;
-                let made = container.files(STEM, &textures, precision, &about.and(sampling_of(table, layout)));
+                let about = about.of_layout(layout.name()).and(sampling_of(table, layout));
+                let made = container.files(STEM, &textures, precision, &about);
                 made.map(|files| Bundle { files, steps: vec![] }).map_err(ExportError::Files)
             }
             Self::Compact(container) => {
