@@ -19,7 +19,8 @@ use crate::{
         manifest::{MeanError, table_report},
         replace::replace_file,
         textures::{
-            About, Bundle, CompactContainer, Displacement, Export, RoundingError, TextureFile, TextureLayout,
+            About, Bundle, CompactContainer, Displacement, Export, RoundingError, TextureContainer, TextureFile,
+            TextureLayout,
         },
     },
     fit::{Precision, Recipe, Spread, Table},
@@ -33,6 +34,11 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         Origin::Recipe(recipe) => Some(recipe),
         Origin::Range(_) => None,
     };
+    if let ExportChoice { engine: None, layout: None, container: Some(AnyContainer::Textures(container)), .. } =
+        args.choice
+    {
+        return Err(CommandFailure::new(Exit::Usage, no_layout(container, Some(&table))));
+    }
     let export = export_of(&args.choice)?;
     // Whatever cannot be is told before the table is measured.
     let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
@@ -86,9 +92,7 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
             "container {} holds a table in its own layout, rounded in its own way: leave out layout and precision",
             container.name()
         )),
-        (None, None, Some(AnyContainer::Textures(container))) => {
-            refused(format!("container {} holds textures: name their layout", container.name()))
-        }
+        (None, None, Some(AnyContainer::Textures(container))) => refused(no_layout(container, None)),
         (None, _, None) => refused("name an engine, or a container".to_owned()),
     }
 }
@@ -98,6 +102,17 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
 struct Compared {
     table: Spread,
     decoded: Spread,
+}
+
+/// That a container needs a layout, and which ones the table has, or there are.
+fn no_layout(container: TextureContainer, table: Option<&Table>) -> String {
+    let has = |layout: TextureLayout, table: &Table| {
+        Export::Textures { layout, container, precision: Precision::F32 }.layout(table).is_ok()
+    };
+    let layouts = TextureLayout::ALL.iter().filter(|layout| table.is_none_or(|table| has(**layout, table)));
+    let layouts = layouts.map(|layout| layout.name()).collect::<Vec<_>>().join(", ");
+    let which = if table.is_some() { "this table has" } else { "there are" };
+    format!("container {} holds textures: name their layout by --layout; {which} {layouts}", container.name())
 }
 
 /// The files of a compact form, and how good it is. Measures on the current rayon pool.
@@ -151,11 +166,8 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
         if let Some(Displacement { mean, max }) = displacement {
             let _ = writeln!(out, "which moves a lobe by {mean:.4} of its width in the mean, by {max:.4} at most");
         }
-        if clamped + raised > 0 {
-            let _ = writeln!(
-                out,
-                "beyond the range of 16 bits: {clamped} became 65504, {raised} became 6.0e-8 in place of 0"
-            );
+        if let Some(beyond) = beyond(clamped, raised) {
+            let _ = writeln!(out, "{beyond}");
         }
     }
     if let Some(Compared { table, decoded }) = compared {
@@ -169,4 +181,29 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
         let _ = writeln!(out, "{step}");
     }
     out
+}
+
+/// What became of numbers that are too large or too small for 16 bits; `None` where there are none.
+fn beyond(clamped: u64, raised: u64) -> Option<String> {
+    let told = [(clamped, "65504"), (raised, "6.0e-8 in place of 0")].map(|(count, became)| match count {
+        0 => None,
+        1 => Some(format!("1 number became {became}")),
+        _ => Some(format!("{count} numbers became {became}")),
+    });
+    let told: Vec<String> = told.into_iter().flatten().collect();
+    (!told.is_empty()).then(|| format!("beyond the range of 16 bits: {}", told.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_numbers_that_there_are_are_told() {
+        assert_eq!(beyond(0, 0), None);
+        let told = |clamped, raised| beyond(clamped, raised).expect("some");
+        assert_eq!(told(0, 70), "beyond the range of 16 bits: 70 numbers became 6.0e-8 in place of 0");
+        assert_eq!(told(1, 0), "beyond the range of 16 bits: 1 number became 65504");
+        assert!(told(2, 3).contains("2 numbers became 65504, 3 numbers became 6.0e-8"));
+    }
 }

@@ -63,6 +63,18 @@ pub enum ExportError {
     /// The format cannot hold them.
     #[error(transparent)]
     Files(TextureFileError),
+    /// It has matrices that no shader can invert.
+    #[error(
+        "{count} entries have matrices without an inverse, which make no light; the first is entry {entry}, {place}"
+    )]
+    Singular {
+        /// How many.
+        count: usize,
+        /// The index of the first.
+        entry: usize,
+        /// Where it is.
+        place: String,
+    },
     /// It has no such compact form.
     #[error(transparent)]
     Compact(#[from] CompactFileError),
@@ -76,7 +88,7 @@ impl ExportError {
             Self::Textures(NoTextures::OtherLayout { recipe, .. } | NoTextures::Lacking { recipe, .. })
             | Self::Sizes { recipe, .. }
             | Self::Compact(CompactFileError::Layout { recipe, .. }) => Some(recipe),
-            Self::Textures(_) | Self::Files(_) | Self::Compact(_) => None,
+            Self::Textures(_) | Self::Files(_) | Self::Singular { .. } | Self::Compact(_) => None,
         }
     }
 }
@@ -96,8 +108,9 @@ impl Export {
     /// The name of the layout that the files have, and whether the table has it. Sizes are not looked at.
     ///
     /// # Errors
-    /// When it has not; the error names a recipe whose table has it.
+    /// When it has not; the error names a recipe whose table has it. When one of its matrices has no inverse.
     pub fn layout(self, table: &Table) -> Result<&'static str, ExportError> {
+        check_inverses(table)?;
         match self {
             Self::Engine(engine) => Ok(engine_textures(engine, table)?.name()),
             Self::Textures { layout, .. } => {
@@ -117,6 +130,7 @@ impl Export {
     /// # Errors
     /// When the table has no such files.
     pub fn bundle(self, table: &Table, about: About) -> Result<Bundle, ExportError> {
+        check_inverses(table)?;
         match self {
             Self::Engine(engine) => {
                 let layout = engine_textures(engine, table)?;
@@ -147,6 +161,13 @@ impl Export {
     pub fn compact_bundle(container: CompactContainer, bytes: Vec<u8>, about: &About) -> Result<Bundle, ExportError> {
         Ok(Bundle { files: container.files_of(STEM, bytes, about)?, steps: container.steps(STEM) })
     }
+}
+
+/// Refuses matrices without an inverse.
+fn check_inverses(table: &Table) -> Result<(), ExportError> {
+    let mut singular = table.determinants().enumerate().filter(|(_, x)| *x == 0.0 || !x.is_finite());
+    let Some((entry, _)) = singular.next() else { return Ok(()) };
+    Err(ExportError::Singular { count: 1 + singular.count(), entry, place: table.place_of(entry) })
 }
 
 /// The layout of the textures that an engine takes of a table.
@@ -194,7 +215,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::recipe_document,
+        files::{compact::tests::planted, recipe_document},
         fit::{Plan, fit_plan},
     };
 
@@ -217,6 +238,20 @@ mod tests {
                 error.contains(&format!("«{wrong}»")) && error.contains("ktx2-zstd") && error.contains("compact-wgsl"),
                 "{error}"
             );
+        }
+    }
+
+    #[test]
+    fn matrices_without_an_inverse_are_counted_and_the_first_is_named() {
+        let mut table = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
+        for entry in [9, 4] {
+            table.matrix[entry] = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 0.0, 1.0];
+        }
+        for name in ["wgpu", "reflected.npy.f16", "compact"] {
+            let export: Export = name.parse().expect("an export");
+            let error = export.bundle(&table, About::default()).expect_err(name);
+            assert!(matches!(error, ExportError::Singular { count: 2, entry: 4, .. }), "{name}: {error}");
+            assert_eq!(export.layout(&table), Err(error));
         }
     }
 
