@@ -144,7 +144,7 @@ fn matrices_that_are_not_upright_are_counted_and_named() {
     table.matrix[9] = [0.0; 9];
     let error = encode(&table).expect_err("no upright matrix").to_string();
     assert!(error.starts_with("4 entries have matrices whose determinant is not positive"), "{error}");
-    assert!(error.ends_with("the first is entry 7, alpha 0.0000, ratio 0.0000, theta 1.0471, phi 0.7854"), "{error}");
+    assert!(error.ends_with("the first is entry 7, alpha 0.0001, ratio 0.0001, theta 1.0471, phi 0.7854"), "{error}");
 }
 
 /// The mean error between nodes at so many places.
