@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::fit::{ALPHA_FLOOR, Layout, PerAxis, Reflection, THETA_CEILING, Table, math::concentric_cosine};
 
 /// How far lobes moved when their matrices were rounded: the root of the mean square over a lobe's directions, as a part
-/// of the root mean square of their distance from their middle.
+/// of the root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Displacement {
     /// Mean over a table's entries.
@@ -41,6 +41,8 @@ const CHOOSING: [usize; 2] = [3, 4];
 const TELLING: [usize; 2] = [8, 16];
 /// Most numbers of which all choices are tried.
 const MOST_TOGETHER: usize = 5;
+/// What counts for a matrix that no choice keeps upright.
+const WITHOUT_LOBE: f64 = 1.0;
 /// Most rounds of changing one or two numbers.
 const MOST_ROUNDS: usize = 8;
 
@@ -53,7 +55,7 @@ pub(super) fn halved(table: &Table) -> (Table, Displacement) {
         let place = Place::of(table.layout, table.axes.node(entry));
         let exact = *matrix;
         *matrix = place.nearest_lobe(&exact, &choosing);
-        let Some(moved) = place.displacement(&exact, matrix, &telling) else { continue };
+        let moved = place.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
         sum += moved;
         max = max.max(moved);
     }
@@ -198,7 +200,7 @@ mod tests {
                 let nearest = round(&table.matrix[entry], Precision::F16).numbers;
                 let nearest: [f32; 9] = nearest.try_into().expect("nine");
                 let place = Place::of(table.layout, table.axes.node(entry));
-                place.displacement(&table.matrix[entry], &nearest, &cosine).expect("lobes")
+                place.displacement(&table.matrix[entry], &nearest, &cosine).unwrap_or(WITHOUT_LOBE)
             })
             .collect();
         let mean = moved.iter().sum::<f64>() / moved.len() as f64;
