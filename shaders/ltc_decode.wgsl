@@ -248,5 +248,19 @@ fn ltc_expand(@builtin(global_invocation_id) id: vec3<u32>) {
     let bounded = clamp(inverse, vec4(-60000.0), vec4(60000.0));
     let diagonal = max(bounded.xw, vec2(1e-30));
     ltc_texels[texel] = vec4(diagonal.x, bounded.yz, diagonal.y);
-    ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, 0.0);
+    let last = max(LTC_NODES.xz, vec2(2u)) - vec2(1u);
+    let at = vec2<f32>(place.xz) / vec2<f32>(last);
+    ltc_texels[entries + texel] = vec4(lobe.amplitude, lobe.fresnel, 0.0, ltc_clipped_form_factor(2.0 * at.x - 1.0, at.y));
+}
+
+// What a cap of directions is seen as above the horizon, as a part of what it were straight ahead without one: c is the
+// cosine of its elevation, length that of its vector form factor.
+fn ltc_clipped_form_factor(c: f32, length: f32) -> f32 {
+    if (abs(c) >= sqrt(length)) {
+        return max(c, 0.0);
+    }
+    let cos_sigma = sqrt(max(1.0 - length, 0.0));
+    let met = sqrt(max(length - c * c, 0.0));
+    let seen = ltc_atan2(met, -cos_sigma * c) * length * c - cos_sigma * met + ltc_atan2(met, cos_sigma);
+    return max(seen / (3.14159265 * length), 0.0);
 }

@@ -39,9 +39,9 @@ pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Res
 fn measure(AnyTable { table, origin, .. }: &AnyTable, points: Option<u32>) -> Report {
     let usual = match origin {
         Origin::Recipe(recipe) => report_points(recipe),
-        Origin::Range(_) => MOST_POINTS,
+        Origin::Range(_) => MOST_POINTS.into(),
     };
-    report(table, origin.range(), points.map_or(usual, |points| points as usize))
+    report(table, origin.range(), points.map_or(usual, |points| (points as usize).into()))
 }
 
 fn text(tables: [&AnyTable; 2], apart: Option<&Difference>, reports: &[Report; 2]) -> String {

@@ -14,17 +14,17 @@ use super::{
 };
 use crate::{
     files::{
-        compact,
+        compact::{self, Encoded},
         digest::Digest,
-        manifest::table_report,
+        manifest::{MeanError, table_report},
         replace::replace_file,
-        textures::{About, Bundle, Export, RoundingError, TextureFile, TextureLayout},
+        textures::{
+            About, Bundle, CompactContainer, Displacement, Export, RoundingError, TextureContainer, TextureFile,
+            TextureLayout,
+        },
     },
-    fit::{PerAxis, Precision, Recipe, Spread, Table, report},
+    fit::{Precision, Recipe, Spread, Table},
 };
-
-/// Places at which a table and its compact form are measured, so many that a single one hardly counts.
-const COMPARED_AT: usize = 512;
 
 /// Writes the files, and says what to do with them.
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -34,15 +34,23 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         Origin::Recipe(recipe) => Some(recipe),
         Origin::Range(_) => None,
     };
+    if let ExportChoice { engine: None, layout: None, container: Some(AnyContainer::Textures(container)), .. } =
+        args.choice
+    {
+        return Err(CommandFailure::new(Exit::Usage, no_layout(container, Some(&table))));
+    }
     let export = export_of(&args.choice)?;
     // Whatever cannot be is told before the table is measured.
     let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     let pool = args.threads.pool()?;
     let error = pool.install(|| measured(&table, recipe));
-    let Bundle { files, steps } = bundle(export, &table, digest, recipe, error)?;
-    let compared = match export {
-        Export::Compact(_) => Some(pool.install(|| Compared::of(&table, origin.range()))?),
-        Export::Engine(_) | Export::Textures { .. } => None,
+    let (Bundle { files, steps }, compared) = match export {
+        Export::Compact(container) => {
+            let about = About::of_table(digest, recipe, error);
+            let (bundle, compared) = pool.install(|| compact_bundle(container, &table, &about))?;
+            (bundle, Some(compared))
+        }
+        Export::Engine(_) | Export::Textures { .. } => (bundle(export, &table, digest, recipe, error)?, None),
     };
     for file in &files {
         let path = args.out.join(&file.path);
@@ -84,9 +92,7 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
             "container {} holds a table in its own layout, rounded in its own way: leave out layout and precision",
             container.name()
         )),
-        (None, None, Some(AnyContainer::Textures(container))) => {
-            refused(format!("container {} holds textures: name their layout", container.name()))
-        }
+        (None, None, Some(AnyContainer::Textures(container))) => refused(no_layout(container, None)),
         (None, _, None) => refused("name an engine, or a container".to_owned()),
     }
 }
@@ -98,20 +104,34 @@ struct Compared {
     decoded: Spread,
 }
 
-impl Compared {
-    /// Measures on the current rayon pool.
-    fn of(table: &Table, range: &PerAxis<[f64; 2]>) -> Result<Self, CommandFailure> {
-        let decoded = compact::encode(table).and_then(|bytes| compact::decode(&bytes));
-        let decoded = decoded.map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-        let [table, decoded] = [table, &decoded].map(|table| report(table, range, COMPARED_AT).between.width);
-        Ok(Self { table, decoded })
-    }
+/// That a container needs a layout, and which ones the table has, or there are.
+fn no_layout(container: TextureContainer, table: Option<&Table>) -> String {
+    let has = |layout: TextureLayout, table: &Table| {
+        Export::Textures { layout, container, precision: Precision::F32 }.layout(table).is_ok()
+    };
+    let layouts = TextureLayout::ALL.iter().filter(|layout| table.is_none_or(|table| has(**layout, table)));
+    let layouts = layouts.map(|layout| layout.name()).collect::<Vec<_>>().join(", ");
+    let which = if table.is_some() { "this table has" } else { "there are" };
+    format!("container {} holds textures: name their layout by --layout; {which} {layouts}", container.name())
+}
+
+/// The files of a compact form, and how good it is. Measures on the current rayon pool.
+fn compact_bundle(
+    container: CompactContainer,
+    table: &Table,
+    about: &About,
+) -> Result<(Bundle, Compared), CommandFailure> {
+    let Encoded { bytes, table, decoded } =
+        compact::encode_measured(table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    let made = Export::compact_bundle(container, bytes, about);
+    let bundle = made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    Ok((bundle, Compared { table, decoded }))
 }
 
 /// The table's mean error between nodes, which its files state, where its recipe is known. Measures on the current rayon
 /// pool.
-pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<f64> {
-    recipe.map(|recipe| table_report(table, recipe).between.width.mean)
+pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanError> {
+    recipe.map(|recipe| MeanError::of(&table_report(table, recipe)))
 }
 
 /// The files of an export, and what to do with them. They follow from the arguments and this program alone.
@@ -123,7 +143,7 @@ pub(super) fn bundle(
     table: &Table,
     digest: Digest,
     recipe: Option<&Recipe>,
-    error: Option<f64>,
+    error: Option<MeanError>,
 ) -> Result<Bundle, CommandFailure> {
     let made = export.bundle(table, About::of_table(digest, recipe, error));
     made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))
@@ -138,16 +158,16 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
     }
     let all = files.iter().fold(RoundingError::default(), |all, file| all.and(file.rounding));
     if all != RoundingError::default() {
-        let RoundingError { relative, absolute_of_small, clamped, raised } = all;
+        let RoundingError { relative, absolute_of_small, clamped, raised, displacement } = all;
         let _ = writeln!(
             out,
             "rounded to 16 bits: relative error at most {relative:.1e}, of numbers below 6.1e-5 {absolute_of_small:.1e}"
         );
-        if clamped + raised > 0 {
-            let _ = writeln!(
-                out,
-                "beyond the range of 16 bits: {clamped} became 65504, {raised} became 6.0e-8 in place of 0"
-            );
+        if let Some(Displacement { mean, max }) = displacement {
+            let _ = writeln!(out, "which moves a lobe by {mean:.4} of its width in the mean, by {max:.4} at most");
+        }
+        if let Some(beyond) = beyond(clamped, raised) {
+            let _ = writeln!(out, "{beyond}");
         }
     }
     if let Some(Compared { table, decoded }) = compared {
@@ -161,4 +181,29 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
         let _ = writeln!(out, "{step}");
     }
     out
+}
+
+/// What became of numbers that are too large or too small for 16 bits; `None` where there are none.
+fn beyond(clamped: u64, raised: u64) -> Option<String> {
+    let told = [(clamped, "65504"), (raised, "6.0e-8 in place of 0")].map(|(count, became)| match count {
+        0 => None,
+        1 => Some(format!("1 number became {became}")),
+        _ => Some(format!("{count} numbers became {became}")),
+    });
+    let told: Vec<String> = told.into_iter().flatten().collect();
+    (!told.is_empty()).then(|| format!("beyond the range of 16 bits: {}", told.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_numbers_that_there_are_are_told() {
+        assert_eq!(beyond(0, 0), None);
+        let told = |clamped, raised| beyond(clamped, raised).expect("some");
+        assert_eq!(told(0, 70), "beyond the range of 16 bits: 70 numbers became 6.0e-8 in place of 0");
+        assert_eq!(told(1, 0), "beyond the range of 16 bits: 1 number became 65504");
+        assert!(told(2, 3).contains("2 numbers became 65504, 3 numbers became 6.0e-8"));
+    }
 }

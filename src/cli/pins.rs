@@ -14,6 +14,7 @@ use crate::{
     files::{
         container::{self, TableFile},
         digest::Digest,
+        manifest::MeanError,
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
         textures::{Engine, Export, TextureFile},
     },
@@ -72,7 +73,7 @@ pub(super) struct Measured {
     file: TableFile,
     digest: Digest,
     /// Its mean error between nodes.
-    error: Option<f64>,
+    error: Option<MeanError>,
 }
 
 impl Measured {

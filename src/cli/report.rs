@@ -50,9 +50,9 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
 fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs) -> MeasuredTable {
     let (range, usual) = match origin {
         Origin::Recipe(recipe) => (&recipe.range, report_points(recipe)),
-        Origin::Range(range) => (range, MOST_POINTS),
+        Origin::Range(range) => (range, MOST_POINTS.into()),
     };
-    let report = report(table, range, args.points.map_or(usual, |points| points as usize));
+    let report = report(table, range, args.points.map_or(usual, |points| (points as usize).into()));
     let corners = args.extremes.then(|| extremes(table));
     MeasuredTable { digest: *digest, resolution: table.axes.lengths(), report, corners }
 }

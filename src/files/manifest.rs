@@ -59,11 +59,28 @@ pub fn manifest_json_while(go_on: &GoOn, file_bytes: &[u8]) -> Result<Option<Str
     report.map(|report| json(file_bytes, &file, report)).transpose()
 }
 
-/// The mean error between nodes that a manifest tells, as a part of the lobe's width.
+/// The mean error of a table between nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanError {
+    /// As a part of the lobe's width.
+    pub width: f64,
+    /// At how many places it was measured.
+    pub places: usize,
+}
+
+impl MeanError {
+    /// What a report tells.
+    #[must_use]
+    pub fn of(report: &Report) -> Self {
+        Self { width: report.between.width.mean, places: report.between.points }
+    }
+}
+
+/// The mean error between nodes that a manifest tells.
 ///
 /// # Errors
 /// When the text is no manifest.
-pub fn mean_error(manifest: &str) -> Result<f64, serde_json::Error> {
+pub fn mean_error(manifest: &str) -> Result<MeanError, serde_json::Error> {
     #[derive(Deserialize)]
     struct Measured {
         report: MeasuredReport,
@@ -74,13 +91,17 @@ pub fn mean_error(manifest: &str) -> Result<f64, serde_json::Error> {
     }
     #[derive(Deserialize)]
     struct Between {
+        points: usize,
         width: Width,
     }
     #[derive(Deserialize)]
     struct Width {
         mean: f64,
     }
-    serde_json::from_str(manifest).map(|Measured { report }| report.between.width.mean)
+    serde_json::from_str(manifest).map(|Measured { report: MeasuredReport { between } }| MeanError {
+        width: between.width.mean,
+        places: between.points,
+    })
 }
 
 fn json(file_bytes: &[u8], file: &TableFile, report: Report) -> Result<String, TableFileError> {

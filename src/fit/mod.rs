@@ -44,8 +44,8 @@ pub(crate) use lobe::ltc::quadrature;
 pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides, clipped_form_factor};
 pub use measure::{
     Accuracy, Corner, Difference, ErrorMap, Extent, Floors, Gap, GoOn, MOST_POINTS, Matrices, Moved, REPORT_VERSION,
-    Report, Spread, TermError, Worst, difference, error_map, error_map_while, extremes, report, report_points,
-    report_while,
+    Report, ReportPoints, Spread, TermError, Worst, difference, error_map, error_map_while, extremes, report,
+    report_points, report_while, width_between,
 };
 pub use metric::Metric;
 pub use pulse::Pulse;

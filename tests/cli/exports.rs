@@ -160,7 +160,14 @@ fn what_cannot_be_exported_is_one_line_and_no_file() {
     fs::write(here.join("file"), "old").expect("a file");
     let kt2022 = "{\"layout\": \"kt2022\"}";
     let formats = ["--container", "ktx2"];
-    let cases: [(&[&str], i32, &str); 6] = [
+    let flat = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 0.0, 1.0_f32].map(f32::to_le_bytes).concat();
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2, 2, 2, 3, 3), }\n";
+    let length = u16::try_from(header.len()).expect("short").to_le_bytes();
+    let npy = [b"\x93NUMPY\x01\x00", length.as_slice(), header.as_bytes(), &flat.repeat(16)].concat();
+    fs::write(here.join("flat.npy"), npy).expect("a file");
+    let cases: [(&[&str], i32, &str); 8] = [
+        (&[&table, "-o", "out"], 2, "name their layout by --layout; this table has reflected, reflected-array"),
+        (&["flat.npy", "--layout", "kt2022", "-o", "out"], 2, "16 entries have matrices without an inverse"),
         (&[&table, "--layout", "kt2022", "-o", "out"], 2, kt2022),
         (&[&table, "--layout", "cubic", "-o", "out"], 2, "«cubic»"),
         (&[&table, "--layout", "reflected", "-o", "file"], 1, "file: no file can be made there"),

@@ -52,6 +52,30 @@ pub enum CompactError {
         /// Its number.
         channel: usize,
     },
+    /// Entries whose determinants are not positive, of which the form has none.
+    #[error(
+        "{count} entries have matrices whose determinant is not positive, which the compact form cannot hold; the first is \
+         entry {entry}, {place}"
+    )]
+    Determinants {
+        /// How many.
+        count: usize,
+        /// The index of the first.
+        entry: usize,
+        /// Where it is.
+        place: String,
+    },
+    /// A table that the form does not come near to, however fine its steps.
+    #[error(
+        "with the finest steps the mean error between nodes is {decoded} of the lobe's width, of the table {table}; at most \
+         1 % more is allowed"
+    )]
+    Inexact {
+        /// The table's error.
+        table: String,
+        /// That of the form.
+        decoded: String,
+    },
     /// An entry whose numbers are not finite.
     #[error("entry {entry} has a number that is not finite")]
     Entry {

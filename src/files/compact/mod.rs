@@ -5,7 +5,8 @@
 //! coder. What the rounded sum misses at a node by more than five steps is corrected there, so that an edge
 //! in a table costs bytes and not accuracy. A decoder rebuilds the numbers of the table's own layout.
 //!
-//! The steps are parts of a lobe's width: see `rounding`.
+//! The steps are parts of a lobe's width: see `rounding`. What they do to the table is measured, and they become finer until
+//! the decoded table is at most 1 % worse.
 //!
 //! Invariant: equal tables give equal bytes, equal bytes equal tables, on every machine. Hostile bytes give an error,
 //! never a panic.
@@ -30,28 +31,84 @@ pub(in crate::files) use outline::Outline;
 use polynomials::{Bases, most_polynomials};
 use rounding::Rounding;
 
-use crate::fit::Table;
+use crate::fit::{Spread, Table, width_between};
 
 /// Coefficients are rounded down up to this part beyond a half, which costs less accuracy than it saves bytes.
 const ROUND_UP: f64 = 0.4;
 /// What a number may miss, in steps of its channel.
 const MOST_MISSED: f64 = 5.0;
 
-/// The compact form of a table. `node_error` is not kept.
+/// The most that the mean error of a decoded table between nodes may be, in those of the table itself.
+const MOST_ERROR: f64 = 1.01;
+/// Places between nodes at which both are measured.
+const MEASURED_AT: usize = 512;
+/// How often steps may become finer. The last ones are 28 times finer than the first.
+const ATTEMPTS: u32 = 16;
+
+/// A compact form, and what it costs: errors between nodes as parts of a lobe's width, at 512 places.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Encoded {
+    /// The compact form.
+    pub bytes: Vec<u8>,
+    /// The errors of the table.
+    pub table: Spread,
+    /// The errors of the table that the bytes decode to. Their mean is at most 1 % larger.
+    pub decoded: Spread,
+}
+
+/// The compact form of a table: [`encode_measured`] without the errors.
 ///
 /// # Errors
-/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a singular
-/// matrix, or an amplitude of zero.
+/// As there.
 pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
+    encode_measured(table).map(|encoded| encoded.bytes)
+}
+
+/// The compact form of a table, whose mean error between nodes is at most 1 % above the table's. `node_error` is not kept.
+/// Runs on the current rayon pool, for about a second on two cores, and for half a second more each time that the steps have
+/// to be finer; the pool's size changes nothing.
+///
+/// # Errors
+/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a matrix whose
+/// determinant is not positive, an amplitude of zero, or lobes that no step makes near enough.
+pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     if !LAYOUTS.contains(&table.layout()) {
         return Err(CompactError::Layout { layout: table.layout().to_string() });
     }
-    let mut header = header_of(table)?;
+    let header = header_of(table)?;
+    check_determinants(table)?;
     let numbers = table.smooth_numbers();
     if let Some(entry) = numbers.iter().position(|entry| entry.iter().any(|x| !x.is_finite())) {
         return Err(CompactError::Entry { entry });
     }
-    let rounding = Rounding::of(table);
+    let errors = width_between(table, MEASURED_AT);
+    let (mut rounding, mut reached) = (Rounding::of(table), f64::NAN);
+    for _ in 0..ATTEMPTS {
+        let bytes = encode_rounded(table, header.clone(), &numbers, rounding)?;
+        let decoded = width_between(&decode(&bytes)?, MEASURED_AT);
+        reached = decoded.mean;
+        if reached <= MOST_ERROR * errors.mean {
+            return Ok(Encoded { bytes, table: errors, decoded });
+        }
+        rounding = rounding.finer();
+    }
+    Err(CompactError::Inexact { table: format!("{:.4}", errors.mean), decoded: format!("{reached:.4}") })
+}
+
+/// Refuses matrices that no [`Table::smooth_numbers`] stand for.
+fn check_determinants(table: &Table) -> Result<(), CompactError> {
+    let mut refused = table.determinants().enumerate().filter(|(_, determinant)| *determinant <= 0.0);
+    let Some((entry, _)) = refused.next() else { return Ok(()) };
+    Err(CompactError::Determinants { count: 1 + refused.count(), entry, place: table.place_of(entry) })
+}
+
+/// The bytes for steps of this rounding. Domain: a header and finite numbers of this table.
+fn encode_rounded(
+    table: &Table,
+    mut header: Header,
+    numbers: &[[f64; CHANNELS]],
+    rounding: Rounding,
+) -> Result<Vec<u8>, CompactError> {
     header.correction_steps = rounding.correction_steps;
     let bases = bases(&header);
     let (mut models, mut corrections) = (Models::new(), Models::new());

@@ -1,7 +1,7 @@
 //! What a file says of itself.
 
 use crate::{
-    files::{digest::Digest, recipe_document},
+    files::{digest::Digest, manifest::MeanError, recipe_document},
     fit::Recipe,
 };
 
@@ -14,10 +14,15 @@ const PAPERS: [&str; 2] = [
     "KT, Heitz, Dupuy, Narayanan: Bringing Linearly Transformed Cosines to Anisotropic GGX, 2022",
 ];
 
+/// Digits of a digest that tell tables apart in names.
+const DIGITS: usize = 8;
+
 /// Lines for people that each file carries where its format has a place for them. A line holds no control characters.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct About {
     lines: Vec<String>,
+    table: Option<Digest>,
+    layout: Option<&'static str>,
 }
 
 impl About {
@@ -33,22 +38,38 @@ impl About {
                     .to_owned()
             }));
         }
-        Self { lines: clean }
+        Self { lines: clean, table: None, layout: None }
     }
 
-    /// What is known of a table: its digest and its recipe's, its mean error between nodes as a part of the lobe's width
-    /// (`report.between.width.mean` of its manifest), licence and papers.
+    /// What is known of a table: its digest and its recipe's, its mean error between nodes (`report.between` of its
+    /// manifest), licence and papers.
     #[must_use]
-    pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<f64>) -> Self {
+    pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<MeanError>) -> Self {
         let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
         lines.extend(recipe.map(|recipe| {
             let document = recipe_document::canonical_json(recipe);
             format!("recipe {}", Digest::of(document.as_bytes()))
         }));
-        lines.extend(error.map(|width| format!("mean error between nodes: {width:.4} of the lobe's width")));
+        lines.extend(error.map(|MeanError { width, places }| {
+            format!("mean error between nodes: {width:.4} of the lobe's width, at {places} places")
+        }));
         lines.push(LICENCE.to_owned());
         lines.extend(PAPERS.map(str::to_owned));
-        Self::new(lines)
+        Self { table: Some(table), ..Self::new(lines) }
+    }
+
+    /// The same of textures of this layout.
+    #[must_use]
+    pub fn of_layout(self, layout: &'static str) -> Self {
+        Self { layout: Some(layout), ..self }
+    }
+
+    /// What tells this table's names in code from those of others: the layout and the first digits of the table's digest,
+    /// as far as they are known, each behind an underscore. ASCII letters, digits and underscores.
+    pub(super) fn suffix(&self) -> String {
+        let digits = self.table.map(|table| table.hex()[..DIGITS].to_owned());
+        let parts = self.layout.map(|layout| layout.replace('-', "_")).into_iter().chain(digits);
+        parts.map(|part| format!("_{part}")).collect()
     }
 
     /// The same, and more lines.
@@ -80,6 +101,22 @@ fn is_break(c: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_in_code_tell_layouts_and_tables_apart() {
+        let of = |bytes: &[u8], layout| About::of_table(Digest::of(bytes), None, None).of_layout(layout).and(["more"]);
+        assert_eq!(of(b"abc", "reflected-array").suffix(), "_reflected_array_ba7816bf");
+        assert_ne!(of(b"abc", "ltc2017").suffix(), of(b"abd", "ltc2017").suffix());
+        assert_eq!(About::new(["a line"]).suffix(), "");
+    }
+
+    /// The mean of a few places may be twice that of many.
+    #[test]
+    fn the_error_is_told_with_the_places_where_it_was_measured() {
+        let about = About::of_table(Digest::of(b""), None, Some(MeanError { width: 0.046_98, places: 512 }));
+        let line = "mean error between nodes: 0.0470 of the lobe's width, at 512 places";
+        assert!(about.lines().iter().any(|own| own == line), "{about:?}");
+    }
 
     #[test]
     fn no_line_ends_a_comment() {

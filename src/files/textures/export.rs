@@ -6,7 +6,10 @@ use super::{
     About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFileError,
     TextureLayout, sampling_of,
 };
-use crate::fit::{Precision, Table};
+use crate::{
+    files::compact::encode,
+    fit::{Precision, Table},
+};
 
 /// What files that hold all textures are called.
 const STEM: &str = "ltc";
@@ -60,6 +63,18 @@ pub enum ExportError {
     /// The format cannot hold them.
     #[error(transparent)]
     Files(TextureFileError),
+    /// It has matrices that no shader can invert.
+    #[error(
+        "{count} entries have matrices without an inverse, which make no light; the first is entry {entry}, {place}"
+    )]
+    Singular {
+        /// How many.
+        count: usize,
+        /// The index of the first.
+        entry: usize,
+        /// Where it is.
+        place: String,
+    },
     /// It has no such compact form.
     #[error(transparent)]
     Compact(#[from] CompactFileError),
@@ -73,7 +88,7 @@ impl ExportError {
             Self::Textures(NoTextures::OtherLayout { recipe, .. } | NoTextures::Lacking { recipe, .. })
             | Self::Sizes { recipe, .. }
             | Self::Compact(CompactFileError::Layout { recipe, .. }) => Some(recipe),
-            Self::Textures(_) | Self::Files(_) | Self::Compact(_) => None,
+            Self::Textures(_) | Self::Files(_) | Self::Singular { .. } | Self::Compact(_) => None,
         }
     }
 }
@@ -93,8 +108,9 @@ impl Export {
     /// The name of the layout that the files have, and whether the table has it. Sizes are not looked at.
     ///
     /// # Errors
-    /// When it has not; the error names a recipe whose table has it.
+    /// When it has not; the error names a recipe whose table has it. When one of its matrices has no inverse.
     pub fn layout(self, table: &Table) -> Result<&'static str, ExportError> {
+        check_inverses(table)?;
         match self {
             Self::Engine(engine) => Ok(engine_textures(engine, table)?.name()),
             Self::Textures { layout, .. } => {
@@ -114,6 +130,7 @@ impl Export {
     /// # Errors
     /// When the table has no such files.
     pub fn bundle(self, table: &Table, about: About) -> Result<Bundle, ExportError> {
+        check_inverses(table)?;
         match self {
             Self::Engine(engine) => {
                 let layout = engine_textures(engine, table)?;
@@ -126,15 +143,31 @@ impl Export {
             }
             Self::Textures { layout, container, precision } => {
                 let textures = layout.textures(table)?;
-                let made = container.files(STEM, &textures, precision, &about.and(sampling_of(table, layout)));
+                let about = about.of_layout(layout.name()).and(sampling_of(table, layout));
+                let made = container.files(STEM, &textures, precision, &about);
                 made.map(|files| Bundle { files, steps: vec![] }).map_err(ExportError::Files)
             }
             Self::Compact(container) => {
-                let files = container.files(STEM, table, &about)?;
-                Ok(Bundle { files, steps: container.steps(STEM) })
+                container.check(table)?;
+                Self::compact_bundle(container, encode(table).map_err(CompactFileError::Form)?, &about)
             }
         }
     }
+
+    /// [`Self::bundle`] of a table whose compact form is there already.
+    ///
+    /// # Errors
+    /// When the bytes are no compact form.
+    pub fn compact_bundle(container: CompactContainer, bytes: Vec<u8>, about: &About) -> Result<Bundle, ExportError> {
+        Ok(Bundle { files: container.files_of(STEM, bytes, about)?, steps: container.steps(STEM) })
+    }
+}
+
+/// Refuses matrices without an inverse.
+fn check_inverses(table: &Table) -> Result<(), ExportError> {
+    let mut singular = table.determinants().enumerate().filter(|(_, x)| *x == 0.0 || !x.is_finite());
+    let Some((entry, _)) = singular.next() else { return Ok(()) };
+    Err(ExportError::Singular { count: 1 + singular.count(), entry, place: table.place_of(entry) })
 }
 
 /// The layout of the textures that an engine takes of a table.
@@ -181,7 +214,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::recipe_document,
+        files::{compact::tests::planted, recipe_document},
         fit::{Layout, Plan, fit_plan},
     };
 
@@ -204,6 +237,20 @@ mod tests {
                 error.contains(&format!("«{wrong}»")) && error.contains("ktx2-zstd") && error.contains("compact-wgsl"),
                 "{error}"
             );
+        }
+    }
+
+    #[test]
+    fn matrices_without_an_inverse_are_counted_and_the_first_is_named() {
+        let mut table = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
+        for entry in [9, 4] {
+            table.matrix[entry] = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 0.0, 1.0];
+        }
+        for name in ["wgpu", "reflected.npy.f16", "compact"] {
+            let export: Export = name.parse().expect("an export");
+            let error = export.bundle(&table, About::default()).expect_err(name);
+            assert!(matches!(error, ExportError::Singular { count: 2, entry: 4, .. }), "{name}: {error}");
+            assert_eq!(export.layout(&table), Err(error));
         }
     }
 

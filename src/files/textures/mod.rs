@@ -12,6 +12,7 @@ mod digits;
 mod engines;
 mod export;
 mod file;
+mod halfs;
 mod layouts;
 mod rounding;
 mod texture;
@@ -22,6 +23,7 @@ pub use containers::TextureContainer;
 pub use engines::{Bundle, Engine};
 pub use export::{Export, ExportError, UnknownExport};
 pub use file::{TextureFile, TextureFileError};
+pub use halfs::{Displacement, Halfs};
 pub use layouts::{
     NoTextures, TextureAxis, TextureLayout, TextureSampling, TexturesOf, layout_names, sampling_of, textures_of,
 };

@@ -3,6 +3,10 @@
 use half::f16;
 use serde::Serialize;
 
+use super::{
+    halfs::{Displacement, neighbours},
+    texture::Texture,
+};
 use crate::fit::Precision;
 
 /// Numbers of a precision, as 32-bit numbers that hold them exactly.
@@ -19,8 +23,8 @@ pub struct Rounded {
 /// How far rounded numbers are from the originals; all zero for 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct RoundingError {
-    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halfs have 11 bits. It is at
-    /// most 2^-11 = 4.9e-4 unless numbers were clamped.
+    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halfs have 11 bits. Unless numbers
+    /// were clamped it is at most 2^-11 = 4.9e-4, and where they were chosen together 2^-10.
     pub relative: f64,
     /// The largest |rounded - x| of smaller numbers, between which halfs are 2^-24 = 6.0e-8 apart.
     pub absolute_of_small: f64,
@@ -28,9 +32,22 @@ pub struct RoundingError {
     pub clamped: u64,
     /// Numbers nearer to zero than to any half, which became the smallest half of their sign.
     pub raised: u64,
+    /// How far the lobes of the table moved, where the texture is one of a table's and has 16 bits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Displacement>,
 }
 
 impl RoundingError {
+    /// Counts a number that became another.
+    fn add(&mut self, x: f32, rounded: f32) {
+        let (exact, apart) = (f64::from(x).abs(), (f64::from(rounded) - f64::from(x)).abs());
+        if x.abs() >= f16::MIN_POSITIVE.to_f32_const() {
+            self.relative = self.relative.max(apart / exact);
+        } else {
+            self.absolute_of_small = self.absolute_of_small.max(apart);
+        }
+    }
+
     /// That of two sets of numbers together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
@@ -39,6 +56,13 @@ impl RoundingError {
             absolute_of_small: self.absolute_of_small.max(other.absolute_of_small),
             clamped: self.clamped + other.clamped,
             raised: self.raised + other.raised,
+            // Textures of one table tell the same.
+            displacement: match (self.displacement, other.displacement) {
+                (Some(one), Some(other)) => {
+                    Some(Displacement { mean: one.mean.max(other.mean), max: one.max.max(other.max) })
+                }
+                (one, other) => one.or(other),
+            },
         }
     }
 }
@@ -55,6 +79,27 @@ pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
     Rounded { precision, numbers: rounded, error }
 }
 
+/// Rounds the numbers of a texture. With halfs, numbers that were chosen together are taken as they are, if they are
+/// next to what the texture holds.
+#[must_use]
+pub(super) fn round_texture(texture: &Texture, precision: Precision) -> Rounded {
+    let chosen = texture.halfs.as_ref().filter(|_| precision == Precision::F16);
+    let Some(chosen) = chosen else { return round(&texture.texels, precision) };
+    let mut error = RoundingError { displacement: Some(chosen.displacement), ..RoundingError::default() };
+    let pairs = texture.texels.iter().zip(&chosen.numbers);
+    let numbers = pairs.map(|(x, half)| take_half(*x, *half, &mut error)).collect();
+    Rounded { precision, numbers, error }
+}
+
+/// The half that was chosen for a number, or the nearest where that is not one of its two neighbours.
+fn take_half(x: f32, half: f32, error: &mut RoundingError) -> f32 {
+    if neighbours(x).1 != Some(half) {
+        return round_to_half(x, error);
+    }
+    error.add(x, half);
+    half
+}
+
 fn round_to_half(x: f32, error: &mut RoundingError) -> f32 {
     let nearest = f16::from_f32_const(x);
     let rounded = if nearest.is_infinite() {
@@ -66,12 +111,7 @@ fn round_to_half(x: f32, error: &mut RoundingError) -> f32 {
     } else {
         nearest.to_f32_const()
     };
-    let (exact, apart) = (f64::from(x).abs(), (f64::from(rounded) - f64::from(x)).abs());
-    if x.abs() >= f16::MIN_POSITIVE.to_f32_const() {
-        error.relative = error.relative.max(apart / exact);
-    } else {
-        error.absolute_of_small = error.absolute_of_small.max(apart);
-    }
+    error.add(x, rounded);
     rounded
 }
 

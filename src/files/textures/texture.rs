@@ -1,5 +1,7 @@
 //! Numbers as a renderer has them: a 2D texture, an array of these, or a 3D texture.
 
+use super::halfs::Halfs;
+
 /// Most texels along one side.
 const MOST_TEXELS: u32 = 1 << 16;
 
@@ -20,6 +22,9 @@ pub struct Texture {
     pub channels: Vec<String>,
     /// The numbers: channel fastest, then x, y, z, layer.
     pub texels: Vec<f32>,
+    /// What they become in 16 bits where numbers of different texels or channels belong together; `None` where each is
+    /// rounded to the nearest half.
+    pub halfs: Option<Halfs>,
 }
 
 /// Why numbers are no texture.
@@ -71,6 +76,16 @@ pub enum TextureError {
         /// Channels.
         channels: usize,
     },
+    /// More or fewer halfs than numbers.
+    #[error("«{name}»: halfs has {actual} numbers, texels {expected}")]
+    Halfs {
+        /// The texture.
+        name: String,
+        /// Halfs that there are.
+        actual: usize,
+        /// Numbers that there are.
+        expected: usize,
+    },
     /// A number that is infinite or NaN.
     #[error("«{name}»: texels[{index}] is {value}; only finite numbers are allowed")]
     NotFinite {
@@ -109,7 +124,7 @@ impl Texture {
         texels: Vec<f32>,
     ) -> Result<Self, TextureError> {
         let channels = channels.iter().map(|&channel| channel.to_owned()).collect();
-        let texture = Self { name: name.into(), width, height, depth, layers, channels, texels };
+        let texture = Self { name: name.into(), width, height, depth, layers, channels, texels, halfs: None };
         texture.check()?;
         Ok(texture)
     }
@@ -151,6 +166,9 @@ impl Texture {
                 channels,
             });
         }
+        if let Some(halfs) = self.halfs.as_ref().filter(|halfs| halfs.numbers.len() != actual) {
+            return Err(TextureError::Halfs { name: name(), actual: halfs.numbers.len(), expected: actual });
+        }
         match self.texels.iter().position(|x| !x.is_finite()) {
             None => Ok(()),
             Some(index) => Err(TextureError::NotFinite { name: name(), index, value: self.texels[index].to_string() }),
@@ -181,9 +199,14 @@ impl Texture {
         let Some(places) = channels.iter().map(place).collect::<Option<Vec<_>>>() else {
             return Err(TextureError::Channels { name: self.name.clone(), channels: self.channels.clone() });
         };
-        let texels = self.texels.chunks_exact(self.channels.len());
-        let texels = texels.flat_map(|texel| places.iter().map(|place| texel[*place])).collect();
-        Self::new(self.name.clone(), [self.width, self.height, self.depth], self.layers, channels, texels)
+        let taken = |numbers: &[f32]| -> Vec<f32> {
+            let texels = numbers.chunks_exact(self.channels.len());
+            texels.flat_map(|texel| places.iter().map(|place| texel[*place])).collect()
+        };
+        let sides = [self.width, self.height, self.depth];
+        let only = Self::new(self.name.clone(), sides, self.layers, channels, taken(&self.texels))?;
+        let halfs = self.halfs.as_ref().map(|halfs| Halfs { numbers: taken(&halfs.numbers), ..*halfs });
+        Ok(Self { halfs, ..only })
     }
 }
 
@@ -197,6 +220,7 @@ fn is_identifier(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::textures::Displacement;
 
     fn planted() -> Texture {
         Texture::new("LTC_1", [2, 3, 1], 2, &["a", "b"], (0_u8..24).map(f32::from).collect()).expect("a texture")
@@ -205,7 +229,7 @@ mod tests {
     #[test]
     fn each_fault_is_named() {
         type Change = fn(&mut Texture);
-        let changes: [(Change, &str); 9] = [
+        let changes: [(Change, &str); 10] = [
             (|t| t.name = "../x".to_owned(), "name is «../x»"),
             (|t| t.name = String::new(), "name is «»"),
             (|t| t.width = 0, "width is 0"),
@@ -213,6 +237,10 @@ mod tests {
             (|t| t.channels.clear(), "channels are []"),
             (|t| t.channels[1] = "a".to_owned(), r#"channels are ["a", "a"]"#),
             (|t| t.height = 4, "texels has 24 numbers; 2 x 4 x 1 texels, 2 layers and 2 channels take 32"),
+            (
+                |t| t.halfs = Some(Halfs { numbers: vec![0.0; 3], displacement: Displacement::default() }),
+                "halfs has 3 numbers, texels 24",
+            ),
             (|t| t.texels[5] = f32::NAN, "texels[5] is NaN"),
             (|t| t.texels[0] = f32::NEG_INFINITY, "texels[0] is -inf"),
         ];
@@ -236,6 +264,10 @@ mod tests {
     fn channels_are_taken_by_name() {
         let only = planted().only(&["b"]).expect("a channel");
         assert_eq!(only.texels, planted().texels.iter().copied().skip(1).step_by(2).collect::<Vec<_>>());
+        let numbers: Vec<f32> = (0_u8..24).map(|i| -f32::from(i)).collect();
+        let halfs = Some(Halfs { numbers, displacement: Displacement { mean: 0.1, max: 0.2 } });
+        let only = Texture { halfs, ..planted() }.only(&["b"]).expect("a channel").halfs.expect("halfs");
+        assert_eq!((only.numbers[11], only.displacement.max), (-23.0, 0.2));
         assert!(planted().only(&["c"]).is_err());
         assert_eq!(planted().slices().count(), 2);
     }

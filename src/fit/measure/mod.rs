@@ -22,7 +22,7 @@ use serde::Serialize;
 
 pub use accuracy::{Accuracy, Spread, TermError, Worst};
 pub use difference::{Difference, Gap, difference};
-pub use effort::{MOST_POINTS, report_points};
+pub use effort::{MOST_POINTS, ReportPoints, report_points};
 pub use extremes::{Corner, extremes};
 pub use figures::GoOn;
 pub use floors::{Floors, Moved};
@@ -33,7 +33,7 @@ use crate::fit::{Configuration, PerAxis, Table};
 use figures::Figures;
 
 /// Version of the report. Raised whenever the same table gets another report.
-pub const REPORT_VERSION: u32 = 4;
+pub const REPORT_VERSION: u32 = 5;
 
 /// How good a table is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,21 +50,33 @@ pub struct Report {
     pub floors: Floors,
 }
 
-/// Measures a table at up to `points` nodes and at `points` configurations between them.
+/// Measures a table at up to as many nodes, and at as many configurations between them, as `points` says.
 ///
 /// `range` is the range that was asked for on each axis; floors may have moved the table's nodes. Runs on the current
 /// rayon pool; its size changes nothing. Domain: a table with at least one node on each axis, finite numbers.
 #[must_use]
-pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: usize) -> Report {
-    let places = Places::of(table, points);
+pub fn report(table: &Table, range: &PerAxis<[f64; 2]>, points: impl Into<ReportPoints>) -> Report {
+    let places = Places::of(table, points.into());
     places.report(&figures::all(table, &places.all), table, range)
 }
 
 /// As [`report`]; `None` as soon as `go_on`, which is asked every few milliseconds, says no.
 #[must_use]
-pub fn report_while(go_on: &GoOn, table: &Table, range: &PerAxis<[f64; 2]>, points: usize) -> Option<Report> {
-    let places = Places::of(table, points);
+pub fn report_while(
+    go_on: &GoOn,
+    table: &Table,
+    range: &PerAxis<[f64; 2]>,
+    points: impl Into<ReportPoints>,
+) -> Option<Report> {
+    let places = Places::of(table, points.into());
     Some(places.report(&figures::all_while(go_on, table, &places.all)?, table, range))
+}
+
+/// The errors at `points` configurations between nodes alone, as parts of the lobe's width: `between.width` of a
+/// [`report`] with as many. Domain: as of [`report`], and at least one point.
+#[must_use]
+pub fn width_between(table: &Table, points: usize) -> Spread {
+    Accuracy::of(&figures::all(table, &places::between(&table.axes, points))).width
 }
 
 /// Nodes, and after them configurations between nodes: both are measured in one run, so that threads are busy to the end.
@@ -74,10 +86,10 @@ struct Places {
 }
 
 impl Places {
-    fn of(table: &Table, points: usize) -> Self {
-        let mut all = places::nodes(&table.axes, points);
+    fn of(table: &Table, points: ReportPoints) -> Self {
+        let mut all = places::nodes(&table.axes, points.nodes);
         let nodes = all.len();
-        all.extend(places::between(&table.axes, points));
+        all.extend(places::between(&table.axes, points.between));
         Self { all, nodes }
     }
 

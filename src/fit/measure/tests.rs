@@ -103,7 +103,7 @@ fn a_table_without_terms_has_no_error_of_terms() {
 #[test]
 fn points_grow_with_the_fit_between_their_bounds() {
     let points =
-        |resolution, samples, directions| report_points(&recipe(resolution, samples, directions, Solver::Bfgs));
+        |resolution, samples, directions| report_points(&recipe(resolution, samples, directions, Solver::Bfgs)).nodes;
     assert_eq!(points([2; 4], 64, 4), 8);
     assert_eq!(points([64, 64, 64, 7], 2048, 48), MOST_POINTS);
     let (draft, paper) = (points([8; 4], 128, 8), points([8; 4], 512, 24));
@@ -113,14 +113,32 @@ fn points_grow_with_the_fit_between_their_bounds() {
         fit: FitSettings { steps: 10_000, ..recipe([8; 4], 128, 8, Solver::Sgd).fit },
         ..recipe([8; 4], 128, 8, Solver::Sgd)
     });
-    assert_eq!(sgd, MOST_POINTS);
+    assert_eq!(sgd, ReportPoints::from(MOST_POINTS));
     // All phi of an isotropic surface share one fit.
     let isotropic = Recipe {
         range: PerAxis { ratio: [1.0, 1.0], ..recipe([8; 4], 512, 24, Solver::Bfgs).range },
         ..recipe([64, 1, 64, 8], 512, 24, Solver::Bfgs)
     };
-    let shared = report_points(&isotropic);
+    let shared = report_points(&isotropic).nodes;
     assert!(shared.abs_diff(points([64, 2, 32, 1], 512, 24)) <= shared / 20, "{shared}");
+}
+
+/// A few bad places must not make the figure that files state, and a fit of milliseconds need not wait for them.
+#[test]
+fn between_nodes_there_are_many_places_where_the_fit_takes_long_enough() {
+    let points = |side: u32, samples, directions| {
+        let layout = Layout::Ltc2017;
+        let range = layout.only_ranges().expect("one domain");
+        report_points(&Recipe { layout, range, ..recipe([side, 1, side, 1], samples, directions, Solver::Bfgs) })
+    };
+    let (engines, coarse, tiny) = (points(64, 256, 16), points(32, 256, 16), points(2, 64, 4));
+    assert!((engines.between, coarse.between) == (512, 512) && coarse.nodes < engines.nodes, "{engines:?} {coarse:?}");
+    assert!(engines.nodes < 512, "{engines:?}");
+    assert_eq!(tiny, ReportPoints::from(8));
+    let (recipe, table) = small();
+    let found = report(&table, &recipe.range, ReportPoints { nodes: 5, between: 70 });
+    assert_eq!((found.nodes.points, found.between.points), (5, 70));
+    assert_eq!(found.between.width, width_between(&table, 70));
 }
 
 #[test]

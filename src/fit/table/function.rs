@@ -34,7 +34,7 @@ const LEAST_NODES: usize = 32;
 const MEASURED_NODES: u32 = 128;
 
 /// A recipe of the tables that polynomials are found of.
-const RECIPE: &str = r#"{"layout": "reflected", "resolution": {"alpha": 64, "ratio": 1, "theta": 64, "phi": 1}, "range": {"ratio": [1, 1], "phi": [0, 0]}}"#;
+const RECIPE: &str = r#"{"preset": "paper", "layout": "reflected", "resolution": {"alpha": 64, "ratio": 1, "theta": 64, "phi": 1}, "range": {"ratio": [1, 1], "phi": [0, 0]}}"#;
 
 /// Why a table is no function of this kind.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -7,7 +7,7 @@ mod function;
 mod lookup;
 mod smooth;
 
-use super::{axes::PerAxis, brdf::BrdfKind, layout::Layout, lobe::LobeModel};
+use super::{axes::PerAxis, brdf::BrdfKind, layout::Layout, lobe::LobeModel, math::from_row_major};
 
 pub use fold::Configuration;
 #[cfg(test)]
@@ -72,6 +72,17 @@ impl Table {
     #[must_use]
     pub fn matrices(&self) -> &[[f32; 9]] {
         &self.matrix
+    }
+
+    /// The determinant of each stored matrix. Where it is zero or not finite, the matrix makes no distribution; where it is
+    /// negative, a light's winding is reversed.
+    pub(crate) fn determinants(&self) -> impl Iterator<Item = f64> {
+        self.matrix.iter().map(|matrix| from_row_major(&matrix.map(f64::from)).determinant())
+    }
+
+    /// The place of an entry in words, for messages.
+    pub(crate) fn place_of(&self, entry: usize) -> String {
+        self.axes.node(entry).named().map(|(axis, x)| format!("{axis} {x:.4}")).join(", ")
     }
 
     /// Terms, where the table has them.

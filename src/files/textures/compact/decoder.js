@@ -128,8 +128,8 @@ export function decodeTable( bytes ) {
 }
 
 // The textures of a table, RGBA. Layouts `reflected` and `kt2022`: three volumes, x = phi, y = ratio * (nodes of theta) +
-// theta, z = alpha. Layout `ltc2017`: LTC_1 and LTC_2, x = roughness, y = theta; the last channel of LTC_2, which
-// engines may use for lights that are spheres, is 0.
+// theta, z = alpha. Layout `ltc2017`: LTC_1 and LTC_2, x = roughness, y = theta, and for the last channel of
+// LTC_2, the form factor of lights that are spheres, cosine and length.
 export function texturesOf( table ) {
 
 	const { layout, axes, matrix, amplitude, fresnel } = table, entries = matrix.length / 9;
@@ -155,11 +155,24 @@ export function texturesOf( table ) {
 	}
 
 	const size = [ alpha, theta, 1 ], entry = i => ( i % alpha ) * theta + Math.floor( i / alpha );
+	const along = ( i, n ) => i / Math.max( n - 1, 1 );
 	const of = ( i, ...places ) => places.map( place => matrix[ 9 * entry( i ) + place ] );
 	return [
 		texture( 'LTC_1', size, i => of( i, 0, 6, 2, 8 ) ),
-		texture( 'LTC_2', size, i => [ ...terms( entry( i ) ), 0, 0 ] ),
+		texture( 'LTC_2', size, i => [ ...terms( entry( i ) ), 0,
+			clippedFormFactor( 2 * along( i % alpha, alpha ) - 1, along( Math.floor( i / alpha ), theta ) ) ] ),
 	];
+
+}
+
+// What a cap of directions is seen as above the horizon, as a part of what it were straight ahead without one: c is the
+// cosine of its elevation, length that of its vector form factor.
+function clippedFormFactor( c, length ) {
+
+	if ( Math.abs( c ) >= Math.sqrt( length ) ) return Math.max( c, 0 );
+	const cosSigma = Math.sqrt( Math.max( 1 - length, 0 ) ), met = Math.sqrt( Math.max( length - c * c, 0 ) );
+	const seen = Math.atan2( met, - cosSigma * c ) * length * c - cosSigma * met + Math.atan2( met, cosSigma );
+	return Math.max( seen / ( Math.PI * length ), 0 );
 
 }
 

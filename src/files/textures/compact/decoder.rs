@@ -15,7 +15,7 @@ const MOST_ENTRIES: usize = 1 << 20;
 const CEILING: f64 = 0.9999 * std::f64::consts::FRAC_PI_2;
 
 /// The textures of a compact form: `ltc_matrix_a`, `ltc_matrix_b` and `ltc_terms` of layout `reflected`, `LTC_1` and `LTC_2`
-/// of `ltc2017`. The last channel of `LTC_2` is 0.
+/// of `ltc2017`.
 ///
 /// # Errors
 /// Other bytes, and other layouts.
@@ -120,9 +120,21 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
         let middle = (x[0] * z[2] - x[2] * z[0]) / y[1];
         let [m00, m20, m02, m22] = [z[2], -x[2], -z[0], x[0]].map(|number| (number / middle).clamp(-6e4, 6e4));
         put(&mut made[0], texel, [m00.max(1e-30), m20, m02, m22.max(1e-30)]);
-        put(&mut made[1], texel, [terms[0], terms[1], 0.0, 0.0]);
+        put(&mut made[1], texel, [terms[0], terms[1], 0.0, clipped_form_factor(2.0 * roughness - 1.0, v)]);
     }
     Ok(made.into())
+}
+
+/// What a cap of directions is seen as above the horizon, as a part of what it were straight ahead without one: `c` is the
+/// cosine of its elevation, `length` that of its vector form factor.
+fn clipped_form_factor(c: f64, length: f64) -> f64 {
+    if c.abs() >= length.sqrt() {
+        return c.max(0.0);
+    }
+    let cos_sigma = (1.0 - length).max(0.0).sqrt();
+    let met = (length - c * c).max(0.0).sqrt();
+    let seen = met.atan2(-cos_sigma * c) * length * c - cos_sigma * met + met.atan2(cos_sigma);
+    (seen / (std::f64::consts::PI * length)).max(0.0)
 }
 
 /// Takes bytes from the front.

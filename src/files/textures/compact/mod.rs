@@ -103,7 +103,16 @@ impl CompactContainer {
     /// When the table has no such form.
     pub fn files(self, stem: &str, table: &Table, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
         self.check(table)?;
-        let bytes = encode(table)?;
+        self.files_of(stem, encode(table)?, about)
+    }
+
+    /// The files of a compact form that this container holds.
+    pub(super) fn files_of(
+        self,
+        stem: &str,
+        bytes: Vec<u8>,
+        about: &About,
+    ) -> Result<Vec<TextureFile>, CompactFileError> {
         let file = |ending: &str, bytes: Vec<u8>| TextureFile {
             path: format!("{stem}.{ending}"),
             bytes,

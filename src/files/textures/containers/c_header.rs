@@ -9,13 +9,18 @@ use crate::{
 };
 
 /// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halfs.
+///
+/// The guard and the arrays have names of their own for each table and layout, so that headers of several can be included
+/// together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
 pub(super) struct Rules;
 
 impl ContainerRules for Rules {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        let guard =
-            format!("LTCFORGE_{}_H", stem.to_ascii_uppercase().replace(|c: char| !c.is_ascii_alphanumeric(), "_"));
+        let suffix = about.suffix();
+        let guard = format!("ltcforge_{stem}{suffix}_h").to_ascii_uppercase();
+        let guard = guard.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
         let mut text = format!("{}#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n", about.comment());
+        let mut short = String::new();
         for stored in textures {
             let (name, count) = (&stored.texture.name, stored.rounded.numbers.len());
             let upper = name.to_ascii_uppercase();
@@ -26,9 +31,16 @@ impl ContainerRules for Rules {
             // Writing to a String cannot fail.
             let _ = write!(text, "\n// {}\n", stored.described());
             for (side, value) in sides(stored) {
-                let _ = writeln!(text, "#define {upper}_{side} {value}");
+                let _ = writeln!(text, "#define {upper}{suffix}_{side} {value}");
+                let _ = writeln!(short, "#define {upper}_{side} {upper}{suffix}_{side}");
             }
-            let _ = write!(text, "static const {number_type} {name}[{count}] = {{\n{}}};\n", numbers(stored, "f"));
+            let _ =
+                write!(text, "static const {number_type} {name}{suffix}[{count}] = {{\n{}}};\n", numbers(stored, "f"));
+            let _ = writeln!(short, "#define {name} {name}{suffix}");
+        }
+        if !suffix.is_empty() {
+            text += "\n// Define LTCFORGE_LONG_NAMES before headers of several tables are included.\n";
+            text += &format!("#ifndef LTCFORGE_LONG_NAMES\n{short}#endif\n");
         }
         text += "\n#endif\n";
         Ok(one_text(stem, "h", text))

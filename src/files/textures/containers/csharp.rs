@@ -11,13 +11,14 @@ use crate::{
     fit::Precision,
 };
 
-/// One static class `Ltcforge` with all textures: arrays of `float`, or of `ushort` that are the bits of halfs, which is
+/// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of several
+/// tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halfs, which is
 /// what Unity's `Texture2D.SetPixelData` takes.
 pub(super) struct Rules;
 
 impl ContainerRules for Rules {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        let mut text = format!("{}\npublic static class Ltcforge\n{{", about.comment());
+        let mut text = format!("{}\npublic static class Ltcforge{}\n{{", about.comment(), about.suffix());
         for stored in textures {
             let (name, upper) = (&stored.texture.name, stored.texture.name.to_ascii_uppercase());
             let number_type = match stored.rounded.precision {

@@ -4,7 +4,7 @@ use crate::{
     files::textures::{
         about::About,
         file::TextureFileError,
-        rounding::{Rounded, round},
+        rounding::{Rounded, round_texture},
         texture::Texture,
     },
     fit::Precision,
@@ -44,7 +44,7 @@ pub(in crate::files::textures) fn stored(
             return Err(TextureFileError::SameName { name: texture.name.clone() });
         }
     }
-    Ok(textures.iter().map(|texture| Stored { texture, rounded: round(&texture.texels, precision) }).collect())
+    Ok(textures.iter().map(|texture| Stored { texture, rounded: round_texture(texture, precision) }).collect())
 }
 
 /// A file for each texture, named after it.

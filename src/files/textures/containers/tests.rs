@@ -290,6 +290,47 @@ fn a_file_that_holds_several_textures_names_each() {
     }
 }
 
+/// Two tables of one layout, and two layouts, in one program. Rust and JavaScript have modules for that.
+#[test]
+fn code_of_several_tables_can_be_compiled_together() {
+    use crate::files::digest::Digest;
+    let of = |table: &[u8], layout, container: TextureContainer| {
+        let about = About::of_table(Digest::of(table), None, None).of_layout(layout);
+        let texture = planted([2, 3, 1], 1, 4);
+        let mut files = container.files("ltc", &[texture], Precision::F16, &about).expect("a file");
+        String::from_utf8(files.remove(0).bytes).expect("text")
+    };
+    let all = [(b"one", "ltc2017"), (b"two", "ltc2017"), (b"one", "godot")];
+    let sharp = all.map(|(table, layout)| of(table, layout, TextureContainer::CSharp));
+    let classes: std::collections::BTreeSet<&str> =
+        sharp.iter().filter_map(|text| text.lines().find(|line| line.contains("static class"))).collect();
+    assert_eq!(classes.len(), 3, "{classes:?}");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut program = "#define LTCFORGE_LONG_NAMES\n".to_owned();
+    for (i, (table, layout)) in all.into_iter().enumerate() {
+        std::fs::write(folder.path().join(format!("{i}.h")), of(table, layout, TextureContainer::CHeader))
+            .expect("a file");
+        program += &format!("#include \"{i}.h\"\n#include \"{i}.h\"\n");
+    }
+    let digits = Digest::of(b"two").hex()[..8].to_owned();
+    program += &format!("int main(void) {{ return LTC_1_ltc2017_{digits}[LTC_1_ltc2017_{digits}_WIDTH] == 0; }}\n");
+    std::fs::write(folder.path().join("all.c"), program).expect("a file");
+    let short = "#include \"0.h\"\nint main(void) { return LTC_1[LTC_1_WIDTH] == 0; }\n";
+    std::fs::write(folder.path().join("short.c"), short).expect("a file");
+    for name in ["all.c", "short.c"] {
+        let compiled = std::process::Command::new("gcc")
+            .args(["-std=c99", "-Wall", "-Wno-unused-const-variable", "-Werror", "-fsyntax-only", name])
+            .current_dir(folder.path())
+            .output();
+        let Ok(compiled) = compiled else {
+            eprintln!("SKIPPED: no gcc on this machine, so the headers are not compiled");
+            return;
+        };
+        assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    }
+}
+
 #[test]
 fn what_contradicts_itself_is_refused() {
     let texture = planted([2, 2, 1], 1, 4);

@@ -5,7 +5,7 @@
 
 use super::rules::{Bundle, EngineRules, FIRST, SECOND, SIZE, Source, file};
 use crate::{
-    files::textures::{containers::ktx2, file::TextureFileError, texture::Texture},
+    files::textures::{containers::ktx2, file::TextureFileError, halfs::Halfs, texture::Texture},
     fit::Precision,
 };
 
@@ -18,11 +18,14 @@ impl EngineRules for Rules {
     }
 
     fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
-        let mut texels = Vec::new();
-        for name in [FIRST, SECOND] {
-            texels.extend(&source.square(name, SIZE, Precision::F32)?.texture.texels);
-        }
-        let both = Texture::new("ltc", [SIZE, SIZE, 1], 2, &["x", "y", "z", "w"], texels)?;
+        let first = source.square(FIRST, SIZE, Precision::F32)?.texture;
+        let second = source.square(SECOND, SIZE, Precision::F32)?.texture;
+        let texels = [first.texels.as_slice(), &second.texels].concat();
+        let mut both = Texture::new("ltc", [SIZE, SIZE, 1], 2, &["x", "y", "z", "w"], texels)?;
+        both.halfs = first.halfs.as_ref().zip(second.halfs.as_ref()).map(|(first, second)| Halfs {
+            numbers: [first.numbers.as_slice(), &second.numbers].concat(),
+            displacement: first.displacement,
+        });
         let stored = source.stored(&both, Precision::F16)?;
         let bytes = ktx2(&stored, true, source.about)?;
         let steps = [

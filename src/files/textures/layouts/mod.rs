@@ -9,9 +9,13 @@ mod published;
 mod rules;
 mod volumes;
 
-use crate::fit::{Layout, Table, named_list::named_list};
+use crate::fit::{Layout, Precision, Table, named_list::named_list};
 
-use super::texture::Texture;
+use super::{
+    halfs::{Halfs, halved},
+    rounding::round,
+    texture::Texture,
+};
 
 pub use error::NoTextures;
 pub(crate) use rules::TextureRules;
@@ -78,13 +82,19 @@ impl TextureLayout {
         }
     }
 
-    /// The textures of a table.
+    /// The textures of a table. The numbers of a matrix have halfs that were chosen together.
     ///
     /// # Errors
     /// When the table has another layout, or lacks what these textures need; the error names a recipe that has it.
     pub fn textures(self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
         self.check(table)?;
-        self.rules().textures(table)
+        let mut textures = self.rules().textures(table)?;
+        let (halved, displacement) = halved(table);
+        for (texture, halved) in textures.iter_mut().zip(self.rules().textures(&halved)?) {
+            let numbers = round(&halved.texels, Precision::F16).numbers;
+            texture.halfs = Some(Halfs { numbers, displacement });
+        }
+        Ok(textures)
     }
 
     /// Whether the table has these textures.
