@@ -69,7 +69,7 @@ impl About {
     pub(super) fn suffix(&self) -> String {
         let digits = self.table.map(|table| table.hex()[..DIGITS].to_owned());
         let parts = self.layout.map(|layout| layout.replace('-', "_")).into_iter().chain(digits);
-        parts.map(|part| format!("_{part}")).collect()
+        parts.flat_map(|part| ["_".to_owned(), part]).collect()
     }
 
     /// The same, and more lines.

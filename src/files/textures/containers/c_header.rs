@@ -40,7 +40,7 @@ impl ContainerRules for Rules {
         }
         if !suffix.is_empty() {
             text += "\n// Define LTCFORGE_LONG_NAMES before headers of several tables are included.\n";
-            text += &format!("#ifndef LTCFORGE_LONG_NAMES\n{short}#endif\n");
+            let _ = write!(text, "#ifndef LTCFORGE_LONG_NAMES\n{short}#endif\n");
         }
         text += "\n#endif\n";
         Ok(one_text(stem, "h", text))

@@ -311,10 +311,11 @@ fn code_of_several_tables_can_be_compiled_together() {
     for (i, (table, layout)) in all.into_iter().enumerate() {
         std::fs::write(folder.path().join(format!("{i}.h")), of(table, layout, TextureContainer::CHeader))
             .expect("a file");
-        program += &format!("#include \"{i}.h\"\n#include \"{i}.h\"\n");
+        program += &[&format!("#include \"{i}.h\"\n"); 2].map(String::as_str).concat();
     }
     let digits = Digest::of(b"two").hex()[..8].to_owned();
-    program += &format!("int main(void) {{ return LTC_1_ltc2017_{digits}[LTC_1_ltc2017_{digits}_WIDTH] == 0; }}\n");
+    let array = format!("LTC_1_ltc2017_{digits}");
+    program += &["int main(void) { return ", &array, "[", &array, "_WIDTH] == 0; }\n"].concat();
     std::fs::write(folder.path().join("all.c"), program).expect("a file");
     let short = "#include \"0.h\"\nint main(void) { return LTC_1[LTC_1_WIDTH] == 0; }\n";
     std::fs::write(folder.path().join("short.c"), short).expect("a file");
