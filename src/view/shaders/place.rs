@@ -81,7 +81,10 @@ impl Place {
             let class = &part[..part.len() - digits.len()];
             out += sign;
             match digits[..digits.len() - after.len()].parse::<u32>() {
-                Ok(number) => out += &format!("{class}{}{after}", number + u32::from(self.first_binding)),
+                Ok(number) => {
+                    let number = (number + u32::from(self.first_binding)).to_string();
+                    out.extend([class, &number, after]);
+                }
                 Err(_) => out += part,
             }
         }
