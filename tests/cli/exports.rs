@@ -218,8 +218,7 @@ fn engines_get_tables_of_their_layouts() {
             assert_eq!(told["layout"], layout);
             assert!(here.join(engine).join(file).exists(), "{engine}: no {file}");
         }
-        let refused = run(here, ["export", table, "--for", "wgpu", "-o", "none"]).exited(2);
-        assert!(refused.complaints()[0].contains("reflected"), "{}", refused.stderr);
+        run(here, ["export", table, "--for", "wgpu", "-o", "wgpu"]).exited(0);
         let other = if layout == "godot" { "three" } else { "godot" };
         let refused = run(here, ["export", table, "--for", other, "-o", "none"]).exited(2);
         assert!(refused.complaints()[0].contains(layout), "{}", refused.stderr);

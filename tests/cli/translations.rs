@@ -141,7 +141,7 @@ fn several_lights_compile_in_one_shader() {
             format!("{functions}\n{lights}float4 main(float2 place : TEXCOORD0) : SV_Target {{{sum}}}\n")
         } else {
             let end = if language == "glsl" { "layout(location = 0) " } else { "" };
-            let calls: String = calls.iter().map(|call| format!("{{{call}}}\n")).collect();
+            let calls: String = calls.iter().flat_map(|call| ["{", call, "}\n"]).collect();
             format!("{version}\n{functions}\n{end}in vec2 place;\n{end}out vec4 colour;\nvoid main() {{{calls}}}\n")
         };
         let file = if language == "hlsl" { "whole.hlsl" } else { "whole.frag" };

@@ -16,7 +16,7 @@ pub(crate) const SMALL: &str = r#"{"preset":"draft","resolution":{"alpha":2,"rat
 
 /// Enough entries for several shards and a few seconds.
 pub(crate) const LARGE: &str = r#"{"preset":"draft","resolution":{"alpha":8,"ratio":8,"theta":8,"phi":4},
-    "fit":{"samples":64,"directions":4,"steps":8}}"#;
+    "fit":{"samples":128,"directions":8,"steps":8}}"#;
 
 /// Far more entries than any test waits for.
 pub(crate) const ENDLESS: &str = r#"{"preset":"best","resolution":{"alpha":16,"ratio":16,"theta":16,"phi":16}}"#;

@@ -99,7 +99,7 @@ fn what_a_table_cannot_serve_names_the_recipe_that_does() {
     for (digest, name, recipe) in [
         (&own, "three", "ltc2017"),
         (&own, "godot.exr.f32", "godot"),
-        (&isotropic, "wgpu", "reflected"),
+        (&isotropic, "hdrp", "hdrp"),
         // Of the right layout, and not 64 x 64.
         (&isotropic, "babylon", "ltc2017"),
     ] {

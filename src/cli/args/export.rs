@@ -38,8 +38,7 @@ pub struct ExportChoice {
     #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), requires = "out")]
     pub engine: Option<Engine>,
     /// Write textures of this layout, in a format of one's own choice
-    #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine",
-        required_if_eq_any(TextureContainer::ALL.iter().map(|container| ("container", container.name()))))]
+    #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine")]
     pub layout: Option<String>,
     /// The files' format; those that begin with «compact» hold the table itself in a few kilobytes, in its own layout
     #[arg(long, value_name = "NAME", value_parser = containers(), requires = "out", conflicts_with = "engine")]

@@ -214,7 +214,6 @@ mod tests {
             "ltcforge export table --for unity -o out",
             "ltcforge export table --for three --layout kt2022 --container ktx2 -o out",
             "ltcforge export table --layout kt2022 -o out",
-            "ltcforge export table --container ktx2 -o out",
             "ltcforge export table --container compact",
             "ltcforge export table --container compact --precision half -o out",
             "ltcforge export table --for three --container compact -o out",
