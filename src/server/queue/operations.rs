@@ -57,12 +57,13 @@ pub trait Queue: Send + Sync + Debug {
     /// When they cannot be stored; then none is, and the leases are still held.
     fn complete(&self, done: &[(Lease, &[u8])]) -> Result<Vec<Result<(), StaleLease>>, StoreError>;
 
-    /// The results of all shards, in order, for the worker that assembles. If results are lost or damaged, their shards
-    /// are queued again, the assembly counts as failed, and the answer is `None`.
+    /// Hands the results of all shards to `take`, in order and few at a time, for the worker that assembles. If results
+    /// are lost or damaged, their shards are queued again, the assembly counts as failed, and the answer is `false`: not
+    /// all were handed over.
     ///
     /// # Errors
     /// When the lease is not the current one, or the database fails.
-    fn results(&self, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError>;
+    fn results(&self, lease: &Lease, take: &mut dyn FnMut(&[u8])) -> Result<bool, LeaseError>;
 
     /// Concludes a job whose table is stored; `with` is committed in the same transaction.
     ///

@@ -14,7 +14,7 @@ use crate::{
         recipe_document::{self, RecipeError},
         textures::{About, Bundle, Export},
     },
-    fit::{self, Expectation, FITTER_VERSION, GoOn, Plan, Solver},
+    fit::{self, Expectation, FITTER_VERSION, FittedEntry, GoOn, Plan, Solver},
     server::queue::NewJob,
 };
 
@@ -36,8 +36,8 @@ pub(super) trait Engine: Send + Sync {
         on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<u8>>, String>;
 
-    /// The canonical file of the table that the results of all shards, in order, make up.
-    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String>;
+    /// Begins to put together the table of a recipe.
+    fn assembly(&self, recipe: &str) -> Result<Box<dyn Assembly>, String>;
 
     /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
@@ -50,6 +50,15 @@ pub(super) trait Engine: Send + Sync {
 
     /// The files of an export of a canonical file, whose manifest tells how good it is.
     fn export(&self, file: &[u8], manifest: &str, export: Export) -> Result<Bundle, ExportFailure>;
+}
+
+/// A table that is put together of its shards' results, which need not be in memory at the same time.
+pub(super) trait Assembly {
+    /// Adds the result of the next shard.
+    fn add(&mut self, result: &[u8]);
+
+    /// The canonical file of the table, or what is wrong with the first result that is none.
+    fn file(self: Box<Self>) -> Result<Vec<u8>, String>;
 }
 
 /// The fitter of this crate.
@@ -95,6 +104,34 @@ fn entries(plan: &Plan, shard: u32) -> usize {
     usize::try_from(range.end - range.start).unwrap_or(usize::MAX)
 }
 
+/// The entries of a plan so far.
+struct FitAssembly {
+    plan: Arc<Plan>,
+    /// The next shard.
+    shard: u32,
+    fitted: Result<Vec<FittedEntry>, String>,
+}
+
+impl Assembly for FitAssembly {
+    fn add(&mut self, result: &[u8]) {
+        let shard = self.shard;
+        self.shard += 1;
+        let Ok(all) = &mut self.fitted else { return };
+        match fit::shard_from_bytes(result, entries(&self.plan, shard)) {
+            Ok(fitted) => all.extend(fitted),
+            Err(error) => self.fitted = Err(format!("shard {shard}: {error}")),
+        }
+    }
+
+    fn file(self: Box<Self>) -> Result<Vec<u8>, String> {
+        let table = fit::assemble(&self.plan, &self.fitted?);
+        let file = container::encode(self.plan.recipe(), &table).map_err(|error| error.to_string())?;
+        // A file that cannot be read back is not stored.
+        container::decode(&file).map_err(|error| error.to_string())?;
+        Ok(file)
+    }
+}
+
 impl Engine for FitEngine {
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError> {
         let parsed = recipe_document::parse(document, entry_limit)?;
@@ -119,17 +156,10 @@ impl Engine for FitEngine {
         Ok(fit::fit_shard(&plan, shard, on_progress).map(|entries| fit::shard_to_bytes(&entries)))
     }
 
-    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
+    fn assembly(&self, recipe: &str) -> Result<Box<dyn Assembly>, String> {
         let plan = self.plan_of(recipe)?;
-        let mut all = Vec::new();
-        for (shard, bytes) in (0..plan.shards()).zip(results) {
-            let fitted = fit::shard_from_bytes(&bytes, entries(&plan, shard));
-            all.extend(fitted.map_err(|error| format!("shard {shard}: {error}"))?);
-        }
-        let file = container::encode(plan.recipe(), &fit::assemble(&plan, &all)).map_err(|error| error.to_string())?;
-        // A file that cannot be read back is not stored.
-        container::decode(&file).map_err(|error| error.to_string())?;
-        Ok(file)
+        let all = Vec::with_capacity((0..plan.shards()).map(|shard| entries(&plan, shard)).sum());
+        Ok(Box::new(FitAssembly { plan, shard: 0, fitted: Ok(all) }))
     }
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {

@@ -146,8 +146,11 @@ impl ServiceState {
     }
 
     fn assemble(&self, task: &LeasedTask, turn: &mut Turn<'_>) -> Result<(), TaskError> {
-        let Some(results) = self.queue.results(&task.lease)? else { return Ok(()) };
-        let file = self.engine.assemble(&task.recipe, results).map_err(TaskError::Failed)?;
+        let mut parts = self.engine.assembly(&task.recipe).map_err(TaskError::Failed)?;
+        if !self.queue.results(&task.lease, &mut |result| parts.add(result))? {
+            return Ok(());
+        }
+        let file = parts.file().map_err(TaskError::Failed)?;
         // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
         let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
         // The table is measured by other threads.

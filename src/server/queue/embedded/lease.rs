@@ -111,26 +111,25 @@ impl EmbeddedQueue {
         Ok(answers)
     }
 
-    pub(super) fn all_results(&self, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
+    pub(super) fn all_results(&self, lease: &Lease, take: &mut dyn FnMut(&[u8])) -> Result<bool, LeaseError> {
         let id = self.lock().current(lease)?.0.record.job.id;
-        let mut results = Vec::with_capacity(lease.task as usize);
         let mut lost = Vec::new();
         for shard in 0..lease.task {
             match self.rows.get(Tree::Results, &record::task_key(id, shard)) {
-                Ok(Some(result)) => results.push(result),
+                Ok(Some(result)) => take(&result),
                 Ok(None) | Err(StoreError::DamagedRow { .. }) => lost.push(shard),
                 Err(error) => return Err(error.into()),
             }
         }
         if lost.is_empty() {
-            return Ok(Some(results));
+            return Ok(true);
         }
         let mut state = self.lock();
         let error = format!("the results of shards {lost:?} are lost or damaged");
         self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, &error)?;
         if !state.active.contains_key(&lease.submission) {
             // That was its last attempt, and the job has failed.
-            return Ok(None);
+            return Ok(false);
         }
         for shard in lost {
             let waiting = TaskState::new();
@@ -140,7 +139,7 @@ impl EmbeddedQueue {
             self.commit(&mut state, Ok(batch))?;
             self.set(&mut state, &Lease { task: shard, ..*lease }, waiting);
         }
-        Ok(None)
+        Ok(false)
     }
 
     pub(super) fn finish_job(&self, lease: &Lease, table: Digest, with: Batch) -> Result<(), LeaseError> {

@@ -41,8 +41,8 @@ impl Queue for EmbeddedQueue {
         self.complete_shards(done)
     }
 
-    fn results(&self, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
-        self.all_results(lease)
+    fn results(&self, lease: &Lease, take: &mut dyn FnMut(&[u8])) -> Result<bool, LeaseError> {
+        self.all_results(lease, take)
     }
 
     fn finish(&self, lease: &Lease, table: Digest, with: Batch) -> Result<(), LeaseError> {

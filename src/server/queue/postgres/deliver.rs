@@ -87,11 +87,10 @@ impl Shared {
         Ok(answers)
     }
 
-    pub(super) fn results(&self, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
+    pub(super) fn results(&self, lease: &Lease, take: &mut dyn FnMut(&[u8])) -> Result<bool, LeaseError> {
         let (submission, task, attempt) = fence(lease);
-        let (mut results, mut lost) = (Vec::with_capacity(lease.task as usize), Vec::new());
-        while results.len() + lost.len() < lease.task as usize {
-            let from = i32::try_from(results.len() + lost.len()).unwrap_or(i32::MAX);
+        let (mut from, mut lost) = (0, Vec::new());
+        while from < task {
             let page: Option<Vec<Row>> = self.database.run(async |client| {
                 if client
                     .query_opt(IS_CURRENT, &[&submission, &task, &attempt])
@@ -108,24 +107,25 @@ impl Shared {
             if page.is_empty() {
                 return Err(StoreError::Database(format!("tasks of submission {submission} are missing")).into());
             }
-            for (expected, row) in (from..).zip(page) {
-                if row.get::<_, i32>(0) != expected {
+            for row in page {
+                if row.get::<_, i32>(0) != from {
                     return Err(
-                        StoreError::Database(format!("task {expected} of submission {submission} is missing")).into()
+                        StoreError::Database(format!("task {from} of submission {submission} is missing")).into()
                     );
                 }
                 let sealed = row.get::<_, bool>(1).then(|| row.get::<_, Option<&[u8]>>(2)).flatten();
                 match sealed.and_then(unseal) {
-                    Some(result) => results.push(result),
-                    None => lost.push(row.get::<_, i32>(0)),
+                    Some(result) => take(&result),
+                    None => lost.push(from),
                 }
+                from += 1;
             }
         }
         if lost.is_empty() {
-            return Ok(Some(results));
+            return Ok(true);
         }
         failing::lose_results(self, lease, &lost)?;
-        Ok(None)
+        Ok(false)
     }
 
     pub(super) fn finish(&self, lease: &Lease, table: Digest, with: &Batch) -> Result<(), LeaseError> {

@@ -16,7 +16,7 @@ use crate::{
     server::{
         queue::{
             Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted,
-            TaskKind,
+            TaskKind, tests::world::results,
         },
         store::{Batch, Database, throwaway},
     },
@@ -95,7 +95,7 @@ fn a_result_that_comes_after_its_lease_is_refused() {
     assert_eq!(late.fail(&lost.lease, "late"), Err(StaleLease));
     assert_eq!(other.complete(&[(again.lease, b"in time")]).unwrap(), [Ok(())]);
     let assembly = eventually(|| lease(other));
-    assert_eq!(other.results(&assembly.lease).unwrap().unwrap(), [b"in time"]);
+    assert_eq!(results(other, &assembly.lease).unwrap().unwrap(), [b"in time"]);
     assert_eq!(other.failures(), (1, 1));
 }
 
@@ -194,7 +194,7 @@ fn work(queue: &PostgresQueue, jobs: &[JobId], completed: &Mutex<Vec<(JobId, u32
                     }
                 }
                 TaskKind::Assemble => {
-                    let Ok(Some(results)) = queue.results(&task.lease) else { continue };
+                    let Ok(Some(results)) = results(queue, &task.lease) else { continue };
                     let wanted = (0..40).map(|n| format!("{}/{n}", task.recipe).into_bytes());
                     assert_eq!(results, wanted.collect::<Vec<_>>());
                     match queue.finish(&task.lease, Digest::of(task.recipe.as_bytes()), Batch::default()) {

@@ -3,7 +3,7 @@
 mod forgetting;
 mod model;
 mod sharing;
-mod world;
+pub(super) mod world;
 
 macro_rules! in_world {
     ($world:ty: $($suite:ident::$test:ident),* $(,)?) => {

@@ -11,7 +11,7 @@ use proptest::{
     test_runner::{TestCaseResult, TestRunner},
 };
 
-use super::world::World;
+use super::world::{World, results};
 use crate::{
     files::digest::Digest,
     server::{
@@ -187,7 +187,7 @@ impl<W: World> Run<W> {
                 Ok(answer?)
             }
             TaskKind::Assemble => {
-                let results = self.world.queue().results(&leased.lease)?.expect("no result was damaged");
+                let results = results(self.world.queue(), &leased.lease)?.expect("no result was damaged");
                 let wanted: Vec<_> = (0..SHARDS).map(|n| format!("{}/{n}", leased.recipe).into_bytes()).collect();
                 assert_eq!(results, wanted, "every shard's own result, once");
                 self.world.queue().finish(&leased.lease, Digest::of(leased.recipe.as_bytes()), Batch::default())

@@ -5,7 +5,7 @@ use std::{
     time::Duration,
 };
 
-use super::world::{World, complete, submit, task, tasks};
+use super::world::{World, complete, results, submit, task, tasks};
 use crate::server::queue::{Demand, LeasedTask, Limits, Offer, StaleLease};
 
 const LIMITS: Limits =
@@ -84,5 +84,5 @@ pub(super) fn several_results_have_an_answer_each<W: World>() {
     assert_eq!(queue.complete(&done).unwrap(), answers, "each is taken once");
     assert_eq!(queue.complete(&done).unwrap(), [Err(StaleLease); 5]);
     assert_eq!(queue.job(id).unwrap().unwrap().entries_done, 3);
-    assert_eq!(queue.results(&task(queue).lease).unwrap().unwrap(), [b"result"; 3]);
+    assert_eq!(results(queue, &task(queue).lease).unwrap().unwrap(), [b"result"; 3]);
 }

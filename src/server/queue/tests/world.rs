@@ -19,7 +19,7 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue, Submitted,
+            Demand, JobId, Lease, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue, Submitted,
             embedded::{Clock, EmbeddedQueue},
         },
         store::{Tree, memory::MemoryRows},
@@ -127,6 +127,13 @@ pub(super) fn tasks(queue: &dyn Queue, demand: Demand, most: usize) -> Vec<Lease
 #[track_caller]
 pub(super) fn task(queue: &dyn Queue) -> LeasedTask {
     tasks(queue, Demand::Any, 1).pop().expect("a task")
+}
+
+/// The results that are handed to a worker that assembles; `None` if some are lost.
+pub(in crate::server::queue) fn results(queue: &dyn Queue, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
+    let mut results = Vec::new();
+    let complete = queue.results(lease, &mut |result| results.push(result.to_vec()))?;
+    Ok(complete.then_some(results))
 }
 
 /// Stores the result of a shard.

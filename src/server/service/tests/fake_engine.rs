@@ -6,7 +6,7 @@ use std::{
     sync::{Arc, Condvar, Mutex},
 };
 
-use super::super::engine::Engine;
+use super::super::engine::{Assembly, Engine};
 use crate::{
     files::{
         container::TableFileError,
@@ -75,6 +75,18 @@ impl Shared {
 /// A recipe is `NAME SHARDS`; its table is `TABLE NAME SHARDS` and its shards' names.
 pub(super) struct FakeEngine(pub(super) Arc<Shared>);
 
+struct FakeAssembly(Vec<u8>);
+
+impl Assembly for FakeAssembly {
+    fn add(&mut self, result: &[u8]) {
+        self.0.extend(result);
+    }
+
+    fn file(self: Box<Self>) -> Result<Vec<u8>, String> {
+        Ok(self.0)
+    }
+}
+
 impl Engine for FakeEngine {
     fn plan(&self, document: &[u8], _entry_limit: u64) -> Result<NewJob, RecipeError> {
         let refuse = || RecipeError::Json("NAME SHARDS".to_owned());
@@ -123,8 +135,8 @@ impl Engine for FakeEngine {
         Ok(Some(format!(" {shard}").into_bytes()))
     }
 
-    fn assemble(&self, recipe: &str, results: Vec<Vec<u8>>) -> Result<Vec<u8>, String> {
-        Ok([format!("TABLE {recipe}").into_bytes(), results.concat()].concat())
+    fn assembly(&self, recipe: &str) -> Result<Box<dyn Assembly>, String> {
+        Ok(Box::new(FakeAssembly(format!("TABLE {recipe}").into_bytes())))
     }
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
