@@ -1,8 +1,9 @@
-// The nodes of a table's axes in a uniform, for languages without storage buffers: at most 1024 of them.
+// The nodes of a table's axes in a uniform, for languages without storage buffers: at most 512 of them. Of the 224 vectors
+// that WebGL 2 grants a fragment shader at least, that leaves 96.
 
 struct LtcNodes {
     /// Four to a vector.
-    four: array<vec4<f32>, 256>,
+    four: array<vec4<f32>, 128>,
 }
 
 @group(0) @binding(1) var<uniform> ltc_nodes: LtcNodes;

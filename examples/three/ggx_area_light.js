@@ -103,7 +103,7 @@ export async function loadTable( address, loader ) {
 	if ( ! answer.ok ) throw new Error( `${ address }ltc.json: ${ answer.status }` );
 	const { textures, ltc_table, ltc_nodes } = await answer.json();
 	const [ ltc_matrix_a, ltc_matrix_b, ltc_terms ] = await Promise.all( textures.map( ( path ) => loader.loadAsync( address + path ) ) );
-	const four = new Float32Array( 1024 );
+	const four = new Float32Array( 512 );
 	four.set( [ 'alpha', 'ratio', 'theta', 'phi' ].flatMap( ( axis ) => ltc_nodes[ axis ] ) );
 	const uniforms = { ltc_table, ltc_nodes: { four }, ltc_matrix_a, ltc_matrix_b, ltc_terms };
 	return Object.fromEntries( Object.entries( uniforms ).map( ( [ name, value ] ) => [ name, { value } ] ) );

@@ -120,7 +120,7 @@ fn included_bindings(language: Language, filter: Filter, place: &Place) -> Strin
         }
         Language::Glsl330 | Language::GlslEs => {
             "\
-  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 256 x vec4, four nodes each, 0 after
+  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
             the last; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
         }
         Language::Hlsl => {
@@ -164,7 +164,7 @@ pub(super) fn header(language: Language, layout: Layout) -> String {
 #[cfg(feature = "shaders")]
 pub(super) fn table_include_header(language: Language, layout: Layout, filter: Filter, place: &Place) -> String {
     let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
-    let table = bound_table(if is_loose { "uniform of f32, at most 1024" } else { NODES_IN_STORAGE });
+    let table = bound_table(if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE });
     let bindings = included_bindings(language, filter, place);
     commented(&format!("{}{USE}\n{table}{bindings}\n\n{}", about(layout), check(layout)))
 }
