@@ -67,11 +67,11 @@ fn errors_are_those_of_the_weight() {
         (_, WeightRule::Mean) => [0.006, 0.04, 0.2],
     };
     for (seed, count, roughness) in [
-        (11, 4000, Roughness::All),
-        (12, 3000, Roughness::All),
-        (13, 3000, Roughness::All),
-        (14, 3000, Roughness::Anisotropic),
-        (15, 2000, Roughness::Anisotropic),
+        (11, 3000, Roughness::All),
+        (12, 2000, Roughness::All),
+        (13, 1000, Roughness::All),
+        (14, 2500, Roughness::Anisotropic),
+        (15, 1500, Roughness::Anisotropic),
     ] {
         for (rule, energy, fresnel) in errors(seed, count, roughness) {
             for (found, limit) in energy.into_iter().zip(limits(roughness, rule)) {
@@ -160,7 +160,7 @@ fn f32_tells_the_same_as_f64() {
 #[test]
 fn lights_of_any_size_are_right() {
     let mut draw = Draw::new(61);
-    let cases: Vec<Lit> = (0..3000).map(|_| draw.lit_by(Roughness::Extreme, [0.0005, 50.0])).collect();
+    let cases: Vec<Lit> = (0..1200).map(|_| draw.lit_by(Roughness::Extreme, [0.0005, 50.0])).collect();
     let error = |lit: &Lit| {
         let wanted = truth_within(1e-6, &lit.at, &lit.light(Sides::Two)).expect("a surface");
         [WeightRule::Fan, WeightRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())

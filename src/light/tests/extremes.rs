@@ -17,14 +17,17 @@ use crate::{
 };
 
 fn energy(lit: &Lit, sides: Sides) -> f64 {
-    by_normals(&lit.at, &lit.light(sides), WeightRule::Fan).expect("a surface").energy
+    energy_by(lit, sides, WeightRule::Fan)
+}
+
+fn energy_by(lit: &Lit, sides: Sides, rule: WeightRule) -> f64 {
+    by_normals(&lit.at, &lit.light(sides), rule).expect("a surface").energy
 }
 
 /// The same as shaders compute it.
-fn energy_in_f32(lit: &Lit) -> f64 {
+fn energy_in_f32(lit: &Lit, sides: Sides, rule: WeightRule) -> f64 {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
-    let [energy, _] =
-        reflected(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices, Sides::Two, WeightRule::Fan);
+    let [energy, _] = reflected(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices, sides, rule);
     f64::from(energy)
 }
 
@@ -85,31 +88,34 @@ fn a_mirror_within_a_light_reflects_all_of_it() {
 /// over pi. The weight changes as fast.
 #[test]
 fn small_steps_make_small_changes() {
-    const STEP: f64 = 1e-4;
-    let steps = |lit: &Lit| energy(lit, Sides::Two);
-    for (energy, digits) in [(&steps as &(dyn Fn(&Lit) -> f64 + Sync), "f64"), (&energy_in_f32, "f32")] {
+    for rule in WeightRule::ALL {
+        let by_rule = |by: fn(&Lit, Sides, WeightRule) -> f64| move |lit: &Lit| by(lit, Sides::Two, *rule);
         for roughness in [Roughness::All, Roughness::Anisotropic] {
-            let steepest = Draw::many(51 + roughness as u64, 4000, roughness)
-                .par_iter()
-                .enumerate()
-                .map(|(i, lit)| {
-                    let mut draw = Draw::new(i as u64);
-                    let turn = DQuat::from_axis_angle(draw.vector().normalize(), STEP);
-                    let mut moved = lit.clone();
-                    moved.vertices.iter_mut().for_each(|v| *v = turn * *v);
-                    let mut turned = lit.clone();
-                    turned.at.phi += STEP;
-                    let mut raised = lit.clone();
-                    raised.at.theta = (raised.at.theta - STEP).max(0.0);
-                    let per_step = lit.at.alpha_x.min(lit.at.alpha_y) / STEP;
-                    let slopes = [moved, turned, raised].map(|other| (energy(&other) - energy(lit)).abs() * per_step);
-                    slopes.into_iter().fold(0.0, f64::max)
-                })
-                .reduce(|| 0.0, f64::max);
-            println!("{roughness:?}, {digits}: changes by {steepest:.2} step / alpha at most");
-            assert!(steepest < 2.0, "{roughness:?}, {digits}: {steepest}");
+            for (digits, energy) in [("f64", by_rule(energy_by)), ("f32", by_rule(energy_in_f32))] {
+                let steepest = steepest_step(roughness, &energy);
+                println!("{rule}, {roughness:?}, {digits}: changes by {steepest:.2} step / alpha at most");
+                assert!(steepest < 2.0, "{rule}, {roughness:?}, {digits}: {steepest}");
+            }
         }
     }
+}
+
+/// The largest change in steps of 1e-4 over the step and 1 / alpha: of the light, of the surface around its normal, of the view.
+fn steepest_step(roughness: Roughness, energy: &(dyn Fn(&Lit) -> f64 + Sync)) -> f64 {
+    const STEP: f64 = 1e-4;
+    let slope = |(i, lit): (usize, &Lit)| {
+        let turn = DQuat::from_axis_angle(Draw::new(i as u64).vector().normalize(), STEP);
+        let mut moved = lit.clone();
+        moved.vertices.iter_mut().for_each(|v| *v = turn * *v);
+        let mut turned = lit.clone();
+        turned.at.phi += STEP;
+        let mut raised = lit.clone();
+        raised.at.theta = (raised.at.theta - STEP).max(0.0);
+        let per_step = lit.at.alpha_x.min(lit.at.alpha_y) / STEP;
+        let slopes = [moved, turned, raised].map(|other| (energy(&other) - energy(lit)).abs() * per_step);
+        slopes.into_iter().fold(0.0, f64::max)
+    };
+    Draw::many(51 + roughness as u64, 4000, roughness).par_iter().enumerate().map(slope).reduce(|| 0.0, f64::max)
 }
 
 /// Steps through a light: where f32 and f64 numbers change sides of a test, nothing jumps.

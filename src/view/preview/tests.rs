@@ -1,5 +1,6 @@
 //! The two renderers against each other and against independent references.
 
+mod closed_form;
 mod lookups;
 mod planted;
 mod polygons;

@@ -1,0 +1,30 @@
+//! How near the closed form comes to the truth in whole pictures.
+
+use super::*;
+use crate::{
+    light::LightModel,
+    view::preview::{Mode, NamedScene, PanelError, Scene},
+};
+
+/// Scenes of `docs/normals.md`, with the largest mean error on each of their surfaces.
+const LIMITS: [(NamedScene, f64); 4] = [
+    (NamedScene::Sphere, 2e-4),
+    (NamedScene::Figure14, 2e-4),
+    (NamedScene::BrushedFloor, 8e-4),
+    (NamedScene::Horizon, 25e-4),
+];
+
+#[test]
+fn in_pictures_the_closed_form_is_near_the_truth() {
+    let (mut preview, table) = (renderers().swap_remove(0), shader_table(TexelFormat::F32));
+    for (named, most) in LIMITS {
+        let scene = Scene { size: 96, spp: 4096, mode: Mode::Difference, model: LightModel::Normals, ..named.scene() };
+        let errors = preview.render(&table, &scene, &|| false).expect("a picture").errors;
+        assert_eq!(errors.len(), scene.materials.len());
+        for PanelError { alpha_x, alpha_y, mean_absolute, mean_radiance, .. } in errors {
+            let what = format!("{} {alpha_x} {alpha_y}", named.name());
+            assert!(mean_absolute <= most, "{what}: {mean_absolute}, more than {most}");
+            assert!(mean_radiance > 0.03, "{what} is dark: {mean_radiance}");
+        }
+    }
+}
