@@ -82,11 +82,12 @@ test: packages browser cluster
 test-native:
 	CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS='-C target-cpu=native' $(CARGO) test --locked -p ltcforge-library-test
 
-# Each feature by itself: code that another one hides must not be missed.
+# Each feature by itself: code that another one hides must not be missed. What `server` hides, `cli` and `cluster` show, which
+# have it without each other.
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	@set -e; for feature in '' shaders render server textures client cli cluster; do \
+	@set -e; for feature in '' shaders render textures client cli cluster; do \
 		echo "features: $${feature:-none}"; \
 		$(CARGO) clippy --locked --no-default-features --features "$$feature" -- -D warnings; \
 	done
@@ -110,6 +111,7 @@ bench: packages cluster
 	$(CARGO) bench --locked -p ltcforge-benches --bench preview
 	$(CARGO) bench --locked -p ltcforge-benches --bench service
 	$(CARGO) bench --locked -p ltcforge-benches --bench cluster
+	$(CARGO) bench --locked -p ltcforge-benches --bench hosts
 
 clean:
 	$(CARGO) clean
