@@ -6,22 +6,20 @@
 
 use std::{
     num::NonZeroUsize,
-    path::Path,
     thread,
     time::{Duration, Instant},
 };
 
-use ltcforge::{
-    files::recipe_document::DEFAULT_ENTRY_LIMIT,
-    server::{
-        queue::{JobId, StateName},
-        service::{Config, PictureLimits, Service, Shared, SubmitReply},
-    },
-    view::preview::Adapter,
+use ltcforge::server::{
+    queue::{JobId, StateName},
+    service::{Service, Shared, SubmitReply},
 };
 
+mod default_config;
 #[path = "../src/server/store/postgres/throwaway.rs"]
 mod throwaway;
+
+use default_config::config;
 
 /// Turns of each.
 const TURNS: u32 = 5;
@@ -30,20 +28,8 @@ const JOBS: u32 = 4;
 /// Bytes of tables that a process keeps in its folder.
 const CACHE_BYTES: u64 = 16 << 20;
 
-fn config(folder: &Path, threads: usize) -> Config {
-    Config {
-        data_dir: folder.to_owned(),
-        workers: NonZeroUsize::new(threads).expect("at least one"),
-        queue_limit: 64,
-        entry_limit: DEFAULT_ENTRY_LIMIT,
-        job_seconds: 86_400,
-        keep_ended: None,
-        lease_ttl: Duration::from_secs(60),
-        max_attempts: 3,
-        adapter: Adapter::Cpu,
-        export_bytes: 0,
-        pictures: PictureLimits::default(),
-    }
+fn workers(threads: usize) -> NonZeroUsize {
+    NonZeroUsize::new(threads).expect("at least one")
 }
 
 /// A default table of its own.
@@ -59,7 +45,7 @@ fn submit(service: &Service, recipe: &str) -> JobId {
 
 fn wait(service: &Service, id: JobId, is_there: fn(StateName) -> bool) {
     while !service.job(id).expect("an answer").is_some_and(|found| is_there(found.job.state.name())) {
-        thread::sleep(Duration::from_millis(5));
+        thread::sleep(Duration::from_millis(20));
     }
 }
 
@@ -93,10 +79,10 @@ fn main() {
     let blobs = format!("file://{}", folder.path().join("tables").display());
     let shared = Shared { database: database(), blobs: blobs.clone(), cache_bytes: CACHE_BYTES };
     let open = |shared: &Shared, name: &str, threads, works| {
-        Service::open_shared(config(&folder.path().join(name), threads), shared, works).expect("a service")
+        Service::open_shared(config(&folder.path().join(name), workers(threads)), shared, works).expect("a service")
     };
 
-    let embedded = Service::open(config(&folder.path().join("embedded"), 2)).expect("a service");
+    let embedded = Service::open(config(&folder.path().join("embedded"), workers(2))).expect("a service");
     let cluster = open(&shared, "cluster", 2, true);
     seconds(&embedded, 0..1);
     seconds(&cluster, 0..1);

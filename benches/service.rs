@@ -25,10 +25,13 @@ use ltcforge::{
     fit::{Plan, fit_plan},
     server::{
         http::{Options, serve},
-        service::{Config, PictureLimits, Service},
+        service::Service,
     },
-    view::preview::Adapter,
 };
+
+mod default_config;
+
+use default_config::config;
 
 /// Turns of each.
 const JOBS: u32 = 7;
@@ -161,19 +164,7 @@ fn compare(name: &str, unit: &str, [plain, service]: [Vec<f64>; 2]) {
 fn main() {
     let folder = tempfile::tempdir().expect("a folder");
     let workers = thread::available_parallelism().expect("cores");
-    let service = Service::open(Config {
-        data_dir: folder.path().to_owned(),
-        workers,
-        queue_limit: 64,
-        entry_limit: DEFAULT_ENTRY_LIMIT,
-        job_seconds: 86_400,
-        keep_ended: None,
-        lease_ttl: Duration::from_secs(60),
-        max_attempts: 3,
-        adapter: Adapter::Cpu,
-        export_bytes: 0,
-        pictures: PictureLimits::default(),
-    });
+    let service = Service::open(config(folder.path(), workers));
     let service = service.expect("a service");
     let runtime = tokio::runtime::Runtime::new().expect("a runtime");
     let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).expect("a port");

@@ -18,10 +18,7 @@ use super::{
 };
 use crate::{
     fit::FITTER_VERSION,
-    server::{
-        queue::StateName,
-        service::{Metrics, PictureCounts, ServiceError},
-    },
+    server::service::{Metrics, PictureCounts, ServiceError},
 };
 
 const OPENAPI: &str = include_str!("../../../openapi.yaml");
@@ -76,7 +73,7 @@ fn exposition(metrics: &Metrics) -> String {
     let mut text = String::from("# HELP ltcforge_jobs Jobs by state.\n# TYPE ltcforge_jobs gauge\n");
     for (state, count) in &metrics.jobs {
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "ltcforge_jobs{{state=\"{}\"}} {count}", label(*state));
+        let _ = writeln!(text, "ltcforge_jobs{{state=\"{}\"}} {count}", state.text());
     }
     text.push_str("# HELP ltcforge_pictures_total Pictures since the start, except those served from memory.\n");
     text.push_str("# TYPE ltcforge_pictures_total counter\n");
@@ -105,19 +102,10 @@ fn exposition(metrics: &Metrics) -> String {
     text
 }
 
-fn label(state: StateName) -> &'static str {
-    match state {
-        StateName::Queued => "queued",
-        StateName::Running => "running",
-        StateName::Done => "done",
-        StateName::Failed => "failed",
-        StateName::Cancelled => "cancelled",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::server::queue::StateName;
 
     #[test]
     fn every_metric_has_its_line() {

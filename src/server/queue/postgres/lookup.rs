@@ -60,17 +60,6 @@ pub(super) fn job(row: &Row) -> Result<Job, StoreError> {
     })
 }
 
-/// A state as it is stored.
-fn name(state: StateName) -> &'static str {
-    match state {
-        StateName::Queued => "queued",
-        StateName::Running => "running",
-        StateName::Done => "done",
-        StateName::Failed => "failed",
-        StateName::Cancelled => "cancelled",
-    }
-}
-
 impl Shared {
     pub(super) fn job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
         Ok(self.job_now(id)?.map(|(job, _)| job))
@@ -99,7 +88,7 @@ impl Shared {
                 return client.query(&client.prepare_cached(&all).await?, &[&before, &rows_wanted]).await;
             };
             let of_state = format!("{COLUMNS} WHERE state = $3 AND submission < $1 ORDER BY submission DESC LIMIT $2");
-            client.query(&client.prepare_cached(&of_state).await?, &[&before, &rows_wanted, &name(state)]).await
+            client.query(&client.prepare_cached(&of_state).await?, &[&before, &rows_wanted, &state.text()]).await
         })?;
         let page = &rows[..limit.min(rows.len())];
         let next =
@@ -113,7 +102,7 @@ impl Shared {
             client.query(&client.prepare_cached(count).await?, &[]).await
         })?;
         let count = |state: StateName| {
-            let row = rows.iter().find(|row| row.get::<_, &str>(0) == name(state));
+            let row = rows.iter().find(|row| row.get::<_, &str>(0) == state.text());
             (state, row.map_or(0, |row| row.get::<_, i64>(1).cast_unsigned()))
         };
         Ok(StateName::ALL.map(count).to_vec())
