@@ -44,7 +44,8 @@ pub trait Queue: Send + Sync + Debug {
     /// after process ended one is leased at a time.
     fn lease(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer;
 
-    /// Records the entries done so far and renews the lease, which need not be durable.
+    /// Records the entries done so far and renews the lease, which need not be durable. Nothing waits for it: while the queue
+    /// is writing, this may do nothing.
     ///
     /// # Errors
     /// When the lease is not the current one; the worker then stops.

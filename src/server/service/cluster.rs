@@ -62,9 +62,10 @@ pub struct Shared {
 
 impl Shared {
     pub(super) fn open(&self, config: &Config, access: Access) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
-        let database = Database::open(&self.database.0)?;
         let cache = config.data_dir.join("cache");
-        Ok((database, Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?)))
+        // First, so that a mistake in its URL leaves the database as it was.
+        let blobs = Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?);
+        Ok((Database::open(&self.database.0)?, blobs))
     }
 }
 

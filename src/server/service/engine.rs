@@ -1,6 +1,7 @@
 //! The fitter as the service uses it.
 
 use std::{
+    collections::VecDeque,
     ops::ControlFlow,
     sync::{Arc, Mutex, PoisonError},
 };
@@ -64,17 +65,19 @@ pub(super) trait Assembly {
 /// The fitter of this crate.
 #[derive(Debug, Default)]
 pub(super) struct FitEngine {
-    /// The plan of the recipe that was used last. Shards of one job mostly follow each other.
-    latest: Mutex<Option<(String, Arc<Plan>)>>,
+    /// The plans of the recipes that were used last, the latest first.
+    latest: Mutex<VecDeque<(String, Arc<Plan>)>>,
 }
+
+/// Plans that are kept, at most: jobs take turns shard by shard.
+const PLANS: usize = 16;
 
 impl FitEngine {
     fn plan_of(&self, document: &str) -> Result<Arc<Plan>, String> {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((of, plan)) = latest.as_ref()
-            && of == document
-        {
-            return Ok(Arc::clone(plan));
+        if let Some(found) = latest.iter().position(|(of, _)| of == document) {
+            latest.make_contiguous()[..=found].rotate_right(1);
+            return Ok(Arc::clone(&latest[0].1));
         }
         // It was checked when it was submitted.
         let parsed = recipe_document::parse_stored(document.as_bytes())
@@ -87,7 +90,8 @@ impl FitEngine {
             ));
         }
         let plan = Arc::new(Plan::new(&parsed));
-        *latest = Some((document.to_owned(), Arc::clone(&plan)));
+        latest.push_front((document.to_owned(), Arc::clone(&plan)));
+        latest.truncate(PLANS);
         Ok(plan)
     }
 }

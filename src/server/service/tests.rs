@@ -237,6 +237,24 @@ fn a_small_job_is_done_while_a_long_one_has_all_workers() {
     assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
 }
 
+/// A worker whose table is measured by other threads fits meanwhile.
+#[test]
+fn a_small_job_is_done_while_a_table_is_measured() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    shared.set(|b| b.endless_measure = Some("large 1".to_owned()));
+    let engine = Box::new(FakeEngine(Arc::clone(&shared)));
+    let config = Config { workers: NonZeroUsize::MIN, ..config(dir.path()) };
+    let service = Service::open_with(config, Store::open(dir.path()).unwrap(), engine).unwrap();
+    let (large, _) = submit(&service, "large 1");
+    shared.wait_for_manifests(1);
+    fitted(&service, "small 3");
+    assert_eq!(service.job(large).unwrap().unwrap().job.state, JobState::Running);
+    shared.set(|b| b.endless_measure = None);
+    assert!(matches!(end_of(&service, large), JobState::Done { .. }));
+    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
+}
+
 /// However many shards wait in the middle, a small job is begun, goes on and ends; and all stop at once.
 #[test]
 fn a_small_job_is_done_while_many_long_ones_wait_for_their_turns() {

@@ -19,7 +19,12 @@ const SLICE: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub(super) struct Turns {
     state: Mutex<State>,
+    /// A turn is free.
     changed: Condvar,
+    /// One of the threads that ask has leased.
+    leased: Condvar,
+    /// Something is to be done by one of those that sleep.
+    idle: Condvar,
     /// Threads that work at once.
     at_once: usize,
     /// How often a thread that waits renews its lease.
@@ -39,35 +44,31 @@ struct State {
     asking: Asking,
 }
 
-/// The threads that ask for a task. One of them leases for all.
+/// The threads that ask for a task. One of them leases for all. While there is none, one of them waits for the queue and the
+/// others sleep: woken together, they would hold up each other and the threads that work.
 #[derive(Debug, Default)]
 struct Asking {
     threads: usize,
     /// Whether one of them is leasing now.
     is_leasing: bool,
-    /// How often one of them has begun to.
+    /// Whether one of them is waiting for the queue now.
+    is_waiting: bool,
+    /// How often one of them has begun to lease.
     rounds: u64,
-    /// The last round that found nothing, and what it saw.
-    nothing: Option<(u64, u64)>,
+    /// The last round that found nothing.
+    nothing: u64,
     /// Leased tasks that no thread has taken yet.
     tasks: VecDeque<LeasedTask>,
-}
-
-/// What a thread that asked for a task gets.
-#[derive(Debug)]
-pub(super) enum Asked {
-    /// A task.
-    Task(Box<LeasedTask>),
-    /// None is available; the generation of the queue that was seen.
-    Nothing(u64),
-    /// The queue is closed.
-    Closed,
+    /// Whether the queue is closed.
+    is_closed: bool,
 }
 
 /// The turns of a thread during one task.
 #[derive(Debug)]
 pub(super) struct Turn<'a> {
     turns: &'a Turns,
+    /// Whether its task counts as worked on.
+    is_busy: bool,
     /// Whether it works now.
     works: bool,
     since: Instant,
@@ -76,26 +77,43 @@ pub(super) struct Turn<'a> {
 
 impl Turns {
     pub(super) fn new(at_once: usize, renewal: Duration) -> Self {
-        Self { state: Mutex::default(), changed: Condvar::new(), at_once, renewal }
+        Self {
+            state: Mutex::default(),
+            changed: Condvar::new(),
+            leased: Condvar::new(),
+            idle: Condvar::new(),
+            at_once,
+            renewal,
+        }
     }
 
     /// Asks for a task: any while fewer threads have one than may work, else one of a job that no thread works for. Of
-    /// threads that ask at the same time, one calls `lease` for all.
-    pub(super) fn ask(&self, lease: impl Fn(Demand, NonZeroUsize) -> Offer) -> Asked {
+    /// threads that ask at the same time, one calls `lease` for all, and while there is nothing, one calls `wait` with the
+    /// generation of the queue that was seen. `None` when the queue is closed.
+    pub(super) fn ask(
+        &self,
+        lease: impl Fn(Demand, NonZeroUsize) -> Offer,
+        wait: impl Fn(u64),
+    ) -> Option<Box<LeasedTask>> {
         let mut state = self.lock();
-        let arrived = state.asking.rounds;
+        let mut arrived = state.asking.rounds;
         state.asking.threads += 1;
-        let asked = loop {
+        let task = loop {
             if let Some(task) = state.asking.tasks.pop_front() {
-                break Asked::Task(Box::new(task));
+                break Some(Box::new(task));
+            }
+            if state.asking.is_closed {
+                break None;
             }
             if state.asking.is_leasing {
-                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+                state = self.leased.wait(state).unwrap_or_else(PoisonError::into_inner);
                 continue;
             }
             // A round that began before this thread came may have missed what it was woken for.
-            if let Some((_, seen)) = state.asking.nothing.filter(|(round, _)| *round > arrived) {
-                break Asked::Nothing(seen);
+            if state.asking.nothing > arrived && state.asking.is_waiting {
+                state = self.idle.wait(state).unwrap_or_else(PoisonError::into_inner);
+                arrived = state.asking.rounds;
+                continue;
             }
             let free = NonZeroUsize::new(self.at_once.saturating_sub(state.busy).min(state.asking.threads));
             state.asking.rounds += 1;
@@ -105,26 +123,41 @@ impl Turns {
                 lease(if free.is_some() { Demand::Any } else { Demand::Unserved }, free.unwrap_or(NonZeroUsize::MIN));
             state = self.lock();
             state.asking.is_leasing = false;
-            self.changed.notify_all();
+            self.leased.notify_all();
             match offer {
                 Offer::Tasks(tasks) => {
                     state.busy += tasks.len();
+                    (1..tasks.len()).for_each(|_| self.idle.notify_one());
                     state.asking.tasks.extend(tasks);
                 }
                 Offer::Nothing { seen } => {
-                    state.asking.nothing = Some((state.asking.rounds, seen));
-                    break Asked::Nothing(seen);
+                    state.asking.nothing = state.asking.rounds;
+                    if !state.asking.is_waiting {
+                        state.asking.is_waiting = true;
+                        drop(state);
+                        wait(seen);
+                        state = self.lock();
+                        state.asking.is_waiting = false;
+                        arrived = state.asking.rounds;
+                    }
                 }
-                Offer::Closed => break Asked::Closed,
+                Offer::Closed => {
+                    state.asking.is_closed = true;
+                    self.idle.notify_all();
+                }
             }
         };
         state.asking.threads -= 1;
-        asked
+        if !state.asking.is_waiting {
+            // Somebody has to wait for the queue.
+            self.idle.notify_one();
+        }
+        task
     }
 
     /// Begins a task that was offered, as soon as a thread that works lets it. `renew` is called now and then until then.
     pub(super) fn begin(&self, renew: &mut dyn FnMut()) -> Turn<'_> {
-        let mut turn = Turn { turns: self, works: false, since: Instant::now(), waited: Duration::ZERO };
+        let mut turn = Turn { turns: self, is_busy: true, works: false, since: Instant::now(), waited: Duration::ZERO };
         let mut state = self.lock();
         let ticket = state.ticket();
         state.waiting.push_front(ticket);
@@ -192,6 +225,17 @@ impl<'a> Turn<'a> {
         done
     }
 
+    /// After the last work on the task: what is left, such as storing its result, needs no turn, and another task may be
+    /// leased meanwhile.
+    pub(super) fn end(&mut self) {
+        self.give();
+        if self.is_busy {
+            self.is_busy = false;
+            self.turns.lock().busy -= 1;
+            self.turns.idle.notify_one();
+        }
+    }
+
     fn give(&mut self) {
         if self.works {
             self.turns.lock().working -= 1;
@@ -226,7 +270,6 @@ impl<'a> Turn<'a> {
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        self.give();
-        self.turns.lock().busy -= 1;
+        self.end();
     }
 }

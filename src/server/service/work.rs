@@ -8,12 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{
-    TableRow,
-    downloads::ManifestError,
-    state::ServiceState,
-    turns::{Asked, Turn},
-};
+use super::{TableRow, downloads::ManifestError, state::ServiceState, turns::Turn};
 use crate::{
     files::digest::Digest,
     server::{
@@ -48,19 +43,18 @@ impl From<LeaseError> for TaskError {
 /// How long a worker waits after an error that passes, such as a lack of file descriptors.
 const RETRY: Duration = Duration::from_secs(1);
 
+/// How often a worker reports its progress, at most. A queue that is writing holds it up meanwhile.
+const REPORT: Duration = Duration::from_millis(20);
+
 impl ServiceState {
     /// Does tasks until the queue is closed.
     pub(super) fn work(&self, thread: u32) {
-        loop {
-            match self.turns.ask(|demand, most| self.queue.lease(thread, demand, most)) {
-                Asked::Task(task) => {
-                    self.publish_changes();
-                    let mut turn = self.turns.begin(&mut || self.renew(&task, 0));
-                    self.deliver(&task, &mut turn);
-                }
-                Asked::Nothing(seen) => self.queue.wait(seen),
-                Asked::Closed => return,
-            }
+        let lease = |demand, most| self.queue.lease(thread, demand, most);
+        while let Some(task) = self.turns.ask(lease, |seen| self.queue.wait(seen)) {
+            self.publish_changes();
+            let mut turn = self.turns.begin(&mut || self.renew(&task, 0));
+            self.deliver(&task, &mut turn);
+            drop(turn);
             self.publish_changes();
         }
     }
@@ -107,11 +101,19 @@ impl ServiceState {
     fn fit(&self, task: &LeasedTask, shard: u32, turn: &mut Turn<'_>) -> Result<(), TaskError> {
         let mut fitted = 0;
         let (started, waited) = (Instant::now(), turn.waited());
+        let mut reported = None;
         let mut on_progress = |done: u64| {
             self.entries_fitted.fetch_add(done.saturating_sub(fitted), Ordering::Relaxed);
             fitted = done;
             turn.pass(&mut || self.renew(task, done));
-            if self.is_stopping() || self.queue.progress(&task.lease, done).is_err() {
+            if self.is_stopping() {
+                return ControlFlow::Break(());
+            }
+            if reported.is_some_and(|at: Instant| at.elapsed() < REPORT) {
+                return ControlFlow::Continue(());
+            }
+            reported = Some(Instant::now());
+            if self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
             // Whoever follows a shared job has it looked at now and then.
@@ -123,6 +125,7 @@ impl ServiceState {
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
                 let seconds = (started.elapsed() + waited).saturating_sub(turn.waited()).as_secs_f64();
+                turn.end();
                 self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, seconds);
                 self.complete(task, &result)?;
             }

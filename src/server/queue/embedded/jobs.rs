@@ -73,7 +73,7 @@ impl EmbeddedQueue {
         state
     }
 
-    fn take_back_expired(&self, state: &mut QueueState) {
+    pub(super) fn take_back_expired(&self, state: &mut QueueState) {
         let now = (self.clock)();
         if state.next_expiry.is_none_or(|expiry| now < expiry) {
             return;

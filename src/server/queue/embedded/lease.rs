@@ -1,6 +1,6 @@
 //! Leasing tasks, renewing leases, and what a worker reports under a lease.
 
-use std::{collections::BTreeMap, num::NonZeroUsize};
+use std::{collections::BTreeMap, num::NonZeroUsize, sync::TryLockError};
 
 use jiff::Timestamp;
 
@@ -80,7 +80,13 @@ impl EmbeddedQueue {
 
     pub(super) fn record_progress(&self, lease: &Lease, entries_done: u64) -> Result<(), StaleLease> {
         let until = self.expiry((self.clock)());
-        let mut state = self.lock();
+        // While a change is written, work goes on: the next report comes soon.
+        let mut state = match self.state.try_lock() {
+            Ok(state) => state,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => return Ok(()),
+        };
+        self.take_back_expired(&mut state);
         let active = state.active.get_mut(&lease.submission).ok_or(StaleLease)?;
         active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.extend(lease.attempt, until)?;
         active.report(lease.task, entries_done);

@@ -41,7 +41,9 @@ pub(super) struct Behaviour {
     pub(super) held: bool,
     /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop, [`MOST_ASKED`] times.
     pub(super) endless: Option<String>,
-    /// Endless fits that asked so often.
+    /// The same for measuring the table of this recipe.
+    pub(super) endless_measure: Option<String>,
+    /// What was endless and asked so often.
     pub(super) gave_up: u32,
 }
 
@@ -64,6 +66,11 @@ impl Shared {
     pub(super) fn wait_for_exports(&self, exports: u32) {
         let behaviour = self.behaviour.lock().unwrap();
         drop(self.changed.wait_while(behaviour, |b| b.exports < exports).unwrap());
+    }
+
+    pub(super) fn wait_for_manifests(&self, manifests: u32) {
+        let behaviour = self.behaviour.lock().unwrap();
+        drop(self.changed.wait_while(behaviour, |b| b.manifests < manifests).unwrap());
     }
 
     pub(super) fn wait_for_begun(&self, fits: u32) {
@@ -168,6 +175,16 @@ impl Engine for FakeEngine {
 
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
         self.0.behaviour.lock().unwrap().manifests += 1;
+        self.0.changed.notify_all();
+        let (recipe, _) = self.recognise(file).unwrap();
+        let mut asked = 0;
+        while self.0.behaviour.lock().unwrap().endless_measure.as_ref() == Some(&recipe) && go_on() {
+            asked += 1;
+            if asked == MOST_ASKED {
+                self.0.behaviour.lock().unwrap().gave_up += 1;
+                break;
+            }
+        }
         Ok(go_on().then(|| format!("of {} bytes", file.len())))
     }
 }

@@ -9,9 +9,11 @@ use object_store::{
     path::Path, signer::Signer,
 };
 
-/// How long a request is tried again, and how long one may take.
+/// How long a request is tried again.
 const RETRY: Duration = Duration::from_secs(8);
-const REQUEST: Duration = Duration::from_secs(30);
+/// How long a store may be silent: until the answer to a request begins, and between two pieces of it. A large answer may
+/// take as long as it keeps coming.
+const SILENCE: Duration = Duration::from_secs(30);
 
 /// The object that shows whether the store can be written.
 const MARK: &str = "ltcforge";
@@ -85,7 +87,7 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
     let (scheme, prefix) = ObjectStoreScheme::parse(&parsed).map_err(|error| bad(error.to_string()))?;
     // reqwest needs to be told which library of cryptography it uses. Who was told before has it already.
     let _ = rustls::crypto::ring::default_provider().install_default();
-    let client = ClientOptions::new().with_timeout(REQUEST).with_connect_timeout(RETRY);
+    let client = ClientOptions::new().with_timeout_disabled().with_read_timeout(SILENCE).with_connect_timeout(RETRY);
     let retry = RetryConfig { retry_timeout: RETRY, ..RetryConfig::default() };
     let failed = |error: Error| bad(error.to_string());
     let (store, signer): (Arc<dyn ObjectStore>, Option<Arc<dyn Signer>>) = match scheme {
