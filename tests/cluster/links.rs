@@ -3,6 +3,7 @@
 use std::{
     net::Ipv4Addr,
     process::{Command, Stdio},
+    time::{Duration, Instant},
 };
 
 use crate::{
@@ -99,6 +100,23 @@ fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
     let far = shared.by(link.address);
     // One that has not got through when it gives up is started again, as by whatever runs it.
     let _worker = eventually("a worker that connects", || Worker::start_by(&by, &far, folder.path(), "60"));
+    let begun = Instant::now();
     let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
     assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
+    for seed in 1.. {
+        if begun.elapsed() >= lossy_time() {
+            break;
+        }
+        let recipe = SMALL.replace("\"steps\":5", &format!("\"steps\":5,\"seed\":{seed}"));
+        let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], &recipe).exited(0);
+        assert_eq!(replica.fit(&recipe), expected.last_line());
+    }
+}
+
+/// How long jobs follow each other on a link that loses packets: as many seconds as `LTCFORGE_TEST_LOSS_SECONDS` says, or
+/// for the time of one long job.
+fn lossy_time() -> Duration {
+    let seconds =
+        std::env::var("LTCFORGE_TEST_LOSS_SECONDS").map_or(0, |text| text.parse().expect("a number of seconds"));
+    Duration::from_secs(seconds)
 }

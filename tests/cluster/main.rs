@@ -25,6 +25,7 @@ use std::{
 use common::{command::ltcforge, server::Server};
 
 /// What the processes of a test share.
+#[derive(Clone)]
 pub(crate) struct Shared {
     pub(crate) database: String,
     pub(crate) blobs: String,

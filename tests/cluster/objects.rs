@@ -1,4 +1,4 @@
-//! An object store that is down, full, broken, or gives other bytes.
+//! An object store that is down, slow, full, broken, or gives other bytes.
 
 use ureq::Agent;
 
@@ -34,7 +34,7 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
     link.set(Link::Answers(500));
     let id = text(&replica.submit(SMALL).with_status(202).json()["id"]).to_owned();
     // Broken, full, down: each must have refused an upload before the next.
-    for next in [Link::Answers(507), Link::Down, Link::Up] {
+    for next in [Link::Answers(507), Link::Down, Link::Slow] {
         let before = link.refused();
         eventually("an upload", || (link.refused() > before).then_some(()));
         let job = replica.get(&format!("/v1/jobs/{id}")).with_status(200).json();
@@ -52,8 +52,9 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
     other.get(&path).with_status(503);
     link.set(Link::Down);
     other.get(&path).with_status(503);
-    link.set(Link::Up);
+    link.set(Link::Slow);
     let whole = other.get(&path).with_status(200);
+    link.set(Link::Up);
     let part = other.request("GET", &path, &[("range", "bytes=1-4")], None).with_status(206);
     assert_eq!(part.body, whole.body[1..5]);
     other.request("GET", &path, &[("if-none-match", &format!("\"{table}\""))], None).with_status(304);

@@ -10,6 +10,7 @@ use std::{
         atomic::{AtomicUsize, Ordering},
     },
     thread,
+    time::Duration,
 };
 
 /// Where a link leads.
@@ -24,6 +25,8 @@ pub(crate) enum Upstream {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Link {
     Up,
+    /// A kilobyte gets through in each direction in a tenth of a second.
+    Slow,
     /// Connections end at once.
     Down,
     /// Connections stay, and nothing gets through until the link is another.
@@ -119,7 +122,7 @@ impl State {
                 self.refused.fetch_add(1, Ordering::Relaxed);
                 client.end();
             }
-            Link::Up | Link::Held => {
+            Link::Up | Link::Slow | Link::Held => {
                 let server = Stream::connect(&upstream)?;
                 self.lock().open.extend([client.another()?, server.another()?]);
                 let (here, there) = (client.another()?, server.another()?);
@@ -151,7 +154,14 @@ impl State {
         while let Ok(count @ 1..) = from.read(&mut bytes) {
             let held = |inner: &mut Inner| inner.link == Link::Held;
             drop(self.changed.wait_while(self.lock(), held).unwrap_or_else(PoisonError::into_inner));
-            if to.write_all(&bytes[..count]).is_err() {
+            let is_slow = self.lock().link == Link::Slow;
+            let written = bytes[..count].chunks(if is_slow { 1000 } else { count }).try_for_each(|piece| {
+                if is_slow {
+                    thread::sleep(Duration::from_millis(100));
+                }
+                to.write_all(piece)
+            });
+            if written.is_err() {
                 break;
             }
         }
@@ -216,11 +226,11 @@ impl Proxy {
         Self { address, state }
     }
 
-    /// Changes the link. Connections that are open go on through a link that is up or held, and end otherwise.
+    /// Changes the link. Connections that are open go on through a link that is up, slow or held, and end otherwise.
     pub(crate) fn set(&self, link: Link) {
         let mut inner = self.state.lock();
         let was = std::mem::replace(&mut inner.link, link);
-        let passes = |link| matches!(link, Link::Up | Link::Held);
+        let passes = |link| matches!(link, Link::Up | Link::Slow | Link::Held);
         if !(passes(was) && passes(link)) {
             inner.open.drain(..).for_each(|stream| stream.end());
         }
