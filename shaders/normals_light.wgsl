@@ -4,8 +4,8 @@
 // Vertices are given relative to the shaded point in its tangent frame, normal +z. The lit side is the one from which
 // they run clockwise. The outline has to be convex; a disk is lit as a polygon of its area.
 
-/// How the weight is averaged: over triangles between the mean normal and each edge, the horizon in four parts; the
-/// weight of the mean normal; triangles of edges split in two, and of the horizon in eight.
+/// How the weight is averaged: over triangles between the mean normal and each edge, the one on or near the horizon in four
+/// parts; the weight of the mean normal; triangles of edges split in two, and of that on or near the horizon in eight.
 const NORMALS_FAN: u32 = 0u;
 const NORMALS_MEAN: u32 = 1u;
 const NORMALS_FINE: u32 = 2u;
@@ -18,14 +18,19 @@ struct NormalsOutline {
     /// Whether the surface cuts it, and how many vertices are above.
     is_cut: bool,
     ups: u32,
-    /// How far it is cut: 0 where it touches the surface, 1 where it is deeper below than an eighth of its height above.
+    /// The number of its edges. The last may be on the horizon or near it: whether it is, and by which share it counts as the
+    /// horizon.
+    edges: u32,
+    is_closed: bool,
     share: f32,
+    /// How many corners before the outline's first that edge is.
+    shift: u32,
     /// Whether it may have more than four vertices. Where a compiler knows that it has not, half of the work on lists falls
     /// away.
     many: bool,
 }
 
-/// An arc along the horizon: its image by the ends at length one and the control point between them, and the normal of
+/// An arc on the horizon or near it: its image by the ends at length one and the control point between them, and the normal of
 /// its plane.
 struct NormalsHorizon {
     begin: vec3<f32>,
@@ -59,50 +64,97 @@ fn normals_crossing(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
 }
 
-/// What of a polygon's outline is above the surface.
+/// What of a polygon's outline is above the surface, and which edge is on the horizon or near it, and by how much.
+///
+/// The weight is zero on the horizon, so an edge there has a rule of its own and more parts, and so has one that is near: whose
+/// higher end is lower than a quarter of the light's height, as far as it is lower than all others. If the light is cut,
+/// the horizon's extent among those of all edges near it decides between the two. So nothing jumps where an edge sets.
 fn normals_outline(vertices: ptr<function, array<vec3<f32>, 8>>, number: u32) -> NormalsOutline {
-    var outline = NormalsOutline(number, 0u, false, 0u, 0.0, number > 4u);
-    var before = normals_get(vertices, number - 1u, outline.many).z > 0.0;
-    var above = 0.0;
-    var below = 0.0;
+    var outline = NormalsOutline(number, 0u, false, 0u, number, false, 0.0, 0u, number > 4u);
+    let last = normals_get(vertices, number - 1u, outline.many);
+    var before = last;
+    var height = 0.0;
+    // Where it crosses the horizon.
+    var rise = vec3(0.0);
+    var sink = vec3(0.0);
     for (var i = 0u; i < number; i++) {
-        let z = normals_get(vertices, i, outline.many).z;
-        let is_up = z > 0.0;
-        above = max(above, z);
-        below = max(below, -z);
-        if (is_up && !before) {
+        let v = normals_get(vertices, i, outline.many);
+        let is_up = v.z > 0.0;
+        let crossing = normals_crossing(before, v);
+        height = max(height, v.z);
+        if (is_up && before.z <= 0.0) {
             outline.start = i;
             outline.is_cut = true;
+            rise = crossing;
+        }
+        if (!is_up && before.z > 0.0) {
+            sink = crossing;
         }
         outline.ups += select(0u, 1u, is_up);
-        before = is_up;
+        before = v;
     }
-    outline.share = min(8.0 * below / max(above, 1e-36), 1.0);
+    var nearest = 0u;
+    var nearness = 0.0;
+    var second = 0.0;
+    var extents = 0.0;
+    before = last;
+    for (var i = 0u; i < number; i++) {
+        let v = normals_get(vertices, i, outline.many);
+        let top = max(before.z, v.z);
+        let near = select(0.0, 1.0 - top / max(0.25 * height, 1e-36), top > 0.0);
+        if (near > 0.0) {
+            let crossing = normals_crossing(before, v);
+            let begin = select(crossing, before, before.z > 0.0);
+            let end = select(crossing, v, v.z > 0.0);
+            extents += near * distance(normals_unit(begin), normals_unit(end));
+            second = max(second, min(near, nearness));
+            // The edge that ends here; the outline's first begins at the vertex before its start, if it is cut.
+            let edge = i + number - outline.start + select(number - 1u, 0u, outline.is_cut);
+            nearest = select(nearest, edge % number, near > nearness);
+            nearness = max(nearness, near);
+        }
+        before = v;
+    }
+    outline.share = nearness - second;
+    outline.is_closed = outline.is_cut || outline.share > 0.0;
+    if (outline.is_cut) {
+        outline.edges = outline.ups + 2u;
+        let horizon = distance(normals_unit(rise), normals_unit(sink));
+        let extent = horizon / max(horizon + extents, 1e-36);
+        let other = outline.share * (1.0 - extent);
+        outline.share = abs(extent - other);
+        nearest = select(nearest, outline.ups + 1u, extent >= other);
+    }
+    outline.shift = select(0u, (nearest + 1u) % outline.edges, outline.is_closed);
     return outline;
 }
 
-/// Corner i of an outline. A cut one begins and ends on the horizon; another begins and ends at vertex 0.
+/// Corner i of an outline. If it is closed, its last edge is the one on or near the horizon.
 fn normals_outline_corner(
     view: NormalsView,
     outline: NormalsOutline,
     vertices: ptr<function, array<vec3<f32>, 8>>,
     i: u32,
 ) -> NormalsCorner {
-    let is_crossing = outline.is_cut && (i == 0u || i == outline.ups + 1u);
-    let at = outline.start + i - select(0u, 1u, outline.is_cut && i > 0u);
+    let turned = i + outline.shift;
+    let k = select(turned, turned - outline.edges, turned >= outline.edges);
+    // A cut outline begins and ends where it crosses the horizon.
+    let is_crossing = outline.is_cut && (k == 0u || k == outline.ups + 1u);
+    let at = outline.start + k - select(0u, 1u, outline.is_cut && k > 0u);
     let before = select(at - 1u, outline.number - 1u, at == 0u);
     let v = normals_get(vertices, select(at, at - outline.number, at >= outline.number), outline.many);
     let u = normals_get(vertices, select(before, before - outline.number, before >= outline.number), outline.many);
     return normals_corner(select(v, normals_crossing(u, v), is_crossing), view);
 }
 
-/// The arc along the horizon that closes an outline which is cut.
+/// The edge on or near the horizon.
 fn normals_horizon(view: NormalsView, begin: NormalsCorner, end: NormalsCorner) -> NormalsHorizon {
     let sum = begin.w + end.w;
     let half = normals_half_cosine(begin, end);
     let control = normals_unstretched(view.wo * half + sum * (0.5 / half), view);
-    let turn = cross(begin.w, end.w - begin.w).z;
-    let across = vec3(0.0, 0.0, select(1.0, -1.0, turn < 0.0));
+    let turn = cross(begin.w, end.w - begin.w);
+    let is_level = begin.w.z == 0.0 && end.w.z == 0.0;
+    let across = select(turn, vec3(0.0, 0.0, select(1.0, -1.0, turn.z < 0.0)), is_level);
     return NormalsHorizon(begin.c, control * inverseSqrt(begin.length * end.length), end.c, across);
 }
 
@@ -132,10 +184,11 @@ fn normals_polygon(
     let is_fine = rule == NORMALS_FINE;
     let edge_parts = select(1u, 2u, is_fine);
     let horizon_parts = select(select(4u, 8u, is_fine), 1u, rule == NORMALS_MEAN);
-    let edges = select(outline.number, outline.ups + 1u, outline.is_cut);
-    let closing_parts = select(0u, horizon_parts, outline.is_cut);
+    // Those but the one on or near the horizon.
+    let edges = outline.edges - select(0u, 1u, outline.is_closed);
+    let closing_parts = select(0u, horizon_parts, outline.is_closed);
     let first = normals_outline_corner(view, outline, vertices, 0u);
-    let horizon = normals_horizon(view, normals_outline_corner(view, outline, vertices, outline.ups + 1u), first);
+    let horizon = normals_horizon(view, normals_outline_corner(view, outline, vertices, edges), first);
 
     // One loop over all parts of all edges: this is the one place where an edge is integrated, which is much code. For
     // each edge, where it ends and what it adds to the integral beyond the plane triangle; the same for its first half.
@@ -144,7 +197,7 @@ fn normals_polygon(
     var half_ends: array<vec3<f32>, 8>;
     var half_curves: array<vec3<f32>, 8>;
     var horizon_curves: array<vec3<f32>, 8>;
-    // What the arc along the horizon, or its second half, and its first half add, and its middle.
+    // What the edge on or near the horizon, or its second half, and its first half add, and its middle.
     var closing = vec3(0.0);
     var half_closing = vec3(0.0);
     var half_end = vec3(0.0);
@@ -165,7 +218,7 @@ fn normals_polygon(
         let apart = to.w - last.w;
         let across = select(cross(last.w, apart), horizon.across, is_closing);
         let exact = normals_exact(view, last.c, c, across, is_closing || dot(last.w, to.w) < 0.9);
-        let is_edge = is_closing || dot(apart, apart) >= 1e-14;
+        let is_edge = select(dot(apart, apart), dot(across, across), is_closing) >= 1e-14;
         let curved = select(vec3(0.0), exact - cross(last.c, c), is_edge);
         flux += curved + cross(last.c - first.c, c - first.c);
         if (is_fine) {
@@ -200,8 +253,7 @@ fn normals_polygon(
     var parts = vec2(at_tip.x, at_tip.x * at_tip.y) * seen;
     if (rule != NORMALS_MEAN) {
         // The triangles between the mean normal and each part of the outline: the exact integral of each, and its weight.
-        // The horizon comes twice: as an edge like the others, which it is where it only touches the light, so that
-        // nothing jumps where an edge sets; and in parts.
+        // The edge on or near the horizon comes twice: as an edge like the others, and in parts.
         var sum = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
         let least_rise = max(0.125 * normals_rise(view, tip), 1e-36);
         // What is seen is positive on the lit side.
@@ -210,7 +262,7 @@ fn normals_polygon(
         let begin = normals_spoke(view, tip, first.c, is_fine);
         var before = begin;
         var setting = begin;
-        for (var i = 0u; i < edges + select(0u, 1u, outline.is_cut); i++) {
+        for (var i = 0u; i < outline.edges; i++) {
             let is_closing = i == edges;
             if (is_closing) {
                 setting = before;
@@ -235,7 +287,7 @@ fn normals_polygon(
             sum = normals_add(view, sum, least_rise, m, counts * dot(flux, sided), mean);
             before = to;
         }
-        // A loop of its own: a driver that runs both sides of a branch skips it where nothing is cut.
+        // A loop of its own: a driver that runs both sides of a branch skips it where no edge is near the horizon.
         before = setting;
         for (var part = 1u; part <= closing_parts; part++) {
             let c = normals_on_horizon(horizon, f32(part) / f32(horizon_parts));

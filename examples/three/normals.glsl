@@ -62,7 +62,10 @@ struct NormalsOutline {
     uint start;
     bool is_cut;
     uint ups;
+    uint edges;
+    bool is_closed;
     float share;
+    uint shift;
     bool many;
 };
 struct NormalsHorizon {
@@ -182,12 +185,12 @@ NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     vec3 row1_ = vec3(off.x, (diagonal.y - rough), off.z);
     vec3 row2_ = vec3(off.y, off.z, (diagonal.z - rough));
     longest = cross(row0_, row1_);
-    vec3 second = cross(row0_, row2_);
+    vec3 second_1 = cross(row0_, row2_);
     vec3 third = cross(row1_, row2_);
     vec3 _e117 = longest;
     vec3 _e119 = longest;
     vec3 _e120 = longest;
-    longest = ((dot(second, second) > dot(_e119, _e120)) ? second : _e117);
+    longest = ((dot(second_1, second_1) > dot(_e119, _e120)) ? second_1 : _e117);
     vec3 _e124 = longest;
     vec3 _e126 = longest;
     vec3 _e127 = longest;
@@ -444,99 +447,205 @@ vec3 normals_crossing(vec3 a_5, vec3 b_5) {
 }
 
 NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
-    NormalsOutline outline = NormalsOutline(0u, 0u, false, 0u, 0.0, false);
-    bool before = false;
-    float above = 0.0;
-    float below = 0.0;
+    NormalsOutline outline = NormalsOutline(0u, 0u, false, 0u, 0u, false, 0.0, 0u, false);
+    vec3 before = vec3(0.0);
+    float height = 0.0;
+    vec3 rise = vec3(0.0);
+    vec3 sink = vec3(0.0);
     uint i_2 = 0u;
     bool local_9 = false;
-    outline = NormalsOutline(number, 0u, false, 0u, 0.0, (number > 4u));
-    bool _e13 = outline.many;
-    vec3 _e14 = normals_get(vertices_1, (number - 1u), _e13);
-    before = (_e14.z > 0.0);
+    bool local_10 = false;
+    uint nearest = 0u;
+    float nearness = 0.0;
+    float second = 0.0;
+    float extents = 0.0;
+    uint i_3 = 0u;
+    bool local_11 = false;
+    outline = NormalsOutline(number, 0u, false, 0u, number, false, 0.0, 0u, (number > 4u));
+    bool _e15 = outline.many;
+    vec3 _e16 = normals_get(vertices_1, (number - 1u), _e15);
+    before = _e16;
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e56 = i_2;
-            i_2 = (_e56 + 1u);
+            uint _e70 = i_2;
+            i_2 = (_e70 + 1u);
         }
         loop_init = false;
-        uint _e25 = i_2;
-        if ((_e25 < number)) {
+        uint _e28 = i_2;
+        if ((_e28 < number)) {
         } else {
             break;
         }
         {
-            uint _e27 = i_2;
-            bool _e29 = outline.many;
-            vec3 _e30 = normals_get(vertices_1, _e27, _e29);
-            float z_4 = _e30.z;
-            bool is_up = (z_4 > 0.0);
-            float _e34 = above;
-            above = max(_e34, z_4);
-            float _e36 = below;
-            below = max(_e36, -(z_4));
+            uint _e30 = i_2;
+            bool _e32 = outline.many;
+            vec3 _e33 = normals_get(vertices_1, _e30, _e32);
+            bool is_up = (_e33.z > 0.0);
+            vec3 _e37 = before;
+            vec3 _e38 = normals_crossing(_e37, _e33);
+            float _e39 = height;
+            height = max(_e39, _e33.z);
             if (is_up) {
-                bool _e41 = before;
-                local_9 = !(_e41);
+                float _e45 = before.z;
+                local_9 = (_e45 <= 0.0);
             } else {
                 local_9 = false;
             }
-            bool _e44 = local_9;
-            if (_e44) {
-                uint _e46 = i_2;
-                outline.start = _e46;
+            bool _e49 = local_9;
+            if (_e49) {
+                uint _e51 = i_2;
+                outline.start = _e51;
                 outline.is_cut = true;
+                rise = _e38;
             }
-            uint _e50 = outline.ups;
-            outline.ups = (_e50 + (is_up ? 1u : 0u));
-            before = is_up;
+            if (!(is_up)) {
+                float _e58 = before.z;
+                local_10 = (_e58 > 0.0);
+            } else {
+                local_10 = false;
+            }
+            bool _e62 = local_10;
+            if (_e62) {
+                sink = _e38;
+            }
+            uint _e64 = outline.ups;
+            outline.ups = (_e64 + (is_up ? 1u : 0u));
+            before = _e33;
         }
     }
-    float _e59 = below;
-    float _e62 = above;
-    outline.share = min(((8.0 * _e59) / max(_e62, 1e-36)), 1.0);
-    NormalsOutline _e68 = outline;
-    return _e68;
+    before = _e16;
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e148 = i_3;
+            i_3 = (_e148 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e82 = i_3;
+        if ((_e82 < number)) {
+        } else {
+            break;
+        }
+        {
+            uint _e84 = i_3;
+            bool _e86 = outline.many;
+            vec3 _e87 = normals_get(vertices_1, _e84, _e86);
+            float _e89 = before.z;
+            float top_1 = max(_e89, _e87.z);
+            float _e92 = height;
+            float near_3 = ((top_1 > 0.0) ? (1.0 - (top_1 / max((0.25 * _e92), 1e-36))) : 0.0);
+            if ((near_3 > 0.0)) {
+                vec3 _e106 = before;
+                vec3 _e107 = normals_crossing(_e106, _e87);
+                vec3 _e108 = before;
+                float _e110 = before.z;
+                vec3 begin_1 = ((_e110 > 0.0) ? _e108 : _e107);
+                vec3 end_1 = ((_e87.z > 0.0) ? _e87 : _e107);
+                float _e118 = extents;
+                vec3 _e119 = normals_unit(begin_1);
+                vec3 _e120 = normals_unit(end_1);
+                extents = (_e118 + (near_3 * distance(_e119, _e120)));
+                float _e124 = second;
+                float _e125 = nearness;
+                second = max(_e124, min(near_3, _e125));
+                uint _e128 = i_3;
+                uint _e131 = outline.start;
+                bool _e137 = outline.is_cut;
+                uint edge_1 = (((_e128 + number) - _e131) + (_e137 ? 0u : (number - 1u)));
+                uint _e140 = nearest;
+                float _e142 = nearness;
+                nearest = ((near_3 > _e142) ? (edge_1 % number) : _e140);
+                float _e145 = nearness;
+                nearness = max(_e145, near_3);
+            }
+            before = _e87;
+        }
+    }
+    float _e151 = nearness;
+    float _e152 = second;
+    outline.share = (_e151 - _e152);
+    bool _e156 = outline.is_cut;
+    if (!(_e156)) {
+        float _e161 = outline.share;
+        local_11 = (_e161 > 0.0);
+    } else {
+        local_11 = true;
+    }
+    bool _e165 = local_11;
+    outline.is_closed = _e165;
+    bool _e167 = outline.is_cut;
+    if (_e167) {
+        uint _e170 = outline.ups;
+        outline.edges = (_e170 + 2u);
+        vec3 _e173 = rise;
+        vec3 _e174 = normals_unit(_e173);
+        vec3 _e175 = sink;
+        vec3 _e176 = normals_unit(_e175);
+        float horizon_1 = distance(_e174, _e176);
+        float _e178 = extents;
+        float extent = (horizon_1 / max((horizon_1 + _e178), 1e-36));
+        float _e184 = outline.share;
+        float other = (_e184 * (1.0 - extent));
+        outline.share = abs((extent - other));
+        uint _e191 = nearest;
+        uint _e193 = outline.ups;
+        nearest = ((extent >= other) ? (_e193 + 1u) : _e191);
+    }
+    uint _e200 = nearest;
+    uint _e204 = outline.edges;
+    bool _e207 = outline.is_closed;
+    outline.shift = (_e207 ? ((_e200 + 1u) % _e204) : 0u);
+    NormalsOutline _e209 = outline;
+    return _e209;
 }
 
-NormalsCorner normals_outline_corner(NormalsView view_11, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_3) {
-    bool local_10 = false;
-    bool local_11 = false;
+NormalsCorner normals_outline_corner(NormalsView view_11, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_4) {
     bool local_12 = false;
+    bool local_13 = false;
+    bool local_14 = false;
+    uint turned = (i_4 + outline_1.shift);
+    uint k = ((turned >= outline_1.edges) ? (turned - outline_1.edges) : turned);
     if (outline_1.is_cut) {
-        if (!((i_3 == 0u))) {
-            local_11 = (i_3 == (outline_1.ups + 1u));
+        if (!((k == 0u))) {
+            local_13 = (k == (outline_1.ups + 1u));
         } else {
-            local_11 = true;
+            local_13 = true;
         }
-        bool _e17 = local_11;
-        local_10 = _e17;
-    } else {
-        local_10 = false;
-    }
-    bool is_crossing = local_10;
-    if (outline_1.is_cut) {
-        local_12 = (i_3 > 0u);
+        bool _e24 = local_13;
+        local_12 = _e24;
     } else {
         local_12 = false;
     }
-    bool _e30 = local_12;
-    uint at = ((outline_1.start + i_3) - (_e30 ? 1u : 0u));
+    bool is_crossing = local_12;
+    if (outline_1.is_cut) {
+        local_14 = (k > 0u);
+    } else {
+        local_14 = false;
+    }
+    bool _e37 = local_14;
+    uint at = ((outline_1.start + k) - (_e37 ? 1u : 0u));
     uint before_2 = ((at == 0u) ? (outline_1.number - 1u) : (at - 1u));
-    vec3 _e47 = normals_get(vertices_2, ((at >= outline_1.number) ? (at - outline_1.number) : at), outline_1.many);
-    vec3 _e54 = normals_get(vertices_2, ((before_2 >= outline_1.number) ? (before_2 - outline_1.number) : before_2), outline_1.many);
-    vec3 _e55 = normals_crossing(_e54, _e47);
-    NormalsCorner _e57 = normals_corner((is_crossing ? _e55 : _e47), view_11);
-    return _e57;
+    vec3 _e54 = normals_get(vertices_2, ((at >= outline_1.number) ? (at - outline_1.number) : at), outline_1.many);
+    vec3 _e61 = normals_get(vertices_2, ((before_2 >= outline_1.number) ? (before_2 - outline_1.number) : before_2), outline_1.many);
+    vec3 _e62 = normals_crossing(_e61, _e54);
+    NormalsCorner _e64 = normals_corner((is_crossing ? _e62 : _e54), view_11);
+    return _e64;
 }
 
 NormalsHorizon normals_horizon(NormalsView view_12, NormalsCorner begin, NormalsCorner end) {
+    bool local_15 = false;
     vec3 sum_4 = (begin.w + end.w);
     float _e6 = normals_half_cosine(begin, end);
     vec3 _e13 = normals_unstretched(((view_12.wo * _e6) + (sum_4 * (0.5 / _e6))), view_12);
-    float turn_1 = cross(begin.w, (end.w - begin.w)).z;
-    vec3 across_3 = vec3(0.0, 0.0, ((turn_1 < 0.0) ? -1.0 : 1.0));
+    vec3 turn_1 = cross(begin.w, (end.w - begin.w));
+    if ((begin.w.z == 0.0)) {
+        local_15 = (end.w.z == 0.0);
+    } else {
+        local_15 = false;
+    }
+    bool is_level = local_15;
+    vec3 across_3 = (is_level ? vec3(0.0, 0.0, ((turn_1.z < 0.0) ? -1.0 : 1.0)) : turn_1);
     return NormalsHorizon(begin.c, (_e13 * inversesqrt((begin.length_ * end.length_))), end.c, across_3);
 }
 
@@ -561,20 +670,19 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
     uint edge = 0u;
     bool is_second = false;
     uint step_ = 0u;
-    bool local_13 = false;
-    bool local_14 = false;
-    NormalsCorner to = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
-    bool local_15 = false;
     bool local_16 = false;
     bool local_17 = false;
+    NormalsCorner to = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
     bool local_18 = false;
     bool local_19 = false;
     bool local_20 = false;
+    bool local_21 = false;
+    bool local_22 = false;
     vec2 parts = vec2(0.0);
     NormalsSum sum_2 = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
     NormalsSpoke before_1 = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
     NormalsSpoke setting = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i_4 = 0u;
+    uint i_5 = 0u;
     uint part = 1u;
     NormalsOutline _e8 = normals_outline(vertices_3, min(max(count, 3u), 8u));
     if ((_e8.ups == 0u)) {
@@ -584,258 +692,253 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
     bool is_fine_3 = (rule == NORMALS_FINE);
     uint edge_parts = (is_fine_3 ? 2u : 1u);
     uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_3 ? 8u : 4u));
-    uint edges = (_e8.is_cut ? (_e8.ups + 1u) : _e8.number);
-    uint closing_parts = (_e8.is_cut ? horizon_parts : 0u);
+    uint edges = (_e8.edges - (_e8.is_closed ? 1u : 0u));
+    uint closing_parts = (_e8.is_closed ? horizon_parts : 0u);
     NormalsCorner _e37 = normals_outline_corner(view_13, _e8, vertices_3, 0u);
-    NormalsCorner _e41 = normals_outline_corner(view_13, _e8, vertices_3, (_e8.ups + 1u));
-    NormalsHorizon _e42 = normals_horizon(view_13, _e41, _e37);
+    NormalsCorner _e38 = normals_outline_corner(view_13, _e8, vertices_3, edges);
+    NormalsHorizon _e39 = normals_horizon(view_13, _e38, _e37);
     arc_start = _e37.c;
     last = _e37;
-    bool loop_init_1 = true;
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_1) {
-            uint _e222 = step_;
-            step_ = (_e222 + 1u);
+        if (!loop_init_2) {
+            uint _e216 = step_;
+            step_ = (_e216 + 1u);
         }
-        loop_init_1 = false;
-        uint _e69 = step_;
-        if ((_e69 < ((edges * edge_parts) + closing_parts))) {
+        loop_init_2 = false;
+        uint _e66 = step_;
+        if ((_e66 < ((edges * edge_parts) + closing_parts))) {
         } else {
             break;
         }
         {
-            uint _e73 = edge;
-            bool is_closing = (_e73 >= edges);
+            uint _e70 = edge;
+            bool is_closing = (_e70 >= edges);
             if (is_fine_3) {
-                bool _e77 = is_second;
-                local_13 = !(_e77);
+                bool _e74 = is_second;
+                local_16 = !(_e74);
             } else {
-                local_13 = false;
+                local_16 = false;
             }
-            bool _e80 = local_13;
-            if (_e80) {
-                local_14 = !(is_closing);
+            bool _e77 = local_16;
+            if (_e77) {
+                local_17 = !(is_closing);
             } else {
-                local_14 = false;
+                local_17 = false;
             }
-            bool is_half = local_14;
-            uint _e86 = edge;
-            NormalsCorner _e89 = normals_outline_corner(view_13, _e8, vertices_3, (_e86 + 1u));
-            to = _e89;
+            bool is_half = local_17;
+            uint _e83 = edge;
+            NormalsCorner _e86 = normals_outline_corner(view_13, _e8, vertices_3, (_e83 + 1u));
+            to = _e86;
             if (is_half) {
-                NormalsCorner _e91 = last;
-                NormalsCorner _e92 = to;
-                NormalsCorner _e94 = normals_between(_e91, _e92, 0.5, view_13);
-                to = _e94;
+                NormalsCorner _e88 = last;
+                NormalsCorner _e89 = to;
+                NormalsCorner _e91 = normals_between(_e88, _e89, 0.5, view_13);
+                to = _e91;
             }
-            uint _e95 = edge;
-            float t_3 = (float(((_e95 + 1u) - edges)) / float(horizon_parts));
-            vec3 _e103 = to.c;
-            vec3 _e104 = normals_on_horizon(_e42, t_3);
-            vec3 c_5 = (is_closing ? _e104 : _e103);
-            vec3 _e107 = to.w;
+            uint _e92 = edge;
+            float t_3 = (float(((_e92 + 1u) - edges)) / float(horizon_parts));
+            vec3 _e100 = to.c;
+            vec3 _e101 = normals_on_horizon(_e39, t_3);
+            vec3 c_5 = (is_closing ? _e101 : _e100);
+            vec3 _e104 = to.w;
+            vec3 _e106 = last.w;
+            vec3 apart = (_e104 - _e106);
             vec3 _e109 = last.w;
-            vec3 apart = (_e107 - _e109);
-            vec3 _e112 = last.w;
-            vec3 across_4 = (is_closing ? _e42.across : cross(_e112, apart));
-            vec3 _e117 = last.c;
+            vec3 across_4 = (is_closing ? _e39.across : cross(_e109, apart));
+            vec3 _e114 = last.c;
             if (!(is_closing)) {
-                vec3 _e122 = last.w;
-                vec3 _e124 = to.w;
-                local_15 = (dot(_e122, _e124) < 0.9);
-            } else {
-                local_15 = true;
-            }
-            bool _e129 = local_15;
-            vec3 _e130 = normals_exact(view_13, _e117, c_5, across_4, _e129);
-            if (!(is_closing)) {
-                local_16 = (dot(apart, apart) >= 1e-14);
-            } else {
-                local_16 = true;
-            }
-            bool is_edge = local_16;
-            vec3 _e140 = last.c;
-            vec3 curved_1 = (is_edge ? (_e130 - cross(_e140, c_5)) : vec3(0.0));
-            vec3 _e146 = flux_1;
-            vec3 _e148 = last.c;
-            flux_1 = (_e146 + (curved_1 + cross((_e148 - _e37.c), (c_5 - _e37.c))));
-            if (is_fine_3) {
-                uint _e157 = edge;
-                normals_put(half_ends, (is_half ? _e157 : 8u), c_5, many_2);
-                uint _e160 = edge;
-                normals_put(half_curves, (is_half ? _e160 : 8u), curved_1, many_2);
-            }
-            uint _e162 = edge;
-            if (!(is_half)) {
-                local_17 = is_closing;
-            } else {
-                local_17 = true;
-            }
-            bool _e168 = local_17;
-            normals_put(ends, (_e168 ? 8u : _e162), c_5, many_2);
-            uint _e170 = edge;
-            if (!(is_half)) {
-                local_18 = is_closing;
+                vec3 _e119 = last.w;
+                vec3 _e121 = to.w;
+                local_18 = (dot(_e119, _e121) < 0.9);
             } else {
                 local_18 = true;
             }
-            bool _e176 = local_18;
-            normals_put(curves, (_e176 ? 8u : _e170), curved_1, many_2);
-            uint _e179 = edge;
-            normals_put(horizon_curves, (is_closing ? (_e179 - edges) : 8u), curved_1, is_fine_3);
-            vec3 _e182 = arc_start;
-            arc_start = (is_closing ? _e182 : c_5);
-            vec3 _e184 = closing;
-            vec3 _e186 = last.c;
-            vec3 _e187 = arc_start;
-            vec3 _e189 = arc_start;
-            closing = (_e184 + (is_closing ? (curved_1 + cross((_e186 - _e187), (c_5 - _e189))) : vec3(0.0)));
+            bool _e126 = local_18;
+            vec3 _e127 = normals_exact(view_13, _e114, c_5, across_4, _e126);
+            bool is_edge = ((is_closing ? dot(across_4, across_4) : dot(apart, apart)) >= 1e-14);
+            vec3 _e134 = last.c;
+            vec3 curved_1 = (is_edge ? (_e127 - cross(_e134, c_5)) : vec3(0.0));
+            vec3 _e140 = flux_1;
+            vec3 _e142 = last.c;
+            flux_1 = (_e140 + (curved_1 + cross((_e142 - _e37.c), (c_5 - _e37.c))));
             if (is_fine_3) {
-                uint _e199 = edge;
-                local_19 = ((_e199 + 1u) == (edges + (horizon_parts / 2u)));
-            } else {
-                local_19 = false;
+                uint _e151 = edge;
+                normals_put(half_ends, (is_half ? _e151 : 8u), c_5, many_2);
+                uint _e154 = edge;
+                normals_put(half_curves, (is_half ? _e154 : 8u), curved_1, many_2);
             }
-            bool _e207 = local_19;
-            if (_e207) {
-                vec3 _e208 = closing;
-                half_closing = _e208;
+            uint _e156 = edge;
+            if (!(is_half)) {
+                local_19 = is_closing;
+            } else {
+                local_19 = true;
+            }
+            bool _e162 = local_19;
+            normals_put(ends, (_e162 ? 8u : _e156), c_5, many_2);
+            uint _e164 = edge;
+            if (!(is_half)) {
+                local_20 = is_closing;
+            } else {
+                local_20 = true;
+            }
+            bool _e170 = local_20;
+            normals_put(curves, (_e170 ? 8u : _e164), curved_1, many_2);
+            uint _e173 = edge;
+            normals_put(horizon_curves, (is_closing ? (_e173 - edges) : 8u), curved_1, is_fine_3);
+            vec3 _e176 = arc_start;
+            arc_start = (is_closing ? _e176 : c_5);
+            vec3 _e178 = closing;
+            vec3 _e180 = last.c;
+            vec3 _e181 = arc_start;
+            vec3 _e183 = arc_start;
+            closing = (_e178 + (is_closing ? (curved_1 + cross((_e180 - _e181), (c_5 - _e183))) : vec3(0.0)));
+            if (is_fine_3) {
+                uint _e193 = edge;
+                local_21 = ((_e193 + 1u) == (edges + (horizon_parts / 2u)));
+            } else {
+                local_21 = false;
+            }
+            bool _e201 = local_21;
+            if (_e201) {
+                vec3 _e202 = closing;
+                half_closing = _e202;
                 half_end = c_5;
                 closing = vec3(0.0);
                 arc_start = c_5;
             }
-            vec3 _e212 = to.w;
-            float _e214 = to.length_;
-            last = NormalsCorner(_e212, c_5, _e214);
-            uint _e216 = edge;
-            edge = (_e216 + (is_half ? 0u : 1u));
+            vec3 _e206 = to.w;
+            float _e208 = to.length_;
+            last = NormalsCorner(_e206, c_5, _e208);
+            uint _e210 = edge;
+            edge = (_e210 + (is_half ? 0u : 1u));
             is_second = is_half;
         }
     }
-    vec3 _e224 = flux_1;
-    float seen_2 = dot(_e224, view_13.stretched);
+    vec3 _e218 = flux_1;
+    float seen_2 = dot(_e218, view_13.stretched);
     float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
     if ((side < 0.0)) {
-        local_20 = !(two_sided);
+        local_22 = !(two_sided);
     } else {
-        local_20 = false;
+        local_22 = false;
     }
-    bool _e238 = local_20;
-    if (_e238) {
+    bool _e232 = local_22;
+    if (_e232) {
         return vec2(0.0);
     }
     float to_part = ((side * 0.3183099) / (view_13.wo.z + view_13.length_));
-    vec3 _e248 = flux_1;
-    vec3 _e250 = normals_unit((_e248 * side));
-    vec2 _e251 = normals_weight(view_13, _e250);
-    parts = (vec2(_e251.x, (_e251.x * _e251.y)) * seen_2);
+    vec3 _e242 = flux_1;
+    vec3 _e244 = normals_unit((_e242 * side));
+    vec2 _e245 = normals_weight(view_13, _e244);
+    parts = (vec2(_e245.x, (_e245.x * _e245.y)) * seen_2);
     if ((rule != NORMALS_MEAN)) {
-        float _e268 = normals_rise(view_13, _e250);
-        float least_rise_1 = max((0.125 * _e268), 1e-36);
+        float _e262 = normals_rise(view_13, _e244);
+        float least_rise_1 = max((0.125 * _e262), 1e-36);
         vec3 sided = (side * view_13.stretched);
-        vec3 _e278 = normals_sample(view_13, _e250);
-        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e278);
-        NormalsSpoke _e281 = normals_spoke(view_13, _e250, _e37.c, is_fine_3);
-        before_1 = _e281;
-        setting = _e281;
-        bool loop_init_2 = true;
-        while(true) {
-            if (!loop_init_2) {
-                uint _e346 = i_4;
-                i_4 = (_e346 + 1u);
-            }
-            loop_init_2 = false;
-            uint _e286 = i_4;
-            if ((_e286 < (edges + (_e8.is_cut ? 1u : 0u)))) {
-            } else {
-                break;
-            }
-            {
-                uint _e293 = i_4;
-                bool is_closing_1 = (_e293 == edges);
-                if (is_closing_1) {
-                    NormalsSpoke _e295 = before_1;
-                    setting = _e295;
-                }
-                float counts = (is_closing_1 ? (1.0 - _e8.share) : 1.0);
-                if (is_fine_3) {
-                    uint _e301 = i_4;
-                    vec3 _e302 = normals_get(half_ends, _e301, many_2);
-                    vec3 _e303 = half_end;
-                    vec3 half_c = (is_closing_1 ? _e303 : _e302);
-                    uint _e305 = i_4;
-                    vec3 _e306 = normals_get(half_curves, _e305, many_2);
-                    vec3 _e307 = half_closing;
-                    vec3 half_curved = (is_closing_1 ? _e307 : _e306);
-                    NormalsSpoke _e309 = normals_spoke(view_13, _e250, half_c, is_fine_3);
-                    NormalsSpoke _e310 = before_1;
-                    vec3 _e311 = normals_flux(_e250, _e310, _e309, half_curved);
-                    vec3 _e312 = normals_centroid(_e311, _e250);
-                    vec3 _e314 = before_1.at_end;
-                    vec2 _e318 = normals_triangle(view_13, _e250, _e312, ((tip_share + _e314) + _e309.at_end), is_fine_3);
-                    NormalsSum _e319 = sum_2;
-                    NormalsSum _e322 = normals_add(view_13, _e319, least_rise_1, _e312, (counts * dot(_e311, sided)), _e318);
-                    sum_2 = _e322;
-                    before_1 = _e309;
-                }
-                uint _e323 = i_4;
-                vec3 _e324 = normals_get(ends, _e323, many_2);
-                vec3 c_6 = (is_closing_1 ? _e37.c : _e324);
-                uint _e327 = i_4;
-                vec3 _e328 = normals_get(curves, _e327, many_2);
-                vec3 _e329 = closing;
-                vec3 curved_2 = (is_closing_1 ? _e329 : _e328);
-                NormalsSpoke _e331 = normals_spoke(view_13, _e250, c_6, is_fine_3);
-                NormalsSpoke _e332 = before_1;
-                vec3 _e333 = normals_flux(_e250, _e332, _e331, curved_2);
-                vec3 _e334 = normals_centroid(_e333, _e250);
-                vec3 _e336 = before_1.at_end;
-                vec2 _e340 = normals_triangle(view_13, _e250, _e334, ((tip_share + _e336) + _e331.at_end), is_fine_3);
-                NormalsSum _e341 = sum_2;
-                NormalsSum _e344 = normals_add(view_13, _e341, least_rise_1, _e334, (counts * dot(_e333, sided)), _e340);
-                sum_2 = _e344;
-                before_1 = _e331;
-            }
-        }
-        NormalsSpoke _e348 = setting;
-        before_1 = _e348;
+        vec3 _e272 = normals_sample(view_13, _e244);
+        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e272);
+        NormalsSpoke _e275 = normals_spoke(view_13, _e244, _e37.c, is_fine_3);
+        before_1 = _e275;
+        setting = _e275;
         bool loop_init_3 = true;
         while(true) {
             if (!loop_init_3) {
-                uint _e376 = part;
-                part = (_e376 + 1u);
+                uint _e336 = i_5;
+                i_5 = (_e336 + 1u);
             }
             loop_init_3 = false;
-            uint _e351 = part;
-            if ((_e351 <= closing_parts)) {
+            uint _e280 = i_5;
+            if ((_e280 < _e8.edges)) {
             } else {
                 break;
             }
             {
+                uint _e283 = i_5;
+                bool is_closing_1 = (_e283 == edges);
+                if (is_closing_1) {
+                    NormalsSpoke _e285 = before_1;
+                    setting = _e285;
+                }
+                float counts = (is_closing_1 ? (1.0 - _e8.share) : 1.0);
+                if (is_fine_3) {
+                    uint _e291 = i_5;
+                    vec3 _e292 = normals_get(half_ends, _e291, many_2);
+                    vec3 _e293 = half_end;
+                    vec3 half_c = (is_closing_1 ? _e293 : _e292);
+                    uint _e295 = i_5;
+                    vec3 _e296 = normals_get(half_curves, _e295, many_2);
+                    vec3 _e297 = half_closing;
+                    vec3 half_curved = (is_closing_1 ? _e297 : _e296);
+                    NormalsSpoke _e299 = normals_spoke(view_13, _e244, half_c, is_fine_3);
+                    NormalsSpoke _e300 = before_1;
+                    vec3 _e301 = normals_flux(_e244, _e300, _e299, half_curved);
+                    vec3 _e302 = normals_centroid(_e301, _e244);
+                    vec3 _e304 = before_1.at_end;
+                    vec2 _e308 = normals_triangle(view_13, _e244, _e302, ((tip_share + _e304) + _e299.at_end), is_fine_3);
+                    NormalsSum _e309 = sum_2;
+                    NormalsSum _e312 = normals_add(view_13, _e309, least_rise_1, _e302, (counts * dot(_e301, sided)), _e308);
+                    sum_2 = _e312;
+                    before_1 = _e299;
+                }
+                uint _e313 = i_5;
+                vec3 _e314 = normals_get(ends, _e313, many_2);
+                vec3 c_6 = (is_closing_1 ? _e37.c : _e314);
+                uint _e317 = i_5;
+                vec3 _e318 = normals_get(curves, _e317, many_2);
+                vec3 _e319 = closing;
+                vec3 curved_2 = (is_closing_1 ? _e319 : _e318);
+                NormalsSpoke _e321 = normals_spoke(view_13, _e244, c_6, is_fine_3);
+                NormalsSpoke _e322 = before_1;
+                vec3 _e323 = normals_flux(_e244, _e322, _e321, curved_2);
+                vec3 _e324 = normals_centroid(_e323, _e244);
+                vec3 _e326 = before_1.at_end;
+                vec2 _e330 = normals_triangle(view_13, _e244, _e324, ((tip_share + _e326) + _e321.at_end), is_fine_3);
+                NormalsSum _e331 = sum_2;
+                NormalsSum _e334 = normals_add(view_13, _e331, least_rise_1, _e324, (counts * dot(_e323, sided)), _e330);
+                sum_2 = _e334;
+                before_1 = _e321;
+            }
+        }
+        NormalsSpoke _e338 = setting;
+        before_1 = _e338;
+        bool loop_init_4 = true;
+        while(true) {
+            if (!loop_init_4) {
+                uint _e366 = part;
+                part = (_e366 + 1u);
+            }
+            loop_init_4 = false;
+            uint _e341 = part;
+            if ((_e341 <= closing_parts)) {
+            } else {
+                break;
+            }
+            {
+                uint _e343 = part;
+                vec3 _e347 = normals_on_horizon(_e39, (float(_e343) / float(horizon_parts)));
+                vec3 _e348 = normals_arc_bend(_e244, _e347);
+                NormalsSpoke to_1 = NormalsSpoke(_e347, _e348, vec3(0.0));
+                NormalsSpoke _e352 = before_1;
                 uint _e353 = part;
-                vec3 _e357 = normals_on_horizon(_e42, (float(_e353) / float(horizon_parts)));
-                vec3 _e358 = normals_arc_bend(_e250, _e357);
-                NormalsSpoke to_1 = NormalsSpoke(_e357, _e358, vec3(0.0));
-                NormalsSpoke _e362 = before_1;
-                uint _e363 = part;
-                vec3 _e366 = normals_get(horizon_curves, (_e363 - 1u), is_fine_3);
-                vec3 _e367 = normals_flux(_e250, _e362, to_1, _e366);
-                vec3 _e368 = normals_centroid(_e367, _e250);
-                vec2 _e369 = normals_horizon_triangle(view_13, _e250, _e251, _e368, is_fine_3);
-                NormalsSum _e370 = sum_2;
-                NormalsSum _e374 = normals_add(view_13, _e370, least_rise_1, _e368, (_e8.share * dot(_e367, sided)), _e369);
-                sum_2 = _e374;
+                vec3 _e356 = normals_get(horizon_curves, (_e353 - 1u), is_fine_3);
+                vec3 _e357 = normals_flux(_e244, _e352, to_1, _e356);
+                vec3 _e358 = normals_centroid(_e357, _e244);
+                vec2 _e359 = normals_horizon_triangle(view_13, _e244, _e245, _e358, is_fine_3);
+                NormalsSum _e360 = sum_2;
+                NormalsSum _e364 = normals_add(view_13, _e360, least_rise_1, _e358, (_e8.share * dot(_e357, sided)), _e359);
+                sum_2 = _e364;
                 before_1 = to_1;
             }
         }
-        NormalsSum _e378 = sum_2;
-        vec2 _e380 = normals_total(_e378, (seen_2 * side), _e251);
-        parts = (_e380 * side);
+        NormalsSum _e368 = sum_2;
+        vec2 _e370 = normals_total(_e368, (seen_2 * side), _e245);
+        parts = (_e370 * side);
     }
-    float _e383 = parts.x;
-    float energy = clamp((_e383 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
-    float _e392 = parts.y;
-    return vec2(energy, clamp((_e392 * to_part), 0.0, energy));
+    float _e373 = parts.x;
+    float energy = clamp((_e373 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e382 = parts.y;
+    return vec2(energy, clamp((_e382 * to_part), 0.0, energy));
 }
 
 vec2 normals_rectangle(NormalsView view_14, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
@@ -850,24 +953,24 @@ vec2 normals_rectangle(NormalsView view_14, vec3 corners_1[4], bool two_sided_1,
 
 vec2 normals_disk(NormalsView view_15, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
     vec3 vertices_5[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i_5 = 0u;
-    bool loop_init_4 = true;
+    uint i_6 = 0u;
+    bool loop_init_5 = true;
     while(true) {
-        if (!loop_init_4) {
-            uint _e30 = i_5;
-            i_5 = (_e30 + 1u);
+        if (!loop_init_5) {
+            uint _e30 = i_6;
+            i_6 = (_e30 + 1u);
         }
-        loop_init_4 = false;
-        uint _e9 = i_5;
+        loop_init_5 = false;
+        uint _e9 = i_6;
         if ((_e9 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e12 = i_5;
+            uint _e12 = i_6;
             vec2 _e18 = normals_ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
             vec2 turn_2 = (_e18 * 1.0539074);
-            uint _e21 = i_5;
+            uint _e21 = i_6;
             vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));
         }
     }

@@ -13,7 +13,7 @@ mod polygon;
 mod shapes;
 mod table;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod truth;
 
 pub use error::LightError;

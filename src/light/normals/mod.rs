@@ -34,7 +34,7 @@ pub(super) use self::{
 };
 use self::{
     edge::curved_part,
-    outline::{Corner, Parts, cut_share, outline},
+    outline::{Corner, Outline, Parts},
     weight::{Sample, Shares, View},
 };
 use crate::fit::{
@@ -46,12 +46,12 @@ use crate::fit::{
 named_list! {
     /// How the weight `G2 / G1` is averaged over a light. The integral of the visible normals is exact under each.
     pub enum WeightRule {
-        /// Over the triangles between the mean normal and each edge, with a closed form for those on the horizon, which is
-        /// split in four.
+        /// Over the triangles between the mean normal and each edge, with a closed form for those of the edge on or near the
+        /// horizon, which is split in four.
         Fan = "fan",
         /// The weight of the mean normal.
         Mean = "mean",
-        /// As [`Self::Fan`], each edge split in two and the horizon in eight.
+        /// As [`Self::Fan`], each edge split in two and the one on or near the horizon in eight.
         Fine = "fine",
     }
 }
@@ -87,12 +87,12 @@ pub fn reflected<T: Scalar>(
     rule: WeightRule,
 ) -> [T; 2] {
     let view = View::new(alpha, wo);
-    let corners = outline(vertices, rule.parts(), alpha, wo);
-    if corners.len() < 3 {
+    let outline = Outline::new(vertices, rule.parts(), alpha, wo);
+    if outline.corners.len() < 3 {
         return [T::ZERO; 2];
     }
-    let curved = curved_parts(&corners, alpha, wo);
-    let flux = flux(&corners, &curved);
+    let curved = curved_parts(&outline.corners, alpha, wo);
+    let flux = flux(&outline.corners, &curved);
     let seen = dot(flux, view.stretched);
     let side = if seen < T::ZERO { -T::ONE } else { T::ONE };
     if sides == Sides::One && seen < T::ZERO {
@@ -114,7 +114,7 @@ pub fn reflected<T: Scalar>(
             positive: [T::ZERO; 3],
             unknown: T::ZERO,
         };
-        fan.over(&corners, &curved, rule.parts(), cut_share(vertices)).total(to_part * seen)
+        fan.over(&outline, &curved, rule.parts()).total(to_part * seen)
     };
     // No weight is above one.
     let visible = (to_part * seen).max(T::ZERO).min(T::ONE);
@@ -142,7 +142,7 @@ fn flux<T: Scalar>(corners: &[Corner<T>], curved: &[Triple<T>]) -> Triple<T> {
 #[cfg(test)]
 pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) -> T {
     let view = View::new(alpha, wo);
-    let corners = outline(vertices, Parts { edge: 1, horizon: 1 }, alpha, wo);
+    let Outline { corners, .. } = Outline::new(vertices, Parts { edge: 1, horizon: 1 }, alpha, wo);
     if corners.len() < 3 {
         return T::ZERO;
     }
@@ -211,10 +211,10 @@ impl<T: Scalar> Fan<'_, T> {
         [of(self.sum[0], energy, at_tip), of(self.sum[1], fresnel, at_tip * schlick)]
     }
 
-    /// The sum over all triangles. Those of the horizon count by `cut`, and what they are together as edges of the light
-    /// by the rest.
-    fn over(mut self, corners: &[Corner<T>], curved: &[Triple<T>], parts: Parts, cut: T) -> Self {
-        let (view, tip) = (self.view, self.tip);
+    /// The sum over all triangles. Those of the edge on or near the horizon count by its share, and what they are together as
+    /// other edges by the rest.
+    fn over(mut self, outline: &Outline<T>, curved: &[Triple<T>], parts: Parts) -> Self {
+        let (view, tip, Outline { corners, setting, share }) = (self.view, self.tip, outline);
         let at_tip = view.sample(tip);
         let samples: Vec<Sample<T>> = corners.iter().map(|corner| view.sample(corner.c)).collect();
         let (mut joined, mut count, mut start) = ([T::ZERO; 3], 0, 0);
@@ -226,18 +226,18 @@ impl<T: Scalar> Fan<'_, T> {
             let (m, part) = self.centroid(flux);
             let shares = self.shares;
             let on_edge = |start: usize, m| view.over_triangle(shares, tip, m, [at_tip, samples[start], samples[next]]);
-            if !(from.is_on_horizon() && to.is_on_horizon()) {
+            if !setting.contains(&i) {
                 self.add(m, part, on_edge(i, m));
                 continue;
             }
-            self.add(m, cut * part, view.over_triangle_to_horizon(shares, tip, self.at_tip, m));
+            self.add(m, *share * part, view.over_triangle_to_horizon(shares, tip, self.at_tip, m));
             if count == 0 {
                 start = i;
             }
             (joined, count) = (plus(joined, flux), count + 1);
             if count * parts.edge == parts.horizon {
                 let (m, part) = self.centroid(joined);
-                self.add(m, (T::ONE - cut) * part, on_edge(start, m));
+                self.add(m, (T::ONE - *share) * part, on_edge(start, m));
                 (joined, count) = ([T::ZERO; 3], 0);
             }
         }

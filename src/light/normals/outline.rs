@@ -1,6 +1,8 @@
 //! The outline of a light above the surface, and its image among the normals.
 
-use crate::fit::math::{Scalar, Triple, dot, plus, scaled, unit};
+use std::ops::Range;
+
+use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
 
 /// A corner of a light's outline.
 #[derive(Debug, Clone, Copy)]
@@ -20,11 +22,6 @@ impl<T: Scalar> Corner<T> {
         let c = unstretched(plus(wo, w), alpha);
         let length = dot(c, c).sqrt().max(T::SHORTEST);
         Self { w, c: scaled(c, T::ONE / length), length }
-    }
-
-    /// Whether it is on the horizon, where an outline that the surface cuts meets it.
-    pub(super) fn is_on_horizon(&self) -> bool {
-        self.w[2] == T::ZERO
     }
 
     /// Half the length of the sum of two corners' directions: the cosine of half the angle between them.
@@ -56,44 +53,101 @@ fn unstretched<T: Scalar>(h: Triple<T>, [alpha_x, alpha_y]: [T; 2]) -> Triple<T>
 pub(super) struct Parts {
     /// An edge of the light.
     pub(super) edge: u32,
-    /// The edge along the horizon that closes a light which is cut there.
+    /// The edge that is on the horizon or nearest to it.
     pub(super) horizon: u32,
 }
 
-/// The corners of the part of a convex polygon that is above the surface, `z > 0`, in the polygon's order. Empty where
-/// nothing is.
-pub(super) fn outline<T: Scalar>(vertices: &[Triple<T>], parts: Parts, alpha: [T; 2], wo: Triple<T>) -> Vec<Corner<T>> {
+/// The outline of a light above the surface.
+///
+/// The weight is zero on the horizon, so an edge there, or one that is nearly there, has a rule of its own and more parts than
+/// the others. Which edge that is changes as lights move, and an edge that is the horizon's and one that is not are the same
+/// where the light touches the surface. So that nothing jumps, that rule counts by a share, and by the rest the edge counts as
+/// the others.
+#[derive(Debug, Clone)]
+pub(super) struct Outline<T> {
+    /// In the polygon's order. Fewer than three where nothing is above the surface.
+    pub(super) corners: Vec<Corner<T>>,
+    /// The corners at which the parts of the edge on or near the horizon begin; none if it is no edge's turn.
+    pub(super) setting: Range<usize>,
+    /// By how much it counts as the horizon, in [0, 1].
+    pub(super) share: T,
+}
+
+/// An edge is near the horizon where its higher end is lower than this part of the light's height above the surface, and the
+/// nearer the lower that is.
+const NEAR: f64 = 0.25;
+
+impl<T: Scalar> Outline<T> {
+    /// The part of a convex polygon that is above the surface, `z > 0`.
+    pub(super) fn new(vertices: &[Triple<T>], parts: Parts, alpha: [T; 2], wo: Triple<T>) -> Self {
+        let (ends, is_cut) = above(vertices);
+        let (at, share) = setting(&ends, is_cut);
+        let corner = |v: &Triple<T>| Corner::new(*v, alpha, wo);
+        let mut outline = Self { corners: Vec::with_capacity(ends.len() + 8), setting: 0..0, share };
+        for (i, (from, to)) in ends.iter().zip(ends.iter().cycle().skip(1)).enumerate() {
+            let (start, count) = (outline.corners.len(), if Some(i) == at { parts.horizon } else { parts.edge });
+            let (from, to) = (corner(from), corner(to));
+            outline.corners.push(from);
+            split(&mut outline.corners, &from, &to, count, alpha, wo);
+            if Some(i) == at {
+                outline.setting = start..outline.corners.len();
+            }
+        }
+        outline
+    }
+}
+
+/// The vertices above the surface, in order, and where the outline crosses it, if it does: that is first and last then, so that
+/// the last edge is along the horizon.
+fn above<T: Scalar>(vertices: &[Triple<T>]) -> (Vec<Triple<T>>, bool) {
     let count = vertices.len();
     let is_up = |i: usize| vertices[i % count][2] > T::ZERO;
-    let Some(first) = (0..count).find(|i| is_up(*i)) else { return Vec::new() };
-    // Where the outline rises above the horizon, if it does.
-    let rises = (first..first + count).find(|i| !is_up(*i) && is_up(i + 1));
-    let corner = |v: Triple<T>| Corner::new(v, alpha, wo);
-    let mut corners: Vec<Corner<T>> = Vec::with_capacity(count + 4);
-    let mut add = |corner: Corner<T>, parts: u32| {
-        if let Some(last) = corners.last().copied() {
-            split(&mut corners, &last, &corner, parts, alpha, wo);
-        }
-        corners.push(corner);
+    let Some(first) = (0..count).find(|i| is_up(*i)) else { return (Vec::new(), false) };
+    let Some(below) = (first..first + count).find(|i| !is_up(*i) && is_up(i + 1)) else {
+        return (vertices.to_vec(), false);
     };
-    let Some(below) = rises else {
-        for v in vertices {
-            add(corner(*v), parts.edge);
-        }
-        let (last, first) = (corners[corners.len() - 1], corners[0]);
-        split(&mut corners, &last, &first, parts.edge, alpha, wo);
-        return corners;
+    let mut ends = vec![crossing(vertices[below % count], vertices[(below + 1) % count])];
+    let ups = (below + 1..).take_while(|i| is_up(*i)).map(|i| vertices[i % count]);
+    ends.extend(ups);
+    let last = below + ends.len();
+    ends.push(crossing(vertices[(last - 1) % count], vertices[last % count]));
+    (ends, true)
+}
+
+/// Which edge has the horizon's rule, and by how much. `ends` are the corners of an outline; if it `is_cut`, its last edge is
+/// along the horizon.
+///
+/// Of the other edges, the one that is nearest to the horizon may have it, as far as it is nearer than all others. If the
+/// light is cut, the horizon's extent r among those of all edges near it, each by its nearness, decides between the two:
+/// where an edge sets corner after corner, r grows from 0 to 1.
+fn setting<T: Scalar>(ends: &[Triple<T>], is_cut: bool) -> (Option<usize>, T) {
+    let height = ends.iter().fold(T::ZERO, |most, v| most.max(v[2]));
+    let extent = |i: usize| {
+        let apart = minus(unit(ends[(i + 1) % ends.len()]), unit(ends[i]));
+        dot(apart, apart).sqrt()
     };
-    add(corner(crossing(vertices[below % count], vertices[(below + 1) % count])), 1);
-    let mut at = below + 1;
-    while is_up(at) {
-        add(corner(vertices[at % count]), parts.edge);
-        at += 1;
+    let (mut nearest, mut nearness, mut second, mut extents) = (None, T::ZERO, T::ZERO, T::ZERO);
+    for i in 0..ends.len() - usize::from(is_cut) {
+        let top = ends[i][2].max(ends[(i + 1) % ends.len()][2]);
+        let near = T::ONE - top / (T::of(NEAR) * height).max(T::of(1e-36));
+        if near <= T::ZERO {
+            continue;
+        }
+        extents = extents + near * extent(i);
+        if near > nearness {
+            (nearest, second, nearness) = (Some(i), nearness, near);
+        } else {
+            second = second.max(near);
+        }
     }
-    add(corner(crossing(vertices[(at - 1) % count], vertices[at % count])), parts.edge);
-    let (last, first) = (corners[corners.len() - 1], corners[0]);
-    split(&mut corners, &last, &first, parts.horizon, alpha, wo);
-    corners
+    let share = nearness - second;
+    if !is_cut {
+        return (nearest, share);
+    }
+    let horizon = extent(ends.len() - 1);
+    let r = horizon / (horizon + extents).max(T::of(1e-36));
+    let other = share * (T::ONE - r);
+    if r > other { (Some(ends.len() - 1), r - other) } else { (nearest, other - r) }
 }
 
 /// Adds the corners within an edge that split it into `parts`.
@@ -108,17 +162,6 @@ fn split<T: Scalar>(
     for part in 1..parts {
         corners.push(from.towards(to, T::of(f64::from(part) / f64::from(parts)), alpha, wo));
     }
-}
-
-/// How far the surface cuts a light: 0 where it touches it, 1 where the light is deeper below it than an eighth of its
-/// height above.
-///
-/// An edge that sets is one edge before, and a horizon of several parts after. This blends the two, so that no line is seen
-/// where it happens.
-pub(super) fn cut_share<T: Scalar>(vertices: &[Triple<T>]) -> T {
-    let furthest = |sign: T| vertices.iter().fold(T::ZERO, |most, v| most.max(sign * v[2]));
-    let (above, below) = (furthest(T::ONE), furthest(-T::ONE));
-    if above > T::ZERO { (T::of(8.0) * below / above).min(T::ONE) } else { T::ZERO }
 }
 
 /// The direction in which the edge between vertices on either side of the horizon meets it.

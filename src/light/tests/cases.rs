@@ -17,9 +17,9 @@ use crate::{
 
 /// A surface, a view of it, and the vertices of a light.
 #[derive(Debug, Clone)]
-pub(super) struct Lit {
-    pub(super) at: Configuration,
-    pub(super) vertices: Vec<DVec3>,
+pub(crate) struct Lit {
+    pub(crate) at: Configuration,
+    pub(crate) vertices: Vec<DVec3>,
 }
 
 impl Lit {
@@ -27,18 +27,18 @@ impl Lit {
         PolygonLight::new(self.vertices.clone(), sides).expect("convex")
     }
 
-    pub(super) fn alpha(&self) -> [f64; 2] {
+    pub(crate) fn alpha(&self) -> [f64; 2] {
         [self.at.alpha_x, self.at.alpha_y]
     }
 
-    pub(super) fn wo(&self) -> DVec3 {
+    pub(crate) fn wo(&self) -> DVec3 {
         direction(self.at.theta, self.at.phi)
     }
 }
 
 /// Which roughnesses are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Roughness {
+pub(crate) enum Roughness {
     /// alpha 0.01 to 1, ratio 0 to 1.
     All,
     /// alpha 0.1 to 0.6, ratio 0.03 to 0.23.
@@ -47,14 +47,14 @@ pub(super) enum Roughness {
     Extreme,
 }
 
-pub(super) struct Draw(Xoshiro256PlusPlus);
+pub(crate) struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
-    pub(super) fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
@@ -106,7 +106,19 @@ impl Draw {
         }
     }
 
-    pub(super) fn many(seed: u64, count: usize, roughness: Roughness) -> Vec<Lit> {
+    /// An upright rectangle across from the viewer. The middle of its lower edge is `foot` times its height above the surface,
+    /// one end of that edge `tilt` times as much higher and the other lower.
+    pub(crate) fn wall(&mut self, roughness: Roughness, foot: f64, tilt: f64) -> Lit {
+        let at = self.configuration(roughness);
+        let towards = at.phi + TAU * self.within(0.4, 0.6);
+        let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.within(0.3, 2.0);
+        let x = DVec3::new(-towards.sin(), towards.cos(), 0.0) * self.within(0.1, 1.2);
+        let top = DVec3::Z * self.within(0.1, 2.0);
+        let (low, x) = (middle + top * foot, x + top * tilt);
+        Lit { at, vertices: vec![low - x, low + x, low + x + top, low - x + top] }
+    }
+
+    pub(crate) fn many(seed: u64, count: usize, roughness: Roughness) -> Vec<Lit> {
         let mut draw = Self::new(seed);
         (0..count).map(|_| draw.lit(roughness)).collect()
     }

@@ -152,32 +152,6 @@ fn nothing_jumps_along_a_path() {
     }
 }
 
-/// A level edge is one edge of the light above the surface, and a horizon of several parts below.
-#[test]
-fn a_level_edge_sets_without_a_jump() {
-    const HEIGHT: f64 = 1e-9;
-    let mut draw = Draw::new(71);
-    let mut seen = [0.0; WeightRule::ALL.len()];
-    for _ in 0..2000 {
-        let at = draw.configuration(Roughness::All);
-        let towards = at.phi + TAU * draw.within(0.4, 0.6);
-        let (across, centre) = (DVec3::new(-towards.sin(), towards.cos(), 0.0), draw.within(0.3, 2.0));
-        let (x, foot) = (across * draw.within(0.1, 1.2), centre * DVec3::new(towards.cos(), towards.sin(), 0.0));
-        let top = DVec3::new(0.0, 0.0, draw.within(0.1, 2.0));
-        let light = |z: f64| {
-            let low = foot + DVec3::new(0.0, 0.0, z);
-            Lit { at, vertices: vec![low - x, low + x, foot + x + top, foot - x + top] }.light(Sides::Two)
-        };
-        for (rule, seen) in WeightRule::ALL.iter().zip(&mut seen) {
-            let [above, below] =
-                [HEIGHT, -HEIGHT].map(|z| by_normals(&at, &light(z), *rule).expect("a surface").energy);
-            assert!((above - below).abs() < 1e-6, "{rule:?}, {at:?}: {above} and {below}");
-            *seen += above;
-        }
-    }
-    assert!(seen.iter().all(|sum| *sum > 100.0), "{seen:?}");
-}
-
 fn at(alpha_x: f64, alpha_y: f64, theta: f64) -> Configuration {
     Configuration { alpha_x, alpha_y, theta, phi: 0.0 }
 }

@@ -1,8 +1,9 @@
 //! The closed form and the table against the truth, and the truth against a quadrature of another kind.
 
 mod bent;
-mod cases;
+pub(crate) mod cases;
 mod closed_form;
 mod extremes;
 mod shape_lights;
 mod true_light;
+mod walls;

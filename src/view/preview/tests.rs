@@ -2,6 +2,7 @@
 
 mod closed_form;
 mod lookups;
+mod normals;
 mod planted;
 mod polygons;
 mod ported;

@@ -1,0 +1,118 @@
+//! The closed form in the space of normals on the GPU, for thousands of random lights.
+
+use glam::Vec3;
+
+use super::{shader_table, tell_skipped};
+use crate::{
+    fit::Sides,
+    light::{
+        normals::{WeightRule, reflected},
+        tests::cases::{Draw, Lit, Roughness},
+    },
+    view::{
+        preview::{
+            TexelFormat,
+            gpu::{GpuFailure, example},
+        },
+        shaders::joined,
+    },
+};
+
+/// The integral alone, of a surface and a rectangle that a case gives, by each rule.
+const ENTRY: &str = "
+struct Case {
+    wo: vec3<f32>,
+    alpha_x: f32,
+    alpha_y: f32,
+    corners: array<vec4<f32>, 4>,
+}
+
+@group(1) @binding(0) var<uniform> given: array<Case, 256>;
+@group(1) @binding(1) var<storage, read_write> found: array<array<vec2<f32>, 3>, 256>;
+
+@compute @workgroup_size(256)
+fn lit(@builtin(local_invocation_index) index: u32) {
+    let given = given[index];
+    let view = normals_view(given.alpha_x, given.alpha_y, given.wo);
+    let corners = array(given.corners[0].xyz, given.corners[1].xyz, given.corners[2].xyz, given.corners[3].xyz);
+    for (var rule = 0u; rule < 3u; rule++) {
+        found[index][rule] = normals_rectangle(view, corners, true, rule);
+    }
+}
+";
+
+const RULES: usize = WeightRule::ALL.len();
+
+/// Random lights, and as many walls that stand on the surface, above it and in it.
+fn lights(roughness: Roughness) -> Vec<Lit> {
+    let mut draw = Draw::new(91);
+    let mut lights = Draw::many(92, 10 * 256, roughness);
+    for _ in 0..5 * 256 {
+        let (foot, tilt) = (draw.within(-0.2, 0.3), draw.within(-0.05, 0.05));
+        lights.extend([draw.wall(roughness, foot, tilt), draw.wall(roughness, 0.0, 0.0)]);
+    }
+    lights
+}
+
+/// A light in 32 bits.
+struct Single {
+    wo: Vec3,
+    alpha: [f32; 2],
+    corners: Vec<Vec3>,
+}
+
+impl Single {
+    fn of(lit: &Lit) -> Self {
+        let corners = lit.vertices.iter().map(|v| v.as_vec3()).collect();
+        Self { wo: lit.wo().as_vec3(), alpha: lit.alpha().map(|x| x as f32), corners }
+    }
+
+    fn words(&self) -> [f32; 24] {
+        let mut words = [0.0; 24];
+        words[..3].copy_from_slice(&self.wo.to_array());
+        words[3..5].copy_from_slice(&self.alpha);
+        for (place, corner) in words[8..].chunks_exact_mut(4).zip(&self.corners) {
+            place[..3].copy_from_slice(&corner.to_array());
+        }
+        words
+    }
+
+    /// What f64 makes of the same numbers.
+    fn exact(&self, rule: WeightRule) -> [f64; 2] {
+        let corners: Vec<[f64; 3]> = self.corners.iter().map(|v| v.as_dvec3().to_array()).collect();
+        let wo = self.wo.as_dvec3().normalize().to_array();
+        reflected(self.alpha.map(f64::from), wo, &corners, Sides::Two, rule)
+    }
+}
+
+#[test]
+fn the_shader_gives_what_f64_does_for_any_light() {
+    let source = joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]) + ENTRY;
+    let table = shader_table(TexelFormat::F32);
+    for (roughness, limits) in
+        [(Roughness::All, [2e-6, 2e-5]), (Roughness::Anisotropic, [2e-6, 2e-5]), (Roughness::Extreme, [1e-5, 1e-3])]
+    {
+        let lights: Vec<Single> = lights(roughness).iter().map(Single::of).collect();
+        let words: Vec<[f32; 24]> = lights.iter().map(Single::words).collect();
+        let (groups, rest) = words.as_chunks::<256>();
+        assert!(rest.is_empty(), "the shader takes 256 at a time");
+        let found = match example::run::<_, [[[f32; 2]; RULES]; 256]>(&source, "lit", Some(&table), groups) {
+            Ok(found) => found.into_flattened(),
+            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(error) => panic!("{error}"),
+        };
+        let mut differences = Vec::new();
+        for (light, found) in lights.iter().zip(found) {
+            for (rule, found) in WeightRule::ALL.iter().zip(found) {
+                for (found, expected) in found.into_iter().zip(light.exact(*rule)) {
+                    assert!((0.0..=1.0).contains(&found), "{found} by {rule} of {:?} {:?}", light.alpha, light.corners);
+                    differences.push((f64::from(found) - expected).abs());
+                }
+            }
+        }
+        differences.sort_by(f64::total_cmp);
+        let [rare, most] = [differences.len() * 999 / 1000, differences.len() - 1].map(|i| differences[i]);
+        println!("{roughness:?}: off by {rare:.1e} (p99.9), {most:.1e}");
+        assert!(rare < limits[0] && most < limits[1], "{roughness:?}: {rare} {most}");
+    }
+}
