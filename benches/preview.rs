@@ -62,6 +62,7 @@ fn frames(_: &mut Criterion) {
     let constant = Variant { lookup_is_constant: true, ..Variant::default() };
     let weights = |weights| variant(Variant { weights, ..Variant::default() });
     let normals = |weight| Scene { model: LightModel::Normals, weight, ..scene(Mode::Ltc) };
+    let by = |model| Scene { model, ..scene(Mode::Ltc) };
     let octagon = |scene: Scene| Scene { light: Light { kind: LightKind::Polygon(8), ..scene.light }, ..scene };
     let usual = || variant(Variant::default());
     let mut candidates = [
@@ -76,6 +77,9 @@ fn frames(_: &mut Criterion) {
         ("normals, weight mean", usual(), &single, normals(WeightRule::Mean)),
         ("normals, weight fine", usual(), &single, normals(WeightRule::Fine)),
         ("normals, eight edges", usual(), &single, octagon(normals(WeightRule::Fan))),
+        ("sg", usual(), &single, by(LightModel::Sg)),
+        ("asg", usual(), &single, by(LightModel::Asg)),
+        ("asg, eight edges", usual(), &single, octagon(by(LightModel::Asg))),
         ("ltc, CPU twin", Preview::new(Adapter::Cpu), &single, ltc.clone()),
     ];
     let mut times = candidates.each_ref().map(|_| Vec::new());

@@ -30,8 +30,8 @@ struct Scene {
 
 /// Puts a constant in place of the table, to measure what a lookup costs.
 override lookup_is_constant: bool = false;
-/// How model normals averages its weight, and whether its light has other than four vertices. These are constants of the
-/// pipeline, since software drivers run both sides of a branch.
+/// How model normals averages its weight, and whether the light of a model without a table has other than four vertices.
+/// These are constants of the pipeline, since software drivers run both sides of a branch.
 override normals_rule: u32 = 0u;
 override light_is_polygon: bool = true;
 
@@ -140,6 +140,18 @@ fn shade_by_normals(at: Shaded) -> vec3<f32> {
     return reflected(normals_polygon(view, &vertices, 4u, two_sided, normals_rule));
 }
 
+/// Radiance towards the eye, by a Gaussian; kind as in gaussians_view.
+fn shade_by_gaussian(at: Shaded, kind: u32) -> vec3<f32> {
+    let to_local = transpose(mat3x3(at.x, at.y, at.z));
+    let view = gaussians_view(kind, at.alpha.x, at.alpha.y, at.wo);
+    let count = select(4u, light.options.x, light_is_polygon);
+    var outline = gaussians_outline_begin(view, to_local * (light.vertices[count - 1u].xyz - at.position));
+    for (var i = 0u; i < count; i++) {
+        outline = gaussians_outline_edge(view, outline, to_local * (light.vertices[i].xyz - at.position));
+    }
+    return reflected(gaussians_outline_finish(view, outline, light.options.y == 1u));
+}
+
 /// Radiance from the two parts of what is reflected of white light, f90 = 1.
 fn reflected(parts: vec2<f32>) -> vec3<f32> {
     return (scene.f0.xyz * (parts.x - parts.y) + vec3(parts.y)) * light.radiance.x;
@@ -189,6 +201,34 @@ fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
         radiance = mix(radiance, shade_by_normals(seen.at), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_sg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_gaussian(seen.at, GAUSSIANS_SG), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_asg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_gaussian(seen.at, GAUSSIANS_ASG), seen.coverage);
     }
     write(pixel, radiance);
 }

@@ -13,12 +13,13 @@ use super::{
 };
 use crate::{
     fit::Table,
-    light::{LightError, LightModel, Reflected, WeightRule, by_normals, by_table, truth},
+    light::{Gaussian, LightError, LightModel, Reflected, WeightRule, by_gaussian, by_normals, by_table, truth},
 };
 
 /// How the light is found, with what that takes.
 enum Found {
     Normals(WeightRule),
+    Gaussian(Gaussian),
     Ltc(Box<Table>),
 }
 
@@ -36,6 +37,7 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
         let reflected = match &found {
             Found::Normals(rule) => by_normals(&at, &light, *rule),
+            Found::Gaussian(gaussian) => by_gaussian(&at, &light, *gaussian),
             Found::Ltc(table) => by_table(table, &at, &light),
         };
         let reflected = reflected.map_err(refuse)?;
@@ -55,7 +57,14 @@ fn choose(args: &LightArgs) -> Result<Found, CommandFailure> {
     let usage = |message: &str| Err(CommandFailure::new(Exit::Usage, message));
     match (args.model, &args.table, args.weight) {
         (LightModel::Normals, None, rule) => Ok(Found::Normals(rule.unwrap_or(WeightRule::ALL[0]))),
-        (LightModel::Normals, Some(_), _) => usage("--table is of model ltc; add --model ltc, or leave it out"),
+        (LightModel::Sg, None, None) => Ok(Found::Gaussian(Gaussian::Sg)),
+        (LightModel::Asg, None, None) => Ok(Found::Gaussian(Gaussian::Asg)),
+        (LightModel::Sg | LightModel::Asg, None, Some(_)) => {
+            usage("--weight is of model normals; models sg and asg have one rule")
+        }
+        (LightModel::Normals | LightModel::Sg | LightModel::Asg, Some(_), _) => {
+            usage("--table is of model ltc; add --model ltc, or leave it out")
+        }
         (LightModel::Ltc, None, _) => usage("model ltc needs a table: --table TABLE"),
         (LightModel::Ltc, Some(_), Some(_)) => usage("--weight is of model normals; model ltc has one rule"),
         (LightModel::Ltc, Some(name), None) => {

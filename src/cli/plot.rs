@@ -13,12 +13,13 @@ use crate::{
     light::WeightRule,
     view::{
         picture::Picture,
-        plots::{ErrorSlice, GlassError, NamedTable, Plot, frosted_glass, light_errors},
+        plots::{ErrorSlice, GlassError, NamedTable, Plot, frosted_glass, gaussian_plots, light_errors},
     },
 };
 
-/// Random lights in each cell of the map of light errors.
+/// Random lights in each cell of the map of light errors, and for each point of a curve.
 const LIGHTS: u32 = 24;
+const CURVE_LIGHTS: u32 = 150;
 /// Pixels a side of each panel of glass, and visible normals a pixel of its reference.
 const GLASS_SIDE: u32 = 192;
 const GLASS_SAMPLES: u32 = 610;
@@ -67,6 +68,8 @@ fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailur
             light_errors(named, args.weight.unwrap_or(WeightRule::ALL[0]), args.lights.unwrap_or(LIGHTS) as usize)
                 .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
         }
+        PlotName::Gaussians => gaussian_plots(args.lights.unwrap_or(CURVE_LIGHTS) as usize)
+            .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?,
         PlotName::Glass => {
             let drawn = frosted_glass(GLASS_SIDE, args.spp.unwrap_or(GLASS_SAMPLES) as usize);
             return Ok(Drawn { picture: drawn.picture, surfaces: drawn.surfaces });
@@ -84,9 +87,13 @@ fn check_options(args: &PlotArgs) -> Result<(), CommandFailure> {
     }
     match (args.name, &args.table) {
         (PlotName::Glass, Some(_)) => refused("glass shows no table; leave it out"),
+        (PlotName::Gaussians, Some(_)) => refused("gaussians shows no table; leave it out"),
         (PlotName::Error | PlotName::Matrix, None) => refused("this picture is of a table: name one before it"),
-        _ if (args.weight.is_some() || args.lights.is_some()) && args.name != PlotName::Light => {
-            refused("--weight and --lights belong to light, the errors of models")
+        _ if args.weight.is_some() && args.name != PlotName::Light => {
+            refused("--weight belongs to light, the errors of models")
+        }
+        _ if args.lights.is_some() && !matches!(args.name, PlotName::Light | PlotName::Gaussians) => {
+            refused("--lights belongs to light and gaussians, the errors of models")
         }
         _ if args.spp.is_some() && args.name != PlotName::Glass => refused("--spp belongs to glass, which is sampled"),
         _ => Ok(()),

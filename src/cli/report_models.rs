@@ -20,7 +20,7 @@ struct Row {
     error: Spread,
 }
 
-/// Measures the table that is given, and with model normals its rules, by the same lights.
+/// Measures the table that is given, and with model normals its rules, or the model that is chosen, by the same lights.
 pub(super) fn run(
     args: &ReportArgs,
     model: LightModel,
@@ -31,7 +31,9 @@ pub(super) fn run(
     let usage = |what: &str| Err(CommandFailure::new(Exit::Usage, what));
     match (model, read) {
         (LightModel::Ltc, None) => return usage("model ltc lights by a table: name one, or choose --model normals"),
-        (LightModel::Ltc, _) if args.weight.is_some() => return usage("--weight belongs to model normals"),
+        (LightModel::Ltc | LightModel::Sg | LightModel::Asg, _) if args.weight.is_some() => {
+            return usage("--weight belongs to model normals");
+        }
         _ if args.points.is_some() || args.extremes => {
             return usage("--points and --extremes belong to the lobes of a table, without --model");
         }
@@ -52,6 +54,10 @@ pub(super) fn run(
         for rule in rules.filter(|_| model == LightModel::Normals) {
             let error = light_error(Lighting::Normals(*rule), &lights).map_err(failed)?;
             rows.push(Row { name: format!("normals, weight {rule}"), model: LightModel::Normals, error });
+        }
+        if let Some(gaussian) = model.gaussian() {
+            let error = light_error(Lighting::Gaussian(gaussian), &lights).map_err(failed)?;
+            rows.push(Row { name: model.name().to_owned(), model, error });
         }
         Ok((lights, rows))
     };

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     files::textures::About,
     fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report},
-    light::LightModel,
+    light::{Gaussian, LightModel},
     view::shaders::{Filter, Language, LitBy, Place, include, include_function, port},
 };
 
@@ -31,14 +31,17 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     let lit_by = match (args.model, args.layout) {
         (LightModel::Ltc, Some(layout)) => LitBy::Table(layout),
         (LightModel::Normals, None) => LitBy::Normals,
+        (LightModel::Sg, None) => LitBy::Gaussian(Gaussian::Sg),
+        (LightModel::Asg, None) => LitBy::Gaussian(Gaussian::Asg),
         (LightModel::Ltc, None) => {
             return Err(CommandFailure::new(
                 Exit::Usage,
                 "model ltc needs --layout, or --without-textures and a table",
             ));
         }
-        (LightModel::Normals, Some(_)) => {
-            return Err(CommandFailure::new(Exit::Usage, "model normals reads no table: leave out --layout"));
+        (model, Some(_)) => {
+            let message = format!("model {model} reads no table: leave out --layout");
+            return Err(CommandFailure::new(Exit::Usage, message));
         }
     };
     check_form(args, language)?;
@@ -139,13 +142,14 @@ fn hand_out(
 fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailure> {
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
     let name = language.name();
+    let has_table = args.model == LightModel::Ltc;
     let is_numbered = matches!(language, Language::Wgsl | Language::Glsl | Language::Hlsl);
     match args.form {
         ShaderForm::Example if args.prefix.is_some() || args.first_binding.is_some() => {
             refused("--prefix and --first-binding are for a text to include".to_owned())
         }
-        _ if args.first_binding.is_some() && (args.model == LightModel::Normals || !is_numbered) => {
-            let what = if is_numbered { "model normals" } else { name };
+        _ if args.first_binding.is_some() && (!has_table || !is_numbered) => {
+            let what = if is_numbered { format!("model {}", args.model) } else { name.to_owned() };
             refused(format!("{what} binds nothing by number: leave out --first-binding"))
         }
         ShaderForm::Include if !language.has_includes() => {
@@ -156,8 +160,8 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
         }
         _ if !args.hardware_filter => Ok(()),
         ShaderForm::Example => refused("--hardware-filter is for a text to include".to_owned()),
-        ShaderForm::Include if args.model == LightModel::Normals => {
-            refused("--hardware-filter is for tables: model normals reads none".to_owned())
+        ShaderForm::Include if !has_table => {
+            refused(format!("--hardware-filter is for tables: model {} reads none", args.model))
         }
         ShaderForm::Include if language == Language::Wgsl => {
             refused("in WGSL the constant ltc_hardware_filter chooses: leave out --hardware-filter".to_owned())

@@ -9,7 +9,7 @@ use crate::{
         recipe_document,
     },
     fit::{Precision, Recipe, Spread, Table},
-    light::{LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
+    light::{Gaussian, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
     view::{
         preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
         shaders::{LitBy, wgsl},
@@ -56,6 +56,9 @@ pub(super) fn measure(
     let none = Arc::new(ShaderTable::none());
     for rule in WeightRule::ALL {
         candidates.push(by_normals(*rule, &none, lights)?);
+    }
+    for gaussian in Gaussian::ALL {
+        candidates.push(by_gaussian(*gaussian, &none, lights)?);
     }
 
     let mut preview = Preview::new(Adapter::Any);
@@ -110,19 +113,33 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
 }
 
 fn by_normals(rule: WeightRule, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
-    let row = ModelRow {
-        model: LightModel::Normals,
-        weight: Some(rule),
+    let row = ModelRow { weight: Some(rule), ..without_table(LitBy::Normals, Lighting::Normals(rule), lights)? };
+    Ok(Candidate { scene: scene(LightModel::Normals, rule), table: Arc::clone(none), row })
+}
+
+fn by_gaussian(
+    gaussian: Gaussian,
+    none: &Arc<ShaderTable>,
+    lights: &RandomLights,
+) -> Result<Candidate, CommandFailure> {
+    let row = without_table(LitBy::Gaussian(gaussian), Lighting::Gaussian(gaussian), lights)?;
+    Ok(Candidate { scene: scene(gaussian.into(), WeightRule::Fan), table: Arc::clone(none), row })
+}
+
+/// What a model costs that has no table.
+fn without_table(lit_by: LitBy, lighting: Lighting<'_>, lights: &RandomLights) -> Result<ModelRow, CommandFailure> {
+    Ok(ModelRow {
+        model: lit_by.model(),
+        weight: None,
         layout: None,
         recipe_digest: None,
-        light_error: error(Lighting::Normals(rule), lights)?,
+        light_error: error(lighting, lights)?,
         frame_milliseconds: 0.0,
         gpu_bytes: 0,
         file_bytes: 0,
-        shader_bytes: wgsl(LitBy::Normals).len() as u64,
+        shader_bytes: wgsl(lit_by).len() as u64,
         fit_seconds: 0.0,
-    };
-    Ok(Candidate { scene: scene(LightModel::Normals, rule), table: Arc::clone(none), row })
+    })
 }
 
 /// Milliseconds of each candidate's frames. The candidates take turns, so that a busy machine slows all of them; before

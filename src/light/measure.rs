@@ -7,7 +7,9 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::{LightError, PolygonLight, Reflected, WeightRule, by_normals, by_table, truth_within};
+use super::{
+    Gaussian, LightError, PolygonLight, Reflected, WeightRule, by_gaussian, by_normals, by_table, truth_within,
+};
 use crate::fit::{
     Configuration, PerAxis, Sides, Spread, Table,
     brdf::{Brdf, Ggx},
@@ -38,6 +40,8 @@ pub enum Lighting<'a> {
     Ltc(&'a Table),
     /// The closed form in the space of normals.
     Normals(WeightRule),
+    /// One Gaussian.
+    Gaussian(Gaussian),
 }
 
 /// A surface, a view of it, and a light.
@@ -177,6 +181,7 @@ impl<'a> Lighting<'a> {
         match self {
             Self::Ltc(table) => by_table(table, &lit.at, &lit.light),
             Self::Normals(rule) => by_normals(&lit.at, &lit.light, rule),
+            Self::Gaussian(gaussian) => by_gaussian(&lit.at, &lit.light, gaussian),
         }
     }
 }

@@ -1,8 +1,9 @@
-//! What a surface reflects or transmits of an area light, by each model: a table of LTCs, or the closed form in the space
-//! of normals; and the truth, by quadrature.
+//! What a surface reflects or transmits of an area light, by each model: a table of LTCs, the closed form in the space of
+//! normals, or one Gaussian; and the truth, by quadrature.
 //!
 //! Invariant: `light` fits nothing and reads no file.
 
+pub mod gaussians;
 pub mod normals;
 pub mod transmission;
 
@@ -17,8 +18,9 @@ pub(crate) mod tests;
 mod truth;
 
 pub use error::LightError;
+pub use gaussians::Gaussian;
 pub use measure::{EVERYWHERE, LightMap, Lighting, RandomLights, light_error, light_map};
-pub use model::{LightModel, Reflected, by_normals};
+pub use model::{LightModel, Reflected, by_gaussian, by_normals};
 pub use normals::WeightRule;
 pub use polygon::PolygonLight;
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};

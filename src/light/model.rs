@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::{
     LightError, PolygonLight,
+    gaussians::{self, Gaussian},
     normals::{WeightRule, reflected},
 };
 use crate::fit::{Configuration, LEAST_ALPHA, math::direction, named_list::named_list};
@@ -17,6 +18,31 @@ named_list! {
         Normals = "normals",
         /// A table of LTCs.
         Ltc = "ltc",
+        /// A spherical Gaussian, without a table.
+        Sg = "sg",
+        /// An anisotropic spherical Gaussian, without a table.
+        Asg = "asg",
+    }
+}
+
+impl LightModel {
+    /// The Gaussian that a model lights by; `None` for the others.
+    #[must_use]
+    pub fn gaussian(self) -> Option<Gaussian> {
+        match self {
+            Self::Sg => Some(Gaussian::Sg),
+            Self::Asg => Some(Gaussian::Asg),
+            Self::Normals | Self::Ltc => None,
+        }
+    }
+}
+
+impl From<Gaussian> for LightModel {
+    fn from(gaussian: Gaussian) -> Self {
+        match gaussian {
+            Gaussian::Sg => Self::Sg,
+            Gaussian::Asg => Self::Asg,
+        }
     }
 }
 
@@ -66,6 +92,17 @@ pub fn by_normals(at: &Configuration, light: &PolygonLight, rule: WeightRule) ->
     let (alpha, wo) = surface_and_view(at)?;
     let vertices: Vec<[f64; 3]> = light.vertices().iter().map(DVec3::to_array).collect();
     let [energy, fresnel] = reflected(alpha, wo.to_array(), &vertices, light.sides(), rule);
+    Ok(Reflected { energy, fresnel })
+}
+
+/// What a surface reflects of a light by a Gaussian, in f64.
+///
+/// # Errors
+/// As [`by_normals`].
+pub fn by_gaussian(at: &Configuration, light: &PolygonLight, gaussian: Gaussian) -> Result<Reflected, LightError> {
+    let (alpha, wo) = surface_and_view(at)?;
+    let vertices: Vec<[f64; 3]> = light.vertices().iter().map(DVec3::to_array).collect();
+    let [energy, fresnel] = gaussians::reflected(gaussian, alpha, wo.to_array(), &vertices, light.sides());
     Ok(Reflected { energy, fresnel })
 }
 

@@ -37,6 +37,11 @@ fn light_tells_energy_and_fresnel_part_of_each_line() {
     let texts = ["mean", "fan", "fine"].map(|rule| with(&["--weight", rule]).stdout);
     assert!(texts[0] != texts[1] && texts[1] != texts[2]);
     assert_eq!(with(&["--model", "normals"]).stdout, texts[1]);
+    let gaussians = ["sg", "asg"].map(|model| with(&["--model", model, "--truth"]).stdout);
+    assert!(gaussians[0] != gaussians[1]);
+    for row in gaussians.iter().flat_map(|text| rows(text)) {
+        assert!((row[0] - row[2]).abs() < 0.15 && row[0] > 0.0 && row[1] < row[0], "{row:?}");
+    }
 
     // Numbers are the same in JSON, to the last bit.
     let told = with(&["--json", "--truth"]).stdout;
@@ -62,6 +67,8 @@ fn light_by_a_table_takes_a_table_and_only_then() {
         (&["--model", "ltc"][..], "needs a table"),
         (&["--table", &digest], "--table is of model ltc"),
         (&["--model", "ltc", "--table", &digest, "--weight", "mean"], "--weight is of model normals"),
+        (&["--model", "asg", "--table", &digest], "--table is of model ltc"),
+        (&["--model", "sg", "--weight", "mean"], "--weight is of model normals"),
     ] {
         let refused = with(options).exited(2);
         assert!(refused.complaints().len() == 1 && refused.complaints()[0].contains(said), "{refused:#?}");

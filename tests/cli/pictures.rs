@@ -65,6 +65,12 @@ fn a_picture_of_model_normals_needs_no_table() {
     assert_eq!((&told["table"], &told["errors"][0]["model"]), (&Value::Null, &"normals".into()));
     let error = told["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
     assert!(error < 0.02, "{error}");
+    for model in ["sg", "asg"] {
+        let told = preview(&["--model", model, "--mode", "strip", "--json"]).exited(0);
+        let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+        let error = told["errors"][0]["mean_absolute_error"].as_f64().expect("a number");
+        assert!(told["errors"][0]["model"] == model && error > 1e-3 && error < 0.1, "{told}");
+    }
     for shows_a_table in [&["--model", "ltc"][..], &["--mode", "models"], &["--mode", "lobe", "--model", "normals"]] {
         assert!(preview(shows_a_table).exited(2).stderr.contains("by a table"), "{shows_a_table:?}");
     }
@@ -96,6 +102,13 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
     let told: Value = serde_json::from_str(&run(folder.path(), normals).exited(0).stdout).expect("JSON");
     assert_eq!((&told["model"], &told["layout"]), (&"normals".into(), &Value::Null));
     assert!(told["source"].as_str().expect("text").contains("normals_polygon("));
+    let texts = ["sg", "asg"].map(|model| {
+        let arguments = ["shader", "--language", "glsl-es", "--model", model, "--json"];
+        let told: Value = serde_json::from_str(&run(folder.path(), arguments).exited(0).stdout).expect("JSON");
+        assert_eq!((&told["model"], &told["layout"]), (&model.into(), &Value::Null));
+        told["source"].as_str().expect("text").to_owned()
+    });
+    assert!(texts[0].contains("gaussians_polygon(") && texts[0] == texts[1]);
     assert!(run(folder.path(), ["shader", "--language", "hlsl"]).exited(2).stderr.contains("--layout"));
     let both = ["shader", "--language", "hlsl", "--model", "normals", "--layout", "kt2022"];
     assert!(run(folder.path(), both).exited(2).stderr.contains("reads no table"));
@@ -107,7 +120,9 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
 #[test]
 fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
     let folder = tempfile::tempdir().expect("a folder");
-    let cases: [&[&str]; 9] = [
+    let cases: [&[&str]; 11] = [
+        &["--language", "glsl", "--model", "sg", "--hardware-filter"],
+        &["--language", "glsl", "--model", "asg", "--layout", "kt2022"],
         &["--language", "cg", "--layout", "kt2022"],
         &["--language", "wgsl", "--layout", "square"],
         &["--language", "spirv", "--layout", "kt2022"],
@@ -139,6 +154,8 @@ fn models_of_light_are_drawn_and_measured_with_and_without_a_table() {
     let [alone, both] = [&["plot", "light"][..], &["plot", beginning, "light"]]
         .map(|which| json(&[which, &["--lights", "1", "-o", "l.png"]].concat())["width"].as_u64().expect("a width"));
     assert!(both > 2 * alone, "{alone} {both}: no panel for the table");
+    let gaussians = json(&["plot", "gaussians", "--lights", "2", "-o", "d.png"]);
+    assert!(gaussians["table"].is_null() && gaussians["width"].as_u64() > Some(alone), "{gaussians}");
     let glass = json(&["plot", "glass", "--spp", "40", "-o", "g.png"]);
     for surface in glass["errors"].as_array().expect("surfaces") {
         let [apart, radiance] =
@@ -156,6 +173,10 @@ fn models_of_light_are_drawn_and_measured_with_and_without_a_table() {
         .collect();
     let [table, fan, mean, fine] = errors[..] else { panic!("{measured}") };
     assert!(table > mean && mean > fan && fan > fine && fine > 0.0, "{measured}");
+    let measured = json(&["report", "--model", "asg", "--lights", "60"]);
+    let [row] = measured["models"].as_array().expect("models").as_slice() else { panic!("{measured}") };
+    let error = row["error"]["mean"].as_f64().expect("a mean");
+    assert!(row["name"] == "asg" && row["model"] == "asg" && error > mean && error < 0.06, "{measured}");
     let people = run(folder.path(), ["report", "--model", "normals", "--weight", "mean", "--lights", "20"]).exited(0);
     assert!(people.stdout.contains("normals, weight mean") && !people.stdout.contains("fan"), "{people:#?}");
 
@@ -165,9 +186,12 @@ fn models_of_light_are_drawn_and_measured_with_and_without_a_table() {
         (&["plot", "glass", "--ratio", "0.2", "-o", "x.png"], "--ratio"),
         (&["plot", "glass", "--lights", "2", "-o", "x.png"], "--lights"),
         (&["plot", "light", "--spp", "2", "-o", "x.png"], "--spp"),
+        (&["plot", beginning, "gaussians", "-o", "x.png"], "no table"),
+        (&["plot", "gaussians", "--weight", "fan", "-o", "x.png"], "--weight"),
         (&["report", "--model", "ltc"], "--model normals"),
         (&["report", beginning, "--lights", "20"], "--model"),
         (&["report", "--model", "normals", "--extremes"], "--extremes"),
+        (&["report", "--model", "sg", "--weight", "fan"], "--weight"),
     ] {
         let refused = run(folder.path(), arguments).exited(2);
         assert!(refused.stderr.contains(told), "{arguments:?}: {}", refused.stderr);

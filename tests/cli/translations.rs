@@ -28,7 +28,8 @@ fn assert_sound(output: &Output) {
 }
 
 /// What a shader lights by: each layout of tables, and no table.
-const LIT_BY: [[&str; 2]; 3] = [["--layout", "kt2022"], ["--layout", "reflected"], ["--model", "normals"]];
+const LIT_BY: [[&str; 2]; 4] =
+    [["--layout", "kt2022"], ["--layout", "reflected"], ["--model", "normals"], ["--model", "asg"]];
 
 /// Writes a shader.
 fn write(folder: &Path, language: &str, lit_by: [&str; 2], file: &str) {
@@ -73,6 +74,11 @@ const NORMALS_CALL: &str = "
     vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
     colour = vec4(normals_rectangle(view, corners, true, 0u), 0.0, 1.0);
 ";
+const GAUSSIANS_CALL: &str = "
+    GaussiansView view = gaussians_view(1u, 0.4, 0.2, normalize(vec3(place, 1.0)));
+    vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
+    colour = vec4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
+";
 
 /// The same in HLSL.
 const TABLE_CALL_HLSL: &str = "
@@ -86,6 +92,20 @@ const NORMALS_CALL_HLSL: &str = "
     float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
     return float4(normals_rectangle(view, corners, true, 0u), 0.0, 1.0);
 ";
+const GAUSSIANS_CALL_HLSL: &str = "
+    GaussiansView view = gaussians_view(1u, 0.4, 0.2, normalize(float3(place, 1.0)));
+    float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
+    return float4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
+";
+
+/// The call for what a shader lights by, in GLSL and in HLSL.
+fn calls_of(lit_by: [&str; 2]) -> [&'static str; 2] {
+    match lit_by {
+        ["--layout", _] => [TABLE_CALL, TABLE_CALL_HLSL],
+        [_, "normals"] => [NORMALS_CALL, NORMALS_CALL_HLSL],
+        _ => [GAUSSIANS_CALL, GAUSSIANS_CALL_HLSL],
+    }
+}
 
 #[test]
 fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
@@ -95,7 +115,7 @@ fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
         for filter in if is_table { &[None, Some("--hardware-filter")][..] } else { &[None] } {
             let arguments = ["shader", "--language", "hlsl"].into_iter().chain(lit_by).chain(*filter);
             let functions = run(folder.path(), arguments).exited(0).stdout;
-            let call = if is_table { TABLE_CALL_HLSL } else { NORMALS_CALL_HLSL };
+            let [_, call] = calls_of(lit_by);
             let whole = format!("{functions}\nfloat4 main(float2 place : TEXCOORD0) : SV_Target {{{call}}}\n");
             fs::write(folder.path().join("whole.hlsl"), whole).expect("a file");
             let args = ["-D", "-V", "-S", "frag", "-e", "main", "-o", "out.spv", "whole.hlsl"];
@@ -108,14 +128,14 @@ fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
     }
 }
 
-/// The light of a table, that of another table, and that without a table, for one shader.
+/// The light of a table, that of another table, and those without a table, for one shader.
 fn together(folder: &Path, language: &str) -> String {
     let second: &[&str] = match language {
         // Loose uniforms have no numbers.
         "glsl-330" | "glsl-es" => &["--layout", "ltc2017", "--prefix", "iso"],
         _ => &["--layout", "ltc2017", "--prefix", "iso", "--first-binding", "6"],
     };
-    let lights = [&["--layout", "reflected"], second, &["--model", "normals"]];
+    let lights = [&["--layout", "reflected"], second, &["--model", "normals"], &["--model", "sg"]];
     lights.map(|light| run(folder, ["shader", "--language", language].iter().chain(light)).exited(0).stdout).concat()
 }
 
@@ -130,14 +150,14 @@ fn several_lights_compile_in_one_shader() {
         ("hlsl", "", hlsl),
     ] {
         let functions = together(folder.path(), language);
-        let (table, normals) =
-            if language == "hlsl" { (TABLE_CALL_HLSL, NORMALS_CALL_HLSL) } else { (TABLE_CALL, NORMALS_CALL) };
+        let call = |lit_by| calls_of(lit_by)[usize::from(language == "hlsl")];
+        let [table, normals, gaussians] = [["--layout", ""], ["--model", "normals"], ["--model", "sg"]].map(call);
         let iso = table.replace("ltc_", "iso_").replace("Ltc", "Iso");
-        let calls = [table, &iso, normals];
+        let calls = [table, &iso, normals, gaussians];
         let whole = if language == "hlsl" {
             let of = |(n, call)| format!("float4 light{n}(float2 place) {{{call}}}\n");
             let lights: String = calls.iter().enumerate().map(of).collect();
-            let sum = "return light0(place) + light1(place) + light2(place);";
+            let sum = "return light0(place) + light1(place) + light2(place) + light3(place);";
             format!("{functions}\n{lights}float4 main(float2 place : TEXCOORD0) : SV_Target {{{sum}}}\n")
         } else {
             let end = if language == "glsl" { "layout(location = 0) " } else { "" };
@@ -177,7 +197,7 @@ fn what_is_included_compiles_within_a_fragment_shader() {
                 let functions = run(folder.path(), arguments).exited(0).stdout;
                 let precision = if language == "glsl-es" { "precision highp float;\nprecision highp int;" } else { "" };
                 let ends = if version.contains("450") { ["layout(location = 0) "; 2] } else { [""; 2] };
-                let call = if is_table { TABLE_CALL } else { NORMALS_CALL };
+                let [call, _] = calls_of(lit_by);
                 let whole = format!(
                     "{version}\n{precision}\n{functions}\n{}in vec2 place;\n{}out vec4 colour;\nvoid main() {{{call}}}\n",
                     ends[0], ends[1]

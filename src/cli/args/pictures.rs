@@ -96,7 +96,7 @@ impl FromArgMatches for SceneChoices {
 #[command(allow_missing_positional = true)]
 pub struct PlotArgs {
     /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
-    /// first digits suffice) of a table in the folder of `--tables`; not for glass, and for light if it is to be compared
+    /// first digits suffice) of a table in the folder of `--tables`; not for glass and gaussians, and for light if it is to be compared
     pub table: Option<PathBuf>,
     /// What to draw
     #[arg(value_enum)]
@@ -116,7 +116,7 @@ pub struct PlotArgs {
     /// How model `normals` averages shadowing over a light, for light [default: fan]
     #[arg(long, value_parser = weights())]
     pub weight: Option<WeightRule>,
-    /// Random rectangles in each cell of light [default: 24]
+    /// Random rectangles in each cell of light [default: 24], and for each angle of gaussians [default: 150]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub lights: Option<u32>,
     /// Visible normals a pixel of the reference of glass [default: 610]
@@ -138,6 +138,8 @@ pub enum PlotName {
     Light,
     /// Lamps behind rough glass, in closed form and by Monte Carlo integration
     Glass,
+    /// GGX and the Gaussians that stand for it: normals, lobes, and errors of light
+    Gaussians,
 }
 
 /// `shader`.
@@ -155,7 +157,7 @@ pub struct ShaderArgs {
     /// Let the sampler interpolate a table's entries, in a text to include: fewer fetches, less exact
     #[arg(long)]
     pub hardware_filter: bool,
-    /// What all names begin with, in place of ltc or normals, in a text to include: two tables in one shader
+    /// What all names begin with, in place of ltc, normals or gaussians, in a text to include: two tables in one shader
     #[arg(long, value_name = "NAME")]
     pub prefix: Option<Prefix>,
     /// Number of the first binding, in a text to include that reads a table and binds it by number [default: 0]

@@ -65,8 +65,8 @@ pub struct ReportArgs {
     /// Where digests are looked for
     #[command(flatten)]
     pub folder: TableFolder,
-    /// What is measured: the table of model `ltc`, or the closed form `normals`, by the light of random rectangles, the
-    /// measure that both share [default: ltc, by its lobes]
+    /// What is measured: the table of model `ltc`, the closed form `normals`, or the Gaussian `sg` or `asg`, by the light of
+    /// random rectangles, the measure that all share [default: ltc, by its lobes]
     #[arg(long, value_parser = models())]
     pub model: Option<LightModel>,
     /// How model `normals` averages shadowing over a light [default: all ways]

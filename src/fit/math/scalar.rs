@@ -7,7 +7,7 @@ use std::{
     ops::{Add, Div, Mul, Neg, Sub},
 };
 
-use super::{atan2, atan2_upper, ln, single};
+use super::{atan2, atan2_upper, exp, ln, single};
 
 /// A number of a light integral.
 pub trait Scalar:
@@ -43,6 +43,9 @@ pub trait Scalar:
     /// The natural logarithm. Domain: `self > 0`, normal.
     #[must_use]
     fn ln(self) -> Self;
+    /// e to the power of the number; zero far below.
+    #[must_use]
+    fn exp(self) -> Self;
     /// The angle of `(x, y)` from +x, in [0, pi]. Domain: `y >= 0`.
     #[must_use]
     fn atan2_upper(y: Self, x: Self) -> Self;
@@ -87,6 +90,9 @@ impl Scalar for f64 {
     fn ln(self) -> Self {
         ln(self)
     }
+    fn exp(self) -> Self {
+        exp(self)
+    }
     fn atan2_upper(y: Self, x: Self) -> Self {
         atan2(y, x)
     }
@@ -108,6 +114,9 @@ impl Scalar for f32 {
     }
     fn ln(self) -> Self {
         single::ln(self)
+    }
+    fn exp(self) -> Self {
+        single::exp(self)
     }
     fn atan2_upper(y: Self, x: Self) -> Self {
         atan2_upper(y, x)

@@ -56,6 +56,12 @@ pub(super) fn ln(x: f32) -> f32 {
     exponent as f32 * std::f32::consts::LN_2 + series
 }
 
+/// e to the power `x`. Shaders have their own, within `3 + 2 |x|` ulps.
+#[must_use]
+pub(super) fn exp(x: f32) -> f32 {
+    libm::expf(x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

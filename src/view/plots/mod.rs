@@ -4,7 +4,9 @@
 //! Invariant: equal tables and choices give equal bytes, on every machine.
 
 mod chart;
+mod curves;
 mod error;
+mod gaussians;
 mod glass;
 mod light;
 mod matrix;
@@ -14,6 +16,7 @@ mod slice;
 #[cfg(test)]
 mod tests;
 
+pub use gaussians::gaussian_plots;
 pub use glass::{FrostedGlass, GlassError, frosted_glass};
 pub use light::{NamedTable, light_errors};
 pub use parameters::{Azimuth, Ratio};

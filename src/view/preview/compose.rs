@@ -213,6 +213,10 @@ fn model_title(model: LightModel, table: &ShaderTable, width: u32) -> String {
     match model {
         LightModel::Ltc => table_title(table, width),
         LightModel::Normals => fitting(&["normals, no table", "normals"], width).to_owned(),
+        LightModel::Sg | LightModel::Asg => {
+            let short = short_title(model);
+            fitting(&[&format!("{short}, no table"), short], width).to_owned()
+        }
     }
 }
 
@@ -220,6 +224,8 @@ fn short_title(model: LightModel) -> &'static str {
     match model {
         LightModel::Ltc => "LTC",
         LightModel::Normals => "normals",
+        LightModel::Sg => "SG",
+        LightModel::Asg => "ASG",
     }
 }
 

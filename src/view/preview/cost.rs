@@ -7,22 +7,28 @@ use crate::light::LightModel;
 pub(super) const TABLE_COST: u32 = 8;
 /// The cost of light by the closed form in the space of normals.
 pub(super) const NORMALS_COST: u32 = 10;
+/// The cost of light by a Gaussian.
+pub(super) const GAUSSIAN_COST: u32 = 5;
 
 impl Scene {
     /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the
-    /// reference, plus pixels times eight where it shows the table. A lobe costs as much as light by the table. The pixels
-    /// are those of the whole panel: the background, which costs little, is not left out.
+    /// reference, plus pixels times eight where it shows the table, ten the closed form and five a Gaussian. A lobe costs as
+    /// much as light by the table. The pixels are those of the whole panel: the background, which costs little, is not left
+    /// out.
     #[must_use]
     pub fn cost(&self) -> f64 {
         let (table, reference) = (f64::from(TABLE_COST), f64::from(self.spp));
         let normals = f64::from(NORMALS_COST);
+        let model = match self.model {
+            LightModel::Ltc => table,
+            LightModel::Normals => normals,
+            LightModel::Sg | LightModel::Asg => f64::from(GAUSSIAN_COST),
+        };
         let of_a_pixel = match self.mode {
-            Mode::Ltc if self.model == LightModel::Normals => normals,
-            Mode::Difference | Mode::Strip if self.model == LightModel::Normals => normals + reference,
+            Mode::Ltc => model,
             Mode::Models => table + normals + reference,
-            Mode::Ltc => table,
             Mode::Reference => reference,
-            Mode::Difference | Mode::Strip => table + reference,
+            Mode::Difference | Mode::Strip => model + reference,
             Mode::Lobe => 2.0 * table,
         };
         f64::from(self.size) * f64::from(self.size) * of_a_pixel
@@ -42,6 +48,10 @@ mod tests {
         assert_eq!(cost(Mode::Strip, 100, 64), 720_000.0);
         assert_eq!(cost(Mode::Difference, 100, 64), 720_000.0);
         assert_eq!(cost(Mode::Lobe, 100, 4096), 160_000.0);
+        for (model, of_a_pixel) in [(LightModel::Normals, 10.0), (LightModel::Sg, 5.0), (LightModel::Asg, 5.0)] {
+            let cost = |mode| Scene { size: 100, spp: 64, mode, model, ..Scene::default() }.cost();
+            assert_eq!([cost(Mode::Ltc), cost(Mode::Strip)], [of_a_pixel, of_a_pixel + 64.0].map(|cost| 1e4 * cost));
+        }
         assert_eq!(cost(Mode::Reference, 200, 64), 4.0 * cost(Mode::Reference, 100, 64));
     }
 }

@@ -1,6 +1,6 @@
 //! What a renderer is asked for.
 
-use crate::light::LightModel;
+use crate::light::{Gaussian, LightModel};
 
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
@@ -12,6 +12,8 @@ pub enum Estimator {
     Table,
     /// Radiance by the closed form in the space of normals.
     Normals,
+    /// Radiance by a Gaussian.
+    Gaussian(Gaussian),
     /// Radiance by Monte Carlo integration.
     Reference,
     /// The table's lobe.
@@ -22,7 +24,15 @@ pub enum Estimator {
 
 impl Estimator {
     /// Every estimator.
-    pub const ALL: [Self; 5] = [Self::Table, Self::Normals, Self::Reference, Self::TableLobe, Self::ReferenceLobe];
+    pub const ALL: [Self; 7] = [
+        Self::Table,
+        Self::Normals,
+        Self::Gaussian(Gaussian::Sg),
+        Self::Gaussian(Gaussian::Asg),
+        Self::Reference,
+        Self::TableLobe,
+        Self::ReferenceLobe,
+    ];
 
     /// That of light by a model.
     #[must_use]
@@ -30,6 +40,8 @@ impl Estimator {
         match model {
             LightModel::Ltc => Self::Table,
             LightModel::Normals => Self::Normals,
+            LightModel::Sg => Self::Gaussian(Gaussian::Sg),
+            LightModel::Asg => Self::Gaussian(Gaussian::Asg),
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{
     Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose,
-    cost::{NORMALS_COST, TABLE_COST},
+    cost::{GAUSSIAN_COST, NORMALS_COST, TABLE_COST},
     cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
@@ -298,6 +298,7 @@ fn samples_of_a_pixel(frame: &Frame, estimator: Estimator) -> u32 {
     match estimator {
         Estimator::Reference => frame.spp,
         Estimator::Normals => NORMALS_COST,
+        Estimator::Gaussian(_) => GAUSSIAN_COST,
         Estimator::Table | Estimator::TableLobe | Estimator::ReferenceLobe => TABLE_COST,
     }
 }

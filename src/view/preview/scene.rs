@@ -129,7 +129,7 @@ pub enum Mode {
     Difference,
     /// The three side by side.
     Strip,
-    /// Both models beside the reference, and how far each is from it.
+    /// Table and closed form beside the reference, and how far each is from it.
     Models,
     /// The BRDF's lobe beside the fitted one, over the directions.
     Lobe,
@@ -192,7 +192,7 @@ impl Scene {
     pub fn shows(&self, model: LightModel) -> bool {
         match self.mode {
             Mode::Ltc | Mode::Difference | Mode::Strip => self.model == model,
-            Mode::Models => true,
+            Mode::Models => matches!(model, LightModel::Ltc | LightModel::Normals),
             Mode::Lobe => model == LightModel::Ltc,
             Mode::Reference => false,
         }

@@ -2,6 +2,7 @@
 
 use super::{
     Filter, Language, LitBy, Place, PortError,
+    gaussians_header::gaussians_include_header,
     header::table_include_header,
     normals_header::normals_include_header,
     sources::functions,
@@ -31,13 +32,25 @@ fn ltc_included() -> @location(0) vec4<f32> {
     return vec4(normals_rectangle(view, corners, true, 0u) + normals_polygon(view, &vertices, 4u, true, 0u), disk);
 }
 ";
+/// The same for the light by a Gaussian.
+const GAUSSIANS_ENTRY: &str = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let view = gaussians_view(1u, 0.5, 0.5, vec3(0.0, 0.0, 1.0));
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let disk = gaussians_disk(view, vertices[0], vertices[1], vertices[2], true);
+    let polygon = gaussians_polygon(view, vertices, 4u, true) + gaussians_sg(view, vertices[0], 1.0, 1.0);
+    return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
+}
+";
 
 /// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a port
 /// has to reproduce.
 ///
-/// `filter` says who interpolates a table's entries; model normals has none. In WGSL it is the constant
+/// `filter` says who interpolates a table's entries; models without a table have none. In WGSL it is the constant
 /// `ltc_hardware_filter`, and the text is the same for both. `place` keeps several texts apart that are to stand in one
-/// shader; a table's and that of model normals need none.
+/// shader; a table's, that of model normals and that of the Gaussians need none.
 ///
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shaders or of naga.
@@ -52,6 +65,7 @@ pub fn include(
     let (entry, filter, header) = match lit_by {
         LitBy::Table(layout) => (TABLE_ENTRY, Some(filter), table_include_header(language, layout, filter, place)),
         LitBy::Normals => (NORMALS_ENTRY, None, normals_include_header()),
+        LitBy::Gaussian(_) => (GAUSSIANS_ENTRY, None, gaussians_include_header()),
     };
     let source = format!("{}{entry}", functions(lit_by, has_storage));
     let included = Included { source: &source, entry: "ltc_included", filter };

@@ -1,6 +1,9 @@
 //! What a shader lights by.
 
-use crate::{fit::Layout, light::LightModel};
+use crate::{
+    fit::Layout,
+    light::{Gaussian, LightModel},
+};
 
 /// What a shader for other renderers lights by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,6 +12,8 @@ pub enum LitBy {
     Table(Layout),
     /// The closed form in the space of normals, without a table.
     Normals,
+    /// A Gaussian, without a table. The text has both, and which one is an argument of its functions.
+    Gaussian(Gaussian),
 }
 
 impl LitBy {
@@ -18,6 +23,7 @@ impl LitBy {
         match self {
             Self::Table(_) => LightModel::Ltc,
             Self::Normals => LightModel::Normals,
+            Self::Gaussian(gaussian) => gaussian.into(),
         }
     }
 
@@ -26,7 +32,7 @@ impl LitBy {
     pub fn layout(self) -> Option<Layout> {
         match self {
             Self::Table(layout) => Some(layout),
-            Self::Normals => None,
+            Self::Normals | Self::Gaussian(_) => None,
         }
     }
 
@@ -36,6 +42,7 @@ impl LitBy {
         match self {
             Self::Table(_) => "ltc_example",
             Self::Normals => "normals_example",
+            Self::Gaussian(_) => "gaussians_example",
         }
     }
 }

@@ -9,6 +9,7 @@
 
 #[cfg(feature = "shaders")]
 mod function;
+mod gaussians_header;
 mod golden;
 mod header;
 #[cfg(feature = "shaders")]
@@ -27,6 +28,8 @@ mod translate;
 
 #[cfg(feature = "shaders")]
 pub use function::include_function;
+#[cfg(test)]
+pub(in crate::view) use gaussians_header::SG_LIGHT;
 #[cfg(test)]
 pub(in crate::view) use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
 #[cfg(feature = "shaders")]

@@ -7,7 +7,7 @@ use super::{Language, LitBy};
 /// What a text to include takes for itself in the shader that it becomes a part of.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
-    /// What every name begins with, in place of `ltc` or `normals`.
+    /// What every name begins with, in place of `ltc`, `normals` or `gaussians`.
     pub prefix: Option<Prefix>,
     /// The number of its first binding; the others follow. Texts that bind nothing by number do without.
     pub first_binding: u16,
@@ -47,6 +47,7 @@ impl Place {
         let own = match lit_by {
             LitBy::Table(_) => "ltc",
             LitBy::Normals => "normals",
+            LitBy::Gaussian(_) => "gaussians",
         };
         let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
         identifiers(text, |name, rest| {

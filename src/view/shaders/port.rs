@@ -2,7 +2,10 @@
 
 #[cfg(feature = "shaders")]
 use super::translate::translate;
-use super::{header::header, language::Language, lit_by::LitBy, normals_header::normals_header, sources::ported};
+use super::{
+    gaussians_header::gaussians_header, header::header, language::Language, lit_by::LitBy,
+    normals_header::normals_header, sources::ported,
+};
 
 /// Why there is no translation: a language that has no such text ([`Language::has_programs`], [`Language::has_includes`]), or a
 /// defect of the shaders or of naga.
@@ -30,6 +33,7 @@ pub(super) fn comment(language: Language, lit_by: LitBy) -> String {
     match lit_by {
         LitBy::Table(layout) => header(language, layout),
         LitBy::Normals => normals_header(language),
+        LitBy::Gaussian(_) => gaussians_header(language),
     }
 }
 

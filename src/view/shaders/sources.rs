@@ -13,7 +13,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 15] = [
+pub const SHADERS: [Shader; 17] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
     Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
@@ -25,8 +25,10 @@ pub const SHADERS: [Shader; 15] = [
     Shader { name: "normals_edge", source: include_str!("../../../shaders/normals_edge.wgsl") },
     Shader { name: "normals_weight", source: include_str!("../../../shaders/normals_weight.wgsl") },
     Shader { name: "normals_light", source: include_str!("../../../shaders/normals_light.wgsl") },
+    Shader { name: "gaussians_light", source: include_str!("../../../shaders/gaussians_light.wgsl") },
     Shader { name: "ltc_example", source: include_str!("../../../shaders/ltc_example.wgsl") },
     Shader { name: "normals_example", source: include_str!("../../../shaders/normals_example.wgsl") },
+    Shader { name: "gaussians_example", source: include_str!("../../../shaders/gaussians_example.wgsl") },
     Shader { name: "ggx_reference", source: include_str!("../../../shaders/ggx_reference.wgsl") },
     Shader { name: "sphere", source: include_str!("../../../shaders/sphere.wgsl") },
 ];
@@ -34,9 +36,10 @@ pub const SHADERS: [Shader; 15] = [
 /// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
 const PORTED: [&str; 5] = ["ltc_math", "nodes_storage", "ltc_table", "ltc_light", "ltc_example"];
 const PORTED_NORMALS: [&str; 5] = ["ltc_math", "normals_edge", "normals_weight", "normals_light", "normals_example"];
+const PORTED_GAUSSIANS: [&str; 3] = ["ltc_math", "gaussians_light", "gaussians_example"];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 9] = [
+const PREVIEWED: [&str; 10] = [
     "ltc_math",
     "nodes_storage",
     "ltc_table",
@@ -44,6 +47,7 @@ const PREVIEWED: [&str; 9] = [
     "normals_edge",
     "normals_weight",
     "normals_light",
+    "gaussians_light",
     "ggx_reference",
     "sphere",
 ];
@@ -113,6 +117,7 @@ pub(super) fn ported(lit_by: LitBy) -> String {
     match lit_by {
         LitBy::Table(layout) => module(&PORTED, &[layout]),
         LitBy::Normals => joined(&PORTED_NORMALS),
+        LitBy::Gaussian(_) => joined(&PORTED_GAUSSIANS),
     }
 }
 
@@ -123,6 +128,7 @@ pub(super) fn functions(lit_by: LitBy, has_storage: bool) -> String {
     match lit_by {
         LitBy::Table(layout) => module(&["ltc_math", nodes, "ltc_table", "ltc_light"], &[layout]),
         LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
+        LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
     }
 }
 
@@ -172,6 +178,8 @@ mod tests {
         validate(&["ltc_math", "nodes_storage", "ltc_table", "ltc_light"]);
         validate(&PORTED);
         validate(&PORTED_NORMALS);
+        validate(&["ltc_math", "gaussians_light"]);
+        validate(&PORTED_GAUSSIANS);
         validate(&["ltc_math", "ggx_reference"]);
         validate(&PREVIEWED);
     }

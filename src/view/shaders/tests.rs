@@ -1,7 +1,7 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use super::{golden::CASES, header::header, normals_header::normals_header, *};
-use crate::fit::Layout;
+use super::{gaussians_header::gaussians_header, golden::CASES, header::header, normals_header::normals_header, *};
+use crate::{fit::Layout, light::Gaussian};
 
 fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
     let lit_by = lit_by.into();
@@ -58,21 +58,35 @@ fn every_language_has_header_and_functions_of_either_layout() {
     }
 }
 
+/// What lights without a table, with its comment and its functions.
+fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static str]); 2] {
+    [
+        (LitBy::Normals, normals_header(language), &NORMALS_FUNCTIONS),
+        (LitBy::Gaussian(Gaussian::Asg), gaussians_header(language), &GAUSSIANS_FUNCTIONS),
+    ]
+}
+
+const NORMALS_FUNCTIONS: [&str; 4] = ["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"];
+const GAUSSIANS_FUNCTIONS: [&str; 5] =
+    ["gaussians_view", "gaussians_rectangle", "gaussians_polygon", "gaussians_disk", "gaussians_sg"];
+
 #[test]
-fn every_language_has_the_shader_without_a_table() {
+fn every_language_has_the_shaders_without_a_table() {
     for language in programs().filter(|language| *language != Language::Spirv) {
-        let (text, name) = (text(language, LitBy::Normals), language.name());
-        let header = normals_header(language);
-        assert!(header.is_ascii() && header.lines().all(|line| line.starts_with("//") && line.len() <= 124), "{name}");
-        assert!(after_version(&text).starts_with(&header), "{name}");
-        let code = code(&text);
-        for function in ["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"] {
-            assert!(code.contains(&format!("{function}(")), "{name}: {function}");
+        for (lit_by, header, functions) in without_a_table(language) {
+            let (text, name) = (text(language, lit_by), language.name());
+            assert!(header.is_ascii() && header.lines().all(|l| l.starts_with("//") && l.len() <= 124), "{name}");
+            assert!(after_version(&text).starts_with(&header), "{name}");
+            let code = code(&text);
+            for function in functions {
+                assert!(code.contains(&format!("{function}(")), "{name}: {function}");
+            }
+            assert!(!code.contains("ltc_table") && !code.contains("sampler"), "{name} needs a table");
         }
-        assert!(!code.contains("ltc_table") && !code.contains("sampler"), "{name} needs a table");
     }
-    let binary = ported(Language::Spirv, LitBy::Normals);
-    assert_eq!(binary[..4], [0x03, 0x02, 0x23, 0x07]);
+    for (lit_by, ..) in without_a_table(Language::Spirv) {
+        assert_eq!(ported(Language::Spirv, lit_by)[..4], [0x03, 0x02, 0x23, 0x07]);
+    }
 }
 
 #[test]
@@ -204,7 +218,8 @@ fn the_cases_try_every_fold_and_the_light_matters_in_each() {
 
 /// Every text to include, by language, what it lights by, and filter.
 fn includes() -> impl Iterator<Item = (Language, LitBy, Filter, String)> {
-    let lit_by = [LitBy::Table(Layout::Reflected), LitBy::Table(Layout::Kt2022), LitBy::Normals];
+    let gaussian = LitBy::Gaussian(Gaussian::Sg);
+    let lit_by = [LitBy::Table(Layout::Reflected), LitBy::Table(Layout::Kt2022), LitBy::Normals, gaussian];
     let languages = Language::ALL.into_iter().filter(|language| language.has_includes());
     languages.flat_map(move |language| {
         lit_by.into_iter().flat_map(move |lit_by| {
@@ -225,19 +240,28 @@ fn what_is_included_has_functions_and_no_program() {
             assert!(text.contains(word), "{name}: {word}");
         }
         let code = code(&text);
-        for word in
-            ["main(", "ltc_included", "ltc_example", "normals_example", "#version", "@compute", "numthreads", "_group_"]
-        {
+        for word in [
+            "main(",
+            "ltc_included",
+            "ltc_example",
+            "normals_example",
+            "gaussians_example",
+            "#version",
+            "@compute",
+            "numthreads",
+            "_group_",
+        ] {
             assert!(!code.contains(word), "{name}: {word}");
         }
         let functions: &[&str] = match lit_by {
             LitBy::Table(_) => &["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk"],
-            LitBy::Normals => &["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"],
+            LitBy::Normals => &NORMALS_FUNCTIONS,
+            LitBy::Gaussian(_) => &GAUSSIANS_FUNCTIONS,
         };
         for function in functions {
             assert!(code.contains(&format!("{function}(")), "{name}: {function}");
         }
-        assert!(lit_by != LitBy::Normals || !code.contains("ltc_table"), "{name}");
+        assert!(lit_by.layout().is_some() || !code.contains("ltc_table"), "{name}");
     }
 }
 

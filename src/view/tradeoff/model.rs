@@ -56,11 +56,13 @@ pub struct ModelRows {
 }
 
 impl ModelRow {
-    /// What pictures call it: the model, and its layout or rule.
+    /// What pictures call it: the model, and its layout or rule where it has one.
     #[must_use]
     pub fn name(&self) -> String {
-        let kind = self.layout.map(Layout::name).or(self.weight.map(WeightRule::name));
-        format!("{} {}", self.model, kind.unwrap_or_default())
+        match self.layout.map(Layout::name).or(self.weight.map(WeightRule::name)) {
+            Some(kind) => format!("{} {kind}", self.model),
+            None => self.model.name().to_owned(),
+        }
     }
 }
 
@@ -154,6 +156,8 @@ pub(super) mod tests {
             normals(WeightRule::Fan, 0.0009),
             normals(WeightRule::Mean, 0.004),
             normals(WeightRule::Fine, 0.0005),
+            row(LightModel::Sg, None, None, 0.06, 0),
+            row(LightModel::Asg, None, None, 0.03, 0),
         ];
         ModelRows { lights: LIGHTS, mean_energy: 0.3, frame_size: FRAME_SIZE, adapter: "cpu".to_owned(), rows }
     }
@@ -162,13 +166,14 @@ pub(super) mod tests {
     fn the_text_has_a_line_for_each_model() {
         let text = rows().text();
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 1 + 4 + 1, "{text}");
-        for (line, name) in lines[1..].iter().zip(["ltc reflected", "normals fan", "normals mean", "normals fine"]) {
+        assert_eq!(lines.len(), 1 + 6 + 1, "{text}");
+        let names = ["ltc reflected", "normals fan", "normals mean", "normals fine", "sg ", "asg "];
+        for (line, name) in lines[1..].iter().zip(names) {
             assert!(line.starts_with(name), "{line}");
             assert_eq!(line.len(), lines[0].len(), "{line}");
         }
         assert!(lines[1].contains(" 181440 ") && lines[2].contains(" 0 "), "{text}");
-        assert!(lines[5].contains("512 x 512 by cpu"), "{text}");
+        assert!(lines[7].contains("512 x 512 by cpu"), "{text}");
     }
 
     #[test]

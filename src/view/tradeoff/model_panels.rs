@@ -13,7 +13,7 @@ use super::{
 use crate::fit::{Layout, Precision};
 
 /// Height of all panels with their titles.
-pub(super) const HEIGHT: f64 = 640.0;
+pub(super) const HEIGHT: f64 = 692.0;
 /// Top of the charts below that of the panels, and their height.
 const TOP: f64 = 52.0;
 const CHART_HEIGHT: f64 = 300.0;
@@ -166,6 +166,11 @@ fn write_names(
 fn model_mark(out: &mut String, [x, y]: [f64; 2], row: &ModelRow, classes: &str) -> std::fmt::Result {
     let Some(layout) = row.layout else {
         let d = MARK + 1.0;
+        if row.model.gaussian().is_some() {
+            // A triangle, and a diamond for the closed form.
+            let (x, y) = (x - d, y + 0.8 * d);
+            return writeln!(out, r#"<path class="gaussian{classes}" d="M{x:.1} {y:.1}h{0}l-{d} -{0}z"/>"#, 2.0 * d);
+        }
         let y = y - d;
         return writeln!(out, r#"<path class="normals{classes}" d="M{x:.1} {y:.1}l{d} {d}l-{d} {d}l-{d} -{d}z"/>"#);
     };
@@ -192,6 +197,7 @@ mod tests {
         let svg = panels();
         // In the chart of bytes twice.
         assert_eq!(svg.matches("<path class=\"normals").count(), 3 * 4, "{svg}");
+        assert_eq!(svg.matches("<path class=\"gaussian").count(), 2 * 4, "{svg}");
         assert_eq!(svg.matches("r=\"5\"").count(), 4, "{svg}");
         assert_eq!(svg.matches(" faint\"").count(), 2 * 2, "{svg}");
         for row in &rows().rows {
@@ -228,6 +234,6 @@ mod tests {
                 assert_eq!(x, LEFT[chart] + 0.5 * FREE, "{svg}");
             }
         }
-        assert_eq!(svg.matches(">0</text>").count(), 2 + 9, "two axes, and three columns of three rows: {svg}");
+        assert_eq!(svg.matches(">0</text>").count(), 2 + 15, "two axes, and three columns of five rows: {svg}");
     }
 }

@@ -43,6 +43,7 @@ text { fill: #24292f; fill: var(--ink) }
 .layout4 { fill: #0f7b8a; stroke: #0f7b8a }
 .layout5 { fill: #cf222e; stroke: #cf222e }
 .normals { fill: #1a7f37; fill: var(--c); stroke: #1a7f37; stroke: var(--c) }
+.gaussian { fill: #9a6700; stroke: #9a6700 }
 .f16 { fill: #ffffff; fill: var(--paper) }
 .off { opacity: 0.45 }
 .faint { opacity: 0.25 }

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     fit::Sides,
-    light::normals,
+    light::{Gaussian, gaussians, normals},
     view::preview::{
         ShaderTable, Surface,
         estimator::Estimator,
@@ -26,6 +26,7 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
     match estimator {
         Estimator::Table => surface(frame, place, cell, |at| by_table(frame, table, at)),
         Estimator::Normals => surface(frame, place, cell, |at| by_normals(frame, at)),
+        Estimator::Gaussian(gaussian) => surface(frame, place, cell, |at| by_gaussian(frame, gaussian, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
             let parts = ggx::reference(shaded, &frame.light, frame.spp, at[1] * frame.size + at[0]);
             reflected(frame, parts)
@@ -102,11 +103,22 @@ fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
     reflected(frame, Vec2::new(lobe.amplitude, lobe.fresnel) * covered)
 }
 
-fn by_normals(frame: &Frame, at: &Shaded) -> Vec3 {
+/// The light around a surface, in its tangent frame.
+fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
     let light = &frame.light;
-    let vertices: Vec<[f32; 3]> = light.vertices.iter().map(|v| (to_local * (*v - at.position)).to_array()).collect();
-    let sides = if light.two_sided { Sides::Two } else { Sides::One };
+    let vertices = light.vertices.iter().map(|v| (to_local * (*v - at.position)).to_array()).collect();
+    (vertices, if light.two_sided { Sides::Two } else { Sides::One })
+}
+
+fn by_gaussian(frame: &Frame, gaussian: Gaussian, at: &Shaded) -> Vec3 {
+    let (vertices, sides) = around(frame, at);
+    let parts = gaussians::reflected(gaussian, at.alpha.to_array(), at.wo.to_array(), &vertices, sides);
+    reflected(frame, Vec2::from(parts))
+}
+
+fn by_normals(frame: &Frame, at: &Shaded) -> Vec3 {
+    let (vertices, sides) = around(frame, at);
     let parts = normals::reflected(at.alpha.to_array(), at.wo.to_array(), &vertices, sides, frame.weight);
     reflected(frame, Vec2::from(parts))
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{GpuFailure, Variant, Weights};
 use crate::{
-    light::WeightRule,
+    light::{Gaussian, WeightRule},
     view::{
         preview::{estimator::Estimator, frame::Frame},
         shaders::preview_module,
@@ -36,7 +36,7 @@ struct Kind {
     is_ellipse: bool,
     /// How model `normals` averages its weight.
     rule: WeightRule,
-    /// Its light is a polygon of other than four vertices.
+    /// The light of a model without a table is a polygon of other than four vertices.
     is_polygon: bool,
 }
 
@@ -44,11 +44,12 @@ impl Kind {
     /// What does not matter to the estimator is the same for all frames.
     fn new(estimator: Estimator, frame: &Frame) -> Self {
         let is_normals = estimator == Estimator::Normals;
+        let is_tableless = is_normals || matches!(estimator, Estimator::Gaussian(_));
         Self {
             estimator,
             is_ellipse: estimator == Estimator::Reference && frame.light.ellipse.is_some(),
             rule: if is_normals { frame.weight } else { WeightRule::Fan },
-            is_polygon: is_normals && frame.light.vertices.len() != 4,
+            is_polygon: is_tableless && frame.light.vertices.len() != 4,
         }
     }
 }
@@ -170,6 +171,8 @@ fn entry_point(estimator: Estimator) -> &'static str {
     match estimator {
         Estimator::Table => "surface_by_table",
         Estimator::Normals => "surface_by_normals",
+        Estimator::Gaussian(Gaussian::Sg) => "surface_by_sg",
+        Estimator::Gaussian(Gaussian::Asg) => "surface_by_asg",
         Estimator::Reference => "surface_by_reference",
         Estimator::TableLobe => "lobe_by_table",
         Estimator::ReferenceLobe => "lobe_by_reference",

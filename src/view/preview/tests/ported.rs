@@ -10,13 +10,17 @@ use crate::{
         Layout, Ltc, Sides,
         math::{from_row_major, sin_cos},
     },
-    light::normals::{WeightRule, reflected},
+    light::{
+        Gaussian,
+        gaussians::{self, SgLight},
+        normals::{WeightRule, reflected},
+    },
     view::{
         preview::{
             ShaderTable, TexelFormat, cpu,
             gpu::{GpuFailure, example},
         },
-        shaders::{CASES, CORNERS, Case, Golden, Language, LitBy, TOLERANCE, golden_table, port},
+        shaders::{CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table, port},
     },
 };
 
@@ -162,6 +166,54 @@ fn the_shader_without_a_table_gives_what_f64_does() {
         let tolerance = if light.count == 0 { 2e-2 } else { TOLERANCE };
         for (found, expected) in found.into_iter().zip(expected) {
             let what = format!("{case:?} {} vertices, {two_sided}, {rule}", light.count);
+            assert!((f64::from(found) - expected).abs() < tolerance, "{what}: {found}, not {expected}");
+        }
+        lit += usize::from(expected[0] > 0.05);
+    }
+    assert!(lit > 30, "{lit}");
+}
+
+/// The file that lights by a Gaussian, on the GPU: both Gaussians, each kind of light, from one side and from both.
+#[test]
+fn the_shader_of_a_gaussian_gives_what_f64_does() {
+    let wgsl = port(Language::Wgsl, LitBy::Gaussian(Gaussian::Asg)).expect("WGSL");
+    let wgsl = String::from_utf8(wgsl).expect("UTF-8");
+    let mut lights = example_lights();
+    let SgLight { axis, sharpness, amplitude } = SG_LIGHT;
+    let given = vec![axis.into(), DVec3::new(sharpness, amplitude, 0.0)];
+    lights.push(ExampleLight { count: 1, given, outline: Vec::new(), tolerance: TOLERANCE });
+    let mut tried = Vec::new();
+    for (case, light) in CASES.iter().flat_map(|case| lights.iter().map(move |light| (case, light))) {
+        for two_sided in [false, true] {
+            tried.extend(Gaussian::ALL.iter().map(|gaussian| (case, light, two_sided, *gaussian)));
+        }
+    }
+    let words: Vec<[f32; 40]> = tried
+        .iter()
+        .map(|(case, light, two_sided, gaussian)| {
+            let mut words = case_words(case, light, *two_sided);
+            words[7] = f32::from(*gaussian as u8);
+            words
+        })
+        .collect();
+    let found: Vec<[f32; 4]> = match example::run(&wgsl, "gaussians_example", None, &words) {
+        Ok(found) => found,
+        Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+        Err(error) => panic!("{error}"),
+    };
+    let mut lit = 0;
+    for ((case, light, two_sided, gaussian), found) in tried.into_iter().zip(found) {
+        let sides = if two_sided { Sides::Two } else { Sides::One };
+        let alpha = [case.alpha_x, case.alpha_y];
+        let outline: Vec<[f64; 3]> = light.outline.iter().map(DVec3::to_array).collect();
+        let expected = match light.count {
+            1 => gaussians::reflected_sg(gaussian, alpha, case.wo, &SG_LIGHT),
+            _ => gaussians::reflected(gaussian, alpha, case.wo, &outline, sides),
+        };
+        // The rule has its points on other edges where the outline has more.
+        let tolerance = if light.count == 0 { 4e-2 } else { TOLERANCE };
+        for (found, expected) in found.into_iter().zip(expected) {
+            let what = format!("{case:?} {} vertices, {two_sided}, {gaussian}", light.count);
             assert!((f64::from(found) - expected).abs() < tolerance, "{what}: {found}, not {expected}");
         }
         lit += usize::from(expected[0] > 0.05);

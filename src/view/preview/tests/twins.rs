@@ -73,9 +73,10 @@ fn gpu_and_cpu_agree_from_everywhere() {
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
     let table = shader_table(TexelFormat::F32);
     let by_normals = |scene: &Scene| Scene { mode: Mode::Ltc, model: LightModel::Normals, ..scene.clone() };
+    let by_gaussian = |scene: &Scene| Scene { mode: Mode::Ltc, model: LightModel::Asg, ..scene.clone() };
     let shown = |scene: &Scene| {
         let [ltc, reference] = [Mode::Ltc, Mode::Reference].map(|mode| Scene { mode, ..scene.clone() });
-        [ltc, reference, by_normals(scene)]
+        [ltc, reference, by_normals(scene), by_gaussian(scene)]
     };
     for scene in cameras().flat_map(|scene| shown(&scene)) {
         let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
@@ -146,6 +147,27 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
         let scene = Scene { size: 128, model: LightModel::Normals, weight, materials, ..Scene::default() };
         let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
         assert_twins(&a.picture, &b.picture, &format!("{alpha_x} {alpha_y} {weight}"));
+    }
+}
+
+/// Both Gaussians, on surfaces from mirrors to needles and in every scene.
+#[test]
+fn gpu_and_cpu_agree_by_gaussians() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    let extremes = [(0.0, 0.0), (1e-4, 1e-4), (1.0, 1e-3), (0.001, 0.3), (1.0, 1.0)].map(|(alpha_x, alpha_y)| Scene {
+        size: 128,
+        materials: vec![Material { alpha_x, alpha_y, rotation: 1.0 }],
+        ..Scene::default()
+    });
+    let named = NamedScene::ALL.map(|named| Scene { size: 96, ..named.scene() });
+    for scene in extremes.iter().chain(&named) {
+        for model in [LightModel::Sg, LightModel::Asg] {
+            let scene = Scene { model, ..scene.clone() };
+            let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+            assert_twins(&a.picture, &b.picture, &format!("{model} {:?} {:?}", scene.materials, scene.camera));
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::*;
 use crate::{
     fit::{IsotropicFunction, Layout, planted_isotropic},
+    light::Gaussian,
     view::shaders::{Place, include_function},
 };
 
@@ -14,9 +15,9 @@ fn place(prefix: &str, first_binding: u16) -> Place {
     Place { prefix: Some(prefix.parse().expect("a prefix")), first_binding }
 }
 
-/// Four lights for one shader, each with what its names begin with: two tables, one of another layout, the light without a
-/// table, and the one without textures.
-fn lights(language: Language, filter: Filter) -> [(String, &'static str); 4] {
+/// Five lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
+/// a table, and the one without textures.
+fn lights(language: Language, filter: Filter) -> [(String, &'static str); 5] {
     let text = |lit_by: LitBy, place: &Place| include(language, lit_by, filter, place).expect("a translation");
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     let function = include_function(language, &function, &[], &place("smooth", 0)).expect("a translation");
@@ -24,6 +25,7 @@ fn lights(language: Language, filter: Filter) -> [(String, &'static str); 4] {
         (text(Layout::Reflected.into(), &Place::default()), "ltc"),
         (text(Layout::Ltc2017.into(), &place("iso2", 6)), "iso2"),
         (text(LitBy::Normals, &Place::default()), "normals"),
+        (text(LitBy::Gaussian(Gaussian::Sg), &Place::default()), "gaussians"),
         (function, "smooth"),
     ]
 }
@@ -65,7 +67,7 @@ fn names_of_several_lights_differ_in_every_language() {
             for (text, prefix) in lights(language, filter) {
                 let names = globals(&text);
                 let name = language.name();
-                assert!(names.len() > 20 && names.contains(&format!("{prefix}_disk")), "{name}: {names:?}");
+                assert!(names.len() > 15 && names.contains(&format!("{prefix}_disk")), "{name}: {names:?}");
                 let capital = prefix[..1].to_uppercase() + &prefix[1..];
                 for own in names {
                     let begins = [format!("{prefix}_"), format!("{}_", prefix.to_uppercase()), capital.clone()];
@@ -86,7 +88,8 @@ fn shown() -> @location(0) vec4<f32> {
     let view = normals_view(0.5, 0.5, wo);
     let corners = array<vec3<f32>, 4>(wo, wo, wo, wo);
     return vec4(ltc_lookup(0.5, 0.5, wo).amplitude, iso2_lookup(0.5, 0.5, wo).amplitude,
-        smooth_lookup(0.5, 0.5, wo).amplitude, normals_rectangle(view, corners, true, NORMALS_FAN).x);
+        smooth_lookup(0.5, 0.5, wo).amplitude, normals_rectangle(view, corners, true, NORMALS_FAN).x
+            + gaussians_rectangle(gaussians_view(GAUSSIANS_ASG, 0.5, 0.5, wo), corners, true).x);
 }
 ";
     let source = lights(Language::Wgsl, Filter::Exact).map(|(text, _)| text).concat() + entry;

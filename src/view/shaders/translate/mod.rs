@@ -31,7 +31,7 @@ const TABLE_SLOTS: [Slot; 7] = [
 ];
 
 /// The slots of a shader that reads none.
-const NORMALS_SLOTS: [Slot; 2] = [
+const TABLELESS_SLOTS: [Slot; 2] = [
     (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
     (ResourceBinding { group: 0, binding: 1 }, 1, Resource::WrittenBuffer),
 ];
@@ -69,7 +69,7 @@ struct Entry<'a> {
 pub(super) fn translate(language: Language, lit_by: LitBy, source: &str) -> Result<Vec<u8>, String> {
     let (slots, filter): (&[Slot], _) = match lit_by {
         LitBy::Table(_) => (&TABLE_SLOTS, Some(Filter::Exact)),
-        LitBy::Normals => (&NORMALS_SLOTS, None),
+        LitBy::Normals | LitBy::Gaussian(_) => (&TABLELESS_SLOTS, None),
     };
     let entry = Entry { stage: ShaderStage::Compute, name: lit_by.entry_point(), slots };
     let (module, info) = prepared(source, &entry, filter)?;

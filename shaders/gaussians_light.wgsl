@@ -1,0 +1,265 @@
+// The light of a polygon on GGX by one Gaussian on the sphere, without a table: the cheapest light, and the coarsest. Needs
+// ltc_math.wgsl.
+//
+// Vertices are given relative to the shaded point in its tangent frame, normal +z. The lit side is the one from which
+// they run clockwise. The outline has to be convex; a disk is lit as a polygon of its area.
+
+/// The Gaussian: round, or stretched as the reflection of normals stretches it.
+const GAUSSIANS_SG: u32 = 0u;
+const GAUSSIANS_ASG: u32 = 1u;
+
+/// A surface seen from a direction.
+struct GaussiansView {
+    /// The middle of what it reflects.
+    axis: vec3<f32>,
+    /// What a direction's products with these are, projected, is where it lies, in deviations.
+    x: vec3<f32>,
+    y: vec3<f32>,
+    /// What is reflected of all directions: for a Fresnel factor of one, and weighed by Schlick's (1 - wo . h)^5.
+    parts: vec2<f32>,
+}
+
+/// How the reflection moves when the normal h tilts by dh.
+fn gaussians_moved(h: vec3<f32>, wo: vec3<f32>, dh: vec3<f32>) -> vec3<f32> {
+    let h2 = dot(h, h);
+    let cosine = dot(wo, h);
+    let along = 2.0 * dot(wo, dh) / h2 - 4.0 * cosine * dot(h, dh) / (h2 * h2);
+    return h * along + dh * (2.0 * cosine / h2);
+}
+
+/// The Gaussian of a surface of roughness alpha_x and alpha_y, above 0, seen from wo.
+fn gaussians_view(kind: u32, alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> GaussiansView {
+    let stretch = vec3(alpha_x, alpha_y, 1.0);
+    let seen = stretch * wo;
+    let seen_length = length(seen);
+    let s = seen / seen_length;
+    // The middle one of the visible normals; normals deviate from it by spread, where the surface is a hemisphere.
+    let h = stretch * vec3(s.xy, s.z + 1.0);
+    let spread = sqrt(2.0 * (1.0 + s.z));
+    let h2 = dot(h, h);
+    let cosine = dot(wo, h);
+    let axis = normalize(h * (2.0 * cosine / h2) - wo);
+    let first = gaussians_moved(h, wo, vec3(spread * alpha_x, 0.0, 0.0));
+    let second = gaussians_moved(h, wo, vec3(0.0, spread * alpha_y, 0.0));
+    let area = max(dot(axis, cross(first, second)), 1e-30);
+    var view: GaussiansView;
+    view.axis = axis;
+    view.x = cross(second, axis) / area;
+    view.y = cross(axis, first) / area;
+    if (kind == GAUSSIANS_SG) {
+        let x = normalize(first);
+        view.x = x / sqrt(area);
+        view.y = cross(axis, x) / sqrt(area);
+    }
+    // Smith's G2 / G1.
+    let up = max(axis.z, 0.0);
+    let bottom = seen_length * up + wo.z * length(stretch * axis);
+    let weight = min((wo.z + seen_length) * up / max(bottom, 1e-36), 1.0);
+    let m = clamp(1.0 - cosine / sqrt(h2), 0.0, 1.0);
+    view.parts = vec2(weight, weight * (m * m * m * m * m));
+    return view;
+}
+
+/// Where a direction of any length lies in the equal-area projection around the axis, in deviations.
+fn gaussians_at(view: GaussiansView, w: vec3<f32>) -> vec2<f32> {
+    let size = length(w);
+    let from_behind = max(size + dot(w, view.axis), 1e-6 * size);
+    return vec2(dot(w, view.x), dot(w, view.y)) * sqrt(2.0 / max(size * from_behind, 1e-36));
+}
+
+/// Its image in the square of area one to which the error function maps the plane of the Gaussian: half of erf, within
+/// 2.5e-4 (Abramowitz and Stegun, 7.1.27).
+fn gaussians_image(view: GaussiansView, w: vec3<f32>) -> vec2<f32> {
+    let at = gaussians_at(view, w);
+    let z = min(abs(at), vec2(8.0));
+    let p = (((0.078108 * z + 0.000972) * z + 0.230389) * z + 0.278393) * z + 1.0;
+    let p2 = p * p;
+    let half = 0.5 - 0.5 / (p2 * p2);
+    return select(half, -half, at < vec2(0.0));
+}
+
+/// An outline's image in the square as it is walked around; what lies below the surface is left out.
+struct GaussiansOutline {
+    /// Twice the area.
+    area: f32,
+    /// The first vertex, and its image.
+    start: vec3<f32>,
+    origin: vec2<f32>,
+    /// The sum of the edges' turns: a normal of the light.
+    normal: vec3<f32>,
+    previous: vec3<f32>,
+    previous_image: vec2<f32>,
+    /// Where the outline dips below the surface and where it comes back, and the images.
+    leaves: vec3<f32>,
+    enters: vec3<f32>,
+    leaves_image: vec2<f32>,
+    enters_image: vec2<f32>,
+}
+
+/// Begins at a vertex; gaussians_outline_edge then takes each of the others in turn, and this one last.
+fn gaussians_outline_begin(view: GaussiansView, vertex: vec3<f32>) -> GaussiansOutline {
+    let zero = vec3(0.0);
+    let none = vec2(0.0);
+    return GaussiansOutline(0.0, vertex, gaussians_image(view, vertex), zero, vertex, none, zero, zero, none, none);
+}
+
+/// Twice the area between two points and the origin.
+fn gaussians_turn(a: vec2<f32>, b: vec2<f32>) -> f32 {
+    return a.x * b.y - a.y * b.x;
+}
+
+/// The part of the edge from a to b, from 0 to 1, at which it lies s deviations beyond its foot, the point closest to the
+/// axis. a and b are products with x, y and the axis; ends where the edge begins and ends along itself.
+fn gaussians_beyond_foot(a: vec3<f32>, b: vec3<f32>, ends: vec2<f32>, s: f32) -> f32 {
+    let change = (ends.y - ends.x) - s * (b.z - a.z);
+    let is_there = abs(change) >= 1e-30;
+    return select(0.0, clamp((s * a.z - ends.x) / select(1.0, change, is_there), 0.0, 1.0), is_there);
+}
+
+/// Twice the area between the origin and the image of an edge or of a part of one. It has two more points, 0.7 deviations before
+/// and after its foot. far is 1 where the foot may be anywhere: there the middle takes its place.
+fn gaussians_under_part(
+    view: GaussiansView,
+    origin: vec2<f32>,
+    start: vec3<f32>,
+    start_image: vec2<f32>,
+    end: vec3<f32>,
+    end_image: vec2<f32>,
+    far: f32,
+) -> f32 {
+    let a = vec3(dot(start, view.x), dot(start, view.y), dot(start, view.axis));
+    let b = vec3(dot(end, view.x), dot(end, view.y), dot(end, view.axis));
+    let line = cross(a, b);
+    let ends = vec2(line.y * a.x - line.x * a.y, line.y * b.x - line.x * b.y) / max(length(line.xy), 1e-30);
+    let middle = length(start) / max(length(start) + length(end), 1e-36);
+    let t = mix(gaussians_beyond_foot(a, b, ends, -0.7), middle, far);
+    let u = mix(gaussians_beyond_foot(a, b, ends, 0.7), middle, far);
+    let first = gaussians_image(view, start + (end - start) * min(t, u)) - origin;
+    let second = gaussians_image(view, start + (end - start) * max(t, u)) - origin;
+    return gaussians_turn(start_image, first) + gaussians_turn(first, second) + gaussians_turn(second, end_image);
+}
+
+/// The same of a whole edge. One that passes behind the axis is taken in two parts, since it turns around it by up to half a
+/// turn; the farther its foot is, the less, since where it passes is as uncertain.
+fn gaussians_under(
+    view: GaussiansView,
+    origin: vec2<f32>,
+    start: vec3<f32>,
+    start_image: vec2<f32>,
+    end: vec3<f32>,
+    end_image: vec2<f32>,
+) -> f32 {
+    let normal = cross(start, end);
+    let height = dot(normal, view.axis);
+    let far = clamp((0.02 - (1.0 - height * height / max(dot(normal, normal), 1e-36))) / 0.015, 0.0, 1.0);
+    let a = dot(start, view.axis);
+    let b = dot(end, view.axis);
+    let passes = (a > 0.0) != (b > 0.0);
+    let whole = select(1.0, far, passes);
+    var sum = 0.0;
+    if (whole > 0.0) {
+        sum = whole * gaussians_under_part(view, origin, start, start_image, end, end_image, far);
+    }
+    if (whole < 1.0) {
+        let between = start + (end - start) * (a / (a - b));
+        let image = gaussians_image(view, between) - origin;
+        let first = gaussians_under_part(view, origin, start, start_image, between, image, far);
+        let second = gaussians_under_part(view, origin, between, image, end, end_image, far);
+        sum += (1.0 - whole) * (first + second);
+    }
+    return sum;
+}
+
+fn gaussians_outline_edge(view: GaussiansView, outline: GaussiansOutline, b: vec3<f32>) -> GaussiansOutline {
+    var next = outline;
+    let a = outline.previous;
+    next.normal += cross(a - outline.start, b - outline.start);
+    next.previous = b;
+    next.previous_image = gaussians_image(view, b) - outline.origin;
+    var start = a;
+    var start_image = outline.previous_image;
+    var end = b;
+    var end_image = next.previous_image;
+    if ((a.z > 0.0) != (b.z > 0.0)) {
+        let crossing = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+        let image = gaussians_image(view, crossing) - outline.origin;
+        if (a.z > 0.0) {
+            next.leaves = crossing;
+            next.leaves_image = image;
+            end = crossing;
+            end_image = image;
+        } else {
+            next.enters = crossing;
+            next.enters_image = image;
+            start = crossing;
+            start_image = image;
+        }
+    }
+    if (a.z > 0.0 || b.z > 0.0) {
+        next.area += gaussians_under(view, outline.origin, start, start_image, end, end_image);
+    }
+    return next;
+}
+
+/// What is reflected. A line along the horizon closes a cut outline.
+fn gaussians_outline_finish(view: GaussiansView, outline: GaussiansOutline, two_sided: bool) -> vec2<f32> {
+    var area = outline.area;
+    if (any(outline.leaves != outline.enters)) {
+        area += gaussians_under(
+            view, outline.origin, outline.leaves, outline.leaves_image, outline.enters, outline.enters_image);
+    }
+    let is_lit = two_sided || dot(outline.normal, outline.start) >= 0.0;
+    return view.parts * select(0.0, min(0.5 * abs(area), 1.0), is_lit);
+}
+
+/// What is reflected of a rectangle of radiance one, by its corners in order: for a Fresnel factor of one (x), and its part
+/// weighed by Schlick's (1 - wo . h)^5 (y). Light of radiance L: L (f0 (x - y) + f90 y).
+fn gaussians_rectangle(view: GaussiansView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
+    var outline = gaussians_outline_begin(view, corners[3]);
+    outline = gaussians_outline_edge(view, outline, corners[0]);
+    outline = gaussians_outline_edge(view, outline, corners[1]);
+    outline = gaussians_outline_edge(view, outline, corners[2]);
+    outline = gaussians_outline_edge(view, outline, corners[3]);
+    return gaussians_outline_finish(view, outline, two_sided);
+}
+
+/// The same of a convex polygon of 3 to 8 vertices in order; another count is taken as the nearest of these.
+fn gaussians_polygon(view: GaussiansView, vertices: array<vec3<f32>, 8>, count: u32, two_sided: bool) -> vec2<f32> {
+    var list = vertices;
+    let number = clamp(count, 3u, 8u);
+    var outline = gaussians_outline_begin(view, list[number - 1u]);
+    for (var i = 0u; i < number; i++) {
+        outline = gaussians_outline_edge(view, outline, list[i]);
+    }
+    return gaussians_outline_finish(view, outline, two_sided);
+}
+
+/// A disk: the regular octagon of its area. Its half axes are perpendicular; the lit side is towards their cross
+/// product, half_x x half_y.
+fn gaussians_disk(
+    view: GaussiansView,
+    centre: vec3<f32>,
+    half_x: vec3<f32>,
+    half_y: vec3<f32>,
+    two_sided: bool,
+) -> vec2<f32> {
+    var vertices: array<vec3<f32>, 8>;
+    for (var i = 0u; i < 8u; i++) {
+        let turn = ltc_sin_cos((0.5 - f32(i)) * 0.125) * 1.0539074;
+        vertices[i] = centre + half_x * turn.y + half_y * turn.x;
+    }
+    return gaussians_polygon(view, vertices, 8u, two_sided);
+}
+
+/// What is reflected of the light of a spherical Gaussian, radiance amplitude exp(sharpness (w . axis - 1)): the inner
+/// product with that of the surface. axis is of unit length; what is below the surface counts too.
+fn gaussians_sg(view: GaussiansView, axis: vec3<f32>, sharpness: f32, amplitude: f32) -> vec2<f32> {
+    let width = 2.0 / sharpness;
+    let products = width * vec3(dot(view.x, view.x), dot(view.x, view.y), dot(view.y, view.y));
+    let area = width * abs(dot(view.axis, cross(view.x, view.y)));
+    let determinant = 1.0 + products.x + products.z + area * area;
+    let at = gaussians_at(view, axis);
+    let squares = (1.0 + products.z) * at.x * at.x + (1.0 + products.x) * at.y * at.y;
+    let far = (squares - 2.0 * products.y * at.x * at.y) / determinant;
+    return view.parts * (amplitude * area / sqrt(determinant) * exp(-far));
+}

@@ -1,0 +1,128 @@
+//! The Gaussian of a surface seen from a direction.
+
+use super::Gaussian;
+use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
+
+/// Around which normal the distribution of normals is warped to directions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Warp {
+    /// The middle one of the visible normals, with their spread and the weight `G2 / G1` of its reflection.
+    Visible,
+    /// The surface's own, with the spread of all normals and the weight `G2`, as Wang et al. and Xu et al. have it.
+    Surface,
+}
+
+/// A Gaussian over directions.
+///
+/// Per steradian it is `peak exp(-x^2 - y^2)` at [`Lobe::at`]; its integral over the plane is its weight.
+#[derive(Debug, Clone, Copy)]
+pub struct Lobe<T> {
+    /// The middle, of length one.
+    pub axis: Triple<T>,
+    /// The vectors whose products with a direction, projected, are x and y; perpendicular to the axis.
+    pub(super) rows: [Triple<T>; 2],
+    /// What is reflected of all directions together, in [0, 1].
+    pub weight: T,
+    /// Schlick's `(1 - wo . h)^5` at the middle.
+    pub schlick: T,
+}
+
+impl<T: Scalar> Lobe<T> {
+    /// The Gaussian of a surface seen from `wo`.
+    ///
+    /// Where the surface is a hemisphere, normals seen from `s = A wo / |A wo|` are `c = u + s` for `u` uniform on the cap
+    /// `u . z > -s . z` [Dupuy and Benyoub 2023], whose middle is z and whose area is `2 pi (1 + s . z)`. The Gaussian of the
+    /// same middle and the same density there is `exp(-|u_xy|^2 / v)`, `v = 2 (1 + s . z)`. Its normal is `h = A (s + z)`, its
+    /// direction `r = 2 (wo . h) h / h^2 - wo`, and its deviations are `dr` for `dh = sqrt v A x` and `sqrt v A y`:
+    ///
+    /// ```text
+    /// dr = 2 ((wo . dh) h + (wo . h) dh) / h^2 - 4 (wo . h) (h . dh) h / h^4
+    /// ```
+    ///
+    /// With `s = z` this is the Gaussian `1 / (pi ax ay) exp(-(h_x / ax)^2 - (h_y / ay)^2)` of all normals, of sharpness
+    /// `2 / alpha^2`, and its warp around the surface's normal: sharpness `1 / (2 alpha^2)` within the plane of incidence and
+    /// `1 / (2 alpha^2 cos^2)` across it, in terms of `exp(L (w . r - 1))`. The round Gaussian has their geometric mean, as
+    /// in Wang et al.
+    ///
+    /// Domain: `alpha` in [1e-5, 1], `wo` of length one with `z > 0`.
+    #[must_use]
+    pub fn new(gaussian: Gaussian, warp: Warp, [alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> Self {
+        let stretch = |w: Triple<T>| [alpha_x * w[0], alpha_y * w[1], w[2]];
+        let length = |w: Triple<T>| dot(w, w).sqrt();
+        let two = T::of(2.0);
+        let seen = stretch(wo);
+        let seen_length = length(seen);
+        let s = match warp {
+            Warp::Visible => scaled(seen, T::ONE / seen_length),
+            Warp::Surface => [T::ZERO, T::ZERO, T::ONE],
+        };
+        let h = stretch(plus(s, [T::ZERO, T::ZERO, T::ONE]));
+        let (h2, cosine) = (dot(h, h), dot(wo, h));
+        let axis = unit(minus(scaled(h, two * cosine / h2), wo));
+        let spread = (two * (T::ONE + s[2])).sqrt();
+        let moved = |dh: Triple<T>| {
+            let along = two * dot(wo, dh) / h2 - T::of(4.0) * cosine * dot(h, dh) / (h2 * h2);
+            plus(scaled(h, along), scaled(dh, two * cosine / h2))
+        };
+        let deviations = [moved([spread * alpha_x, T::ZERO, T::ZERO]), moved([T::ZERO, spread * alpha_y, T::ZERO])];
+        // Smith's G2 / G1 of the middle, and G2 with G1 = 2 cos / (cos + |A wo|).
+        let up = axis[2].max(T::ZERO);
+        let bottom = seen_length * up + wo[2] * length(stretch(axis));
+        let shadowing = (wo[2] + seen_length) * up / bottom.max(T::of(1e-36));
+        let masking = match warp {
+            Warp::Visible => T::ONE,
+            Warp::Surface => two * wo[2] / (wo[2] + seen_length),
+        };
+        let m = (T::ONE - cosine / h2.sqrt()).max(T::ZERO).min(T::ONE);
+        Self {
+            axis,
+            rows: rows(gaussian, axis, deviations),
+            weight: (shadowing * masking).min(T::ONE),
+            schlick: m * m * m * m * m,
+        }
+    }
+
+    /// The weight, and its part by Schlick's factor.
+    pub(super) fn parts(&self) -> [T; 2] {
+        [self.weight, self.weight * self.schlick]
+    }
+
+    /// Where a direction of any length lies in the plane of the Gaussian, in its deviations.
+    #[must_use]
+    pub fn at(&self, w: Triple<T>) -> [T; 2] {
+        let length = dot(w, w).sqrt();
+        let from_behind = (length + dot(w, self.axis)).max(T::of(1e-6) * length);
+        let scale = (T::of(2.0) / (length * from_behind).max(T::of(1e-36))).sqrt();
+        self.rows.map(|row| dot(w, row) * scale)
+    }
+
+    /// Density of the Gaussian of weight one in its middle, per steradian: `1 / (pi a1 a2)`.
+    pub(super) fn peak(&self) -> T {
+        let [x, y] = self.rows;
+        T::of(2.0) * dot(self.axis, cross(x, y)).abs() / T::TAU
+    }
+
+    /// The density towards a direction, weight included, per steradian.
+    #[must_use]
+    pub fn density(&self, w: Triple<T>) -> T {
+        let [x, y] = self.at(w);
+        self.weight * self.peak() * (-(x * x + y * y)).exp()
+    }
+}
+
+/// The vectors that give x and y: dual to the deviations, or for a round Gaussian perpendicular and of the same area.
+fn rows<T: Scalar>(gaussian: Gaussian, axis: Triple<T>, [first, second]: [Triple<T>; 2]) -> [Triple<T>; 2] {
+    let area = dot(axis, cross(first, second));
+    let least = T::of(1e-30);
+    match gaussian {
+        Gaussian::Asg => {
+            let per_area = T::ONE / area.max(least);
+            [scaled(cross(second, axis), per_area), scaled(cross(axis, first), per_area)]
+        }
+        Gaussian::Sg => {
+            let sharp = T::ONE / area.max(least).sqrt();
+            let x = unit(first);
+            [scaled(x, sharp), scaled(cross(axis, x), sharp)]
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The light of GGX by one Gaussian on the sphere: the cheapest of the models, and the coarsest. No table.
+//!
+//! The lobe is one spherical Gaussian, round or stretched, times one weight of shadowing and one Fresnel factor
+//! [Wang et al. 2009; Xu et al. 2013; Pettineo 2016, «SG Series Part 4»]:
+//!
+//! ```text
+//! f(w) cos w  ~  W / (pi a1 a2) exp(-x^2 - y^2),    (x, y) = d in the basis t1, t2 of the plane,
+//! d = w_p sqrt(2 / (1 + w . r)),   w_p = w - (w . r) r
+//! ```
+//!
+//! `r` is the direction to which a middle normal reflects, `t1` and `t2` are how far the reflection moves when that normal
+//! tilts by a deviation, of lengths `a1` and `a2` where they are perpendicular, and `d` is the equal-area projection around
+//! `r`, of length `2 sin(angle / 2)`. In it a spherical Gaussian `exp(L (w . r - 1))` is a Gaussian of the plane exactly, with
+//! `L = 2 / a^2` (`lobe.rs`). A polygon's part of it is an area in the square that the error function maps the plane to
+//! (`polygon.rs`); the light of a spherical Gaussian is a convolution of two (`sg_light.rs`). `docs/gaussians.md` derives all of
+//! it and has the errors.
+
+mod lobe;
+mod polygon;
+mod sg_light;
+#[cfg(test)]
+mod tests;
+
+pub use lobe::{Lobe, Warp};
+pub use sg_light::{SgLight, reflected_sg};
+
+use crate::fit::{
+    Sides,
+    math::{Scalar, Triple},
+    named_list::named_list,
+};
+use polygon::covered;
+
+named_list! {
+    /// The Gaussian that stands for a lobe.
+    pub enum Gaussian {
+        /// A spherical Gaussian: round, of the peak and the integral of the stretched one.
+        Sg = "sg",
+        /// An anisotropic spherical Gaussian: stretched as the warp stretches it.
+        Asg = "asg",
+    }
+}
+
+/// What GGX reflects of a polygon of radiance one towards `wo` by a Gaussian: for a Fresnel factor of one, and its part
+/// weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].
+///
+/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z; the lit side is
+/// that from which they run clockwise. What lies below the surface is cut off. Domain: `alpha` in [1e-5, 1], `wo` of length
+/// one with `z > 0`, finite vertices.
+#[must_use]
+pub fn reflected<T: Scalar>(
+    gaussian: Gaussian,
+    alpha: [T; 2],
+    wo: Triple<T>,
+    vertices: &[Triple<T>],
+    sides: Sides,
+) -> [T; 2] {
+    let lobe = Lobe::new(gaussian, Warp::Visible, alpha, wo);
+    let covered = covered(&lobe, vertices, sides);
+    lobe.parts().map(|part| part * covered)
+}

@@ -1,0 +1,130 @@
+//! Curves in a frame: over two axes, or as distances from a point over the directions of a half plane.
+
+use crate::view::picture::{Anchor, GROUND, LINE, Picture, number, write};
+
+/// Pixels a side of what is within the axes.
+pub(super) const SIDE: u32 = 288;
+/// Room for the numbers on the left and below, and for a half of the last one.
+const LEFT: u32 = 56;
+const BELOW: u32 = LINE + 8;
+const RIGHT: u32 = 16;
+/// Half the width of a curve, in pixels.
+const HALF_WIDTH: f64 = 1.0;
+const AXIS: [u8; 3] = [120, 120, 120];
+const GRID: [u8; 3] = [58, 58, 62];
+
+/// A curve, in the units of its frame.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Curve {
+    pub(super) points: Vec<[f64; 2]>,
+    pub(super) colour: [u8; 3],
+}
+
+/// The axes: what they range over, upwards and to the right, and where they have ticks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame<'a> {
+    pub(super) x: [f64; 2],
+    pub(super) y: [f64; 2],
+    pub(super) x_ticks: &'a [f64],
+    pub(super) y_ticks: &'a [f64],
+}
+
+impl Frame<'_> {
+    /// The curves with their axes; what lies beyond an end is left out.
+    pub(super) fn draw(&self, curves: &[Curve]) -> Picture {
+        let mut picture = Picture::filled(LEFT + SIDE + RIGHT, SIDE + BELOW + LINE / 2, GROUND);
+        let (width, top) = (picture.width, LINE / 2);
+        for tick in self.x_ticks {
+            let x = LEFT + (self.at([*tick, self.y[0]])[0].round() as u32).min(SIDE - 1);
+            picture.put(&Picture::filled(1, SIDE, GRID), x, top);
+            write(&mut picture, &number(*tick as f32), x, top + SIDE + BELOW / 2, Anchor::Middle, width);
+        }
+        for tick in self.y_ticks {
+            let y = top + (self.at([self.x[0], *tick])[1].round() as u32).min(SIDE - 1);
+            picture.put(&Picture::filled(SIDE, 1, GRID), LEFT, y);
+            write(&mut picture, &number(*tick as f32), LEFT - 6, y, Anchor::Right, width);
+        }
+        picture.put(&Picture::filled(1, SIDE, AXIS), LEFT, top);
+        picture.put(&Picture::filled(SIDE, 1, AXIS), LEFT, top + SIDE - 1);
+        for curve in curves {
+            self.stroke(&mut picture, curve, [LEFT, top]);
+        }
+        picture
+    }
+
+    /// The place of a point within the axes, in pixels from their upper left corner.
+    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let part = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
+        [part(x, self.x) * f64::from(SIDE), (1.0 - part(y, self.y)) * f64::from(SIDE)]
+    }
+
+    /// Draws a curve within the axes, whose upper left corner is at `left` and `top`.
+    fn stroke(&self, picture: &mut Picture, curve: &Curve, [left, top]: [u32; 2]) {
+        let places: Vec<[f64; 2]> = curve.points.iter().map(|point| self.at(*point)).collect();
+        let side = SIDE as usize;
+        let mut distance = vec![f64::INFINITY; side * side];
+        for ends in places.windows(2) {
+            let range = |axis: usize| {
+                let (a, b) = (ends[0][axis], ends[1][axis]);
+                let pixel = |x: f64| x.clamp(0.0, f64::from(SIDE)) as usize;
+                pixel(a.min(b) - 2.0)..pixel(a.max(b) + 3.0)
+            };
+            for y in range(1) {
+                for x in range(0) {
+                    let near = &mut distance[y * side + x];
+                    *near = near.min(to_segment([x as f64 + 0.5, y as f64 + 0.5], ends[0], ends[1]));
+                }
+            }
+        }
+        for (index, distance) in distance.into_iter().enumerate() {
+            let cover = (HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0);
+            if cover > 0.0 {
+                let (x, y) = (left as usize + index % side, top as usize + index / side);
+                let pixel = &mut picture.rgb[y * picture.width as usize + x];
+                *pixel = [0, 1, 2]
+                    .map(|k| (f64::from(pixel[k]) * (1.0 - cover) + f64::from(curve.colour[k]) * cover).round() as u8);
+            }
+        }
+    }
+}
+
+/// The distance of a point from a line between two others.
+fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (along, from) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let length2 = along[0] * along[0] + along[1] * along[1];
+    let t = if length2 > 0.0 { (from[0] * along[0] + from[1] * along[1]) / length2 } else { 0.0 };
+    let t = t.clamp(0.0, 1.0);
+    let (x, y) = (from[0] - t * along[0], from[1] - t * along[1]);
+    (x * x + y * y).sqrt()
+}
+
+/// The names of curves in their colours, as wide as a frame.
+pub(super) fn legend(width: u32, names: &[(&str, [u8; 3])]) -> Picture {
+    let mut picture = Picture::filled(width, LINE + 4, GROUND);
+    let step = width / names.len().max(1) as u32;
+    for (i, (name, colour)) in (0_u32..).zip(names) {
+        picture.put(&Picture::filled(12, 3, *colour), i * step + 6, LINE / 2 + 1);
+        write(&mut picture, name, i * step + 22, LINE / 2 + 2, Anchor::Left, width);
+    }
+    picture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_lies_where_its_numbers_say_and_not_beyond_the_axes() {
+        let frame = Frame { x: [0.0, 2.0], y: [0.0, 4.0], x_ticks: &[0.0, 2.0], y_ticks: &[4.0] };
+        let colour = [250, 100, 30];
+        let points = vec![[0.0, 1.0], [1.0, 1.0], [2.0, 9.0]];
+        let drawn = frame.draw(&[Curve { points, colour }]);
+        let at = |x: u32, y: u32| drawn.rgb[((LINE / 2 + y) * drawn.width + LEFT + x) as usize];
+        // A quarter of the height, for half of the width, then steeply upwards and out.
+        assert_eq!([at(20, SIDE * 3 / 4), at(SIDE / 2 - 9, SIDE * 3 / 4 - 1)], [colour; 2]);
+        assert!(at(20, SIDE / 2) != colour && at(SIDE - 20, SIDE * 3 / 4) != colour);
+        let above = drawn.rgb[..(LINE / 2 * drawn.width) as usize].iter();
+        assert_eq!(above.filter(|pixel| **pixel == colour).count(), 0);
+        assert!(drawn.rgb.iter().filter(|pixel| **pixel == colour).count() > 300);
+    }
+}
