@@ -74,7 +74,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     Ok(Exit::Ok)
 }
 
-/// A table's error in one line: how far its lobes between the nodes are from GGX, as a part of the lobe's width.
+/// A table's error in one line: how far its lobes between the nodes are from the BRDF's, as a part of the lobe's width.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct Headline {
     mean: f64,

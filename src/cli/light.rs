@@ -12,7 +12,7 @@ use super::{
     lamps::{self, Lamp},
 };
 use crate::{
-    fit::Table,
+    fit::{BrdfKind, Table},
     light::{Gaussian, LightError, LightModel, Reflected, WeightRule, by_gaussian, by_normals, by_table, truth},
 };
 
@@ -69,6 +69,9 @@ fn choose(args: &LightArgs) -> Result<Found, CommandFailure> {
         (LightModel::Ltc, Some(_), Some(_)) => usage("--weight is of model normals; model ltc has one rule"),
         (LightModel::Ltc, Some(name), None) => {
             let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;
+            if args.truth && table.brdf != BrdfKind::Ggx {
+                return usage(&format!("{}: {}", path.display(), LightError::OtherBrdf(table.brdf)));
+            }
             if table.terms.is_none() {
                 let message = format!("{}: {}", path.display(), LightError::NoTerms);
                 return Err(CommandFailure::new(Exit::Failed, message));

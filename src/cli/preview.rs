@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
 use crate::{
-    fit::ggx_terms,
+    fit::{BrdfKind, ggx_terms},
     view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
 };
 
@@ -19,6 +19,13 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     if read.is_none() && scene.needs_table() {
         let needs = "model ltc lights by a table: name one, or choose --model normals";
         return Err(CommandFailure::new(Exit::Usage, needs));
+    }
+    if let Some(any) = &read
+        && args.ggx_terms
+        && any.table.brdf != BrdfKind::Ggx
+    {
+        let message = format!("--ggx-terms are of brdf ggx, and the table is of brdf {}", any.table.brdf);
+        return Err(CommandFailure::new(Exit::Usage, message));
     }
     let digest = read.as_ref().map(|any| any.digest);
     let table = read.map(|AnyTable { mut table, .. }| {
@@ -74,6 +81,9 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
 }
 
 fn failure(error: &PreviewError) -> CommandFailure {
-    let exit = if matches!(error, PreviewError::Scene(_)) { Exit::Usage } else { Exit::Failed };
+    let exit = match error {
+        PreviewError::Scene(_) | PreviewError::OtherBrdf(_) | PreviewError::CpuOnly(_) => Exit::Usage,
+        PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => Exit::Failed,
+    };
     CommandFailure::new(exit, error.to_string())
 }

@@ -12,7 +12,9 @@ use super::{
 };
 use crate::{
     files::digest::Digest,
-    fit::{Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Report, Spread, TermError, extremes, report, report_points},
+    fit::{
+        Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes, report, report_points,
+    },
 };
 
 /// A table and its figures.
@@ -67,7 +69,7 @@ fn text(path: &Path, measured: &MeasuredTable) -> String {
 
 fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::fmt::Result {
     let MeasuredTable { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners } = measured;
-    let Report { nodes, between, matrices, floors, .. } = report;
+    let Report { nodes, between, poor, matrices, floors, .. } = report;
     // The figure by which tables are compared.
     let Spread { mean, p95, max } = percent(between.width);
     writeln!(out, "error between nodes, mean / p95 / max: {mean:.2} / {p95:.2} / {max:.2} % of the lobe's width\n")?;
@@ -99,6 +101,7 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
         }
     }
 
+    writeln!(out, "\n{}", poor_line(poor))?;
     let (determinant, condition) = (matrices.determinant, matrices.condition);
     writeln!(out, "\nmatrices                {} entries", matrices.entries)?;
     writeln!(
@@ -122,6 +125,17 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
         write_corners(out, corners)?;
     }
     writeln!(out, "\n{HOW_TO_READ}")
+}
+
+fn poor_line(Poor { limit, nodes, alpha, theta }: &Poor) -> String {
+    let what = format!("nodes with an error over {:.0} % of the lobe's width", 100.0 * limit);
+    match (alpha, theta) {
+        (Some(alpha), Some(theta)) => format!(
+            "{what}: {nodes}, alpha {:.4} to {:.4}, theta {:.3} to {:.3}; an LTC is a poor model of the lobe there",
+            alpha[0], alpha[1], theta[0], theta[1]
+        ),
+        _ => format!("{what}: none"),
+    }
 }
 
 fn write_corners(out: &mut String, corners: &[Corner]) -> std::fmt::Result {

@@ -6,8 +6,8 @@ use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print};
 use crate::{
-    fit::Spread,
-    light::{EVERYWHERE, LightModel, Lighting, RandomLights, WeightRule, light_error},
+    fit::{BrdfKind, Spread},
+    light::{EVERYWHERE, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
 };
 
 /// Random rectangles unless otherwise asked for.
@@ -34,6 +34,9 @@ pub(super) fn run(
         (LightModel::Ltc | LightModel::Sg | LightModel::Asg, _) if args.weight.is_some() => {
             return usage("--weight belongs to model normals");
         }
+        (_, Some(any)) if any.table.brdf != BrdfKind::Ggx => {
+            return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf)));
+        }
         _ if args.points.is_some() || args.extremes => {
             return usage("--points and --extremes belong to the lobes of a table, without --model");
         }
@@ -42,7 +45,7 @@ pub(super) fn run(
     let range = read.map_or(EVERYWHERE, |any| *any.origin.range());
     let count = args.lights.unwrap_or(LIGHTS) as usize;
     let measure = || -> Result<(RandomLights, Vec<Row>), CommandFailure> {
-        let failed = |error: crate::light::LightError| CommandFailure::new(Exit::Failed, error.to_string());
+        let failed = |error: LightError| CommandFailure::new(Exit::Failed, error.to_string());
         let lights = RandomLights::draw(&range, count).map_err(failed)?;
         let mut rows = Vec::new();
         if let Some(any) = read {

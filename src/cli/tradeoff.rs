@@ -20,8 +20,8 @@ use crate::{
         recipe_document::{self, DEFAULT_ENTRY_LIMIT},
         replace::replace_file,
     },
-    fit::{Plan, Recipe, Table, report},
-    light::{Lighting, RandomLights},
+    fit::{BrdfKind, Plan, Recipe, Table, report},
+    light::{LightError, Lighting, RandomLights},
     view::tradeoff::{
         FittedRecipe, Measurement, POINTS, Size, csv, family, json as rows_json, off_by, picture, rows, stands_for_ltc,
     },
@@ -35,6 +35,10 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let name = args.recipe.as_deref().unwrap_or(Path::new(DEFAULT_RECIPE));
     let document = input::recipe_document(name)?;
     let base = recipe_document::parse(&document, DEFAULT_ENTRY_LIMIT).map_err(|error| fit::bad_recipe(name, error))?;
+    if base.brdf() != BrdfKind::Ggx {
+        let message = format!("{}: /brdf: {}", name.display(), LightError::OtherBrdf(base.brdf()));
+        return Err(CommandFailure::new(Exit::Usage, message));
+    }
     check_output_folder(&args.out)?;
     let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
 

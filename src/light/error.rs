@@ -1,5 +1,7 @@
 //! Why there is no answer.
 
+use crate::fit::BrdfKind;
+
 /// Why a light is none, or what it reflects cannot be told.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightError {
@@ -48,6 +50,9 @@ pub enum LightError {
     /// A table tells how lobes look and not how much they reflect.
     #[error("the table has no amplitude and no Fresnel term")]
     NoTerms,
+    /// A table stands for another scattering model than what it is compared with.
+    #[error("the true light and the closed forms are of GGX, and the table is of brdf {0}: take a table of brdf ggx")]
+    OtherBrdf(BrdfKind),
     /// A table's matrix has no inverse.
     #[error("the table's matrix is singular")]
     Singular,

@@ -11,7 +11,7 @@ use super::{
     Gaussian, LightError, PolygonLight, Reflected, WeightRule, by_gaussian, by_normals, by_table, truth_within,
 };
 use crate::fit::{
-    Configuration, PerAxis, Sides, Spread, Table,
+    BrdfKind, Configuration, PerAxis, Sides, Spread, Table,
     brdf::{Brdf, Ggx},
     ggx_terms,
     math::{cos, direction, ln, pow},
@@ -94,9 +94,9 @@ impl RandomLights {
 /// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights: in [0, 1].
 ///
 /// # Errors
-/// [`LightError::Singular`] for a table that does not tell.
+/// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherBrdf`] for one that is not of GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
-    Ok(spread(errors(model.with_terms().borrowed(), lights)?))
+    Ok(spread(errors(model.with_terms()?.borrowed(), lights)?))
 }
 
 fn errors(model: Lighting<'_>, lights: &RandomLights) -> Result<Vec<f64>, LightError> {
@@ -128,7 +128,7 @@ pub fn light_map(
     cells: usize,
     count: usize,
 ) -> Result<LightMap, LightError> {
-    let models: Vec<Owned<'_>> = models.iter().map(|model| model.with_terms()).collect();
+    let models: Vec<Owned<'_>> = models.iter().map(|model| model.with_terms()).collect::<Result<_, _>>()?;
     let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_ALPHA, 1.0).sqrt());
     let theta = range.theta.map(|theta| theta.min(STEEPEST));
     let part = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / cells as f64;
@@ -166,15 +166,16 @@ fn spread(mut errors: Vec<f64>) -> Spread {
 }
 
 impl<'a> Lighting<'a> {
-    /// A table without terms with GGX's own.
-    fn with_terms(self) -> Owned<'a> {
-        match self {
+    /// A table without terms with GGX's own. Tables of other models are not measured by the truth of GGX.
+    fn with_terms(self) -> Result<Owned<'a>, LightError> {
+        Ok(match self {
+            Self::Ltc(table) if table.brdf != BrdfKind::Ggx => return Err(LightError::OtherBrdf(table.brdf)),
             Self::Ltc(table) if table.terms.is_none() => {
                 let terms = Some(ggx_terms(table.layout, &table.axes));
                 Owned::WithTerms(Box::new(Table { terms, ..table.clone() }))
             }
             given => Owned::Given(given),
-        }
+        })
     }
 
     fn reflected(self, lit: &Lit) -> Result<Reflected, LightError> {

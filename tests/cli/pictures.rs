@@ -36,6 +36,50 @@ fn preview_writes_a_picture_and_says_what_rendered_it() {
     );
 }
 
+/// A table is compared with its own scattering model, and with nothing that is of GGX alone.
+#[test]
+fn a_table_of_another_scattering_model_is_shown_beside_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recipe = r#"{"brdf": "charlie", "resolution": {"alpha": 4, "theta": 4}, "fit": {"samples": 64, "directions": 6, "steps": 20}}"#;
+    let fitted = run_with_stdin(folder.path(), ["fit", "-"], recipe).exited(0);
+    let table = &fitted.last_line()[..16];
+    let preview = |more: &[&str]| {
+        let arguments = ["preview", table, "-o", "p.png", "--size", "64", "--spp", "64", "--f0", "1,1,1"];
+        let material = ["--alpha-x", "0.5", "--alpha-y", "0.5"];
+        run(folder.path(), arguments.iter().chain(&material).chain(more))
+    };
+    let told = preview(&["--mode", "strip", "--json"]).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    let of = |name: &str| told["errors"][0][name].as_f64().expect("a number");
+    assert_eq!(told["adapter"], "cpu");
+    assert!(of("mean_absolute_error") < 0.3 * of("mean_radiance") && of("mean_radiance") > 0.0, "{told}");
+    for refused in [
+        &["--model", "normals", "--mode", "strip"][..],
+        &["--mode", "models"],
+        &["--mode", "reference", "--adapter", "gpu"],
+        &["--ggx-terms"],
+    ] {
+        let refused = preview(refused).exited(2);
+        assert!(refused.complaints().len() == 1 && refused.stderr.contains("brdf charlie"), "{refused:#?}");
+    }
+
+    let lights = "0.5,0.5,0.7,0.3,2,-1,-1,2,-1,1,2,1,1,2,1,-1,2\n";
+    let light = |more: &[&str]| {
+        run_with_stdin(folder.path(), ["light", "-", "--model", "ltc", "--table", table].iter().chain(more), lights)
+    };
+    assert!(light(&[]).exited(0).stdout.lines().count() == 2);
+    assert!(light(&["--truth"]).exited(2).stderr.contains("brdf charlie"));
+    assert!(run(folder.path(), ["report", table, "--model", "normals"]).exited(2).stderr.contains("brdf charlie"));
+    let tradeoff = run_with_stdin(folder.path(), ["tradeoff", "--recipe", "-", "--quick", "-o", "."], recipe).exited(2);
+    assert!(tradeoff.stderr.contains("/brdf: ") && tradeoff.stderr.contains("brdf charlie"), "{tradeoff:#?}");
+
+    // Normally distributed slopes have no such tails as an LTC.
+    let recipe = SMALL.replacen('{', r#"{"brdf": "beckmann","#, 1);
+    let beckmann = run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0);
+    let told = run(folder.path(), ["report", &beckmann.last_line()[..16], "--points", "16"]).exited(0);
+    assert!(told.stdout.contains("an LTC is a poor model of the lobe there"), "{told:#?}");
+}
+
 /// No driver, no difference but who renders.
 #[test]
 fn preview_without_a_vulkan_driver_renders_on_the_cpu() {

@@ -61,6 +61,26 @@ fn all_faults_are_told_at_once() {
     }
 }
 
+/// A table of sheen is compared with sheen: what is of GGX alone is refused beside it.
+#[test]
+fn models_of_ggx_are_refused_beside_a_table_of_another_scattering_model() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let refused = server.submit(r#"{"brdf":"charlie","layout":"reflected","range":{"ratio":[0,1]}}"#).with_status(422);
+    assert_eq!(pointers(&refused), ["/layout", "/range/ratio"]);
+    let recipe =
+        r#"{"brdf":"charlie","resolution":{"alpha":3,"theta":3},"fit":{"samples":64,"directions":4,"steps":5}}"#;
+    let table = server.fit(recipe);
+    let preview = |query: &str| server.get(&format!("/v1/preview?table={table}&size=64&spp=4&{query}"));
+    assert_eq!(preview("mode=strip").with_status(200).header("preview-adapter"), Some("cpu"));
+    for query in ["mode=models", "model=normals&mode=strip"] {
+        let problem = preview(query).with_status(400).json();
+        assert!(problem["detail"].as_str().is_some_and(|detail| detail.contains("brdf charlie")), "{problem:#}");
+    }
+    let manifest = server.get(&format!("/v1/tables/{table}/manifest")).with_status(200).json();
+    assert!(manifest["report"]["poor"]["nodes"].as_u64().is_some(), "{manifest:#}");
+}
+
 #[test]
 fn a_long_list_of_faults_is_cut() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,7 @@
 //! Why a table has no compact form, or bytes are none.
 
+use crate::fit::BrdfKind;
+
 /// Why a table has no compact form, or bytes are none.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CompactError {
@@ -45,6 +47,12 @@ pub enum CompactError {
     Layout {
         /// The layout.
         layout: String,
+    },
+    /// A scattering model whose lobes are not near the reflection that the form stores them relative to.
+    #[error("the compact form stores lobes relative to a reflection, which those of brdf {brdf} do not follow")]
+    Reflection {
+        /// The scattering model.
+        brdf: BrdfKind,
     },
     /// A channel whose numbers are too large.
     #[error("channel {channel} has a number that is too large to be rounded to steps")]

@@ -75,6 +75,7 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     if !LAYOUTS.contains(&table.layout()) {
         return Err(CompactError::Layout { layout: table.layout().to_string() });
     }
+    check_brdf(table)?;
     let header = header_of(table)?;
     check_determinants(table)?;
     let numbers = table.smooth_numbers();
@@ -93,6 +94,12 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
         rounding = rounding.finer();
     }
     Err(CompactError::Inexact { table: format!("{:.4}", errors.mean), decoded: format!("{reached:.4}") })
+}
+
+/// Refuses lobes that do not follow the reflection that [`Table::smooth_numbers`] are relative to.
+pub(crate) fn check_brdf(table: &Table) -> Result<(), CompactError> {
+    let brdf = table.brdf();
+    if brdf.follows_reflection() { Ok(()) } else { Err(CompactError::Reflection { brdf }) }
 }
 
 /// Refuses matrices that no [`Table::smooth_numbers`] stand for.

@@ -33,9 +33,11 @@ const STEPS: [u32; 2] = [1, 100_000];
 /// Greatest seed: whole numbers up to here are exact in every JSON reader.
 const MOST_SEED: u64 = (1 << 53) - 1;
 
-/// The default range of each axis, for every preset.
+/// What the range of each axis lies within, and its default for anisotropic surfaces, for every preset.
 const DOMAIN: PerAxis<[f64; 2]> =
     PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
+/// The only ratio of isotropic surfaces, and the one azimuth that tells all of them.
+const ISOTROPIC: PerAxis<[f64; 2]> = PerAxis { ratio: [1.0, 1.0], phi: [0.0, 0.0], ..DOMAIN };
 
 /// Reads a document into a complete recipe.
 pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u32>) -> Result<Recipe, Vec<Fault>> {
@@ -45,12 +47,12 @@ pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u
     let preset = root.choice("preset", &presets, Preset::Standard, &mut faults);
     let brdf = root.choice("brdf", &named(BrdfKind::ALL, BrdfKind::name), BrdfKind::ALL[0], &mut faults);
     let lobe = root.choice("lobe", &named(LobeModel::ALL, LobeModel::name), LobeModel::ALL[0], &mut faults);
-    let layout = root.choice("layout", &named(Layout::ALL, Layout::name), Layout::ALL[0], &mut faults);
+    let layout = read_layout(&root, brdf, &mut faults);
     let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
     let terms = root.boolean("terms", true, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
-    let range = read_range(&root, layout, &mut faults);
+    let range = read_range(&root, brdf, layout, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
     let recipe = Recipe { fitter, brdf, lobe, layout, resolution, range, fit, terms, precision };
     check_entries(&recipe, entry_limit, &mut faults);
@@ -87,16 +89,40 @@ fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
     }
 }
 
-/// The ranges of a layout that has only one domain are its own: a document may repeat them, and name no others.
-fn read_range(root: &Object, layout: Layout, faults: &mut Faults) -> PerAxis<[f64; 2]> {
+/// The default is the first layout that takes the lobes of the scattering model.
+fn read_layout(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> Layout {
+    let takes = |layout: &Layout| layout.takes(brdf);
+    let default = Layout::ALL.iter().copied().find(takes).unwrap_or(Layout::ALL[0]);
+    let layout = root.choice("layout", &named(Layout::ALL, Layout::name), default, faults);
+    if layout.takes(brdf) {
+        return layout;
+    }
+    let others = Layout::ALL.iter().filter(|layout| takes(layout)).map(|layout| format!("\"{layout}\""));
+    let others = others.collect::<Vec<_>>().join(", ");
+    let detail = format!(
+        "layout \"{layout}\" stores lobes relative to a reflection, which those of brdf \"{brdf}\" do not follow; layouts for \
+         them are {others}"
+    );
+    faults.note(root.pointer("layout"), detail);
+    default
+}
+
+/// The ranges of a layout that has only one domain are its own, and isotropic surfaces have one ratio: a document may repeat
+/// them, and name no others.
+fn read_range(root: &Object, brdf: BrdfKind, layout: Layout, faults: &mut Faults) -> PerAxis<[f64; 2]> {
     let object = root.object("range", &AXES, faults);
     let only = layout.only_ranges();
-    let default = only.unwrap_or(DOMAIN);
+    let default = only.unwrap_or(if brdf.is_isotropic() { ISOTROPIC } else { DOMAIN });
     let mut axis = |name, domain, default: [f64; 2]| {
         let range = object.range(name, domain, default, faults);
         if only.is_some() && range != default {
             let [low, high] = default;
             let detail = format!("layout \"{layout}\" has the range [{low}, {high}] only: its readers take no other");
+            faults.note(object.pointer(name), detail);
+            return default;
+        }
+        if name == "ratio" && brdf.is_isotropic() && range != ISOTROPIC.ratio {
+            let detail = format!("brdf \"{brdf}\" has the ratio [1, 1] only: its surfaces are isotropic");
             faults.note(object.pointer(name), detail);
             return default;
         }

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::Solver;
+use crate::fit::{BrdfKind, Solver};
 
 fn recipe(json: &str) -> Result<Recipe, RecipeError> {
     parse(json.as_bytes(), DEFAULT_ENTRY_LIMIT)
@@ -145,4 +145,31 @@ fn a_layout_of_isotropic_tables_has_its_own_ranges() {
         );
         assert_eq!(pointers(&other), ["/range/alpha", "/range/ratio", "/resolution/phi"]);
     }
+}
+
+/// Isotropic surfaces have a ratio of one, and lobes that follow no reflection a layout that stores them as they are.
+#[test]
+fn a_scattering_model_has_its_own_defaults() {
+    for &brdf in BrdfKind::ALL {
+        let plain = recipe(&format!(r#"{{"brdf": "{brdf}"}}"#)).expect("a recipe");
+        assert_eq!(plain.brdf, brdf);
+        assert_eq!(plain.range.ratio == [1.0, 1.0] && plain.range.phi == [0.0, 0.0], brdf.is_isotropic(), "{brdf}");
+        assert_eq!(plain.layout.name(), if brdf.follows_reflection() { "reflected" } else { "kt2022" }, "{brdf}");
+        assert_eq!(recipe(&canonical_json(&plain)), Ok(plain), "{brdf}");
+        let engine = recipe(&format!(r#"{{"brdf": "{brdf}", "layout": "ltc2017"}}"#)).expect("a recipe");
+        assert_eq!(engine.entries(), 64 * 64);
+    }
+    assert_eq!(recipe(r#"{"brdf": "charlie", "range": {"ratio": [1, 1]}}"#), recipe(r#"{"brdf": "charlie"}"#));
+}
+
+#[test]
+fn combinations_that_cannot_work_name_the_fields_to_change_all_at_once() {
+    let both = r#"{"brdf": "charlie", "layout": "reflected", "range": {"ratio": [0.2, 1]}, "terms": 1}"#;
+    let Err(RecipeError::Faults(faults)) = recipe(both) else { panic!("it cannot work") };
+    let told: Vec<(&str, &str)> = faults.iter().map(|fault| (&*fault.pointer, &*fault.detail)).collect();
+    assert_eq!(told.iter().map(|(pointer, _)| *pointer).collect::<Vec<_>>(), ["/layout", "/terms", "/range/ratio"]);
+    assert!(told[0].1.contains(r#""charlie""#) && told[0].1.contains(r#""kt2022""#), "{told:?}");
+    assert!(told[2].1.contains("[1, 1]"), "{told:?}");
+    assert_eq!(pointers(r#"{"brdf": "oren_nayar", "layout": "hdrp", "range": {"ratio": [0, 1]}}"#), ["/range/ratio"]);
+    assert!(recipe(r#"{"brdf": "beckmann", "range": {"ratio": [0.2, 1]}}"#).is_ok());
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     files::{digest::Digest, manifest::MeanError, recipe_document},
-    fit::Recipe,
+    fit::{BrdfKind, Recipe},
 };
 
 /// The licence of the numbers: tables are facts about a BRDF, and whoever ships them should not have to ask.
@@ -50,6 +50,9 @@ impl About {
             let document = recipe_document::canonical_json(recipe);
             format!("recipe {}", Digest::of(document.as_bytes()))
         }));
+        // Files of GGX keep the bytes that they have had.
+        let brdf = recipe.map(Recipe::brdf).filter(|brdf| *brdf != BrdfKind::Ggx);
+        lines.extend(brdf.map(|brdf| format!("brdf {brdf}")));
         lines.extend(error.map(|MeanError { width, places }| {
             format!("mean error between nodes: {width:.4} of the lobe's width, at {places} places")
         }));

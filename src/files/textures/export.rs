@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     files::compact::encode,
-    fit::{Precision, Table},
+    fit::{BrdfKind, Precision, Table},
 };
 
 /// What files that hold all textures are called.
@@ -176,7 +176,13 @@ fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTex
         (Some(name), _) => TextureLayout::named(name)?,
         (None, layout) => TextureLayout::of_shader(layout),
     };
-    layout.check(table).map(|()| layout)
+    layout.check(table)?;
+    match engine.layout() {
+        Some(name) if table.brdf != BrdfKind::Ggx => {
+            Err(NoTextures::OtherBrdf { engine: engine.name(), brdf: table.brdf, layout: name })
+        }
+        _ => Ok(layout),
+    }
 }
 
 impl fmt::Display for Export {
@@ -252,6 +258,19 @@ mod tests {
             assert!(matches!(error, ExportError::Singular { count: 2, entry: 4, .. }), "{name}: {error}");
             assert_eq!(export.layout(&table), Err(error));
         }
+    }
+
+    /// An engine would light its highlights with a table of sheen; our own shader and plain textures serve any model.
+    #[test]
+    fn engines_are_given_no_tables_but_those_of_ggx() {
+        let mut table = table(r#"{"layout": "godot", "resolution": {"alpha": 2, "theta": 2}}"#);
+        table.brdf = BrdfKind::Charlie;
+        let export = |name: &str| name.parse::<Export>().expect("an export");
+        let refused = export("godot").layout(&table).expect_err("not of GGX").to_string();
+        assert!(refused.contains("brdf charlie") && refused.contains("--layout godot"), "{refused}");
+        let refused = export("compact").layout(&table).expect_err("not near a reflection").to_string();
+        assert!(refused.contains("brdf charlie"), "{refused}");
+        assert!(export("wgpu").layout(&table).is_ok() && export("godot.ktx2.f32").layout(&table).is_ok());
     }
 
     #[test]

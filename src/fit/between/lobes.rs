@@ -1,4 +1,5 @@
-//! The best lobes between the nodes, from those at the nodes.
+//! The best lobes between the nodes, from those at the nodes: beside their reflections where they follow these, else
+//! themselves.
 
 use glam::DMat3;
 
@@ -21,9 +22,12 @@ pub(super) struct Between {
     pub(super) error: f64,
 }
 
-/// What is left of the fitted lobes beside their reflections.
+/// The fitted lobes in numbers that change little between nodes: what is left of them beside their reflections, where they
+/// have some.
 pub(super) struct Lobes {
     spacing: PerAxis<Spacing>,
+    /// The layout whose numbers change little between nodes.
+    smooth: Layout,
     /// Nodes of alpha and theta, in the steps in which weights between them are linear.
     alpha: Vec<f64>,
     theta: Vec<f64>,
@@ -37,19 +41,21 @@ impl Lobes {
     pub(super) fn of(plan: &Plan, entries: &[FittedEntry]) -> Self {
         let nodes = plan.nodes();
         let spacing = plan.recipe().layout.rules().weights();
+        let smooth = if plan.recipe().brdf.follows_reflection() { Layout::Reflected } else { Layout::Kt2022 };
         let beside = |(index, entry): (u64, &FittedEntry)| {
             let place = plan.place(index);
             let lobe = LobeNumbers {
                 matrix: from_row_major(&entry.matrix),
                 terms: LobeTerms { amplitude: entry.amplitude, fresnel: entry.fresnel },
             };
-            let reflected = Layout::Reflected.rules();
-            let mut stored = reflected.store(&place, &lobe, Mirrors::of(place.view()), Precision::F32);
-            stored.matrix *= 1.0 / reflected.norm(&stored.matrix);
+            let rules = smooth.rules();
+            let mut stored = rules.store(&place, &lobe, Mirrors::of(place.view()), Precision::F32);
+            stored.matrix *= 1.0 / rules.norm(&stored.matrix);
             (stored, entry.error)
         };
         Self {
             spacing,
+            smooth,
             alpha: nodes.alpha.iter().map(|alpha| spacing.alpha.invert(*alpha)).collect(),
             theta: nodes.theta.iter().map(|theta| spacing.theta.invert(*theta)).collect(),
             angles: nodes.theta.clone(),
@@ -80,6 +86,6 @@ impl Lobes {
             error += of_fit * phi;
         }
         let beside = LobeNumbers { matrix, terms: LobeTerms { amplitude, fresnel } };
-        Between { place, lobe: Layout::Reflected.rules().restore(&place, &beside), error }
+        Between { place, lobe: self.smooth.rules().restore(&place, &beside), error }
     }
 }

@@ -4,8 +4,8 @@
 //! leave an error in the middle of each cell. Layouts whose readers are given let the fit choose: the numbers whose
 //! interpolation comes nearest to the best lobes, all over the cells.
 //!
-//! The best lobes between nodes need no fits of their own. Beside their reflection (layout `reflected`) lobes hardly
-//! change between neighbouring nodes, so that the fitted ones give them.
+//! The best lobes between nodes need no fits of their own. Beside their reflection (layout `reflected`), or themselves where
+//! they do not follow one, lobes hardly change between neighbouring nodes, so that the fitted ones give them.
 //!
 //! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. Adding `dN`
 //! to `N` moves a direction `w` of the lobe by

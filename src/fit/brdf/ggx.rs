@@ -188,11 +188,8 @@ impl Brdf for Ggx {
 
 #[cfg(test)]
 mod tests {
-    use rand_core::{Rng, SeedableRng};
-    use rand_xoshiro::Xoshiro256PlusPlus;
-
     use super::*;
-    use crate::fit::math::{Lattice, sin_cos};
+    use crate::fit::math::{Lattice, direction};
 
     /// Configurations from broad to needle, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
     const CONFIGURATIONS: [(f64, f64, f64, f64); 5] = [
@@ -203,70 +200,12 @@ mod tests {
         (0.25, 0.15, 0.4, 4.0),
     ];
 
-    fn view(theta: f64, phi: f64) -> DVec3 {
-        let ((st, ct), (sp, cp)) = (sin_cos(theta), sin_cos(phi));
-        DVec3::new(st * cp, st * sp, ct)
-    }
-
-    /// Integral over the sphere of directions by the midpoint rule in `z` and azimuth, `n` by `2 n` cells.
-    fn integrate(n: usize, f: impl Fn(DVec3) -> f64) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..n {
-            let z = 2.0 * (i as f64 + 0.5) / n as f64 - 1.0;
-            let radius = (1.0 - z * z).sqrt();
-            for j in 0..2 * n {
-                let (sin, cos) = sin_cos(PI * (j as f64 + 0.5) / n as f64);
-                sum += f(DVec3::new(radius * cos, radius * sin, z));
-            }
-        }
-        sum * 2.0 / n as f64 * PI / n as f64
-    }
-
-    /// The weak white furnace: visible normals are a distribution, and so are their reflections.
-    #[test]
-    fn reflected_visible_normals_integrate_to_one() {
-        for (alpha_x, alpha_y, theta, phi) in CONFIGURATIONS {
-            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
-            let integral = integrate(600, |wi| ggx.pdf(wo, wi));
-            assert!((integral - 1.0).abs() < 2e-3, "{ggx:?} {theta} {phi}: {integral}");
-        }
-    }
-
-    #[test]
-    fn mean_weight_is_the_albedo() {
-        for (alpha_x, alpha_y, theta, phi) in CONFIGURATIONS {
-            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
-            let albedo = integrate(600, |wi| ggx.eval_cos(wo, wi));
-            let n = 1 << 14;
-            let mean = Lattice::new(n, [0.0; 2]).points().map(|u| ggx.sample(wo, u).weight).sum::<f64>() / n as f64;
-            assert!((mean - albedo).abs() < 2e-3, "{ggx:?} {theta} {phi}: {mean} {albedo}");
-            assert!(albedo <= 1.0 + 1e-3);
-        }
-    }
-
-    #[test]
-    fn eval_is_pdf_times_weight_and_reciprocal() {
-        let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
-        for (u, other) in Lattice::new(64, [0.0; 2]).points().zip(Lattice::new(64, [0.3, 0.1]).points()) {
-            let wo = view(1.5 * u[0], 6.0 * u[1]);
-            let sample = ggx.sample(wo, other);
-            if sample.weight == 0.0 {
-                assert!(sample.wi.z <= 0.0);
-                continue;
-            }
-            let eval = ggx.eval_cos(wo, sample.wi);
-            assert!((eval / (ggx.pdf(wo, sample.wi) * sample.weight) - 1.0).abs() < 1e-9);
-            let swapped = ggx.eval_cos(sample.wi, wo) / wo.z * sample.wi.z;
-            assert!((eval / swapped - 1.0).abs() < 1e-9, "{eval} {swapped}");
-        }
-    }
-
     /// Side by side in f32 or one after the other in f64, from broad to needle, whatever is left of the last eight.
     #[test]
     fn the_terms_are_means_over_samples() {
         let sharp = [(1e-3, 1e-3, 1.55, 0.2), (1e-5, 1e-5, 0.3, 1.0), (0.8, 1e-4, 1.57, 1.2), (1e-8, 1e-8, 1.2, 2.0)];
         for (alpha_x, alpha_y, theta, phi) in CONFIGURATIONS.into_iter().chain(sharp) {
-            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
+            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, direction(theta, phi));
             for count in [1, 7, 8, 513] {
                 let points: Vec<SquarePoint> = Lattice::new(count, [0.3, 0.6]).points().map(SquarePoint::new).collect();
                 let LobeTerms { amplitude, fresnel } = ggx.terms(wo, &points);
@@ -277,52 +216,6 @@ mod tests {
                 assert!((amplitude - wanted[0]).abs() < 2e-6, "{ggx:?} {theta} {count}: {amplitude} {wanted:?}");
                 assert!((fresnel - wanted[1]).abs() < 2e-6, "{ggx:?} {theta} {count}: {fresnel} {wanted:?}");
             }
-        }
-    }
-
-    /// Pearson's chi-square of random samples against the integrated density, over cells of equal solid angle.
-    #[test]
-    fn samples_follow_the_pdf() {
-        const ROWS: usize = 24;
-        const COLUMNS: usize = 24;
-        const SAMPLES: usize = 100_000;
-        for (k, (alpha_x, alpha_y, theta, phi)) in CONFIGURATIONS.into_iter().enumerate() {
-            let (ggx, wo) = (Ggx { alpha_x, alpha_y }, view(theta, phi));
-            let cell = |w: DVec3| {
-                let azimuth = (libm::atan2(w.y, w.x) / (2.0 * PI)).rem_euclid(1.0);
-                let row = ((w.z + 1.0) * 0.5 * ROWS as f64) as usize;
-                row.min(ROWS - 1) * COLUMNS + ((azimuth * COLUMNS as f64) as usize).min(COLUMNS - 1)
-            };
-            let expected = std::cell::RefCell::new(vec![0.0; ROWS * COLUMNS]);
-            // 960 divides evenly into rows and columns, so that no quadrature cell straddles two.
-            integrate(960, |wi| {
-                expected.borrow_mut()[cell(wi)] += ggx.pdf(wo, wi);
-                0.0
-            });
-            let expected = expected.into_inner();
-            let total: f64 = expected.iter().sum();
-            let mut observed = vec![0.0; ROWS * COLUMNS];
-            let mut random = Xoshiro256PlusPlus::seed_from_u64(k as u64);
-            let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-            for _ in 0..SAMPLES {
-                observed[cell(ggx.sample(wo, [uniform(), uniform()]).wi)] += 1.0;
-            }
-            let (mut chi2, mut cells, mut rare) = (0.0, -1.0, (0.0, 0.0));
-            for (observed, expected) in observed.into_iter().zip(expected) {
-                let expected = expected / total * SAMPLES as f64;
-                if expected < 5.0 {
-                    rare = (rare.0 + observed, rare.1 + expected);
-                    continue;
-                }
-                chi2 += (observed - expected) * (observed - expected) / expected;
-                cells += 1.0;
-            }
-            assert!(cells > 10.0);
-            // Chi-square with n degrees of freedom has mean n and variance 2 n. A value five standard deviations above
-            // the mean does not occur.
-            let limit: f64 = cells + 5.0 * f64::sqrt(2.0 * cells);
-            assert!(chi2 < limit, "{ggx:?} {theta} {phi}: {chi2} over {cells} cells");
-            assert!((rare.0 - rare.1).abs() < 5.0 * f64::sqrt(rare.1 + 1.0), "{rare:?}");
         }
     }
 }

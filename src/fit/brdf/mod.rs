@@ -2,13 +2,26 @@
 //!
 //! A new model needs a file and a line in [`BrdfKind`].
 
+mod beckmann;
+mod burley_diffuse;
+mod charlie;
+mod charlie_neubelt;
 mod ggx;
+mod hemisphere;
+mod oren_nayar;
 mod scattering;
 mod symmetry;
+#[cfg(test)]
+mod tests;
 
+pub use beckmann::Beckmann;
+pub use burley_diffuse::BurleyDiffuse;
+pub use charlie::Charlie;
+pub use charlie_neubelt::CharlieNeubelt;
 pub use ggx::Ggx;
+pub use oren_nayar::OrenNayar;
 pub(crate) use scattering::BrdfRules;
-pub use scattering::{Brdf, BrdfSample, LobeTerms};
+pub use scattering::{Brdf, BrdfSample, LobeTerms, cos_theta_d};
 pub(crate) use symmetry::Mirrors;
 
 use super::{axes::PerAxis, named_list::named_list};
@@ -18,6 +31,16 @@ named_list! {
     pub enum BrdfKind: BrdfRules {
         /// Anisotropic GGX with height-correlated Smith masking.
         Ggx = "ggx" => ggx::Rules,
+        /// Anisotropic Beckmann with height-correlated Smith masking.
+        Beckmann = "beckmann" => beckmann::Rules,
+        /// Sheen: Charlie with the visibility of Estevez and Kulla.
+        Charlie = "charlie" => charlie::Rules,
+        /// Sheen: Charlie with the visibility of Neubelt and Pettineo, as in glTF.
+        CharlieNeubelt = "charlie_neubelt" => charlie_neubelt::Rules,
+        /// Burley's diffuse reflection.
+        BurleyDiffuse = "burley_diffuse" => burley_diffuse::Rules,
+        /// Energy-preserving Oren-Nayar [Portsmouth, Kutz and Hill 2024].
+        OrenNayar = "oren_nayar" => oren_nayar::Rules,
     }
 }
 
@@ -32,5 +55,17 @@ impl BrdfKind {
     #[must_use]
     pub fn surface_at(self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
         self.surface(place.roughness())
+    }
+
+    /// Whether its surfaces are the same in all azimuths, so that a table has a ratio of one only.
+    #[must_use]
+    pub fn is_isotropic(self) -> bool {
+        self.rules().is_isotropic()
+    }
+
+    /// Whether its lobes lie around the reflection of GGX, as layout `reflected` needs.
+    #[must_use]
+    pub fn follows_reflection(self) -> bool {
+        self.rules().follows_reflection()
     }
 }

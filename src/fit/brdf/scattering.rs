@@ -9,10 +9,25 @@ use crate::fit::math::SquarePoint;
 pub struct BrdfSample {
     /// Light direction, unit length. Below the horizon where `weight` is zero.
     pub wi: DVec3,
-    /// `f(wo, wi) cos(theta_i) / pdf`, for a Fresnel factor of one. In [0, 1].
+    /// `f(wo, wi) cos(theta_i) / pdf`, for a Fresnel factor of one. In [0, 1] where visible normals are drawn, else finite and
+    /// not negative.
     pub weight: f64,
-    /// Cosine between view direction and microfacet normal.
+    /// Cosine between view direction and microfacet normal, which is halfway between view and light.
     pub cos_theta_d: f64,
+}
+
+impl BrdfSample {
+    /// The sample of a direction that a model has drawn by its density. Domain: not a direction of density zero.
+    pub(super) fn of(brdf: &dyn Brdf, wo: DVec3, wi: DVec3) -> Self {
+        let weight = brdf.eval_cos(wo, wi) / brdf.pdf(wo, wi);
+        Self { wi, weight, cos_theta_d: cos_theta_d(wo, wi) }
+    }
+}
+
+/// Cosine between the view direction and the normal halfway to the light: `sqrt((1 + wo . wi) / 2)`.
+#[must_use]
+pub fn cos_theta_d(wo: DVec3, wi: DVec3) -> f64 {
+    (0.5 * (1.0 + wo.dot(wi)).max(0.0)).sqrt()
 }
 
 /// A scattering model with its surface's tangent frame: normal +z, and x and y along the axes of anisotropy.
@@ -67,4 +82,16 @@ impl LobeTerms {
 pub(crate) trait BrdfRules: Sync {
     /// The surface of these roughnesses along x and y, both in (0, 1].
     fn surface(&self, roughness: [f64; 2]) -> Box<dyn Brdf>;
+
+    /// Whether a surface is the same in all azimuths. Its roughness is then the larger of the two, and tables have a ratio of
+    /// one only.
+    fn is_isotropic(&self) -> bool {
+        false
+    }
+
+    /// Whether lobes lie around GGX's reflection, as layouts need that store lobes relative to it. Diffuse reflection and
+    /// sheen do not.
+    fn follows_reflection(&self) -> bool {
+        true
+    }
 }

@@ -22,7 +22,7 @@ pub(crate) use smooth::SMOOTH_NUMBERS;
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 pub(crate) use spacing::{Spacing, within_limits};
 
-use super::{axes::PerAxis, named_list::named_list};
+use super::{axes::PerAxis, brdf::BrdfKind, named_list::named_list};
 
 named_list! {
     /// How configurations map to entries, and how a stored matrix maps to `M`.
@@ -54,6 +54,13 @@ impl Layout {
     #[must_use]
     pub fn only_ranges(self) -> Option<PerAxis<[f64; 2]>> {
         self.rules().only_ranges()
+    }
+
+    /// Whether the layout can store the lobes of a scattering model: those that lie around a reflection, if it stores them
+    /// relative to one.
+    #[must_use]
+    pub fn takes(self, brdf: BrdfKind) -> bool {
+        brdf.follows_reflection() || !self.rules().is_relative()
     }
 
     /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced, as a part of

@@ -41,6 +41,10 @@ impl LayoutRules for Rules {
         }
     }
 
+    fn is_relative(&self) -> bool {
+        true
+    }
+
     fn flattest(&self, precision: Precision) -> f64 {
         match precision {
             Precision::F32 => 1e-5,

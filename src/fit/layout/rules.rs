@@ -78,6 +78,11 @@ pub(crate) trait LayoutRules: Sync {
         None
     }
 
+    /// Whether lobes are stored relative to GGX's reflection, so that they have to lie around it.
+    fn is_relative(&self) -> bool {
+        false
+    }
+
     /// The variable of each axis in which weights between nodes are linear: by default the axis's values themselves.
     fn weights(&self) -> PerAxis<Spacing> {
         PerAxis { alpha: Spacing::Even, ratio: Spacing::Even, theta: Spacing::Even, phi: Spacing::Even }

@@ -44,6 +44,12 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// Complementary error function, `1 - erf(x)`.
+#[must_use]
+pub fn erfc(x: f64) -> f64 {
+    libm::erfc(x)
+}
+
 /// `x` to the power `y`. Domain: `x >= 0`.
 #[must_use]
 pub fn pow(x: f64, y: f64) -> f64 {
@@ -74,8 +80,9 @@ mod tests {
         assert_eq!(sin(1.0).to_bits(), 0x3fea_ed54_8f09_0cee);
         assert_eq!(cos(1.0).to_bits(), 0x3fe1_4a28_0fb5_068c);
         assert_eq!(ln(10.0).to_bits(), 0x4002_6bb1_bbb5_5516);
-        assert_eq!(exp(-1.5).to_bits(), 0x3fcc_8f87_724b_5c1d);
         assert_eq!(pow(0.5, 1.6).to_bits(), 0x3fd5_1cb4_53b9_536c);
+        assert_eq!(exp(1.5).to_bits(), 0x4011_ed3f_e64f_c541);
+        assert_eq!(erfc(0.7).to_bits(), 0x3fd4_9ee7_bdd1_d374);
         assert_eq!(atan2(1.0, 2.0).to_bits(), 0x3fdd_ac67_0561_bb4f);
     }
 }

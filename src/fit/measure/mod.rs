@@ -15,6 +15,7 @@ mod lobe;
 mod map;
 mod matrices;
 mod places;
+mod poor;
 mod sequence;
 mod steps;
 
@@ -28,12 +29,13 @@ pub use figures::GoOn;
 pub use floors::{Floors, Moved};
 pub use map::{ErrorMap, error_map, error_map_while};
 pub use matrices::{Extent, Matrices};
+pub use poor::{POOR_WIDTH, Poor};
 
 use crate::fit::{Configuration, PerAxis, Table};
 use figures::Figures;
 
 /// Version of the report. Raised whenever the same table gets another report.
-pub const REPORT_VERSION: u32 = 5;
+pub const REPORT_VERSION: u32 = 6;
 
 /// How good a table is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -44,6 +46,8 @@ pub struct Report {
     pub nodes: Accuracy,
     /// Errors between nodes, which a renderer meets, interpolation included.
     pub between: Accuracy,
+    /// Nodes where an LTC is a poor model of the lobe.
+    pub poor: Poor,
     /// Determinants and condition numbers of the stored matrices.
     pub matrices: Matrices,
     /// Nodes that were asked for beyond the limits of the fit.
@@ -99,6 +103,7 @@ impl Places {
             version: REPORT_VERSION,
             nodes: Accuracy::of(at_nodes),
             between: Accuracy::of(between),
+            poor: Poor::of(at_nodes),
             matrices: Matrices::of(table),
             floors: Floors::of(&table.axes, range),
         }

@@ -18,6 +18,7 @@
 use super::{Configuration, LookedUp, Table};
 use crate::fit::{
     axes::PerAxis,
+    brdf::BrdfKind,
     layout::{ALPHA_FLOOR, Layout, LobeNumbers, SMOOTH_NUMBERS, THETA_CEILING},
     math::{cos, row_major, turned_about_z},
 };
@@ -67,6 +68,12 @@ pub enum FunctionError {
     /// A table without amplitude and Fresnel term.
     #[error("the table has no terms: its recipe needs \"terms\": true")]
     NoTerms,
+    /// A scattering model whose lobes are not near the reflection that the function is relative to.
+    #[error("the function stores lobes relative to a reflection, which those of brdf {brdf} do not follow")]
+    Reflection {
+        /// The scattering model.
+        brdf: BrdfKind,
+    },
     /// An entry without an inverse or with an amplitude of zero.
     #[error("entry {entry} has a number that is not finite")]
     Entry {
@@ -103,6 +110,9 @@ impl IsotropicFunction {
         let PerAxis { alpha, ratio, theta, phi } = &table.axes;
         if ratio.as_slice() != [1.0] || phi.as_slice() != [0.0] {
             return Err(FunctionError::Anisotropic { ratios: ratio.len(), phis: phi.len() });
+        }
+        if !table.brdf.follows_reflection() {
+            return Err(FunctionError::Reflection { brdf: table.brdf });
         }
         if table.layout.rules().free_numbers().is_some() {
             return Err(FunctionError::Chosen { layout: table.layout });

@@ -84,6 +84,7 @@ impl From<PictureError> for Problem {
             PictureError::TooSlow { retry_after, .. } => {
                 Self::new(ProblemKind::TooSlow, detail).with_retry_after(retry_after)
             }
+            PictureError::OtherBrdf(_) => Self::new(ProblemKind::BadParameter, detail),
             PictureError::Stopping => stopping(),
             PictureError::Failed(_) => {
                 tracing::error!("{detail}");
@@ -151,7 +152,7 @@ mod tests {
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 18] = [
+        let cases: [(Problem, u16); 19] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
@@ -160,6 +161,7 @@ mod tests {
             (PictureError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
             (PictureError::TooExpensive { predicted: 31.0, limit: RESTART }.into(), 422),
             (PictureError::TooSlow { limit: RESTART, retry_after: RESTART }.into(), 503),
+            (PictureError::OtherBrdf("x".into()).into(), 400),
             (PictureError::Failed("x".into()).into(), 500),
             (ExportFailure::TooLarge { entries: 2, limit: 1 }.into(), 422),
             (ExportFailure::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),

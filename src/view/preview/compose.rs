@@ -135,11 +135,7 @@ pub(super) fn compared(
     );
     let title = format!("|{short} - reference|");
     let panels = [
-        Panel {
-            title: fitting(&["GGX reference", "reference"], width),
-            picture: reference,
-            foot: samples(scene, width),
-        },
+        Panel { title: &reference_title(table, width), picture: reference, foot: samples(scene, width) },
         Panel { title: &model_title(scene.model, table, width), picture: ltc, foot: mean_error(errors, width) },
         Panel { title: fitting(&[&title, "difference"], width), picture: apart, foot },
     ];
@@ -159,14 +155,8 @@ pub(super) fn models(
     let width = reference.width;
     let mut truth = tone::displayed(exposure, reference);
     tag_cells(&mut truth, scene, |_, material| names(material));
-    let mut columns = vec![grid(
-        &[Panel {
-            title: fitting(&["GGX reference", "reference"], width),
-            picture: truth,
-            foot: samples(scene, width),
-        }],
-        1,
-    )];
+    let mut columns =
+        vec![grid(&[Panel { title: &reference_title(table, width), picture: truth, foot: samples(scene, width) }], 1)];
     for (model, radiances) in lit {
         let own: Vec<PanelError> = errors.iter().filter(|error| error.model == *model).copied().collect();
         let mut shown = tone::displayed(exposure, radiances);
@@ -220,6 +210,10 @@ fn model_title(model: LightModel, table: &ShaderTable, width: u32) -> String {
     }
 }
 
+fn reference_title(table: &ShaderTable, width: u32) -> String {
+    fitting(&[&format!("{} reference", table.brdf_title()), "reference"], width).to_owned()
+}
+
 fn short_title(model: LightModel) -> &'static str {
     match model {
         LightModel::Ltc => "LTC",
@@ -260,7 +254,7 @@ pub(super) fn lobes(
     };
     let (ltc, reference) = (panel(ltc), panel(reference));
     let title = table_title(table, ltc.width);
-    let panels = [("GGX", reference), (title.as_str(), ltc)].map(|(title, picture)| {
+    let panels = [(table.brdf_title(), reference), (title.as_str(), ltc)].map(|(title, picture)| {
         let foot = bar(picture.width, colour, ["0", &number(peak)], &["per steradian"]);
         Panel { title, picture, foot }
     });

@@ -1,6 +1,7 @@
 //! Why there is no picture.
 
 use super::SceneFault;
+use crate::fit::BrdfKind;
 
 /// Why a scene was not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -8,6 +9,12 @@ pub enum PreviewError {
     /// Parameters are out of their bounds.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>),
+    /// The picture compares a table with what is of GGX alone.
+    #[error("model normals lights GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
+    OtherBrdf(BrdfKind),
+    /// A GPU was asked for, and shaders do not know the reference.
+    #[error("only the CPU renders the reference of brdf {0}: choose mode ltc, or another adapter than the GPU")]
+    CpuOnly(BrdfKind),
     /// A GPU was asked for, and Vulkan lists none.
     #[error("no adapter: {0}")]
     NoAdapter(String),

@@ -18,7 +18,7 @@ pub enum Estimator {
     Reference,
     /// The table's lobe.
     TableLobe,
-    /// GGX's lobe.
+    /// The scattering model's lobe.
     ReferenceLobe,
 }
 
@@ -43,6 +43,11 @@ impl Estimator {
             LightModel::Sg => Self::Gaussian(Gaussian::Sg),
             LightModel::Asg => Self::Gaussian(Gaussian::Asg),
         }
+    }
+
+    /// Whether it is of the scattering model itself, not of what stands for it.
+    pub(super) fn is_reference(self) -> bool {
+        matches!(self, Self::Reference | Self::ReferenceLobe)
     }
 
     /// Whether it estimates a lobe, not radiance.

@@ -12,7 +12,7 @@ use super::{
     panel_error::{PanelError, panel_errors},
     tone,
 };
-use crate::{light::LightModel, view::picture::Picture};
+use crate::{fit::BrdfKind, light::LightModel, view::picture::Picture};
 
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";
@@ -90,7 +90,8 @@ impl Preview {
     /// Renders a scene.
     ///
     /// # Errors
-    /// Parameters out of bounds; no GPU where one was asked for, or one that fails twice; stopped by `stop`.
+    /// Parameters out of bounds; a table of another scattering model than a model of light is of; no GPU where one was asked
+    /// for, or one that fails twice, or one that has no shader for the reference; stopped by `stop`.
     pub fn render(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -101,7 +102,7 @@ impl Preview {
         if !faults.is_empty() {
             return Err(PreviewError::Scene(faults));
         }
-        self.drawn_by = DrawnBy::Nobody;
+        self.begin(table, scene)?;
         let rendered = self.attempt(table, scene, stop)?;
         if self.drawn_by == DrawnBy::Mixed {
             // A picture comes from one renderer: the CPU renders all of it.
@@ -109,6 +110,21 @@ impl Preview {
         }
         self.end();
         Ok(rendered)
+    }
+
+    /// Nothing of a picture is rendered yet; one whose reference shaders do not know is the CPU's.
+    fn begin(&mut self, table: &ShaderTable, scene: &Scene) -> Result<(), PreviewError> {
+        if table.brdf != BrdfKind::Ggx && scene.shows(LightModel::Normals) {
+            return Err(PreviewError::OtherBrdf(table.brdf));
+        }
+        self.drawn_by = DrawnBy::Nobody;
+        if table.has_reference_on_cpu_only(scene) {
+            if self.adapter == Adapter::Gpu {
+                return Err(PreviewError::CpuOnly(table.brdf));
+            }
+            self.drawn_by = DrawnBy::OnCpu;
+        }
+        Ok(())
     }
 
     /// A picture that the GPU rendered resets the count of pictures at which it hung.
@@ -174,7 +190,9 @@ impl Preview {
         corner: [u32; 2],
         extent: [u32; 2],
     ) -> Result<Radiances, PreviewError> {
-        self.drawn_by = DrawnBy::Nobody;
+        let mode = if estimator.is_lobe() { Mode::Lobe } else { Mode::Reference };
+        let mode = if estimator.is_reference() { mode } else { Mode::Ltc };
+        self.begin(table, &Scene { mode, ..scene.clone() })?;
         let frame = Frame::new(scene, estimator.is_lobe());
         let task = RenderTask { frame: &frame, estimator, corner, extent, as_bytes: false };
         let Some(words) = self.on_gpu(|gpu| gpu.render(table, &task, &|| false))? else {

@@ -2,8 +2,9 @@
 
 use half::f16;
 
+use super::{Mode, Scene};
 use crate::{
-    fit::{Layout, PerAxis, Table},
+    fit::{BrdfKind, Layout, PerAxis, Table},
     view::picture::short_digest,
 };
 
@@ -19,6 +20,8 @@ pub enum TexelFormat {
 /// A table as the shaders have it: three texels an entry, in the order in which a file stores entries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShaderTable {
+    /// The model that it stands for, and that references of its pictures are of.
+    pub(super) brdf: BrdfKind,
     pub(super) layout: Layout,
     pub(super) format: TexelFormat,
     pub(super) nodes: PerAxis<Vec<f32>>,
@@ -31,11 +34,12 @@ pub struct ShaderTable {
 }
 
 impl ShaderTable {
-    /// What stands in for a table in pictures that show none.
+    /// What stands in for a table in pictures that show none; their reference is of GGX.
     #[must_use]
     pub fn none() -> Self {
         let texel = |texel: [f32; 4]| vec![texel];
         Self {
+            brdf: BrdfKind::Ggx,
             layout: Layout::Kt2022,
             format: TexelFormat::F32,
             nodes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
@@ -63,6 +67,7 @@ impl ShaderTable {
         let axes = &table.axes;
         let single = |nodes: &[f64]| nodes.iter().map(|node| *node as f32).collect();
         Self {
+            brdf: table.brdf,
             layout: table.layout,
             format,
             nodes: PerAxis {
@@ -81,6 +86,20 @@ impl ShaderTable {
     #[must_use]
     pub fn labelled(self, digest: &str) -> Self {
         Self { label: Some(short_digest(digest).to_owned()), ..self }
+    }
+
+    /// Whether the CPU alone has the reference of a scene with this table: shaders know that of GGX.
+    #[must_use]
+    pub fn has_reference_on_cpu_only(&self, scene: &Scene) -> bool {
+        self.brdf != BrdfKind::Ggx && scene.mode != Mode::Ltc
+    }
+
+    /// What pictures call the model that it stands for.
+    pub(super) fn brdf_title(&self) -> &'static str {
+        match self.brdf {
+            BrdfKind::Ggx => "GGX",
+            other => other.name(),
+        }
     }
 
     /// Bytes of its texels and nodes in a GPU's memory.

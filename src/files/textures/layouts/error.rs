@@ -1,6 +1,9 @@
 //! Why a table has no textures.
 
-use crate::{files::textures::texture::TextureError, fit::Layout};
+use crate::{
+    files::textures::texture::TextureError,
+    fit::{BrdfKind, Layout},
+};
 
 /// Why a table has no textures of a layout.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -34,6 +37,19 @@ pub enum NoTextures {
         lacking: String,
         /// A recipe whose table has them.
         recipe: &'static str,
+    },
+    /// An engine lights GGX with its files, and the table is of another scattering model.
+    #[error(
+        "{engine} takes its textures for those of GGX, and the table is of brdf {brdf}; the same numbers in files of one's own: \
+         --layout {layout} --container ktx2"
+    )]
+    OtherBrdf {
+        /// The engine.
+        engine: &'static str,
+        /// The scattering model of the table.
+        brdf: BrdfKind,
+        /// The layout of the engine's textures.
+        layout: &'static str,
     },
     /// A table whose axes are longer than textures.
     #[error(transparent)]

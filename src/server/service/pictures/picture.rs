@@ -79,6 +79,9 @@ pub enum PictureError {
         /// When to try again.
         retry_after: Duration,
     },
+    /// The scene does not go with the table's scattering model.
+    #[error("{0}")]
+    OtherBrdf(String),
     /// Rendering it would take too long.
     #[error(
         "the picture is predicted to take {:.0} s on this machine, and a picture may take {} s; fewer pixels or samples take \

@@ -9,7 +9,7 @@ use std::{
 
 use crate::{
     files::{digest::Digest, recipe_document},
-    fit::Recipe,
+    fit::{BrdfKind, Recipe},
     server::service::{ServiceError, tables::Tables},
 };
 
@@ -24,6 +24,8 @@ pub(super) struct Ranking(Mutex<HashMap<Digest, Rank>>);
 /// domain cannot be compared with that of a table for all of it: the part covered is compared first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Rank {
+    /// Whether it is of the scattering model that recipes have by default, as scenes have.
+    is_default_brdf: bool,
     /// The part of the domain that the table's ranges cover.
     coverage: f64,
     /// A table without amplitudes reflects all light.
@@ -37,18 +39,19 @@ impl Rank {
         let range = &recipe.range;
         let lengths = [(range.alpha, 1.0), (range.ratio, 1.0), (range.theta, FRAC_PI_2), (range.phi, FRAC_PI_2)];
         let coverage = lengths.into_iter().map(|([low, high], whole)| (high - low) / whole).product();
-        Self { coverage, has_terms: recipe.terms, error }
+        Self { is_default_brdf: recipe.brdf == BrdfKind::ALL[0], coverage, has_terms: recipe.terms, error }
     }
 
     /// `Less` if this rank is the better one.
     fn compare(&self, other: &Self) -> Ordering {
-        let by_coverage = other.coverage.total_cmp(&self.coverage);
+        let by_brdf = other.is_default_brdf.cmp(&self.is_default_brdf);
+        let by_coverage = by_brdf.then(other.coverage.total_cmp(&self.coverage));
         by_coverage.then(other.has_terms.cmp(&self.has_terms)).then(self.error.total_cmp(&other.error))
     }
 }
 
 impl Ranking {
-    /// The best table: most of the domain covered, then with terms, then the lowest mean distance between nodes, then
+    /// The best table: of GGX, then most of the domain covered, then with terms, then the lowest mean distance between nodes, then
     /// the newest. If no table has a manifest of the current version, the newest table.
     pub(super) fn best(&self, tables: &Tables) -> Result<Option<Digest>, ServiceError> {
         let (mut newest, mut best) = (None, None::<(Rank, Digest)>);
@@ -104,8 +107,9 @@ mod tests {
         let bare = rank(r#"{"preset": "draft", "terms": false}"#, 0.001);
         let narrow = rank(r#"{"preset": "draft", "range": {"alpha": [0.001, 0.02]}}"#, 0.001);
         let isotropic = rank(r#"{"preset": "draft", "range": {"ratio": [1, 1], "phi": [0, 0]}}"#, 0.0001);
-        let mut ranked = [isotropic, bare, narrow, poor, good];
+        let other = rank(r#"{"preset": "draft", "brdf": "beckmann"}"#, 0.0001);
+        let mut ranked = [other, isotropic, bare, narrow, poor, good];
         ranked.sort_by(Rank::compare);
-        assert_eq!(ranked, [good, poor, bare, narrow, isotropic]);
+        assert_eq!(ranked, [good, poor, bare, narrow, isotropic, other]);
     }
 }

@@ -20,7 +20,7 @@ use crate::{
     server::service::{ServiceError, tables::Tables},
     view::{
         picture::Picture,
-        preview::{Adapter, Preview, PreviewError, ShaderTable, Stop, TexelFormat},
+        preview::{Adapter, Mode, Preview, PreviewError, Scene, ShaderTable, Stop, TexelFormat},
     },
 };
 
@@ -89,7 +89,10 @@ impl RenderThread {
                 if RendererKind::of_scene(&adapter) == kind {
                     queue.learn(kind, cost, Took::Finished(start.elapsed()));
                 }
-                queue.set_adapter(&adapter);
+                // A reference that shaders do not know says nothing of what renders others.
+                if !table.has_reference_on_cpu_only(scene) {
+                    queue.set_adapter(&adapter);
+                }
                 (rendered.picture, adapter)
             }
             Subject::Plot(plot) => {
@@ -117,6 +120,13 @@ impl RenderThread {
         queue: &PictureQueue,
         stop: Stop<'_>,
     ) -> Result<(), PictureError> {
+        // What is measured is the speed of references that the adapter has itself.
+        let none = Arc::new(ShaderTable::none());
+        let table = if table.has_reference_on_cpu_only(&Scene { mode: Mode::Reference, ..Scene::default() }) {
+            &none
+        } else {
+            table
+        };
         let probed = probe(&mut self.preview, table, stop).map_err(|other| error(other, queue, request))?;
         if let Some(Probed { adapter, rate }) = probed {
             tracing::info!(adapter, rate, "seconds that a sample of a picture takes");
@@ -150,6 +160,7 @@ impl RenderThread {
 fn error(error: PreviewError, queue: &PictureQueue, request: &PictureRequest) -> PictureError {
     match error {
         PreviewError::Stopped => stopped(queue, request),
+        other @ (PreviewError::OtherBrdf(_) | PreviewError::CpuOnly(_)) => PictureError::OtherBrdf(other.to_string()),
         other => PictureError::Failed(other.to_string()),
     }
 }

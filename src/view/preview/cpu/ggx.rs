@@ -21,13 +21,13 @@ pub(super) struct Shaded {
     pub(super) alpha: Vec2,
 }
 
-fn hash(key: u32) -> u32 {
+pub(super) fn hash(key: u32) -> u32 {
     let x = (key ^ (key >> 16)).wrapping_mul(0x7feb_352d);
     let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
     x ^ (x >> 16)
 }
 
-fn point(i: u32, seed: [u32; 2]) -> Vec2 {
+pub(super) fn point(i: u32, seed: [u32; 2]) -> Vec2 {
     let u = |step: u32, seed: u32| (i.wrapping_mul(step).wrapping_add(seed) >> 8) as f32 * (1.0 / 16_777_216.0);
     Vec2::new(u(0xc13f_a9a9, seed[0]), u(0x91e1_0da5, seed[1]))
 }
@@ -53,11 +53,11 @@ fn visible_normal(alpha: Vec2, wo: Vec3, u: Vec2) -> Vec3 {
 }
 
 impl FrameLight {
-    fn faces(&self, cosine: f32) -> bool {
+    pub(super) fn faces(&self, cosine: f32) -> bool {
         if self.two_sided { cosine.abs() > HORIZON } else { cosine < -HORIZON }
     }
 
-    fn pdf(&self, position: Vec3, wi: Vec3) -> f32 {
+    pub(super) fn pdf(&self, position: Vec3, wi: Vec3) -> f32 {
         let cosine = self.normal.dot(wi);
         if !self.faces(cosine) {
             return 0.0;
@@ -89,7 +89,7 @@ impl FrameLight {
         true
     }
 
-    fn point(&self, u: Vec2) -> Vec3 {
+    pub(super) fn point(&self, u: Vec2) -> Vec3 {
         if let Some(FrameEllipse { centre, half_axes: [(x, _), (y, _)] }) = self.ellipse {
             let (sin, cos) = sin_cos_turns(u.y);
             return centre + u.x.sqrt() * (cos * x + sin * y);

@@ -2,7 +2,9 @@
 //!
 //! Each file mirrors a shader and has functions of the same names: `lookup` mirrors `ltc_table.wgsl`, `light`
 //! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, and `surface` `sphere.wgsl`. The shaders have the comments.
+//! `any_brdf` has no shader: it is the reference of models other than GGX.
 
+mod any_brdf;
 mod ggx;
 mod light;
 mod lookup;

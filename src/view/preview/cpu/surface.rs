@@ -3,12 +3,13 @@
 use glam::{Mat3, Vec2, Vec3};
 
 use super::{
+    any_brdf,
     ggx::{self, Shaded},
     light::Inverse,
     lookup::{LEAST_ALPHA, lookup},
 };
 use crate::{
-    fit::Sides,
+    fit::{BrdfKind, Sides},
     light::{Gaussian, gaussians, normals},
     view::preview::{
         ShaderTable, Surface,
@@ -28,7 +29,11 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
         Estimator::Normals => surface(frame, place, cell, |at| by_normals(frame, at)),
         Estimator::Gaussian(gaussian) => surface(frame, place, cell, |at| by_gaussian(frame, gaussian, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
-            let parts = ggx::reference(shaded, &frame.light, frame.spp, at[1] * frame.size + at[0]);
+            let key = at[1] * frame.size + at[0];
+            let parts = match table.brdf {
+                BrdfKind::Ggx => ggx::reference(shaded, &frame.light, frame.spp, key),
+                brdf => any_brdf::reference(brdf, shaded, &frame.light, frame.spp, key),
+            };
             reflected(frame, parts)
         }),
         Estimator::TableLobe | Estimator::ReferenceLobe => {
@@ -152,6 +157,9 @@ fn lobe(frame: &Frame, table: &ShaderTable, estimator: Estimator, wi: Vec3) -> f
         return if wi.z < 0.0 { BELOW } else { 0.0 };
     }
     let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(LEAST_ALPHA));
+    if table.brdf != BrdfKind::Ggx {
+        return any_brdf::lobe(table.brdf, alpha, wo, wi);
+    }
     let g2 = 1.0 / (1.0 + ggx::smith_lambda(alpha, wo) + ggx::smith_lambda(alpha, wi));
     ggx::distribution(alpha, (wo + wi).normalize()) * g2 / (4.0 * wo.z)
 }

@@ -1,0 +1,59 @@
+//! Sheen by the Charlie distribution, with the visibility of Neubelt and Pettineo.
+
+use glam::DVec3;
+
+use super::{
+    charlie::Fibres,
+    scattering::{Brdf, BrdfRules, BrdfSample},
+};
+use crate::fit::math::SquarePoint;
+
+/// The sheen of game engines and of glTF: Charlie's distribution, and the smooth visibility of the cloth of Neubelt and
+/// Pettineo [2013] in place of a masking function, with a Fresnel factor of one:
+/// `f = D / (4 (cos o + cos i - cos o cos i))`. It is reciprocal and does not conserve energy at grazing angles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CharlieNeubelt {
+    fibres: Fibres,
+}
+
+/// Charlie with the visibility of Neubelt and Pettineo as an item of [`super::BrdfKind`].
+pub(super) struct Rules;
+
+impl BrdfRules for Rules {
+    fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
+        Box::new(CharlieNeubelt::new(alpha_x.max(alpha_y)))
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
+    fn follows_reflection(&self) -> bool {
+        false
+    }
+}
+
+impl CharlieNeubelt {
+    /// The sheen of a roughness `alpha` in [0, 1], the square of the sheen roughness of glTF; below 0.0049 that of 0.0049.
+    #[must_use]
+    pub fn new(alpha: f64) -> Self {
+        Self { fibres: Fibres::new(alpha) }
+    }
+}
+
+impl Brdf for CharlieNeubelt {
+    fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return 0.0;
+        }
+        self.fibres.distribution(wo, wi) * wi.z / (4.0 * (wo.z + wi.z - wo.z * wi.z))
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
+        BrdfSample::of(self, wo, self.fibres.sample(wo, &SquarePoint::new(u)))
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.fibres.pdf(wo, wi)
+    }
+}

@@ -1,0 +1,86 @@
+//! Energy-preserving Oren-Nayar.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{
+    hemisphere::Hemisphere,
+    scattering::{Brdf, BrdfRules, BrdfSample},
+};
+use crate::fit::math::{SquarePoint, atan2};
+
+/// The EON model of Portsmouth, Kutz and Hill [2024] with an albedo of one: Fujii's Oren-Nayar, and the light that it loses
+/// returned as that of further bounces.
+///
+/// ```text
+/// f = A (1 + r s / t) / pi + (1 - E(o)) (1 - E(i)) / (pi (1 - E')),    A = 1 / (1 + c r),   c = 1/2 - 2 / (3 pi)
+/// s = wo . wi - cos o cos i,    t = max(cos o, cos i) where s > 0, else 1
+/// E(o) = A (1 + r G(o) / pi),   1 - E(o) = A r (c - G(o) / pi)
+/// G(o) = sin o (o - sin o cos o) + 2/3 (tan o (1 - sin^3 o) - sin o)
+/// E' = A (1 + d r),   d = 2/3 - 28 / (15 pi),   1 - E' = A r (c - d)
+/// ```
+///
+/// It is reciprocal and reflects all light, `E = 1` for every view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrenNayar {
+    /// The model's roughness `r`, the square root of a table's alpha, in [0, 1]. Zero is Lambert's reflection.
+    pub roughness: f64,
+}
+
+/// Energy-preserving Oren-Nayar as an item of [`super::BrdfKind`].
+pub(super) struct Rules;
+
+impl BrdfRules for Rules {
+    fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
+        Box::new(OrenNayar { roughness: alpha_x.max(alpha_y).sqrt() })
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
+    fn follows_reflection(&self) -> bool {
+        false
+    }
+}
+
+/// Seen at grazing angles a rough surface reflects `f cos(theta_i)` evenly down to the view's own height.
+const SAMPLER: Hemisphere = Hemisphere { uniform: 0.5 };
+/// `c`: what a single bounce loses at most, for `r = 1` and over `A`.
+const LOST: f64 = 0.5 - 2.0 / (3.0 * PI);
+/// `c - d`: what a single bounce loses on average, likewise.
+const LOST_ON_AVERAGE: f64 = LOST - (2.0 / 3.0 - 28.0 / (15.0 * PI));
+
+/// `c - G / pi`: what a single bounce loses of a direction, for `r = 1` and over `A`. In [0, c]; zero at the horizon.
+/// `tan (1 - sin^3)` is `sin cos (1 + sin + sin^2) / (1 + sin)`, which has no pole there.
+fn lost(w: DVec3) -> f64 {
+    let (cos, sin) = (w.z, (w.x * w.x + w.y * w.y).sqrt());
+    let tangent = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
+    let g = sin * (atan2(sin, cos) - sin * cos) + (tangent - sin) * (2.0 / 3.0);
+    (LOST - g / PI).max(0.0)
+}
+
+impl Brdf for OrenNayar {
+    fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return 0.0;
+        }
+        let r = self.roughness;
+        // wo . wi - cos o cos i, without cancellation.
+        let s = wo.x * wi.x + wo.y * wi.y;
+        let s_over_t = if s > 0.0 { s / wo.z.max(wi.z) } else { s };
+        let single = 1.0 + r * s_over_t;
+        let multiple = r * lost(wo) * lost(wi) / LOST_ON_AVERAGE;
+        (single + multiple) * wi.z / (PI * (1.0 + LOST * r))
+    }
+
+    fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
+        let wi = SAMPLER.sample(&SquarePoint::new(u));
+        BrdfSample::of(self, wo, wi)
+    }
+
+    fn pdf(&self, _: DVec3, wi: DVec3) -> f64 {
+        SAMPLER.pdf(wi)
+    }
+}

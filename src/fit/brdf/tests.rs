@@ -1,0 +1,235 @@
+//! What every scattering model promises, tested on all of them.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::{Brdf, BrdfKind, BrdfSample};
+use crate::fit::math::{Lattice, atan2, direction, sin_cos};
+
+/// Configurations from broad to narrow, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
+const CONFIGURATIONS: [(f64, f64, f64, f64); 6] = [
+    (1.0, 1.0, 0.0, 0.0),
+    (0.5, 0.5, 0.8, 0.3),
+    (0.6, 0.2, 1.1, 0.9),
+    (0.3, 0.9, 1.4, 2.5),
+    (0.25, 0.15, 0.4, 4.0),
+    (0.1, 0.1, 1.2, -1.0),
+];
+
+/// Every model at every configuration, with its name for messages.
+fn all() -> impl Iterator<Item = (BrdfKind, Box<dyn Brdf>, DVec3, String)> {
+    BrdfKind::ALL.iter().flat_map(|kind| {
+        CONFIGURATIONS.map(|(alpha_x, alpha_y, theta, phi)| {
+            let name = format!("{kind} {alpha_x} {alpha_y} from {theta} {phi}");
+            (*kind, kind.surface([alpha_x, alpha_y]), direction(theta, phi), name)
+        })
+    })
+}
+
+/// Directions of the midpoint rule in height and azimuth, `n` by `2 n`, over the sphere; each stands for
+/// `2 pi / n^2` steradians.
+fn sphere(n: usize) -> impl Iterator<Item = DVec3> {
+    let azimuths: Vec<(f64, f64)> = (0..2 * n).map(|j| sin_cos(PI * (j as f64 + 0.5) / n as f64)).collect();
+    (0..n).flat_map(move |i| {
+        let z = 2.0 * (i as f64 + 0.5) / n as f64 - 1.0;
+        let radius = (1.0 - z * z).sqrt();
+        azimuths.clone().into_iter().map(move |(sin, cos)| DVec3::new(radius * cos, radius * sin, z))
+    })
+}
+
+/// Integral over the sphere of directions by [`sphere`].
+fn integrate(n: usize, f: impl FnMut(DVec3) -> f64) -> f64 {
+    sphere(n).map(f).sum::<f64>() * TAU / (n * n) as f64
+}
+
+/// `E(wo)`, what is reflected of even light. Heights are squares, so that the pole of diffuse models at the horizon is
+/// resolved.
+fn albedo(brdf: &dyn Brdf, wo: DVec3) -> f64 {
+    const N: usize = 400;
+    let part = |k: usize| (k as f64 + 0.5) / N as f64;
+    let ring = |i: usize| {
+        let (z, weight) = (part(i) * part(i), 2.0 * part(i) * TAU / (N * N) as f64);
+        (0..N).map(|j| brdf.eval_cos(wo, direction(libm::acos(z), TAU * part(j)))).sum::<f64>() * weight
+    };
+    (0..N).map(ring).sum()
+}
+
+/// For visible normals this is the weak white furnace.
+#[test]
+fn every_density_integrates_to_one() {
+    for (_, brdf, wo, name) in all() {
+        let integral = integrate(700, |wi| brdf.pdf(wo, wi));
+        assert!((integral - 1.0).abs() < 2e-3, "{name}: {integral}");
+    }
+}
+
+#[test]
+fn the_mean_weight_is_the_albedo() {
+    const COUNT: usize = 1 << 14;
+    for (_, brdf, wo, name) in all() {
+        let mean =
+            Lattice::new(COUNT, [0.0; 2]).points().map(|u| brdf.sample(wo, u).weight).sum::<f64>() / COUNT as f64;
+        let albedo = albedo(&*brdf, wo);
+        assert!((mean - albedo).abs() < 2e-3 * albedo.max(0.5), "{name}: {mean} {albedo}");
+    }
+}
+
+/// The most that a model reflects of even light, over roughness and view to 89 degrees. Masked microfacets lose light, and
+/// Oren-Nayar's further bounces return all of it. Smooth sheen and Burley's diffuse reflection gain light at grazing angles:
+/// docs/recipe.md has these figures.
+#[test]
+fn no_furnace_glows_more_than_its_model_says() {
+    let most = |kind: BrdfKind| {
+        let alphas = [1e-4, 0.01, 0.1, 0.4, 1.0];
+        let thetas = [0.0, 0.4, 0.8, 1.2, 1.4, 1.5, 1.55];
+        let places = alphas.into_iter().flat_map(|alpha| thetas.map(|theta| (alpha, theta)));
+        // A mirror falls between the points of any quadrature.
+        let places = places.filter(|(alpha, _)| !kind.follows_reflection() || *alpha > 0.05);
+        places.map(|(alpha, theta)| albedo(&*kind.surface([alpha; 2]), direction(theta, 0.2))).fold(0.0, f64::max)
+    };
+    for &kind in BrdfKind::ALL {
+        let (low, high) = match kind {
+            BrdfKind::Ggx | BrdfKind::Beckmann => (0.98, 1.0 + 1e-3),
+            BrdfKind::Charlie => (1.9, 2.0),
+            BrdfKind::CharlieNeubelt => (3.2, 3.4),
+            BrdfKind::BurleyDiffuse => (1.5, 1.6),
+            BrdfKind::OrenNayar => (1.0 - 1e-3, 1.0 + 1e-3),
+        };
+        let most = most(kind);
+        assert!((low..=high).contains(&most), "{kind}: {most}");
+    }
+}
+
+/// Energy-preserving means for every view.
+#[test]
+fn oren_nayar_reflects_all_light() {
+    for (alpha, theta) in [(0.0, 0.7), (0.04, 0.0), (0.3, 1.0), (1.0, 0.0), (1.0, 0.9), (1.0, 1.4), (0.5, 1.55)] {
+        let albedo = albedo(&*BrdfKind::OrenNayar.surface([alpha; 2]), direction(theta, 1.0));
+        assert!((albedo - 1.0).abs() < 1e-3, "{alpha} {theta}: {albedo}");
+    }
+}
+
+#[test]
+fn values_are_density_times_weight_and_reciprocal() {
+    for (_, brdf, wo, name) in all() {
+        let mut above = 0;
+        for u in Lattice::new(64, [0.3, 0.1]).points() {
+            let BrdfSample { wi, weight, cos_theta_d } = brdf.sample(wo, u);
+            assert!((wi.length() - 1.0).abs() < 1e-12, "{name}: {wi}");
+            if wi.z <= 0.0 {
+                assert_eq!(weight, 0.0, "{name}");
+                continue;
+            }
+            above += 1;
+            let value = brdf.eval_cos(wo, wi);
+            assert!((value / (brdf.pdf(wo, wi) * weight) - 1.0).abs() < 1e-8, "{name}: {value}");
+            let swapped = brdf.eval_cos(wi, wo) / wo.z * wi.z;
+            assert!((value / swapped - 1.0).abs() < 1e-9, "{name}: {value} {swapped}");
+            assert!((cos_theta_d - wo.dot((wo + wi).normalize())).abs() < 1e-9, "{name}: {cos_theta_d}");
+        }
+        assert!(above > 16, "{name}");
+    }
+}
+
+/// An isotropic model takes the larger roughness and turns with the view; others tell their axes apart.
+#[test]
+fn isotropic_models_know_no_azimuth() {
+    let [wo, wi] = [direction(0.8, 0.3), direction(0.5, 2.0)];
+    let turned = |by: f64| [direction(0.8, 0.3 + by), direction(0.5, 2.0 + by)];
+    for &kind in BrdfKind::ALL {
+        let brdf = kind.surface([0.5, 0.2]);
+        let value = brdf.eval_cos(wo, wi);
+        let [wo, wi] = turned(1.0);
+        let apart = brdf.eval_cos(wo, wi) / value - 1.0;
+        assert_eq!(apart.abs() < 1e-9, kind.is_isotropic(), "{kind}: {apart}");
+        let larger = kind.surface([0.5, 0.5]).eval_cos(wo, wi) / brdf.eval_cos(wo, wi) - 1.0;
+        assert_eq!(larger.abs() < 1e-9, kind.is_isotropic(), "{kind}: {larger}");
+    }
+}
+
+/// From mirrors to the roughest surface, from above to the horizon, at the ends of the square: no NaN, nothing negative.
+#[test]
+fn extremes_are_finite() {
+    let ends = [0.0, f64::EPSILON, 0.3, 0.5, 1.0 - f64::EPSILON / 2.0];
+    let views = [0.0, 1e-9, 0.7, 1.5, 0.9999 * FRAC_PI_2, FRAC_PI_2 - 1e-9];
+    for &kind in BrdfKind::ALL {
+        for alphas in [[1e-5, 1e-5], [1e-4, 1e-5], [1.0, 1e-5], [0.01, 0.01], [1.0, 1.0]] {
+            let brdf = kind.surface(alphas);
+            for wo in views.into_iter().flat_map(|theta| [0.0, 0.6, FRAC_PI_2].map(|phi| direction(theta, phi))) {
+                for u in ends.into_iter().flat_map(|a| ends.map(|b| [a, b])) {
+                    let BrdfSample { wi, weight, cos_theta_d } = brdf.sample(wo, u);
+                    let values = [weight, brdf.pdf(wo, wi), brdf.eval_cos(wo, wi), brdf.eval_cos(wo, wo)];
+                    assert!(wi.is_finite() && (wi.length() - 1.0).abs() < 1e-9, "{kind} {alphas:?} {wo} {u:?}: {wi}");
+                    assert!(
+                        values.iter().all(|x| x.is_finite() && *x >= 0.0),
+                        "{kind} {alphas:?} {wo} {u:?}: {values:?}"
+                    );
+                    assert!((-1.0..=1.0 + 1e-12).contains(&cos_theta_d), "{kind} {alphas:?} {wo} {u:?}: {cos_theta_d}");
+                }
+            }
+        }
+    }
+}
+
+/// Few samples carry most of a lobe if its sampler does not follow it. A fit draws some hundred.
+#[test]
+fn samplers_follow_their_lobes() {
+    for &kind in BrdfKind::ALL {
+        for (alpha, theta) in
+            [1e-4, 0.02, 0.1, 0.4, 1.0].into_iter().flat_map(|a| [0.0, 0.5, 1.0, 1.4, 1.56].map(|t| (a, t)))
+        {
+            let (brdf, wo) = (kind.surface([alpha; 2]), direction(theta, 0.4));
+            let weights: Vec<f64> = Lattice::new(2048, [0.0; 2]).points().map(|u| brdf.sample(wo, u).weight).collect();
+            let (sum, squares) = weights.iter().fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+            let share = sum * sum / squares / 2048.0;
+            assert!(share > 0.2, "{kind} {alpha} {theta}: {share}");
+        }
+    }
+}
+
+/// Pearson's chi-square of random samples against the integrated density, over cells of equal solid angle.
+#[test]
+fn samples_follow_the_density() {
+    const ROWS: usize = 24;
+    const COLUMNS: usize = 24;
+    const SAMPLES: usize = 100_000;
+    let cell = |w: DVec3| {
+        let azimuth = (atan2(w.y, w.x) / TAU).rem_euclid(1.0);
+        let row = ((w.z + 1.0) * 0.5 * ROWS as f64) as usize;
+        row.min(ROWS - 1) * COLUMNS + ((azimuth * COLUMNS as f64) as usize).min(COLUMNS - 1)
+    };
+    // 960 divides evenly into rows and columns, so that no quadrature cell straddles two.
+    let cells: Vec<(DVec3, usize)> = sphere(960).map(|wi| (wi, cell(wi))).collect();
+    for (k, (_, brdf, wo, name)) in all().enumerate() {
+        let mut expected = vec![0.0; ROWS * COLUMNS];
+        for (wi, cell) in &cells {
+            expected[*cell] += brdf.pdf(wo, *wi);
+        }
+        let total: f64 = expected.iter().sum();
+        let mut observed = vec![0.0; ROWS * COLUMNS];
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(k as u64);
+        let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+        for _ in 0..SAMPLES {
+            observed[cell(brdf.sample(wo, [uniform(), uniform()]).wi)] += 1.0;
+        }
+        let (mut chi2, mut cells, mut rare) = (0.0, -1.0, (0.0, 0.0));
+        for (observed, expected) in observed.into_iter().zip(expected) {
+            let expected = expected / total * SAMPLES as f64;
+            if expected < 5.0 {
+                rare = (rare.0 + observed, rare.1 + expected);
+                continue;
+            }
+            chi2 += (observed - expected) * (observed - expected) / expected;
+            cells += 1.0;
+        }
+        assert!(cells > 10.0, "{name}");
+        // Chi-square with n degrees of freedom has mean n and variance 2 n. A value five standard deviations above the mean
+        // does not occur.
+        let limit = cells + 5.0 * f64::sqrt(2.0 * cells);
+        assert!(chi2 < limit, "{name}: {chi2} over {cells} cells");
+        assert!((rare.0 - rare.1).abs() < 5.0 * f64::sqrt(rare.1 + 1.0), "{name}: {rare:?}");
+    }
+}

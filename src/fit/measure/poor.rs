@@ -1,0 +1,61 @@
+//! Where even the best LTC is a poor model of a lobe.
+
+use serde::Serialize;
+
+use super::figures::Figures;
+
+/// The error, as a part of the lobe's width, beyond which a highlight is visibly another one.
+pub const POOR_WIDTH: f64 = 0.15;
+
+/// Nodes whose stored lobe is farther from the true one than [`POOR_WIDTH`]. No table of more nodes helps there: interpolation
+/// has no part in it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Poor {
+    /// [`POOR_WIDTH`].
+    pub limit: f64,
+    /// How many of the measured nodes.
+    pub nodes: usize,
+    /// Least and largest roughness among them, alpha; `None` where there are none.
+    pub alpha: Option<[f64; 2]>,
+    /// Least and largest polar angle of the view among them, radians.
+    pub theta: Option<[f64; 2]>,
+}
+
+impl Poor {
+    /// Those among measured nodes.
+    pub(super) fn of(at_nodes: &[Figures]) -> Self {
+        let poor: Vec<&Figures> = at_nodes.iter().filter(|figures| figures.width > POOR_WIDTH).collect();
+        let extent = |value: fn(&Figures) -> f64| {
+            let values = poor.iter().map(|figures| value(figures));
+            values.map(|x| [x, x]).reduce(|[low, high], [x, _]| [low.min(x), high.max(x)])
+        };
+        Self {
+            limit: POOR_WIDTH,
+            nodes: poor.len(),
+            alpha: extent(|figures| figures.at.alpha_x.max(figures.at.alpha_y)),
+            theta: extent(|figures| figures.at.theta),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::Configuration;
+
+    #[test]
+    fn poor_nodes_are_counted_and_told_where_they_are() {
+        let figures = [(0.3, 0.1, 0.2, 0.151), (0.2, 0.7, 1.5, 0.9), (0.9, 0.9, 0.1, 0.15), (0.4, 0.4, 0.9, 0.2)];
+        let figures = figures.map(|(alpha_x, alpha_y, theta, width)| Figures {
+            at: Configuration { alpha_x, alpha_y, theta, phi: 0.0 },
+            sw1: 0.1,
+            width,
+            light: 0.1,
+            terms: None,
+        });
+        let all = Poor::of(&figures);
+        assert_eq!((all.nodes, all.alpha, all.theta), (3, Some([0.3, 0.7]), Some([0.2, 1.5])));
+        let none = Poor::of(&figures[2..3]);
+        assert_eq!((none.nodes, none.alpha, none.theta, none.limit), (0, None, None, 0.15));
+    }
+}

@@ -1,0 +1,72 @@
+//! The reference of any scattering model, by its own sampler and value. Shaders know GGX alone, so this has no twin.
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::ggx::{HORIZON, Shaded, hash, point};
+use crate::{
+    fit::{
+        brdf::{Brdf, BrdfKind, BrdfSample, cos_theta_d},
+        math::SquarePoint,
+    },
+    view::preview::frame::FrameLight,
+};
+
+const STEP: u32 = 0x9e37_79b9;
+
+fn surface(brdf: BrdfKind, alpha: Vec2) -> Box<dyn Brdf> {
+    brdf.surface([alpha.x.into(), alpha.y.into()])
+}
+
+fn unit_square(i: u32, seed: [u32; 2]) -> [f64; 2] {
+    point(i, seed).to_array().map(f64::from)
+}
+
+/// What is reflected of the light, for a Fresnel factor of one and weighed by Schlick's fifth power: `samples` directions
+/// drawn by the model and as many points of the light, weighed by the balance heuristic [Veach 1997], as in
+/// [`super::ggx::reference`].
+pub(super) fn reference(brdf: BrdfKind, at: &Shaded, light: &FrameLight, samples: u32, key: u32) -> Vec2 {
+    let a = hash(key);
+    let b = hash(a ^ STEP);
+    let c = hash(b ^ STEP);
+    let d = hash(c ^ STEP);
+    let surface = surface(brdf, at.alpha);
+    let wo = at.wo.as_dvec3().normalize();
+    let points: Vec<SquarePoint> = (0..samples).map(|i| SquarePoint::new(unit_square(i, [a, b]))).collect();
+    let mut drawn = Vec::with_capacity(points.len());
+    surface.sample_all(wo, &points, &mut drawn);
+    let (mut all, mut fresnel) = (0.0, 0.0);
+    let mut add = |value: f64, cosine: f64| {
+        let grazing = (1.0 - cosine).clamp(0.0, 1.0);
+        let grazing2 = grazing * grazing;
+        all += value;
+        fresnel += value * (grazing2 * grazing2 * grazing);
+    };
+    for (i, BrdfSample { wi, weight, cos_theta_d: cosine }) in (0..samples).zip(drawn) {
+        let to_light = wi.as_vec3();
+        if weight > 0.0 && to_light.z > HORIZON {
+            let of_light = f64::from(light.pdf(at.position, at.x * to_light.x + at.y * to_light.y + at.z * to_light.z));
+            let of_brdf = surface.pdf(wo, wi);
+            if of_light > 0.0 {
+                add(weight * of_brdf / (of_brdf + of_light), cosine);
+            }
+        }
+        let to_light = light.point(point(i, [c, d])) - at.position;
+        let distance2 = to_light.dot(to_light);
+        let direction = to_light / distance2.max(1e-36).sqrt();
+        let facing = light.normal.dot(direction);
+        let wi = DVec3::new(direction.dot(at.x).into(), direction.dot(at.y).into(), direction.dot(at.z).into());
+        if wi.z > f64::from(HORIZON) && light.faces(facing) {
+            let of_light = f64::from(distance2) / (f64::from(light.area) * f64::from(facing.abs()));
+            let value = surface.eval_cos(wo, wi);
+            if value > 0.0 {
+                add(value / (surface.pdf(wo, wi) + of_light), cos_theta_d(wo, wi));
+            }
+        }
+    }
+    Vec2::new(all as f32, fresnel as f32) / samples as f32
+}
+
+/// The model's lobe: `f cos` of a direction above the horizon, per steradian.
+pub(super) fn lobe(brdf: BrdfKind, alpha: Vec2, wo: Vec3, wi: Vec3) -> f32 {
+    surface(brdf, alpha).eval_cos(wo.as_dvec3().normalize(), wi.as_dvec3().normalize()) as f32
+}
