@@ -56,6 +56,7 @@ fn a_table_of_another_scattering_model_is_shown_beside_its_own() {
     for refused in [
         &["--model", "normals", "--mode", "strip"][..],
         &["--mode", "models"],
+        &["--model", "asg"],
         &["--mode", "reference", "--adapter", "gpu"],
         &["--ggx-terms"],
     ] {

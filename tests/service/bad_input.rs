@@ -73,7 +73,7 @@ fn models_of_ggx_are_refused_beside_a_table_of_another_scattering_model() {
     let table = server.fit(recipe);
     let preview = |query: &str| server.get(&format!("/v1/preview?table={table}&size=64&spp=4&{query}"));
     assert_eq!(preview("mode=strip").with_status(200).header("preview-adapter"), Some("cpu"));
-    for query in ["mode=models", "model=normals&mode=strip"] {
+    for query in ["mode=models", "model=normals&mode=strip", "model=asg&mode=difference"] {
         let problem = preview(query).with_status(400).json();
         assert!(problem["detail"].as_str().is_some_and(|detail| detail.contains("brdf charlie")), "{problem:#}");
     }

@@ -10,7 +10,7 @@ pub enum PreviewError {
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>),
     /// The picture compares a table with what is of GGX alone.
-    #[error("model normals lights GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
+    #[error("the closed forms light GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
     OtherBrdf(BrdfKind),
     /// A GPU was asked for, and shaders do not know the reference.
     #[error("only the CPU renders the reference of brdf {0}: choose mode ltc, or another adapter than the GPU")]

@@ -114,7 +114,8 @@ impl Preview {
 
     /// Nothing of a picture is rendered yet; one whose reference shaders do not know is the CPU's.
     fn begin(&mut self, table: &ShaderTable, scene: &Scene) -> Result<(), PreviewError> {
-        if table.brdf != BrdfKind::Ggx && scene.shows(LightModel::Normals) {
+        let is_of_ggx = LightModel::ALL.iter().any(|model| *model != LightModel::Ltc && scene.shows(*model));
+        if table.brdf != BrdfKind::Ggx && is_of_ggx {
             return Err(PreviewError::OtherBrdf(table.brdf));
         }
         self.drawn_by = DrawnBy::Nobody;
