@@ -15,31 +15,22 @@
 //! (`polygon.rs`); the light of a spherical Gaussian is a convolution of two (`sg_light.rs`). `docs/gaussians.md` derives all of
 //! it and has the errors.
 
+mod gaussian;
 mod lobe;
 mod polygon;
 mod sg_light;
 #[cfg(test)]
 mod tests;
 
+pub use gaussian::Gaussian;
 pub use lobe::{Lobe, Warp};
 pub use sg_light::{SgLight, reflected_sg};
 
 use crate::fit::{
     Sides,
     math::{Scalar, Triple},
-    named_list::named_list,
 };
 use polygon::covered;
-
-named_list! {
-    /// The Gaussian that stands for a lobe.
-    pub enum Gaussian {
-        /// A spherical Gaussian: round, of the peak and the integral of the stretched one.
-        Sg = "sg",
-        /// An anisotropic spherical Gaussian: stretched as the warp stretches it.
-        Asg = "asg",
-    }
-}
 
 /// What GGX reflects of a polygon of radiance one towards `wo` by a Gaussian: for a Fresnel factor of one, and its part
 /// weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].

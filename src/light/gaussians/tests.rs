@@ -5,13 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use super::{polygon::half_erf, *};
-use crate::{
-    fit::{
-        Configuration,
-        math::{cos, direction, exp, pow, sin_cos},
-    },
-    light::{EVERYWHERE, Lighting, PolygonLight, RandomLights, by_gaussian, light_error, truth, truth_within},
-};
+use crate::fit::math::{cos, direction, exp, sin_cos};
 
 /// Surfaces from the sharpest to the roughest, needles among them.
 const SURFACES: [[f64; 2]; 6] = [[1e-5, 1e-5], [0.01, 0.01], [0.2, 0.05], [0.5, 0.5], [1.0, 1e-5], [1.0, 1.0]];
@@ -248,32 +242,6 @@ fn the_light_of_a_gaussian_is_an_inner_product() {
     assert!((of(1e9) - point).abs() < 1e-6 * point && (of(1e-9) - lobe.weight).abs() < 1e-6);
 }
 
-/// The measure of `docs/gaussians.md`.
-#[test]
-fn random_lights_are_off_by_a_tenth_and_the_stretched_gaussian_by_less() {
-    let lights = RandomLights::draw(&EVERYWHERE, 1500).expect("ranges of a table");
-    let error = |gaussian| light_error(Lighting::Gaussian(gaussian), &lights).expect("a surface");
-    let [sg, asg] = [Gaussian::Sg, Gaussian::Asg].map(error);
-    println!("sg {sg:?}\nasg {asg:?}");
-    assert!(sg.mean < 0.058 && asg.mean < 0.031 && asg.mean < 0.7 * sg.mean, "{sg:?} {asg:?}");
-    assert!(asg.max < 0.35, "{asg:?}");
-}
-
-/// The same over one surface, where the truth and both numbers are told.
-#[test]
-fn a_surface_reflects_about_what_ggx_does() {
-    let at = Configuration { alpha_x: 0.25, alpha_y: 0.25, theta: 0.6, phi: 0.2 };
-    let wo = direction(at.theta, at.phi);
-    let vertices = square(DVec3::new(-wo.x, -wo.y, wo.z), 0.4).into_iter().map(DVec3::from).collect();
-    let light = PolygonLight::new(vertices, Sides::One).expect("a square");
-    let wanted = truth(&at, &light).expect("a surface");
-    for &gaussian in Gaussian::ALL {
-        let found = by_gaussian(&at, &light, gaussian).expect("a surface");
-        assert!((found.energy - wanted.energy).abs() < 0.08, "{gaussian} {found:?} {wanted:?}");
-        assert!((found.fresnel / found.energy - pow(1.0 - cos(0.6), 5.0)).abs() < 2e-3, "{found:?}");
-    }
-}
-
 /// Lights that the horizon cuts, on a rough surface seen face on: the horizon is as far from the axis everywhere.
 #[test]
 fn single_and_double_precision_agree_where_the_horizon_is_a_quarter_away() {
@@ -290,35 +258,53 @@ fn single_and_double_precision_agree_where_the_horizon_is_a_quarter_away() {
 /// Places on the cap of visible normals: part of its height, part of a turn.
 const POINTS: [[f64; 2]; 4] = [[0.1, 0.1], [0.35, 0.7], [0.6, 0.35], [0.85, 0.9]];
 
+/// What is reflected of a light, as the mean over visible normals of `G2 / G1` where they reflect it.
+fn over_normals(alpha: [f64; 2], wo: DVec3, is_light: impl Fn(DVec3) -> bool) -> f64 {
+    const SIDE: u32 = 160;
+    let stretch = DVec3::new(alpha[0], alpha[1], 1.0);
+    let mu = |w: DVec3| w.z / (stretch * w).length();
+    let mut sum = 0.0;
+    for [row, column] in (0..SIDE).flat_map(|row| (0..2 * SIDE).map(move |column| [row, column].map(f64::from))) {
+        let wi = reflected_at(alpha, wo, [(row + 0.5) / f64::from(SIDE), (column + 0.5) / f64::from(2 * SIDE)]);
+        if wi.z > 0.0 && is_light(wi) {
+            sum += (1.0 + mu(wo)) * mu(wi) / (mu(wi) + mu(wo));
+        }
+    }
+    sum / f64::from(2 * SIDE * SIDE)
+}
+
+/// The reflection of the visible normal at a part of the cap's height, and of a turn.
+fn reflected_at(alpha: [f64; 2], wo: DVec3, [height, turn]: [f64; 2]) -> DVec3 {
+    let stretch = DVec3::new(alpha[0], alpha[1], 1.0);
+    let s = (stretch * wo).normalize();
+    let z = 1.0 - height * (1.0 + s.z);
+    let (sin, cos) = sin_cos(std::f64::consts::TAU * turn);
+    let h = (stretch * (DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + DVec3::Z * z + s)).normalize();
+    h * (2.0 * wo.dot(h)) - wo
+}
+
 /// Why the warp is around the middle visible normal.
 #[test]
 fn the_warp_around_the_surface_s_normal_is_farther_off() {
     let mut errors = [0.0; 2];
     let mut count = 0;
     for alpha in [[0.05, 0.05], [0.2, 0.2], [0.3, 0.1], [0.5, 0.5], [0.6, 0.1]] {
-        for (theta, [height, turn]) in
-            [0.2, 0.6, 1.0, 1.3, 1.5].into_iter().flat_map(|theta| POINTS.map(|u| (theta, u)))
-        {
-            let at = Configuration { alpha_x: alpha[0], alpha_y: alpha[1], theta, phi: 0.7 };
+        for (theta, u) in [0.2, 0.6, 1.0, 1.3, 1.5].into_iter().flat_map(|theta| POINTS.map(|u| (theta, u))) {
             let wo = direction(theta, 0.7);
-            // Around the reflection of a visible normal.
-            let stretch = DVec3::new(alpha[0], alpha[1], 1.0);
-            let s = (stretch * wo).normalize();
-            let z = 1.0 - height * (1.0 + s.z);
-            let (sin, cos) = sin_cos(std::f64::consts::TAU * turn);
-            let h = (stretch * (DVec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + DVec3::Z * z + s)).normalize();
-            let vertices = square(h * (2.0 * wo.dot(h)) - wo, 0.3);
-            let light = vertices.iter().copied().map(DVec3::from).collect();
-            let light = PolygonLight::new(light, Sides::One).expect("a square");
-            let wanted = truth_within(1e-5, &at, &light).expect("a surface").energy;
+            let centre = reflected_at(alpha, wo, u);
+            let light = square(centre, 0.3);
+            let edge = |i: usize| DVec3::from(light[i]).cross(DVec3::from(light[(i + 1) % 4]));
+            let edges = [0, 1, 2, 3].map(edge);
+            let is_light = |w: DVec3| w.dot(centre) > 0.0 && edges.iter().all(|edge| edge.dot(w) > 0.0);
+            let wanted = over_normals(alpha, wo, is_light);
             for (error, warp) in errors.iter_mut().zip([Warp::Visible, Warp::Surface]) {
                 let lobe = Lobe::new(Gaussian::Asg, warp, alpha, wo.to_array());
-                *error += (lobe.weight * covered(&lobe, &vertices, Sides::One) - wanted).abs();
+                *error += (lobe.weight * covered(&lobe, &light, Sides::One) - wanted).abs();
             }
             count += 1;
         }
     }
     let [visible, surface] = errors.map(|error| error / f64::from(count));
     println!("around the middle visible normal {visible:.4}, around the surface's {surface:.4}, of {count}");
-    assert!(visible < 0.8 * surface && visible < 0.05, "{visible} {surface}");
+    assert!(visible < 0.7 * surface && visible < 0.05, "{visible} {surface}");
 }

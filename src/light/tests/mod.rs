@@ -4,6 +4,7 @@ mod bent;
 pub(crate) mod cases;
 mod closed_form;
 mod extremes;
+mod gaussians;
 mod shape_lights;
 mod true_light;
 mod walls;
