@@ -6,8 +6,8 @@ CARGO ?= cargo
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 # The linker for crates, what the demo and the tests call, and a Vulkan driver that needs no GPU.
 PACKAGES := gcc libc6-dev make curl jq ca-certificates mesa-vulkan-drivers
-# What checks translated shaders.
-TEST_PACKAGES := spirv-tools glslang-tools
+# What checks translated shaders, and runs the lines for CMake in docs/ci.md.
+TEST_PACKAGES := spirv-tools glslang-tools cmake
 # The database of a service in several processes, a link between them that loses packets, and a clock that is wrong.
 CLUSTER_PACKAGES := postgresql util-linux iproute2 nftables faketime
 # Debian has the modules that make a virtual environment apart from Python.

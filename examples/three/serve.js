@@ -30,9 +30,9 @@ export function serve( folders, answers = {}, port = 0 ) {
 
 			const { pathname, searchParams } = new URL( request.url, 'http://localhost' );
 			const compute = answers[ pathname ];
-			const file = fileOf( folders, decodeURIComponent( pathname ) );
+			const file = compute ? pathname : fileOf( folders, decodeURIComponent( pathname ) );
 			const body = compute ? await compute( searchParams ) : await readFile( file );
-			const type = ! compute && TYPES[ extname( file ) ] || 'application/octet-stream';
+			const type = TYPES[ extname( file ) ] || 'application/octet-stream';
 			response.writeHead( 200, { 'content-type': type, 'cache-control': 'no-store' } ).end( body );
 
 		} catch ( error ) {

@@ -66,7 +66,11 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
 
 /// What the text takes for itself in the shader that includes it.
 fn place(args: &ShaderArgs) -> Place {
-    Place { prefix: args.prefix.clone(), first_binding: args.first_binding.unwrap_or(0) }
+    Place {
+        prefix: args.prefix.clone(),
+        first_binding: args.first_binding.unwrap_or(0),
+        group: args.group.unwrap_or(0),
+    }
 }
 
 /// The light of a table's polynomials, to include. Its comment tells how good they are, beside the table.
@@ -144,13 +148,14 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
     let name = language.name();
     let has_table = args.model == LightModel::Ltc;
     let is_numbered = matches!(language, Language::Wgsl | Language::Glsl | Language::Hlsl);
+    let is_placed = args.first_binding.is_some() || args.group.is_some();
     match args.form {
-        ShaderForm::Example if args.prefix.is_some() || args.first_binding.is_some() => {
-            refused("--prefix and --first-binding are for a text to include".to_owned())
+        ShaderForm::Example if args.prefix.is_some() || is_placed => {
+            refused("--prefix, --first-binding and --group are for a text to include".to_owned())
         }
-        _ if args.first_binding.is_some() && (!has_table || !is_numbered) => {
+        _ if is_placed && (!has_table || !is_numbered) => {
             let what = if is_numbered { format!("model {}", args.model) } else { name.to_owned() };
-            refused(format!("{what} binds nothing by number: leave out --first-binding"))
+            refused(format!("{what} binds nothing by number: leave out --first-binding and --group"))
         }
         ShaderForm::Include if !language.has_includes() => {
             refused(format!("{name} has no text to include: add --as example"))

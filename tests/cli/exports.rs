@@ -82,10 +82,10 @@ fn a_table_ships_in_few_bytes_and_is_read_again() {
     let (folder, table) = folder_with_table();
     let here = folder.path();
     for (container, names) in [
-        ("compact", &["out/ltc.compact"][..]),
-        ("compact-js", &["out/ltc.compact.js"]),
-        ("compact-rust", &["out/ltc.compact", "out/ltc.compact.rs"]),
-        ("compact-wgsl", &["out/ltc.compact", "out/ltc.compact.wgsl"]),
+        ("compact", &["out/ltc.compact", "out/ltcforge.json"][..]),
+        ("compact-js", &["out/ltc.compact.js", "out/ltcforge.json"]),
+        ("compact-rust", &["out/ltc.compact", "out/ltc.compact.rs", "out/ltcforge.json"]),
+        ("compact-wgsl", &["out/ltc.compact", "out/ltc.compact.wgsl", "out/ltcforge.json"]),
     ] {
         let told = told(
             here,

@@ -28,8 +28,16 @@ fn assert_sound(output: &Output) {
 }
 
 /// What a shader lights by: each layout of tables, and no table.
-const LIT_BY: [[&str; 2]; 4] =
-    [["--layout", "kt2022"], ["--layout", "reflected"], ["--model", "normals"], ["--model", "asg"]];
+const LIT_BY: [[&str; 2]; 8] = [
+    ["--layout", "kt2022"],
+    ["--layout", "reflected"],
+    ["--layout", "ltc2017"],
+    ["--layout", "ltc2016"],
+    ["--layout", "godot"],
+    ["--layout", "hdrp"],
+    ["--model", "normals"],
+    ["--model", "asg"],
+];
 
 /// Writes a shader.
 fn write(folder: &Path, language: &str, lit_by: [&str; 2], file: &str) {
@@ -128,12 +136,41 @@ fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
     }
 }
 
+#[test]
+fn a_table_s_polynomials_compile_where_they_are_included() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let recipe = r#"{"resolution":{"alpha":16,"ratio":1,"theta":16,"phi":1},"range":{"ratio":[1,1],"phi":[0,0]},
+        "fit":{"samples":64,"directions":4,"steps":5}}"#;
+    fs::write(here.join("recipe.json"), recipe).expect("a recipe");
+    let fitted = run(here, ["fit", "recipe.json", "-o", "."]).exited(0);
+    // Isotropic: one roughness.
+    let [call, call_hlsl] = [TABLE_CALL, TABLE_CALL_HLSL].map(|call| call.replace("0.4, 0.2", "0.4, 0.4"));
+    for (language, head, args) in [
+        ("glsl", "#version 450 core", &["-V", "-o", "out.spv", "whole.frag"][..]),
+        ("glsl-330", "#version 330 core", &["whole.frag"]),
+        ("glsl-es", "#version 300 es\nprecision highp float;\nprecision highp int;", &["whole.frag"]),
+        ("hlsl", "", &["-D", "-V", "-S", "frag", "-e", "main", "-o", "out.spv", "whole.frag"]),
+    ] {
+        let words = ["shader", "--language", language, "--without-textures", fitted.last_line()];
+        let functions = run(here, words).exited(0).stdout;
+        let end = if language == "glsl" { "layout(location = 0) " } else { "" };
+        let whole = match language {
+            "hlsl" => format!("{functions}\nfloat4 main(float2 place : TEXCOORD0) : SV_Target {{{call_hlsl}}}\n"),
+            _ => format!("{head}\n{functions}\n{end}in vec2 place;\n{end}out vec4 colour;\nvoid main() {{{call}}}\n"),
+        };
+        fs::write(here.join("whole.frag"), whole).expect("a file");
+        let Some(output) = checked("glslang-tools", "glslangValidator", args, here) else { return };
+        assert_sound(&output);
+    }
+}
+
 /// The light of a table, that of another table, and those without a table, for one shader.
 fn together(folder: &Path, language: &str) -> String {
     let second: &[&str] = match language {
         // Loose uniforms have no numbers.
         "glsl-330" | "glsl-es" => &["--layout", "ltc2017", "--prefix", "iso"],
-        _ => &["--layout", "ltc2017", "--prefix", "iso", "--first-binding", "6"],
+        _ => &["--layout", "ltc2017", "--prefix", "iso", "--first-binding", "6", "--group", "1"],
     };
     let lights = [&["--layout", "reflected"], second, &["--model", "normals"], &["--model", "sg"]];
     lights.map(|light| run(folder, ["shader", "--language", language].iter().chain(light)).exited(0).stdout).concat()
@@ -175,6 +212,8 @@ fn several_lights_compile_in_one_shader() {
         &["--language", "glsl", "--layout", "reflected", "--prefix", "a", "--as", "example"],
         &["--language", "glsl-es", "--layout", "reflected", "--first-binding", "3"],
         &["--language", "glsl", "--model", "normals", "--first-binding", "3"],
+        &["--language", "glsl-330", "--layout", "reflected", "--group", "1"],
+        &["--language", "glsl", "--layout", "reflected", "--as", "example", "--group", "1"],
     ] {
         run(folder.path(), ["shader"].iter().chain(refused)).exited(2);
     }

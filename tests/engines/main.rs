@@ -2,21 +2,22 @@
 //!
 //! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test` installs
 //! what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/normals.glsl` and `table.glsl` anew,
+//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/normals.glsl`, `table.glsl` and `table/` anew,
 //! `UPDATE_PICTURES=1 cargo test --test engines` the pictures in `docs/engines/`.
 
 #[path = "../common/mod.rs"]
 mod common;
 
 use std::{
-    collections::BTreeMap,
-    env, fmt, fs,
+    collections::{BTreeMap, BTreeSet},
+    env,
+    ffi::OsString,
+    fmt, fs,
     io::{Write as _, stderr},
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
 
-use ltcforge::files::digest::Digest;
 use serde::{Deserialize, de::DeserializeOwned};
 
 use crate::common::{command::run, tell_skipped};
@@ -77,7 +78,7 @@ fn tell(text: &impl fmt::Display) {
 }
 
 /// What `run.js` prints. Sets of tables: `stock`; `again`, the same numbers by the way that others take; `wrong`; and
-/// `ours` where a file is given.
+/// `ours`.
 #[derive(Deserialize)]
 struct Report {
     /// By engine and set of tables, the mean absolute error of each picture in linear radiance.
@@ -134,34 +135,41 @@ impl fmt::Display for Report {
 /// what engines do at the horizon make them. A wrong scene, unit or Fresnel number is worse by far.
 const STOCK_ERROR: [f64; 2] = [0.0075, 0.0018];
 
+/// Our mean error on black plastic lies below: 0.0025, where stock tables have 0.0015. Tables are fitted to the lobe of white
+/// metal, and Fresnel's factor bends that of plastic towards the surface, as far as the stock tables' lobes happen to lie.
+const OUR_PLASTIC_ERROR: f64 = 0.0028;
+
 /// Engines differ from each other by their number formats and how they clamp roughness: 0.3 % and 1.3 % of the error.
 const ENGINES_DIFFER: f64 = 0.03;
 
-/// Our tables for these engines, fitted and exported as a user does.
-fn our_tables(folder: &Path) -> String {
+/// Our files for these engines, each in a folder of its name, fitted and exported as a user does.
+fn our_exports(folder: &Path) -> String {
     fs::write(folder.join("recipe.json"), r#"{"preset": "standard", "layout": "ltc2017"}"#).expect("a recipe");
     let fitted = run(folder, ["fit", "recipe.json", "-o", "."]).exited(0);
-    let digest = fitted.last_line().to_owned();
-    run(folder, ["export", &digest, "--layout", "ltc2017", "--container", "js", "-o", "."]).exited(0);
-    // Node takes a file of this name for a module.
-    let module = folder.join("ltc.mjs");
-    fs::rename(folder.join("ltc.js"), &module).expect("the export");
-    module.to_string_lossy().into_owned()
+    let digest = fitted.last_line();
+    for engine in ["three", "babylon", "playcanvas"] {
+        run(folder, ["export", digest, "--for", engine, "-o", engine]).exited(0);
+    }
+    folder.to_string_lossy().into_owned()
 }
 
 #[test]
 fn engines_draw_what_their_tables_say() {
     let folder = tempfile::tempdir().expect("a folder");
     // Other tables to judge: a file as `tables.js` reads it.
-    let tables = env::var("LTCFORGE_TEST_TABLES").unwrap_or_else(|_| our_tables(folder.path()));
+    let ours = match env::var("LTCFORGE_TEST_TABLES") {
+        Ok(file) => ["--tables".to_owned(), file],
+        Err(_) => ["--exports".to_owned(), our_exports(folder.path())],
+    };
+    let [given, at] = &ours;
     if env::var_os("UPDATE_PICTURES").is_some() {
         let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/engines");
         fs::create_dir_all(&pictures).expect("a folder");
         let pictures = pictures.to_string_lossy();
-        script::<serde_json::Value>("run.js", &["--tables", &tables, "--pictures", &pictures]).expect("the pictures");
+        script::<serde_json::Value>("run.js", &[given, at, "--pictures", &pictures]).expect("the pictures");
         return;
     }
-    let Some(report) = script::<Report>("run.js", &["--tables", &tables]) else { return };
+    let Some(report) = script::<Report>("run.js", &[given, at]) else { return };
     tell(&report);
 
     assert_eq!(report.errors.keys().collect::<Vec<_>>(), ["babylon", "playcanvas", "three"]);
@@ -175,10 +183,8 @@ fn engines_draw_what_their_tables_say() {
             assert!((stock[material] / first[material] - 1.0).abs() < ENGINES_DIFFER, "{engine}: {stock:?}, {first:?}");
             assert!(wrong[material] > 3.0 * stock[material], "{engine}: wrong tables pass: {wrong:?}, {stock:?}");
         }
-        // Tables are fitted to lobes of white metal. Plastic shows the same lobe weighed by Fresnel's factor, which at
-        // grazing angles is another one.
         let ours = report.by_material(engine, "ours");
-        assert!(ours[0] < stock[0], "{engine}: {ours:?}, {stock:?}");
+        assert!(ours[0] < stock[0] && ours[1] < OUR_PLASTIC_ERROR, "{engine}: {ours:?}, {stock:?}");
         let all = |set| report.mean(engine, set, |_| true);
         assert!(all("ours") < all("stock"), "{engine}: {ours:?}, {stock:?}");
     }
@@ -288,14 +294,23 @@ fn the_example_has_the_shader_that_the_command_prints() {
 }
 
 #[test]
-fn the_example_s_table_is_the_one_that_its_manifest_names() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three/table");
-    let manifest = fs::read(folder.join("ltcforge.json")).expect("the manifest");
-    let manifest: serde_json::Value = serde_json::from_slice(&manifest).expect("JSON");
-    let files = manifest["files"].as_array().expect("files");
-    assert_eq!((files.len(), &manifest["for"]), (4, &"wgpu".into()));
-    for file in files {
-        let bytes = fs::read(folder.join(file["path"].as_str().expect("a path"))).expect("a file");
-        assert_eq!(file["sha256"], Digest::of(&bytes).hex(), "{}", file["path"]);
+fn the_example_s_table_is_what_the_command_writes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fitted = run(folder.path(), ["fit", "standard", "-o", "."]).exited(0);
+    run(folder.path(), ["export", fitted.last_line(), "--for", "wgpu", "-o", "table"]).exited(0);
+    let stand = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three/table");
+    let names = |folder: &Path| -> BTreeSet<OsString> {
+        fs::read_dir(folder).expect("a folder").map(|file| file.expect("a file").file_name()).collect()
+    };
+    let written = folder.path().join("table");
+    if env::var("UPDATE_GOLDEN").is_ok_and(|name| name == "three") {
+        for name in names(&written) {
+            fs::copy(written.join(&name), stand.join(&name)).expect("the example");
+        }
+    }
+    assert_eq!(names(&stand), names(&written));
+    for name in names(&written) {
+        let [stands, written] = [&stand, &written].map(|folder| fs::read(folder.join(&name)).expect("a file"));
+        assert!(stands == written, "{}: UPDATE_GOLDEN=three writes it anew", name.display());
     }
 }

@@ -1,11 +1,12 @@
 // Area lights in real engines, held to the truth. Prints one JSON document.
 //
-//   node run.js --ltcforge PROGRAM --chromium PROGRAM [--tables FILE] [--only ENGINE] [--pictures FOLDER]
+//   node run.js --ltcforge PROGRAM --chromium PROGRAM [--exports FOLDER | --tables FILE] [--only ENGINE] [--pictures FOLDER]
 //
 // Every engine draws every view at every roughness with the stock tables, with the same numbers by the way that others
-// take, with wrong ones, and with those of FILE. An error is the mean absolute difference of linear radiance.
+// take, with wrong ones, and with ours: the files that `ltcforge export --for ENGINE -o FOLDER/ENGINE` wrote, or those of FILE.
+// An error is the mean absolute difference of linear radiance.
 //
-// With FOLDER it draws few and larger pictures instead, and writes an ENGINE.png there: stock, FILE's, truth, and both errors.
+// With --pictures it draws few and larger ones instead, and writes an ENGINE.png each: stock, ours, truth, and both errors.
 
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
@@ -15,7 +16,7 @@ import { parseArgs } from 'node:util';
 import { serve } from '../../examples/three/serve.js';
 import { reflected } from '../../examples/three/truth.js';
 import { openPage, withBrowser } from './browser.js';
-import { forBabylon, fromFile, stock, wrong } from './tables.js';
+import { fromFile, repacked, stock, wrong } from './tables.js';
 import { height, pictures, pointsOf, query, questionOf, views, width } from './world.js';
 
 const HERE = fileURLToPath( new URL( '.', import.meta.url ) );
@@ -116,8 +117,8 @@ async function writePictures( browser, engine, drawn, truth ) {
 }
 
 const { values } = parseArgs( { options: {
-	ltcforge: { type: 'string' }, chromium: { type: 'string' }, tables: { type: 'string' }, only: { type: 'string' },
-	pictures: { type: 'string' },
+	ltcforge: { type: 'string' }, chromium: { type: 'string' }, exports: { type: 'string' }, tables: { type: 'string' },
+	only: { type: 'string' }, pictures: { type: 'string' },
 } } );
 
 const sets = { again: stock(), wrong: wrong( stock() ) };
@@ -126,20 +127,23 @@ if ( values.tables ) sets.ours = await fromFile( values.tables );
 const answers = {};
 for ( const [ name, set ] of Object.entries( sets ) ) {
 
-	answers[ `/tables/${ name }/tables.json` ] = async () => JSON.stringify( set );
-	answers[ `/tables/${ name }/areaLights/areaLightsLTC.bin` ] = async () => forBabylon( set );
+	for ( const [ path, pack ] of Object.entries( repacked ) ) answers[ `/tables/${ name }/${ path }` ] = async () => pack( set );
 
 }
 
-const server = await serve( { '/': HERE, '/node_modules/': `${ HERE }/node_modules` }, answers );
+const folders = { '/': HERE, '/node_modules/': `${ HERE }/node_modules` };
+if ( values.exports ) folders[ '/tables/ours/' ] = values.exports;
+const server = await serve( folders, answers );
 const address = `http://127.0.0.1:${ server.address().port }`;
 
-/** The pictures of an engine with tables at an address; nothing for its own. */
+const names = values.exports ? [ ...Object.keys( sets ), 'ours' ] : Object.keys( sets );
+
+/** The pictures of an engine with a set of tables; nothing for its own. */
 async function drawn( browser, engine, tables ) {
 
 	const page = await openPage( browser, engine, `${ address }/pages/?engine=${ engine }&${ query }` );
 	await page.waitForFunction( 'window.draw' );
-	const pictures = await page.evaluate( ( at ) => window.draw( at ), tables && `${ address }/tables/${ tables }` );
+	const pictures = await page.evaluate( ( at ) => window.draw( at ), tables && `${ address }/tables/${ tables }/${ engine }` );
 	await page.close();
 	return pictures;
 
@@ -155,7 +159,7 @@ try {
 
 			// Only three.js has its tables in its package.
 			const all = { stock: await drawn( browser, engine, engine === 'three' ? null : 'again' ) };
-			for ( const set of Object.keys( sets ) ) all[ set ] = await drawn( browser, engine, set );
+			for ( const set of names ) all[ set ] = await drawn( browser, engine, set );
 			report.errors[ engine ] = {};
 			for ( const [ set, those ] of Object.entries( all ) ) report.errors[ engine ][ set ] = errorsOf( those, await truth );
 			if ( values.pictures ) await writePictures( browser, engine, all, await truth );

@@ -60,8 +60,38 @@ export async function fromFile( path ) {
 
 }
 
-/** Tables as Babylon fetches them, `areaLightsLTC.bin`: eight half floats a texel, those of the first table before. */
-export function forBabylon( { ltc_1, ltc_2 } ) {
+/** Files of tables that are no export, as `ltcforge export --for` names them: by their paths below a folder for each engine. */
+export const repacked = {
+	'three/ltc.js': forThree,
+	'babylon/areaLights/areaLightsLTC.bin': forBabylon,
+	'playcanvas/area-light-luts.json': forPlayCanvas,
+};
+
+/** A module with createLTC, whose textures have 32 bits. */
+function forThree( { ltc_1, ltc_2 } ) {
+
+	return `
+		const texture = ( THREE, numbers ) => {
+			const made = new THREE.DataTexture( new Float32Array( numbers ), ${ SIDE }, ${ SIDE }, THREE.RGBAFormat, THREE.FloatType );
+			made.magFilter = THREE.LinearFilter;
+			made.needsUpdate = true;
+			return made;
+		};
+		export const createLTC = ( THREE ) => ( {
+			LTC_FLOAT_1: texture( THREE, ${ JSON.stringify( ltc_1 ) } ), LTC_FLOAT_2: texture( THREE, ${ JSON.stringify( ltc_2 ) } ),
+		} );`;
+
+}
+
+/** Two arrays, which PlayCanvas rounds itself. */
+function forPlayCanvas( { ltc_1, ltc_2 } ) {
+
+	return JSON.stringify( { LTC_MAT_1: ltc_1, LTC_MAT_2: ltc_2 } );
+
+}
+
+/** Eight half floats a texel, those of the first table before. */
+function forBabylon( { ltc_1, ltc_2 } ) {
 
 	const halves = new Uint16Array( 2 * NUMBERS );
 	for ( let i = 0; i < NUMBERS; i ++ ) {

@@ -60,6 +60,22 @@ fn an_export_is_what_the_command_writes_and_is_made_once() {
     assert_eq!(server.metric("ltcforge_exports_total"), 6, "each was made once");
 }
 
+/// Babylon wants 64 x 64 texels, in a file below a folder.
+#[test]
+fn a_file_in_a_folder_of_an_export_is_served() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let digest = server.fit(&ISOTROPIC.replace(r#""resolution":{"alpha":2,"theta":2},"#, ""));
+    let shown = server.get(&format!("{}/babylon", exports(&digest))).with_status(200).json();
+    let path = "areaLights/areaLightsLTC.bin";
+    let file = shown["files"].as_array().expect("files").iter().find(|file| file["path"] == path).expect(path);
+    for url in [text(&file["url"]), &format!("{}/babylon/{path}", exports(&digest))] {
+        let answer = server.get(url).with_status(200);
+        assert_eq!((answer.body.len(), Digest::of(&answer.body).to_string().as_str()), (65_536, text(&file["digest"])));
+        assert_eq!(answer.header("content-disposition"), Some("attachment; filename=\"areaLightsLTC.bin\""));
+    }
+}
+
 #[test]
 fn a_file_of_an_export_comes_in_parts_and_only_when_needed() {
     let folder = tempfile::tempdir().expect("a folder");

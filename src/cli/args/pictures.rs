@@ -163,11 +163,14 @@ pub struct ShaderArgs {
     /// Number of the first binding, in a text to include that reads a table and binds it by number [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=1000))]
     pub first_binding: Option<u16>,
+    /// Group of the bindings in WGSL, set in Vulkan's GLSL, space in HLSL, in a text to include that reads a table [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=31))]
+    pub group: Option<u16>,
     /// Layout of the tables that the shader reads, for model ltc; a table's recipe names it
     #[arg(long, value_parser = layout())]
     pub layout: Option<Layout>,
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "first_binding"])]
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "first_binding", "group"])]
     pub without_textures: Option<PathBuf>,
     /// Where its digest is looked for
     #[command(flatten)]

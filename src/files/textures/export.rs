@@ -13,6 +13,8 @@ use crate::{
 
 /// What files that hold all textures are called.
 const STEM: &str = "ltc";
+/// Under what the manifest of files that are no engine's has the export's name.
+const MANIFEST_KEY: &str = "export";
 
 /// Files that can be made of a table. Its name is that of an engine, layout, format and numbers with dots between, or that
 /// of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
@@ -124,7 +126,7 @@ impl Export {
         }
     }
 
-    /// The files, and what to do with them. They follow from the arguments and this program alone. `about` says what the
+    /// The files, their manifest, and what to do with them. They follow from the arguments and this program alone. `about` says what the
     /// table is; how its textures are sampled is added.
     ///
     /// # Errors
@@ -144,8 +146,8 @@ impl Export {
             Self::Textures { layout, container, precision } => {
                 let textures = layout.textures(table)?;
                 let about = about.of_layout(layout.name()).and(sampling_of(table, layout));
-                let made = container.files(STEM, &textures, precision, &about);
-                made.map(|files| Bundle { files, steps: vec![] }).map_err(ExportError::Files)
+                let files = container.files(STEM, &textures, precision, &about).map_err(ExportError::Files)?;
+                Ok(Bundle { files, steps: vec![] }.with_manifest(MANIFEST_KEY, &self.to_string(), &about))
             }
             Self::Compact(container) => {
                 container.check(table)?;
@@ -159,7 +161,8 @@ impl Export {
     /// # Errors
     /// When the bytes are no compact form.
     pub fn compact_bundle(container: CompactContainer, bytes: Vec<u8>, about: &About) -> Result<Bundle, ExportError> {
-        Ok(Bundle { files: container.files_of(STEM, bytes, about)?, steps: container.steps(STEM) })
+        let bundle = Bundle { files: container.files_of(STEM, bytes, about)?, steps: container.steps(STEM) };
+        Ok(bundle.with_manifest(MANIFEST_KEY, container.name(), about))
     }
 }
 
@@ -220,7 +223,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::{compact::tests::planted, recipe_document},
+        files::{compact::tests::planted, digest::Digest, recipe_document},
         fit::{Layout, Plan, fit_plan},
     };
 
@@ -304,6 +307,27 @@ mod tests {
         for table in [&small, &theirs, &godot] {
             let wgpu: Export = "wgpu".parse().expect("an export");
             assert_eq!(wgpu.bundle(table, About::default()).expect("every layout").files.len(), 5);
+        }
+    }
+
+    #[test]
+    fn every_export_has_a_manifest_of_its_files() {
+        let table = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
+        for name in ["wgpu", "reflected.npy.f16", "reflected.dds.f32", "reflected.npz.f16", "compact", "compact-rust"] {
+            let export: Export = name.parse().expect("an export");
+            let Bundle { files, steps } = export.bundle(&table, About::new(["table 1234"])).expect(name);
+            let (manifest, others) = files.split_last().expect("files");
+            assert_eq!(manifest.path, "ltcforge.json", "{name}");
+            let manifest: serde_json::Value = serde_json::from_slice(&manifest.bytes).expect("JSON");
+            let key = if name == "wgpu" { "for" } else { "export" };
+            assert_eq!((&manifest[key], &manifest["about"][0]), (&name.into(), &"table 1234".into()));
+            assert_eq!(manifest["steps"], serde_json::json!(steps), "{name}");
+            assert_eq!(manifest["files"].as_array().map(Vec::len), Some(others.len()), "{name}");
+            for (told, file) in manifest["files"].as_array().expect("files").iter().zip(others) {
+                assert_eq!((&told["path"], &told["bytes"]), (&file.path.as_str().into(), &file.bytes.len().into()));
+                assert_eq!(told["sha256"], Digest::of(&file.bytes).hex(), "{name}: {}", file.path);
+                assert_eq!(told["rounding"], serde_json::json!(file.rounding), "{name}: {}", file.path);
+            }
         }
     }
 

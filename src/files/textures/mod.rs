@@ -6,6 +6,7 @@
 //! Invariant: equal arguments give equal bytes. No clock, no environment, no file is read or written here.
 
 mod about;
+mod bundle;
 mod compact;
 mod containers;
 mod digits;
@@ -18,9 +19,10 @@ mod rounding;
 mod texture;
 
 pub use about::About;
+pub use bundle::Bundle;
 pub use compact::{CompactContainer, CompactFileError};
 pub use containers::TextureContainer;
-pub use engines::{Bundle, Engine};
+pub use engines::Engine;
 pub use export::{Export, ExportError, UnknownExport};
 pub use file::{TextureFile, TextureFileError};
 pub use halfs::{Displacement, Halfs};

@@ -108,7 +108,7 @@ fn included_bindings(language: Language, filter: Filter, place: &Place) -> Strin
         Language::Wgsl => {
             return place.numbered(
                 "\
-  here      group 0: uniform {0}, nodes {1}, matrix_a {2}, matrix_b {3}, terms {4}, sampler {5}
+  here      group {group}: uniform {0}, nodes {1}, matrix_a {2}, matrix_b {3}, terms {4}, sampler {5}
   The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
   entries are weighed here and it may be any.",
             );
@@ -116,7 +116,7 @@ fn included_bindings(language: Language, filter: Filter, place: &Place) -> Strin
         Language::Glsl => {
             "\
   here      uniform block {0}, nodes: storage block {1}, textures ltc_matrix_a {2}, ltc_matrix_b {3}, ltc_terms {4}: in Vulkan
-            bindings of set 0, the textures with samplers; in OpenGL 4.3 textures are units"
+            bindings of set {group}, the textures with samplers; {opengl}"
         }
         Language::Glsl330 | Language::GlslEs => {
             "\
@@ -126,7 +126,7 @@ fn included_bindings(language: Language, filter: Filter, place: &Place) -> Strin
         Language::Hlsl => {
             "\
   matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
-  here      uniform b{0}, nodes t{1}, matrix_a t{2}, matrix_b t{3}, terms t{4}, sampler s{5}"
+  here      uniform b{0}, nodes t{1}, matrix_a t{2}, matrix_b t{3}, terms t{4}, sampler s{5}{space}"
         }
         Language::Msl | Language::Spirv => {
             "\
@@ -138,7 +138,12 @@ fn included_bindings(language: Language, filter: Filter, place: &Place) -> Strin
         Filter::Exact => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
         Filter::Hardware => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
     };
-    format!("{}\n  {weighed}", place.numbered(bound))
+    let (opengl, space) = match place.group {
+        0 => ("in OpenGL 4.3 textures are units", ""),
+        _ => ("OpenGL has no sets", ", all of space{group}"),
+    };
+    let bound = bound.replace("{opengl}", opengl).replace("{space}", space);
+    format!("{}\n  {weighed}", place.numbered(&bound))
 }
 
 /// The table and what it is called, with its nodes in a buffer or a uniform.

@@ -11,6 +11,8 @@ pub struct Place {
     pub prefix: Option<Prefix>,
     /// The number of its first binding; the others follow. Texts that bind nothing by number do without.
     pub first_binding: u16,
+    /// The group of its bindings: what WGSL calls group, Vulkan set and HLSL space. OpenGL has group 0 alone.
+    pub group: u16,
 }
 
 /// What names begin with: `sheen` gives `sheen_lookup`, `SheenLobe` and `SHEEN_LEAST_ALPHA`.
@@ -66,12 +68,16 @@ impl Place {
         })
     }
 
-    /// The code with its bindings counted from the first.
+    /// The code with its bindings counted from the first, in its group. Group 0 is written in WGSL alone.
     pub(super) fn bound(&self, code: &str, language: Language) -> String {
-        let (sign, classes): (_, &[char]) = match language {
-            Language::Wgsl => ("@binding(", &[]),
-            Language::Glsl => ("binding = ", &[]),
-            Language::Hlsl => ("register(", &['b', 's', 't', 'u']),
+        let group = self.group;
+        let written = |text: String| if group == 0 { String::new() } else { text };
+        let (sign, classes, before, behind): (_, &[char], _, _) = match language {
+            Language::Wgsl => ("@group(0) @binding(", &[], format!("@group({group}) @binding("), String::new()),
+            Language::Glsl => ("binding = ", &[], written(format!("set = {group}, ")) + "binding = ", String::new()),
+            Language::Hlsl => {
+                ("register(", &['b', 's', 't', 'u'], "register(".to_owned(), written(format!(", space{group}")))
+            }
             Language::Glsl330 | Language::GlslEs | Language::Msl | Language::Spirv => return code.to_owned(),
         };
         let mut parts = code.split(sign);
@@ -80,21 +86,20 @@ impl Place {
             let digits = part.strip_prefix(classes).unwrap_or(part);
             let after = digits.trim_start_matches(|c: char| c.is_ascii_digit());
             let class = &part[..part.len() - digits.len()];
-            out += sign;
             match digits[..digits.len() - after.len()].parse::<u32>() {
                 Ok(number) => {
                     let number = (number + u32::from(self.first_binding)).to_string();
-                    out.extend([class, &number, after]);
+                    out.extend([before.as_str(), class, &number, &behind, after]);
                 }
-                Err(_) => out += part,
+                Err(_) => out.extend([sign, part]),
             }
         }
         out
     }
 
-    /// A sentence with the bindings `{0}`, `{1}` and so on.
+    /// A sentence with the bindings `{0}`, `{1}` and so on, and the group `{group}`.
     pub(super) fn numbered(&self, sentence: &str) -> String {
-        (0..6).fold(sentence.to_owned(), |text, n: u32| {
+        (0..6).fold(sentence.replace("{group}", &self.group.to_string()), |text, n: u32| {
             text.replace(&format!("{{{n}}}"), &(n + u32::from(self.first_binding)).to_string())
         })
     }
@@ -143,7 +148,7 @@ mod tests {
 
     #[test]
     fn whole_names_get_a_prefix_and_their_parts_do_not() {
-        let place = |prefix: &str| Place { prefix: prefix.parse().ok(), first_binding: 0 };
+        let place = |prefix: &str| Place { prefix: prefix.parse().ok(), ..Place::default() };
         let hlsl = |prefix, text: &str| place(prefix).named(text, Language::Hlsl, Layout::Reflected.into());
         assert_eq!(
             hlsl(
@@ -159,11 +164,24 @@ mod tests {
 
     #[test]
     fn bindings_count_from_the_first() {
-        let place = Place { prefix: None, first_binding: 10 };
+        let place = Place { first_binding: 10, ..Place::default() };
         assert_eq!(place.bound("register(t2); register(s5)", Language::Hlsl), "register(t12); register(s15)");
         assert_eq!(place.bound("@group(0) @binding(4) var x: a;", Language::Wgsl), "@group(0) @binding(14) var x: a;");
         assert_eq!(place.bound("layout(std140, binding = 0) x", Language::Glsl), "layout(std140, binding = 10) x");
         assert_eq!(place.numbered("nodes {1}, {x}"), "nodes 11, {x}");
+    }
+
+    #[test]
+    fn bindings_are_of_the_group() {
+        let place = Place { group: 2, ..Place::default() };
+        assert_eq!(place.bound("register(t2); register(x)", Language::Hlsl), "register(t2, space2); register(x)");
+        assert_eq!(place.bound("@group(0) @binding(4) var x: a;", Language::Wgsl), "@group(2) @binding(4) var x: a;");
+        assert_eq!(
+            place.bound("layout(std140, binding = 0) x", Language::Glsl),
+            "layout(std140, set = 2, binding = 0) x"
+        );
+        assert_eq!(place.bound("binding = 0", Language::GlslEs), "binding = 0");
+        assert_eq!(place.numbered("group {group}: {0}"), "group 2: 0");
     }
 
     #[test]

@@ -11,12 +11,20 @@ import { height, light, pictures, redFromTop, table, width } from '/world.js';
 /** As in three.js; here `tables` has to be given. */
 export async function draw( tables ) {
 
-	const { ltc_1, ltc_2 } = await ( await fetch( `${ tables }/tables.json` ) ).json();
 	const app = new pc.Application( document.createElement( 'canvas' ), { graphicsDeviceOptions: { antialias: false } } );
 	app.autoRender = false;
 	app.start();
-	app.setAreaLightLuts( ltc_1, ltc_2 );
-	app.scene.clusteredLightingEnabled = false;
+	const luts = new pc.Asset( 'luts', 'json', { url: `${ tables }/area-light-luts.json` } );
+	await new Promise( ( loaded, failed ) => {
+
+		luts.ready( loaded );
+		luts.on( 'error', failed );
+		app.assets.add( luts );
+		app.assets.load( luts );
+
+	} );
+	app.setAreaLightLuts( luts.resource.LTC_MAT_1, luts.resource.LTC_MAT_2 );
+	app.scene.lighting.areaLightsEnabled = true;
 	app.scene.ambientLight = new pc.Color( 0, 0, 0 );
 
 	const material = new pc.StandardMaterial();

@@ -9,7 +9,7 @@ import { height, light, pictures, redFromTop, table, width } from '/world.js';
 /**
  * Draws every picture.
  *
- * @param {?string} tables - Address of the tables; nothing for those that three brings along.
+ * @param {?string} tables - Address of the folder of the tables' files; nothing for those that three brings along.
  * @returns {Promise<number[][]>} The red channel of each, linear, from the top left.
  */
 export async function draw( tables ) {
@@ -17,9 +17,8 @@ export async function draw( tables ) {
 	RectAreaLightUniformsLib.init();
 	if ( tables ) {
 
-		const { ltc_1, ltc_2 } = await ( await fetch( `${ tables }/tables.json` ) ).json();
-		THREE.UniformsLib.LTC_FLOAT_1 = textureOf( ltc_1 );
-		THREE.UniformsLib.LTC_FLOAT_2 = textureOf( ltc_2 );
+		const { createLTC } = await import( `${ tables }/ltc.js` );
+		Object.assign( THREE.UniformsLib, createLTC( THREE ) );
 
 	}
 
@@ -58,14 +57,5 @@ export async function draw( tables ) {
 
 	renderer.dispose();
 	return drawn;
-
-}
-
-function textureOf( numbers ) {
-
-	const texture = new THREE.DataTexture( new Float32Array( numbers ), 64, 64, THREE.RGBAFormat, THREE.FloatType );
-	texture.magFilter = THREE.LinearFilter;
-	texture.needsUpdate = true;
-	return texture;
 
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::rules::{ContainerRules, Stored, Written, one_text};
+use super::rules::{ContainerRules, Stored, Written, one_of_all};
 use crate::{
     files::textures::{about::About, digits::shortest, file::TextureFileError},
     fit::Precision,
@@ -43,7 +43,7 @@ impl ContainerRules for Rules {
             let _ = write!(text, "#ifndef LTCFORGE_LONG_NAMES\n{short}#endif\n");
         }
         text += "\n#endif\n";
-        Ok(one_text(stem, "h", text))
+        Ok(one_of_all(stem, "h", text.into_bytes(), textures))
     }
 }
 

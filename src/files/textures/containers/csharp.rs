@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{
     c_header::{numbers, sides},
-    rules::{ContainerRules, Stored, Written, one_text},
+    rules::{ContainerRules, Stored, Written, one_of_all},
 };
 use crate::{
     files::textures::{about::About, file::TextureFileError},
@@ -37,6 +37,6 @@ impl ContainerRules for Rules {
             );
         }
         text += "}\n";
-        Ok(one_text(stem, "cs", text))
+        Ok(one_of_all(stem, "cs", text.into_bytes(), textures))
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{
     c_header::sides,
-    rules::{ContainerRules, Stored, Written, one_text},
+    rules::{ContainerRules, Stored, Written, one_of_all},
 };
 use crate::{
     files::textures::{about::About, digits::shortest, file::TextureFileError},
@@ -26,12 +26,12 @@ impl ContainerRules for Rules {
             }
             let _ = write!(text, "// {}\nexport {}", stored.described(), constant(&stored.texture.name, stored));
         }
-        Ok(one_text(stem, "js", text))
+        Ok(one_of_all(stem, "js", text.into_bytes(), textures))
     }
 }
 
 /// `const NAME = new Float32Array( [ ... ] );`
-pub(in crate::files::textures) fn constant(name: &str, stored: &Stored<'_>) -> String {
+fn constant(name: &str, stored: &Stored<'_>) -> String {
     let numbers = &stored.rounded.numbers;
     let (array, rows) = match stored.rounded.precision {
         Precision::F32 => ("Float32Array", stored.rows(|i| shortest(numbers[i], Precision::F32))),

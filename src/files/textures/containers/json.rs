@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::rules::{ContainerRules, Stored, Written, one_text};
+use super::rules::{ContainerRules, Stored, Written, one_of_all};
 use crate::{
     files::textures::{about::About, digits::shortest, file::TextureFileError},
     fit::Precision,
@@ -14,10 +14,10 @@ pub(super) struct Rules;
 
 impl ContainerRules for Rules {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
-        let textures: Vec<String> = textures.iter().map(texture).collect();
+        let texts: Vec<String> = textures.iter().map(texture).collect();
         let about = json!(about.lines());
-        let text = format!("{{\"about\": {about},\n\"textures\": [{}]}}\n", textures.join(",\n"));
-        Ok(one_text(stem, "json", text))
+        let text = format!("{{\"about\": {about},\n\"textures\": [{}]}}\n", texts.join(",\n"));
+        Ok(one_of_all(stem, "json", text.into_bytes(), textures))
     }
 }
 

@@ -19,14 +19,12 @@ pub(crate) use self::rules::ContainerRules;
 use self::rules::Written;
 pub(super) use self::{
     dds::dx10,
-    javascript::constant,
     ktx2::encode as ktx2,
     rules::{Stored, stored},
 };
 use super::{
     about::About,
     file::{TextureFile, TextureFileError},
-    rounding::RoundingError,
     texture::Texture,
 };
 use crate::fit::{Precision, named_list::named_list};
@@ -76,9 +74,9 @@ impl TextureContainer {
         about: &About,
     ) -> Result<Vec<TextureFile>, TextureFileError> {
         let stored = stored(textures, precision)?;
-        let rounding = stored.iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error));
         let files = self.rules().files(stem, &stored, about)?;
-        Ok(files.into_iter().map(|Written { name, bytes }| TextureFile { path: name, bytes, rounding }).collect())
+        let file = |Written { name, bytes, rounding }| TextureFile { path: name, bytes, rounding };
+        Ok(files.into_iter().map(file).collect())
     }
 }
 

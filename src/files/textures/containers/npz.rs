@@ -6,7 +6,7 @@ use rawzip::{ZipArchiveWriter, ZipDataWriter};
 
 use super::{
     npy,
-    rules::{ContainerRules, Stored, Written},
+    rules::{ContainerRules, Stored, Written, one_of_all},
 };
 use crate::files::textures::{about::About, file::TextureFileError};
 
@@ -19,7 +19,7 @@ impl ContainerRules for Rules {
         let text = ("about.txt".to_owned(), (about.lines().join("\n") + "\n").into_bytes());
         let bytes = archive(arrays.chain([text]))
             .map_err(|error| TextureFileError::Refused { container: "NPZ", reason: error.to_string() })?;
-        Ok(vec![Written { name: format!("{stem}.npz"), bytes }])
+        Ok(one_of_all(stem, "npz", bytes, textures))
     }
 }
 

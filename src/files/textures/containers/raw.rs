@@ -8,7 +8,7 @@ use super::{
 };
 use crate::files::{
     digest::Digest,
-    textures::{about::About, file::TextureFileError},
+    textures::{about::About, file::TextureFileError, rounding::RoundingError},
 };
 
 /// `NAME.bin` and `NAME.json` for each texture.
@@ -27,7 +27,9 @@ impl ContainerRules for Rules {
             document["about"] = json!(about.lines());
             let text = format!("{document:#}\n");
             let name = format!("{}.json", stored.texture.name);
-            [Written { name: file, bytes }, Written { name, bytes: text.into_bytes() }]
+            let numbers = Written { name: file, bytes, rounding: stored.rounded.error };
+            // It holds none of the numbers.
+            [numbers, Written { name, bytes: text.into_bytes(), rounding: RoundingError::default() }]
         });
         Ok(files.collect())
     }

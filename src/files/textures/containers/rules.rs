@@ -4,7 +4,7 @@ use crate::{
     files::textures::{
         about::About,
         file::TextureFileError,
-        rounding::{Rounded, round_texture},
+        rounding::{Rounded, RoundingError, round_texture},
         texture::Texture,
     },
     fit::Precision,
@@ -23,10 +23,11 @@ pub(crate) trait ContainerRules: Sync {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError>;
 }
 
-/// A file: its name and its bytes.
+/// A file: its name, its bytes, and what rounding changed of the numbers that it holds.
 pub(crate) struct Written {
     pub(super) name: String,
     pub(super) bytes: Vec<u8>,
+    pub(super) rounding: RoundingError,
 }
 
 /// Textures that were checked, rounded to a precision.
@@ -54,14 +55,16 @@ pub(super) fn one_each(
     encode: impl Fn(&Stored<'_>) -> Result<Vec<u8>, TextureFileError>,
 ) -> Result<Vec<Written>, TextureFileError> {
     let file = |stored: &Stored<'_>| {
-        Ok(Written { name: format!("{}.{extension}", stored.texture.name), bytes: encode(stored)? })
+        let name = format!("{}.{extension}", stored.texture.name);
+        Ok(Written { name, bytes: encode(stored)?, rounding: stored.rounded.error })
     };
     textures.iter().map(file).collect()
 }
 
-/// One file of text.
-pub(super) fn one_text(stem: &str, extension: &str, text: String) -> Vec<Written> {
-    vec![Written { name: format!("{stem}.{extension}"), bytes: text.into_bytes() }]
+/// One file that holds all textures.
+pub(super) fn one_of_all(stem: &str, extension: &str, bytes: Vec<u8>, textures: &[Stored<'_>]) -> Vec<Written> {
+    let rounding = textures.iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error));
+    vec![Written { name: format!("{stem}.{extension}"), bytes, rounding }]
 }
 
 impl Stored<'_> {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{
     c_header::{numbers, sides},
-    rules::{ContainerRules, Stored, Written, one_text},
+    rules::{ContainerRules, Stored, Written, one_of_all},
 };
 use crate::{
     files::textures::{about::About, file::TextureFileError},
@@ -32,6 +32,6 @@ impl ContainerRules for Rules {
             text += "#[allow(clippy::all, clippy::pedantic)]\n";
             let _ = write!(text, "pub static {upper}: [{number_type}; {count}] = [\n{}];\n", numbers(stored, ""));
         }
-        Ok(one_text(stem, "rs", text))
+        Ok(one_of_all(stem, "rs", text.into_bytes(), textures))
     }
 }

@@ -290,6 +290,25 @@ fn a_file_that_holds_several_textures_names_each() {
     }
 }
 
+#[test]
+fn what_rounding_changed_is_told_of_the_file_that_has_it() {
+    let texture = |name: &str, vanishing: usize| {
+        let texels = (0..8).map(|i| if i < vanishing { 1e-12 } else { 1.0 }).collect();
+        Texture::new(name, [2, 1, 1], 1, &["r", "g", "b", "a"], texels).expect("a texture")
+    };
+    let textures = [texture("LTC_1", 1), texture("LTC_2", 2)];
+    for container in TextureContainer::ALL {
+        let files = container.files("ltc", &textures, Precision::F16, &about()).expect("files");
+        let told = files.iter().map(|file| file.rounding.raised).sum::<u64>();
+        assert_eq!(told, 3, "{container}");
+        for (name, raised) in [("LTC_1.", 1), ("LTC_2.", 2)] {
+            if let Some(file) = files.iter().find(|file| file.path.starts_with(name)) {
+                assert_eq!(file.rounding.raised, raised, "{container}: {}", file.path);
+            }
+        }
+    }
+}
+
 /// Two tables of one layout, and two layouts, in one program. Rust and JavaScript have modules for that.
 #[test]
 fn code_of_several_tables_can_be_compiled_together() {

@@ -5,8 +5,11 @@
 //! halfs a texel, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at roughness and
 //! sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
 
-use super::rules::{Bundle, EngineRules, FIRST, SECOND, SIZE, Source, file};
-use crate::{files::textures::file::TextureFileError, fit::Precision};
+use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use crate::{
+    files::textures::{bundle::Bundle, file::TextureFileError},
+    fit::Precision,
+};
 
 /// Babylon.js.
 pub(super) struct Rules;

@@ -3,9 +3,9 @@
 //! `servers/rendering/storage/make_ltc_lut.py` compiles two DDS files into the engine: it drops the first 148 bytes of
 //! each, which is the header of Direct3D 10, and takes the rest as 64 x 64 texels of four 32-bit numbers.
 
-use super::rules::{Bundle, EngineRules, FIRST, SECOND, SIZE, Source, file};
+use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
 use crate::{
-    files::textures::{containers::dx10, file::TextureFileError},
+    files::textures::{bundle::Bundle, containers::dx10, file::TextureFileError},
     fit::Precision,
 };
 

@@ -5,8 +5,11 @@
 //! sqrt(1 - cos theta), and takes a texel as elements 00, 02, 11 and 20 of the transposed inverse over element 22.
 //! Amplitude and Fresnel term come from a table of another kind, which stays.
 
-use super::rules::{Bundle, EngineRules, FIRST, SIZE, Source, file};
-use crate::{files::textures::file::TextureFileError, fit::Precision};
+use super::rules::{EngineRules, FIRST, SIZE, Source, file};
+use crate::{
+    files::textures::{bundle::Bundle, file::TextureFileError},
+    fit::Precision,
+};
 
 /// Unity's High Definition Render Pipeline.
 pub(super) struct Rules;

@@ -13,20 +13,9 @@ mod rules;
 mod three;
 mod wgpu;
 
-use serde_json::json;
-
-pub use self::rules::Bundle;
 pub(crate) use self::rules::{EngineRules, Source};
-use super::{
-    about::About,
-    file::{TextureFile, TextureFileError},
-    rounding::RoundingError,
-    texture::Texture,
-};
-use crate::{
-    files::digest::Digest,
-    fit::{PerAxis, named_list::named_list},
-};
+use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
+use crate::fit::{PerAxis, named_list::named_list};
 
 named_list! {
     /// A renderer that has area lights by LTC tables, or that takes ours.
@@ -50,9 +39,6 @@ named_list! {
     }
 }
 
-/// A file beside an engine's own that tells what they are.
-const MANIFEST: &str = "ltcforge.json";
-
 impl Engine {
     /// The layout of its textures; `None` for that of the table.
     #[must_use]
@@ -60,7 +46,7 @@ impl Engine {
         self.rules().layout()
     }
 
-    /// The files that this engine loads, made of textures of its layout.
+    /// The files that this engine loads, made of textures of its layout, and their manifest.
     ///
     /// # Errors
     /// When a texture is missing, or its size or channels are not those of the engine.
@@ -70,20 +56,9 @@ impl Engine {
         axes: &PerAxis<Vec<f64>>,
         about: &About,
     ) -> Result<Bundle, TextureFileError> {
-        let mut bundle = self.rules().bundle(&Source { engine: self.name(), textures, axes, about })?;
-        let manifest = manifest(self, &bundle, about);
-        bundle.files.push(manifest);
-        Ok(bundle)
+        let bundle = self.rules().bundle(&Source { engine: self.name(), textures, axes, about })?;
+        Ok(bundle.with_manifest("for", self.name(), about))
     }
-}
-
-/// The digest, size and rounding of each file.
-fn manifest(engine: Engine, bundle: &Bundle, about: &About) -> TextureFile {
-    let entry = |file: &TextureFile| json!({ "path": file.path, "bytes": file.bytes.len(), "sha256": Digest::of(&file.bytes).hex(), "rounding": file.rounding });
-    let files: Vec<_> = bundle.files.iter().map(entry).collect();
-    let document = json!({ "for": engine, "about": about.lines(), "files": files, "steps": bundle.steps });
-    let bytes = format!("{document:#}\n").into_bytes();
-    TextureFile { path: MANIFEST.to_owned(), bytes, rounding: RoundingError::default() }
 }
 
 #[cfg(test)]

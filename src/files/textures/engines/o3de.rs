@@ -5,9 +5,9 @@
 //! takes the inverse as [1 0 w; 0 z 0; y 0 x] of a texel, and has a half texel of 32 x 32 written into it (`LUT_SIZE`): a
 //! texture of another size needs that line changed. `DdsLoader.cpp` reads the header of Direct3D 10.
 
-use super::rules::{Bundle, EngineRules, FIRST, SECOND, Source, file};
+use super::rules::{EngineRules, FIRST, SECOND, Source, file};
 use crate::{
-    files::textures::{containers::dx10, file::TextureFileError},
+    files::textures::{bundle::Bundle, containers::dx10, file::TextureFileError},
     fit::Precision,
 };
 

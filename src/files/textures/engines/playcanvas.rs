@@ -9,9 +9,9 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::rules::{Bundle, EngineRules, FIRST, SECOND, SIZE, Source, file};
+use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
 use crate::{
-    files::textures::{digits::shortest, file::TextureFileError},
+    files::textures::{bundle::Bundle, digits::shortest, file::TextureFileError},
     fit::Precision,
 };
 
@@ -37,6 +37,7 @@ impl EngineRules for Rules {
         let steps = [
             "Load area-light-luts.json as an asset of type json (checked with 2.23).",
             "Then app.setAreaLightLuts( luts.LTC_MAT_1, luts.LTC_MAT_2 ), where luts is its resource.",
+            "Area lights need app.scene.lighting.areaLightsEnabled = true.",
         ];
         let files = vec![file("area-light-luts.json", text.into_bytes(), &[&first, &second])];
         Ok(Bundle { files, steps: steps.map(str::to_owned).into() })

@@ -3,6 +3,7 @@
 use crate::{
     files::textures::{
         about::About,
+        bundle::Bundle,
         containers::{Stored, stored},
         file::{TextureFile, TextureFileError},
         rounding::RoundingError,
@@ -33,15 +34,6 @@ pub(crate) trait EngineRules: Sync {
 
     /// Its files, and what to do with them.
     fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError>;
-}
-
-/// The files of an engine.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bundle {
-    /// The files; the last tells what the others are.
-    pub files: Vec<TextureFile>,
-    /// What to do with them, a sentence each.
-    pub steps: Vec<String>,
 }
 
 impl Source<'_> {

@@ -1,8 +1,16 @@
+use std::process::Command;
+
 use half::f16;
 use serde_json::Value;
 
 use super::*;
-use crate::{files::textures::round, fit::Precision};
+use crate::{
+    files::{digest::Digest, textures::round},
+    fit::Precision,
+};
+
+/// The file that tells what the others are.
+const MANIFEST: &str = "ltcforge.json";
 
 /// Two textures with numbers that tell places apart.
 fn textures(size: u32) -> Vec<Texture> {
@@ -134,22 +142,60 @@ fn o3de_has_two_channels_in_the_second_and_a_size_in_its_shader() {
 }
 
 #[test]
-fn unity_and_three_have_every_number() {
+fn unity_has_every_number() {
     let unity = bundle(Engine::Hdrp, 64);
     let code = text(&unity, "LtcData.BRDF_GGX.cs");
     let (_, rows) = code.split_once("new ushort[64 * 64 * 4]\n        {").expect("an array");
     let (rows, _) = rows.split_once('}').expect("its end");
     let numbers = rows.split(',').map(str::trim).filter(|word| !word.is_empty());
     assert_eq!(numbers.map(|word| word.parse().expect("bits")).collect::<Vec<u16>>(), halfs(0));
+}
 
-    let three = bundle(Engine::Three, 64);
-    let code = text(&three, "ltc.js");
-    for (name, expected) in [("HALF_1", halfs(0)), ("HALF_2", halfs(1))] {
-        let (_, rows) = code.split_once(&format!("const {name} = new Uint16Array( [")).expect("an array");
-        let words = rows.split(']').next().expect("its end").split(',').map(str::trim).filter(|word| !word.is_empty());
-        assert_eq!(words.map(|word| word.parse().expect("bits")).collect::<Vec<u16>>(), expected);
-        assert!(code.contains(&format!("LTC_{name}: texture( {name}, THREE.HalfFloatType )")));
+/// Writes the numbers of the four textures, little-endian, one after another.
+const PRINT_THREE: &str = "
+import { createLTC } from './ltc.mjs';
+import { writeFileSync } from 'node:fs';
+class DataTexture { constructor( data, width, height, format, type ) { Object.assign( this, { data, width, height, format, type } ); } }
+const made = createLTC( { DataTexture, RGBAFormat: 'RGBA', FloatType: 'float', HalfFloatType: 'half' } );
+const textures = [ 'LTC_FLOAT_1', 'LTC_FLOAT_2', 'LTC_HALF_1', 'LTC_HALF_2' ].map( ( name ) => made[ name ] );
+writeFileSync( 'numbers', Buffer.concat( textures.map( ( texture ) => Buffer.from( texture.data.buffer ) ) ) );
+console.log( textures.map( ( { width, height, format, type } ) => [ width, height, format, type ].join( ' ' ) ).join( ', ' ) );
+";
+
+#[test]
+fn three_unpacks_every_number_and_its_half() {
+    if Command::new("node").arg("--version").output().is_err() {
+        eprintln!("SKIPPED: no node on this machine, so the module for three.js is not run");
+        return;
     }
+    // Beyond the halfs, between their largest and infinity, next to nothing, below their normal range, on a half, and
+    // between two.
+    let hard = [7e4, 65519.0, 1e-12, 3e-8, 5e-8, 3.3e-6, 6.1e-5, 0.0, 1.0, 0.1];
+    let mut given = textures(64);
+    for (which, texture) in given.iter_mut().enumerate() {
+        for (i, x) in texture.texels.iter_mut().enumerate().step_by(3) {
+            *x = hard[i % hard.len()] * if (i + which) % 2 == 0 { 1.0 } else { -1.0 };
+        }
+    }
+    let bundle = Engine::Three.bundle(&given, &axes(), &About::new(["table 1234"])).expect("a bundle");
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("ltc.mjs"), text(&bundle, "ltc.js")).expect("a file");
+    std::fs::write(folder.path().join("print.mjs"), PRINT_THREE).expect("a file");
+    let ran = Command::new("node").arg("print.mjs").current_dir(folder.path()).output().expect("node");
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let [float, half] = ["64 64 RGBA float", "64 64 RGBA half"];
+    assert_eq!(String::from_utf8_lossy(&ran.stdout).trim(), [float, float, half, half].join(", "));
+    let rounded = |precision| given.iter().flat_map(move |texture| round(&texture.texels, precision).little_endian());
+    let expected: Vec<u8> = rounded(Precision::F32).chain(rounded(Precision::F16)).collect();
+    let found = std::fs::read(folder.path().join("numbers")).expect("the numbers");
+    assert_eq!(found.len(), expected.len());
+    assert_eq!(found.iter().zip(&expected).position(|(found, expected)| found != expected), None);
+}
+
+/// Arrays make bundles long: three.js ships 314,764 bytes for its own tables.
+#[test]
+fn the_module_for_three_is_shorter_than_what_it_ships() {
+    assert!(bytes(&bundle(Engine::Three, 64), "ltc.js").len() < 190_000);
 }
 
 #[test]

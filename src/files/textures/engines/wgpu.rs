@@ -3,9 +3,10 @@
 
 use serde_json::json;
 
-use super::rules::{Bundle, EngineRules, Source, file};
+use super::rules::{EngineRules, Source, file};
 use crate::{
     files::textures::{
+        bundle::Bundle,
         containers::ktx2,
         file::{TextureFile, TextureFileError},
         rounding::RoundingError,

@@ -12,7 +12,7 @@ use crate::{
 };
 
 fn place(prefix: &str, first_binding: u16) -> Place {
-    Place { prefix: Some(prefix.parse().expect("a prefix")), first_binding }
+    Place { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
 }
 
 /// Five lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
@@ -116,6 +116,21 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         let name = language.name();
         assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
         assert!(!text.contains("ltc_lookup"), "{name}");
+    }
+    for (language, line) in [
+        (Language::Wgsl, "group 3: uniform 6, nodes 7, matrix_a 8"),
+        (Language::Glsl, "bindings of set 3, the textures with samplers; OpenGL has no sets"),
+        (Language::Hlsl, "terms t10, sampler s11, all of space3"),
+    ] {
+        let place = Place { group: 3, ..place("iso2", 6) };
+        let text = include(language, Layout::Ltc2017, Filter::Exact, &place).expect("a translation");
+        assert!(text.contains(line), "{}:\n{text}", language.name());
+        if language == Language::Wgsl {
+            let module = naga::front::wgsl::parse_str(&text).expect("WGSL");
+            let bound = module.global_variables.iter().filter_map(|(_, variable)| variable.binding.as_ref());
+            let bound: BTreeSet<(u32, u32)> = bound.map(|bound| (bound.group, bound.binding)).collect();
+            assert_eq!(bound, (6..12).map(|number| (3, number)).collect());
+        }
     }
     let hlsl = include(Language::Hlsl, Layout::Ltc2017, Filter::Hardware, &place("iso2", 6)).expect("a translation");
     for register in ["b6)", "t7)", "t8)", "t9)", "t10)", "s11)"] {
