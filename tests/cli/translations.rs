@@ -140,7 +140,7 @@ fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
 fn a_table_s_polynomials_compile_where_they_are_included() {
     let folder = tempfile::tempdir().expect("a folder");
     let here = folder.path();
-    let recipe = r#"{"resolution":{"alpha":16,"ratio":1,"theta":16,"phi":1},"range":{"ratio":[1,1],"phi":[0,0]},
+    let recipe = r#"{"resolution":{"alpha":32,"ratio":1,"theta":32,"phi":1},"range":{"ratio":[1,1],"phi":[0,0]},
         "fit":{"samples":64,"directions":4,"steps":5}}"#;
     fs::write(here.join("recipe.json"), recipe).expect("a recipe");
     let fitted = run(here, ["fit", "recipe.json", "-o", "."]).exited(0);
