@@ -14,6 +14,10 @@ use crate::{
     throwaway,
 };
 
+/// A few shards, each long enough to be cut off in its middle.
+const LONG_SHARDS: &str = r#"{"preset":"draft","resolution":{"alpha":4,"ratio":4,"theta":8,"phi":4},
+    "fit":{"samples":4096,"directions":16,"steps":20}}"#;
+
 #[test]
 fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -21,11 +25,11 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
     shared.database = database.empty_database();
     let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
-    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LONG_SHARDS).exited(0);
     let link = Proxy::start(Upstream::Unix(database.socket()));
     let replica = shared.replica(&folder.path().join("replica"));
     let cut_off = Worker::start(&shared.by(link.address), folder.path(), "2");
-    let id = text(&replica.submit(LARGE).with_status(202).json()["id"]).to_owned();
+    let id = text(&replica.submit(LONG_SHARDS).with_status(202).json()["id"]).to_owned();
     replica.job_when(&id, |job| entries_done(job) > 0);
 
     link.set(Link::Held);

@@ -32,7 +32,7 @@ fn a_surface_reflects_about_what_ggx_does() {
     let wanted = truth(&at, &light).expect("a surface");
     for &gaussian in Gaussian::ALL {
         let found = by_gaussian(&at, &light, gaussian).expect("a surface");
-        assert!((found.energy - wanted.energy).abs() < 0.08, "{gaussian} {found:?} {wanted:?}");
+        assert!((found.energy - wanted.energy).abs() < 0.1, "{gaussian} {found:?} {wanted:?}");
         assert!((found.fresnel / found.energy - pow(1.0 - cos(0.6), 5.0)).abs() < 2e-3, "{found:?}");
     }
 }

@@ -4,6 +4,7 @@ use std::{
     collections::HashMap,
     ops::ControlFlow,
     sync::{Arc, Condvar, Mutex},
+    time::Duration,
 };
 
 use super::super::engine::{Assembly, Engine};
@@ -41,9 +42,9 @@ pub(super) struct Behaviour {
     pub(super) held: bool,
     /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop, [`MOST_ASKED`] times.
     pub(super) endless: Option<String>,
-    /// The same for measuring the table of this recipe.
+    /// Measuring the table of this recipe does not end.
     pub(super) endless_measure: Option<String>,
-    /// What was endless and asked so often.
+    /// Endless fits that asked so often.
     pub(super) gave_up: u32,
 }
 
@@ -177,13 +178,12 @@ impl Engine for FakeEngine {
         self.0.behaviour.lock().unwrap().manifests += 1;
         self.0.changed.notify_all();
         let (recipe, _) = self.recognise(file).unwrap();
-        let mut asked = 0;
-        while self.0.behaviour.lock().unwrap().endless_measure.as_ref() == Some(&recipe) && go_on() {
-            asked += 1;
-            if asked == MOST_ASKED {
-                self.0.behaviour.lock().unwrap().gave_up += 1;
-                break;
-            }
+        let is_endless = |b: &Behaviour| b.endless_measure.as_ref() == Some(&recipe);
+        while is_endless(&self.0.behaviour.lock().unwrap()) && go_on() {
+            // Asked again soon, or at once when it is to end.
+            let behaviour = self.0.behaviour.lock().unwrap();
+            let pause = Duration::from_millis(1);
+            drop(self.0.changed.wait_timeout_while(behaviour, pause, |b| is_endless(b)).unwrap());
         }
         Ok(go_on().then(|| format!("of {} bytes", file.len())))
     }
