@@ -116,31 +116,7 @@ fn gaussians_beyond_foot(a: vec3<f32>, b: vec3<f32>, ends: vec2<f32>, s: f32) ->
     return select(0.0, clamp((s * a.z - ends.x) / select(1.0, change, is_there), 0.0, 1.0), is_there);
 }
 
-/// Twice the area between the origin and the image of an edge or of a part of one. It has two more points, 0.7 deviations before
-/// and after its foot. far is 1 where the foot may be anywhere: there the middle takes its place.
-fn gaussians_under_part(
-    view: GaussiansView,
-    origin: vec2<f32>,
-    start: vec3<f32>,
-    start_image: vec2<f32>,
-    end: vec3<f32>,
-    end_image: vec2<f32>,
-    far: f32,
-) -> f32 {
-    let a = vec3(dot(start, view.x), dot(start, view.y), dot(start, view.axis));
-    let b = vec3(dot(end, view.x), dot(end, view.y), dot(end, view.axis));
-    let line = cross(a, b);
-    let ends = vec2(line.y * a.x - line.x * a.y, line.y * b.x - line.x * b.y) / max(length(line.xy), 1e-30);
-    let middle = length(start) / max(length(start) + length(end), 1e-36);
-    let t = mix(gaussians_beyond_foot(a, b, ends, -0.7), middle, far);
-    let u = mix(gaussians_beyond_foot(a, b, ends, 0.7), middle, far);
-    let first = gaussians_image(view, start + (end - start) * min(t, u)) - origin;
-    let second = gaussians_image(view, start + (end - start) * max(t, u)) - origin;
-    return gaussians_turn(start_image, first) + gaussians_turn(first, second) + gaussians_turn(second, end_image);
-}
-
-/// The same of a whole edge. One that passes behind the axis is taken in two parts, since it turns around it by up to half a
-/// turn; the farther its foot is, the less, since where it passes is as uncertain.
+/// Twice the area between the origin and the image of an edge. It has two more points, 0.7 deviations before and after its foot.
 fn gaussians_under(
     view: GaussiansView,
     origin: vec2<f32>,
@@ -149,25 +125,25 @@ fn gaussians_under(
     end: vec3<f32>,
     end_image: vec2<f32>,
 ) -> f32 {
+    let a = vec3(dot(start, view.x), dot(start, view.y), dot(start, view.axis));
+    let b = vec3(dot(end, view.x), dot(end, view.y), dot(end, view.axis));
+    let line = cross(a, b);
+    let ends = vec2(line.y * a.x - line.x * a.y, line.y * b.x - line.x * b.y) / max(length(line.xy), 1e-30);
+    var parts = vec2(gaussians_beyond_foot(a, b, ends, -0.7), gaussians_beyond_foot(a, b, ends, 0.7));
+    // An edge to behind the axis turns by up to half a turn around it: its points are the foot and where it passes.
+    let sizes = max(vec2(length(start), length(end)), vec2(1e-36));
+    let passes = (a.z > 0.0) != (b.z > 0.0);
+    let behind = select(0.0, min(-4.0 * min(a.z / sizes.x, b.z / sizes.y), 1.0), passes);
+    let passing = a.z / select(1.0, a.z - b.z, passes);
+    parts = mix(parts, vec2(gaussians_beyond_foot(a, b, ends, 0.0), passing), vec2(behind));
+    // A foot a quarter of a turn away may be anywhere: there the middle of the edge takes its place.
     let normal = cross(start, end);
     let height = dot(normal, view.axis);
     let far = clamp((0.02 - (1.0 - height * height / max(dot(normal, normal), 1e-36))) / 0.015, 0.0, 1.0);
-    let a = dot(start, view.axis);
-    let b = dot(end, view.axis);
-    let passes = (a > 0.0) != (b > 0.0);
-    let whole = select(1.0, far, passes);
-    var sum = 0.0;
-    if (whole > 0.0) {
-        sum = whole * gaussians_under_part(view, origin, start, start_image, end, end_image, far);
-    }
-    if (whole < 1.0) {
-        let between = start + (end - start) * (a / (a - b));
-        let image = gaussians_image(view, between) - origin;
-        let first = gaussians_under_part(view, origin, start, start_image, between, image, far);
-        let second = gaussians_under_part(view, origin, between, image, end, end_image, far);
-        sum += (1.0 - whole) * (first + second);
-    }
-    return sum;
+    parts = mix(parts, vec2(sizes.x / (sizes.x + sizes.y)), vec2(far));
+    let first = gaussians_image(view, start + (end - start) * min(parts.x, parts.y)) - origin;
+    let second = gaussians_image(view, start + (end - start) * max(parts.x, parts.y)) - origin;
+    return gaussians_turn(start_image, first) + gaussians_turn(first, second) + gaussians_turn(second, end_image);
 }
 
 fn gaussians_outline_edge(view: GaussiansView, outline: GaussiansOutline, b: vec3<f32>) -> GaussiansOutline {

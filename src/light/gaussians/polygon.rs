@@ -13,6 +13,8 @@ const BESIDE_FOOT: f64 = 0.7;
 /// The square of the cosine between the axis and an edge's foot: below the first number the edge has its middle in place of
 /// the foot, between them what lies between.
 const FAR: [f64; 2] = [0.005, 0.02];
+/// The sine of the angle behind the axis from which on an end is behind it.
+const BEHIND: f64 = 0.25;
 
 /// Half of the error function, from -1/2 to 1/2, within 2.5e-4 [Abramowitz and Stegun 1964, 7.1.27].
 pub(super) fn half_erf<T: Scalar>(x: T) -> T {
@@ -97,24 +99,8 @@ impl<T: Scalar> Square<'_, T> {
     }
 
     /// The area between the origin and the image of an edge.
-    ///
-    /// An edge from before the axis to behind it turns by up to half a turn around it. It is taken in two parts, before and
-    /// behind: so an edge turns by a quarter at most between two of its points, and a straight line between their images
-    /// stays on its side of the middle.
     fn under(&self, from: Place<T>, to: Place<T>) -> T {
-        let far = is_far(self.lobe, from.w, to.w);
-        let (a, b) = (dot(from.w, self.lobe.axis), dot(to.w, self.lobe.axis));
-        if (a > T::ZERO) == (b > T::ZERO) || far >= T::ONE {
-            return self.under_part(from, to, far);
-        }
-        let between = self.place(plus(from.w, scaled(minus(to.w, from.w), a / (a - b))));
-        let parts = self.under_part(from, between, far) + self.under_part(between, to, far);
-        // Where the edge passes is as uncertain as its foot.
-        if far > T::ZERO { parts + (self.under_part(from, to, far) - parts) * far } else { parts }
-    }
-
-    fn under_part(&self, from: Place<T>, to: Place<T>, far: T) -> T {
-        let beside = around_foot(self.lobe, from.w, to.w, far)
+        let beside = around_foot(self.lobe, from.w, to.w)
             .map(|t| self.place(plus(from.w, scaled(minus(to.w, from.w), t))).image);
         let area = |a: [T; 2], b: [T; 2]| a[0] * b[1] - a[1] * b[0];
         T::of(0.5) * (area(from.image, beside[0]) + area(beside[0], beside[1]) + area(beside[1], to.image))
@@ -129,28 +115,42 @@ fn is_far<T: Scalar>(lobe: &Lobe<T>, from: Triple<T>, to: Triple<T>) -> T {
     far.max(T::ZERO).min(T::ONE)
 }
 
-/// The two parts of an edge, from 0 to 1 and in order, at which it lies [`BESIDE_FOOT`] deviations before and after its foot;
-/// its ends where it does not lie there.
+/// Two parts of an edge, from 0 to 1 and in order, at which it lies [`BESIDE_FOOT`] deviations before and after its foot; its
+/// ends where it does not lie there.
 ///
 /// In the central projection around the axis an edge is straight. With `(x, y, z)` the products of a direction with the rows
 /// and the axis, the edge runs along `e`, perpendicular to the first two of `a x b`, and is `s` deviations beyond its foot
-/// where `e . (x, y) = s z`. A foot a quarter of a turn away from the axis may be anywhere, and rounding would say where: the
-/// middle of such an edge takes its place.
-fn around_foot<T: Scalar>(lobe: &Lobe<T>, from: Triple<T>, to: Triple<T>, far: T) -> [T; 2] {
+/// where `e . (x, y) = s z`.
+///
+/// - An edge to behind the axis turns by up to half a turn around it, most of it far away. Its two points are the foot and where
+///   it passes: so it turns by a quarter at most between two of its points, and a straight line between their images stays
+///   on its side of the middle. An end that is hardly behind, by [`BEHIND`], has what lies between.
+/// - A foot a quarter of a turn away from the axis may be anywhere, and rounding would say where: the middle of such an edge
+///   takes its place.
+fn around_foot<T: Scalar>(lobe: &Lobe<T>, from: Triple<T>, to: Triple<T>) -> [T; 2] {
     let seen = |w: Triple<T>| [dot(w, lobe.rows[0]), dot(w, lobe.rows[1]), dot(w, lobe.axis)];
     let (a, b) = (seen(from), seen(to));
     let line = cross(a, b);
     let length = (line[0] * line[0] + line[1] * line[1]).sqrt().max(T::of(1e-30));
     let along = |w: Triple<T>| (line[1] * w[0] - line[0] * w[1]) / length;
     let (start, end) = (along(a), along(b));
-    let beyond_foot = |s: f64| {
-        let s = T::of(s);
+    let beyond_foot = |s: T| {
         let change = (end - start) - s * (b[2] - a[2]);
         let part = if change.abs() < T::of(1e-30) { T::ZERO } else { (s * a[2] - start) / change };
         part.max(T::ZERO).min(T::ONE)
     };
-    let [from, to] = [from, to].map(|w| dot(w, w).sqrt());
-    let middle = from / (from + to).max(T::of(1e-36));
-    let [t, u] = [-BESIDE_FOOT, BESIDE_FOOT].map(beyond_foot).map(|t| t + (middle - t) * far);
+    let mixed = |from: T, to: T, share: T| from + (to - from) * share;
+    let far = is_far(lobe, from, to);
+    let [from, to] = [from, to].map(|w| dot(w, w).sqrt().max(T::of(1e-36)));
+    let middle = from / (from + to);
+    let beside = T::of(BESIDE_FOOT);
+    let mut parts = [beyond_foot(-beside), beyond_foot(beside)];
+    if (a[2] > T::ZERO) != (b[2] > T::ZERO) {
+        let behind = -(a[2] / from).min(b[2] / to) / T::of(BEHIND);
+        let behind = behind.min(T::ONE);
+        let passing = a[2] / (a[2] - b[2]);
+        parts = [mixed(parts[0], beyond_foot(T::ZERO), behind), mixed(parts[1], passing, behind)];
+    }
+    let [t, u] = parts.map(|part| mixed(part, middle, far));
     if t <= u { [t, u] } else { [u, t] }
 }
