@@ -139,8 +139,21 @@ const STOCK_ERROR: [f64; 2] = [0.0075, 0.0018];
 /// metal, and Fresnel's factor bends that of plastic towards the surface, as far as the stock tables' lobes happen to lie.
 const OUR_PLASTIC_ERROR: f64 = 0.0028;
 
+/// What `docs/compact.md` promises: 2,831 bytes of a table for engines, 14,748 of the default one.
+const ENGINES_COMPACT_BYTES: u64 = 3_000;
+const DEFAULT_COMPACT_BYTES: u64 = 16_000;
+
 /// Engines differ from each other by their number formats and how they clamp roughness: 0.3 % and 1.3 % of the error.
 const ENGINES_DIFFER: f64 = 0.03;
+
+/// The length of a table's compact form, whose mean error is at most 1 % above the table's.
+fn compact_bytes(folder: &Path, digest: &str) -> u64 {
+    let told = run(folder, ["export", digest, "--container", "compact", "-o", "compact", "--json"]).exited(0);
+    let told: serde_json::Value = serde_json::from_str(&told.stdout).expect("JSON");
+    let [of_table, of_form] = ["table", "decoded"].map(|of| told["compared"][of]["mean"].as_f64().expect("a number"));
+    assert!(of_table > 0.0 && of_form <= 1.01 * of_table, "{told}");
+    fs::metadata(folder.join("compact/ltc.compact")).expect("the compact form").len()
+}
 
 /// Our files for these engines, each in a folder of its name, fitted and exported as a user does.
 fn our_exports(folder: &Path) -> String {
@@ -150,6 +163,8 @@ fn our_exports(folder: &Path) -> String {
     for engine in ["three", "babylon", "playcanvas"] {
         run(folder, ["export", digest, "--for", engine, "-o", engine]).exited(0);
     }
+    let bytes = compact_bytes(folder, digest);
+    assert!(bytes <= ENGINES_COMPACT_BYTES, "{bytes}");
     folder.to_string_lossy().into_owned()
 }
 
@@ -294,10 +309,12 @@ fn the_example_has_the_shader_that_the_command_prints() {
 }
 
 #[test]
-fn the_example_s_table_is_what_the_command_writes() {
+fn the_example_s_table_is_what_the_command_writes_and_ships_in_few_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let fitted = run(folder.path(), ["fit", "standard", "-o", "."]).exited(0);
     run(folder.path(), ["export", fitted.last_line(), "--for", "wgpu", "-o", "table"]).exited(0);
+    let bytes = compact_bytes(folder.path(), fitted.last_line());
+    assert!(bytes <= DEFAULT_COMPACT_BYTES, "{bytes}");
     let stand = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/three/table");
     let names = |folder: &Path| -> BTreeSet<OsString> {
         fs::read_dir(folder).expect("a folder").map(|file| file.expect("a file").file_name()).collect()

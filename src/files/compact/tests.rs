@@ -161,14 +161,13 @@ fn fitted(preset: &str, layout: Layout, nodes: [u32; 4]) -> Table {
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")
 }
 
-/// The table for engines and the default one, of the lengths that `docs/compact.md` promises; few nodes need finer steps than
-/// many.
+/// Few nodes need finer steps than those that 64 x 64 take. The lengths of whole tables are tested where these are fitted
+/// anyway, in `tests/engines`.
 #[test]
 fn no_table_becomes_worse_by_more_than_a_hundredth() {
     for (preset, layout, nodes, most_bytes) in [
         ("standard", Layout::Ltc2017, [16, 1, 16, 1], 1_600),
-        ("standard", Layout::Ltc2017, [64, 1, 64, 1], 3_000),
-        ("standard", Layout::Reflected, [10, 6, 9, 7], 16_000),
+        ("standard", Layout::Ltc2017, [32, 1, 32, 1], 3_000),
         ("draft", Layout::Kt2022, [6, 4, 6, 4], 6_000),
     ] {
         let table = fitted(preset, layout, nodes);
