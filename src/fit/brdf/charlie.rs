@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::scattering::{Brdf, BrdfRules, BrdfSample};
 use crate::fit::math::{SquarePoint, exp, pow};
 
-/// The sheen of Estevez and Kulla [2017], "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
+/// The sheen of Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
 /// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator, which makes the model depend on
 /// which direction is the light's, is left out: this one is reciprocal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ const SHAPES: [[f64; 5]; 2] =
     [[25.3245, 3.32435, 0.16801, -1.27393, -4.85967], [21.5473, 3.82987, 0.19823, -1.97760, -4.32054]];
 
 impl Charlie {
-    /// The sheen of a roughness, see [`Fibres::new`].
+    /// The sheen of a roughness, see `Fibres::new`.
     #[must_use]
     pub fn new(alpha: f64) -> Self {
         let fibres = Fibres::new(alpha);

@@ -9,7 +9,7 @@ use super::{
 use crate::fit::math::SquarePoint;
 
 /// The sheen of game engines and of glTF: Charlie's distribution, and the smooth visibility of the cloth of Neubelt and
-/// Pettineo [2013] in place of a masking function, with a Fresnel factor of one:
+/// Pettineo 2013 in place of a masking function, with a Fresnel factor of one:
 /// `f = D / (4 (cos o + cos i - cos o cos i))`. It is reciprocal and does not conserve energy at grazing angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CharlieNeubelt {

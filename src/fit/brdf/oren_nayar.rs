@@ -10,7 +10,7 @@ use super::{
 };
 use crate::fit::math::{SquarePoint, atan2};
 
-/// The EON model of Portsmouth, Kutz and Hill [2024] with an albedo of one: Fujii's Oren-Nayar, and the light that it loses
+/// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one: Fujii's Oren-Nayar, and the light that it loses
 /// returned as that of further bounces.
 ///
 /// ```text
