@@ -1,4 +1,4 @@
-//! The light of GGX by one Gaussian on the sphere: the coarsest of the models. No table.
+//! The light of GGX by one Gaussian on the sphere: the cheapest of the models, and the coarsest. No table.
 //!
 //! The lobe is one spherical Gaussian, round or stretched, times one weight of shadowing and one Fresnel factor
 //! [Wang et al. 2009; Xu et al. 2013; Pettineo 2016, «SG Series Part 4»]:
