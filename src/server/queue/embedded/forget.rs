@@ -4,7 +4,7 @@ use jiff::{SignedDuration, Timestamp};
 
 use super::{
     jobs::{EmbeddedQueue, QueueState},
-    record::{self, JobRecord},
+    remains::Remains,
 };
 use crate::server::{
     queue::{JobId, JobState},
@@ -34,6 +34,7 @@ impl EmbeddedQueue {
             Ok(jobs) => tracing::info!(jobs, %before, "jobs that ended before this time were forgotten"),
             Err(error) => tracing::warn!(%error, "old jobs could not be forgotten"),
         }
+        self.remove_some(state);
     }
 
     /// Forgets every job that ended before `before`. Returns how many there were.
@@ -55,22 +56,18 @@ impl EmbeddedQueue {
         for records in old.chunks(AT_ONCE) {
             let mut batch = Batch::default();
             for record in records {
-                forget(&mut batch, record);
+                batch.remove(Tree::Jobs, *record.job.id.as_bytes());
+                batch.remove(Tree::JobOrder, record.submission.to_be_bytes());
             }
-            self.commit(state, Ok(batch))?;
+            self.commit(state, batch)?;
             for record in records {
                 state.forget_concluded(Some(record));
+                // The others have none.
+                if matches!(record.job.state, JobState::Failed { .. }) {
+                    state.leave(Remains::of(record));
+                }
             }
         }
         Ok(old.len())
-    }
-}
-
-fn forget(batch: &mut Batch, record: &JobRecord) {
-    batch.remove(Tree::Jobs, *record.job.id.as_bytes());
-    batch.remove(Tree::JobOrder, record.submission.to_be_bytes());
-    // The others have none.
-    if matches!(record.job.state, JobState::Failed { .. }) {
-        record::remove_tasks(batch, record);
     }
 }

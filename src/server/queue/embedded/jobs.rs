@@ -1,8 +1,9 @@
 //! The queue's state and what all of its operations share.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap, VecDeque},
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    thread,
     time::Duration,
 };
 
@@ -11,6 +12,7 @@ use jiff::{SignedDuration, Timestamp};
 use super::{
     active::ActiveJob,
     record::{self, JobRecord},
+    remains::Remains,
     task::TaskState,
 };
 use crate::server::{
@@ -46,6 +48,8 @@ pub(super) struct QueueState {
     pub(super) concluded: HashMap<StateName, u64>,
     /// Jobs that failed while their row could not be written. Each later commit writes them too.
     pub(super) unsaved: BTreeMap<JobId, JobRecord>,
+    /// What ended jobs left behind.
+    pub(super) remains: VecDeque<Remains>,
     /// Jobs that changed and whose followers have not been notified.
     pub(super) changed_jobs: BTreeSet<JobId>,
     /// Number of changes so far that may have made a task available.
@@ -162,21 +166,21 @@ impl EmbeddedQueue {
         let Some(active) = state.active.get(&submission) else { return };
         let record = active.concluded(JobState::Failed { error }, (self.clock)());
         tracing::error!(job = %record.job.id, state = ?record.job.state, "the job failed");
-        if let Err(error) = self.commit(state, conclusion(&record)) {
+        let stored = conclusion(&record).and_then(|(batch, _)| self.commit(state, batch));
+        if let Err(error) = stored {
             tracing::warn!(job = %record.job.id, %error, "the failure of the job could not be written yet");
             state.unsaved.insert(record.job.id, record.clone());
         }
-        state.conclude(&record);
+        state.conclude(&record, Remains::none(record.job.id));
     }
 
     /// Commits `batch`, together with the failures that could not be written earlier.
-    pub(super) fn commit(&self, state: &mut QueueState, batch: Result<Batch, StoreError>) -> Result<(), StoreError> {
-        let mut batch = batch?;
+    pub(super) fn commit(&self, state: &mut QueueState, batch: Batch) -> Result<(), StoreError> {
         let mut all = Batch::default();
         for record in state.unsaved.values() {
-            all.extend(conclusion(record)?);
+            all.extend(conclusion(record)?.0);
         }
-        all.extend(std::mem::take(&mut batch));
+        all.extend(batch);
         self.rows.commit(&all)?;
         state.unsaved.clear();
         Ok(())
@@ -184,6 +188,11 @@ impl EmbeddedQueue {
 
     pub(super) fn wait_for_change(&self, seen: u64) {
         let mut state = self.lock();
+        while state.generation == seen && !state.closed && self.remove_some(&mut state) {
+            drop(state);
+            thread::yield_now();
+            state = self.lock();
+        }
         while state.generation == seen && !state.closed {
             let now = (self.clock)();
             let left = state.next_expiry.map(|expiry| now.duration_until(expiry).max(SignedDuration::ZERO));
@@ -219,8 +228,9 @@ impl QueueState {
         self.changed_jobs.insert(job);
     }
 
-    /// Removes a job that has reached a final state from the queue.
-    pub(super) fn conclude(&mut self, record: &JobRecord) {
+    /// Removes a job that has reached a final state from the queue, and has what it leaves removed.
+    pub(super) fn conclude(&mut self, record: &JobRecord, remains: Remains) {
+        self.leave(remains);
         self.active.remove(&record.submission);
         self.by_id.remove(&record.job.id);
         *self.concluded.entry(record.job.state.name()).or_default() += 1;
@@ -235,12 +245,15 @@ impl QueueState {
     }
 }
 
-/// The changes that store a job in a final state. A failed job keeps its finished shards for the next submission.
-pub(super) fn conclusion(record: &JobRecord) -> Result<Batch, StoreError> {
+/// The changes that store a job in a final state, and what of it is still to be removed. A failed job keeps its finished
+/// shards for the next submission.
+pub(super) fn conclusion(record: &JobRecord) -> Result<(Batch, Remains), StoreError> {
     let mut batch = Batch::default();
     record::put_job(&mut batch, record)?;
-    if !matches!(record.job.state, JobState::Failed { .. }) {
-        record::remove_tasks(&mut batch, record);
+    if matches!(record.job.state, JobState::Failed { .. }) {
+        return Ok((batch, Remains::none(record.job.id)));
     }
-    Ok(batch)
+    let mut remains = Remains::of(record);
+    remains.remove_some(&mut batch);
+    Ok((batch, remains))
 }

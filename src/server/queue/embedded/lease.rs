@@ -24,6 +24,7 @@ impl EmbeddedQueue {
         if state.closed {
             return Offer::Closed;
         }
+        self.remove_some(&mut state);
         let is_meant = |active: &ActiveJob| demand == Demand::Any || active.tasks_leased() == 0;
         let tasks: Vec<LeasedTask> =
             (0..most.get()).map_while(|_| self.lease_of(&mut state, worker, is_meant)).collect();
@@ -109,7 +110,7 @@ impl EmbeddedQueue {
             accepted.insert(*lease, finished);
         }
         if !accepted.is_empty() {
-            self.commit(&mut state, Ok(batch))?;
+            self.commit(&mut state, batch)?;
         }
         for (lease, finished) in accepted {
             self.set(&mut state, &lease, finished);
@@ -142,7 +143,7 @@ impl EmbeddedQueue {
             let mut batch = Batch::default();
             record::put_task(&mut batch, id, shard, &waiting)?;
             batch.remove(Tree::Results, record::task_key(id, shard));
-            self.commit(&mut state, Ok(batch))?;
+            self.commit(&mut state, batch)?;
             self.set(&mut state, &Lease { task: shard, ..*lease }, waiting);
         }
         Ok(false)
@@ -156,9 +157,10 @@ impl EmbeddedQueue {
         }
         let record = active.concluded(JobState::Done { table }, (self.clock)());
         let mut batch = with;
-        batch.extend(conclusion(&record)?);
-        self.commit(&mut state, Ok(batch))?;
-        state.conclude(&record);
+        let (conclusion, remains) = conclusion(&record)?;
+        batch.extend(conclusion);
+        self.commit(&mut state, batch)?;
+        state.conclude(&record, remains);
         self.changed.notify_all();
         Ok(())
     }

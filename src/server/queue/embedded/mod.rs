@@ -11,6 +11,8 @@ mod lookup;
 mod queue;
 mod reconcile;
 mod record;
+mod remains;
+mod remove;
 mod resume;
 mod submit;
 mod task;

@@ -45,13 +45,10 @@ pub(super) fn put_task(batch: &mut Batch, job: JobId, task: u32, state: &TaskSta
     Ok(())
 }
 
-/// Removes all rows of a job's tasks and their results.
-pub(super) fn remove_tasks(batch: &mut Batch, record: &JobRecord) {
-    // One task more than there are shards: the assembly.
-    for task in 0..=record.shards() {
-        batch.remove(Tree::Shards, task_key(record.job.id, task));
-        batch.remove(Tree::Results, task_key(record.job.id, task));
-    }
+/// Removes the row of a task and its result.
+pub(super) fn remove_task(batch: &mut Batch, job: JobId, task: u32) {
+    batch.remove(Tree::Shards, task_key(job, task));
+    batch.remove(Tree::Results, task_key(job, task));
 }
 
 impl JobRecord {

@@ -11,6 +11,7 @@ use super::{
     jobs::{Clock, EmbeddedQueue, QueueState},
     reconcile::reconcile,
     record::JobRecord,
+    remains::AT_ONCE,
     task::TaskState,
 };
 use crate::server::{
@@ -37,7 +38,6 @@ impl EmbeddedQueue {
             let last = queue.rows.page(Tree::JobOrder, None, 1)?;
             let last = last.first().and_then(|row| Some(u64::from_be_bytes(row.key.as_slice().try_into().ok()?)));
             state.next_submission = last.map_or(0, |last| last + 1);
-            let mut obsolete = Batch::default();
             for row in queue.rows.scan(Tree::Jobs, &[])? {
                 let record = row.value.and_then(|value| serde_json::from_slice::<JobRecord>(&value).ok());
                 let Some(record) = record else { continue };
@@ -55,10 +55,7 @@ impl EmbeddedQueue {
                     }
                 }
             }
-            queue.sweep(&mut obsolete, &keep)?;
-            if !obsolete.is_empty() {
-                queue.commit(&mut state, Ok(obsolete))?;
-            }
+            queue.sweep(&keep)?;
             queue.forget_old(&mut state);
             if !state.active.is_empty() {
                 state.careful_until = (queue.clock)().checked_add(CAREFUL).ok();
@@ -89,14 +86,17 @@ impl EmbeddedQueue {
         Ok(())
     }
 
-    /// Removes tasks and results of jobs that no longer need them; a full disk may have prevented that earlier.
-    fn sweep(&self, batch: &mut Batch, keep: &HashSet<JobId>) -> Result<(), StoreError> {
-        for row in self.rows.scan(Tree::Shards, &[])? {
-            let id = row.key.get(..16).and_then(JobId::from_slice);
-            if id.is_none_or(|id| !keep.contains(&id)) {
-                batch.remove(Tree::Results, row.key.clone());
-                batch.remove(Tree::Shards, row.key);
+    /// Removes tasks and results of jobs that no longer need them: the end of the last process, or a full disk, came first.
+    fn sweep(&self, keep: &HashSet<JobId>) -> Result<(), StoreError> {
+        let mut keys: Vec<_> = self.rows.scan(Tree::Shards, &[])?.into_iter().map(|row| row.key).collect();
+        keys.retain(|key| key.get(..16).and_then(JobId::from_slice).is_none_or(|id| !keep.contains(&id)));
+        for some in keys.chunks(AT_ONCE) {
+            let mut batch = Batch::default();
+            for key in some {
+                batch.remove(Tree::Results, key.as_slice());
+                batch.remove(Tree::Shards, key.as_slice());
             }
+            self.rows.stage(&batch)?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use super::{
     active::ActiveJob,
     jobs::{EmbeddedQueue, conclusion},
     record::{self, JobRecord},
+    remains::Remains,
     task::TaskState,
 };
 use crate::{
@@ -40,11 +41,12 @@ impl EmbeddedQueue {
             if former.shard_entries == record.shard_entries {
                 self.keep_finished(&mut batch, &record, &mut tasks)?;
             } else {
-                record::remove_tasks(&mut batch, former);
+                self.remove_all(former)?;
             }
         }
         record::put_job(&mut batch, &record)?;
-        self.commit(&mut state, Ok(batch))?;
+        self.commit(&mut state, batch)?;
+        state.reclaim(id);
         state.forget_concluded(former.as_ref());
         state.next_submission += 1;
         let active = ActiveJob::new(record, tasks);
@@ -94,19 +96,21 @@ impl EmbeddedQueue {
         self.forget_old(&mut state);
         let former = self.record(&state, done.id)?;
         let mut batch = Batch::default();
+        let mut remains = Remains::none(done.id);
         if let Some(former) = &former {
             if former.job.state == done.state {
                 return Ok(former.job.clone());
             }
             batch.remove(Tree::JobOrder, former.submission.to_be_bytes());
-            record::remove_tasks(&mut batch, former);
+            remains = Remains::of(former);
+            remains.remove_some(&mut batch);
         }
         let record = JobRecord { submission: state.next_submission, shard_entries: vec![], job: done };
         record::put_job(&mut batch, &record)?;
-        self.commit(&mut state, Ok(batch))?;
+        self.commit(&mut state, batch)?;
         state.forget_concluded(former.as_ref());
         state.next_submission += 1;
-        state.conclude(&record);
+        state.conclude(&record, remains);
         Ok(record.job)
     }
 
@@ -116,8 +120,9 @@ impl EmbeddedQueue {
             return self.find(&state, id);
         };
         let record = active.concluded(JobState::Cancelled, (self.clock)());
-        self.commit(&mut state, conclusion(&record))?;
-        state.conclude(&record);
+        let (batch, remains) = conclusion(&record)?;
+        self.commit(&mut state, batch)?;
+        state.conclude(&record, remains);
         self.changed.notify_all();
         Ok(Some(record.job))
     }
