@@ -1,5 +1,5 @@
 // Reads a table: fold, fetch, restore what the layout stores, unfold. Needs ltc_math.wgsl, nodes_storage.wgsl or
-// nodes_uniform.wgsl, and functions ltc_restore and ltc_even that call a layout's: `ltcforge shader` writes them, for layout reflected they are
+// nodes_uniform.wgsl, texels_volumes.wgsl or texels_array.wgsl, and functions ltc_restore and ltc_even that call a layout's: `ltcforge shader` writes them, for layout reflected they are
 //     fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {
 //         return ltc_restore_reflected(stored, alpha_x, ratio, wo);
 //     }
@@ -7,11 +7,11 @@
 //         return x;
 //     }
 //
-// The table is three 3D textures, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a
-// file stores its entries:
-//     ltc_matrix_a  m00 m01 m02 m10
-//     ltc_matrix_b  m11 m12 m20 m21
-//     ltc_terms     m22 amplitude fresnel 0
+// Each entry is three texels, x = phi, y = ratio * theta_nodes + theta, z = alpha, which is the order in which a file stores
+// its entries:
+//     a      m00 m01 m02 m10
+//     b      m11 m12 m20 m21
+//     terms  m22 amplitude fresnel 0
 // 32 or 16 bits a number. Nodes need not be uniform: they come as one list, alpha's first, then ratio's, theta's and
 // phi's. A table without terms has amplitude 1 and fresnel 0 in their place.
 
@@ -24,12 +24,8 @@ struct LtcTable {
 }
 
 @group(0) @binding(0) var<uniform> ltc_table: LtcTable;
-@group(0) @binding(2) var ltc_matrix_a: texture_3d<f32>;
-@group(0) @binding(3) var ltc_matrix_b: texture_3d<f32>;
-@group(0) @binding(4) var ltc_terms: texture_3d<f32>;
-@group(0) @binding(5) var ltc_sampler: sampler;
 
-/// Lets the sampler interpolate phi, theta and alpha, with 2 fetches per texture in place of 16. Textures then have to
+/// Lets the sampler interpolate phi and theta, and alpha in volumes, with 2 or 4 fetches in place of 16. Textures then have to
 /// be filterable and the sampler linear. Many GPUs interpolate with weights of 8 bits only, which shows on sharp lobes.
 override ltc_hardware_filter: bool = false;
 
@@ -100,6 +96,7 @@ fn ltc_between(axis: u32, first: u32, count: u32, x: f32) -> LtcPlace {
     return LtcPlace(lower, select(0.0, (ltc_even(axis, nearest) - low) / step, above > below), nearest);
 }
 
+/// The three texels of an entry.
 struct LtcTexels {
     a: vec4<f32>,
     b: vec4<f32>,
@@ -119,9 +116,10 @@ fn ltc_fetch_weighed(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: Ltc
         // Beyond the last node there is no entry; its weight is zero.
         let entry = min(lower + step, last);
         let texel = vec3(entry.w, entry.y * ltc_table.nodes.z + entry.z, entry.x);
-        sum.a += weight * textureLoad(ltc_matrix_a, texel, 0);
-        sum.b += weight * textureLoad(ltc_matrix_b, texel, 0);
-        sum.terms += weight * textureLoad(ltc_terms, texel, 0);
+        let fetched = ltc_fetch(texel);
+        sum.a += weight * fetched.a;
+        sum.b += weight * fetched.b;
+        sum.terms += weight * fetched.terms;
     }
     return sum;
 }
@@ -132,14 +130,11 @@ fn ltc_fetch_filtered(alpha: LtcPlace, ratio: LtcPlace, theta: LtcPlace, phi: Lt
     let rows = vec2(ratio.lower, min(ratio.lower + 1u, ltc_table.nodes.y - 1u)) * ltc_table.nodes.z;
     let y = (vec2<f32>(rows) + vec2(f32(theta.lower) + theta.weight + 0.5)) / (n.y * n.z);
     let x = (f32(phi.lower) + phi.weight + 0.5) / n.w;
-    let z = (f32(alpha.lower) + alpha.weight + 0.5) / n.x;
-    let low = vec3(x, y.x, z);
-    let high = vec3(x, y.y, z);
-    return LtcTexels(
-        mix(textureSampleLevel(ltc_matrix_a, ltc_sampler, low, 0.0), textureSampleLevel(ltc_matrix_a, ltc_sampler, high, 0.0), ratio.weight),
-        mix(textureSampleLevel(ltc_matrix_b, ltc_sampler, low, 0.0), textureSampleLevel(ltc_matrix_b, ltc_sampler, high, 0.0), ratio.weight),
-        mix(textureSampleLevel(ltc_terms, ltc_sampler, low, 0.0), textureSampleLevel(ltc_terms, ltc_sampler, high, 0.0), ratio.weight),
-    );
+    return ltc_mix(ltc_sample(vec2(x, y.x), alpha), ltc_sample(vec2(x, y.y), alpha), ratio.weight);
+}
+
+fn ltc_mix(low: LtcTexels, high: LtcTexels, weight: f32) -> LtcTexels {
+    return LtcTexels(mix(low.a, high.a, weight), mix(low.b, high.b, weight), mix(low.terms, high.terms, weight));
 }
 
 /// R_z(angle) M R_z(-angle): surface and view turn about z together.

@@ -23,13 +23,14 @@
 //             (reflected 1, kt2022 0, ltc2017 2, ltc2016 3, godot 4, hdrp 5);
 //             1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
 //   nodes     uniform of f32, at most 512: alpha's nodes, then ratio's, theta's and phi's, ascending
-//   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
+// matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
 //   matrix_b  likewise: m11 m12 m20 m21
 //   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
 //   The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
-//   of the file's tensors. Texels stand in the order of the file's entries, but their numbers have to be put together from
-//   its tensors matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the
-//   view direction's angles in radians.
+//   of the file's tensors.
+//   Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
+//   matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
+//   direction's angles in radians.
 // here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
 //             the last; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms
 //   The entries are weighed here, texels are fetched: filter and wrap mode do not matter.
@@ -57,6 +58,16 @@ precision highp int;
 struct LtcNodes {
     vec4 four[128];
 };
+struct LtcTexels {
+    vec4 a;
+    vec4 b;
+    vec4 terms;
+};
+struct LtcPlace {
+    uint lower;
+    float weight;
+    float nearest;
+};
 struct LtcTable {
     uvec4 nodes;
     uvec4 reading;
@@ -73,16 +84,6 @@ struct LtcFold {
     float phi;
     vec2 mirror;
     bool swap;
-};
-struct LtcPlace {
-    uint lower;
-    float weight;
-    float nearest;
-};
-struct LtcTexels {
-    vec4 a;
-    vec4 b;
-    vec4 terms;
 };
 struct LtcInverse {
     mat3x3 m;
@@ -101,13 +102,13 @@ const bool ltc_hardware_filter = false;
 
 uniform LtcNodes ltc_nodes;
 
-uniform LtcTable ltc_table;
-
 uniform highp sampler3D ltc_matrix_a;
 
 uniform highp sampler3D ltc_matrix_b;
 
 uniform highp sampler3D ltc_terms;
+
+uniform LtcTable ltc_table;
 
 
 float ltc_atan2_(float y, float x) {
@@ -143,6 +144,13 @@ vec2 ltc_sin_cos(float turns) {
 float ltc_node(uint place) {
     vec4 four = ltc_nodes.four[(place / 4u)];
     return four[(place % 4u)];
+}
+
+LtcTexels ltc_fetch(uvec3 texel) {
+    vec4 _e3 = texelFetch(ltc_matrix_a, ivec3(texel), 0);
+    vec4 _e6 = texelFetch(ltc_matrix_b, ivec3(texel), 0);
+    vec4 _e9 = texelFetch(ltc_terms, ivec3(texel), 0);
+    return LtcTexels(_e3, _e6, _e9);
 }
 
 LtcFold ltc_fold(float alpha_x, float alpha_y, vec3 wo) {
@@ -218,8 +226,8 @@ LtcTexels ltc_fetch_weighed(LtcPlace alpha, LtcPlace ratio, LtcPlace theta, LtcP
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e93 = corner;
-            corner = (_e93 + 1u);
+            uint _e88 = corner;
+            corner = (_e88 + 1u);
         }
         loop_init = false;
         uint _e30 = corner;
@@ -234,20 +242,18 @@ LtcTexels ltc_fetch_weighed(LtcPlace alpha, LtcPlace ratio, LtcPlace theta, LtcP
             float weight = (((weights.x * weights.y) * weights.z) * weights.w);
             uvec4 entry = min((lower_1 + step_1), last);
             uint _e65 = ltc_table.nodes.z;
-            uvec3 texel = uvec3(entry.w, ((entry.y * _e65) + entry.z), entry.x);
-            vec4 _e72 = sum.a;
-            vec4 _e75 = texelFetch(ltc_matrix_a, ivec3(texel), 0);
-            sum.a = (_e72 + (weight * _e75));
-            vec4 _e79 = sum.b;
-            vec4 _e82 = texelFetch(ltc_matrix_b, ivec3(texel), 0);
-            sum.b = (_e79 + (weight * _e82));
-            vec4 _e86 = sum.terms;
-            vec4 _e89 = texelFetch(ltc_terms, ivec3(texel), 0);
-            sum.terms = (_e86 + (weight * _e89));
+            uvec3 texel_1 = uvec3(entry.w, ((entry.y * _e65) + entry.z), entry.x);
+            LtcTexels _e71 = ltc_fetch(texel_1);
+            vec4 _e73 = sum.a;
+            sum.a = (_e73 + (weight * _e71.a));
+            vec4 _e78 = sum.b;
+            sum.b = (_e78 + (weight * _e71.b));
+            vec4 _e83 = sum.terms;
+            sum.terms = (_e83 + (weight * _e71.terms));
         }
     }
-    LtcTexels _e95 = sum;
-    return _e95;
+    LtcTexels _e90 = sum;
+    return _e90;
 }
 
 mat3x3 ltc_turned(mat3x3 m, float angle) {

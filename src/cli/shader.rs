@@ -15,7 +15,7 @@ use crate::{
     files::textures::About,
     fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report},
     light::{Gaussian, LightModel},
-    view::shaders::{Filter, Language, LitBy, Place, include, include_function, port},
+    view::shaders::{Bound, Filter, Language, LitBy, Place, Reading, include, include_function, port},
 };
 
 /// Places at which a table and its polynomials are measured, so many that a single one hardly counts.
@@ -55,7 +55,8 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     let shader = match args.form {
         ShaderForm::Include => {
             let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
-            include(language, lit_by, filter, &place(args)).map(String::into_bytes)
+            let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
+            include(language, lit_by, Reading { filter, bound }, &place(args)).map(String::into_bytes)
         }
         ShaderForm::Example => port(language, lit_by),
     }
@@ -156,6 +157,10 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
         _ if is_placed && (!has_table || !is_numbered) => {
             let what = if is_numbered { format!("model {}", args.model) } else { name.to_owned() };
             refused(format!("{what} binds nothing by number: leave out --first-binding and --group"))
+        }
+        ShaderForm::Example if args.texture_array => refused("--texture-array is for a text to include".to_owned()),
+        _ if args.texture_array && !has_table => {
+            refused(format!("--texture-array is for tables: model {} reads none", args.model))
         }
         ShaderForm::Include if !language.has_includes() => {
             refused(format!("{name} has no text to include: add --as example"))

@@ -165,8 +165,10 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
 #[test]
 fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
     let folder = tempfile::tempdir().expect("a folder");
-    let cases: [&[&str]; 11] = [
+    let cases: [&[&str]; 13] = [
         &["--language", "glsl", "--model", "sg", "--hardware-filter"],
+        &["--language", "glsl", "--model", "normals", "--texture-array"],
+        &["--language", "glsl", "--layout", "kt2022", "--texture-array", "--as", "example"],
         &["--language", "glsl", "--model", "asg", "--layout", "kt2022"],
         &["--language", "cg", "--layout", "kt2022"],
         &["--language", "wgsl", "--layout", "square"],

@@ -106,6 +106,10 @@ const GAUSSIANS_CALL_HLSL: &str = "
     return float4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
 ";
 
+/// Ways to read a table.
+const READINGS: [&[&str]; 4] =
+    [&[], &["--hardware-filter"], &["--texture-array"], &["--hardware-filter", "--texture-array"]];
+
 /// The call for what a shader lights by, in GLSL and in HLSL.
 fn calls_of(lit_by: [&str; 2]) -> [&'static str; 2] {
     match lit_by {
@@ -120,8 +124,8 @@ fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
     let folder = tempfile::tempdir().expect("a folder");
     for lit_by in LIT_BY {
         let is_table = lit_by[0] == "--layout";
-        for filter in if is_table { &[None, Some("--hardware-filter")][..] } else { &[None] } {
-            let arguments = ["shader", "--language", "hlsl"].into_iter().chain(lit_by).chain(*filter);
+        for reading in if is_table { &READINGS[..] } else { &[&[] as &[&str]] } {
+            let arguments = ["shader", "--language", "hlsl"].into_iter().chain(lit_by).chain(reading.iter().copied());
             let functions = run(folder.path(), arguments).exited(0).stdout;
             let [_, call] = calls_of(lit_by);
             let whole = format!("{functions}\nfloat4 main(float2 place : TEXCOORD0) : SV_Target {{{call}}}\n");
@@ -227,9 +231,10 @@ fn what_is_included_compiles_within_a_fragment_shader() {
     ];
     for lit_by in LIT_BY {
         let is_table = lit_by[0] == "--layout";
-        for filter in if is_table { &[None, Some("--hardware-filter")][..] } else { &[None] } {
+        for reading in if is_table { &READINGS[..] } else { &[&[] as &[&str]] } {
             for (language, version, args) in versions {
-                let arguments = ["shader", "--language", language].into_iter().chain(lit_by).chain(*filter);
+                let arguments =
+                    ["shader", "--language", language].into_iter().chain(lit_by).chain(reading.iter().copied());
                 let functions = run(folder.path(), arguments).exited(0).stdout;
                 let precision = if language == "glsl-es" { "precision highp float;\nprecision highp int;" } else { "" };
                 let ends = if version.contains("450") { ["layout(location = 0) "; 2] } else { [""; 2] };

@@ -157,6 +157,9 @@ pub struct ShaderArgs {
     /// Let the sampler interpolate a table's entries, in a text to include: fewer fetches, less exact
     #[arg(long)]
     pub hardware_filter: bool,
+    /// Read the table from one 2D array in place of three 3D textures, in a text to include: one sampler
+    #[arg(long)]
+    pub texture_array: bool,
     /// What all names begin with, in place of ltc, normals or gaussians, in a text to include: two tables in one shader
     #[arg(long, value_name = "NAME")]
     pub prefix: Option<Prefix>,
@@ -170,7 +173,7 @@ pub struct ShaderArgs {
     #[arg(long, value_parser = layout())]
     pub layout: Option<Layout>,
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
-    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "first_binding", "group"])]
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "first_binding", "group"])]
     pub without_textures: Option<PathBuf>,
     /// Where its digest is looked for
     #[command(flatten)]

@@ -45,7 +45,7 @@ pub fn include_function(
     place: &Place,
 ) -> Result<String, PortError> {
     let source = format!("{}{TABLE_ENTRY}", without_textures(&smooth_at(function)));
-    let included = Included { source: &source, entry: "ltc_included", filter: None };
+    let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");
     let header = commented(&format!("{}  {lines}", ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"))));

@@ -1,11 +1,11 @@
 //! The comment at the top of a translation.
 
-#[cfg(feature = "shaders")]
-use super::{Filter, Place};
 use super::{
-    Language,
+    Bound, Language,
     golden::{CASES, CORNERS, Case, Golden, table},
 };
+#[cfg(feature = "shaders")]
+use super::{Filter, Place, Reading};
 use crate::fit::{Layout, PerAxis};
 
 /// What the shader is, and under which terms.
@@ -45,13 +45,26 @@ BINDINGS OF A TABLE
             ({numbers});
             1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
   nodes     {nodes}: alpha's nodes, then ratio's, theta's and phi's, ascending
+{textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
+  matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
+  direction's angles in radians.
+";
+
+/// A table in three textures.
+const VOLUMES: &str = "\
   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
   matrix_b  likewise: m11 m12 m20 m21
   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
   The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
-  of the file's tensors. Texels stand in the order of the file's entries, but their numbers have to be put together from
-  its tensors matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the
-  view direction's angles in radians.
+  of the file's tensors.
+";
+
+/// A table in one texture.
+const ARRAY: &str = "\
+  layers    2D array, RGBA, 32 or 16 bit float, phi wide, ratio * theta high, with three layers for each node of alpha.
+            Entry [a, r, t, p] of the file's tensors is at (p, r * theta_nodes + t): in layer a m00 m01 m02 m10, in layer
+            alpha_nodes + a m11 m12 m20 m21, in layer 2 alpha_nodes + a m22 amplitude fresnel 0; m01 is row 0, column 1; a
+            table without terms has amplitude 1, fresnel 0
 ";
 
 /// The input and output of `ltc_example`.
@@ -103,15 +116,34 @@ fn bindings(language: Language) -> &'static str {
 
 /// Where a text to include binds them.
 #[cfg(feature = "shaders")]
-fn included_bindings(language: Language, filter: Filter, place: &Place) -> String {
-    let bound = match language {
+fn included_bindings(language: Language, reading: Reading, place: &Place) -> String {
+    let bound = match reading.bound {
+        Bound::Volumes => bound_volumes(language),
+        Bound::Array => bound_array(language),
+    };
+    let weighed = match (language, reading.filter) {
+        (Language::Wgsl, _) => {
+            "The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
+  entries are weighed here and it may be any."
+        }
+        (_, Filter::Exact) => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
+        (_, Filter::Hardware) => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
+    };
+    let (opengl, space) = match place.group {
+        0 => ("in OpenGL 4.3 textures are units", ""),
+        _ => ("OpenGL has no sets", ", all of space{group}"),
+    };
+    let bound = bound.replace("{opengl}", opengl).replace("{space}", space);
+    format!("{}\n  {weighed}", place.numbered(&bound))
+}
+
+/// Where three textures are bound.
+#[cfg(feature = "shaders")]
+fn bound_volumes(language: Language) -> &'static str {
+    match language {
         Language::Wgsl => {
-            return place.numbered(
-                "\
-  here      group {group}: uniform {0}, nodes {1}, matrix_a {2}, matrix_b {3}, terms {4}, sampler {5}
-  The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
-  entries are weighed here and it may be any.",
-            );
+            "\
+  here      group {group}: uniform {0}, nodes {1}, matrix_a {2}, matrix_b {3}, terms {4}, sampler {5}"
         }
         Language::Glsl => {
             "\
@@ -133,17 +165,38 @@ fn included_bindings(language: Language, filter: Filter, place: &Place) -> Strin
   here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_nodes,
             ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler; _mslBufferSizes may be any of its type"
         }
-    };
-    let weighed = match filter {
-        Filter::Exact => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
-        Filter::Hardware => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
-    };
-    let (opengl, space) = match place.group {
-        0 => ("in OpenGL 4.3 textures are units", ""),
-        _ => ("OpenGL has no sets", ", all of space{group}"),
-    };
-    let bound = bound.replace("{opengl}", opengl).replace("{space}", space);
-    format!("{}\n  {weighed}", place.numbered(&bound))
+    }
+}
+
+/// Where the one array is bound.
+#[cfg(feature = "shaders")]
+fn bound_array(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group {group}: uniform {0}, nodes {1}, layers {2}, sampler {3}"
+        }
+        Language::Glsl => {
+            "\
+  here      uniform block {0}, nodes: storage block {1}, texture ltc_layers {2}: in Vulkan bindings of set {group}, the texture
+            with a sampler; {opengl}"
+        }
+        Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
+            the last; sampler ltc_layers"
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b{0}, nodes t{1}, layers t{2}, sampler s{3}{space}"
+        }
+        Language::Msl | Language::Spirv => {
+            "\
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_nodes, ltc_layers and
+            ltc_sampler; _mslBufferSizes may be any of its type"
+        }
+    }
 }
 
 /// The table and what it is called, with its nodes in a buffer or a uniform.
@@ -151,26 +204,31 @@ fn about(layout: Layout) -> String {
     ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name())
 }
 
-fn bound_table(nodes: &str) -> String {
+fn bound_table(bound: Bound, nodes: &str) -> String {
+    let textures = match bound {
+        Bound::Volumes => VOLUMES,
+        Bound::Array => ARRAY,
+    };
     let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.rules().shader().number));
-    TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", ")).replace("{nodes}", nodes)
+    let text = TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", "));
+    text.replace("{nodes}", nodes).replace("{textures}", textures)
 }
 
 const NODES_IN_STORAGE: &str = "storage buffer of f32";
 
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 pub(super) fn header(language: Language, layout: Layout) -> String {
-    let table = bound_table(NODES_IN_STORAGE);
+    let table = bound_table(Bound::Volumes, NODES_IN_STORAGE);
     let text = format!("{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}", about(layout), bindings(language), check(layout));
     commented(&text)
 }
 
 /// The comment of a text to include that reads tables of `layout`.
 #[cfg(feature = "shaders")]
-pub(super) fn table_include_header(language: Language, layout: Layout, filter: Filter, place: &Place) -> String {
+pub(super) fn table_include_header(language: Language, layout: Layout, reading: Reading, place: &Place) -> String {
     let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
-    let table = bound_table(if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE });
-    let bindings = included_bindings(language, filter, place);
+    let table = bound_table(reading.bound, if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE });
+    let bindings = included_bindings(language, reading, place);
     commented(&format!("{}{USE}\n{table}{bindings}\n\n{}", about(layout), check(layout)))
 }
 

@@ -1,7 +1,7 @@
 //! The shader as text to include: functions and what they bind, no program.
 
 use super::{
-    Filter, Language, LitBy, Place, PortError,
+    Language, LitBy, Place, PortError, Reading,
     gaussians_header::gaussians_include_header,
     header::table_include_header,
     normals_header::normals_include_header,
@@ -48,8 +48,8 @@ fn ltc_included() -> @location(0) vec4<f32> {
 /// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a port
 /// has to reproduce.
 ///
-/// `filter` says who interpolates a table's entries; models without a table have none. In WGSL it is the constant
-/// `ltc_hardware_filter`, and the text is the same for both. `place` keeps several texts apart that are to stand in one
+/// `reading` says how a table's entries are read; models without a table have none. Who interpolates is the constant
+/// `ltc_hardware_filter` in WGSL, and the text is the same for both. `place` keeps several texts apart that are to stand in one
 /// shader; a table's, that of model normals and that of the Gaussians need none.
 ///
 /// # Errors
@@ -57,18 +57,18 @@ fn ltc_included() -> @location(0) vec4<f32> {
 pub fn include(
     language: Language,
     lit_by: impl Into<LitBy>,
-    filter: Filter,
+    reading: Reading,
     place: &Place,
 ) -> Result<String, PortError> {
     let lit_by = lit_by.into();
     let has_storage = !matches!(language, Language::Glsl330 | Language::GlslEs);
-    let (entry, filter, header) = match lit_by {
-        LitBy::Table(layout) => (TABLE_ENTRY, Some(filter), table_include_header(language, layout, filter, place)),
+    let (entry, reading, header) = match lit_by {
+        LitBy::Table(layout) => (TABLE_ENTRY, Some(reading), table_include_header(language, layout, reading, place)),
         LitBy::Normals => (NORMALS_ENTRY, None, normals_include_header()),
         LitBy::Gaussian(_) => (GAUSSIANS_ENTRY, None, gaussians_include_header()),
     };
-    let source = format!("{}{entry}", functions(lit_by, has_storage));
-    let included = Included { source: &source, entry: "ltc_included", filter };
+    let source = format!("{}{entry}", functions(lit_by, reading.unwrap_or_default().bound, has_storage));
+    let included = Included { source: &source, entry: "ltc_included", reading };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     Ok(place.named(&format!("{header}\n{}", place.bound(&text, language)), language, lit_by))
 }

@@ -47,12 +47,47 @@ impl LitBy {
     }
 }
 
+/// How a text to include reads a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Reading {
+    /// Who interpolates.
+    pub filter: Filter,
+    /// What the table is in.
+    pub bound: Bound,
+}
+
+impl Reading {
+    /// Every way.
+    #[cfg(all(test, feature = "shaders"))]
+    pub(super) const ALL: [Self; 4] = {
+        use Bound::{Array, Volumes};
+        use Filter::{Exact, Hardware};
+        [
+            Self { filter: Exact, bound: Volumes },
+            Self { filter: Exact, bound: Array },
+            Self { filter: Hardware, bound: Volumes },
+            Self { filter: Hardware, bound: Array },
+        ]
+    };
+}
+
+/// The textures of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Bound {
+    /// Three 3D textures.
+    #[default]
+    Volumes,
+    /// One 2D array, and so one sampler in languages that have a sampler for each texture.
+    Array,
+}
+
 /// Who interpolates the entries of a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Filter {
     /// The shader: 16 fetches a texture, weights of 32 bits, any texture format.
+    #[default]
     Exact,
-    /// The sampler along phi, theta and alpha: 2 fetches a texture; many GPUs have weights of 8 bits, which shows on sharp
+    /// The sampler along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array; many GPUs have weights of 8 bits, which shows on sharp
     /// lobes. Textures have to be filterable.
     Hardware,
 }

@@ -1,6 +1,6 @@
 //! The sources in WGSL, and how they are joined.
 
-use super::LitBy;
+use super::{Bound, LitBy};
 use crate::fit::{Layout, LayoutShader};
 
 /// A file of `shaders/`.
@@ -13,10 +13,12 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 17] = [
+pub const SHADERS: [Shader; 19] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
     Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
+    Shader { name: "texels_volumes", source: include_str!("../../../shaders/texels_volumes.wgsl") },
+    Shader { name: "texels_array", source: include_str!("../../../shaders/texels_array.wgsl") },
     Shader { name: "ltc_smooth", source: include_str!("../../../shaders/ltc_smooth.wgsl") },
     Shader { name: "ltc_function", source: include_str!("../../../shaders/ltc_function.wgsl") },
     Shader { name: "ltc_decode", source: include_str!("../../../shaders/ltc_decode.wgsl") },
@@ -34,14 +36,15 @@ pub const SHADERS: [Shader; 17] = [
 ];
 
 /// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
-const PORTED: [&str; 5] = ["ltc_math", "nodes_storage", "ltc_table", "ltc_light", "ltc_example"];
+const PORTED: [&str; 6] = ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light", "ltc_example"];
 const PORTED_NORMALS: [&str; 5] = ["ltc_math", "normals_edge", "normals_weight", "normals_light", "normals_example"];
 const PORTED_GAUSSIANS: [&str; 3] = ["ltc_math", "gaussians_light", "gaussians_example"];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 10] = [
+const PREVIEWED: [&str; 11] = [
     "ltc_math",
     "nodes_storage",
+    "texels_volumes",
     "ltc_table",
     "ltc_light",
     "normals_edge",
@@ -108,8 +111,8 @@ pub(in crate::view) fn preview_module() -> String {
 
 /// What reads tables of every layout, without an entry point.
 #[cfg(all(test, feature = "render"))]
-pub(in crate::view) fn table_reader() -> String {
-    module(&["ltc_math", "nodes_storage", "ltc_table"], Layout::ALL)
+pub(in crate::view) fn table_reader(bound: Bound) -> String {
+    module(&["ltc_math", "nodes_storage", texels(bound), "ltc_table"], Layout::ALL)
 }
 
 /// The module that other renderers take.
@@ -121,12 +124,21 @@ pub(super) fn ported(lit_by: LitBy) -> String {
     }
 }
 
+/// What reads the textures.
+#[cfg(any(feature = "shaders", all(test, feature = "render")))]
+fn texels(bound: Bound) -> &'static str {
+    match bound {
+        Bound::Volumes => "texels_volumes",
+        Bound::Array => "texels_array",
+    }
+}
+
 /// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
 #[cfg(feature = "shaders")]
-pub(super) fn functions(lit_by: LitBy, has_storage: bool) -> String {
+pub(super) fn functions(lit_by: LitBy, bound: Bound, has_storage: bool) -> String {
     let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
     match lit_by {
-        LitBy::Table(layout) => module(&["ltc_math", nodes, "ltc_table", "ltc_light"], &[layout]),
+        LitBy::Table(layout) => module(&["ltc_math", nodes, texels(bound), "ltc_table", "ltc_light"], &[layout]),
         LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
         LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
     }
@@ -171,11 +183,11 @@ mod tests {
     #[test]
     fn each_shader_is_valid_with_what_it_says_it_needs() {
         validate(&["ltc_math"]);
-        validate(&["ltc_math", "nodes_storage", "ltc_table"]);
-        validate(&["ltc_math", "nodes_uniform", "ltc_table"]);
+        validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"]);
+        validate(&["ltc_math", "nodes_uniform", "texels_array", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
         validate(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]);
-        validate(&["ltc_math", "nodes_storage", "ltc_table", "ltc_light"]);
+        validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light"]);
         validate(&PORTED);
         validate(&PORTED_NORMALS);
         validate(&["ltc_math", "gaussians_light"]);

@@ -216,17 +216,17 @@ fn the_cases_try_every_fold_and_the_light_matters_in_each() {
     }
 }
 
-/// Every text to include, by language, what it lights by, and filter.
-fn includes() -> impl Iterator<Item = (Language, LitBy, Filter, String)> {
+/// Every text to include, by language and what it lights by.
+fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     let gaussian = LitBy::Gaussian(Gaussian::Sg);
     let lit_by = [LitBy::Table(Layout::Reflected), LitBy::Table(Layout::Kt2022), LitBy::Normals, gaussian];
     let languages = Language::ALL.into_iter().filter(|language| language.has_includes());
     languages.flat_map(move |language| {
         lit_by.into_iter().flat_map(move |lit_by| {
-            [Filter::Exact, Filter::Hardware].into_iter().map(move |filter| {
-                let text = include(language, lit_by, filter, &Place::default())
+            Reading::ALL.into_iter().map(move |reading| {
+                let text = include(language, lit_by, reading, &Place::default())
                     .unwrap_or_else(|error| panic!("{lit_by:?}: {error}"));
-                (language, lit_by, filter, text)
+                (language, lit_by, text)
             })
         })
     })
@@ -234,7 +234,7 @@ fn includes() -> impl Iterator<Item = (Language, LitBy, Filter, String)> {
 
 #[test]
 fn what_is_included_has_functions_and_no_program() {
-    for (language, lit_by, _, text) in includes() {
+    for (language, lit_by, text) in includes() {
         let name = language.name();
         for word in ["MIT OR Apache-2.0", "FUNCTIONS", "USE", "CHECK"] {
             assert!(text.contains(word), "{name}: {word}");
@@ -267,8 +267,11 @@ fn what_is_included_has_functions_and_no_program() {
 
 #[test]
 fn what_is_included_binds_what_its_comment_says() {
-    let included =
-        |language, filter| code(&include(language, Layout::Reflected, filter, &Place::default()).expect("a text"));
+    let included_from = |language, filter, bound| {
+        let reading = Reading { filter, bound };
+        code(&include(language, Layout::Reflected, reading, &Place::default()).expect("a text"))
+    };
+    let included = |language, filter| included_from(language, filter, Bound::Volumes);
     let glsl = included(Language::Glsl, Filter::Exact);
     for line in [
         "layout(std140, binding = 0) uniform ",
@@ -293,7 +296,19 @@ fn what_is_included_binds_what_its_comment_says() {
         assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
     }
     assert!(!hlsl.contains("nagaSampler") && !included(Language::Hlsl, Filter::Exact).contains("ltc_sampler"));
-    let refused = include(Language::Spirv, Layout::Reflected, Filter::Exact, &Place::default()).expect_err("no text");
+    let array = |language| included_from(language, Filter::Hardware, Bound::Array);
+    for language in [Language::Glsl330, Language::GlslEs] {
+        let text = array(language);
+        assert!(text.contains("sampler2DArray ltc_layers;") && !text.contains("sampler3D"), "{text}");
+        assert_eq!(text.matches("sampler2DArray").count(), 1, "{text}");
+    }
+    let hlsl = array(Language::Hlsl);
+    for register in ["b0)", "t1)", "t2)", "s3)"] {
+        assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
+    }
+    assert_eq!(hlsl.matches("register(").count(), 4);
+    let refused =
+        include(Language::Spirv, Layout::Reflected, Reading::default(), &Place::default()).expect_err("no text");
     assert!(refused.to_string().contains("include"), "{refused}");
     assert!(port(Language::Glsl330, LitBy::Normals).expect_err("no program").to_string().contains("compute"));
 }

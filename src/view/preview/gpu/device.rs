@@ -7,7 +7,7 @@ use crate::{
     light::{Gaussian, WeightRule},
     view::{
         preview::{estimator::Estimator, frame::Frame},
-        shaders::preview_module,
+        shaders::{Bound, preview_module},
     },
 };
 
@@ -104,7 +104,7 @@ impl Device {
             label: Some("preview"),
             source: wgpu::ShaderSource::Wgsl(preview_module().into()),
         });
-        let table_layout = layout(&device, "table", &table_bindings(samples_weighed));
+        let table_layout = layout(&device, "table", &table_bindings(samples_weighed, Bound::Volumes));
         let uniform = buffer(wgpu::BufferBindingType::Uniform);
         let pixels = buffer(wgpu::BufferBindingType::Storage { read_only: false });
         let tiles = buffer(wgpu::BufferBindingType::Storage { read_only: true });
@@ -183,18 +183,23 @@ pub(super) fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
-/// Those of `ltc_table.wgsl`.
-fn table_bindings(samples_weighed: bool) -> [wgpu::BindingType; 6] {
+/// Those of `ltc_table.wgsl` with `texels_volumes.wgsl`: three textures; with `texels_array.wgsl`: one.
+pub(super) fn table_bindings(samples_weighed: bool, textures: Bound) -> Vec<wgpu::BindingType> {
+    let (count, view_dimension) = match textures {
+        Bound::Volumes => (3, wgpu::TextureViewDimension::D3),
+        Bound::Array => (1, wgpu::TextureViewDimension::D2Array),
+    };
     let texture = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: samples_weighed },
-        view_dimension: wgpu::TextureViewDimension::D3,
+        view_dimension,
         multisampled: false,
     };
     let sampler =
         if samples_weighed { wgpu::SamplerBindingType::Filtering } else { wgpu::SamplerBindingType::NonFiltering };
     let nodes = buffer(wgpu::BufferBindingType::Storage { read_only: true });
     let table = buffer(wgpu::BufferBindingType::Uniform);
-    [table, nodes, texture, texture, texture, wgpu::BindingType::Sampler(sampler)]
+    let textures = std::iter::repeat_n(texture, count);
+    [table, nodes].into_iter().chain(textures).chain([wgpu::BindingType::Sampler(sampler)]).collect()
 }
 
 /// Bindings from zero on, for compute shaders.

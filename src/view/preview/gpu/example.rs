@@ -4,17 +4,17 @@ use bytemuck::Pod;
 
 use super::{
     GpuFailure, Variant,
-    device::{Device, buffer, layout},
+    device::{Device, buffer, layout, table_bindings},
     table::{self, bind},
 };
-use crate::view::preview::ShaderTable;
+use crate::view::{preview::ShaderTable, shaders::Bound};
 
 /// The results of `cases` by an entry point of the WGSL `source`: group 0 is the table, if it reads one; the next group
 /// holds a uniform `Case` and a storage buffer of one `Found`.
 pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
     source: &str,
     entry_point: &str,
-    table: Option<&ShaderTable>,
+    table: Option<(&ShaderTable, Bound)>,
     cases: &[Case],
 ) -> Result<Vec<Found>, GpuFailure> {
     let gpu = Device::open(Variant::default())?;
@@ -27,7 +27,9 @@ pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
         "case",
         &[buffer(wgpu::BufferBindingType::Uniform), buffer(wgpu::BufferBindingType::Storage { read_only: false })],
     );
-    let groups: Vec<_> = table.map(|_| &gpu.table_layout).into_iter().chain([&case_layout]).map(Some).collect();
+    let table_layout =
+        table.map(|(_, textures)| layout(&gpu.wgpu, "table", &table_bindings(gpu.samples_weighed, textures)));
+    let groups: Vec<_> = table_layout.iter().chain([&case_layout]).map(Some).collect();
     let pipeline_layout = gpu.wgpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
         bind_group_layouts: &groups,
@@ -41,7 +43,11 @@ pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
-    let bound = table.map(|table| table::upload(&gpu, table)).transpose()?;
+    let bound = match table.zip(table_layout.as_ref()) {
+        None => None,
+        Some(((table, Bound::Volumes), _)) => Some(table::upload(&gpu, table)?),
+        Some(((table, Bound::Array), layout)) => Some(table::upload_array(&gpu, table, layout)),
+    };
     let made = |bytes: usize, usage| {
         let size = bytes as u64;
         gpu.wgpu.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })

@@ -11,35 +11,62 @@ pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGrou
     let counts = table.nodes.lengths();
     let size = [counts.phi, counts.ratio * counts.theta, counts.alpha];
     let most = gpu.wgpu.limits().max_texture_dimension_3d;
-    let [width, height, depth] = size.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-    if width > most || height > most || depth > most {
+    if size.iter().any(|n| *n > most as usize) {
         return Err(GpuFailure::TableTooLarge { size, most });
     }
-    let format = match table.format {
-        TexelFormat::F32 => wgpu::TextureFormat::Rgba32Float,
-        TexelFormat::F16 => wgpu::TextureFormat::Rgba16Float,
-    };
-    let bytes = |texels: &[[f32; 4]]| -> Vec<u8> {
-        match table.format {
-            TexelFormat::F32 => bytemuck::cast_slice(texels).to_vec(),
-            TexelFormat::F16 => texels.as_flattened().iter().flat_map(|x| f16::from_f32(*x).to_le_bytes()).collect(),
+    let views = table.texels.each_ref().map(|texels| texture(gpu, table, wgpu::TextureDimension::D3, texels));
+    Ok(bound(gpu, table, &gpu.table_layout, &views))
+}
+
+/// The same with the three textures as the layers of one array, for `texels_array.wgsl`.
+#[cfg(test)]
+pub(super) fn upload_array(gpu: &Device, table: &ShaderTable, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    let array = texture(gpu, table, wgpu::TextureDimension::D2, &table.texels.concat());
+    bound(gpu, table, layout, &[array])
+}
+
+/// A texture of some of the table's texels; its depth, or the number of its layers, follows from how many there are.
+fn texture(
+    gpu: &Device,
+    table: &ShaderTable,
+    dimension: wgpu::TextureDimension,
+    texels: &[[f32; 4]],
+) -> wgpu::TextureView {
+    let counts = table.nodes.lengths();
+    let (width, height) = (counts.phi, counts.ratio * counts.theta);
+    let (format, bytes) = match table.format {
+        TexelFormat::F32 => (wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(texels).to_vec()),
+        TexelFormat::F16 => {
+            let halfs = texels.as_flattened().iter().flat_map(|x| f16::from_f32(*x).to_le_bytes());
+            (wgpu::TextureFormat::Rgba16Float, halfs.collect::<Vec<u8>>())
         }
     };
-    let views = [0, 1, 2].map(|i| {
-        let descriptor = wgpu::TextureDescriptor {
-            label: Some("table"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: depth },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        let order = wgpu::util::TextureDataOrder::LayerMajor;
-        let texture = gpu.wgpu.create_texture_with_data(&gpu.queue, &descriptor, order, &bytes(&table.texels[i]));
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
-    });
+    let [width, height, depth] =
+        [width, height, texels.len() / (width * height)].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some("table"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: depth },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    };
+    let order = wgpu::util::TextureDataOrder::LayerMajor;
+    let texture = gpu.wgpu.create_texture_with_data(&gpu.queue, &descriptor, order, &bytes);
+    let is_array = dimension == wgpu::TextureDimension::D2;
+    let dimension = is_array.then_some(wgpu::TextureViewDimension::D2Array);
+    texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
+}
+
+/// The bind group of a table whose texels are in these textures.
+fn bound(
+    gpu: &Device,
+    table: &ShaderTable,
+    layout: &wgpu::BindGroupLayout,
+    views: &[wgpu::TextureView],
+) -> wgpu::BindGroup {
     let filter = if gpu.samples_weighed { wgpu::FilterMode::Linear } else { wgpu::FilterMode::Nearest };
     let sampler = gpu.wgpu.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("table"),
@@ -50,21 +77,16 @@ pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGrou
     let buffer = |contents: &[u8], usage| {
         gpu.wgpu.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some("table"), contents, usage })
     };
+    let counts = table.nodes.lengths();
     let counts = [counts.alpha, counts.ratio, counts.theta, counts.phi].map(|n| n as u32);
     let header = [counts, [table.layout_code(), u32::from(table.turns_with_view), 0, 0]];
     let header = buffer(bytemuck::cast_slice(&header), wgpu::BufferUsages::UNIFORM);
     let nodes: Vec<f32> = table.nodes.named().into_iter().flat_map(|(_, nodes)| nodes).copied().collect();
     let nodes = buffer(bytemuck::cast_slice(&nodes), wgpu::BufferUsages::STORAGE);
-    let [a, b, c] = &views;
-    let resources = [
-        header.as_entire_binding(),
-        nodes.as_entire_binding(),
-        wgpu::BindingResource::TextureView(a),
-        wgpu::BindingResource::TextureView(b),
-        wgpu::BindingResource::TextureView(c),
-        wgpu::BindingResource::Sampler(&sampler),
-    ];
-    Ok(bind(gpu, &gpu.table_layout, &resources))
+    let mut resources = vec![header.as_entire_binding(), nodes.as_entire_binding()];
+    resources.extend(views.iter().map(wgpu::BindingResource::TextureView));
+    resources.push(wgpu::BindingResource::Sampler(&sampler));
+    bind(gpu, layout, &resources)
 }
 
 /// A bind group of resources in the order of their bindings.

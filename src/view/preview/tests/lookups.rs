@@ -14,7 +14,7 @@ use crate::{
             ShaderTable, TexelFormat, cpu,
             gpu::{GpuFailure, example},
         },
-        shaders::table_reader,
+        shaders::{Bound, table_reader},
     },
 };
 
@@ -127,11 +127,13 @@ fn compare(table: &Table, format: TexelFormat, name: &str) {
     let mut all = vec![("twin", twin)];
     let (groups, rest) = cases.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
-    let source = table_reader() + ENTRY;
-    match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", Some(&shader_table), groups) {
-        Ok(found) => all.push(("shader", found.into_flattened())),
-        Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
-        Err(failure) => panic!("{failure}"),
+    for (who, textures) in [("shader", Bound::Volumes), ("shader of an array", Bound::Array)] {
+        let source = table_reader(textures) + ENTRY;
+        match example::run::<_, [[f32; 12]; 256]>(&source, "looked_up", Some((&shader_table, textures)), groups) {
+            Ok(found) => all.push((who, found.into_flattened())),
+            Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
+            Err(failure) => panic!("{failure}"),
+        }
     }
     for (who, found) in all {
         for ((found, wanted), at) in found.iter().zip(&wanted).zip(&configurations) {

@@ -14,7 +14,7 @@ use crate::{
             TexelFormat,
             gpu::{GpuFailure, example},
         },
-        shaders::joined,
+        shaders::{Bound, joined},
     },
 };
 
@@ -96,7 +96,12 @@ fn the_shader_gives_what_f64_does_for_any_light() {
         let words: Vec<[f32; 24]> = lights.iter().map(Single::words).collect();
         let (groups, rest) = words.as_chunks::<256>();
         assert!(rest.is_empty(), "the shader takes 256 at a time");
-        let found = match example::run::<_, [[[f32; 2]; RULES]; 256]>(&source, "lit", Some(&table), groups) {
+        let found = match example::run::<_, [[[f32; 2]; RULES]; 256]>(
+            &source,
+            "lit",
+            Some((&*table, Bound::Volumes)),
+            groups,
+        ) {
             Ok(found) => found.into_flattened(),
             Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
             Err(error) => panic!("{error}"),

@@ -11,7 +11,7 @@ use crate::{
             TexelFormat, cpu,
             gpu::{GpuFailure, example},
         },
-        shaders::joined,
+        shaders::{Bound, joined},
     },
 };
 
@@ -74,7 +74,8 @@ fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let words: Vec<[u32; 48]> = cases.iter().map(words).collect();
     let (groups, rest) = words.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
-    match example::run::<_, [[f32; 2]; 256]>(&source, "covered", Some(&shader_table(TexelFormat::F32)), groups) {
+    let table = shader_table(TexelFormat::F32);
+    match example::run::<_, [[f32; 2]; 256]>(&source, "covered", Some((&*table, Bound::Volumes)), groups) {
         Ok(by_gpu) => found.push(("GPU", by_gpu.into_flattened())),
         Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
         Err(error) => panic!("{error}"),

@@ -20,7 +20,7 @@ use crate::{
             ShaderTable, TexelFormat, cpu,
             gpu::{GpuFailure, example},
         },
-        shaders::{CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table, port},
+        shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table, port},
     },
 };
 
@@ -100,7 +100,7 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
             tried.iter().map(|(case, light, two_sided)| case_words(case, light, *two_sided)).collect();
         let shader = ShaderTable::new(&table, TexelFormat::F32);
         // The columns of M, then the terms and what is covered.
-        let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", Some(&shader), &words) {
+        let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", Some((&shader, Bound::Volumes)), &words) {
             Ok(found) => found,
             Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
             Err(error) => panic!("{error}"),

@@ -8,7 +8,7 @@ use super::*;
 use crate::{
     fit::{IsotropicFunction, Layout, planted_isotropic},
     light::Gaussian,
-    view::shaders::{Place, include_function},
+    view::shaders::{Bound, Filter, Place, include_function},
 };
 
 fn place(prefix: &str, first_binding: u16) -> Place {
@@ -17,8 +17,8 @@ fn place(prefix: &str, first_binding: u16) -> Place {
 
 /// Five lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
 /// a table, and the one without textures.
-fn lights(language: Language, filter: Filter) -> [(String, &'static str); 5] {
-    let text = |lit_by: LitBy, place: &Place| include(language, lit_by, filter, place).expect("a translation");
+fn lights(language: Language, reading: Reading) -> [(String, &'static str); 5] {
+    let text = |lit_by: LitBy, place: &Place| include(language, lit_by, reading, place).expect("a translation");
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     let function = include_function(language, &function, &[], &place("smooth", 0)).expect("a translation");
     [
@@ -61,10 +61,10 @@ fn globals(code: &str) -> BTreeSet<String> {
 
 #[test]
 fn names_of_several_lights_differ_in_every_language() {
-    for filter in [Filter::Exact, Filter::Hardware] {
+    for reading in Reading::ALL {
         for language in texts().filter(|language| *language != Language::Wgsl) {
             let mut all = BTreeSet::new();
-            for (text, prefix) in lights(language, filter) {
+            for (text, prefix) in lights(language, reading) {
                 let names = globals(&text);
                 let name = language.name();
                 assert!(names.len() > 15 && names.contains(&format!("{prefix}_disk")), "{name}: {names:?}");
@@ -92,7 +92,7 @@ fn shown() -> @location(0) vec4<f32> {
             + gaussians_rectangle(gaussians_view(GAUSSIANS_ASG, 0.5, 0.5, wo), corners, true).x);
 }
 ";
-    let source = lights(Language::Wgsl, Filter::Exact).map(|(text, _)| text).concat() + entry;
+    let source = lights(Language::Wgsl, Reading::default()).map(|(text, _)| text).concat() + entry;
     let module =
         naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
     let valid = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
@@ -112,7 +112,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         (Language::GlslEs, "uniforms iso2_table.nodes and iso2_table.reading"),
         (Language::Msl, "iso2_mslBufferSizes may be any"),
     ] {
-        let text = include(language, Layout::Ltc2017, Filter::Exact, &place("iso2", 6)).expect("a translation");
+        let text = include(language, Layout::Ltc2017, Reading::default(), &place("iso2", 6)).expect("a translation");
         let name = language.name();
         assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
         assert!(!text.contains("ltc_lookup"), "{name}");
@@ -123,7 +123,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         (Language::Hlsl, "terms t10, sampler s11, all of space3"),
     ] {
         let place = Place { group: 3, ..place("iso2", 6) };
-        let text = include(language, Layout::Ltc2017, Filter::Exact, &place).expect("a translation");
+        let text = include(language, Layout::Ltc2017, Reading::default(), &place).expect("a translation");
         assert!(text.contains(line), "{}:\n{text}", language.name());
         if language == Language::Wgsl {
             let module = naga::front::wgsl::parse_str(&text).expect("WGSL");
@@ -132,7 +132,13 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
             assert_eq!(bound, (6..12).map(|number| (3, number)).collect());
         }
     }
-    let hlsl = include(Language::Hlsl, Layout::Ltc2017, Filter::Hardware, &place("iso2", 6)).expect("a translation");
+    let hlsl = include(
+        Language::Hlsl,
+        Layout::Ltc2017,
+        Reading { filter: Filter::Hardware, bound: Bound::Volumes },
+        &place("iso2", 6),
+    )
+    .expect("a translation");
     for register in ["b6)", "t7)", "t8)", "t9)", "t10)", "s11)"] {
         assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
     }

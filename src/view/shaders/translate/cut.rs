@@ -1,21 +1,26 @@
 //! A translation without its entry point, and with the names of WGSL for what it binds: text to include.
 
-use super::Language;
+use super::{Bound, Language};
 
-/// What a table's shader binds, by its binding in WGSL.
-const BOUND: [&str; 5] = ["ltc_table", "ltc_nodes", "ltc_matrix_a", "ltc_matrix_b", "ltc_terms"];
+/// What a table's shader binds but the sampler, which is last, by its binding in WGSL.
+fn names(bound: Bound) -> &'static [&'static str] {
+    match bound {
+        Bound::Volumes => &["ltc_table", "ltc_nodes", "ltc_matrix_a", "ltc_matrix_b", "ltc_terms"],
+        Bound::Array => &["ltc_table", "ltc_nodes", "ltc_layers"],
+    }
+}
 
 /// What is above the entry point, which naga writes last; `None` where there is none.
-pub(super) fn without_entry(language: Language, whole: &str, entry: &str) -> Option<String> {
+pub(super) fn without_entry(language: Language, bound: Bound, whole: &str, entry: &str) -> Option<String> {
     match language {
         Language::Wgsl => cut_at(whole, "@fragment\n"),
         Language::Glsl | Language::Glsl330 | Language::GlslEs => {
             let functions = cut_at(whole, "void main() {")?;
-            Some(named(&lines(&functions, |line| glsl_line(language, line))))
+            Some(named(bound, &lines(&functions, |line| glsl_line(language, line))))
         }
         Language::Hlsl => {
             let functions = cut_at(whole, &format!("float4 {entry}("))?;
-            Some(lines(&functions, hlsl_line))
+            Some(lines(&functions, |line| hlsl_line(bound, line)))
         }
         Language::Msl => cut_at(whole, &format!("struct {entry}Output")),
         Language::Spirv => None,
@@ -52,13 +57,13 @@ fn loose_uniform(line: &str) -> Option<String> {
 
 /// naga reaches samplers by way of a heap, since HLSL has no array of them by binding. Its zeros of arrays are casts, which
 /// glslang does not take.
-fn hlsl_line(line: &str) -> Option<String> {
+fn hlsl_line(bound: Bound, line: &str) -> Option<String> {
     if let Some(listed) = listed_zeros(line) {
         return Some(listed);
     }
     let is_heap = line.contains("nagaSamplerHeap") || line.contains("nagaComparisonSamplerHeap");
     if line.starts_with("static const SamplerState ltc_sampler") {
-        return Some("SamplerState ltc_sampler : register(s5);".to_owned());
+        return Some(format!("SamplerState ltc_sampler : register(s{});", names(bound).len()));
     }
     (!is_heap && !line.contains("SamplerIndexArray")).then(|| line.to_owned())
 }
@@ -72,8 +77,8 @@ fn listed_zeros(line: &str) -> Option<String> {
 }
 
 /// naga numbers what OpenGL binds.
-fn named(text: &str) -> String {
-    BOUND
+fn named(bound: Bound, text: &str) -> String {
+    names(bound)
         .iter()
         .enumerate()
         .fold(text.to_owned(), |text, (binding, name)| text.replace(&format!("_group_0_binding_{binding}_fs"), name))
@@ -85,10 +90,10 @@ mod tests {
 
     #[test]
     fn zeros_of_an_array_are_listed_and_other_lines_stay() {
-        let listed = hlsl_line("    float3 outline[3] = (float3[3])0;");
+        let listed = hlsl_line(Bound::Volumes, "    float3 outline[3] = (float3[3])0;");
         assert_eq!(listed.as_deref(), Some("    float3 outline[3] = { (float3)0, (float3)0, (float3)0 };"));
         for line in ["    LtcFold fold = (LtcFold)0;", "    float x = (a[1])*2.0;", "    uint y = (b[2] + c[0]);"] {
-            assert_eq!(hlsl_line(line).as_deref(), Some(line));
+            assert_eq!(hlsl_line(Bound::Volumes, line).as_deref(), Some(line));
         }
     }
 }

@@ -13,7 +13,7 @@ use naga::{
     valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
 };
 
-use super::{Filter, Language, LitBy};
+use super::{Bound, Filter, Language, LitBy, Reading};
 use cut::without_entry;
 
 /// Where a resource goes in languages without groups: what OpenGL calls its binding and Metal its index.
@@ -58,6 +58,14 @@ const INCLUDED_SLOTS: [Slot; 6] = [
     (ResourceBinding { group: 0, binding: 5 }, 5, Resource::Sampler),
 ];
 
+/// The same of a table in one array.
+const INCLUDED_ARRAY_SLOTS: [Slot; 4] = [
+    (ResourceBinding { group: 0, binding: 0 }, 0, Resource::Buffer),
+    (ResourceBinding { group: 0, binding: 1 }, 1, Resource::Buffer),
+    (ResourceBinding { group: 0, binding: 2 }, 2, Resource::Texture),
+    (ResourceBinding { group: 0, binding: 3 }, 3, Resource::Sampler),
+];
+
 /// What a translation starts from: the function that keeps all others in it, and where resources go.
 struct Entry<'a> {
     stage: ShaderStage,
@@ -91,14 +99,19 @@ pub(super) fn translate(language: Language, lit_by: LitBy, source: &str) -> Resu
 pub(super) struct Included<'a> {
     pub(super) source: &'a str,
     pub(super) entry: &'a str,
-    /// Who interpolates the entries of a table.
-    pub(super) filter: Option<Filter>,
+    /// How the entries of a table are read.
+    pub(super) reading: Option<Reading>,
 }
 
 /// The functions of the WGSL module `source` in `language`, without the fragment shader that calls them all.
 pub(super) fn translate_functions(language: Language, included: &Included<'_>) -> Result<String, String> {
-    let entry = Entry { stage: ShaderStage::Fragment, name: included.entry, slots: &INCLUDED_SLOTS };
-    let (module, info) = prepared(included.source, &entry, included.filter)?;
+    let bound = included.reading.unwrap_or_default().bound;
+    let slots: &[Slot] = match bound {
+        Bound::Volumes => &INCLUDED_SLOTS,
+        Bound::Array => &INCLUDED_ARRAY_SLOTS,
+    };
+    let entry = Entry { stage: ShaderStage::Fragment, name: included.entry, slots };
+    let (module, info) = prepared(included.source, &entry, included.reading.map(|reading| reading.filter))?;
     let whole = match language {
         Language::Wgsl => Ok(included.source.to_owned()),
         Language::Glsl => glsl(&module, &info, glsl::Version::Desktop(450), &entry),
@@ -108,7 +121,8 @@ pub(super) fn translate_functions(language: Language, included: &Included<'_>) -
         Language::Msl => msl(&module, &info, &entry),
         Language::Spirv => Err("SPIR-V has no text to include".to_owned()),
     }?;
-    without_entry(language, &whole, included.entry).ok_or_else(|| format!("no {} in the translation", included.entry))
+    without_entry(language, bound, &whole, included.entry)
+        .ok_or_else(|| format!("no {} in the translation", included.entry))
 }
 
 /// The module with constants put in, and nothing in it that its entry point does not reach.

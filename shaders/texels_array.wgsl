@@ -1,0 +1,31 @@
+// A table in one 2D array, for renderers that have no 3D textures or no samplers to spare: a layer for each alpha, first of what
+// ltc_table.wgsl calls a, then of b, then of terms.
+
+@group(0) @binding(2) var ltc_layers: texture_2d_array<f32>;
+@group(0) @binding(3) var ltc_sampler: sampler;
+
+/// The entry at a texel; z counts the layers of one part.
+fn ltc_fetch(texel: vec3<u32>) -> LtcTexels {
+    let count = ltc_table.nodes.x;
+    return LtcTexels(
+        textureLoad(ltc_layers, texel.xy, texel.z, 0),
+        textureLoad(ltc_layers, texel.xy, texel.z + count, 0),
+        textureLoad(ltc_layers, texel.xy, texel.z + 2u * count, 0),
+    );
+}
+
+/// What the sampler makes of the entries around a place, within the layers of one alpha; at is 0 to 1 across them.
+fn ltc_sample_layers(at: vec2<f32>, alpha: u32) -> LtcTexels {
+    let count = ltc_table.nodes.x;
+    return LtcTexels(
+        textureSampleLevel(ltc_layers, ltc_sampler, at, alpha, 0.0),
+        textureSampleLevel(ltc_layers, ltc_sampler, at, alpha + count, 0.0),
+        textureSampleLevel(ltc_layers, ltc_sampler, at, alpha + 2u * count, 0.0),
+    );
+}
+
+/// The same between two layers, which no sampler weighs.
+fn ltc_sample(at: vec2<f32>, alpha: LtcPlace) -> LtcTexels {
+    let above = min(alpha.lower + 1u, ltc_table.nodes.x - 1u);
+    return ltc_mix(ltc_sample_layers(at, alpha.lower), ltc_sample_layers(at, above), alpha.weight);
+}
