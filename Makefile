@@ -21,10 +21,11 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo test test-native lint lint-core lint-deploy fmt bench packages browser cluster clean
+.PHONY: help demo figures test test-native lint lint-core lint-deploy fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
+	@echo 'make figures draw the figures of docs/figures.md anew'
 	@echo 'make test    run all tests'
 	@echo 'make lint    rustfmt, clippy and docs, warnings denied'
 	@echo 'make bench   measure an evaluation, an entry, the speed-up over the published algorithm, a picture, what the service adds'
@@ -40,6 +41,10 @@ packages:
 demo: packages
 	$(CARGO) build --release --locked
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
+
+figures: packages
+	$(CARGO) build --release --locked
+	$(or $(CARGO_TARGET_DIR),target)/release/ltcforge figures -o docs/figures
 
 # Not every system has these packages, and not every machine reaches npm's registry: the tests that need them say then
 # that they are skipped.

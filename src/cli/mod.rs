@@ -13,6 +13,7 @@ mod csv;
 mod diff;
 mod exit;
 mod export;
+mod figures;
 mod fit;
 mod fsck;
 mod input;

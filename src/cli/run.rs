@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    diff, export, fit, fsck, jobs, light, lock, lookup, plot, preview, print, pull, report, serve, shader,
+    diff, export, figures, fit, fsck, jobs, light, lock, lookup, plot, preview, print, pull, report, serve, shader,
     sources::Sources,
     tradeoff, verify,
 };
@@ -35,6 +35,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Report(args) => report::run(&args, json, context),
         Command::Preview(args) => preview::run(&args, json, context),
         Command::Plot(args) => plot::run(&args, json, context),
+        Command::Figures(args) => figures::run(&args, json, context),
         Command::Tradeoff(args) => tradeoff::run(&args, json, context),
         Command::Shader(args) => shader::run(&args, json, context),
         Command::Export(args) => export::run(&args, json, context),

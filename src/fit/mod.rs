@@ -50,7 +50,7 @@ pub use measure::{
 pub use metric::Metric;
 pub use pulse::Pulse;
 pub use recipe::{FITTER_VERSION, FitSettings, Recipe};
-pub use run::{Progress, fit_plan};
+pub use run::{Progress, fit_entries, fit_plan};
 pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
 pub use solver::Solver;
 #[cfg(test)]

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     assemble::assemble,
-    entry::Fitter,
+    entry::{FittedEntry, Fitter},
     shard::{Plan, fit_rows},
     table::Table,
 };
@@ -22,6 +22,12 @@ pub type Progress<'a> = dyn Fn(u64) -> ControlFlow<()> + Sync + 'a;
 /// `progress` gets the count of finished entries after each entry, and at intervals within a long one.
 #[must_use]
 pub fn fit_plan(plan: &Plan, progress: &Progress) -> Option<Table> {
+    Some(assemble(plan, &fit_entries(plan, progress)?))
+}
+
+/// The fitted entries of a whole plan, as [`fit_plan`] assembles them.
+#[must_use]
+pub fn fit_entries(plan: &Plan, progress: &Progress) -> Option<Vec<FittedEntry>> {
     let finished = AtomicU64::new(0);
     let fitter = Fitter::new(&plan.recipe().fit);
     let fit_row = |row: u64| {
@@ -36,5 +42,5 @@ pub fn fit_plan(plan: &Plan, progress: &Progress) -> Option<Table> {
     // Threads take one row at a time, so that they all end together. The results are in the order of the rows,
     // whichever row ends first.
     let fitted: Option<Vec<_>> = rows.into_par_iter().with_max_len(1).map(fit_row).collect();
-    Some(assemble(plan, &fitted?.concat()))
+    Some(fitted?.concat())
 }

@@ -3,6 +3,8 @@
 pub mod shaders;
 
 #[cfg(feature = "render")]
+pub mod figures;
+#[cfg(feature = "render")]
 pub mod parameters;
 #[cfg(feature = "render")]
 pub mod picture;

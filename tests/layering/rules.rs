@@ -81,6 +81,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("view::tradeoff", &["files", "light", "light::normals", "fit"]),
+    ("view::figures", &["view::picture", "view::preview", "files", "fit", "fit::brdf", "fit::lobe", "fit::math"]),
     ("server::store", &["files"]),
     ("server::queue", &["server::store", "files"]),
     (
@@ -117,6 +118,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
             "server::http",
             "server::service",
             "client",
+            "view::figures",
             "view::picture",
             "view::plots",
             "view::preview",
@@ -164,7 +166,7 @@ pub(crate) const ABSENT: &[(&[&str], &[&str])] = &[
     ),
     (&["view::tradeoff"], &["std::fs", "std::env", "std::time", "std::thread", "rustix"]),
     (&["server::queue", "server::store"], &["axum", "tower_http", "ureq"]),
-    (&["view::picture", "view::plots", "view::preview"], &["axum", "tokio", "sled", "serde_json"]),
+    (&["view::picture", "view::plots", "view::figures", "view::preview"], &["axum", "tokio", "sled", "serde_json"]),
     (&["client"], &["axum", "tokio", "sled"]),
     (&["server::http", "cli"], &["sled"]),
 ];

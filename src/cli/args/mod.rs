@@ -24,7 +24,7 @@ pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
 pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
-pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
+pub(super) use pictures::{FiguresArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
 #[cfg(feature = "cluster")]
 pub(super) use shared::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
@@ -80,6 +80,8 @@ pub enum Command {
     Preview(Box<PreviewArgs>),
     /// Draw where a table's errors are, or all its numbers, as PNG
     Plot(PlotArgs),
+    /// Draw figures of the paper that introduced anisotropic LTCs, from fits of ours
+    Figures(FiguresArgs),
     /// Fit a family of recipes and show what speed and size cost in accuracy
     Tradeoff(TradeoffArgs),
     /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
@@ -118,7 +120,7 @@ impl Command {
     /// Whether this command may open a Vulkan device.
     #[must_use]
     pub fn opens_vulkan(&self) -> bool {
-        matches!(self, Self::Preview(_) | Self::Serve(_))
+        matches!(self, Self::Preview(_) | Self::Figures(_) | Self::Serve(_))
     }
 
     /// The level of the log if nothing else is asked for.
@@ -149,6 +151,7 @@ impl Command {
             | Self::Report(_)
             | Self::Preview(_)
             | Self::Plot(_)
+            | Self::Figures(_)
             | Self::Shader(_)
             | Self::Export(_)
             | Self::Jobs(_)

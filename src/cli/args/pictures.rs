@@ -1,4 +1,4 @@
-//! `preview`, `plot` and `shader`: pictures of tables, and the shaders that read them.
+//! `preview`, `plot`, `figures` and `shader`: pictures of tables, and the shaders that read them.
 
 use std::{path::PathBuf, sync::LazyLock};
 
@@ -16,6 +16,7 @@ use crate::{
     fit::Layout,
     light::{LightModel, WeightRule},
     view::{
+        figures::Figure,
         plots::{Azimuth, Ratio},
         preview::{Choices, Form, PARAMETERS, Parameter, Value},
         shaders::Prefix,
@@ -190,6 +191,31 @@ pub struct ShaderArgs {
 fn layout() -> impl TypedValueParser<Value = Layout> {
     let names = PossibleValuesParser::new(Layout::ALL.iter().map(|layout| layout.name()));
     names.try_map(|name| Layout::from_name(&name).ok_or("is no layout"))
+}
+
+/// `figures`.
+#[derive(Debug, Args)]
+pub struct FiguresArgs {
+    /// Only this one, once or several times [default: all]
+    #[arg(value_name = "NAME", value_parser = figure())]
+    pub names: Vec<Figure>,
+    /// What renders the spheres
+    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: AdapterName,
+    /// Folder that the pictures go to
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Number of threads
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// A figure by its name.
+fn figure() -> impl TypedValueParser<Value = Figure> {
+    PossibleValuesParser::new(Figure::ALL.map(Figure::name)).map(|name| {
+        // The parser lets no other name through.
+        Figure::ALL.into_iter().find(|figure| figure.name() == name).unwrap_or(Figure::ALL[0])
+    })
 }
 
 /// What a shader is written as.

@@ -1,0 +1,17 @@
+//! Why a figure could not be drawn.
+
+use crate::{files::recipe_document::RecipeError, view::preview::PreviewError};
+
+/// Why a figure could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// A recipe of a figure is not one of this version.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// The renderer's error.
+    #[error(transparent)]
+    Preview(#[from] PreviewError),
+    /// The fit was stopped.
+    #[error("the fit was stopped")]
+    Stopped,
+}

@@ -1,0 +1,97 @@
+//! Figure 3: artefacts, each from leaving out one remedy.
+//!
+//! Our solver leaves neither artefact by itself: it does not turn the cosine under a matrix, and its samples are as symmetric as
+//! the lobe. So the matrices of (b) are turned here, each by an angle of its own, as a solver on nine numbers is free to do,
+//! and (c) is fitted by the published descent, whose samples are random.
+
+use std::{f64::consts::TAU, sync::Arc};
+
+use glam::DMat3;
+
+use super::{error::FigureError, fits::entries};
+use crate::{
+    fit::{
+        FittedEntry, PerAxis, Plan, Table, assemble,
+        brdf::Mirrors,
+        lobe::ltc::align,
+        math::{from_row_major, row_major},
+    },
+    view::{
+        picture::{Panel, Picture, caption, grid, headed},
+        preview::{Camera, Light, Material, Preview, Scene, ShaderTable, TexelFormat},
+    },
+};
+
+/// Pixels a side of a sphere.
+const SIDE: u32 = 320;
+/// The paper's nodes in its layout.
+const RECIPE: &str = r#"{"preset": "paper", "layout": "kt2022"}"#;
+/// The same by the descent, with few samples and steps.
+const DESCENT: &str = r#"{"layout": "kt2022", "fit": {"solver": "sgd", "samples": 64, "directions": 4, "steps": 200}}"#;
+/// A part of a turn far from any fraction with a small denominator.
+const TURN: f64 = 0.618_033_988_749_895;
+/// As of layout `kt2022`.
+const FLATTEST: f64 = 1e-4;
+
+/// Draws spheres by tables that lack one remedy, beside those that have it.
+pub(super) fn draw(preview: &mut Preview) -> Result<Picture, FigureError> {
+    let (plan, exact) = entries(RECIPE)?;
+    let (rough_plan, rough) = entries(DESCENT)?;
+    let turned: Vec<FittedEntry> = exact.iter().enumerate().map(|(i, entry)| with(entry, turned(i, entry))).collect();
+    let unsymmetrised = |entry: &FittedEntry| align(&from_row_major(&entry.matrix), NO_MIRRORS, FLATTEST);
+    let tables = [
+        ("(b) matrices not aligned", stored(&plan, &turned, |entry| from_row_major(&entry.matrix))),
+        ("aligned", assemble(&plan, &turned)),
+        ("(c) symmetries not enforced", stored(&rough_plan, &rough, unsymmetrised)),
+        ("enforced", assemble(&rough_plan, &alike_from_above(&rough_plan, &rough))),
+    ];
+    let mut titled = Vec::new();
+    for (name, table) in tables {
+        let table = Arc::new(ShaderTable::new(&table, TexelFormat::F32));
+        titled.push((name, preview.render(&table, &scene(), &|| false)?.picture));
+    }
+    let panels: Vec<Panel<'_>> = titled
+        .iter()
+        .map(|(title, picture)| Panel { title, picture: picture.clone(), foot: caption(SIDE, &[""]) })
+        .collect();
+    Ok(headed(&[&["Spheres by tables that lack a remedy, and that have it"]], &grid(&panels, 2)))
+}
+
+const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
+
+/// A light in front, so that the sphere is seen to reflect it where the view is along the normal.
+fn scene() -> Scene {
+    Scene {
+        materials: vec![Material { alpha_x: 0.5, alpha_y: 0.15, rotation: 0.0 }],
+        light: Light { centre: [-0.6, 0.8, 3.0], half_size: [0.9, 0.6], ..Light::default() },
+        camera: Camera::default(),
+        size: SIDE,
+        ..Scene::default()
+    }
+}
+
+fn with(entry: &FittedEntry, matrix: DMat3) -> FittedEntry {
+    FittedEntry { matrix: row_major(&matrix), ..*entry }
+}
+
+/// Another matrix of the entry's distribution.
+fn turned(index: usize, entry: &FittedEntry) -> DMat3 {
+    from_row_major(&entry.matrix) * DMat3::from_rotation_z(TAU * (TURN * index as f64).fract())
+}
+
+/// The entries seen from above, where the azimuth does not matter, as at the first azimuth.
+fn alike_from_above(plan: &Plan, entries: &[FittedEntry]) -> Vec<FittedEntry> {
+    let PerAxis { theta, phi, .. } = plan.nodes().lengths();
+    let of = |index: usize| if index / phi % theta == 0 { index - index % phi } else { index };
+    (0..entries.len()).map(|index| entries[of(index)]).collect()
+}
+
+/// The table of these matrices, their third column of unit length.
+fn stored(plan: &Plan, entries: &[FittedEntry], matrix: impl Fn(&FittedEntry) -> DMat3) -> Table {
+    let mut table = assemble(plan, entries);
+    for (stored, entry) in table.matrix.iter_mut().zip(entries) {
+        let m = matrix(entry);
+        *stored = row_major(&(m * (1.0 / m.z_axis.length()))).map(|x| x as f32);
+    }
+    table
+}
