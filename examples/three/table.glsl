@@ -23,7 +23,7 @@
 //             (reflected 1, kt2022 0, ltc2017 2, ltc2016 3, godot 4, hdrp 5);
 //             1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
 //   nodes     uniform of f32, at most 512: alpha's nodes, then ratio's, theta's and phi's, ascending
-// matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
+//   matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
 //   matrix_b  likewise: m11 m12 m20 m21
 //   terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
 //   The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
@@ -31,7 +31,7 @@
 //   Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
 //   matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
 //   direction's angles in radians.
-// here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
+//   here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
 //             the last; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms
 //   The entries are weighed here, texels are fetched: filter and wrap mode do not matter.
 //

@@ -67,7 +67,7 @@ pub enum ClientError {
         origin: SizeOrigin,
     },
     /// The response is shorter than the lock file says.
-    #[error("{url}: the answer has {bytes} bytes, the lock file states {stated_bytes}")]
+    #[error("{url}: it has {bytes} bytes, the lock file states {stated_bytes}")]
     TooShort {
         /// The requested URL.
         url: String,

@@ -45,7 +45,7 @@ BINDINGS OF A TABLE
             ({numbers});
             1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
   nodes     {nodes}: alpha's nodes, then ratio's, theta's and phi's, ascending
-{textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
+  {textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
   matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
   direction's angles in radians.
 ";
@@ -229,7 +229,7 @@ pub(super) fn table_include_header(language: Language, layout: Layout, reading: 
     let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
     let table = bound_table(reading.bound, if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE });
     let bindings = included_bindings(language, reading, place);
-    commented(&format!("{}{USE}\n{table}{bindings}\n\n{}", about(layout), check(layout)))
+    commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))
 }
 
 /// The text in lines that begin with `//`.

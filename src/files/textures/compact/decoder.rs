@@ -146,7 +146,9 @@ impl<'a> Reader<'a> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], &'static str> {
         let taken = self.bytes.get(..N).ok_or("the bytes end too early")?;
         self.bytes = &self.bytes[N..];
-        taken.try_into().map_err(|_| "the bytes end too early")
+        let mut copied = [0; N];
+        copied.copy_from_slice(taken);
+        Ok(copied)
     }
 
     fn name(&mut self) -> Result<&'a [u8], &'static str> {
