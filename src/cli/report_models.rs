@@ -89,5 +89,5 @@ fn text(lights: &RandomLights, rows: &[Row]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "{name:32}{mean:>10.5}{p95:>9.5}{max:>9.5}");
     }
-    out + "\n0 is perfect. The truth is adaptive quadrature; the Fresnel factor is one. docs/light.md explains the measure."
+    out + "\n0 is perfect. The truth is adaptive quadrature; the Fresnel factor is one. docs/report.md explains the measure."
 }

@@ -11,6 +11,7 @@ mod error;
 mod measure;
 mod model;
 mod polygon;
+mod refracted;
 mod shapes;
 mod table;
 #[cfg(test)]
@@ -23,6 +24,7 @@ pub use measure::{EVERYWHERE, LightMap, Lighting, RandomLights, light_error, lig
 pub use model::{LightModel, Reflected, by_gaussian, by_normals};
 pub use normals::WeightRule;
 pub use polygon::PolygonLight;
+pub use refracted::by_refraction;
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
 pub use table::by_table;
 pub use truth::{TRUTH_TOLERANCE, truth, truth_within};
