@@ -105,8 +105,8 @@ pub use files::{
     recipe_document::{Fault, Preset, RecipeError},
 };
 pub use fit::{
-    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Sides, Solver,
-    Table,
+    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Shear, Sides,
+    Solver, Start, Table,
 };
 pub use glam;
 #[cfg(feature = "shaders")]

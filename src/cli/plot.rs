@@ -13,7 +13,9 @@ use crate::{
     light::WeightRule,
     view::{
         picture::Picture,
-        plots::{ErrorSlice, GlassError, NamedTable, Plot, frosted_glass, gaussian_plots, light_errors},
+        plots::{
+            ErrorSlice, GlassError, IsotropicFigure, NamedTable, Plot, frosted_glass, gaussian_plots, light_errors,
+        },
     },
 };
 
@@ -70,6 +72,7 @@ fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailur
         }
         PlotName::Gaussians => gaussian_plots(args.lights.unwrap_or(CURVE_LIGHTS) as usize)
             .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?,
+        PlotName::Isotropic => args.figure.unwrap_or(IsotropicFigure::ALL[0]).draw(),
         PlotName::Glass => {
             let drawn = frosted_glass(GLASS_SIDE, args.spp.unwrap_or(GLASS_SAMPLES) as usize);
             return Ok(Drawn { picture: drawn.picture, surfaces: drawn.surfaces });
@@ -88,6 +91,7 @@ fn check_options(args: &PlotArgs) -> Result<(), CommandFailure> {
     match (args.name, &args.table) {
         (PlotName::Glass, Some(_)) => refused("glass shows no table; leave it out"),
         (PlotName::Gaussians, Some(_)) => refused("gaussians shows no table; leave it out"),
+        (PlotName::Isotropic, Some(_)) => refused("isotropic shows no table; leave it out"),
         (PlotName::Error | PlotName::Matrix, None) => refused("this picture is of a table: name one before it"),
         _ if args.weight.is_some() && args.name != PlotName::Light => {
             refused("--weight belongs to light, the errors of models")
@@ -95,6 +99,7 @@ fn check_options(args: &PlotArgs) -> Result<(), CommandFailure> {
         _ if args.lights.is_some() && !matches!(args.name, PlotName::Light | PlotName::Gaussians) => {
             refused("--lights belongs to light and gaussians, the errors of models")
         }
+        _ if args.figure.is_some() && args.name != PlotName::Isotropic => refused("--figure belongs to isotropic"),
         _ if args.spp.is_some() && args.name != PlotName::Glass => refused("--spp belongs to glass, which is sampled"),
         _ => Ok(()),
     }

@@ -20,8 +20,13 @@ pub fn fit_seconds(recipe: &Recipe) -> f64 {
 
 /// The time that one entry's fit takes, likewise.
 fn entry_seconds(fit: &FitSettings) -> f64 {
-    let effort =
-        Effort { samples: fit.samples as usize, directions: fit.directions as usize, steps: fit.steps, seed: fit.seed };
+    let effort = Effort {
+        metric: fit.metric,
+        samples: fit.samples as usize,
+        directions: fit.directions as usize,
+        steps: fit.steps,
+        seed: fit.seed,
+    };
     fit.solver.rules().seconds(&effort) + SAMPLING_SECONDS * f64::from(fit.samples) + ENTRY_SECONDS
 }
 
@@ -46,7 +51,8 @@ mod tests {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
         for &solver in Solver::ALL {
             for (samples, directions) in [(1024, 8), (1024, 64), (8192, 16)] {
-                let fit = FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 20, seed: 0 };
+                let fit =
+                    FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 20, seed: 0, simplex: None };
                 let work = work_of(|pulse| {
                     Fitter::new(&fit).fit(&ggx, direction(1.0, 0.6), 0, pulse).expect("nothing stops it");
                 });

@@ -58,7 +58,15 @@ mod tests {
             layout,
             resolution: PerAxis { alpha, ratio: nodes(ratio, range.ratio), theta, phi: nodes(phi, range.phi) },
             range,
-            fit: FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples, directions: 8, steps: 20, seed: 0 },
+            fit: FitSettings {
+                metric: Metric::Sw1,
+                solver: Solver::Bfgs,
+                samples,
+                directions: 8,
+                steps: 20,
+                seed: 0,
+                simplex: None,
+            },
             terms: false,
             precision: Precision::F32,
         }

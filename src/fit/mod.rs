@@ -52,7 +52,7 @@ pub use pulse::Pulse;
 pub use recipe::{FITTER_VERSION, FitSettings, Recipe};
 pub use run::{Progress, fit_entries, fit_plan};
 pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
-pub use solver::Solver;
+pub use solver::{Shear, Simplex, Solver, Start};
 #[cfg(test)]
 pub(crate) use table::planted_isotropic;
 pub use table::{Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms};

@@ -10,7 +10,7 @@ use super::{
     layout::{Layout, Precision},
     lobe::LobeModel,
     metric::Metric,
-    solver::Solver,
+    solver::{Simplex, Solver},
 };
 
 /// Version of the fitter. Raised whenever the same recipe gives other bytes.
@@ -31,6 +31,10 @@ pub struct FitSettings {
     pub(crate) steps: u32,
     /// Shifts the sample sequences of `bfgs`, seeds the generator of `sgd`.
     pub(crate) seed: u64,
+    /// The choices of a solver with a simplex. The canonical form names them with such a solver only, so that recipes keep
+    /// their digests.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub(crate) simplex: Option<Simplex>,
 }
 
 /// A complete recipe. Equal recipes give equal bytes.
@@ -93,6 +97,12 @@ impl FitSettings {
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// The choices of a solver with a simplex.
+    #[must_use]
+    pub fn simplex(&self) -> Option<Simplex> {
+        self.simplex
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::ops::{ControlFlow, Range};
 
+use glam::{DMat3, DVec3};
+
 use super::{
     axes::PerAxis,
     entry::{FittedEntry, Fitter},
@@ -9,6 +11,7 @@ use super::{
     math::{from_row_major, row_major, turned_about_z},
     pulse::Pulse,
     recipe::Recipe,
+    solver::Start,
 };
 
 /// Entries that a shard has at least, unless it is the last. They take some hundredths of a second, so that little work
@@ -17,8 +20,9 @@ const SHARD_ENTRIES: u64 = 64;
 
 /// A recipe's nodes and how they are cut into shards; the recipe alone decides both.
 ///
-/// The entries that share alpha, ratio and theta are a row. They also share work where symmetry makes them equal, so a
-/// shard is a whole number of rows.
+/// The entries that share alpha, ratio and theta are a view. They also share work where symmetry makes them equal. A row is
+/// one view or, where each view starts from the last, all views that share alpha and ratio. A shard is a whole number of
+/// rows, so that its entries do not depend on any other's.
 #[derive(Debug, Clone)]
 pub struct Plan {
     recipe: Recipe,
@@ -69,7 +73,17 @@ impl Plan {
     }
 
     fn row_length(&self) -> u64 {
+        let views = if self.is_warm() { self.recipe.resolution.theta.max(1) } else { 1 };
+        u64::from(views) * self.view_length()
+    }
+
+    fn view_length(&self) -> u64 {
         u64::from(self.recipe.resolution.phi.max(1))
+    }
+
+    /// Whether each view starts from the last.
+    fn is_warm(&self) -> bool {
+        self.recipe.fit.simplex.is_some_and(|simplex| simplex.start == Start::Warm)
     }
 
     /// Ascending nodes of each axis.
@@ -111,8 +125,7 @@ pub fn fit_rows(
     Some(entries)
 }
 
-/// Fits the entries of one row, each lobe once. Seen from above, the lobe is the same for every phi. On an isotropic
-/// surface it turns with phi.
+/// Fits the entries of one row, view by view.
 fn fit_row(
     plan: &Plan,
     row: u64,
@@ -121,21 +134,63 @@ fn fit_row(
     pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Option<()> {
     let first = row * plan.row_length();
+    let mut near = None;
+    if plan.is_warm() {
+        let done = entries.len() as u64;
+        near = Some(from_above(plan, plan.place(first).alpha, fitter, &mut Pulse::new(&mut || pulse(done)))?);
+    }
+    for view in (first..first + plan.row_length()).step_by(plan.view_length() as usize) {
+        fit_view(plan, view, fitter, &mut near, entries, pulse)?;
+    }
+    Some(())
+}
+
+/// The matrix, in the frame of its lobe, from which the first view of a row with warm starts begins: of the lobe seen from
+/// above, down from the plan's roughest one in halves, each found from the last.
+fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, pulse: &mut Pulse) -> Option<DMat3> {
+    let mut rough = plan.place(plan.entries() - 1).alpha;
+    let mut near = None;
+    loop {
+        let place = PerAxis { alpha: rough, ratio: 1.0, theta: 0.0, phi: 0.0 };
+        let matrix = fitter.next_to(&*plan.recipe.brdf.surface_at(&place), DVec3::Z, near, pulse)?;
+        if rough <= alpha {
+            return Some(matrix);
+        }
+        near = Some(matrix);
+        rough = (0.5 * rough).max(alpha);
+    }
+}
+
+/// Fits the entries of the view whose first entry is `first`, each lobe once. It starts from `near`, if there is one, and
+/// leaves there what the next view starts from.
+/// Seen from above, the lobe is the same for every phi. On an isotropic surface it turns with phi.
+fn fit_view(
+    plan: &Plan,
+    first: u64,
+    fitter: &mut Fitter,
+    near: &mut Option<DMat3>,
+    entries: &mut Vec<FittedEntry>,
+    pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Option<()> {
     let place = plan.place(first);
+    let start = *near;
     let (from_above, isotropic) = (place.theta == 0.0, place.ratio == 1.0);
     let mut fit = |phi: f64, index: u64, done: u64, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>| {
         let place = PerAxis { phi, ..place };
         let surface = plan.recipe.brdf.surface_at(&place);
-        fitter.fit(&*surface, place.view(), index, &mut Pulse::new(&mut || pulse(done)))
+        fitter.fit_near(&*surface, place.view(), index, start, &mut Pulse::new(&mut || pulse(done)))
     };
     let done = entries.len() as u64;
     let shared = if from_above || isotropic { Some(fit(0.0, first, done, pulse)?) } else { None };
-    let shared = shared.map(|entry| if from_above && isotropic { round(&entry) } else { entry });
+    if start.is_some() {
+        *near = shared.map(|(_, matrix)| matrix);
+    }
+    let shared = shared.map(|(entry, _)| if from_above && isotropic { round(&entry) } else { entry });
     for (index, phi) in (first..).zip(&plan.nodes.phi) {
         entries.push(match shared {
             Some(entry) if from_above => entry,
             Some(entry) => turned(&entry, *phi),
-            None => fit(*phi, index, done + (index - first), pulse)?,
+            None => fit(*phi, index, done + (index - first), pulse)?.0,
         });
         if pulse(entries.len() as u64).is_break() {
             return None;

@@ -61,6 +61,7 @@ mod tests {
                     directions: 2,
                     steps: 1,
                     seed: 0,
+                    simplex: None,
                 },
                 terms: true,
                 precision: Precision::F32,

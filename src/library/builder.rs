@@ -10,7 +10,7 @@ use crate::{
         digest::Digest,
         recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse},
     },
-    fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Solver},
+    fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start},
 };
 
 /// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
@@ -115,6 +115,16 @@ impl RecipeBuilder {
     /// The method that minimises the distance.
     pub fn solver(self, solver: Solver) -> Self {
         self.set_in("fit", "solver", solver.name())
+    }
+
+    /// Which number skews a lobe, for a solver with a simplex.
+    pub fn shear(self, shear: Shear) -> Self {
+        self.set_in("fit", "shear", shear.name())
+    }
+
+    /// Where searches start, for a solver with a simplex.
+    pub fn start(self, start: Start) -> Self {
+        self.set_in("fit", "start", start.name())
     }
 
     /// Samples of the LTC in each evaluation.

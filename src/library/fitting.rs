@@ -69,6 +69,7 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     use super::*;
+    use crate::fit::{Layout, Metric, Solver, Start};
 
     fn small() -> Recipe {
         let axes = ["alpha", "ratio", "theta", "phi"];
@@ -86,6 +87,19 @@ mod tests {
         });
         assert_eq!(one.run().expect("a table"), fit(&recipe).expect("a table"));
         assert_eq!(most.into_inner(), recipe.entries());
+    }
+
+    /// Whichever thread fits which row, and although a search starts from another's result.
+    #[test]
+    fn warm_starts_give_the_same_table_on_any_number_of_threads() {
+        let builder = Recipe::builder().layout(Layout::Godot).resolution("alpha", 6).resolution("theta", 7);
+        let builder = builder.metric(Metric::L3).solver(Solver::NelderMead).start(Start::Warm);
+        let recipe = builder.samples(64).directions(4).steps(20).build().expect("a recipe");
+        let on = |threads: usize| {
+            let threads = NonZeroUsize::new(threads).expect("not zero");
+            Fit::new(&recipe).threads(threads).run().expect("a table")
+        };
+        assert_eq!(on(1), on(2));
     }
 
     #[test]

@@ -61,6 +61,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
             "light::normals",
             "light::transmission",
             "fit",
+            "fit::named_list",
             "fit::brdf",
             "fit::math",
         ],

@@ -2,12 +2,21 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 
-use crate::light::{LightModel, WeightRule};
+use crate::{
+    light::{LightModel, WeightRule},
+    view::plots::IsotropicFigure,
+};
 
 /// A model of light by its name.
 pub(super) fn models() -> impl clap::builder::TypedValueParser<Value = LightModel> {
     PossibleValuesParser::new(LightModel::ALL.iter().map(|model| model.name()))
         .try_map(|name| LightModel::from_name(&name).ok_or("no model"))
+}
+
+/// A picture of isotropic fits by its name.
+pub(super) fn isotropic_figures() -> impl clap::builder::TypedValueParser<Value = IsotropicFigure> {
+    PossibleValuesParser::new(IsotropicFigure::ALL.iter().map(|figure| figure.name()))
+        .try_map(|name| IsotropicFigure::from_name(&name).ok_or("no figure"))
 }
 
 /// A rule of the weight by its name.

@@ -10,14 +10,14 @@ use clap::{
 use super::{
     super::preview_names::{AdapterName, LanguageName, TexelFormatName},
     TableFolder, Threads,
-    models::{models, weights},
+    models::{isotropic_figures, models, weights},
 };
 use crate::{
     fit::Layout,
     light::{LightModel, WeightRule},
     view::{
         figures::Figure,
-        plots::{Azimuth, Ratio},
+        plots::{Azimuth, IsotropicFigure, Ratio},
         preview::{Choices, Form, PARAMETERS, Parameter, Value},
         shaders::Prefix,
     },
@@ -97,7 +97,7 @@ impl FromArgMatches for SceneChoices {
 #[command(allow_missing_positional = true)]
 pub struct PlotArgs {
     /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
-    /// first digits suffice) of a table in the folder of `--tables`; not for glass and gaussians, and for light if it is to be compared
+    /// first digits suffice) of a table in the folder of `--tables`; not for glass, gaussians and isotropic, and for light if it is to be compared
     pub table: Option<PathBuf>,
     /// What to draw
     #[arg(value_enum)]
@@ -120,6 +120,9 @@ pub struct PlotArgs {
     /// Random rectangles in each cell of light [default: 24], and for each angle of gaussians [default: 150]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub lights: Option<u32>,
+    /// What isotropic shows [default: numbers]
+    #[arg(long, value_parser = isotropic_figures())]
+    pub figure: Option<IsotropicFigure>,
     /// Visible normals a pixel of the reference of glass [default: 610]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub spp: Option<u32>,
@@ -141,6 +144,8 @@ pub enum PlotName {
     Glass,
     /// GGX and the Gaussians that stand for it: normals, lobes, and errors of light
     Gaussians,
+    /// Fits of isotropic lobes by three numbers: the numbers, shears, starts
+    Isotropic,
 }
 
 /// `shader`.

@@ -10,7 +10,8 @@ use super::{
     reader::{Faults, Object, echo},
 };
 use crate::fit::{
-    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Solver,
+    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear, Simplex,
+    Solver, Start,
 };
 
 /// Entries that a table may have unless the caller sets another limit.
@@ -19,7 +20,7 @@ pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 const FIELDS: [&str; 10] =
     ["preset", "fitter", "brdf", "lobe", "layout", "resolution", "range", "fit", "terms", "precision"];
 const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
-const FIT_FIELDS: [&str; 6] = ["metric", "solver", "samples", "directions", "steps", "seed"];
+const FIT_FIELDS: [&str; 8] = ["metric", "solver", "samples", "directions", "steps", "seed", "shear", "start"];
 
 /// Most nodes on an axis: more than any texture has texels along a side.
 const MOST_NODES: u32 = 16_384;
@@ -53,6 +54,7 @@ pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
     let range = read_range(&root, brdf, layout, &mut faults);
+    check_ratio(&range, &fit, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
     let recipe = Recipe { fitter, brdf, lobe, layout, resolution, range, fit, terms, precision };
     check_entries(&recipe, entry_limit, &mut faults);
@@ -79,14 +81,58 @@ fn read_fitter(root: &Object, allowed: RangeInclusive<u32>, faults: &mut Faults)
 fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
     let object = root.object("fit", &FIT_FIELDS, faults);
     let default = preset.fit();
+    let metric = object.choice("metric", &named(Metric::ALL, Metric::name), default.metric, faults);
+    let solver = object.choice("solver", &named(Solver::ALL, Solver::name), default.solver, faults);
+    if !solver.takes(metric) {
+        let others = listed(Solver::ALL, |other| other.takes(metric));
+        let detail = format!("solver \"{solver}\" does not minimise metric \"{metric}\"; solvers that do are {others}");
+        faults.note(object.pointer("solver"), detail);
+    }
     FitSettings {
-        metric: object.choice("metric", &named(Metric::ALL, Metric::name), default.metric, faults),
-        solver: object.choice("solver", &named(Solver::ALL, Solver::name), default.solver, faults),
+        metric,
+        solver,
         samples: object.integer32("samples", SAMPLES[0], SAMPLES[1], default.samples, faults),
         directions: object.integer32("directions", DIRECTIONS[0], DIRECTIONS[1], default.directions, faults),
         steps: object.integer32("steps", STEPS[0], STEPS[1], default.steps, faults),
         seed: object.integer("seed", 0, MOST_SEED, default.seed, faults),
+        simplex: read_simplex(&object, solver, faults),
     }
+}
+
+/// Only a solver with a simplex has a shear and a start.
+fn read_simplex(object: &Object, solver: Solver, faults: &mut Faults) -> Option<Simplex> {
+    if solver.has_simplex() {
+        return Some(Simplex {
+            shear: object.choice("shear", &named(Shear::ALL, Shear::name), Shear::ALL[0], faults),
+            start: object.choice("start", &named(Start::ALL, Start::name), Start::ALL[0], faults),
+        });
+    }
+    for field in ["shear", "start"].into_iter().filter(|field| object.get(field).is_some()) {
+        let others = listed(Solver::ALL, Solver::has_simplex);
+        let detail = format!("solver \"{solver}\" has no {field}; leave it out, or set /fit/solver to {others}");
+        faults.note(object.pointer(field), detail);
+    }
+    None
+}
+
+/// Some solvers fit lobes that are symmetric in the plane of incidence only.
+fn check_ratio(range: &PerAxis<[f64; 2]>, fit: &FitSettings, faults: &mut Faults) {
+    let FitSettings { solver, metric, .. } = *fit;
+    if solver.is_isotropic() && range.ratio != ISOTROPIC.ratio {
+        let [low, high] = range.ratio;
+        let others = listed(Solver::ALL, |other| !other.is_isotropic() && other.takes(metric));
+        let detail = format!(
+            "[{low}, {high}] has anisotropic surfaces, and solver \"{solver}\" fits isotropic ones only: set the range to \
+             [1, 1], or /fit/solver to {others}"
+        );
+        faults.note("/range/ratio", detail);
+    }
+}
+
+/// The names of some items, as an error lists them.
+fn listed<T: Copy + std::fmt::Display>(items: &[T], keep: impl Fn(T) -> bool) -> String {
+    let names = items.iter().filter(|item| keep(**item)).map(|item| format!("\"{item}\""));
+    names.collect::<Vec<_>>().join(", ")
 }
 
 /// The default is the first layout that takes the lobes of the scattering model.
@@ -97,8 +143,7 @@ fn read_layout(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> Layout {
     if layout.takes(brdf) {
         return layout;
     }
-    let others = Layout::ALL.iter().filter(|layout| takes(layout)).map(|layout| format!("\"{layout}\""));
-    let others = others.collect::<Vec<_>>().join(", ");
+    let others = listed(Layout::ALL, |layout| takes(&layout));
     let detail = format!(
         "layout \"{layout}\" stores lobes relative to a reflection, which those of brdf \"{brdf}\" do not follow; layouts for \
          them are {others}"

@@ -46,6 +46,6 @@ impl Preset {
             Self::Paper => (512, 32, 60),
             Self::Best => (2048, 48, 120),
         };
-        FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples, directions, steps, seed: 0 }
+        FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples, directions, steps, seed: 0, simplex: None }
     }
 }

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::{BrdfKind, Solver};
+use crate::fit::{BrdfKind, Metric, Solver};
 
 fn recipe(json: &str) -> Result<Recipe, RecipeError> {
     parse(json.as_bytes(), DEFAULT_ENTRY_LIMIT)
@@ -172,4 +172,53 @@ fn combinations_that_cannot_work_name_the_fields_to_change_all_at_once() {
     assert!(told[2].1.contains("[1, 1]"), "{told:?}");
     assert_eq!(pointers(r#"{"brdf": "oren_nayar", "layout": "hdrp", "range": {"ratio": [0, 1]}}"#), ["/range/ratio"]);
     assert!(recipe(r#"{"brdf": "beckmann", "range": {"ratio": [0.2, 1]}}"#).is_ok());
+}
+
+/// The choices of a solver with a simplex are in its recipes, and in no other's: these keep their digests.
+#[test]
+fn a_simplex_has_its_choices_and_other_solvers_none() {
+    let fit = |fit: &str| recipe(&format!(r#"{{"layout": "ltc2017", "fit": {{{fit}}}}}"#));
+    let simplex = fit(r#""metric": "l3", "solver": "nelder_mead""#).expect("a recipe");
+    assert!(canonical_json(&simplex).contains(r#""shear":"x","solver":"nelder_mead","start":"warm","steps""#));
+    assert_eq!(recipe(&canonical_json(&simplex)), Ok(simplex.clone()));
+    for other in [r#""shear": "z""#, r#""start": "independent""#] {
+        let other = fit(&format!(r#""metric": "l3", "solver": "nelder_mead", {other}"#)).expect("a recipe");
+        assert_ne!(digest(&other), digest(&simplex));
+        assert_eq!(recipe(&canonical_json(&other)), Ok(other));
+    }
+    let plain = canonical_json(&recipe("{}").expect("a recipe"));
+    assert!(!plain.contains("shear") && !plain.contains("start"), "{plain}");
+    assert_eq!(pointers(r#"{"fit": {"shear": "x", "start": "warm"}}"#), ["/fit/shear", "/fit/start"]);
+    assert_eq!(
+        pointers(r#"{"layout": "godot", "fit": {"solver": "nelder_mead", "shear": "y", "start": 1}}"#),
+        ["/fit/shear", "/fit/start"]
+    );
+}
+
+/// Of every metric with every solver: a recipe, or the field to change.
+#[test]
+fn metrics_and_solvers_combine_or_say_what_to_change() {
+    for (metric, solver) in Metric::ALL.iter().flat_map(|m| Solver::ALL.iter().map(move |s| (*m, *s))) {
+        let read = recipe(&format!(r#"{{"layout": "hdrp", "fit": {{"metric": "{metric}", "solver": "{solver}"}}}}"#));
+        match read {
+            Ok(recipe) => assert!(solver.takes(metric) && recipe.fit.metric == metric),
+            Err(RecipeError::Faults(faults)) => {
+                assert!(!solver.takes(metric), "{metric} {solver}: {faults:?}");
+                assert_eq!(faults[0].pointer, "/fit/solver");
+                assert!(faults[0].detail.contains(r#""bfgs""#), "{faults:?}");
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    let Err(RecipeError::Faults(faults)) = recipe(r#"{"fit": {"solver": "nelder_mead", "metric": "l3"}}"#) else {
+        panic!("its default ranges are anisotropic")
+    };
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert_eq!(faults[0].pointer, "/range/ratio");
+    assert!(
+        faults[0].detail.contains("[1, 1]") && faults[0].detail.ends_with(r#"/fit/solver to "bfgs""#),
+        "{faults:?}"
+    );
+    let isotropic = r#"{"fit": {"solver": "nelder_mead"}, "range": {"ratio": [1, 1]}}"#;
+    assert_eq!(recipe(isotropic).expect("a recipe").fit.metric, Metric::Sw1);
 }

@@ -11,8 +11,15 @@ use crate::fit::{
 };
 
 const OF_ENGINES: [Layout; 4] = [Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp];
-const SETTINGS: FitSettings =
-    FitSettings { metric: Metric::Sw1, solver: Solver::Bfgs, samples: 128, directions: 8, steps: 30, seed: 0 };
+const SETTINGS: FitSettings = FitSettings {
+    metric: Metric::Sw1,
+    solver: Solver::Bfgs,
+    samples: 128,
+    directions: 8,
+    steps: 30,
+    seed: 0,
+    simplex: None,
+};
 
 fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<FittedEntry>) {
     let plan = Plan::new(&Recipe {

@@ -156,6 +156,7 @@ mod tests {
                 directions: 4,
                 steps: 5,
                 seed: 0,
+                simplex: None,
             },
             terms: true,
             precision: Precision::F32,

@@ -19,7 +19,7 @@ fn recipe([alpha, ratio, theta, phi]: [u32; 4], samples: u32, directions: u32, s
         layout: Layout::Kt2022,
         resolution: PerAxis { alpha, ratio, theta, phi },
         range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter },
-        fit: FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 60, seed: 0 },
+        fit: FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 60, seed: 0, simplex: None },
         terms: true,
         precision: Precision::F32,
     }

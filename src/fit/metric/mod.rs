@@ -4,12 +4,13 @@
 //! A new metric needs a file and a line in [`Metric`].
 
 mod distance;
+mod l3;
 mod sw1;
 mod target;
 
-pub(super) use distance::{Distance, Grain, Loss, MetricRules, Samples};
+pub(super) use distance::{Distance, Grain, Lobe, Loss, MetricRules, Samples};
 #[cfg(test)]
-pub(super) use target::tests::planted;
+pub(super) use target::tests::{PlantedBrdf, planted};
 pub(super) use target::{LobeCore, Target};
 
 use super::named_list::named_list;
@@ -19,5 +20,7 @@ named_list! {
     pub enum Metric: MetricRules {
         /// Sliced Wasserstein-1 distance [KT et al. 2022, equation 9].
         Sw1 = "sw1" => sw1::Rules,
+        /// The L3 norm of the difference of densities, by multiple importance sampling [Heitz et al. 2016].
+        L3 = "l3" => l3::Rules,
     }
 }

@@ -24,6 +24,8 @@ pub(crate) struct Target {
     pub(crate) weights: Vec<f64>,
     /// Location and width of the lobe in the tangential plane.
     pub(crate) core: LobeCore,
+    /// Samples that were drawn, those of no weight too.
+    pub(crate) drawn: usize,
 }
 
 impl Target {
@@ -44,6 +46,7 @@ impl Target {
 struct Drawn {
     directions: Vec<DVec3>,
     weights: Vec<f64>,
+    count: usize,
 }
 
 impl Drawn {
@@ -58,7 +61,7 @@ impl Drawn {
                 weights.push(sample.weight);
             }
         }
-        Self { directions, weights }
+        Self { directions, weights, count: points.len() }
     }
 
     /// The target around the mean direction, which is above the horizon.
@@ -71,7 +74,7 @@ impl Drawn {
 
     /// The target in a frame, with a core that is known or its own.
     fn in_frame(self, frame: DMat3, mirrors: Mirrors, core: Option<LobeCore>) -> Target {
-        let Self { directions, mut weights } = self;
+        let Self { directions, mut weights, count } = self;
         let to_lobe = frame.transpose();
         let points: Vec<DVec3> = directions.iter().map(|wi| offset_from_z(to_lobe * *wi)).collect();
         let whole = 1.0 / weights.iter().sum::<f64>();
@@ -79,7 +82,7 @@ impl Drawn {
             *weight *= whole;
         }
         let core = core.unwrap_or_else(|| LobeCore::of(&points, &weights, mirrors));
-        Target { frame, mirrors, points, weights, core }
+        Target { frame, mirrors, points, weights, core, drawn: count }
     }
 }
 
@@ -157,14 +160,41 @@ fn offset_from_z(direction: DVec3) -> DVec3 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::fit::{lobe::ltc::Ltc, math::Lattice};
+    use crate::fit::{brdf::BrdfSample, lobe::ltc::Ltc, math::Lattice};
+
+    /// A surface whose lobe for every view is the LTC of a matrix, which is above the horizon but for a trifle.
+    pub(crate) struct PlantedBrdf(Ltc);
+
+    impl PlantedBrdf {
+        pub(crate) fn new(matrix: DMat3) -> Self {
+            Self(Ltc::new(matrix).expect("a regular matrix"))
+        }
+
+        pub(crate) fn matrix(&self) -> DMat3 {
+            self.0.matrix()
+        }
+    }
+
+    impl Brdf for PlantedBrdf {
+        fn eval_cos(&self, _: DVec3, wi: DVec3) -> f64 {
+            self.0.pdf(wi)
+        }
+
+        fn sample(&self, _: DVec3, u: [f64; 2]) -> BrdfSample {
+            BrdfSample { wi: self.0.sample(u), weight: 1.0, cos_theta_d: 1.0 }
+        }
+
+        fn pdf(&self, _: DVec3, wi: DVec3) -> f64 {
+            self.0.pdf(wi)
+        }
+    }
 
     /// The target of a lobe that is itself the LTC of `matrix`. A fit should find this matrix again.
     pub(crate) fn planted(matrix: DMat3, mirrors: Mirrors) -> Target {
         let ltc = Ltc::new(matrix).expect("a regular matrix");
         let n = 8192;
         let directions: Vec<DVec3> = Lattice::new(n, [0.37, 0.81]).points().map(|u| ltc.sample(u)).collect();
-        Drawn { directions, weights: vec![1.0; n] }.target(mirrors)
+        Drawn { directions, weights: vec![1.0; n], count: n }.target(mirrors)
     }
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };

@@ -3,14 +3,17 @@
 //! A new solver needs a file and a line in [`Solver`].
 
 mod bfgs;
+mod nelder_mead;
 mod objective;
 mod sgd;
+mod simplex;
 
 pub(super) use objective::{Effort, Objective, SolverRules};
 
 pub(super) use bfgs::Guess;
+pub use simplex::{Shear, Simplex, Start};
 
-use super::named_list::named_list;
+use super::{metric::Metric, named_list::named_list};
 
 named_list! {
     /// How a distance is minimised.
@@ -19,5 +22,28 @@ named_list! {
         Bfgs = "bfgs" => bfgs::Rules,
         /// Stochastic gradient descent on all nine numbers, over random samples [KT et al. 2022, Algorithm 3].
         Sgd = "sgd" => sgd::Rules,
+        /// Nelder and Mead's simplex on three numbers in the frame of the mean direction, for isotropic surfaces
+        /// [Heitz et al. 2016].
+        NelderMead = "nelder_mead" => nelder_mead::Rules,
+    }
+}
+
+impl Solver {
+    /// Whether the solver minimises a metric.
+    #[must_use]
+    pub fn takes(self, metric: Metric) -> bool {
+        self.rules().takes(metric)
+    }
+
+    /// Whether it fits lobes of isotropic surfaces only, so that a table has a ratio of one.
+    #[must_use]
+    pub fn is_isotropic(self) -> bool {
+        self.rules().is_isotropic()
+    }
+
+    /// Whether a recipe chooses a shear and a start for it.
+    #[must_use]
+    pub fn has_simplex(self) -> bool {
+        self.rules().has_simplex()
     }
 }

@@ -2,15 +2,18 @@
 
 use glam::{DMat3, DVec3};
 
+use super::simplex::Simplex;
 use crate::fit::{
     brdf::Brdf,
-    metric::{Loss, Target},
+    metric::{Loss, Metric, Target},
     pulse::Pulse,
 };
 
 /// How long and how finely to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Effort {
+    /// The distance that is minimised.
+    pub(crate) metric: Metric,
     /// Samples of lobe and LTC in each step.
     pub(crate) samples: usize,
     /// Directions that the samples are projected on.
@@ -35,6 +38,10 @@ pub(crate) struct Objective<'a> {
     pub(crate) effort: Effort,
     /// Chooses the random numbers of solvers that draw any.
     pub(crate) stream: u64,
+    /// The choices of a solver with a simplex.
+    pub(crate) simplex: Simplex,
+    /// The matrix of a lobe next to this one, each in the frame of its own lobe, for solvers that start from one.
+    pub(crate) near: Option<DMat3>,
 }
 
 /// A solver as an item of [`super::Solver`].
@@ -45,4 +52,19 @@ pub(crate) trait SolverRules: Sync {
     /// Seconds that an entry takes to project its lobe, to search, and to measure the error, with at most `effort.steps`
     /// steps. Of one thread, on the machine of `fit_seconds`.
     fn seconds(&self, effort: &Effort) -> f64;
+
+    /// Whether the solver minimises this metric. All do that take their losses from it.
+    fn takes(&self, _: Metric) -> bool {
+        true
+    }
+
+    /// Whether it fits lobes of isotropic surfaces only.
+    fn is_isotropic(&self) -> bool {
+        false
+    }
+
+    /// Whether it has a simplex, for which a recipe may choose shear and start.
+    fn has_simplex(&self) -> bool {
+        false
+    }
 }

@@ -13,6 +13,7 @@ use super::objective::{Effort, Objective, SolverRules};
 use crate::fit::{
     brdf::Brdf,
     math::{cosine_hemisphere, ln, sin_cos},
+    metric::Metric,
     pulse::Pulse,
 };
 
@@ -41,6 +42,11 @@ impl SolverRules for Rules {
         let [sample, halving] = SORT_SECONDS;
         let step = samples * (DRAW_SECONDS + directions * (sample + halving * ln(samples) / LN_2));
         f64::from(effort.steps) * step + REST_SECONDS * samples * directions
+    }
+
+    /// Its steps are those down the sliced Wasserstein distance.
+    fn takes(&self, metric: Metric) -> bool {
+        metric == Metric::Sw1
     }
 }
 

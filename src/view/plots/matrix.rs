@@ -67,7 +67,7 @@ fn is_off_diagonal(panel: usize) -> bool {
 
 /// The colours of a panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Scale {
+pub(super) struct Scale {
     low: f32,
     high: f32,
     /// From minus to plus the same number, with zero in the neutral colour.
@@ -77,7 +77,7 @@ struct Scale {
 impl Scale {
     /// A scale that holds all numbers but the few least and greatest. It is signed where the numbers may be by nature, or
     /// some of those that it holds are below zero.
-    fn of(numbers: &[f32], may_be_signed: bool) -> Self {
+    pub(super) fn of(numbers: &[f32], may_be_signed: bool) -> Self {
         let mut sorted = numbers.to_vec();
         sorted.sort_by(f32::total_cmp);
         let beyond = (sorted.len() as f64 * BEYOND) as usize;
@@ -89,7 +89,12 @@ impl Scale {
         Self { low: -most, high: most, is_signed: true }
     }
 
-    fn colour(&self, value: f32) -> [u8; 3] {
+    /// The least and the greatest number that have colours.
+    pub(super) fn ends(&self) -> [f32; 2] {
+        [self.low, self.high]
+    }
+
+    pub(super) fn colour(&self, value: f32) -> [u8; 3] {
         let span = self.high - self.low;
         match value {
             _ if value < self.low => BELOW,
@@ -101,12 +106,12 @@ impl Scale {
     }
 
     /// The colours of 0 to 1, the part of the way from the lower to the upper end.
-    fn colours(&self) -> fn(f32) -> [u8; 3] {
+    pub(super) fn colours(&self) -> fn(f32) -> [u8; 3] {
         if self.is_signed { |part| signed_colour(2.0 * part - 1.0) } else { colour }
     }
 
     /// What stands under the middle of the colour bar.
-    fn middle(&self) -> Vec<&'static str> {
+    pub(super) fn middle(&self) -> Vec<&'static str> {
         if self.is_signed { vec!["0"] } else { Vec::new() }
     }
 }

@@ -8,6 +8,7 @@ mod curves;
 mod error;
 mod gaussians;
 mod glass;
+mod isotropic;
 mod light;
 mod matrix;
 mod parameters;
@@ -18,6 +19,7 @@ mod tests;
 
 pub use gaussians::gaussian_plots;
 pub use glass::{FrostedGlass, GlassError, frosted_glass};
+pub use isotropic::IsotropicFigure;
 pub use light::{NamedTable, light_errors};
 pub use parameters::{Azimuth, Ratio};
 pub use plot::Plot;

@@ -104,8 +104,8 @@ pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
 
 /// The same table, fitted as hard as `fit` says, with the seed and solver of the base.
 fn with_fit(recipe: &Recipe, fit: FitSettings) -> Recipe {
-    let FitSettings { metric, solver, seed, .. } = recipe.fit;
-    Recipe { fit: FitSettings { metric, solver, seed, ..fit }, ..recipe.clone() }
+    let FitSettings { metric, solver, seed, simplex, .. } = recipe.fit;
+    Recipe { fit: FitSettings { metric, solver, seed, simplex, ..fit }, ..recipe.clone() }
 }
 
 /// Each axis of several nodes with `scale` times as many.

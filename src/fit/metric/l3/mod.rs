@@ -1,0 +1,251 @@
+//! The L3 norm of the difference between a lobe and an LTC [Heitz et al. 2016, section 4].
+//!
+//! With the lobe's density `g = f cos / albedo` and the LTC's density `D`,
+//!
+//! ```text
+//! loss = (integral |g - D|^3 / integral g^3)^(1/3)
+//! ```
+//!
+//! Heitz et al. minimise the integral of `|f cos - albedo D|^3`. It has the same minimum: it is the cube of this, up to a
+//! factor of the lobe's own. Their albedo is the norm of the LTC, as here.
+//!
+//! The integral is estimated from samples of both densities, weighed by the balance heuristic [Veach and Guibas 1995]: with
+//! `n_b` samples of the lobe and `n_l` of the LTC, a sample `w` of either counts `|g - D|^3 / (n_b p_b(w) + n_l D(w))`.
+//! Below the horizon, where a BRDF's sampler may draw too, only the samples of the LTC count, and `p_b` is zero.
+//!
+//! [`Loss::value`] moves the samples of the LTC with its matrix, as the code of 2017 does. A gradient through moving samples
+//! would need that of the BRDF. [`Loss::value_and_gradient`] leaves the samples of the LTC, and the densities by which all
+//! are weighed, where they are at its first matrix. It is then a smooth function of the matrix, whose gradient is exact, and
+//! an estimate of the same integral; the nearer the matrix stays to the first one, the better.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use glam::{DMat3, DVec3};
+
+use super::distance::{Distance, Grain, Lobe, Loss, MetricRules, Samples};
+use crate::fit::{
+    brdf::Brdf,
+    math::{Lattice, cosine_hemisphere, pow},
+    pulse::Pulse,
+};
+
+/// A coarse evaluation takes one sample in so many, but this many at least.
+const COARSE: usize = 8;
+const LEAST_COARSE: usize = 64;
+/// Work of a sample of the LTC, in projections of a sample on a direction: what the BRDF and its density take.
+const SAMPLE_WORK: usize = 8;
+/// Seconds of an evaluation for each sample of the LTC: two samples of the lobe are in it.
+const SAMPLE_SECONDS: f64 = 70e-9;
+
+/// The L3 norm as an item of [`super::Metric`].
+pub(super) struct Rules;
+
+impl MetricRules for Rules {
+    fn distance(&self, samples: &Samples) -> Box<dyn Distance> {
+        let coarse = (samples.count / COARSE).max(LEAST_COARSE).min(samples.count);
+        let cosines = |count| Lattice::new(count, samples.shift).points().map(cosine_hemisphere).collect();
+        Box::new(L3 { cosines: Arc::new([cosines(coarse), cosines(samples.count)]) })
+    }
+
+    fn seconds(&self, samples: usize, _: usize) -> f64 {
+        SAMPLE_SECONDS * samples as f64
+    }
+}
+
+/// The metric with its fixed samples of the clamped cosine, coarse and full, shared by all entries.
+#[derive(Debug, Clone)]
+struct L3 {
+    cosines: Arc<[Vec<DVec3>; 2]>,
+}
+
+impl Distance for L3 {
+    fn another(&self) -> Box<dyn Distance> {
+        Box::new(self.clone())
+    }
+
+    fn to<'a>(&'a mut self, lobe: &Lobe<'a>, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>> {
+        pulse.worked(lobe.target.points.len() * SAMPLE_WORK)?;
+        Some(Box::new(L3Loss::new(*lobe, &self.cosines)))
+    }
+}
+
+/// A direction in the lobe's frame at which the densities are compared.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    direction: DVec3,
+    /// The lobe's density `g`.
+    lobe: f64,
+    /// The density with which the place was drawn, times the number of samples: by the lobe's sampler alone, or by both.
+    drawn: f64,
+}
+
+/// The density of the LTC of a matrix, in the lobe's frame.
+struct Density {
+    inverse: DMat3,
+    /// `det M^-1 / pi`.
+    factor: f64,
+}
+
+impl Density {
+    fn new(m: &DMat3) -> Self {
+        Self { inverse: m.inverse(), factor: 1.0 / (m.determinant() * PI) }
+    }
+
+    /// `c = M^-1 w` and `D = c_z det M^-1 / (pi |c|^4)` for a unit vector `w`.
+    fn at(&self, direction: DVec3) -> (DVec3, f64) {
+        let c = self.inverse * direction;
+        let length2 = c.length_squared();
+        (c, c.z.max(0.0) * self.factor / (length2 * length2))
+    }
+}
+
+/// The distance to one lobe.
+struct L3Loss<'a> {
+    lobe: Lobe<'a>,
+    cosines: &'a [Vec<DVec3>; 2],
+    /// The lobe's samples.
+    places: Vec<Place>,
+    /// `albedo`.
+    albedo: f64,
+    /// `1 / integral g^3`.
+    inv_whole: f64,
+    spread: f64,
+    /// The samples of lobe and LTC that gradients are taken at: those of the first matrix that was asked about.
+    held: [Option<Vec<Place>>; 2],
+}
+
+impl<'a> L3Loss<'a> {
+    fn new(lobe: Lobe<'a>, cosines: &'a [Vec<DVec3>; 2]) -> Self {
+        let Lobe { brdf, wo, target } = lobe;
+        let count = target.drawn as f64;
+        let (mut albedo, mut cubes) = (0.0, 0.0);
+        let mut places = Vec::with_capacity(target.points.len());
+        for point in &target.points {
+            let direction = *point + DVec3::Z;
+            let [value, pdf] = seen(brdf, wo, target.frame * direction);
+            // A sampler may draw, by rounding, what its density says it cannot.
+            if pdf > 0.0 {
+                albedo += value / pdf;
+                cubes += value * value * value / pdf;
+                places.push(Place { direction, lobe: value, drawn: count * pdf });
+            }
+        }
+        albedo /= count;
+        let inv_albedo = 1.0 / albedo;
+        for place in &mut places {
+            place.lobe *= inv_albedo;
+        }
+        let whole = cubes / count * inv_albedo * inv_albedo * inv_albedo;
+        let half_trace = 0.5 * (target.core.scatter.x_axis.x + target.core.scatter.y_axis.y);
+        Self { lobe, cosines, places, albedo, inv_whole: 1.0 / whole, spread: half_trace.sqrt(), held: [None, None] }
+    }
+
+    /// The sample of the LTC of `m` that a clamped cosine's sample becomes.
+    fn moved(&self, m: &DMat3, factor: f64, cosine: DVec3, count: f64) -> (Place, f64) {
+        let image = *m * cosine;
+        let length = image.length();
+        let direction = image * (1.0 / length);
+        let density = cosine.z * factor * (length * length * length);
+        let [value, pdf] = seen(self.lobe.brdf, self.lobe.wo, self.lobe.target.frame * direction);
+        (Place { direction, lobe: value / self.albedo, drawn: count * pdf }, density)
+    }
+
+    /// `spread (sum / integral g^3)^(1/3)` for an estimate of the integral of the cube.
+    fn loss(&self, sum: f64) -> f64 {
+        self.spread * pow(sum * self.inv_whole, 1.0 / 3.0)
+    }
+
+    fn hold(&self, m: &DMat3, grain: Grain) -> Vec<Place> {
+        let cosines = &self.cosines[grain as usize];
+        let (count, density) = (cosines.len() as f64, Density::new(m));
+        let stride = self.stride(grain);
+        let share = 1.0 / stride as f64;
+        let of_lobe = self.places.iter().step_by(stride);
+        let own =
+            of_lobe.map(|place| Place { drawn: place.drawn * share + count * density.at(place.direction).1, ..*place });
+        let of_ltc = cosines.iter().map(|cosine| {
+            let (place, density) = self.moved(m, density.factor, *cosine, self.lobe.target.drawn as f64 * share);
+            Place { drawn: place.drawn + count * density, ..place }
+        });
+        own.chain(of_ltc).collect()
+    }
+
+    /// Of how many samples of the lobe one is taken.
+    fn stride(&self, grain: Grain) -> usize {
+        match grain {
+            Grain::Coarse => (self.cosines[1].len() / self.cosines[0].len()).max(1),
+            Grain::Full => 1,
+        }
+    }
+}
+
+/// `f cos` and the density with which the lobe's sampler draws a direction above the horizon; zeros below.
+fn seen(brdf: &dyn Brdf, wo: DVec3, wi: DVec3) -> [f64; 2] {
+    if wi.z > 0.0 { [brdf.eval_cos(wo, wi), brdf.pdf(wo, wi)] } else { [0.0; 2] }
+}
+
+fn cube(x: f64) -> f64 {
+    x * x * x
+}
+
+impl Loss for L3Loss<'_> {
+    fn spread(&self) -> f64 {
+        self.spread
+    }
+
+    fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
+        let cosines = &self.cosines[Grain::Full as usize];
+        pulse.worked(self.places.len() + SAMPLE_WORK * cosines.len())?;
+        let (count, density) = (cosines.len() as f64, Density::new(m));
+        let mut sum = 0.0;
+        for place in &self.places {
+            let (_, ltc) = density.at(place.direction);
+            sum += cube((place.lobe - ltc).abs()) / (place.drawn + count * ltc);
+        }
+        for cosine in cosines {
+            let (place, ltc) = self.moved(m, density.factor, *cosine, self.lobe.target.drawn as f64);
+            sum += cube((place.lobe - ltc).abs()) / (place.drawn + count * ltc);
+        }
+        Some(self.loss(sum))
+    }
+
+    /// With `N = M^-1`, `c = N w` and `D = c_z det N / (pi |c|^4)`:
+    ///
+    /// ```text
+    /// dD/dN = D ((z / c_z - 4 c / |c|^2) w^T + M^T),    dL/dM = -N^T (dL/dN) N^T
+    /// ```
+    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
+        let held = if let Some(held) = self.held[grain as usize].take() {
+            held
+        } else {
+            pulse.worked(SAMPLE_WORK * self.cosines[grain as usize].len())?;
+            self.hold(m, grain)
+        };
+        pulse.worked(2 * held.len())?;
+        let density = Density::new(m);
+        let (mut sum, mut by_inverse, mut by_determinant) = (0.0, DMat3::ZERO, 0.0);
+        for place in &held {
+            let (c, ltc) = density.at(place.direction);
+            let (off, weight) = (ltc - place.lobe, 1.0 / place.drawn);
+            sum += cube(off.abs()) * weight;
+            if ltc > 0.0 {
+                let slope = 3.0 * off * off.abs() * weight * ltc;
+                let by_c = (DVec3::Z * (1.0 / c.z) - c * (4.0 / c.length_squared())) * slope;
+                let w = place.direction;
+                by_inverse += DMat3::from_cols(by_c * w.x, by_c * w.y, by_c * w.z);
+                by_determinant += slope;
+            }
+        }
+        self.held[grain as usize] = Some(held);
+        by_inverse += m.transpose() * by_determinant;
+        let transposed = density.inverse.transpose();
+        let by_m = -(transposed * by_inverse * transposed);
+        let loss = self.loss(sum);
+        // The slope of the cube root, and none where the two are equal.
+        let scale = if sum > 0.0 { loss / (3.0 * sum) } else { 0.0 };
+        Some((loss, by_m * scale))
+    }
+}
+
+#[cfg(test)]
+mod tests;

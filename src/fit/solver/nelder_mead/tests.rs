@@ -1,0 +1,53 @@
+use super::*;
+use crate::fit::{
+    brdf::Mirrors,
+    math::{Lattice, SquarePoint},
+    metric::{Lobe, Metric, PlantedBrdf, Samples},
+    pulse::unstopped,
+};
+
+/// The three numbers that are found for the lobe of `m`, a matrix in the frame of its mean direction up to a small turn, from
+/// a start of its own or near another matrix.
+fn found(metric: Metric, shear: Shear, m: DMat3, near: Option<DMat3>) -> DMat3 {
+    let planted = PlantedBrdf::new(DMat3::from_rotation_y(0.4) * m);
+    let points: Vec<SquarePoint> = Lattice::new(4096, [0.3, 0.8]).points().map(SquarePoint::new).collect();
+    let target = Target::sample(&planted, DVec3::Z, Mirrors { x: false, y: true }, &points);
+    let mut distance = metric.rules().distance(&Samples { count: 2048, directions: 16, shift: [0.0; 2] });
+    let mut beat = unstopped;
+    let mut pulse = Pulse::new(&mut beat);
+    let mut loss = distance.to(&Lobe { brdf: &planted, wo: DVec3::Z, target: &target }, &mut pulse).expect("no stop");
+    let start = near.map_or_else(|| Numbers::guessed(&target, shear), |m| Numbers::of(&m, shear));
+    let matrix = search(&mut *loss, start, &target, 200, &mut pulse).expect("nothing stops it");
+    target.frame * matrix
+}
+
+/// A symmetric lobe, whose mean direction is its axis: the planted numbers are those of its own frame.
+#[test]
+fn planted_numbers_are_recovered_by_every_metric_from_any_start() {
+    let planted = DMat3::from_diagonal(DVec3::new(0.2, 0.3, 1.0));
+    let far = DMat3::from_cols(DVec3::X * 0.6, DVec3::Y * 0.6, DVec3::new(0.1, 0.0, 1.0));
+    for &metric in Metric::ALL {
+        for shear in Shear::ALL {
+            for near in [None, Some(far)] {
+                let found = DMat3::from_rotation_y(-0.4) * found(metric, *shear, planted, near);
+                let found = found * (1.0 / found.z_axis.z);
+                assert!(found.abs_diff_eq(planted, 0.01), "{metric} {shear} {near:?}: {found}");
+            }
+        }
+    }
+}
+
+/// A step of the simplex changes a lobe as much whatever its width, and numbers become a matrix and back.
+#[test]
+fn numbers_are_those_of_their_matrix() {
+    for shear in Shear::ALL {
+        let numbers = Numbers { m11: 0.2, m22: 0.1, skew: 0.03, shear: *shear };
+        assert_eq!(Numbers::of(&numbers.matrix(), *shear), numbers);
+        let scaled = Numbers::of(&(numbers.matrix() * 3.0), *shear);
+        assert!((scaled.m11 - 0.2).abs() < 1e-12 && (scaled.skew - 0.03).abs() < 1e-12, "{scaled:?}");
+        let moved = numbers.moved([0.1, 0.0, 0.5]);
+        assert!((moved.m11 / 0.2 - 0.1_f64.exp()).abs() < 1e-12 && moved.m22 == 0.1, "{moved:?}");
+        let unit = if *shear == Shear::X { 0.2 } else { 1.0 };
+        assert!((moved.skew - (0.03 + 0.5 * unit)).abs() < 1e-12, "{moved:?}");
+    }
+}

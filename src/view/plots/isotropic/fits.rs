@@ -1,0 +1,91 @@
+//! The fits that the pictures show.
+
+use std::ops::ControlFlow;
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use crate::fit::{
+    BrdfKind, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Pulse, Recipe,
+    Shear, Simplex, Solver, Start,
+    brdf::Ggx,
+    fit_rows,
+    math::{direction, from_row_major},
+};
+
+/// Entries along either side of a table.
+pub(super) const SIDE: u32 = 64;
+
+/// As hard as the recipe of docs/recipes/isotropic-l3.json.
+pub(super) fn settings(shear: Shear, start: Start) -> FitSettings {
+    FitSettings {
+        metric: Metric::L3,
+        solver: Solver::NelderMead,
+        samples: 512,
+        directions: 16,
+        steps: 60,
+        seed: 0,
+        simplex: Some(Simplex { shear, start }),
+    }
+}
+
+/// One fit in the frame of its lobe's mean direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fit {
+    pub(super) m11: f64,
+    pub(super) m22: f64,
+    pub(super) m13: f64,
+    /// Angle of the mean direction from the normal, away from the view, degrees.
+    pub(super) angle: f64,
+    /// `M` in the tangent frame.
+    pub(super) matrix: DMat3,
+}
+
+impl Fit {
+    /// Of a matrix of shear x: its first column has the direction of the frame's x axis.
+    fn of(matrix: DMat3) -> Self {
+        let x = matrix.x_axis.normalize();
+        Self {
+            m11: matrix.x_axis.length(),
+            m22: matrix.y_axis.y,
+            m13: matrix.z_axis.dot(x),
+            angle: libm::atan2(x.z, x.x).to_degrees(),
+            matrix,
+        }
+    }
+}
+
+/// Every entry of a table of layout `ltc2017` by shear x, from the smoothest roughness up, and for each from the normal down.
+pub(super) fn table(start: Start) -> Vec<Fit> {
+    let layout = Layout::Ltc2017;
+    let whole =
+        PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: [0.0, std::f64::consts::FRAC_PI_2], phi: [0.0; 2] };
+    let plan = Plan::new(&Recipe {
+        fitter: FITTER_VERSION,
+        brdf: BrdfKind::Ggx,
+        lobe: LobeModel::Ltc,
+        layout,
+        resolution: PerAxis { alpha: SIDE, ratio: 1, theta: SIDE, phi: 1 },
+        range: layout.only_ranges().unwrap_or(whole),
+        fit: settings(Shear::X, start),
+        terms: true,
+        precision: Precision::F32,
+    });
+    let fitter = Fitter::new(&plan.recipe().fit());
+    let row = |row: u64| {
+        let entries = fit_rows(&plan, row..row + 1, &mut fitter.another(), &mut |_| ControlFlow::Continue(()));
+        entries.unwrap_or_default()
+    };
+    let rows: Vec<u64> = (0..plan.rows()).collect();
+    let entries: Vec<_> = rows.into_par_iter().with_max_len(1).map(row).collect();
+    entries.concat().iter().map(|entry| Fit::of(from_row_major(&entry.matrix))).collect()
+}
+
+/// The matrix of one lobe of GGX.
+pub(super) fn lobe(alpha: f64, theta: f64, shear: Shear) -> Option<DMat3> {
+    let wo: DVec3 = direction(theta, 0.0);
+    let mut beat = || ControlFlow::Continue(());
+    let mut fitter = Fitter::new(&settings(shear, Start::Independent));
+    let entry = fitter.fit(&Ggx { alpha_x: alpha, alpha_y: alpha }, wo, 0, &mut Pulse::new(&mut beat))?;
+    Some(from_row_major(&entry.matrix))
+}
