@@ -31,7 +31,7 @@
 //! println!("{:?}, reflectance {:?}", lobe.matrix, lobe.amplitude);
 //!
 //! // How good it is: the mean error between nodes, as a part of the lobe's width.
-//! let report = file.measure();
+//! let report = file.measure()?;
 //! assert!(report.between.width.mean < 0.1);
 //!
 //! // The table and its manifest as files, named by the table's digest, and the shader that reads them.
@@ -105,8 +105,8 @@ pub use files::{
     recipe_document::{Fault, Preset, RecipeError},
 };
 pub use fit::{
-    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Shear, Sides,
-    Solver, Start, Table,
+    BrdfKind, BrdfModel, Configuration, Layout, LobeModel, LookedUp, Metric, PerAxis, Precision, Recipe, Report, Shear,
+    Sides, Solver, Start, Table,
 };
 pub use glam;
 #[cfg(feature = "shaders")]

@@ -8,7 +8,7 @@ use super::{
     CommandFailure, Context, Exit,
     args::DiffArgs,
     input::{AnyTable, Origin},
-    print, shown,
+    print, shown, tabulated,
 };
 use crate::fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, report, report_points};
 
@@ -16,6 +16,9 @@ use crate::fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, repor
 pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let tables = [AnyTable::named(&args.a, &args.folder)?, AnyTable::named(&args.b, &args.folder)?];
     let [a, b] = &tables;
+    for read in &tables {
+        tabulated::check_complete(&read.table, &read.path)?;
+    }
     let points = args.points.map_or(MOST_POINTS, |points| points as usize);
     let (apart, reports) = args.threads.pool()?.install(|| {
         let apart = difference(&a.table, &b.table, points);

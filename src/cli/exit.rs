@@ -2,7 +2,10 @@
 
 use std::{fmt::Write as _, io, path::Path};
 
-use crate::client::{ClientError, LockFileError, PullError, SizeOrigin, SourcesError};
+use crate::{
+    client::{ClientError, LockFileError, PullError, SizeOrigin, SourcesError},
+    files::recipe_document::RecipeError,
+};
 
 /// The exit code of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +75,20 @@ impl CommandFailure {
 /// An error about the file at `path`, on one line.
 pub(super) fn file_failure(path: &Path, error: &dyn std::fmt::Display) -> CommandFailure {
     CommandFailure::new(Exit::Failed, format!("{}: {error}", path.display()))
+}
+
+/// A failure that lists every fault of a recipe, one on each line.
+pub(super) fn bad_recipe(name: &Path, error: RecipeError) -> CommandFailure {
+    let name = name.display();
+    let message = match error {
+        RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
+        RecipeError::Faults(faults) => {
+            let lines: Vec<String> =
+                faults.iter().map(|fault| format!("{name}: {}: {}", fault.pointer, fault.detail)).collect();
+            lines.join("\n")
+        }
+    };
+    CommandFailure::new(Exit::Usage, message)
 }
 
 impl From<ClientError> for CommandFailure {
@@ -180,6 +197,14 @@ mod tests {
         let message = CommandFailure::from(SourcesError::NoneHasIt(vec![unavailable(), unreadable()])).message;
         assert!(message.starts_with("a: ") && message.ends_with("; b: y"), "{message}");
         assert_eq!(exit(vec![]), 1);
+    }
+
+    #[test]
+    fn every_fault_of_a_recipe_is_reported() {
+        let fault = |pointer: &str| Fault { pointer: pointer.into(), detail: "bad".into() };
+        let refused = bad_recipe(Path::new("r.json"), RecipeError::Faults(vec![fault("/a"), fault("/b")]));
+        assert_eq!(refused.message, "r.json: /a: bad\nr.json: /b: bad");
+        assert_eq!(refused.exit, Exit::Usage);
     }
 
     #[test]

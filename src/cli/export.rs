@@ -10,7 +10,7 @@ use super::{
     file_failure,
     input::{AnyTable, Origin},
     output::check_output_folder,
-    print, shown,
+    print, shown, tabulated,
 };
 use crate::{
     files::{
@@ -29,7 +29,7 @@ use crate::{
 /// Writes the files, and says what to do with them.
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
-    let AnyTable { digest, table, origin, .. } = AnyTable::read(&args.table)?;
+    let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
     let recipe = match &origin {
         Origin::Recipe(recipe) => Some(recipe),
         Origin::Range(_) => None,
@@ -43,6 +43,7 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
     // Whatever cannot be is told before the table is measured.
     let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     let pool = args.threads.pool()?;
+    tabulated::check_complete(&table, &path)?;
     let error = pool.install(|| measured(&table, recipe));
     let (Bundle { files, steps }, compared) = match export {
         Export::Compact(container) => {
@@ -129,7 +130,7 @@ fn compact_bundle(
 }
 
 /// The table's mean error between nodes, which its files state, where its recipe is known. Measures on the current rayon
-/// pool.
+/// pool. Domain: a table whose model is complete.
 pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanError> {
     recipe.map(|recipe| MeanError::of(&table_report(table, recipe)))
 }

@@ -1,6 +1,6 @@
 //! `fit`: a table without a server.
 
-use std::{num::NonZeroU64, ops::ControlFlow, path::Path, time::Instant};
+use std::{ops::ControlFlow, path::Path, time::Instant};
 
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -8,17 +8,17 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit, Interrupt, args::FitArgs, file_failure, input, output::check_output_folder, print,
-    progress, shown, table_file::TABLE_FOLDERS,
+    progress, report::asymmetry_line, shown, table_file::TABLE_FOLDERS, tabulated,
 };
 use crate::{
     files::{
         container::{self, TableFileError},
         digest::Digest,
-        manifest::manifest_json,
-        recipe_document::{self, DEFAULT_ENTRY_LIMIT, RecipeError},
-        replace::{PairError, replace_pair},
+        manifest::manifest_json_with,
+        replace::{PairError, replace_file, replace_pair},
+        tabulated::kept_name,
     },
-    fit::{Plan, Table, fit_plan},
+    fit::{Plan, Table, TabulatedFile, fit_plan},
 };
 
 /// So much of a digest names a table among many thousands: `sha256:` and 12 digits.
@@ -27,8 +27,7 @@ const SHORT_DIGEST: usize = "sha256:".len() + 12;
 /// Fits a recipe and writes the table and its manifest.
 pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let document = input::recipe_document(&args.recipe)?;
-    let entry_limit = args.entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
-    let recipe = recipe_document::parse(&document, entry_limit).map_err(|error| bad_recipe(&args.recipe, error))?;
+    let (recipe, brdf_file) = tabulated::recipe(&args.recipe, &document, args.entry_limit)?;
     check_output_folder(&args.out)?;
     let pool = args.threads.pool()?;
 
@@ -42,8 +41,14 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let failed = |error: TableFileError| CommandFailure::new(Exit::Failed, error.to_string());
     let file = container::encode(&recipe, &table).map_err(failed)?;
     let digest = Digest::of(&file);
-    let manifest = pool.install(|| manifest_json(&file)).map_err(failed)?;
+    let find = |_: &str| Ok(recipe.model().file().cloned().unwrap_or_else(|| TabulatedFile::unread([0; 32])));
+    let manifest = pool.install(|| manifest_json_with(&file, &find)).map_err(failed)?;
 
+    // What the table is measured with stays beside it.
+    if let (Some(of), Some(bytes)) = (recipe.model().file(), &brdf_file) {
+        let path = args.out.join(kept_name(of.digest()));
+        replace_file(&path, bytes).map_err(|error| file_failure(&path, &error))?;
+    }
     // The table is written first, so that there is never a manifest without its table, whenever the process ends.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));
     let table_path = args.out.join(format!("{}.safetensors", digest.hex()));
@@ -68,6 +73,10 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
             eprintln!(
                 "error between the nodes, in widths of the lobe: {mean:.1} % on average, {p95:.1} % at the 95th percentile"
             );
+        }
+        let data = recipe.model().file().and_then(|file| file.data());
+        if let Some(asymmetry) = data.and_then(|data| data.asymmetry()) {
+            eprintln!("{}", asymmetry_line(&asymmetry));
         }
         eprintln!("next: {}\n      {}", next[0], next[1]);
     }
@@ -100,32 +109,4 @@ pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Opti
         bar.update(|bar| bar.set_pos(bar.pos().max(done)));
         if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })
-}
-
-/// A failure that lists every fault of a recipe, one on each line.
-pub(super) fn bad_recipe(name: &Path, error: RecipeError) -> CommandFailure {
-    let name = name.display();
-    let message = match error {
-        RecipeError::Json(detail) => format!("{name}: not JSON: {detail}"),
-        RecipeError::Faults(faults) => {
-            let lines: Vec<String> =
-                faults.iter().map(|fault| format!("{name}: {}: {}", fault.pointer, fault.detail)).collect();
-            lines.join("\n")
-        }
-    };
-    CommandFailure::new(Exit::Usage, message)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::files::recipe_document::Fault;
-
-    #[test]
-    fn every_fault_of_a_recipe_is_reported() {
-        let fault = |pointer: &str| Fault { pointer: pointer.into(), detail: "bad".into() };
-        let refused = bad_recipe(Path::new("r.json"), RecipeError::Faults(vec![fault("/a"), fault("/b")]));
-        assert_eq!(refused.message, "r.json: /a: bad\nr.json: /b: bad");
-        assert_eq!(refused.exit, Exit::Usage);
-    }
 }

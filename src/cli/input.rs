@@ -10,6 +10,7 @@ use super::{
     args::{TableChoice, TableFolder},
     file_failure,
     table_file::{check, table_path},
+    tabulated,
 };
 use crate::{
     files::{
@@ -77,7 +78,9 @@ impl AnyTable {
         }
         let is_npy = bytes.starts_with(NPY_MAGIC) || path.extension().is_some_and(|extension| extension == "npy");
         if !is_npy {
-            let (digest, TableFile { table, recipe }) = check(&path, &bytes, None)?;
+            let (digest, mut file) = check(&path, &bytes, None)?;
+            tabulated::attach(&mut file, &path);
+            let TableFile { table, recipe } = file;
             return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });
         }
         let NpyTable { table, range } = decode_npy(&bytes)

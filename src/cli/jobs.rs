@@ -3,7 +3,7 @@
 use super::{
     CommandFailure, Context, Exit,
     args::{JobsAction, JobsArgs},
-    input, print, progress,
+    input, print, progress, tabulated,
 };
 use crate::{
     client::{Client, JobDocument, JobStatus},
@@ -19,7 +19,8 @@ pub(super) fn run(
 ) -> Result<Exit, CommandFailure> {
     match &args.action {
         JobsAction::Submit { recipe, watch } => {
-            let job = client.submit(&input::recipe_document(recipe)?)?;
+            let document = input::recipe_document(recipe)?;
+            let job = client.submit(&tabulated::uploaded(recipe, document, client)?)?;
             if *watch { follow(job.status.id, json, client, context) } else { show(&job, json, context) }
         }
         JobsAction::List { state, limit } => {

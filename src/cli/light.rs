@@ -70,7 +70,7 @@ fn choose(args: &LightArgs) -> Result<Found, CommandFailure> {
         (LightModel::Ltc, Some(name), None) => {
             let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;
             if args.truth && table.brdf != BrdfKind::Ggx {
-                return usage(&format!("{}: {}", path.display(), LightError::OtherBrdf(table.brdf)));
+                return usage(&format!("{}: {}", path.display(), LightError::OtherBrdf(table.brdf())));
             }
             if table.terms.is_none() {
                 let message = format!("{}: {}", path.display(), LightError::NoTerms);

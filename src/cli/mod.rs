@@ -40,6 +40,7 @@ mod service_settings;
 mod shader;
 mod sources;
 mod table_file;
+mod tabulated;
 mod tradeoff;
 mod tradeoff_models;
 mod verify;

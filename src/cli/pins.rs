@@ -1,13 +1,16 @@
 //! What `lock`, `pull` and `verify` make anew: tables of their recipes, and the files that are made of a table.
 
-use std::{num::NonZeroU64, path::Path};
+use std::{
+    num::NonZeroU64,
+    path::{Path, PathBuf},
+};
 
 use super::{
     CommandFailure, Context, Exit, Interrupt,
     args::{AnyContainer, ExportChoice, Threads},
     export,
-    fit::{bad_recipe, fit},
-    progress,
+    fit::fit,
+    progress, tabulated,
 };
 use crate::{
     client::{ExportPin, FilePin, Pin},
@@ -15,7 +18,6 @@ use crate::{
         container::{self, TableFile},
         digest::Digest,
         manifest::MeanError,
-        recipe_document::{self, DEFAULT_ENTRY_LIMIT},
         textures::{Engine, Export, TextureFile},
     },
     fit::{Plan, Precision, Recipe},
@@ -41,8 +43,7 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// Its faults; another fitter's version is one.
     pub(super) fn recipe(&self, name: &Path, document: &[u8]) -> Result<Recipe, CommandFailure> {
-        let entry_limit = self.entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
-        recipe_document::parse(document, entry_limit).map_err(|error| bad_recipe(name, error))
+        tabulated::recipe(name, document, self.entry_limit).map(|(recipe, _)| recipe)
     }
 
     /// Fits a recipe and gives the table's file.
@@ -62,7 +63,11 @@ impl<'a> Fitting<'a> {
     ///
     /// # Errors
     /// When there are no threads.
-    pub(super) fn measure(&self, file: TableFile, digest: Digest) -> Result<Measured, CommandFailure> {
+    pub(super) fn measure(&self, mut file: TableFile, digest: Digest) -> Result<Measured, CommandFailure> {
+        // The file of a tabulated BRDF is where tables are.
+        let name = PathBuf::from(format!("{}.safetensors", digest.hex()));
+        tabulated::attach(&mut file, &name);
+        tabulated::check_complete(&file.table, &name)?;
         let error = self.threads.pool()?.install(|| export::measured(&file.table, Some(&file.recipe)));
         Ok(Measured { file, digest, error })
     }

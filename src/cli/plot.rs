@@ -7,7 +7,7 @@ use super::{
     args::{PlotArgs, PlotName},
     input::AnyTable,
     output::OutputFile,
-    print, shown,
+    print, shown, tabulated,
 };
 use crate::{
     light::WeightRule,
@@ -62,7 +62,12 @@ fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailur
         Ok::<_, CommandFailure>(plot.draw(&read.ok_or_else(missing)?.table, &digest))
     };
     let picture = match args.name {
-        PlotName::Error => of_table(Plot::Error(ErrorSlice::new(args.ratio, args.phi)))?,
+        PlotName::Error => {
+            if let Some(any) = read {
+                tabulated::check_complete(&any.table, &any.path)?;
+            }
+            of_table(Plot::Error(ErrorSlice::new(args.ratio, args.phi)))?
+        }
         PlotName::Matrix => of_table(Plot::Matrix)?,
         PlotName::Light => {
             let named =

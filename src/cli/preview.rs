@@ -83,7 +83,9 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
 fn failure(error: &PreviewError) -> CommandFailure {
     let exit = match error {
         PreviewError::Scene(_) | PreviewError::OtherBrdf(_) | PreviewError::CpuOnly(_) => Exit::Usage,
-        PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => Exit::Failed,
+        PreviewError::NoBrdfFile(_) | PreviewError::NoAdapter(_) | PreviewError::Gpu(_) | PreviewError::Stopped => {
+            Exit::Failed
+        }
     };
     CommandFailure::new(exit, error.to_string())
 }

@@ -8,12 +8,13 @@ use super::{
     CommandFailure, Context, Exit,
     args::ReportArgs,
     input::{AnyTable, Origin},
-    print, report_models, shown,
+    print, report_models, shown, tabulated,
 };
 use crate::{
     files::digest::Digest,
     fit::{
-        Accuracy, Corner, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes, report, report_points,
+        Accuracy, Asymmetry, Corner, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes, report,
+        report_points,
     },
 };
 
@@ -23,6 +24,8 @@ struct MeasuredTable {
     resolution: PerAxis<usize>,
     report: Report,
     corners: Option<Vec<Corner>>,
+    /// Of the file of a tabulated BRDF.
+    asymmetry: Option<Asymmetry>,
 }
 
 /// Measures a table and prints the figures.
@@ -35,6 +38,7 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
         return Err(CommandFailure::new(Exit::Usage, "--weight and --lights belong to a measured model: add --model"));
     }
     let read = read.ok_or_else(|| CommandFailure::new(Exit::Usage, "name a table, or choose --model normals"))?;
+    tabulated::check_complete(&read.table, &read.path)?;
     let measured = args.threads.pool()?.install(|| measure(&read, args));
     let mut value = json!({
         "file": shown(&read.path),
@@ -42,6 +46,9 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
         "resolution": measured.resolution,
         "report": measured.report,
     });
+    if let Some(asymmetry) = &measured.asymmetry {
+        value["asymmetry"] = json!(asymmetry);
+    }
     if let Some(corners) = &measured.corners {
         value["extremes"] = json!(corners);
     }
@@ -56,7 +63,8 @@ fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs)
     };
     let report = report(table, range, args.points.map_or(usual, |points| (points as usize).into()));
     let corners = args.extremes.then(|| extremes(table));
-    MeasuredTable { digest: *digest, resolution: table.axes.lengths(), report, corners }
+    let asymmetry = table.model().file().and_then(|file| file.data()).and_then(|data| data.asymmetry());
+    MeasuredTable { digest: *digest, resolution: table.axes.lengths(), report, corners, asymmetry }
 }
 
 /// The figures as text.
@@ -68,7 +76,8 @@ fn text(path: &Path, measured: &MeasuredTable) -> String {
 }
 
 fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::fmt::Result {
-    let MeasuredTable { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners } = measured;
+    let MeasuredTable { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners, asymmetry } =
+        measured;
     let Report { nodes, between, poor, matrices, floors, .. } = report;
     // The figure by which tables are compared.
     let Spread { mean, p95, max } = percent(between.width);
@@ -102,6 +111,9 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
     }
 
     writeln!(out, "\n{}", poor_line(poor))?;
+    if let Some(asymmetry) = asymmetry {
+        writeln!(out, "{}", asymmetry_line(asymmetry))?;
+    }
     let (determinant, condition) = (matrices.determinant, matrices.condition);
     writeln!(out, "\nmatrices                {} entries", matrices.entries)?;
     writeln!(
@@ -136,6 +148,16 @@ fn poor_line(Poor { limit, nodes, alpha, theta }: &Poor) -> String {
         ),
         _ => format!("{what}: none"),
     }
+}
+
+/// How far the BRDF that was fitted is from reciprocity.
+pub(super) fn asymmetry_line(Asymmetry { largest, alpha, theta_o, theta_i, phi }: &Asymmetry) -> String {
+    let alpha = alpha.map(|alpha| format!("alpha {alpha:.4}, ")).unwrap_or_default();
+    format!(
+        "tabulated BRDF: exchanging view and light changes it by up to {:.2} % of its largest value, at {alpha}theta_o \
+         {theta_o:.3}, theta_i {theta_i:.3}, phi {phi:.3}",
+        100.0 * largest
+    )
 }
 
 fn write_corners(out: &mut String, corners: &[Corner]) -> std::fmt::Result {

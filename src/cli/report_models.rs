@@ -35,7 +35,7 @@ pub(super) fn run(
             return usage("--weight belongs to model normals");
         }
         (_, Some(any)) if any.table.brdf != BrdfKind::Ggx => {
-            return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf)));
+            return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf())));
         }
         _ if args.points.is_some() || args.extremes => {
             return usage("--points and --extremes belong to the lobes of a table, without --model");

@@ -8,7 +8,7 @@ use super::{
     config_file::{ConfigFile, DEFAULT_SERVER},
     diff, export, figures, fit, fsck, jobs, light, lock, lookup, plot, preview, print, pull, report, serve, shader,
     sources::Sources,
-    tradeoff, verify,
+    tabulated, tradeoff, verify,
 };
 use crate::client::Client;
 
@@ -38,6 +38,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
         Command::Figures(args) => figures::run(&args, json, context),
         Command::Tradeoff(args) => tradeoff::run(&args, json, context),
         Command::Shader(args) => shader::run(&args, json, context),
+        Command::Tabulate(args) => tabulated::run(&args, json, context),
         Command::Export(args) => export::run(&args, json, context),
         Command::Jobs(args) => jobs::run(&args, json, &connect()?, context),
         Command::Lock(args) => lock::run(&args, &Sources::new(&args.sources, server.as_deref(), &file)?, json, context),

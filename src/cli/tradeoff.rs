@@ -11,15 +11,11 @@ use super::{
     args::TradeoffArgs,
     file_failure, fit, input,
     output::check_output_folder,
-    print, progress, shown,
+    print, progress, shown, tabulated,
     tradeoff_models::{self, FittedTable},
 };
 use crate::{
-    files::{
-        compact,
-        recipe_document::{self, DEFAULT_ENTRY_LIMIT},
-        replace::replace_file,
-    },
+    files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT, replace::replace_file},
     fit::{BrdfKind, Plan, Recipe, Table, report},
     light::{LightError, Lighting, RandomLights},
     view::tradeoff::{
@@ -34,7 +30,7 @@ const DEFAULT_RECIPE: &str = "paper";
 pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let name = args.recipe.as_deref().unwrap_or(Path::new(DEFAULT_RECIPE));
     let document = input::recipe_document(name)?;
-    let base = recipe_document::parse(&document, DEFAULT_ENTRY_LIMIT).map_err(|error| fit::bad_recipe(name, error))?;
+    let (base, _) = tabulated::recipe(name, &document, None)?;
     if base.brdf() != BrdfKind::Ggx {
         let message = format!("{}: /brdf: {}", name.display(), LightError::OtherBrdf(base.brdf()));
         return Err(CommandFailure::new(Exit::Usage, message));

@@ -86,6 +86,16 @@ impl Client {
         parse_job(&url, &self.document(&url, sent)?)
     }
 
+    /// Stores the file of a tabulated BRDF, which recipes then name by its digest.
+    ///
+    /// # Errors
+    /// See [`ClientError`].
+    pub fn store_brdf(&self, bytes: &[u8]) -> Result<(), ClientError> {
+        let url = self.url("/v1/brdfs");
+        let sent = self.agent.post(&url).content_type("application/octet-stream").send(bytes);
+        self.document(&url, sent).map(drop)
+    }
+
     /// A job as it is now.
     ///
     /// # Errors

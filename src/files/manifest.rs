@@ -8,8 +8,9 @@ use super::{
     container::{self, TableFile, TableFileError},
     digest::Digest,
     recipe_document,
+    tabulated::{FindBrdf, no_files},
 };
-use crate::fit::{GoOn, REPORT_VERSION, Recipe, Report, Table, report, report_points, report_while};
+use crate::fit::{Asymmetry, GoOn, REPORT_VERSION, Recipe, Report, Table, report, report_points, report_while};
 
 /// Version of manifests. Raised whenever the same table gets another manifest.
 pub const MANIFEST_VERSION: u32 = REPORT_VERSION;
@@ -22,7 +23,18 @@ struct Manifest {
     bytes: usize,
     entries: usize,
     report: Report,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tabulated: Option<Tabulated>,
     exports: Vec<Export>,
+}
+
+/// The file that a table was fitted to.
+#[derive(Debug, Serialize)]
+struct Tabulated {
+    file: String,
+    /// Views and lights that may be exchanged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    asymmetry: Option<Asymmetry>,
 }
 
 /// Another file of the same table.
@@ -33,7 +45,8 @@ struct Export {
     bytes: usize,
 }
 
-/// The report of a recipe's table, as in its manifest. Runs on the current rayon pool.
+/// The report of a recipe's table, as in its manifest. Runs on the current rayon pool. Domain: a table whose model is
+/// complete.
 #[must_use]
 pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
     report(table, &recipe.range, report_points(recipe))
@@ -42,19 +55,33 @@ pub fn table_report(table: &Table, recipe: &Recipe) -> Report {
 /// The manifest of a canonical file as JSON that ends in a newline. Measures the table on the current rayon pool.
 ///
 /// # Errors
-/// When `file_bytes` is not a canonical table file.
+/// When `file_bytes` is not a canonical table file, or is of a tabulated BRDF, whose file [`manifest_json_with`] finds.
 pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
-    let file = container::decode(file_bytes)?;
+    manifest_json_with(file_bytes, &no_files)
+}
+
+/// As [`manifest_json`], of any table.
+///
+/// # Errors
+/// As [`manifest_json`], and when the file of a tabulated BRDF is not found.
+pub fn manifest_json_with(file_bytes: &[u8], find: &FindBrdf<'_>) -> Result<String, TableFileError> {
+    let mut file = container::decode(file_bytes)?;
+    file.find_brdf(find)?;
     let report = table_report(&file.table, &file.recipe);
     json(file_bytes, &file, report)
 }
 
-/// As [`manifest_json`]; `None` as soon as `go_on` says no.
+/// As [`manifest_json_with`]; `None` as soon as `go_on` says no.
 ///
 /// # Errors
-/// As [`manifest_json`].
-pub fn manifest_json_while(go_on: &GoOn, file_bytes: &[u8]) -> Result<Option<String>, TableFileError> {
-    let file = container::decode(file_bytes)?;
+/// As [`manifest_json_with`].
+pub fn manifest_json_while(
+    go_on: &GoOn,
+    file_bytes: &[u8],
+    find: &FindBrdf<'_>,
+) -> Result<Option<String>, TableFileError> {
+    let mut file = container::decode(file_bytes)?;
+    file.find_brdf(find)?;
     let report = report_while(go_on, &file.table, &file.recipe.range, report_points(&file.recipe));
     report.map(|report| json(file_bytes, &file, report)).transpose()
 }
@@ -114,6 +141,11 @@ fn json(file_bytes: &[u8], file: &TableFile, report: Report) -> Result<String, T
         bytes: file_bytes.len(),
         entries: file.table.matrix.len(),
         report,
+        tabulated: file
+            .table
+            .model()
+            .file()
+            .map(|of| Tabulated { file: of.to_string(), asymmetry: of.data().and_then(|data| data.asymmetry()) }),
         exports: vec![],
     };
     let mut json = serde_json::to_string_pretty(&manifest).map_err(not_json)?;

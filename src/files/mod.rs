@@ -11,5 +11,6 @@ pub mod recipe_document;
 pub mod replace;
 #[cfg(feature = "client")]
 pub mod staged;
+pub mod tabulated;
 #[cfg(feature = "textures")]
 pub mod textures;

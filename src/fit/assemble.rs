@@ -26,7 +26,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     let stored = between::chosen(plan, entries, &own).unwrap_or(own);
     let column = |value: fn(&LobeNumbers) -> f64| stored.iter().map(|entry| round(value(entry))).collect();
     Table {
-        brdf: recipe.brdf,
+        brdf: recipe.brdf.clone(),
         lobe: recipe.lobe,
         layout: recipe.layout,
         axes: plan.nodes().clone(),

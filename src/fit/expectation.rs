@@ -53,7 +53,7 @@ mod tests {
         let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
         Recipe {
             fitter: FITTER_VERSION,
-            brdf: BrdfKind::Ggx,
+            brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout,
             resolution: PerAxis { alpha, ratio: nodes(ratio, range.ratio), theta, phi: nodes(phi, range.phi) },

@@ -30,7 +30,10 @@ mod terms;
 
 pub use assemble::assemble;
 pub use axes::{LEAST_ALPHA, PerAxis};
-pub use brdf::BrdfKind;
+pub use brdf::{
+    Asymmetry, BrdfKind, BrdfModel, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf, TabulatedFault,
+    TabulatedFile,
+};
 pub use cost::fit_seconds;
 pub use entry::{FittedEntry, Fitter};
 pub use expectation::{Expectation, expectation};

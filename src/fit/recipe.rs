@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     axes::PerAxis,
-    brdf::BrdfKind,
+    brdf::{BrdfKind, BrdfModel},
     layout::{Layout, Precision},
     lobe::LobeModel,
     metric::Metric,
@@ -42,8 +42,9 @@ pub struct FitSettings {
 pub struct Recipe {
     /// [`FITTER_VERSION`] that the recipe is meant for.
     pub(crate) fitter: u32,
-    /// Scattering model.
-    pub(crate) brdf: BrdfKind,
+    /// Scattering model: the fields `brdf` and, for a tabulated one, `tabulated`.
+    #[serde(flatten)]
+    pub(crate) brdf: BrdfModel,
     /// The distribution that stands for a lobe. The canonical form names it only where it is not the default, so that
     /// recipes keep their digests.
     #[serde(skip_serializing_if = "LobeModel::is_default")]
@@ -111,7 +112,13 @@ impl Recipe {
     /// Scattering model.
     #[must_use]
     pub fn brdf(&self) -> BrdfKind {
-        self.brdf
+        self.brdf.kind()
+    }
+
+    /// The scattering model with the file that a tabulated one is of.
+    #[must_use]
+    pub fn model(&self) -> &BrdfModel {
+        &self.brdf
     }
 
     /// The distribution that stands for a lobe.

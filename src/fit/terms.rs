@@ -49,7 +49,7 @@ mod tests {
         for &layout in &[Layout::Reflected, Layout::Kt2022] {
             let plan = Plan::new(&Recipe {
                 fitter: FITTER_VERSION,
-                brdf: BrdfKind::Ggx,
+                brdf: BrdfKind::Ggx.into(),
                 lobe: LobeModel::Ltc,
                 layout,
                 resolution: PerAxis { alpha: 3, ratio: 3, theta: 4, phi: 2 },

@@ -1,6 +1,6 @@
 //! Recipes made in code, and read from documents.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use serde_json::{Map, Value, json};
 
@@ -8,7 +8,8 @@ use super::Error;
 use crate::{
     files::{
         digest::Digest,
-        recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse},
+        recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse_with},
+        tabulated::locate,
     },
     fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start},
 };
@@ -30,12 +31,12 @@ impl Recipe {
         RecipeBuilder { fields: Map::new(), nested: BTreeMap::new(), entry_limit: DEFAULT_ENTRY_LIMIT }
     }
 
-    /// Reads a recipe document.
+    /// Reads a recipe document. The file of a tabulated BRDF is found from the working folder.
     ///
     /// # Errors
     /// [`Error::Recipe`] with every fault of the document.
     pub fn from_json(json: &[u8]) -> Result<Self, Error> {
-        Ok(parse(json, DEFAULT_ENTRY_LIMIT)?)
+        read(json, DEFAULT_ENTRY_LIMIT)
     }
 
     /// The canonical JSON (RFC 8785), all defaults filled in.
@@ -49,6 +50,12 @@ impl Recipe {
     pub fn digest(&self) -> Digest {
         digest(self)
     }
+}
+
+/// Reads a document; files of BRDFs are found from the working folder.
+fn read(json: &[u8], entry_limit: u64) -> Result<Recipe, Error> {
+    let folders = [PathBuf::from(".")];
+    Ok(parse_with(json, entry_limit, &|name| Ok(locate(&folders, name)?.file))?)
 }
 
 impl RecipeBuilder {
@@ -70,6 +77,12 @@ impl RecipeBuilder {
     /// The scattering model.
     pub fn brdf(self, brdf: BrdfKind) -> Self {
         self.set("brdf", brdf.name())
+    }
+
+    /// A BRDF of numbers in a file: its path, or its digest where the working folder has it as `HEX.brdf.safetensors`.
+    /// `build` reads it.
+    pub fn tabulated(self, file: impl Into<String>) -> Self {
+        self.brdf(BrdfKind::Tabulated).set("tabulated", file.into())
     }
 
     /// The distribution that stands for a lobe.
@@ -162,7 +175,7 @@ impl RecipeBuilder {
         for (object, nested) in self.nested {
             fields.insert(object.to_owned(), Value::Object(nested));
         }
-        Ok(parse(Value::Object(fields).to_string().as_bytes(), self.entry_limit)?)
+        read(Value::Object(fields).to_string().as_bytes(), self.entry_limit)
     }
 }
 

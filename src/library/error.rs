@@ -3,7 +3,7 @@
 use std::{io, path::PathBuf};
 
 use crate::{
-    files::{container::TableFileError, recipe_document::RecipeError},
+    files::{container::TableFileError, recipe_document::RecipeError, tabulated::TabulatedError},
     light::LightError,
 };
 
@@ -20,6 +20,9 @@ pub enum Error {
     /// No threads could be started.
     #[error("no threads for the fit: {0}")]
     Threads(String),
+    /// Bytes are not a tabulated BRDF; all faults are listed.
+    #[error(transparent)]
+    Tabulated(#[from] TabulatedError),
     /// Bytes are not a table.
     #[error(transparent)]
     Table(#[from] TableFileError),

@@ -4,7 +4,7 @@ use std::{fmt, num::NonZeroUsize, ops::ControlFlow};
 
 use super::Error;
 use crate::{
-    files::container::TableFile,
+    files::container::{TableFile, TableFileError},
     fit::{Plan, Progress, Recipe, fit_plan},
 };
 
@@ -52,8 +52,13 @@ impl<'a> Fit<'a> {
     /// Runs the fit to its end.
     ///
     /// # Errors
-    /// [`Error::Stopped`] when the progress callback says so, [`Error::Threads`].
+    /// [`Error::Stopped`] when the progress callback says so, [`Error::Threads`], [`Error::Table`] for a recipe without the file
+    /// of its tabulated BRDF.
     pub fn run(self) -> Result<TableFile, Error> {
+        if !self.recipe.model().is_complete() {
+            let missing = "a recipe that was read from a table has none; build it anew".to_owned();
+            return Err(TableFileError::Brdf(missing).into());
+        }
         let threads = self.threads.map_or(0, NonZeroUsize::get);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|error| Error::Threads(error.to_string()))?;

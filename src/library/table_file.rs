@@ -3,8 +3,9 @@
 use super::Error;
 use crate::{
     files::{
-        container::{TableFile, decode, encode},
-        manifest::{manifest_json, table_report},
+        container::{TableFile, TableFileError, decode, encode},
+        manifest::{manifest_json_with, table_report},
+        tabulated,
     },
     fit::Report,
 };
@@ -26,17 +27,34 @@ impl TableFile {
         Ok(encode(&self.recipe, &self.table)?)
     }
 
+    /// Gives a table that was fitted to a tabulated BRDF the bytes of its file, which no table's file has and which measuring
+    /// needs. A table that was just fitted has them.
+    ///
+    /// # Errors
+    /// [`Error::Tabulated`] for bytes that are no tabulated BRDF, [`Error::Table`] for those of another one.
+    pub fn attach_brdf(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let file = tabulated::decode(bytes)?;
+        Ok(self.find_brdf(&|_| Ok(file.clone()))?)
+    }
+
     /// How good the table is: the report of its manifest. Runs on the current rayon pool.
-    #[must_use]
-    pub fn measure(&self) -> Report {
-        table_report(&self.table, &self.recipe)
+    ///
+    /// # Errors
+    /// [`Error::Table`] for a table of a tabulated BRDF whose file is not attached.
+    pub fn measure(&self) -> Result<Report, Error> {
+        if !self.table.model().is_complete() {
+            return Err(TableFileError::Brdf("attach its file first".to_owned()).into());
+        }
+        Ok(table_report(&self.table, &self.recipe))
     }
 
     /// The manifest as JSON.
     ///
     /// # Errors
-    /// As [`TableFile::to_bytes`].
+    /// As [`TableFile::to_bytes`] and [`TableFile::measure`].
     pub fn manifest(&self) -> Result<String, Error> {
-        Ok(manifest_json(&self.to_bytes()?)?)
+        let file = self.table.model().file().filter(|file| file.data().is_some());
+        let find = |_: &str| file.cloned().ok_or_else(|| vec!["attach its file first".to_owned()]);
+        Ok(manifest_json_with(&self.to_bytes()?, &find)?)
     }
 }

@@ -10,10 +10,9 @@ use crate::{
     files::{
         container::{self, TableFile},
         digest::Digest,
-        manifest::manifest_json,
         replace::{PairError, replace_file, replace_pair},
     },
-    fit::Recipe,
+    fit::{Recipe, Table},
 };
 
 /// The table of a recipe, from `folder` if it was fitted before, else fitted and kept there under the recipe's digest.
@@ -29,7 +28,9 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
             if let Ok(file) = container::decode(&bytes)
                 && file.recipe == *recipe
             {
-                return Ok(file);
+                // Equal recipes, but this one has its BRDF's file.
+                let table = Table { brdf: recipe.brdf.clone(), ..file.table };
+                return Ok(TableFile { recipe: recipe.clone(), table });
             }
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
@@ -41,7 +42,8 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
 }
 
 /// Writes a table and its manifest into `folder`, both named by the table's digest, and measures the table for the
-/// manifest. Gives the digest and the table's path. The manifest's path ends in `.manifest.json`.
+/// manifest. Gives the digest and the table's path. The manifest's path ends in `.manifest.json`. The file of a tabulated
+/// BRDF is the caller's to keep.
 ///
 /// # Errors
 /// [`Error::File`] where one of them cannot be written; then no half-written file is left, and no manifest without its
@@ -49,7 +51,7 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
 pub fn write_table(file: &TableFile, folder: impl AsRef<Path>) -> Result<(Digest, PathBuf), Error> {
     let bytes = file.to_bytes()?;
     let digest = Digest::of(&bytes);
-    let manifest = manifest_json(&bytes)?;
+    let manifest = file.manifest()?;
     let manifest_path = folder.as_ref().join(format!("{}.manifest.json", digest.hex()));
     let path = folder.as_ref().join(format!("{}.safetensors", digest.hex()));
     // The table comes first, so that there is never a manifest without its table, whenever the process ends.

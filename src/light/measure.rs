@@ -169,7 +169,7 @@ impl<'a> Lighting<'a> {
     /// A table without terms with GGX's own. Tables of other models are not measured by the truth of GGX.
     fn with_terms(self) -> Result<Owned<'a>, LightError> {
         Ok(match self {
-            Self::Ltc(table) if table.brdf != BrdfKind::Ggx => return Err(LightError::OtherBrdf(table.brdf)),
+            Self::Ltc(table) if table.brdf != BrdfKind::Ggx => return Err(LightError::OtherBrdf(table.brdf())),
             Self::Ltc(table) if table.terms.is_none() => {
                 let terms = Some(ggx_terms(table.layout, &table.axes));
                 Owned::WithTerms(Box::new(Table { terms, ..table.clone() }))
@@ -266,7 +266,7 @@ mod tests {
     /// The clamped cosine in place of every lobe.
     fn cosine() -> Table {
         Table {
-            brdf: BrdfKind::Ggx,
+            brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
             axes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },

@@ -16,5 +16,6 @@ mod pull;
 mod same_bytes;
 mod service;
 mod tables;
+mod tabulated;
 mod tradeoff;
 mod translations;

@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let found = table.table().lookup(&Configuration { alpha_x: 0.5, alpha_y: 0.25, theta: 0.7, phi: 0.3 });
     let determinant = DMat3::from_cols_array(&found.matrix).determinant();
-    let error = table.measure().between.width.mean;
+    let error = table.measure().expect("a report").between.width.mean;
     let (digest, path) = ltcforge::write_table(&table, out.join("tables"))?;
     fs::write(out.join("ltc.wgsl"), ltcforge::wgsl(Layout::Reflected))?;
 

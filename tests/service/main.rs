@@ -4,6 +4,7 @@
 mod common;
 
 mod bad_input;
+mod brdfs;
 mod clients;
 mod crash;
 mod crowds;

@@ -12,6 +12,7 @@ mod pins;
 #[cfg(feature = "cluster")]
 mod shared;
 mod tables;
+mod tabulate;
 mod threads;
 
 use std::path::PathBuf;
@@ -29,6 +30,7 @@ pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
 #[cfg(feature = "cluster")]
 pub(super) use shared::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
+pub(super) use tabulate::TabulateArgs;
 pub(super) use threads::{Threads, cores};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
@@ -86,6 +88,8 @@ pub enum Command {
     Tradeoff(TradeoffArgs),
     /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
     Shader(ShaderArgs),
+    /// Write a scattering model as the file of a tabulated one
+    Tabulate(TabulateArgs),
     /// Write a table as the textures that an engine loads, and say where they go
     Export(ExportArgs),
     /// Work with the jobs of a server
@@ -154,6 +158,7 @@ impl Command {
             | Self::Figures(_)
             | Self::Shader(_)
             | Self::Export(_)
+            | Self::Tabulate(_)
             | Self::Jobs(_)
             | Self::Verify(_)
             | Self::Diff(_)
@@ -212,6 +217,8 @@ mod tests {
             "ltcforge diff a b c",
             "ltcforge diff a b --points 7",
             "ltcforge light",
+            "ltcforge tabulate tabulated -o b",
+            "ltcforge tabulate ggx -o b --theta 1",
             "ltcforge export table -o out",
             "ltcforge export table --for three",
             "ltcforge export table --for unity -o out",

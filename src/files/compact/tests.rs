@@ -45,7 +45,7 @@ pub(in crate::files) fn planted(
         std::array::from_fn(|channel| base[channel] + (far[channel] - base[channel]) * bow + bump(channel, place))
     });
     let numbers: Vec<[f64; CHANNELS]> = numbers.collect();
-    Table::of_smooth_numbers((recipe.brdf, recipe.lobe, recipe.layout), axes, &numbers, has_terms)
+    Table::of_smooth_numbers((recipe.brdf(), recipe.lobe, recipe.layout), axes, &numbers, has_terms)
 }
 
 /// The bytes for the first steps, whatever they do to the table: planted lobes are nobody's.

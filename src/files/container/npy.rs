@@ -96,8 +96,15 @@ pub fn decode_npy(bytes: &[u8]) -> Result<NpyTable, NpyError> {
     let (matrix, _) = numbers.as_chunks::<9>();
     let node_error = vec![f32::NAN; matrix.len()];
     let (layout, axes) = (recipe.layout, recipe.nodes());
-    let table =
-        Table { brdf: recipe.brdf, lobe: recipe.lobe, layout, axes, matrix: matrix.to_vec(), terms: None, node_error };
+    let table = Table {
+        brdf: recipe.brdf.clone(),
+        lobe: recipe.lobe,
+        layout,
+        axes,
+        matrix: matrix.to_vec(),
+        terms: None,
+        node_error,
+    };
     Ok(NpyTable { table, range: recipe.range })
 }
 

@@ -14,8 +14,8 @@ use half::f16;
 use safetensors::{Dtype, SafeTensors, View, serialize};
 
 use crate::{
-    files::recipe_document,
-    fit::{Precision, Recipe, Table, Terms, math::from_row_major},
+    files::{recipe_document, tabulated::FindBrdf},
+    fit::{BrdfModel, Precision, Recipe, Table, Terms, math::from_row_major},
 };
 
 /// The metadata key that holds the recipe.
@@ -42,6 +42,22 @@ impl TableFile {
     pub fn table(&self) -> &Table {
         &self.table
     }
+
+    /// Finds the file of a tabulated BRDF, which a table is measured with. Does nothing for other tables.
+    ///
+    /// # Errors
+    /// [`TableFileError::Brdf`] when it is not found.
+    pub fn find_brdf(&mut self, find: &FindBrdf<'_>) -> Result<(), TableFileError> {
+        let missing = self.table.brdf.file().filter(|_| !self.table.brdf.is_complete());
+        let Some(name) = missing.map(ToString::to_string) else { return Ok(()) };
+        let file = find(&name).map_err(|faults| TableFileError::Brdf(faults.join("; ")))?;
+        if file.to_string() != name {
+            return Err(TableFileError::Brdf(format!("{file} is not {name}")));
+        }
+        self.table.brdf = BrdfModel::tabulated(file);
+        self.recipe.brdf = self.table.brdf.clone();
+        Ok(())
+    }
 }
 
 /// Why bytes are not a canonical table file.
@@ -53,6 +69,9 @@ pub enum TableFileError {
     /// No recipe in the metadata, or one that is not complete and valid.
     #[error("no valid recipe under the metadata key «{RECIPE_KEY}»: {0}")]
     Recipe(String),
+    /// The file of a tabulated BRDF is not at hand.
+    #[error("the table is of a tabulated BRDF, which is not at hand: {0}")]
+    Brdf(String),
     /// A tensor is missing, or has another type or shape than the recipe demands.
     #[error("tensor «{name}»: {detail}")]
     Tensor {
@@ -186,7 +205,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
     };
     let node_error = not_negative("node_error")?;
     let table = Table {
-        brdf: recipe.brdf,
+        brdf: recipe.brdf.clone(),
         lobe: recipe.lobe,
         layout: recipe.layout,
         axes,

@@ -9,16 +9,19 @@ use super::{
     preset::Preset,
     reader::{Faults, Object, echo},
 };
-use crate::fit::{
-    BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear, Simplex,
-    Solver, Start,
+use crate::{
+    files::tabulated::FindBrdf,
+    fit::{
+        BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear,
+        Simplex, Solver, Start, TabulatedAxes,
+    },
 };
 
 /// Entries that a table may have unless the caller sets another limit.
 pub const DEFAULT_ENTRY_LIMIT: u64 = 2_000_000;
 
-const FIELDS: [&str; 10] =
-    ["preset", "fitter", "brdf", "lobe", "layout", "resolution", "range", "fit", "terms", "precision"];
+const FIELDS: [&str; 11] =
+    ["preset", "fitter", "brdf", "tabulated", "lobe", "layout", "resolution", "range", "fit", "terms", "precision"];
 const AXES: [&str; 4] = ["alpha", "ratio", "theta", "phi"];
 const FIT_FIELDS: [&str; 8] = ["metric", "solver", "samples", "directions", "steps", "seed", "shear", "start"];
 
@@ -34,6 +37,9 @@ const STEPS: [u32; 2] = [1, 100_000];
 /// Greatest seed: whole numbers up to here are exact in every JSON reader.
 const MOST_SEED: u64 = (1 << 53) - 1;
 
+/// A file's ends in f32 are not those that a document has in decimals.
+const FILE_TOLERANCE: f64 = 1e-6;
+
 /// What the range of each axis lies within, and its default for anisotropic surfaces, for every preset.
 const DOMAIN: PerAxis<[f64; 2]> =
     PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
@@ -41,22 +47,28 @@ const DOMAIN: PerAxis<[f64; 2]> =
 const ISOTROPIC: PerAxis<[f64; 2]> = PerAxis { ratio: [1.0, 1.0], phi: [0.0, 0.0], ..DOMAIN };
 
 /// Reads a document into a complete recipe.
-pub(super) fn read(document: &Value, entry_limit: u64, fitters: RangeInclusive<u32>) -> Result<Recipe, Vec<Fault>> {
+pub(super) fn read(
+    document: &Value,
+    entry_limit: u64,
+    fitters: RangeInclusive<u32>,
+    find: &FindBrdf<'_>,
+) -> Result<Recipe, Vec<Fault>> {
     let mut faults = Faults::default();
     let root = Object::root(document, &FIELDS, &mut faults);
     let presets = Preset::ALL.map(|preset| (preset.name(), preset));
     let preset = root.choice("preset", &presets, Preset::Standard, &mut faults);
-    let brdf = root.choice("brdf", &named(BrdfKind::ALL, BrdfKind::name), BrdfKind::ALL[0], &mut faults);
+    let model = read_brdf(&root, find, &mut faults);
+    let brdf = model.kind();
     let lobe = root.choice("lobe", &named(LobeModel::ALL, LobeModel::name), LobeModel::ALL[0], &mut faults);
     let layout = read_layout(&root, brdf, &mut faults);
     let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
     let terms = root.boolean("terms", true, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
-    let range = read_range(&root, brdf, layout, &mut faults);
+    let range = read_range(&root, &model, layout, &mut faults);
     check_ratio(&range, &fit, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
-    let recipe = Recipe { fitter, brdf, lobe, layout, resolution, range, fit, terms, precision };
+    let recipe = Recipe { fitter, brdf: model, lobe, layout, resolution, range, fit, terms, precision };
     check_entries(&recipe, entry_limit, &mut faults);
     check_nodes(&recipe, &mut faults);
     if faults.0.is_empty() { Ok(recipe) } else { Err(faults.0) }
@@ -135,6 +147,26 @@ fn listed<T: Copy + std::fmt::Display>(items: &[T], keep: impl Fn(T) -> bool) ->
     names.collect::<Vec<_>>().join(", ")
 }
 
+/// The scattering model. A tabulated one names its file, and no other does.
+fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfModel {
+    let kind = root.choice("brdf", &named(BrdfKind::ALL, BrdfKind::name), BrdfKind::ALL[0], faults);
+    let mut note = |detail: String| faults.note(root.pointer("tabulated"), detail);
+    match (kind.needs_file(), root.get("tabulated")) {
+        (false, None) => {}
+        (false, Some(_)) => {
+            let other = BrdfKind::Tabulated;
+            note(format!("brdf \"{kind}\" has no file: choose brdf \"{other}\", or leave this field out"));
+        }
+        (true, None) => note(format!("missing: brdf \"{kind}\" needs its file, a path or sha256:<64 hex digits>")),
+        (true, Some(Value::String(name))) => match find(name) {
+            Ok(file) => return BrdfModel::tabulated(file),
+            Err(details) => details.into_iter().for_each(note),
+        },
+        (true, Some(other)) => note(format!("{} is neither a path nor a digest sha256:<64 hex digits>", echo(other))),
+    }
+    kind.into()
+}
+
 /// The default is the first layout that takes the lobes of the scattering model.
 fn read_layout(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> Layout {
     let takes = |layout: &Layout| layout.takes(brdf);
@@ -153,11 +185,24 @@ fn read_layout(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> Layout {
 }
 
 /// The ranges of a layout that has only one domain are its own, and isotropic surfaces have one ratio: a document may repeat
-/// them, and name no others.
-fn read_range(root: &Object, brdf: BrdfKind, layout: Layout, faults: &mut Faults) -> PerAxis<[f64; 2]> {
+/// them, and name no others. Those of a tabulated BRDF lie within its file's.
+fn read_range(root: &Object, model: &BrdfModel, layout: Layout, faults: &mut Faults) -> PerAxis<[f64; 2]> {
+    let brdf = model.kind();
     let object = root.object("range", &AXES, faults);
     let only = layout.only_ranges();
-    let default = only.unwrap_or(if brdf.is_isotropic() { ISOTROPIC } else { DOMAIN });
+    let axes = model.file().and_then(|file| file.data()).map(|data| data.axes());
+    let of_file = |nodes: fn(&TabulatedAxes) -> &Vec<f64>| {
+        axes.and_then(|axes| nodes(axes).first().zip(nodes(axes).last())).map(|(low, high)| [*low, *high])
+    };
+    let (alphas, thetas) = (of_file(|axes| &axes.alpha), of_file(|axes| &axes.theta_o));
+    let default = only.unwrap_or(match (axes, brdf.is_isotropic()) {
+        // A surface without roughness is one entry, as rough as can be.
+        (Some(_), _) => {
+            PerAxis { alpha: alphas.unwrap_or([1.0; 2]), theta: thetas.unwrap_or(DOMAIN.theta), ..ISOTROPIC }
+        }
+        (None, true) => ISOTROPIC,
+        (None, false) => DOMAIN,
+    });
     let mut axis = |name, domain, default: [f64; 2]| {
         let range = object.range(name, domain, default, faults);
         if only.is_some() && range != default {
@@ -169,6 +214,21 @@ fn read_range(root: &Object, brdf: BrdfKind, layout: Layout, faults: &mut Faults
         if name == "ratio" && brdf.is_isotropic() && range != ISOTROPIC.ratio {
             let detail = format!("brdf \"{brdf}\" has the ratio [1, 1] only: its surfaces are isotropic");
             faults.note(object.pointer(name), detail);
+            return default;
+        }
+        let of_file = if name == "alpha" { alphas } else { thetas.filter(|_| name == "theta") };
+        if let Some([low, high]) = of_file
+            && (range[0] < low - FILE_TOLERANCE || range[1] > high + FILE_TOLERANCE)
+        {
+            let axis = if name == "alpha" { name } else { "theta_o" };
+            let file = format!("the file of the tabulated BRDF has {axis} [{low}, {high}]");
+            let given = format!("[{}, {}]", range[0], range[1]);
+            if only.is_some() {
+                let detail = format!("layout \"{layout}\" has the range {given} of {name} only, and {file}");
+                faults.note(root.pointer("layout"), detail);
+            } else {
+                faults.note(object.pointer(name), format!("{given} goes beyond it: {file}"));
+            }
             return default;
         }
         range

@@ -11,8 +11,11 @@ use std::ops::RangeInclusive;
 
 use self::strict::Strict;
 use crate::{
-    files::digest::Digest,
-    fit::{FITTER_VERSION, Recipe},
+    files::{
+        digest::Digest,
+        tabulated::{FindBrdf, no_files},
+    },
+    fit::{FITTER_VERSION, Recipe, TabulatedFile},
 };
 
 pub use document::DEFAULT_ENTRY_LIMIT;
@@ -37,22 +40,40 @@ fn list(faults: &[Fault]) -> String {
 /// Reads a recipe document that is to be fitted, fills in its preset and the defaults, and checks it.
 ///
 /// # Errors
-/// Every fault of the document at once. The version of another fitter is a fault.
+/// Every fault of the document at once. The version of another fitter is a fault, and so is a tabulated BRDF, whose file
+/// [`parse_with`] finds.
 pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
-    read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION)
+    parse_with(json, entry_limit, &no_files)
 }
 
-/// Reads the recipe that a stored table carries, which may be an older fitter's.
+/// As [`parse`], for documents that may name the file of a tabulated BRDF.
+///
+/// # Errors
+/// As [`parse`]; every fault of the file is one of the field `tabulated`.
+pub fn parse_with(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<Recipe, RecipeError> {
+    read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION, find)
+}
+
+/// Reads the recipe that a stored table carries, which may be an older fitter's. The file of a tabulated BRDF is not read.
 ///
 /// # Errors
 /// As [`parse`].
 pub fn parse_stored(json: &[u8]) -> Result<Recipe, RecipeError> {
-    read(json, u64::MAX, 1..=FITTER_VERSION)
+    let unread = |name: &str| match name.parse::<Digest>() {
+        Ok(digest) => Ok(TabulatedFile::unread(*digest.as_bytes())),
+        Err(error) => Err(vec![error.to_string()]),
+    };
+    read(json, u64::MAX, 1..=FITTER_VERSION, &unread)
 }
 
-fn read(json: &[u8], entry_limit: u64, fitters: RangeInclusive<u32>) -> Result<Recipe, RecipeError> {
+fn read(
+    json: &[u8],
+    entry_limit: u64,
+    fitters: RangeInclusive<u32>,
+    find: &FindBrdf<'_>,
+) -> Result<Recipe, RecipeError> {
     let Strict(document) = serde_json::from_slice(json).map_err(|error| RecipeError::Json(error.to_string()))?;
-    document::read(&document, entry_limit, fitters).map_err(RecipeError::Faults)
+    document::read(&document, entry_limit, fitters, find).map_err(RecipeError::Faults)
 }
 
 /// The canonical JSON (RFC 8785) of a complete recipe.

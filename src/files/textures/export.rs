@@ -182,7 +182,7 @@ fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTex
     layout.check(table)?;
     match engine.layout() {
         Some(name) if table.brdf != BrdfKind::Ggx => {
-            Err(NoTextures::OtherBrdf { engine: engine.name(), brdf: table.brdf, layout: name })
+            Err(NoTextures::OtherBrdf { engine: engine.name(), brdf: table.brdf(), layout: name })
         }
         _ => Ok(layout),
     }
@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn engines_are_given_no_tables_but_those_of_ggx() {
         let mut table = table(r#"{"layout": "godot", "resolution": {"alpha": 2, "theta": 2}}"#);
-        table.brdf = BrdfKind::Charlie;
+        table.brdf = BrdfKind::Charlie.into();
         let export = |name: &str| name.parse::<Export>().expect("an export");
         let refused = export("godot").layout(&table).expect_err("not of GGX").to_string();
         assert!(refused.contains("brdf charlie") && refused.contains("--layout godot"), "{refused}");

@@ -24,7 +24,7 @@ const SETTINGS: FitSettings = FitSettings {
 fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<FittedEntry>) {
     let plan = Plan::new(&Recipe {
         fitter: FITTER_VERSION,
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
         resolution: PerAxis { alpha: nodes, ratio: 1, theta: nodes, phi: 1 },

@@ -8,9 +8,11 @@ mod charlie;
 mod charlie_neubelt;
 mod ggx;
 mod hemisphere;
+mod model;
 mod oren_nayar;
 mod scattering;
 mod symmetry;
+mod tabulated;
 #[cfg(test)]
 mod tests;
 
@@ -19,10 +21,14 @@ pub use burley_diffuse::BurleyDiffuse;
 pub use charlie::Charlie;
 pub use charlie_neubelt::CharlieNeubelt;
 pub use ggx::Ggx;
+pub use model::{BrdfModel, TabulatedFile};
 pub use oren_nayar::OrenNayar;
 pub(crate) use scattering::BrdfRules;
 pub use scattering::{Brdf, BrdfSample, LobeTerms, cos_theta_d};
 pub(crate) use symmetry::Mirrors;
+#[cfg(test)]
+pub(crate) use tabulated::tests::planted as planted_tabulated;
+pub use tabulated::{Asymmetry, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf, TabulatedFault};
 
 use super::{axes::PerAxis, named_list::named_list};
 
@@ -41,20 +47,34 @@ named_list! {
         BurleyDiffuse = "burley_diffuse" => burley_diffuse::Rules,
         /// Energy-preserving Oren-Nayar [Portsmouth, Kutz and Hill 2024].
         OrenNayar = "oren_nayar" => oren_nayar::Rules,
+        /// An isotropic BRDF given as numbers in a file.
+        Tabulated = "tabulated" => tabulated::Rules,
     }
 }
 
 impl BrdfKind {
-    /// The surface of these roughnesses along x and y. Domain: both in (0, 1].
+    /// The models of formulas, which need no file.
+    pub fn formulas() -> impl Iterator<Item = Self> {
+        Self::ALL.iter().copied().filter(|kind| !kind.needs_file())
+    }
+
+    /// The surface of these roughnesses along x and y. Domain: both in (0, 1], and a model of formulas;
+    /// [`BrdfModel::surface`] has those of files.
     #[must_use]
     pub fn surface(self, roughness: [f64; 2]) -> Box<dyn Brdf> {
         self.rules().surface(roughness)
     }
 
-    /// The surface at a place of a table, x along its larger roughness.
+    /// The surface at a place of a table, x along its larger roughness. Domain: as [`BrdfKind::surface`].
     #[must_use]
     pub fn surface_at(self, place: &PerAxis<f64>) -> Box<dyn Brdf> {
         self.surface(place.roughness())
+    }
+
+    /// Whether its numbers are in a file that a recipe names.
+    #[must_use]
+    pub fn needs_file(self) -> bool {
+        self.rules().needs_file()
     }
 
     /// Whether its surfaces are the same in all azimuths, so that a table has a ratio of one only.

@@ -94,4 +94,9 @@ pub(crate) trait BrdfRules: Sync {
     fn follows_reflection(&self) -> bool {
         true
     }
+
+    /// Whether its numbers are in a file that a recipe names.
+    fn needs_file(&self) -> bool {
+        false
+    }
 }

@@ -144,7 +144,7 @@ mod tests {
         let quarter = [0.0, FRAC_PI_2];
         let recipe = Recipe {
             fitter: FITTER_VERSION,
-            brdf: BrdfKind::Ggx,
+            brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
             resolution: PerAxis { alpha: 3, ratio: 2, theta: 3, phi: 2 },

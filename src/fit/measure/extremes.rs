@@ -186,7 +186,7 @@ mod tests {
 
     fn table(matrix: [f32; 9]) -> Table {
         Table {
-            brdf: BrdfKind::Ggx,
+            brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
             axes: PerAxis { alpha: vec![1e-4], ratio: vec![1e-4, 1.0], theta: vec![0.0], phi: vec![0.0] },

@@ -90,7 +90,7 @@ mod tests {
             diagonal(0.5, 0.0, 1.0),
         ];
         let table = Table {
-            brdf: BrdfKind::Ggx,
+            brdf: BrdfKind::Ggx.into(),
             lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
             axes,

@@ -17,7 +17,7 @@ fn plan_of(layout: Layout, [alpha, ratio, theta, phi]: [u32; 4]) -> Plan {
     let nodes = |n: u32, [low, high]: [f64; 2]| if low < high { n } else { 1 };
     Plan::new(&Recipe {
         fitter: FITTER_VERSION,
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
         resolution: PerAxis { alpha, ratio: nodes(ratio, range.ratio), theta, phi: nodes(phi, range.phi) },

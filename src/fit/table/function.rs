@@ -112,7 +112,7 @@ impl IsotropicFunction {
             return Err(FunctionError::Anisotropic { ratios: ratio.len(), phis: phi.len() });
         }
         if !table.brdf.follows_reflection() {
-            return Err(FunctionError::Reflection { brdf: table.brdf });
+            return Err(FunctionError::Reflection { brdf: table.brdf() });
         }
         if table.layout.rules().free_numbers().is_some() {
             return Err(FunctionError::Chosen { layout: table.layout });
@@ -189,7 +189,7 @@ impl IsotropicFunction {
         let axes = Layout::Reflected.nodes(&ranges, &resolution);
         let numbers: Vec<[f64; SMOOTH_NUMBERS]> =
             axes.alpha.iter().flat_map(|alpha| axes.theta.iter().map(|theta| self.numbers(*alpha, *theta))).collect();
-        Table::of_smooth_numbers((source.brdf, source.lobe, Layout::Reflected), axes, &numbers, true)
+        Table::of_smooth_numbers((source.brdf(), source.lobe, Layout::Reflected), axes, &numbers, true)
     }
 
     /// What a shader computes: the lobe of the larger roughness, turned with the view.

@@ -7,7 +7,13 @@ mod function;
 mod lookup;
 mod smooth;
 
-use super::{axes::PerAxis, brdf::BrdfKind, layout::Layout, lobe::LobeModel, math::from_row_major};
+use super::{
+    axes::PerAxis,
+    brdf::{BrdfKind, BrdfModel},
+    layout::Layout,
+    lobe::LobeModel,
+    math::from_row_major,
+};
 
 pub use fold::Configuration;
 #[cfg(test)]
@@ -28,7 +34,7 @@ pub struct Terms {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// The scattering model that was fitted.
-    pub(crate) brdf: BrdfKind,
+    pub(crate) brdf: BrdfModel,
     /// The distribution that stands for a lobe.
     pub(crate) lobe: LobeModel,
     /// The layout, which defines what the stored numbers mean.
@@ -47,7 +53,13 @@ impl Table {
     /// The scattering model that was fitted.
     #[must_use]
     pub fn brdf(&self) -> BrdfKind {
-        self.brdf
+        self.brdf.kind()
+    }
+
+    /// The scattering model with the file that a tabulated one is of.
+    #[must_use]
+    pub fn model(&self) -> &BrdfModel {
+        &self.brdf
     }
 
     /// The distribution that stands for a lobe.

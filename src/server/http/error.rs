@@ -4,10 +4,13 @@ use std::{fmt, time::Duration};
 
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
-    files::recipe_document::RecipeError,
+    files::{
+        recipe_document::{Fault, RecipeError},
+        tabulated::TabulatedError,
+    },
     server::{
         queue::{Failure, FailureKind},
-        service::{ExportFailure, PictureError, ServiceError, SubmitError},
+        service::{ExportFailure, PictureError, ServiceError, StoreBrdfError, SubmitError},
     },
     view::parameters::ParameterFault,
 };
@@ -53,6 +56,19 @@ impl From<RecipeError> for Problem {
             RecipeError::Faults(faults) => {
                 Self::new(ProblemKind::BadRecipe, format!("{} in the recipe", count(faults.len()))).with_errors(faults)
             }
+        }
+    }
+}
+
+impl From<StoreBrdfError> for Problem {
+    fn from(error: StoreBrdfError) -> Self {
+        match error {
+            StoreBrdfError::Faults(TabulatedError(faults)) => {
+                let detail = format!("{} in the file", count(faults.len()));
+                let faults = faults.into_iter().map(|detail| Fault { pointer: String::new(), detail });
+                Self::new(ProblemKind::BadBrdf, detail).with_errors(faults.collect())
+            }
+            StoreBrdfError::Store(error) => error.into(),
         }
     }
 }
@@ -147,14 +163,15 @@ mod tests {
     use axum::response::IntoResponse as _;
 
     use super::*;
-    use crate::files::recipe_document::Fault;
 
     #[test]
     fn every_error_of_the_layers_below_has_its_status() {
         let fault = Fault { pointer: String::new(), detail: String::new() };
-        let cases: [(Problem, u16); 19] = [
+        let cases: [(Problem, u16); 21] = [
             (SubmitError::Recipe(RecipeError::Json("x".into())).into(), 400),
             (SubmitError::Recipe(RecipeError::Faults(vec![fault])).into(), 422),
+            (StoreBrdfError::Faults(TabulatedError(vec!["x".into()])).into(), 422),
+            (StoreBrdfError::Store(ServiceError::DiskFull).into(), 507),
             (SubmitError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
             (SubmitError::Stopping.into(), 503),
             (PictureError::NoTable.into(), 404),

@@ -11,6 +11,7 @@ use axum::{
 use serde::{Deserialize, de::DeserializeOwned};
 
 use super::{api::Api, kind::ProblemKind, problem::Problem};
+use crate::files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// Longest request body. A recipe takes less than one kilobyte.
 pub const BODY_LIMIT_BYTES: usize = 64 * 1024;
@@ -124,6 +125,44 @@ impl FromRequest<Api> for RecipeBody {
     }
 }
 
+/// The bytes of a tabulated BRDF's file, not read yet. Its route raises the limit of bodies.
+pub(super) struct BrdfBody(pub(super) Bytes);
+
+impl FromRequest<Api> for BrdfBody {
+    type Rejection = Problem;
+
+    async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
+        check_brdf_type(request.headers())?;
+        let too_large = || {
+            let detail = format!("the file of a BRDF takes at most {TABULATED_LIMIT_BYTES} bytes");
+            Problem::new(ProblemKind::BodyTooLarge, detail)
+        };
+        if announced(request.headers()).is_some_and(|length| length > TABULATED_LIMIT_BYTES) {
+            return Err(too_large());
+        }
+        let limit = api.limits.body;
+        let body = tokio::time::timeout(limit, Bytes::from_request(request, api))
+            .await
+            .map_err(|_| Problem::new(ProblemKind::SlowRequest, slow("body", limit)))?;
+        body.map(Self).map_err(|rejection| match rejection.status() {
+            StatusCode::PAYLOAD_TOO_LARGE => too_large(),
+            _ => Problem::new(ProblemKind::BadBody, rejection.body_text()),
+        })
+    }
+}
+
+/// A page of another site can send forms without a preflight request, so what is sent says that it is a file.
+fn check_brdf_type(headers: &HeaderMap) -> Result<(), Problem> {
+    match headers.get(header::CONTENT_TYPE) {
+        Some(value) if value.as_bytes().eq_ignore_ascii_case(b"application/octet-stream") => Ok(()),
+        other => {
+            let given = other.map_or("no content type".to_owned(), |value| format!("{value:?}"));
+            let detail = format!("{given} is not that of a BRDF's file; send application/octet-stream");
+            Err(Problem::new(ProblemKind::NotJsonType, detail))
+        }
+    }
+}
+
 /// What is said of a `part` of a request that was not complete within `limit`.
 pub(super) fn slow(part: &str, limit: Duration) -> String {
     let seconds = limit.as_secs_f64();
@@ -137,8 +176,11 @@ fn too_large() -> Problem {
 /// Refuses a body that is announced as too large before any of it is read. A client that waits for `100 Continue` then
 /// sends none of it.
 fn check_content_length(headers: &HeaderMap) -> Result<(), Problem> {
-    let announced = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
-    if announced.is_some_and(|length| length > BODY_LIMIT_BYTES as u64) { Err(too_large()) } else { Ok(()) }
+    if announced(headers).is_some_and(|length| length > BODY_LIMIT_BYTES as u64) { Err(too_large()) } else { Ok(()) }
+}
+
+fn announced(headers: &HeaderMap) -> Option<u64> {
+    headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok())
 }
 
 fn unreadable(rejection: &BytesRejection) -> Problem {

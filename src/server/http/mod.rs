@@ -4,6 +4,7 @@
 //! service runs on a blocking thread, so that a slow disk does not delay other connections.
 
 mod api;
+mod brdfs;
 mod conditional;
 mod connection;
 mod error;

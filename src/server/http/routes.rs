@@ -2,12 +2,17 @@
 
 use axum::{
     Router,
+    extract::DefaultBodyLimit,
+    handler::Handler as _,
     http::{HeaderValue, Method, Uri, header},
     response::{IntoResponse, Response},
     routing::MethodRouter,
 };
 
-use super::{api::Api, events, exports, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables};
+use super::{
+    api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables,
+};
+use crate::files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
 #[derive(Debug)]
@@ -41,6 +46,11 @@ pub static ROUTES: &[Route] = &[
     route(Method::GET, "/v1/tables/{digest}/plots/error.png", |on| on.get(pictures::error_plot)),
     route(Method::GET, "/v1/tables/{digest}/plots/matrix.png", |on| on.get(pictures::matrix_plot)),
     route(Method::GET, "/v1/preview", |on| on.get(pictures::preview)),
+    route(Method::POST, "/v1/brdfs", |on| {
+        on.post(brdfs::store.layer(DefaultBodyLimit::max(TABULATED_LIMIT_BYTES as usize)))
+    }),
+    route(Method::GET, "/v1/brdfs/{digest}", |on| on.get(brdfs::download)),
+    route(Method::HEAD, "/v1/brdfs/{digest}", |on| on.head(brdfs::download)),
     route(Method::GET, "/v1/recipes/{digest}", |on| on.get(tables::recipe)),
     route(Method::GET, "/healthz", |on| on.get(operations::healthz)),
     route(Method::GET, "/readyz", |on| on.get(operations::readyz)),

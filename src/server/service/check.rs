@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{OpenError, Reconciled, engine::FitEngine, reconcile::reconcile};
 use crate::{
-    files::digest::Digest,
+    files::{digest::Digest, tabulated},
     server::{
         queue::embedded::{self, ReconciledJobs},
         store::{Findings, Rehearsal, Store, StoreError},
@@ -62,7 +62,8 @@ pub fn check(folder: &Path) -> Result<CheckReport, OpenError> {
     let (mut tables, mut damaged_tables) = (0, Vec::new());
     for blob in store.blobs.list().map_err(of)? {
         match store.blobs.get(blob.digest) {
-            Ok(bytes) => tables += usize::from(bytes.is_some()),
+            // The files of tabulated BRDFs lie beside them.
+            Ok(bytes) => tables += usize::from(bytes.is_some_and(|bytes| tabulated::decode(&bytes).is_err())),
             Err(StoreError::Corrupt { expected, .. }) => damaged_tables.push(expected),
             Err(error) => return Err(of(error)),
         }

@@ -1,12 +1,19 @@
 //! The service on a database and a store of blobs that any number of processes share.
 
-use std::{collections::HashMap, fmt, str::FromStr, sync::Arc, thread};
+use std::{
+    collections::{BTreeSet, HashMap},
+    fmt,
+    str::FromStr,
+    sync::Arc,
+    thread,
+};
 
 use jiff::SignedDuration;
 
 use super::{
     Config, OpenError, Service,
     engine::FitEngine,
+    find_brdf::named_in,
     open::{Parts, limits},
     state::ServiceState,
 };
@@ -14,7 +21,10 @@ use crate::{
     files::digest::Digest,
     fit::FITTER_VERSION,
     server::{
-        queue::postgres::{PostgresQueue, Process},
+        queue::{
+            Queue, StateName,
+            postgres::{PostgresQueue, Process},
+        },
         store::{Access, Catalogue, Database, ObjectBlobs, PostgresRows, Store, StoreError},
     },
 };
@@ -78,8 +88,8 @@ impl Service {
         let (database, blobs) = shared.open(&config, if works { Access::Write } else { Access::Read })?;
         let process = Process { name: process_name(), fitter: FITTER_VERSION };
         let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), process).map_err(OpenError::Shared)?;
+        let engine = Arc::new(FitEngine::on(Arc::clone(&blobs) as _));
         let store = Store::shared(blobs, Arc::new(PostgresRows::new(database)));
-        let engine = Arc::new(FitEngine::default());
         let service = Self::start(config, Parts { queue: Box::new(queue), store, engine, works })?;
         let (state, workers) = (Arc::clone(&service.state), Arc::clone(&service.workers));
         workers.begin();
@@ -123,14 +133,29 @@ impl ServiceState {
     }
 }
 
-/// Removes the blobs that no table of the catalogue has and that are older than a day. Returns how many.
+/// The files of tabulated BRDFs that recipes of tables, and of jobs that wait or run, name.
+fn used_brdfs(catalogue: &Catalogue, queue: &dyn Queue) -> Result<BTreeSet<Digest>, StoreError> {
+    let mut used: BTreeSet<Digest> = catalogue.recipes()?.iter().filter_map(|recipe| named_in(recipe)).collect();
+    for state in [StateName::Queued, StateName::Running] {
+        let (jobs, _) = queue.list(Some(state), None, usize::MAX >> 1)?;
+        used.extend(jobs.iter().filter_map(|job| named_in(&job.recipe)));
+    }
+    Ok(used)
+}
+
+/// Removes the blobs that no table of the catalogue has, that no recipe in use names, and that are older than a day. Returns how many.
 ///
 /// # Errors
 /// When the database or the store of blobs cannot be used.
 pub fn sweep(config: &Config, shared: &Shared) -> Result<usize, OpenError> {
     let (database, blobs) = shared.open(config, Access::Write)?;
+    let process = Process { name: "gc".to_owned(), fitter: FITTER_VERSION };
+    let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;
     let catalogue = Catalogue::new(Arc::new(PostgresRows::new(database)));
-    let is_known = |digest: Digest| -> Result<bool, StoreError> { Ok(catalogue.table(digest)?.is_some()) };
+    let brdfs = used_brdfs(&catalogue, &queue).map_err(OpenError::Shared)?;
+    let is_known = |digest: Digest| -> Result<bool, StoreError> {
+        Ok(brdfs.contains(&digest) || catalogue.table(digest)?.is_some())
+    };
     blobs.sweep(ORPHAN_AGE, &is_known).map_err(OpenError::Shared)
 }
 

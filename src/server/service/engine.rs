@@ -1,28 +1,40 @@
 //! The fitter as the service uses it.
 
 use std::{
+    cell::RefCell,
     collections::VecDeque,
     ops::ControlFlow,
     sync::{Arc, Mutex, PoisonError},
 };
 
-use super::{ExportFailure, ServiceError};
+use super::{
+    ExportFailure, ServiceError, SubmitError,
+    find_brdf::{FindBrdfError, find},
+};
 use crate::{
     files::{
         container::{self, TableFile, TableFileError},
         digest::Digest,
         manifest::{manifest_json_while, mean_error},
-        recipe_document::{self, RecipeError},
+        recipe_document,
         textures::{About, Bundle, Export},
     },
-    fit::{self, Expectation, FITTER_VERSION, FittedEntry, GoOn, Plan, Solver},
-    server::queue::NewJob,
+    fit::{self, BrdfModel, Expectation, FITTER_VERSION, FittedEntry, GoOn, Plan, Recipe, Solver, TabulatedFile},
+    server::{
+        queue::NewJob,
+        store::{Blobs, StoreError},
+    },
 };
 
 /// What the service needs of a fitter. Tests have their own.
 pub(super) trait Engine: Send + Sync {
     /// Reads a recipe document and plans its job.
-    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError>;
+    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, SubmitError>;
+
+    /// Fetches what the fit of a planned recipe needs from the store, so that its failures are told from the fit's.
+    fn prepare(&self, _recipe: &str) -> Result<(), StoreError> {
+        Ok(())
+    }
 
     /// The expected duration of the fit of a planned recipe, on one thread of the cost model's machine, and its
     /// expected error, with the solver; `None` for a recipe that this engine does not fit.
@@ -67,13 +79,71 @@ pub(super) trait Assembly {
 pub(super) struct FitEngine {
     /// The plans of the recipes that were used last, the latest first.
     latest: Mutex<VecDeque<(String, Arc<Plan>)>>,
+    /// Where the files of tabulated BRDFs are; without it, there are none.
+    blobs: Option<Arc<dyn Blobs>>,
 }
 
 /// Plans that are kept, at most: jobs take turns shard by shard.
 const PLANS: usize = 16;
+/// Of these, plans with the file of a tabulated BRDF, at most: each may take 64 MiB.
+const PLANS_WITH_FILES: usize = 4;
+
+/// Why there is no plan with all that it needs.
+enum PlanError {
+    Failed(String),
+    Store(StoreError),
+}
 
 impl FitEngine {
+    /// The engine of a service whose files of tabulated BRDFs are in `blobs`.
+    pub(super) fn on(blobs: Arc<dyn Blobs>) -> Self {
+        Self { blobs: Some(blobs), ..Self::default() }
+    }
+
+    /// The plan of a stored recipe, with the file of a tabulated BRDF.
     fn plan_of(&self, document: &str) -> Result<Arc<Plan>, String> {
+        self.complete(document).map_err(|error| match error {
+            PlanError::Failed(text) => text,
+            PlanError::Store(error) => error.to_string(),
+        })
+    }
+
+    fn complete(&self, document: &str) -> Result<Arc<Plan>, PlanError> {
+        let plan = self.planned(document).map_err(PlanError::Failed)?;
+        let Some(name) = plan.recipe().model().file().filter(|file| file.data().is_none()) else { return Ok(plan) };
+        let file = self.file(&name.to_string()).map_err(|error| match error {
+            FindBrdfError::Store(error) => PlanError::Store(error),
+            FindBrdfError::Faults(faults) => PlanError::Failed(format!("its tabulated BRDF: {}", faults.join("; "))),
+        })?;
+        let plan = Arc::new(Plan::new(&Recipe { brdf: BrdfModel::tabulated(file), ..plan.recipe().clone() }));
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        latest.retain(|(of, _)| of != document);
+        latest.push_front((document.to_owned(), Arc::clone(&plan)));
+        let mut with_files = 0;
+        latest.retain(|(_, plan)| {
+            with_files += usize::from(plan.recipe().model().file().is_some_and(|file| file.data().is_some()));
+            with_files <= PLANS_WITH_FILES || plan.recipe().model().file().is_none()
+        });
+        latest.truncate(PLANS);
+        Ok(plan)
+    }
+
+    /// The file of a tabulated BRDF, from a plan in memory or from the store.
+    fn file(&self, name: &str) -> Result<TabulatedFile, FindBrdfError> {
+        let kept = {
+            let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+            let files = latest.iter().filter_map(|(_, plan)| plan.recipe().model().file());
+            files.filter(|file| file.data().is_some()).find(|file| file.to_string() == name).cloned()
+        };
+        match (kept, &self.blobs) {
+            (Some(file), _) => Ok(file),
+            (None, Some(blobs)) => find(blobs.as_ref(), name),
+            (None, None) => Err(FindBrdfError::Faults(vec!["no files of BRDFs are stored here".to_owned()])),
+        }
+    }
+
+    /// The plan of a stored recipe. The file of a tabulated BRDF may be missing in it.
+    fn planned(&self, document: &str) -> Result<Arc<Plan>, String> {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = latest.iter().position(|(of, _)| of == document) {
             latest.make_contiguous()[..=found].rotate_right(1);
@@ -137,8 +207,23 @@ impl Assembly for FitAssembly {
 }
 
 impl Engine for FitEngine {
-    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, RecipeError> {
-        let parsed = recipe_document::parse(document, entry_limit)?;
+    fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, SubmitError> {
+        let failed = RefCell::new(None);
+        let find = |name: &str| {
+            self.file(name).map_err(|error| match error {
+                FindBrdfError::Faults(faults) => faults,
+                FindBrdfError::Store(error) => {
+                    let lines = vec![error.to_string()];
+                    failed.replace(Some(error));
+                    lines
+                }
+            })
+        };
+        let parsed = recipe_document::parse_with(document, entry_limit, &find);
+        if let Some(error) = failed.into_inner() {
+            return Err(ServiceError::from(error).into());
+        }
+        let parsed = parsed?;
         let plan = Plan::new(&parsed);
         let shard_entries = (0..plan.shards()).map(|n| u32::try_from(entries(&plan, n)).unwrap_or(u32::MAX)).collect();
         let text = recipe_document::canonical_json(&parsed);
@@ -146,8 +231,16 @@ impl Engine for FitEngine {
     }
 
     fn expect(&self, recipe: &str) -> Option<(Solver, Expectation)> {
-        let plan = self.plan_of(recipe).ok()?;
+        let plan = self.planned(recipe).ok()?;
         Some((plan.recipe().fit().solver, fit::expectation(plan.recipe())))
+    }
+
+    fn prepare(&self, recipe: &str) -> Result<(), StoreError> {
+        match self.complete(recipe) {
+            Err(PlanError::Store(error)) => Err(error),
+            // What else is wrong, the fit tells.
+            Err(PlanError::Failed(_)) | Ok(_) => Ok(()),
+        }
     }
 
     fn fit_shard(
@@ -174,7 +267,7 @@ impl Engine for FitEngine {
     }
 
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
-        manifest_json_while(go_on, file)
+        manifest_json_while(go_on, file, &|name| self.file(name).map_err(FindBrdfError::lines))
     }
 
     fn exports(&self, file: &[u8]) -> Result<Vec<Export>, ExportFailure> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{Config, OpenError, Shared, open::limits};
+use super::{Config, OpenError, Shared, find_brdf::named_in, open::limits};
 use crate::{
     fit::FITTER_VERSION,
     server::{
@@ -13,7 +13,7 @@ use crate::{
             embedded::{stored_jobs, stored_results},
             postgres::{PostgresQueue, Process},
         },
-        store::{Access, Batch, Blobs as _, Catalogue, PostgresRows, Rows as _, Store, StoreError},
+        store::{Access, Batch, Blobs as _, Catalogue, ObjectBlobs, PostgresRows, Rows as _, Store, StoreError},
     },
 };
 
@@ -68,6 +68,7 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
                     continue;
                 };
                 blobs.put(&file)?;
+                take_brdf(&store, &blobs, &recipe)?;
                 let mut batch = Catalogue::entry(&row, &recipe)?;
                 let manifest = from.manifest(row.digest)?;
                 batch.extend(
@@ -83,6 +84,7 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
             }
         }
         for stored in stored_jobs(store.rows.as_ref())? {
+            take_brdf(&store, &blobs, &stored.job.recipe)?;
             let results = stored_results(store.rows.as_ref(), stored.job.id)?;
             if queue.import(&stored.job, fitter_of(&stored.job.recipe), &stored.shard_entries, &results)? {
                 done.jobs += 1;
@@ -93,6 +95,17 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
     })()
     .map_err(OpenError::Shared)?;
     Ok(done)
+}
+
+/// Takes the file of a tabulated BRDF along, if the recipe names one and it is there and sound.
+fn take_brdf(from: &Store, to: &ObjectBlobs, recipe: &str) -> Result<(), StoreError> {
+    if let Some(digest) = named_in(recipe)
+        && !to.contains(digest)?
+        && let Ok(Some(file)) = from.blobs.get(digest)
+    {
+        to.put(&file)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! and measured and exported on another; pictures are rendered on a thread of their own.
 
 mod api;
+mod brdfs;
 mod cache;
 mod check;
 #[cfg(feature = "cluster")]
@@ -13,6 +14,7 @@ mod deliveries;
 mod downloads;
 mod engine;
 mod exports;
+mod find_brdf;
 mod forecast;
 #[cfg(feature = "cluster")]
 mod migrate;
@@ -35,6 +37,7 @@ pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
     SubmitReply,
 };
+pub use brdfs::{StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
 #[cfg(feature = "cluster")]
 pub use cluster::{DatabaseUrl, Shared, sweep};

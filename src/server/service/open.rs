@@ -39,7 +39,8 @@ impl Service {
     /// When the folder is locked, not usable, or of a later version.
     pub fn open(config: Config) -> Result<Arc<Self>, OpenError> {
         let store = Store::open(&config.data_dir).map_err(|error| refusal(&config, error))?;
-        Self::open_with(config, store, Box::new(FitEngine::default()))
+        let engine = FitEngine::on(Arc::clone(&store.blobs));
+        Self::open_with(config, store, Box::new(engine))
     }
 
     /// As [`Service::open`], on a given store and engine.

@@ -122,6 +122,7 @@ impl ServiceState {
             }
             ControlFlow::Continue(())
         };
+        self.engine.prepare(&task.recipe)?;
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
                 let seconds = (started.elapsed() + waited).saturating_sub(turn.waited()).as_secs_f64();
@@ -149,6 +150,7 @@ impl ServiceState {
     }
 
     fn assemble(&self, task: &LeasedTask, turn: &mut Turn<'_>) -> Result<(), TaskError> {
+        self.engine.prepare(&task.recipe)?;
         let mut parts = self.engine.assembly(&task.recipe).map_err(TaskError::Failed)?;
         if !self.queue.results(&task.lease, &mut |result| parts.add(result))? {
             return Ok(());

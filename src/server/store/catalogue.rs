@@ -89,6 +89,18 @@ impl Catalogue {
         Ok(row.map(|row| (row.recipe, row.table)))
     }
 
+    /// The canonical JSON of all recipes that have a table.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn recipes(&self) -> Result<Vec<String>, StoreError> {
+        let mut recipes = Vec::new();
+        for row in self.rows.scan(Tree::Recipes, &[])? {
+            recipes.extend(self.read::<RecipeRow>(Tree::Recipes, &row.key)?.map(|row| row.recipe));
+        }
+        Ok(recipes)
+    }
+
     /// The row of a table.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ fn table(bad: usize) -> Table {
     let mut matrix = vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; 12];
     matrix[bad] = [0.2, 0.0, 0.5, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0];
     Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![0.25, 1.0], ratio: vec![0.5, 1.0], theta: vec![0.0, 0.5, 1.0], phi: vec![0.0] },

@@ -15,6 +15,11 @@ pub enum PreviewError {
     /// A GPU was asked for, and shaders do not know the reference.
     #[error("only the CPU renders the reference of brdf {0}: choose mode ltc, or another adapter than the GPU")]
     CpuOnly(BrdfKind),
+    /// The reference is of a tabulated BRDF whose file is not at hand.
+    #[error(
+        "the reference is of a tabulated BRDF, whose file {0} is not there: choose mode ltc, or put it beside the table"
+    )]
+    NoBrdfFile(String),
     /// A GPU was asked for, and Vulkan lists none.
     #[error("no adapter: {0}")]
     NoAdapter(String),

@@ -116,12 +116,15 @@ impl Preview {
     fn begin(&mut self, table: &ShaderTable, scene: &Scene) -> Result<(), PreviewError> {
         let is_of_ggx = LightModel::ALL.iter().any(|model| *model != LightModel::Ltc && scene.shows(*model));
         if table.brdf != BrdfKind::Ggx && is_of_ggx {
-            return Err(PreviewError::OtherBrdf(table.brdf));
+            return Err(PreviewError::OtherBrdf(table.brdf.kind()));
         }
         self.drawn_by = DrawnBy::Nobody;
         if table.has_reference_on_cpu_only(scene) {
+            if let Some(file) = table.brdf.file().filter(|_| !table.brdf.is_complete()) {
+                return Err(PreviewError::NoBrdfFile(file.to_string()));
+            }
             if self.adapter == Adapter::Gpu {
-                return Err(PreviewError::CpuOnly(table.brdf));
+                return Err(PreviewError::CpuOnly(table.brdf.kind()));
             }
             self.drawn_by = DrawnBy::OnCpu;
         }

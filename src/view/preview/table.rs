@@ -4,7 +4,7 @@ use half::f16;
 
 use super::{Mode, Scene};
 use crate::{
-    fit::{BrdfKind, Layout, PerAxis, Table},
+    fit::{BrdfKind, BrdfModel, Layout, PerAxis, Table},
     view::picture::short_digest,
 };
 
@@ -21,7 +21,7 @@ pub enum TexelFormat {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShaderTable {
     /// The model that it stands for, and that references of its pictures are of.
-    pub(super) brdf: BrdfKind,
+    pub(super) brdf: BrdfModel,
     pub(super) layout: Layout,
     pub(super) format: TexelFormat,
     pub(super) nodes: PerAxis<Vec<f32>>,
@@ -39,7 +39,7 @@ impl ShaderTable {
     pub fn none() -> Self {
         let texel = |texel: [f32; 4]| vec![texel];
         Self {
-            brdf: BrdfKind::Ggx,
+            brdf: BrdfKind::Ggx.into(),
             layout: Layout::Kt2022,
             format: TexelFormat::F32,
             nodes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
@@ -67,7 +67,7 @@ impl ShaderTable {
         let axes = &table.axes;
         let single = |nodes: &[f64]| nodes.iter().map(|node| *node as f32).collect();
         Self {
-            brdf: table.brdf,
+            brdf: table.brdf.clone(),
             layout: table.layout,
             format,
             nodes: PerAxis {
@@ -96,7 +96,7 @@ impl ShaderTable {
 
     /// What pictures call the model that it stands for.
     pub(super) fn brdf_title(&self) -> &'static str {
-        match self.brdf {
+        match self.brdf.kind() {
             BrdfKind::Ggx => "GGX",
             other => other.name(),
         }

@@ -55,7 +55,7 @@ pub(in crate::view) fn table(layout: Layout) -> Table {
     let entries = alpha * ratio * theta * phi;
     let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * STEP) as f32;
     Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
         axes,

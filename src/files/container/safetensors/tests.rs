@@ -14,7 +14,7 @@ fn example(terms: bool) -> (Recipe, Table) {
     let recipe = recipe_document::parse(text.as_bytes(), 24).expect("a recipe");
     let column = |scale: f32| (0..24_u8).map(|i| scale * f32::from(i)).collect::<Vec<f32>>();
     let table = Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Reflected,
         axes: recipe.nodes(),

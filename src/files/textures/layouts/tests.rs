@@ -11,7 +11,7 @@ fn planted(document: &str) -> Table {
     let matrix = (0..entries).map(|i| std::array::from_fn(|k| (i * 16 + k) as f32)).collect();
     let term = |place: usize| (0..entries).map(|i| (i * 16 + place) as f32).collect();
     Table {
-        brdf: recipe.brdf,
+        brdf: recipe.brdf.clone(),
         lobe: recipe.lobe,
         layout: recipe.layout,
         axes: recipe.nodes(),

@@ -21,7 +21,7 @@ fn linear() -> Table {
         phi: vec![0.0, 0.75, FRAC_PI_2],
     };
     let mut table = Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes: axes.clone(),
@@ -115,7 +115,7 @@ fn a_perfect_mirror_is_isotropic() {
 fn an_isotropic_table_turns_with_the_view() {
     let stored = [0.5, 0.0, -0.4, 0.0, 0.3, 0.0, 0.2, 0.0, 1.0];
     let table = Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes: PerAxis { alpha: vec![0.5], ratio: vec![1.0], theta: vec![0.7], phi: vec![0.0] },
@@ -138,7 +138,7 @@ fn an_isotropic_table_turns_with_the_view() {
 fn reflections(axes: PerAxis<Vec<f64>>, matrix: [f32; 9]) -> Table {
     let entries = axes.named().iter().map(|(_, nodes)| nodes.len()).product();
     Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Reflected,
         axes,
@@ -208,7 +208,7 @@ fn of_engines(layout: Layout) -> Table {
         [0.5 + number(e, 0), 0.0, number(e, 1), 0.0, 0.5 + number(e, 2), 0.0, -number(e, 3), 0.0, 0.5 + number(e, 4)]
     };
     Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
         axes,

@@ -17,9 +17,14 @@ use super::{
 use crate::{
     files::{container, digest::Digest},
     fit::Table,
-    server::service::{ServiceError, tables::Tables},
+    server::service::{
+        ServiceError,
+        find_brdf::{FindBrdfError, find},
+        tables::Tables,
+    },
     view::{
         picture::Picture,
+        plots::Plot,
         preview::{Adapter, Mode, Preview, PreviewError, Scene, ShaderTable, Stop, TexelFormat},
     },
 };
@@ -98,6 +103,12 @@ impl RenderThread {
             Subject::Plot(plot) => {
                 let digest = request.table.ok_or(PictureError::NoTable)?;
                 let table = self.table(digest)?;
+                if let (Plot::Error(_), false) = (plot, table.model().is_complete()) {
+                    let missing = table.model().file().map(ToString::to_string).unwrap_or_default();
+                    return Err(PictureError::OtherBrdf(format!(
+                        "the tabulated BRDF of the table, {missing}, is not stored"
+                    )));
+                }
                 let start = Instant::now();
                 let picture = plot.draw_while(&|| !stop(), &table, &digest.hex());
                 let picture = picture.ok_or_else(|| stopped(queue, request))?;
@@ -150,9 +161,11 @@ impl RenderThread {
     fn table(&self, digest: Digest) -> Result<Table, PictureError> {
         let tables = self.tables.upgrade().ok_or(PictureError::Stopping)?;
         let bytes = tables.read(digest)?.ok_or(PictureError::UnknownTable(digest))?;
-        drop(tables);
         let file = container::decode(&bytes);
-        let file = file.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        let mut file = file.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
+        // A missing file is told where it is needed.
+        let _ = file.find_brdf(&|name| find(tables.store.blobs.as_ref(), name).map_err(FindBrdfError::lines));
+        drop(tables);
         Ok(file.table)
     }
 }
@@ -160,7 +173,9 @@ impl RenderThread {
 fn error(error: PreviewError, queue: &PictureQueue, request: &PictureRequest) -> PictureError {
     match error {
         PreviewError::Stopped => stopped(queue, request),
-        other @ (PreviewError::OtherBrdf(_) | PreviewError::CpuOnly(_)) => PictureError::OtherBrdf(other.to_string()),
+        other @ (PreviewError::OtherBrdf(_) | PreviewError::CpuOnly(_) | PreviewError::NoBrdfFile(_)) => {
+            PictureError::OtherBrdf(other.to_string())
+        }
         other => PictureError::Failed(other.to_string()),
     }
 }

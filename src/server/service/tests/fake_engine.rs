@@ -16,7 +16,10 @@ use crate::{
         textures::{Bundle, Engine as Engine3d, Export, RoundingError, TextureFile},
     },
     fit::{Expectation, GoOn, Solver},
-    server::{queue::NewJob, service::ExportFailure},
+    server::{
+        queue::NewJob,
+        service::{ExportFailure, SubmitError},
+    },
 };
 
 /// Entries of a shard.
@@ -96,7 +99,7 @@ impl Assembly for FakeAssembly {
 }
 
 impl Engine for FakeEngine {
-    fn plan(&self, document: &[u8], _entry_limit: u64) -> Result<NewJob, RecipeError> {
+    fn plan(&self, document: &[u8], _entry_limit: u64) -> Result<NewJob, SubmitError> {
         let refuse = || RecipeError::Json("NAME SHARDS".to_owned());
         let recipe = String::from_utf8(document.to_vec()).map_err(|_| refuse())?;
         let shards = recipe.split_once(' ').and_then(|(_, n)| n.parse().ok()).ok_or_else(refuse)?;

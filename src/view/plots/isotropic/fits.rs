@@ -62,7 +62,7 @@ pub(super) fn table(start: Start) -> Vec<Fit> {
         PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: [0.0, std::f64::consts::FRAC_PI_2], phi: [0.0; 2] };
     let plan = Plan::new(&Recipe {
         fitter: FITTER_VERSION,
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout,
         resolution: PerAxis { alpha: SIDE, ratio: 1, theta: SIDE, phi: 1 },

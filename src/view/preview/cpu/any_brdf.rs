@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::ggx::{HORIZON, Shaded, hash, point};
 use crate::{
     fit::{
-        brdf::{Brdf, BrdfKind, BrdfSample, cos_theta_d},
+        brdf::{Brdf, BrdfModel, BrdfSample, cos_theta_d},
         math::SquarePoint,
     },
     view::preview::frame::FrameLight,
@@ -13,7 +13,7 @@ use crate::{
 
 const STEP: u32 = 0x9e37_79b9;
 
-fn surface(brdf: BrdfKind, alpha: Vec2) -> Box<dyn Brdf> {
+fn surface(brdf: &BrdfModel, alpha: Vec2) -> Box<dyn Brdf> {
     brdf.surface([alpha.x.into(), alpha.y.into()])
 }
 
@@ -24,7 +24,7 @@ fn unit_square(i: u32, seed: [u32; 2]) -> [f64; 2] {
 /// What is reflected of the light, for a Fresnel factor of one and weighed by Schlick's fifth power: `samples` directions
 /// drawn by the model and as many points of the light, weighed by the balance heuristic [Veach 1997], as in
 /// [`super::ggx::reference`].
-pub(super) fn reference(brdf: BrdfKind, at: &Shaded, light: &FrameLight, samples: u32, key: u32) -> Vec2 {
+pub(super) fn reference(brdf: &BrdfModel, at: &Shaded, light: &FrameLight, samples: u32, key: u32) -> Vec2 {
     let a = hash(key);
     let b = hash(a ^ STEP);
     let c = hash(b ^ STEP);
@@ -67,6 +67,6 @@ pub(super) fn reference(brdf: BrdfKind, at: &Shaded, light: &FrameLight, samples
 }
 
 /// The model's lobe: `f cos` of a direction above the horizon, per steradian.
-pub(super) fn lobe(brdf: BrdfKind, alpha: Vec2, wo: Vec3, wi: Vec3) -> f32 {
+pub(super) fn lobe(brdf: &BrdfModel, alpha: Vec2, wo: Vec3, wi: Vec3) -> f32 {
     surface(brdf, alpha).eval_cos(wo.as_dvec3().normalize(), wi.as_dvec3().normalize()) as f32
 }

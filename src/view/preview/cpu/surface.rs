@@ -30,9 +30,9 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
         Estimator::Gaussian(gaussian) => surface(frame, place, cell, |at| by_gaussian(frame, gaussian, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
             let key = at[1] * frame.size + at[0];
-            let parts = match table.brdf {
+            let parts = match table.brdf.kind() {
                 BrdfKind::Ggx => ggx::reference(shaded, &frame.light, frame.spp, key),
-                brdf => any_brdf::reference(brdf, shaded, &frame.light, frame.spp, key),
+                _ => any_brdf::reference(&table.brdf, shaded, &frame.light, frame.spp, key),
             };
             reflected(frame, parts)
         }),
@@ -158,7 +158,7 @@ fn lobe(frame: &Frame, table: &ShaderTable, estimator: Estimator, wi: Vec3) -> f
     }
     let alpha = Vec2::new(alpha_x, alpha_y).max(Vec2::splat(LEAST_ALPHA));
     if table.brdf != BrdfKind::Ggx {
-        return any_brdf::lobe(table.brdf, alpha, wo, wi);
+        return any_brdf::lobe(&table.brdf, alpha, wo, wi);
     }
     let g2 = 1.0 / (1.0 + ggx::smith_lambda(alpha, wo) + ggx::smith_lambda(alpha, wi));
     ggx::distribution(alpha, (wo + wi).normalize()) * g2 / (4.0 * wo.z)

@@ -84,7 +84,7 @@ fn table(axes: PerAxis<Vec<f64>>, entry: impl Fn(usize) -> (DMat3, f64, f64)) ->
     let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
     let entries: Vec<(DMat3, f64, f64)> = (0..alpha * ratio * theta * phi).map(entry).collect();
     Table {
-        brdf: BrdfKind::Ggx,
+        brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
         layout: Layout::Kt2022,
         axes,

@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{planted::diffuse, *};
 use crate::{
-    fit::{BrdfKind, Table},
+    fit::{BrdfKind, BrdfModel, Table, TabulatedFile, brdf::planted_tabulated},
     light::LightModel,
     view::preview::{Camera, Estimator, Light, LightKind, Material, Mode, Scene, light::Ellipse},
 };
@@ -179,12 +179,12 @@ fn assert_true(
 #[test]
 fn the_reference_converges_to_the_integral_of_ggx() {
     assert_true(renderers(), &shader_table(TexelFormat::F32), Estimator::Reference, 1.0, |scene, point| {
-        integral(BrdfKind::Ggx, scene, point)
+        integral(&BrdfKind::Ggx.into(), scene, point)
     });
 }
 
 /// The integral of a scattering model over the light.
-fn integral(brdf: BrdfKind, scene: &Scene, point: &Point) -> [f64; 3] {
+fn integral(brdf: &BrdfModel, scene: &Scene, point: &Point) -> [f64; 3] {
     let Material { alpha_x, alpha_y, .. } = scene.materials[0];
     let surface = brdf.surface([alpha_x, alpha_y]);
     expected(scene, point, Estimator::Reference, |wo, wi| {
@@ -196,12 +196,12 @@ fn integral(brdf: BrdfKind, scene: &Scene, point: &Point) -> [f64; 3] {
 /// A table's reference is of its own scattering model, rendered by the CPU.
 #[test]
 fn every_reference_converges_to_the_integral_of_its_model() {
-    for &brdf in BrdfKind::ALL {
-        let table = Arc::new(ShaderTable::new(&Table { brdf, ..planted() }, TexelFormat::F32));
+    for brdf in BrdfKind::formulas().map(BrdfModel::from).chain([planted_tabulated()]) {
+        let table = Arc::new(ShaderTable::new(&Table { brdf: brdf.clone(), ..planted() }, TexelFormat::F32));
         let renderers = vec![Preview::new(Adapter::Any), Preview::new(Adapter::Cpu)];
         // Sheen and diffuse surfaces send little of a light into any one direction.
         let faint = if brdf.follows_reflection() { 1.0 } else { 0.1 };
-        assert_true(renderers, &table, Estimator::Reference, faint, |scene, point| integral(brdf, scene, point));
+        assert_true(renderers, &table, Estimator::Reference, faint, |scene, point| integral(&brdf, scene, point));
     }
 }
 
@@ -209,7 +209,7 @@ fn every_reference_converges_to_the_integral_of_its_model() {
 /// refused, and what needs no reference is not.
 #[test]
 fn pictures_that_would_compare_different_models_are_refused() {
-    let planted = Table { brdf: BrdfKind::Charlie, ..planted() };
+    let planted = Table { brdf: BrdfKind::Charlie.into(), ..planted() };
     let table = Arc::new(ShaderTable::new(&planted, TexelFormat::F32));
     let scene = |mode, model| Scene { mode, model, size: 64, spp: 1, ..Scene::default() };
     let mut cpu = Preview::new(Adapter::Cpu);
@@ -228,6 +228,20 @@ fn pictures_that_would_compare_different_models_are_refused() {
     assert_eq!(rendered.errors.len(), 1);
     assert!(cpu.render(&table, &scene(Mode::Lobe, LightModel::Ltc), &|| false).is_ok());
     assert!(cpu.render(&table, &scene(Mode::Ltc, LightModel::Ltc), &|| false).is_ok());
+}
+
+/// Without its file a tabulated BRDF has no reference, and its table still shows.
+#[test]
+fn a_missing_file_is_told_where_the_reference_is_asked_for() {
+    let unread = BrdfModel::tabulated(TabulatedFile::unread([7; 32]));
+    let table = Arc::new(ShaderTable::new(&Table { brdf: unread, ..planted() }, TexelFormat::F32));
+    let scene = |mode| Scene { mode, size: 64, spp: 1, ..Scene::default() };
+    let mut cpu = Preview::new(Adapter::Cpu);
+    for mode in [Mode::Strip, Mode::Reference, Mode::Lobe] {
+        let refused = cpu.render(&table, &scene(mode), &|| false);
+        assert_eq!(refused, Err(PreviewError::NoBrdfFile(format!("sha256:{}", "07".repeat(32)))), "{mode:?}");
+    }
+    assert!(cpu.render(&table, &scene(Mode::Ltc), &|| false).is_ok());
 }
 
 #[test]

@@ -1,0 +1,115 @@
+//! Tabulated BRDFs on the command line: their files beside recipes and tables, and `tabulate`, which writes one.
+
+use std::{
+    cell::RefCell,
+    num::NonZeroU64,
+    path::{Path, PathBuf},
+};
+
+use serde_json::{Value, json};
+
+use super::{
+    CommandFailure, Context, Exit, args::TabulateArgs, exit::bad_recipe, output::OutputFile, print, shown,
+    table_file::TABLE_FOLDERS,
+};
+use crate::{
+    client::Client,
+    files::{
+        container::TableFile,
+        digest::Digest,
+        recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
+        tabulated::{encode, kept_name, locate},
+    },
+    fit::{Recipe, Table, TabulatedAxes, TabulatedBrdf},
+};
+
+/// Where files are looked for that `name`, a recipe or a table, needs: beside it, and where tables are.
+fn folders(name: &Path) -> Vec<PathBuf> {
+    let beside = name.parent().filter(|folder| !folder.as_os_str().is_empty()).map(Path::to_owned);
+    let mut all: Vec<PathBuf> = beside.into_iter().collect();
+    all.extend(TABLE_FOLDERS.map(PathBuf::from));
+    all
+}
+
+/// The recipe in `document`, which comes from `name`, with the file of a tabulated BRDF and that file's bytes.
+///
+/// # Errors
+/// All faults of the recipe, and of the file.
+pub(super) fn recipe(
+    name: &Path,
+    document: &[u8],
+    entry_limit: Option<NonZeroU64>,
+) -> Result<(Recipe, Option<Vec<u8>>), CommandFailure> {
+    let folders = folders(name);
+    let kept = RefCell::new(None);
+    let find = |text: &str| {
+        let found = locate(&folders, text)?;
+        *kept.borrow_mut() = Some(found.bytes);
+        Ok(found.file)
+    };
+    let limit = entry_limit.map_or(DEFAULT_ENTRY_LIMIT, NonZeroU64::get);
+    let recipe = recipe_document::parse_with(document, limit, &find).map_err(|error| bad_recipe(name, error))?;
+    Ok((recipe, kept.into_inner()))
+}
+
+/// The document with the file of a tabulated BRDF sent to the server, if it names one by its path. What else may be wrong with
+/// it, the server tells.
+///
+/// # Errors
+/// All faults of the file, and those of the server.
+pub(super) fn uploaded(name: &Path, document: Vec<u8>, client: &Client) -> Result<Vec<u8>, CommandFailure> {
+    let Ok(mut recipe) = serde_json::from_slice::<Value>(&document) else { return Ok(document) };
+    let Some(field) = recipe.get_mut("tabulated") else { return Ok(document) };
+    let Some(path) = field.as_str().filter(|text| text.parse::<Digest>().is_err()) else { return Ok(document) };
+    let found = locate(&folders(name), path).map_err(|details| {
+        let fault = |detail: String| Fault { pointer: "/tabulated".to_owned(), detail };
+        bad_recipe(name, RecipeError::Faults(details.into_iter().map(fault).collect()))
+    })?;
+    client.store_brdf(&found.bytes)?;
+    *field = Value::String(found.file.to_string());
+    Ok(recipe.to_string().into_bytes())
+}
+
+/// Gives a table the file of its tabulated BRDF, if it is of one and the file is there. [`check_complete`] tells where it is
+/// missed.
+pub(super) fn attach(file: &mut TableFile, path: &Path) {
+    let folders = folders(path);
+    // What cannot be read is missed where it is needed.
+    let _ = file.find_brdf(&|name| Ok(locate(&folders, name)?.file));
+}
+
+/// Refuses a table whose scattering model cannot be evaluated.
+///
+/// # Errors
+/// Which file is missing, and where it is looked for.
+pub(super) fn check_complete(table: &Table, path: &Path) -> Result<(), CommandFailure> {
+    let Some(file) = table.model().file().filter(|_| !table.model().is_complete()) else { return Ok(()) };
+    let (kept, folders) = (kept_name(file.digest()), folders(path));
+    let faults = locate(&folders, &file.to_string()).err().unwrap_or_default().join("; ");
+    Err(CommandFailure::new(
+        Exit::Failed,
+        format!(
+            "{}: the table is of a tabulated BRDF, and its errors are measured with that: {faults}; put the file there, \
+             under the name {kept}",
+            path.display()
+        ),
+    ))
+}
+
+/// Writes a model of formulas as a tabulated BRDF.
+pub(super) fn run(args: &TabulateArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
+    let out = OutputFile::check(&args.out)?;
+    let axes = TabulatedAxes::spread(args.alpha.clone(), args.theta, args.phi);
+    let refused = |faults: Vec<String>| CommandFailure::new(Exit::Usage, faults.join("\n"));
+    let brdf = TabulatedBrdf::tabulate(args.brdf, axes)
+        .map_err(|faults| refused(faults.iter().map(|fault| format!("{}: {fault}", args.brdf)).collect()))?;
+    let bytes = encode(&brdf).map_err(|error| refused(error.0))?;
+    out.write(&bytes)?;
+    let digest = Digest::of(&bytes);
+    let most = brdf.albedos().iter().copied().fold(0.0, f64::max);
+    let value = json!({
+        "file": shown(&args.out), "digest": digest, "bytes": bytes.len(), "shape": brdf.axes().lengths(), "albedo": most,
+    });
+    print(context.stdout, json, &value, &format!("{}\n{digest}", shown(&args.out)))?;
+    Ok(Exit::Ok)
+}

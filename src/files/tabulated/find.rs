@@ -1,0 +1,67 @@
+//! Where the files of tabulated BRDFs are found.
+
+use std::path::{Path, PathBuf};
+
+use super::{TABULATED_LIMIT_BYTES, TabulatedError, decode};
+use crate::{
+    files::{bounded::read_file, digest::Digest},
+    fit::TabulatedFile,
+};
+
+/// Finds the file that a recipe names, or tells every fault, one a line.
+pub type FindBrdf<'a> = dyn Fn(&str) -> Result<TabulatedFile, Vec<String>> + 'a;
+
+/// Finds none: for documents that name no file.
+///
+/// # Errors
+/// Always.
+pub fn no_files(name: &str) -> Result<TabulatedFile, Vec<String>> {
+    Err(vec![format!("{name:?}: files of BRDFs are not read here")])
+}
+
+/// The name of a tabulated BRDF's file where it is kept for the tables that were fitted to it: beside them.
+#[must_use]
+pub fn kept_name(digest: &[u8; 32]) -> String {
+    format!("{}.brdf.safetensors", Digest::from_bytes(*digest).hex())
+}
+
+/// A file that was found.
+pub struct Located {
+    /// What a recipe has of it.
+    pub file: TabulatedFile,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// Finds files on disk. A digest is that of a file under its [`kept_name`] in one of `folders`; anything else is a path,
+/// relative to the first of them.
+///
+/// # Errors
+/// Of a file that is not there, cannot be read, is no tabulated BRDF, or is another than its name says.
+pub fn locate(folders: &[PathBuf], name: &str) -> Result<Located, Vec<String>> {
+    let digest: Option<Digest> = name.parse().ok();
+    let Some(digest) = digest else {
+        let path = folders.first().map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
+        return read_path(&path);
+    };
+    let kept = kept_name(digest.as_bytes());
+    let Some(path) = folders.iter().map(|folder| folder.join(&kept)).find(|path| path.exists()) else {
+        let places: Vec<String> = folders.iter().map(|folder| folder.join("").display().to_string()).collect();
+        return Err(vec![format!("{digest}: there is no {kept} in {}", places.join(" and "))]);
+    };
+    let found = read_path(&path)?;
+    if found.file.digest() == digest.as_bytes() {
+        Ok(found)
+    } else {
+        Err(vec![format!("{}: its digest is {}; it is another file or damaged", path.display(), found.file)])
+    }
+}
+
+fn read_path(path: &Path) -> Result<Located, Vec<String>> {
+    let named = |fault: &dyn std::fmt::Display| format!("{}: {fault}", path.display());
+    let bytes = read_file(path, TABULATED_LIMIT_BYTES).map_err(|error| vec![named(&error)])?;
+    match decode(&bytes) {
+        Ok(file) => Ok(Located { file, bytes }),
+        Err(TabulatedError(faults)) => Err(faults.iter().map(|fault| named(fault)).collect()),
+    }
+}

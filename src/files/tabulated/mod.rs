@@ -1,0 +1,151 @@
+//! Tabulated BRDFs as files: safetensors, read with every fault at once.
+//!
+//! | tensor | type | shape |
+//! |---|---|---|
+//! | `alpha`, may be absent | f32 or f64 | roughnesses |
+//! | `theta_o`, `theta_i`, `phi` | f32 or f64 | angles in radians |
+//! | `value` | f32 or f64 | alpha (where there is one), theta_o, theta_i, phi |
+//!
+//! Metadata is ignored. [`TabulatedBrdf`] has what the numbers mean and what is refused.
+
+mod find;
+
+use std::{borrow::Cow, sync::Arc};
+
+use safetensors::{Dtype, SafeTensors, View, serialize, tensor::TensorView};
+
+use crate::{
+    files::digest::Digest,
+    fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile},
+};
+
+pub use find::{FindBrdf, Located, kept_name, locate, no_files};
+
+/// The longest file of a tabulated BRDF that is read: twice what the numbers take that are allowed.
+pub const TABULATED_LIMIT_BYTES: u64 = 64 << 20;
+
+const VALUE: &str = "value";
+
+/// Why bytes are no tabulated BRDF: every fault.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("not a tabulated BRDF: {}", .0.join("; "))]
+pub struct TabulatedError(pub Vec<String>);
+
+/// Reads a tabulated BRDF and names it by its digest. Hostile bytes give an error, never a panic.
+///
+/// # Errors
+/// All faults at once: of the container, of tensors that are missing, unknown, or of another type or shape; of axes and
+/// values, see [`TabulatedBrdf::new`].
+pub fn decode(bytes: &[u8]) -> Result<TabulatedFile, TabulatedError> {
+    let brdf = read(bytes).map_err(TabulatedError)?;
+    Ok(TabulatedFile::new(*Digest::of(bytes).as_bytes(), Arc::new(brdf)))
+}
+
+fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
+    if bytes.len() as u64 > TABULATED_LIMIT_BYTES {
+        return Err(vec![format!("{} bytes; allowed: at most {TABULATED_LIMIT_BYTES}", bytes.len())]);
+    }
+    let file = SafeTensors::deserialize(bytes).map_err(|error| vec![format!("not a safetensors file: {error}")])?;
+    let mut faults = Vec::new();
+    let names = TabulatedAxes::default().named().map(|(name, _)| name);
+    let mut found = file.names();
+    found.sort_unstable();
+    for name in found.into_iter().filter(|name| *name != VALUE && !names.contains(name)) {
+        faults.push(format!("tensor «{name}»: unknown; known here are {}, {VALUE}", names.join(", ")));
+    }
+    let mut tensor = |name: &str, is_needed: bool| match file.tensor(name) {
+        Ok(tensor) => numbers(&tensor).map(|numbers| (tensor.shape().to_vec(), numbers)).unwrap_or_else(|| {
+            faults.push(format!("tensor «{name}»: type {:?}; allowed: F32, F64", tensor.dtype()));
+            Default::default()
+        }),
+        Err(_) => {
+            if is_needed {
+                faults.push(format!("tensor «{name}»: missing"));
+            }
+            Default::default()
+        }
+    };
+    let [alpha, theta_o, theta_i, phi] = names.map(|name| tensor(name, name != names[0]));
+    let (shape, values) = tensor(VALUE, true);
+    let axes = [(names[0], &alpha), (names[1], &theta_o), (names[2], &theta_i), (names[3], &phi)];
+    for (name, (shape, _)) in axes.iter().filter(|(_, (shape, _))| shape.len() > 1) {
+        faults.push(format!("tensor «{name}»: shape {shape:?}; allowed: one axis"));
+    }
+    let has_alpha = file.tensor(names[0]).is_ok();
+    if has_alpha && alpha.1.is_empty() {
+        faults.push(format!("tensor «{}»: no roughness; leave it out for a surface that has none", names[0]));
+    }
+    let wanted: Vec<usize> = axes[usize::from(!has_alpha)..].iter().map(|(_, (_, nodes))| nodes.len()).collect();
+    if !shape.is_empty() && shape != wanted {
+        faults.push(format!("tensor «{VALUE}»: shape {shape:?}; the axes have {wanted:?}"));
+    }
+    let axes = TabulatedAxes { alpha: alpha.1, theta_o: theta_o.1, theta_i: theta_i.1, phi: phi.1 };
+    // A shape that does not fit the axes is told above, in more words.
+    let told = |tensor: &str| faults.iter().any(|fault| fault.starts_with(&format!("tensor «{tensor}»:")));
+    match TabulatedBrdf::new(axes, values) {
+        Ok(brdf) if faults.is_empty() => Ok(brdf),
+        Ok(_) => Err(faults),
+        Err(more) => {
+            let more = more.into_iter().filter(|fault| !(told(fault.tensor) && fault.is_of_count()));
+            let more: Vec<String> = more.map(|fault| fault.to_string()).collect();
+            faults.extend(more);
+            Err(faults)
+        }
+    }
+}
+
+/// The numbers of a tensor; `None` for those of another type.
+fn numbers(tensor: &TensorView) -> Option<Vec<f64>> {
+    match tensor.dtype() {
+        Dtype::F32 => Some(tensor.data().as_chunks::<4>().0.iter().map(|x| f32::from_le_bytes(*x).into()).collect()),
+        Dtype::F64 => Some(tensor.data().as_chunks::<8>().0.iter().map(|x| f64::from_le_bytes(*x)).collect()),
+        _ => None,
+    }
+}
+
+/// A tensor of f32 or f64 on its way into a file.
+struct Numbers {
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Vec<u8>,
+}
+
+impl View for Numbers {
+    fn dtype(&self) -> Dtype {
+        self.dtype
+    }
+
+    fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    fn data(&self) -> Cow<'_, [u8]> {
+        Cow::Borrowed(&self.bytes)
+    }
+
+    fn data_len(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+/// The file of a tabulated BRDF: axes in f64, values in f32.
+///
+/// # Errors
+/// Of the container; there is none for axes and values that were checked.
+pub fn encode(brdf: &TabulatedBrdf) -> Result<Vec<u8>, TabulatedError> {
+    let axes = brdf.axes();
+    let named = axes.named().into_iter().filter(|(_, nodes)| !nodes.is_empty());
+    let shape: Vec<usize> = named.clone().map(|(_, nodes)| nodes.len()).collect();
+    let mut tensors: Vec<(String, Numbers)> = named
+        .map(|(name, nodes)| {
+            let bytes = nodes.iter().flat_map(|x| x.to_le_bytes()).collect();
+            (name.to_owned(), Numbers { dtype: Dtype::F64, shape: vec![nodes.len()], bytes })
+        })
+        .collect();
+    let bytes = brdf.values().iter().flat_map(|x| (*x as f32).to_le_bytes()).collect();
+    tensors.push((VALUE.to_owned(), Numbers { dtype: Dtype::F32, shape, bytes }));
+    serialize(tensors, None).map_err(|error| TabulatedError(vec![error.to_string()]))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+use std::{collections::HashMap, fs, path::PathBuf};
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::{
+    files::recipe_document::{DEFAULT_ENTRY_LIMIT, RecipeError, canonical_json, digest, parse_stored, parse_with},
+    fit::{BrdfKind, Recipe},
+};
+
+fn planted(alpha: &[f64]) -> Vec<u8> {
+    let brdf = TabulatedBrdf::tabulate(BrdfKind::OrenNayar, TabulatedAxes::spread(alpha.to_vec(), 48, 24));
+    encode(&brdf.expect("a BRDF")).expect("a file")
+}
+
+/// Tensors of f32 by name, shape and number.
+fn file(tensors: &[(&str, Vec<usize>, f32)]) -> Vec<u8> {
+    let tensors: HashMap<String, Numbers> = tensors
+        .iter()
+        .map(|(name, shape, x)| {
+            let count = shape.iter().product();
+            let bytes = (0..count).flat_map(|i| (x * i as f32).to_le_bytes()).collect();
+            ((*name).to_owned(), Numbers { dtype: Dtype::F32, shape: shape.clone(), bytes })
+        })
+        .collect();
+    serialize(tensors, None).expect("a container")
+}
+
+#[test]
+fn a_file_reads_back_as_itself() {
+    for alpha in [vec![], vec![0.25, 0.5]] {
+        let bytes = planted(&alpha);
+        let file = decode(&bytes).expect("a BRDF");
+        assert_eq!(file.to_string(), Digest::of(&bytes).to_string());
+        let data = file.data().expect("its numbers");
+        assert_eq!(data.axes().alpha, alpha);
+        assert_eq!(encode(data).expect("a file"), bytes);
+    }
+}
+
+#[test]
+fn every_fault_of_a_container_is_told_at_once() {
+    let told = |bytes: &[u8]| decode(bytes).expect_err("faults").0;
+    assert!(told(b"PK")[0].starts_with("not a safetensors file: "));
+    let wrong = file(&[
+        ("theta_o", vec![2, 1], 1.5),
+        ("phi", vec![2], 1.0),
+        ("value", vec![2, 3], -1.0),
+        ("roughness", vec![1], 1.0),
+    ]);
+    let told = told(&wrong);
+    let wanted = [
+        "tensor «roughness»: unknown; known here are alpha, theta_o, theta_i, phi, value",
+        "tensor «theta_i»: missing",
+        "tensor «theta_o»: shape [2, 1]; allowed: one axis",
+        "tensor «value»: shape [2, 3]; the axes have [2, 0, 2]",
+        "tensor «theta_i»: 0 nodes; allowed: 2 and more",
+        "tensor «phi»: it goes from 0 to 1; allowed: from 0 to 3.141592653589793, all of it",
+        "tensor «value»: 5 of 6 numbers are negative; the first is -1, at element 1",
+    ];
+    assert_eq!(told, wanted);
+}
+
+fn recipe(document: &str, bytes: &[u8]) -> Result<Recipe, RecipeError> {
+    parse_with(document.as_bytes(), DEFAULT_ENTRY_LIMIT, &|name| match name {
+        "gold" => decode(bytes).map_err(|error| error.0),
+        _ => Err(vec!["no such file".to_owned()]),
+    })
+}
+
+fn faults(document: &str) -> Vec<(String, String)> {
+    match recipe(document, &planted(&[0.25, 0.5])) {
+        Err(RecipeError::Faults(faults)) => faults.into_iter().map(|fault| (fault.pointer, fault.detail)).collect(),
+        other => panic!("{document} gave {other:?}"),
+    }
+}
+
+#[test]
+fn a_recipe_has_the_ranges_of_its_file_and_names_its_digest() {
+    let bytes = planted(&[0.25, 0.5]);
+    let document = r#"{"brdf": "tabulated", "tabulated": "gold"}"#;
+    let with_alpha = recipe(document, &bytes).expect("a recipe");
+    assert_eq!((with_alpha.range().alpha, with_alpha.range().theta[0]), ([0.25, 0.5], 0.0));
+    let text = canonical_json(&with_alpha);
+    assert!(
+        text.starts_with(r#"{"brdf":"tabulated","fit":"#) && text.contains(&Digest::of(&bytes).to_string()),
+        "{text}"
+    );
+    let stored = parse_stored(text.as_bytes()).expect("the same");
+    assert_eq!((digest(&stored), &stored), (digest(&with_alpha), &with_alpha));
+    assert!(with_alpha.model().is_complete() && !stored.model().is_complete());
+    // One surface without roughness is one row of the table.
+    let without = recipe(document, &planted(&[])).expect("a recipe");
+    assert_eq!((without.range().alpha, without.resolution().alpha), ([1.0, 1.0], 1));
+}
+
+#[test]
+fn a_recipe_that_does_not_fit_its_file_says_what_to_change() {
+    let cases = [
+        (
+            r#"{"tabulated": "gold"}"#,
+            "/tabulated",
+            r#"brdf "ggx" has no file: choose brdf "tabulated", or leave this field out"#,
+        ),
+        (
+            r#"{"brdf": "tabulated"}"#,
+            "/tabulated",
+            r#"missing: brdf "tabulated" needs its file, a path or sha256:<64 hex digits>"#,
+        ),
+        (
+            r#"{"brdf": "tabulated", "tabulated": 1}"#,
+            "/tabulated",
+            "1 is neither a path nor a digest sha256:<64 hex digits>",
+        ),
+        (r#"{"brdf": "tabulated", "tabulated": "lead"}"#, "/tabulated", "no such file"),
+        (
+            r#"{"brdf": "tabulated", "tabulated": "gold", "range": {"alpha": [0.2, 0.5]}}"#,
+            "/range/alpha",
+            "[0.2, 0.5] goes beyond it: the file of the tabulated BRDF has alpha [0.25, 0.5]",
+        ),
+    ];
+    for (document, pointer, detail) in cases {
+        assert_eq!(faults(document), [(pointer.to_owned(), detail.to_owned())], "{document}");
+    }
+    let engine = faults(r#"{"brdf": "tabulated", "tabulated": "gold", "layout": "ltc2017"}"#);
+    let said = r#"layout "ltc2017" has the range [0, 1] of alpha only, and the file of the tabulated BRDF has alpha [0.25, 0.5]"#;
+    assert_eq!(engine[0], ("/layout".to_owned(), said.to_owned()));
+    assert!(engine.len() == 2 && engine[1].1.contains("has theta_o [0, 1.468"), "{engine:?}");
+    let both =
+        faults(r#"{"brdf": "tabulated", "tabulated": "gold", "layout": "reflected", "range": {"ratio": [0, 1]}}"#);
+    assert_eq!(both.iter().map(|(pointer, _)| &**pointer).collect::<Vec<_>>(), ["/layout", "/range/ratio"]);
+}
+
+#[test]
+fn a_digest_is_found_where_tables_are() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folders = [PathBuf::from("/none"), folder.path().to_owned()];
+    let bytes = planted(&[]);
+    let digest = Digest::of(&bytes);
+    let missing = locate(&folders, &digest.to_string()).err().expect("no file");
+    assert!(
+        missing[0].contains("there is no") && missing[0].contains(".brdf.safetensors in /none/ and "),
+        "{missing:?}"
+    );
+    let path = folder.path().join(kept_name(digest.as_bytes()));
+    fs::write(&path, &bytes).expect("a file");
+    let found = locate(&folders, &digest.to_string()).expect("the file");
+    assert_eq!((found.file.digest(), found.bytes), (digest.as_bytes(), bytes));
+    fs::write(&path, planted(&[0.5])).expect("another file");
+    let other = locate(&folders, &digest.to_string()).err().expect("another");
+    assert!(other[0].contains("it is another file or damaged"), "{other:?}");
+    assert!(locate(&[folder.path().to_owned()], path.to_str().expect("UTF-8")).is_ok());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// Flipped bytes, cut ends: an error or a BRDF that can be sampled, never a panic.
+    #[test]
+    fn hostile_bytes_are_refused_or_work(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
+        keep in 0.0..1.2_f64,
+    ) {
+        let mut bytes = planted(&[0.5, 0.75]);
+        for (at, byte) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        bytes.truncate((bytes.len() as f64 * keep) as usize);
+        if let Ok(file) = decode(&bytes) {
+            let model = crate::fit::BrdfModel::tabulated(file);
+            let sample = model.surface([0.6; 2]).sample(glam::DVec3::new(0.6, 0.0, 0.8), [0.3, 0.7]);
+            prop_assert!(sample.wi.is_finite() && sample.weight.is_finite());
+        }
+    }
+
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        prop_assert!(decode(&bytes).is_err());
+    }
+}

@@ -1,0 +1,22 @@
+//! The faults of tabulated BRDFs.
+
+/// What is wrong with a tensor of a tabulated BRDF.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("tensor «{tensor}»: {detail}")]
+pub struct TabulatedFault {
+    /// Which tensor.
+    pub tensor: &'static str,
+    /// What is wrong with it: the number, and what is allowed.
+    pub detail: String,
+}
+
+impl TabulatedFault {
+    /// Whether it is that there are more or fewer numbers than nodes.
+    #[must_use]
+    pub fn is_of_count(&self) -> bool {
+        self.detail.contains(COUNT)
+    }
+}
+
+/// What a fault of the count says.
+pub(super) const COUNT: &str = "; the axes need ";

@@ -1,0 +1,39 @@
+//! A BRDF given as numbers: measured, or computed elsewhere.
+
+mod axes;
+mod check;
+mod fault;
+mod grid;
+mod surface;
+mod tabulate;
+#[cfg(test)]
+pub(crate) mod tests;
+
+pub use axes::TabulatedAxes;
+pub use check::{MOST_ALBEDO, MOST_VALUES};
+pub use fault::TabulatedFault;
+pub use grid::{Asymmetry, TabulatedBrdf};
+
+use super::scattering::{Brdf, BrdfRules};
+
+/// Tabulated BRDFs as an item of [`super::BrdfKind`]. Their surfaces are those of a file: see [`super::BrdfModel`].
+pub(super) struct Rules;
+
+impl BrdfRules for Rules {
+    fn surface(&self, _: [f64; 2]) -> Box<dyn Brdf> {
+        panic!("a tabulated model has surfaces with its file alone")
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
+    /// Some do, but no file says so.
+    fn follows_reflection(&self) -> bool {
+        false
+    }
+
+    fn needs_file(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,177 @@
+use std::{
+    f64::consts::{FRAC_PI_2, PI},
+    sync::Arc,
+};
+
+use super::*;
+use crate::fit::{
+    brdf::{BrdfKind, BrdfModel, TabulatedFile},
+    math::{Lattice, direction},
+};
+
+fn even(n: usize, end: f64) -> Vec<f64> {
+    (0..n).map(|i| end * i as f64 / (n - 1) as f64).collect()
+}
+
+fn axes(alpha: &[f64], thetas: usize, phis: usize) -> TabulatedAxes {
+    let theta = even(thetas, FRAC_PI_2);
+    TabulatedAxes { alpha: alpha.to_vec(), theta_o: theta.clone(), theta_i: theta, phi: even(phis, PI) }
+}
+
+/// Oren-Nayar's reflection as numbers.
+pub(crate) fn planted() -> BrdfModel {
+    let brdf = TabulatedBrdf::tabulate(BrdfKind::OrenNayar, TabulatedAxes::spread(vec![0.05, 0.3, 1.0], 48, 24))
+        .expect("a BRDF");
+    BrdfModel::tabulated(TabulatedFile::new([7; 32], Arc::new(brdf)))
+}
+
+/// The same for all directions, `1 / pi`, is Lambert's reflection.
+fn lambert(axes: TabulatedAxes, value: f64) -> Result<TabulatedBrdf, Vec<TabulatedFault>> {
+    let count = axes.lengths().iter().product();
+    TabulatedBrdf::new(axes, vec![value; count])
+}
+
+fn faults(axes: TabulatedAxes, values: Vec<f64>) -> Vec<String> {
+    TabulatedBrdf::new(axes, values).expect_err("faults").iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn a_constant_reflects_pi_times_itself_however_its_nodes_lie() {
+    let uneven = TabulatedAxes {
+        alpha: vec![],
+        theta_o: vec![0.0, 0.1, 1.5],
+        theta_i: vec![0.0, 1e-4, 0.3, 1.57, FRAC_PI_2],
+        phi: vec![0.0, 3.0, PI],
+    };
+    let brdf = Arc::new(lambert(uneven, 0.25 / PI).expect("a BRDF"));
+    assert!(brdf.albedos().iter().all(|albedo| (albedo - 0.25).abs() < 1e-15), "{:?}", brdf.albedos());
+    let (surface, wo) = (brdf.surface(0.5), direction(0.8, 2.0));
+    for u in Lattice::new(256, [0.2, 0.6]).points() {
+        let sample = surface.sample(wo, u);
+        assert!((sample.weight - 0.25).abs() < 1e-15);
+        // Lambert's marginal distribution: sin^2.
+        assert!((1.0 - sample.wi.z * sample.wi.z - u[1]).abs() < 1e-12, "{u:?}: {}", sample.wi);
+        assert!((surface.pdf(wo, sample.wi) - sample.wi.z / PI).abs() < 1e-14);
+    }
+}
+
+/// The fraction of light below what a fraction `u` draws is `u`, in both numbers.
+#[test]
+fn a_sample_has_the_part_of_light_below_that_drew_it() {
+    let brdf = TabulatedBrdf::tabulate(BrdfKind::Ggx, TabulatedAxes::spread(vec![0.5], 32, 32)).expect("a BRDF");
+    let surface = Arc::new(brdf).surface(0.5);
+    let wo = direction(0.9, 0.0);
+    let n = 400;
+    let reflected = |theta_end: f64, phi: [f64; 2]| {
+        let step = [theta_end / f64::from(n), (phi[1] - phi[0]) / f64::from(n)];
+        let mut sum = 0.0;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let theta = (f64::from(i) + 0.5) * step[0];
+            sum += surface.eval_cos(wo, direction(theta, phi[0] + (f64::from(j) + 0.5) * step[1])) * theta.sin();
+        }
+        sum * step[0] * step[1]
+    };
+    let total = 2.0 * reflected(FRAC_PI_2, [0.0, PI]);
+    assert!((surface.sample(wo, [0.3, 0.3]).weight - total).abs() < 1e-4, "{total}");
+    for below in [0.03, 0.4, 0.9, 0.999] {
+        let wi = surface.sample(wo, [0.3, below]).wi;
+        let part = 2.0 * reflected(wi.z.acos(), [0.0, PI]) / total;
+        assert!((part - below).abs() < 1e-3, "{below}: {part}");
+    }
+    for turn in [0.1, 0.26, 0.45, 0.6, 0.9] {
+        let wi = surface.sample(wo, [turn, 0.7]).wi;
+        let azimuth = wi.y.atan2(wi.x);
+        let theta = wi.z.acos();
+        let ring = |end: f64| {
+            let at = |j: i32| surface.eval_cos(wo, direction(theta, end * (f64::from(j) + 0.5) / f64::from(n)));
+            (0..n).map(at).sum::<f64>() * end / f64::from(n)
+        };
+        let part = 0.5 * ring(azimuth.abs()) / ring(PI);
+        let part = if azimuth < 0.0 { 1.0 - part } else { part };
+        assert!((part - turn).abs() < 1e-4, "{turn}: {part}");
+    }
+}
+
+#[test]
+fn nodes_have_the_models_values_and_roughness_is_interpolated() {
+    let axes = TabulatedAxes::spread(vec![0.2, 0.6], 48, 25);
+    let brdf = Arc::new(TabulatedBrdf::tabulate(BrdfKind::OrenNayar, axes.clone()).expect("a BRDF"));
+    let (wo, wi) = (direction(axes.theta_o[15], 1.0), direction(axes.theta_i[31], 1.0 - axes.phi[7]));
+    let exact = [0.2, 0.6].map(|alpha| BrdfKind::OrenNayar.surface([alpha; 2]).eval_cos(wo, wi));
+    for (alpha, part) in [(0.01, 0.0), (0.2, 0.0), (0.3, 0.25), (0.6, 1.0), (1.0, 1.0)] {
+        let wanted = exact[0] * (1.0 - part) + exact[1] * part;
+        let found = brdf.surface(alpha).eval_cos(wo, wi);
+        assert!((found - wanted).abs() < 1e-12, "{alpha}: {found} {wanted}");
+    }
+}
+
+#[test]
+fn every_fault_is_told_at_once() {
+    let good = axes(&[0.2, 0.6], 4, 3);
+    let mut values = vec![0.2; 2 * 4 * 4 * 3];
+    let bad = TabulatedAxes {
+        alpha: vec![0.6, 0.2],
+        theta_o: vec![0.0, 0.5, 0.5, 1.6],
+        theta_i: vec![0.1, 0.5, 1.0, FRAC_PI_2],
+        phi: vec![0.0, f64::NAN, PI],
+    };
+    (values[5], values[7], values[40]) = (-1.0, f64::NAN, -2.0);
+    let told = faults(bad, values.clone());
+    let wanted = [
+        "tensor «alpha»: node 1 is 0.2 after 0.6; nodes ascend by 0.000001 at least",
+        "tensor «theta_o»: node 3 is 1.6; allowed: 0 to 1.5707963267948966",
+        "tensor «theta_o»: node 2 is 0.5 after 0.5; nodes ascend by 0.000001 at least",
+        "tensor «theta_i»: it goes from 0.1 to 1.5707963267948966; allowed: from 0 to 1.5707963267948966, all of it",
+        "tensor «phi»: node 1 is NaN, not a finite number",
+        "tensor «value»: 1 of 96 numbers are not finite; the first is NaN, at alpha 0.6000, theta_o 0.0000, theta_i 1.0000, phi NaN",
+        "tensor «value»: 2 of 96 numbers are negative; the first is -1, at alpha 0.6000, theta_o 0.0000, theta_i 0.5000, phi 3.1416",
+    ];
+    assert_eq!(told, wanted);
+    values.pop();
+    let told = faults(good.clone(), values);
+    assert!(told.contains(&"tensor «value»: 95 numbers; the axes need 2 x 4 x 4 x 3".to_owned()), "{told:?}");
+    let told = faults(TabulatedAxes::default(), vec![]);
+    assert_eq!(told.len(), 4, "{told:?}");
+    assert!(told[0].ends_with("theta_o»: 0 nodes; allowed: 2 and more"), "{told:?}");
+}
+
+#[test]
+fn energy_is_bounded_above_and_below() {
+    let told =
+        |axes: TabulatedAxes, value: f64| lambert(axes, value).map(|_| ()).map_err(|faults| faults[0].to_string());
+    let axes = || axes(&[0.2, 0.6], 4, 3);
+    assert_eq!(told(axes(), 1.0009 / PI), Ok(()));
+    let most = "tensor «value»: 8 of 8 views reflect more than 1.001 of even light; the most is 1.0020, at alpha 0.6000, theta_o 1.5708";
+    assert_eq!(told(axes(), 1.002 / PI), Err(most.to_owned()));
+    let none = "tensor «value»: nothing is reflected at alpha 0.2000, theta_o 0.0000; end the axis before it, or give it a value";
+    assert_eq!(told(axes(), 0.0), Err(none.to_owned()));
+    assert!(told(axes(), f64::MAX).is_err_and(|fault| fault.contains("the most is inf")));
+}
+
+#[test]
+fn ends_in_f32_are_quarter_turns() {
+    let single = |x: f64| f64::from(x as f32);
+    let rounded = TabulatedAxes {
+        alpha: vec![],
+        theta_o: vec![0.0, single(FRAC_PI_2)],
+        theta_i: vec![0.0, single(FRAC_PI_2)],
+        phi: vec![0.0, single(PI)],
+    };
+    let brdf = lambert(rounded, 0.3).expect("a BRDF");
+    assert_eq!((brdf.axes().theta_i[1], brdf.axes().theta_o[1], brdf.axes().phi[1]), (FRAC_PI_2, FRAC_PI_2, PI));
+}
+
+#[test]
+fn asymmetry_is_found_where_it_was_planted() {
+    let axes = axes(&[0.5], 5, 3);
+    let mut values = vec![0.2; 75];
+    assert_eq!(
+        TabulatedBrdf::new(axes.clone(), values.clone()).expect("a BRDF").asymmetry().map(|a| a.largest),
+        Some(0.0)
+    );
+    // theta_o 1, theta_i 3, phi 2.
+    values[(5 + 3) * 3 + 2] = 0.25;
+    let found = TabulatedBrdf::new(axes.clone(), values).expect("a BRDF").asymmetry().expect("views and lights");
+    assert!((found.largest - 0.2).abs() < 1e-12, "{found:?}");
+    assert_eq!((found.theta_o, found.theta_i, found.phi), (axes.theta_o[1], axes.theta_i[3], PI));
+}

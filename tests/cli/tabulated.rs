@@ -1,0 +1,96 @@
+//! Tabulated BRDFs: from a file to a table, and what says that the file is missing or wrong.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::common::command::{run, run_with_stdin};
+
+/// Of both recipes, the one of the file and the one of the model that it was made of.
+const REST: &str = r#""resolution": {"alpha": 3, "theta": 4}, "range": {"alpha": [0.1, 1], "theta": [0, 1.4]},
+    "fit": {"samples": 128, "directions": 8}}"#;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+#[test]
+fn a_model_as_numbers_is_fitted_as_the_model_itself() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    fs::create_dir(here.join("in")).expect("a folder");
+    let made = run(here, ["tabulate", "oren_nayar", "--alpha", "0.1,0.3,0.6,1", "-o", "in/eon.safetensors"]).exited(0);
+    let digest = made.last_line().to_owned();
+    fs::write(here.join("in/recipe.json"), format!(r#"{{"brdf": "tabulated", "tabulated": "eon.safetensors", {REST}"#))
+        .expect("a recipe");
+    let fitted = run(here, ["fit", "in/recipe.json", "-o", "tables"]).exited(0);
+    assert!(fitted.stderr.contains("exchanging view and light changes it by up to 0.00 %"), "{fitted:#?}");
+    let table = fitted.last_line();
+    let own =
+        run_with_stdin(here, ["fit", "-", "-o", "tables"], &format!(r#"{{"brdf": "oren_nayar", {REST}"#)).exited(0);
+
+    let apart = json(&run(here, ["diff", table, own.last_line(), "--json"]).exited(0).stdout);
+    for (of, most) in [("matrix", 0.02), ("amplitude", 0.003), ("fresnel", 0.003)] {
+        let mean = apart["difference"][of]["mean"].as_f64().expect("a number");
+        assert!(mean < most && mean > 0.0, "{of}: {mean}");
+    }
+    let width = |side: &str| apart[side]["report"]["between"]["width"]["mean"].as_f64().expect("a number");
+    assert!((width("a") - width("b")).abs() < 0.005, "{} {}", width("a"), width("b"));
+
+    // The canonical recipe has the digest, by which the file is found beside the table: equal bytes.
+    let recipe = format!(r#"{{"brdf": "tabulated", "tabulated": "{digest}", {REST}"#);
+    let again = run_with_stdin(here, ["fit", "-", "-o", "tables"], &recipe).exited(0);
+    assert_eq!(again.last_line(), table);
+    let hex = table.trim_start_matches("sha256:");
+    let manifest = json(&fs::read_to_string(here.join(format!("tables/{hex}.manifest.json"))).expect("a manifest"));
+    assert_eq!(manifest["tabulated"]["file"], digest.as_str());
+    assert_eq!(manifest["recipe"]["tabulated"], digest.as_str());
+    assert!(
+        manifest["tabulated"]["asymmetry"]["largest"].as_f64().is_some_and(|largest| largest < 1e-6),
+        "{manifest:#}"
+    );
+    let refitted = run(here, ["verify", &format!("tables/{hex}.safetensors"), "--refit"]).exited(0);
+    assert!(refitted.stdout.contains("and so is the table"), "{refitted:#?}");
+
+    // The reference is of the file.
+    let picture = ["preview", table, "-o", "strip.png", "--mode", "strip", "--size", "64", "--spp", "64"];
+    let shown = run(here, picture.iter().chain(&["--alpha-x", "0.5", "--alpha-y", "0.5"])).exited(0);
+    assert!(shown.stderr.contains("adapter: cpu"), "{shown:#?}");
+
+    // Without the file nothing is measured, and all else works.
+    fs::remove_file(here.join(format!("tables/{}.brdf.safetensors", digest.trim_start_matches("sha256:"))))
+        .expect("the file");
+    for command in [&["report", table][..], &["plot", table, "error", "-o", "e.png"], &["diff", table, table], &picture]
+    {
+        let refused = run(here, command).exited(1);
+        assert!(refused.complaints()[0].contains("tabulated BRDF"), "{refused:#?}");
+    }
+    run(here, ["plot", table, "matrix", "-o", "m.png"]).exited(0);
+    run(here, ["preview", table, "-o", "p.png", "--size", "64", "--adapter", "cpu"]).exited(0);
+    run(here, ["verify", &format!("tables/{hex}.safetensors")]).exited(0);
+}
+
+#[test]
+fn all_faults_of_recipe_and_file_are_told_at_once_and_nothing_is_fitted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    run(here, ["tabulate", "oren_nayar", "--alpha", "0.2", "-o", "b.safetensors"]).exited(0);
+    let mut bytes = fs::read(here.join("b.safetensors")).expect("the file");
+    // The last axis in the file and the last value: its tensors lie behind the header, f64 before f32.
+    let end = bytes.len();
+    bytes[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
+    bytes[end - 8..end - 4].copy_from_slice(&(-1.0_f32).to_le_bytes());
+    fs::write(here.join("b.safetensors"), bytes).expect("a file");
+    let recipe = r#"{"brdf": "tabulated", "tabulated": "b.safetensors", "layout": "reflected", "terms": 1}"#;
+    let refused = run_with_stdin(here, ["fit", "-", "-o", "out"], recipe).exited(2);
+    let said =
+        ["numbers are not finite; the first is NaN", "numbers are negative; the first is -1", "/layout: ", "/terms: "];
+    for said in said {
+        assert!(refused.stderr.contains(said), "{said}: {refused:#?}");
+    }
+    assert!(!here.join("out").exists());
+
+    let refused = run(here, ["tabulate", "ggx", "--alpha", "0.02", "-o", "c.safetensors"]).exited(2);
+    assert!(refused.stderr.contains("reflect more than 1.001 of even light"), "{refused:#?}");
+    assert!(!here.join("c.safetensors").exists());
+}
