@@ -46,7 +46,6 @@ fn a_file_that_was_sent_is_fitted_and_survives_a_kill() {
     server.get(&format!("/v1/brdfs/{table}")).with_status(404);
     let picture = format!("/v1/preview?table={table}&mode=strip&size=64&spp=16&alpha_x=0.5&alpha_y=0.5");
     server.get(&picture).with_status(200);
-    server.get(&format!("/v1/tables/{table}/plots/error.png")).with_status(200);
     server.kill();
 
     let server = Server::start(&data, &[]);

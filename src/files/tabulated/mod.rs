@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `alpha`, may be absent | f32 or f64 | roughnesses |
 //! | `theta_o`, `theta_i`, `phi` | f32 or f64 | angles in radians |
-//! | `value` | f32 or f64 | alpha (where there is one), theta_o, theta_i, phi |
+//! | `value` | f32 or f64 | `alpha` (where there is one), `theta_o`, `theta_i`, `phi` |
 //!
 //! Metadata is ignored. [`TabulatedBrdf`] has what the numbers mean and what is refused.
 
@@ -53,17 +53,18 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     for name in found.into_iter().filter(|name| *name != VALUE && !names.contains(name)) {
         faults.push(format!("tensor «{name}»: unknown; known here are {}, {VALUE}", names.join(", ")));
     }
-    let mut tensor = |name: &str, is_needed: bool| match file.tensor(name) {
-        Ok(tensor) => numbers(&tensor).map(|numbers| (tensor.shape().to_vec(), numbers)).unwrap_or_else(|| {
-            faults.push(format!("tensor «{name}»: type {:?}; allowed: F32, F64", tensor.dtype()));
-            Default::default()
-        }),
-        Err(_) => {
+    let mut tensor = |name: &str, is_needed: bool| {
+        let Ok(tensor) = file.tensor(name) else {
             if is_needed {
                 faults.push(format!("tensor «{name}»: missing"));
             }
-            Default::default()
-        }
+            return Default::default();
+        };
+        let Some(numbers) = numbers(&tensor) else {
+            faults.push(format!("tensor «{name}»: type {:?}; allowed: F32, F64", tensor.dtype()));
+            return Default::default();
+        };
+        (tensor.shape().to_vec(), numbers)
     };
     let [alpha, theta_o, theta_i, phi] = names.map(|name| tensor(name, name != names[0]));
     let (shape, values) = tensor(VALUE, true);

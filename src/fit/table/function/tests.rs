@@ -52,7 +52,7 @@ fn tables_that_are_no_function_are_refused_by_name() {
     let error = IsotropicFunction::of(&planted(Layout::Ltc2017)).expect_err("chosen numbers").to_string();
     assert!(error.contains("layout ltc2017") && error.contains(r#""layout": "reflected""#), "{error}");
     let sheen = Table { brdf: BrdfKind::Charlie.into(), ..planted(Layout::Kt2022) };
-    assert_eq!(IsotropicFunction::of(&sheen), Err(FunctionError::Reflection { brdf: BrdfKind::Charlie.into() }));
+    assert_eq!(IsotropicFunction::of(&sheen), Err(FunctionError::Reflection { brdf: BrdfKind::Charlie }));
     let mut table = planted(Layout::Reflected);
     table.terms = None;
     assert_eq!(IsotropicFunction::of(&table), Err(FunctionError::NoTerms));
