@@ -82,7 +82,7 @@ fn turned(index: usize, entry: &FittedEntry) -> DMat3 {
 /// The entries seen from above, where the azimuth does not matter, as at the first azimuth.
 fn alike_from_above(plan: &Plan, entries: &[FittedEntry]) -> Vec<FittedEntry> {
     let PerAxis { theta, phi, .. } = plan.nodes().lengths();
-    let of = |index: usize| if index / phi % theta == 0 { index - index % phi } else { index };
+    let of = |index: usize| if (index / phi).is_multiple_of(theta) { index - index % phi } else { index };
     (0..entries.len()).map(|index| entries[of(index)]).collect()
 }
 

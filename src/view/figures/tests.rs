@@ -19,7 +19,7 @@ fn lobes_are_drawn_and_come_again() {
 fn aligned_matrices_of_one_distribution_stay_it() {
     let drawn = alignment::draw().expect("a picture");
     let (width, height) = (drawn.width as usize, drawn.height as usize / 4);
-    let across = (width + 4) / 5;
+    let across = width.div_ceil(5);
     let panel = |row: usize, column: usize| {
         let lines = row * height + 60..(row + 1) * height - 40;
         lines.flat_map(|y| &drawn.rgb[y * width + column * across..][..across - 4]).collect::<Vec<_>>()
