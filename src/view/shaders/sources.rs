@@ -1,6 +1,8 @@
 //! The sources in WGSL, and how they are joined.
 
-use super::{Bound, LitBy};
+#[cfg(any(feature = "shaders", all(test, feature = "render")))]
+use super::Bound;
+use super::LitBy;
 use crate::fit::{Layout, LayoutShader};
 
 /// A file of `shaders/`.
