@@ -27,6 +27,20 @@ fn gaussians_moved(h: vec3<f32>, wo: vec3<f32>, dh: vec3<f32>) -> vec3<f32> {
     return h * along + dh * (2.0 * cosine / h2);
 }
 
+/// The Gaussian around an axis that has these deviations, perpendicular to it; for a round one the same area, round.
+fn gaussians_around(kind: u32, axis: vec3<f32>, first: vec3<f32>, second: vec3<f32>) -> GaussiansView {
+    let area = dot(axis, cross(first, second));
+    let size = max(abs(area), 1e-30);
+    let oriented = select(size, -size, area < 0.0);
+    var view = GaussiansView(axis, cross(second, axis) / oriented, cross(axis, first) / oriented, vec2(0.0));
+    if (kind == GAUSSIANS_SG) {
+        let x = normalize(first);
+        view.x = x / sqrt(size);
+        view.y = cross(axis, x) / sqrt(size);
+    }
+    return view;
+}
+
 /// The Gaussian of a surface of roughness alpha_x and alpha_y, above 0, seen from wo.
 fn gaussians_view(kind: u32, alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> GaussiansView {
     let stretch = vec3(alpha_x, alpha_y, 1.0);
@@ -41,16 +55,7 @@ fn gaussians_view(kind: u32, alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> Gauss
     let axis = normalize(h * (2.0 * cosine / h2) - wo);
     let first = gaussians_moved(h, wo, vec3(spread * alpha_x, 0.0, 0.0));
     let second = gaussians_moved(h, wo, vec3(0.0, spread * alpha_y, 0.0));
-    let area = max(dot(axis, cross(first, second)), 1e-30);
-    var view: GaussiansView;
-    view.axis = axis;
-    view.x = cross(second, axis) / area;
-    view.y = cross(axis, first) / area;
-    if (kind == GAUSSIANS_SG) {
-        let x = normalize(first);
-        view.x = x / sqrt(area);
-        view.y = cross(axis, x) / sqrt(area);
-    }
+    var view = gaussians_around(kind, axis, first, second);
     // Smith's G2 / G1.
     let up = max(axis.z, 0.0);
     let bottom = seen_length * up + wo.z * length(stretch * axis);
@@ -185,7 +190,8 @@ fn gaussians_outline_finish(view: GaussiansView, outline: GaussiansOutline, two_
             view, outline.origin, outline.leaves, outline.leaves_image, outline.enters, outline.enters_image);
     }
     let is_lit = two_sided || dot(outline.normal, outline.start) >= 0.0;
-    return view.parts * select(0.0, min(0.5 * abs(area), 1.0), is_lit);
+    // The parts of a table's Gaussian are those of the whole plane, of which the horizon leaves a part.
+    return view.parts * select(0.0, min(0.5 * abs(area), 1.0 / max(view.parts.x, 1.0)), is_lit);
 }
 
 /// What is reflected of a rectangle of radiance one, by its corners in order: for a Fresnel factor of one (x), and its part

@@ -140,10 +140,9 @@ fn shade_by_normals(at: Shaded) -> vec3<f32> {
     return reflected(normals_polygon(view, &vertices, 4u, two_sided, normals_rule));
 }
 
-/// Radiance towards the eye, by a Gaussian; kind as in gaussians_view.
-fn shade_by_gaussian(at: Shaded, kind: u32) -> vec3<f32> {
+/// Radiance towards the eye, by a Gaussian.
+fn shade_by_gaussian(at: Shaded, view: GaussiansView) -> vec3<f32> {
     let to_local = transpose(mat3x3(at.x, at.y, at.z));
-    let view = gaussians_view(kind, at.alpha.x, at.alpha.y, at.wo);
     let count = select(4u, light.options.x, light_is_polygon);
     var outline = gaussians_outline_begin(view, to_local * (light.vertices[count - 1u].xyz - at.position));
     for (var i = 0u; i < count; i++) {
@@ -214,7 +213,7 @@ fn surface_by_sg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     let seen = see(place_of(pixel));
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at, GAUSSIANS_SG), seen.coverage);
+        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_view(GAUSSIANS_SG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
     }
     write(pixel, radiance);
 }
@@ -228,7 +227,35 @@ fn surface_by_asg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
     let seen = see(place_of(pixel));
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at, GAUSSIANS_ASG), seen.coverage);
+        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_view(GAUSSIANS_ASG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_table_sg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_lookup(GAUSSIANS_SG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_table_asg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_lookup(GAUSSIANS_ASG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
     }
     write(pixel, radiance);
 }

@@ -59,16 +59,18 @@ fn choose(args: &LightArgs) -> Result<Found, CommandFailure> {
         (LightModel::Normals, None, rule) => Ok(Found::Normals(rule.unwrap_or(WeightRule::ALL[0]))),
         (LightModel::Sg, None, None) => Ok(Found::Gaussian(Gaussian::Sg)),
         (LightModel::Asg, None, None) => Ok(Found::Gaussian(Gaussian::Asg)),
-        (LightModel::Sg | LightModel::Asg, None, Some(_)) => {
+        (LightModel::Sg | LightModel::Asg, _, Some(_)) => {
             usage("--weight is of model normals; models sg and asg have one rule")
         }
-        (LightModel::Normals | LightModel::Sg | LightModel::Asg, Some(_), _) => {
-            usage("--table is of model ltc; add --model ltc, or leave it out")
-        }
+        (LightModel::Normals, Some(_), _) => usage("--table is of model ltc; add --model ltc, or leave it out"),
         (LightModel::Ltc, None, _) => usage("model ltc needs a table: --table TABLE"),
         (LightModel::Ltc, Some(_), Some(_)) => usage("--weight is of model normals; model ltc has one rule"),
-        (LightModel::Ltc, Some(name), None) => {
+        (model, Some(name), None) => {
             let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;
+            if table.lobe.name() != model.name() {
+                let (path, lobe) = (path.display(), table.lobe);
+                return usage(&format!("{path}: the table has lobe {lobe}, not {model}: choose --model {lobe}"));
+            }
             if args.truth && table.brdf != BrdfKind::Ggx {
                 return usage(&format!("{}: {}", path.display(), LightError::OtherBrdf(table.brdf())));
             }

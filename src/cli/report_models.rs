@@ -49,7 +49,7 @@ pub(super) fn run(
         let lights = RandomLights::draw(&range, count).map_err(failed)?;
         let mut rows = Vec::new();
         if let Some(any) = read {
-            let name = format!("ltc, table {}", &any.digest.hex()[..12]);
+            let name = format!("{}, table {}", any.table.lobe, &any.digest.hex()[..12]);
             let error = light_error(Lighting::Ltc(&any.table), &lights).map_err(failed)?;
             rows.push(Row { name, model: LightModel::Ltc, error });
         }

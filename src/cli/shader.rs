@@ -33,13 +33,22 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
         (LightModel::Normals, None) => LitBy::Normals,
         (LightModel::Sg, None) => LitBy::Gaussian(Gaussian::Sg),
         (LightModel::Asg, None) => LitBy::Gaussian(Gaussian::Asg),
+        (LightModel::Sg | LightModel::Asg, Some(layout)) if layout.only_ranges().is_some() => {
+            let message = format!(
+                "layout {layout} has tables of LTCs only: model {} has those of reflected and kt2022",
+                args.model
+            );
+            return Err(CommandFailure::new(Exit::Usage, message));
+        }
+        (LightModel::Sg, Some(layout)) => LitBy::GaussianTable(Gaussian::Sg, layout),
+        (LightModel::Asg, Some(layout)) => LitBy::GaussianTable(Gaussian::Asg, layout),
         (LightModel::Ltc, None) => {
             return Err(CommandFailure::new(
                 Exit::Usage,
                 "model ltc needs --layout, or --without-textures and a table",
             ));
         }
-        (model, Some(_)) => {
+        (model @ LightModel::Normals, Some(_)) => {
             let message = format!("model {model} reads no table: leave out --layout");
             return Err(CommandFailure::new(Exit::Usage, message));
         }
@@ -147,7 +156,7 @@ fn hand_out(
 fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailure> {
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
     let name = language.name();
-    let has_table = args.model == LightModel::Ltc;
+    let has_table = args.layout.is_some();
     let is_numbered = matches!(language, Language::Wgsl | Language::Glsl | Language::Hlsl);
     let is_placed = args.first_binding.is_some() || args.group.is_some();
     match args.form {

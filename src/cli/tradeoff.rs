@@ -19,7 +19,8 @@ use crate::{
     fit::{BrdfKind, Plan, Recipe, Table, report},
     light::{LightError, Lighting, RandomLights},
     view::tradeoff::{
-        FittedRecipe, Measurement, POINTS, Size, csv, family, json as rows_json, off_by, picture, rows, stands_for_ltc,
+        FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture,
+        rows, stands_for_ltc,
     },
 };
 
@@ -35,6 +36,13 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
         let message = format!("{}: /brdf: {}", name.display(), LightError::OtherBrdf(base.brdf()));
         return Err(CommandFailure::new(Exit::Usage, message));
     }
+    if base.lobe().gaussian().is_some() {
+        let message = format!(
+            "{}: /lobe: the family is of LTCs, and tables of lobe sg and asg come with it: leave the field out",
+            name.display()
+        );
+        return Err(CommandFailure::new(Exit::Usage, message));
+    }
     check_output_folder(&args.out)?;
     let (threads, pool) = (args.threads.count().get(), args.threads.pool()?);
 
@@ -42,7 +50,8 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let recipes = family(&base, size, DEFAULT_ENTRY_LIMIT);
     let interrupt = context.interrupt.clone();
     let lights = pool.install(|| tradeoff_models::lights(&base))?;
-    let bar = progress::bar(context.draws_progress, recipes.iter().map(Recipe::entries).sum());
+    let gaussians = fitted_gaussians(&base);
+    let bar = progress::bar(context.draws_progress, recipes.iter().chain(&gaussians).map(Recipe::entries).sum());
     let mut fitted = Vec::with_capacity(recipes.len());
     let mut tables = Vec::new();
     for recipe in recipes {
@@ -52,6 +61,13 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
             tables.push(FittedTable { recipe: recipe.clone(), table, fit_seconds });
         }
         fitted.push((recipe, measured));
+    }
+    for recipe in gaussians {
+        let started = processor_seconds();
+        let fit = || fit::fit(&Plan::new(&recipe), &bar, &interrupt).ok_or_else(CommandFailure::interrupted);
+        let table = pool.install(fit)?;
+        let fit_seconds = (processor_seconds() - started) / threads as f64;
+        tables.push(FittedTable { recipe, table, fit_seconds });
     }
     bar.finish_and_clear();
 

@@ -17,7 +17,7 @@ use crate::{
     },
 };
 
-/// A table that stands for model `ltc`.
+/// A table that stands for model `ltc`, or for fitted Gaussians.
 pub(super) struct FittedTable {
     pub(super) recipe: Recipe,
     pub(super) table: Table,
@@ -97,8 +97,12 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         Precision::F16 => TexelFormat::F16,
     };
     let shader_table = Arc::new(ShaderTable::new(table, format));
+    let lit_by = match table.lobe().gaussian() {
+        Some(gaussian) => LitBy::GaussianTable(gaussian, recipe.layout),
+        None => LitBy::Table(recipe.layout),
+    };
     let row = ModelRow {
-        model: LightModel::Ltc,
+        model: lit_by.model(),
         weight: None,
         layout: Some(recipe.layout),
         recipe_digest: Some(recipe_document::digest(recipe)),
@@ -106,7 +110,7 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         frame_milliseconds: 0.0,
         gpu_bytes: shader_table.gpu_bytes(),
         file_bytes: file.len() as u64,
-        shader_bytes: wgsl(recipe.layout).len() as u64,
+        shader_bytes: wgsl(lit_by).len() as u64,
         fit_seconds: *fit_seconds,
     };
     Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Fan), table: shader_table, row })

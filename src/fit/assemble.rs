@@ -6,7 +6,7 @@ use super::{
     between,
     brdf::{LobeTerms, Mirrors},
     entry::FittedEntry,
-    layout::{LobeNumbers, Precision},
+    layout::{LobeNumbers, Precision, Reflection},
     math::{from_row_major, row_major},
     shard::Plan,
     table::{Table, Terms},
@@ -43,8 +43,12 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
 fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> LobeNumbers {
     let (place, recipe) = (plan.place(index), plan.recipe());
     let FittedEntry { matrix, amplitude, fresnel, .. } = *entry;
-    let lobe = LobeNumbers { matrix: from_row_major(&matrix), terms: LobeTerms { amplitude, fresnel } };
     let rules = recipe.layout.rules();
+    let mut matrix = from_row_major(&matrix);
+    if rules.is_relative() {
+        matrix = recipe.lobe.rules().relative_to(&Reflection::at(&place).matrix, &matrix);
+    }
+    let lobe = LobeNumbers { matrix, terms: LobeTerms { amplitude, fresnel } };
     let LobeNumbers { matrix, terms } = rules.store(&place, &lobe, Mirrors::of(place.view()), recipe.precision);
     LobeNumbers { matrix: matrix * (1.0 / rules.norm(&matrix)), terms }
 }

@@ -6,11 +6,15 @@ use glam::{DMat3, DVec3};
 
 use super::{
     brdf::{Brdf, LobeTerms, Mirrors},
+    lobe::{
+        LobeModel,
+        gaussian::{Images, SphericalGaussian, above_horizon},
+    },
     math::{Lattice, SquarePoint, row_major},
     metric::{Distance, Grain, Lobe, Metric, Samples, Target},
     pulse::{Pulse, unstopped},
     recipe::FitSettings,
-    solver::{Effort, Guess, Objective, Solver},
+    solver::{Effort, Guess, Objective, Solver, in_arrays},
 };
 
 /// Samples of the lobe for each sample of the LTC. The lobe can have more, because its samples are projected once and
@@ -30,9 +34,10 @@ const ERROR_METRIC: Metric = Metric::Sw1;
 pub struct FittedEntry {
     /// `M` in the tangent frame, row-major.
     pub matrix: [f64; 9],
-    /// Directional albedo for a Fresnel factor of one.
+    /// Directional albedo for a Fresnel factor of one; of a Gaussian over its part above the horizon, so that what it has
+    /// over a light is multiplied by this.
     pub amplitude: f64,
-    /// The same albedo, weighted by Schlick's fifth power.
+    /// The same, weighted by Schlick's fifth power.
     pub fresnel: f64,
     /// Sliced Wasserstein error on samples and directions that the fit did not see.
     pub error: f64,
@@ -66,6 +71,7 @@ impl Sampling {
 /// Fits configurations one after the other. The samples and directions that they share are prepared once.
 #[derive(Debug)]
 pub struct Fitter {
+    lobe: LobeModel,
     settings: FitSettings,
     seen: Sampling,
     held_out: Sampling,
@@ -74,7 +80,7 @@ pub struct Fitter {
 }
 
 impl Fitter {
-    /// A fitter for these settings.
+    /// A fitter of the default lobe model for these settings.
     #[must_use]
     pub fn new(settings: &FitSettings) -> Self {
         // The seed shifts both sequences by multiples of irrational numbers, which never coincide.
@@ -86,6 +92,7 @@ impl Fitter {
         let held_out = [turn(seen[0], HELD_OUT_SHIFT[0]), turn(seen[1], HELD_OUT_SHIFT[1])];
         let terms = Lattice::new(settings.samples as usize * TERM_SAMPLES_PER_SAMPLE, seen);
         Self {
+            lobe: LobeModel::ALL[0],
             settings: *settings,
             seen: Sampling::new(settings.metric, settings, seen),
             held_out: Sampling::new(ERROR_METRIC, settings, held_out),
@@ -93,10 +100,17 @@ impl Fitter {
         }
     }
 
+    /// This fitter, for a lobe model that the settings' solver finds.
+    #[must_use]
+    pub fn of(self, lobe: LobeModel) -> Self {
+        Self { lobe, ..self }
+    }
+
     /// A fitter that shares samples and directions with this one, for another thread.
     #[must_use]
     pub fn another(&self) -> Self {
         Self {
+            lobe: self.lobe,
             settings: self.settings,
             seen: self.seen.another(),
             held_out: self.held_out.another(),
@@ -127,6 +141,8 @@ impl Fitter {
         let unseen = target.again(brdf, wo, &self.held_out.target);
         let LobeTerms { amplitude, fresnel } = brdf.terms(wo, &self.terms);
         let error = self.distance(&Lobe { brdf, wo, target: &unseen }, &matrix, pulse)?;
+        let above = self.gaussian(&matrix).map_or(1.0, |gaussian| above_horizon(&gaussian));
+        let [amplitude, fresnel] = [amplitude, fresnel].map(|term| term / above);
         let entry = FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error };
         Some((entry, target.frame.transpose() * matrix))
     }
@@ -144,7 +160,10 @@ impl Fitter {
         let simplex = simplex.unwrap_or_default();
         let Lobe { brdf, wo, target } = lobe;
         let mut loss = self.seen.distance.to(&lobe, pulse)?;
-        solver.rules().solve(Objective { brdf, wo, target, loss: &mut *loss, effort, stream, simplex, near }, pulse)
+        let model = self.lobe;
+        solver
+            .rules()
+            .solve(Objective { model, brdf, wo, target, loss: &mut *loss, effort, stream, simplex, near }, pulse)
     }
 
     /// The matrix of solver `sgd`, whatever the settings' solver; `None` when `pulse` stops it.
@@ -177,16 +196,29 @@ impl Fitter {
         measure(&mut || loss.value_and_gradient(&matrix, Grain::Full, &mut pulse).map_or(f64::NAN, |(value, _)| value));
     }
 
-    /// Sliced Wasserstein distance between the lobe and the LTC of `matrix` on the held-out samples.
+    /// Sliced Wasserstein distance between the lobe and the lobe model of `matrix` on the held-out samples.
     pub fn error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3) -> f64 {
         let unseen = self.held_out.target(brdf, wo);
         self.distance(&Lobe { brdf, wo, target: &unseen }, matrix, &mut Pulse::new(&mut unstopped)).unwrap_or(f64::NAN)
     }
 
-    /// Distance between a lobe of held-out samples and the LTC of `matrix`.
+    /// The Gaussian of a matrix, if the lobe model is one.
+    fn gaussian(&self, matrix: &DMat3) -> Option<SphericalGaussian<f64>> {
+        let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|column| column.to_array());
+        self.lobe.gaussian().map(|gaussian| SphericalGaussian::of_columns(gaussian, columns))
+    }
+
+    /// Distance between a lobe of held-out samples and the lobe model of `matrix`.
     fn distance(&mut self, unseen: &Lobe, matrix: &DMat3, pulse: &mut Pulse) -> Option<f64> {
-        let matrix = unseen.target.frame.transpose() * *matrix;
-        self.held_out.distance.to(unseen, pulse)?.value(&matrix, pulse)
+        let to_lobe = unseen.target.frame.transpose();
+        let gaussian = self.gaussian(matrix);
+        let mut loss = self.held_out.distance.to(unseen, pulse)?;
+        let Some((gaussian, images)) = gaussian.zip(loss.images()) else {
+            return loss.value(&(to_lobe * *matrix), pulse);
+        };
+        let mut offsets = Vec::new();
+        Images::new(images.lattice(Grain::Full)).offsets(&gaussian, &to_lobe, &mut offsets);
+        images.value_of(&in_arrays(&offsets), pulse)
     }
 }
 

@@ -29,7 +29,7 @@ pub fn fit_plan(plan: &Plan, progress: &Progress) -> Option<Table> {
 #[must_use]
 pub fn fit_entries(plan: &Plan, progress: &Progress) -> Option<Vec<FittedEntry>> {
     let finished = AtomicU64::new(0);
-    let fitter = Fitter::new(&plan.recipe().fit);
+    let fitter = Fitter::new(&plan.recipe().fit).of(plan.recipe().lobe);
     let fit_row = |row: u64| {
         let mut counted = 0;
         fit_rows(plan, row..row + 1, &mut fitter.another(), &mut |done| {

@@ -107,11 +107,11 @@ impl Plan {
 pub fn fit_shard(plan: &Plan, shard: u32, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<FittedEntry>> {
     let range = plan.shard_entries(shard);
     let rows = range.start / plan.row_length()..range.end / plan.row_length();
-    fit_rows(plan, rows, &mut Fitter::new(&plan.recipe.fit), pulse)
+    fit_rows(plan, rows, &mut Fitter::new(&plan.recipe.fit).of(plan.recipe.lobe), pulse)
 }
 
 /// Fits the entries of some rows in storage order: [`fit_shard`] for callers who need no leases and whose threads
-/// should end together. `fitter` has the plan's settings.
+/// should end together. `fitter` has the plan's settings and lobe model.
 pub fn fit_rows(
     plan: &Plan,
     rows: Range<u64>,

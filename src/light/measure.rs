@@ -36,7 +36,7 @@ pub const EVERYWHERE: PerAxis<[f64; 2]> =
 /// A model and what it reads.
 #[derive(Debug, Clone, Copy)]
 pub enum Lighting<'a> {
-    /// A table of Linearly Transformed Cosines. One without terms gets GGX's own.
+    /// A table. One of Linearly Transformed Cosines without terms gets GGX's own.
     Ltc(&'a Table),
     /// The closed form in the space of normals.
     Normals(WeightRule),
@@ -170,6 +170,9 @@ impl<'a> Lighting<'a> {
     fn with_terms(self) -> Result<Owned<'a>, LightError> {
         Ok(match self {
             Self::Ltc(table) if table.brdf != BrdfKind::Ggx => return Err(LightError::OtherBrdf(table.brdf())),
+            Self::Ltc(table) if table.terms.is_none() && table.lobe.gaussian().is_some() => {
+                return Err(LightError::NoTerms);
+            }
             Self::Ltc(table) if table.terms.is_none() => {
                 let terms = Some(ggx_terms(table.layout, &table.axes));
                 Owned::WithTerms(Box::new(Table { terms, ..table.clone() }))

@@ -60,14 +60,21 @@ fn light_by_a_table_takes_a_table_and_only_then() {
     let with = |options: &[&str]| run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), LIGHTS);
     let by_table = rows(&with(&["--model", "ltc", "--table", &digest[..20], "--truth"]).exited(0).stdout);
     assert_eq!(by_table.len(), 2);
-    for row in by_table {
+    let recipe = SMALL.replacen('{', r#"{"lobe":"asg","#, 1);
+    let gaussians = run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0).last_line().to_owned();
+    let gaussians = gaussians.as_str();
+    let by_gaussians = rows(&with(&["--model", "asg", "--table", gaussians, "--truth"]).exited(0).stdout);
+    assert!(by_gaussians.len() == 2 && by_gaussians != by_table);
+    for row in by_table.into_iter().chain(by_gaussians) {
         assert!((row[0] - row[2]).abs() < 0.3 && row[0] > 0.0 && row[1] < row[0], "{row:?}");
     }
     for (options, said) in [
         (&["--model", "ltc"][..], "needs a table"),
         (&["--table", &digest], "--table is of model ltc"),
         (&["--model", "ltc", "--table", &digest, "--weight", "mean"], "--weight is of model normals"),
-        (&["--model", "asg", "--table", &digest], "--table is of model ltc"),
+        (&["--model", "asg", "--table", &digest], "the table has lobe ltc, not asg: choose --model ltc"),
+        (&["--model", "ltc", "--table", gaussians], "the table has lobe asg, not ltc: choose --model asg"),
+        (&["--model", "asg", "--table", gaussians, "--weight", "mean"], "--weight is of model normals"),
         (&["--model", "sg", "--weight", "mean"], "--weight is of model normals"),
     ] {
         let refused = with(options).exited(2);

@@ -169,7 +169,7 @@ fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
         &["--language", "glsl", "--model", "sg", "--hardware-filter"],
         &["--language", "glsl", "--model", "normals", "--texture-array"],
         &["--language", "glsl", "--layout", "kt2022", "--texture-array", "--as", "example"],
-        &["--language", "glsl", "--model", "asg", "--layout", "kt2022"],
+        &["--language", "glsl", "--model", "asg", "--layout", "ltc2017"],
         &["--language", "cg", "--layout", "kt2022"],
         &["--language", "wgsl", "--layout", "square"],
         &["--language", "spirv", "--layout", "kt2022"],

@@ -30,7 +30,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     // The judge: it knows what a table and a recipe are, and nothing of what the fit minimised.
     ("fit::measure", &["fit", "fit::table", "fit::layout", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
     ("light::normals", &["fit", "fit::named_list", "fit::math"]),
-    ("light::gaussians", &["fit", "fit::named_list", "fit::math"]),
+    ("light::gaussians", &["fit", "fit::lobe", "fit::math"]),
     ("light::transmission", &["light::normals", "fit", "fit::brdf", "fit::math"]),
     (
         "light",

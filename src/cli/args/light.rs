@@ -21,7 +21,7 @@ pub struct LightArgs {
     /// How the light is found
     #[arg(long, default_value = LightModel::ALL[0].name(), value_parser = models())]
     pub model: LightModel,
-    /// The table of model `ltc`: a file, or a digest of a table in the folder of `--tables`
+    /// The table of model `ltc`, or of `sg` and `asg` in place of the closed form: a file, or a digest of a table in the folder of `--tables`
     #[arg(long)]
     pub table: Option<PathBuf>,
     /// Where digests are looked for

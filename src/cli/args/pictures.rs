@@ -175,7 +175,7 @@ pub struct ShaderArgs {
     /// Group of the bindings in WGSL, set in Vulkan's GLSL, space in HLSL, in a text to include that reads a table [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=31))]
     pub group: Option<u16>,
-    /// Layout of the tables that the shader reads, for model ltc; a table's recipe names it
+    /// Layout of the tables that the shader reads: of LTCs for model ltc, of Gaussians for sg and asg, which have closed forms without it; a table's recipe names it
     #[arg(long, value_parser = layout())]
     pub layout: Option<Layout>,
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture

@@ -1,6 +1,6 @@
 //! Why a table has no compact form, or bytes are none.
 
-use crate::fit::BrdfKind;
+use crate::fit::{BrdfKind, LobeModel};
 
 /// Why a table has no compact form, or bytes are none.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -53,6 +53,14 @@ pub enum CompactError {
     Reflection {
         /// The scattering model.
         brdf: BrdfKind,
+    },
+    /// A lobe model whose decoders there are none of.
+    #[error(
+        "the compact form is for lobe ltc, and the table has lobe {lobe}: its file and its textures serve in place"
+    )]
+    Lobe {
+        /// The lobe model.
+        lobe: LobeModel,
     },
     /// A channel whose numbers are too large.
     #[error("channel {channel} has a number that is too large to be rounded to steps")]

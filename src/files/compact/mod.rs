@@ -75,7 +75,7 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     if !LAYOUTS.contains(&table.layout()) {
         return Err(CompactError::Layout { layout: table.layout().to_string() });
     }
-    check_brdf(table)?;
+    check_lobes(table)?;
     let header = header_of(table)?;
     check_determinants(table)?;
     let numbers = table.smooth_numbers();
@@ -96,9 +96,13 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     Err(CompactError::Inexact { table: format!("{:.4}", errors.mean), decoded: format!("{reached:.4}") })
 }
 
-/// Refuses lobes that do not follow the reflection that [`Table::smooth_numbers`] are relative to.
-pub(crate) fn check_brdf(table: &Table) -> Result<(), CompactError> {
-    let brdf = table.brdf();
+/// Refuses lobes that are not LTCs, as its decoders take them for, and those that do not follow the reflection that
+/// [`Table::smooth_numbers`] are relative to.
+pub(crate) fn check_lobes(table: &Table) -> Result<(), CompactError> {
+    let (brdf, lobe) = (table.brdf(), table.lobe());
+    if lobe.gaussian().is_some() {
+        return Err(CompactError::Lobe { lobe });
+    }
     if brdf.follows_reflection() { Ok(()) } else { Err(CompactError::Reflection { brdf }) }
 }
 

@@ -60,11 +60,12 @@ pub(super) fn read(
     let model = read_brdf(&root, find, &mut faults);
     let brdf = model.kind();
     let lobe = root.choice("lobe", &named(LobeModel::ALL, LobeModel::name), LobeModel::ALL[0], &mut faults);
-    let layout = read_layout(&root, brdf, &mut faults);
+    let layout = read_layout(&root, brdf, lobe, &mut faults);
     let precision = root.choice("precision", &named(Precision::ALL, Precision::name), Precision::ALL[0], &mut faults);
     let terms = root.boolean("terms", true, &mut faults);
     let fitter = read_fitter(&root, fitters, &mut faults);
     let fit = read_fit(&root, preset, &mut faults);
+    check_lobe(&root, lobe, &fit, terms, &mut faults);
     let range = read_range(&root, &model, layout, &mut faults);
     check_ratio(&range, &fit, &mut faults);
     let resolution = read_resolution(&root, layout, &range, &mut faults);
@@ -168,20 +169,43 @@ fn read_brdf(root: &Object, find: &FindBrdf<'_>, faults: &mut Faults) -> BrdfMod
 }
 
 /// The default is the first layout that takes the lobes of the scattering model.
-fn read_layout(root: &Object, brdf: BrdfKind, faults: &mut Faults) -> Layout {
-    let takes = |layout: &Layout| layout.takes(brdf);
+fn read_layout(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faults) -> Layout {
+    let takes = |layout: &Layout| layout.takes(brdf) && layout.stores(lobe);
     let default = Layout::ALL.iter().copied().find(takes).unwrap_or(Layout::ALL[0]);
     let layout = root.choice("layout", &named(Layout::ALL, Layout::name), default, faults);
-    if layout.takes(brdf) {
+    if takes(&layout) {
         return layout;
     }
     let others = listed(Layout::ALL, |layout| takes(&layout));
-    let detail = format!(
-        "layout \"{layout}\" stores lobes relative to a reflection, which those of brdf \"{brdf}\" do not follow; layouts for \
-         them are {others}"
-    );
+    let detail = if layout.takes(brdf) {
+        format!("layout \"{layout}\" is for readers of LTCs, not for lobe \"{lobe}\"; layouts for it are {others}")
+    } else {
+        format!(
+            "layout \"{layout}\" stores lobes relative to a reflection, which those of brdf \"{brdf}\" do not follow; layouts \
+             for them are {others}"
+        )
+    };
     faults.note(root.pointer("layout"), detail);
     default
+}
+
+/// What a lobe model that is not the default needs of the rest of a recipe.
+fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: bool, faults: &mut Faults) {
+    let FitSettings { solver, metric, .. } = *fit;
+    if lobe.gaussian().is_some() && !metric.compares_images() {
+        let others = listed(Metric::ALL, Metric::compares_images);
+        let detail = format!("metric \"{metric}\" compares LTCs, not lobe \"{lobe}\"; metrics for it are {others}");
+        faults.note("/fit/metric", detail);
+    }
+    if !solver.finds(lobe) {
+        let others = listed(Solver::ALL, |solver| solver.finds(lobe));
+        let detail = format!("solver \"{solver}\" finds LTCs, not lobe \"{lobe}\"; solvers for it are {others}");
+        faults.note("/fit/solver", detail);
+    }
+    if !terms && lobe.gaussian().is_some() {
+        let detail = format!("false leaves lobe \"{lobe}\" without its amplitude; leave the field out, or say true");
+        faults.note(root.pointer("terms"), detail);
+    }
 }
 
 /// The ranges of a layout that has only one domain are its own, and isotropic surfaces have one ratio: a document may repeat

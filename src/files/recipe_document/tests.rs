@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::{BrdfKind, Metric, Solver};
+use crate::fit::{BrdfKind, Layout, LobeModel, Metric, Solver};
 
 fn recipe(json: &str) -> Result<Recipe, RecipeError> {
     parse(json.as_bytes(), DEFAULT_ENTRY_LIMIT)
@@ -221,4 +221,15 @@ fn metrics_and_solvers_combine_or_say_what_to_change() {
     );
     let isotropic = r#"{"fit": {"solver": "nelder_mead"}, "range": {"ratio": [1, 1]}}"#;
     assert_eq!(recipe(isotropic).expect("a recipe").fit.metric, Metric::Sw1);
+}
+
+#[test]
+fn what_gaussians_need_is_told_all_at_once() {
+    assert_eq!(recipe(r#"{"lobe": "asg"}"#).expect("a recipe").lobe, LobeModel::Asg);
+    assert_eq!(recipe(r#"{"lobe": "sg", "brdf": "charlie"}"#).expect("a recipe").layout, Layout::Kt2022);
+    let wrong = r#"{"lobe": "sg", "layout": "ltc2017", "terms": false, "fit": {"solver": "sgd"}}"#;
+    let mut found = pointers(wrong);
+    found.sort();
+    assert_eq!(found, ["/fit/solver", "/layout", "/terms"]);
+    assert_eq!(pointers(r#"{"lobe": "asg", "fit": {"metric": "l3"}}"#), ["/fit/metric"]);
 }

@@ -180,6 +180,9 @@ fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTex
         (None, layout) => TextureLayout::of_shader(layout),
     };
     layout.check(table)?;
+    if table.lobe.gaussian().is_some() {
+        return Err(NoTextures::OtherLobe { engine: engine.name(), lobe: table.lobe, layout: layout.name() });
+    }
     match engine.layout() {
         Some(name) if table.brdf != BrdfKind::Ggx => {
             Err(NoTextures::OtherBrdf { engine: engine.name(), brdf: table.brdf(), layout: name })
@@ -278,6 +281,20 @@ mod tests {
         let refused = export("compact").layout(&table).expect_err("not near a reflection").to_string();
         assert!(refused.contains("brdf charlie"), "{refused}");
         assert!(export("wgpu").layout(&table).is_ok() && export("godot.ktx2.f32").layout(&table).is_ok());
+    }
+
+    /// Engines and decoders light by LTCs. The numbers alone are for a shader that lights by Gaussians.
+    #[test]
+    fn engines_and_decoders_are_given_no_gaussians() {
+        let small =
+            r#"{"resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},"fit":{"samples":64,"directions":4,"steps":5}}"#;
+        let table = Table { lobe: crate::fit::LobeModel::Asg, ..table(small) };
+        let export = |name: &str| name.parse::<Export>().expect("an export");
+        for name in ["wgpu", "compact"] {
+            let refused = export(name).layout(&table).expect_err("no LTCs").to_string();
+            assert!(refused.contains("lobe asg"), "{name}: {refused}");
+        }
+        assert!(export("reflected.ktx2.f32").layout(&table).is_ok());
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub(crate) use smooth::SMOOTH_NUMBERS;
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 pub(crate) use spacing::{Spacing, within_limits};
 
-use super::{axes::PerAxis, brdf::BrdfKind, named_list::named_list};
+use super::{axes::PerAxis, brdf::BrdfKind, lobe::LobeModel, named_list::named_list};
 
 named_list! {
     /// How configurations map to entries, and how a stored matrix maps to `M`.
@@ -61,6 +61,12 @@ impl Layout {
     #[must_use]
     pub fn takes(self, brdf: BrdfKind) -> bool {
         brdf.follows_reflection() || !self.rules().is_relative()
+    }
+
+    /// Whether the layout can store a lobe model: those that engines read have matrices of LTCs.
+    #[must_use]
+    pub fn stores(self, lobe: LobeModel) -> bool {
+        lobe.gaussian().is_none() || self.only_ranges().is_none()
     }
 
     /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced, as a part of

@@ -2,6 +2,7 @@
 //!
 //! A new model needs a folder and a line in [`LobeModel`].
 
+pub mod gaussian;
 pub mod ltc;
 mod rules;
 
@@ -14,6 +15,10 @@ named_list! {
     pub enum LobeModel: LobeModelRules {
         /// A linearly transformed cosine [Heitz et al. 2016].
         Ltc = "ltc" => ltc::Rules,
+        /// A spherical Gaussian, cut at the horizon.
+        Sg = "sg" => gaussian::SG,
+        /// An anisotropic spherical Gaussian [Xu et al. 2013], cut at the horizon.
+        Asg = "asg" => gaussian::ASG,
     }
 }
 
@@ -21,6 +26,12 @@ impl LobeModel {
     /// The distribution of the nine numbers of a lookup; `None` where they make none.
     pub(crate) fn distribution(self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
         self.rules().distribution(numbers)
+    }
+
+    /// The Gaussian that stands for a lobe; `None` for models that are none.
+    #[must_use]
+    pub fn gaussian(self) -> Option<gaussian::Gaussian> {
+        self.rules().gaussian()
     }
 
     /// Whether a recipe that does not name a model means this one.

@@ -7,7 +7,7 @@ use super::{
     light::light_error,
     lobe::Lobe,
 };
-use crate::fit::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table, math::direction};
+use crate::fit::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table, lobe::LobeDistribution, math::direction};
 
 /// Asked whether a measurement is to go on. Several threads ask.
 pub type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;
@@ -49,6 +49,8 @@ fn one(table: &Table, at: &Configuration, probe: &Probe, work: &mut Workspace) -
     let LobeDistance { sw1, spread } = probe.distance(&lobe, model, work);
     let light = model.map_or(1.0, |model| light_error(&lobe, model));
     let terms = found.amplitude.zip(found.fresnel);
+    let above = model.map_or(1.0, LobeDistribution::above_horizon);
+    let terms = terms.map(|(amplitude, fresnel)| (above * amplitude, above * fresnel));
     let terms = terms.map(|(amplitude, fresnel)| [(amplitude - lobe.amplitude).abs(), (fresnel - lobe.fresnel).abs()]);
     Figures { at: *at, sw1, width: sw1 / spread, light, terms }
 }

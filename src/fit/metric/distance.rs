@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::target::Target;
-use crate::fit::{brdf::Brdf, pulse::Pulse};
+use crate::fit::{brdf::Brdf, math::Lattice, pulse::Pulse};
 
 /// The fixed samples of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +41,11 @@ pub(crate) trait MetricRules: Sync {
     /// The metric over these samples.
     fn distance(&self, samples: &Samples) -> Box<dyn Distance>;
 
+    /// Whether its losses have images, see [`Loss::images`].
+    fn compares_images(&self) -> bool {
+        false
+    }
+
     /// Seconds of one evaluation, with a gradient or without, for these numbers of samples and directions: of one thread,
     /// on the machine of `fit_seconds`. What an entry is prepared for is in it.
     fn seconds(&self, samples: usize, directions: usize) -> f64;
@@ -55,6 +60,9 @@ pub(crate) trait Distance: std::fmt::Debug + Send + Sync {
     fn to<'a>(&'a mut self, lobe: &Lobe<'a>, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>>;
 }
 
+/// Offsets of directions from +z, or a gradient by them, one array a coordinate.
+pub(crate) type Offsets = [Vec<f32>; 3];
+
 /// The distance between one target and the LTC of a matrix. Evaluations give `None` when `pulse` stops them.
 pub(crate) trait Loss {
     /// Mean standard deviation of the lobe's projections: the unit in which losses are measured.
@@ -65,4 +73,23 @@ pub(crate) trait Loss {
 
     /// The distance at `m` and its gradient by the elements of `m`.
     fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)>;
+
+    /// The same distance of other models than LTCs, where the metric compares samples alone.
+    fn images(&mut self) -> Option<&mut dyn ImageLoss> {
+        None
+    }
+}
+
+/// The distance between one lobe and directions that any model maps fixed points to. Evaluations give `None` when `pulse`
+/// stops them.
+pub(crate) trait ImageLoss {
+    /// The points of the unit square of which an evaluation compares the images.
+    fn lattice(&self, grain: Grain) -> Lattice;
+
+    /// The distance of directions, one of each of the points of [`ImageLoss::lattice`], and its gradient by each direction.
+    /// Directions are offsets from +z of the lobe's frame, one array a coordinate, and so is the gradient.
+    fn slopes(&mut self, offsets: &Offsets, grain: Grain, pulse: &mut Pulse) -> Option<(f64, Offsets)>;
+
+    /// The distance of directions alone, with all of the points.
+    fn value_of(&mut self, offsets: &Offsets, pulse: &mut Pulse) -> Option<f64>;
 }

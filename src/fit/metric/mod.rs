@@ -8,9 +8,9 @@ mod l3;
 mod sw1;
 mod target;
 
-pub(super) use distance::{Distance, Grain, Lobe, Loss, MetricRules, Samples};
+pub(super) use distance::{Distance, Grain, ImageLoss, Lobe, Loss, MetricRules, Offsets, Samples};
 #[cfg(test)]
-pub(super) use target::tests::{PlantedBrdf, planted};
+pub(super) use target::tests::{PlantedBrdf, planted, planted_directions};
 pub(super) use target::{LobeCore, Target};
 
 use super::named_list::named_list;
@@ -22,5 +22,13 @@ named_list! {
         Sw1 = "sw1" => sw1::Rules,
         /// The L3 norm of the difference of densities, by multiple importance sampling [Heitz et al. 2016].
         L3 = "l3" => l3::Rules,
+    }
+}
+
+impl Metric {
+    /// Whether the metric compares samples alone, so that it measures models other than LTCs too.
+    #[must_use]
+    pub fn compares_images(self) -> bool {
+        self.rules().compares_images()
     }
 }

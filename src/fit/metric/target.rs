@@ -197,6 +197,12 @@ pub(crate) mod tests {
         Drawn { directions, weights: vec![1.0; n], count: n }.target(mirrors)
     }
 
+    /// The target of a lobe of these directions.
+    pub(crate) fn planted_directions(directions: Vec<DVec3>, mirrors: Mirrors) -> Target {
+        let (count, weights) = (directions.len(), vec![1.0; directions.len()]);
+        Drawn { directions, weights, count }.target(mirrors)
+    }
+
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
     #[test]

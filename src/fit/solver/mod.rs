@@ -10,10 +10,10 @@ mod simplex;
 
 pub(super) use objective::{Effort, Objective, SolverRules};
 
-pub(super) use bfgs::Guess;
+pub(super) use bfgs::{Guess, in_arrays};
 pub use simplex::{Shear, Simplex, Start};
 
-use super::{metric::Metric, named_list::named_list};
+use super::{lobe::LobeModel, metric::Metric, named_list::named_list};
 
 named_list! {
     /// How a distance is minimised.
@@ -45,5 +45,11 @@ impl Solver {
     #[must_use]
     pub fn has_simplex(self) -> bool {
         self.rules().has_simplex()
+    }
+
+    /// Whether the solver finds the numbers of a lobe model.
+    #[must_use]
+    pub fn finds(self, lobe: LobeModel) -> bool {
+        self == Self::Bfgs || lobe.gaussian().is_none()
     }
 }

@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use super::simplex::Simplex;
 use crate::fit::{
     brdf::Brdf,
+    lobe::LobeModel,
     metric::{Loss, Metric, Target},
     pulse::Pulse,
 };
@@ -26,6 +27,8 @@ pub(crate) struct Effort {
 
 /// A lobe whose matrix is sought.
 pub(crate) struct Objective<'a> {
+    /// The model whose numbers are sought: one that the solver finds, see [`super::Solver::finds`].
+    pub(crate) model: LobeModel,
     /// The surface.
     pub(crate) brdf: &'a dyn Brdf,
     /// View direction.
@@ -51,7 +54,7 @@ pub(crate) trait SolverRules: Sync {
 
     /// Seconds that an entry takes to project its lobe, to search, and to measure the error, with at most `effort.steps`
     /// steps. Of one thread, on the machine of `fit_seconds`.
-    fn seconds(&self, effort: &Effort) -> f64;
+    fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64;
 
     /// Whether the solver minimises this metric. All do that take their losses from it.
     fn takes(&self, _: Metric) -> bool {

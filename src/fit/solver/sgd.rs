@@ -12,6 +12,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::objective::{Effort, Objective, SolverRules};
 use crate::fit::{
     brdf::Brdf,
+    lobe::LobeModel,
     math::{cosine_hemisphere, ln, sin_cos},
     metric::Metric,
     pulse::Pulse,
@@ -37,7 +38,7 @@ impl SolverRules for Rules {
         descend(objective.brdf, objective.wo, &objective.effort, objective.stream, pulse)
     }
 
-    fn seconds(&self, effort: &Effort) -> f64 {
+    fn seconds(&self, _: LobeModel, effort: &Effort) -> f64 {
         let (samples, directions) = (effort.samples as f64, effort.directions as f64);
         let [sample, halving] = SORT_SECONDS;
         let step = samples * (DRAW_SECONDS + directions * (sample + halving * ln(samples) / LN_2));

@@ -20,6 +20,7 @@ use crate::fit::{
     axes::PerAxis,
     brdf::BrdfKind,
     layout::{ALPHA_FLOOR, Layout, LobeNumbers, SMOOTH_NUMBERS, THETA_CEILING},
+    lobe::LobeModel,
     math::{cos, row_major, turned_about_z},
 };
 
@@ -74,6 +75,12 @@ pub enum FunctionError {
         /// The scattering model.
         brdf: BrdfKind,
     },
+    /// A lobe model that the function's light is not of.
+    #[error("the function lights by LTCs, and the table has lobe {lobe}: a table of lobe ltc serves")]
+    Lobe {
+        /// The lobe model.
+        lobe: LobeModel,
+    },
     /// An entry without an inverse or with an amplitude of zero.
     #[error("entry {entry} has a number that is not finite")]
     Entry {
@@ -110,6 +117,9 @@ impl IsotropicFunction {
         let PerAxis { alpha, ratio, theta, phi } = &table.axes;
         if ratio.as_slice() != [1.0] || phi.as_slice() != [0.0] {
             return Err(FunctionError::Anisotropic { ratios: ratio.len(), phis: phi.len() });
+        }
+        if table.lobe.gaussian().is_some() {
+            return Err(FunctionError::Lobe { lobe: table.lobe });
         }
         if !table.brdf.follows_reflection() {
             return Err(FunctionError::Reflection { brdf: table.brdf() });

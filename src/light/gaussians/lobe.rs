@@ -1,7 +1,7 @@
 //! The Gaussian of a surface seen from a direction.
 
-use super::Gaussian;
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
+use super::{Gaussian, SphericalGaussian};
+use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
 
 /// Around which normal the distribution of normals is warped to directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,15 +12,11 @@ pub enum Warp {
     Surface,
 }
 
-/// A Gaussian over directions.
-///
-/// Per steradian it is `peak exp(-x^2 - y^2)` at [`Lobe::at`]; its integral over the plane is its weight.
+/// The Gaussian of a lobe, and what it weighs.
 #[derive(Debug, Clone, Copy)]
 pub struct Lobe<T> {
-    /// The middle, of length one.
-    pub axis: Triple<T>,
-    /// The vectors whose products with a direction, projected, are x and y; perpendicular to the axis.
-    pub(super) rows: [Triple<T>; 2],
+    /// Where it is and how wide.
+    pub shape: SphericalGaussian<T>,
     /// What is reflected of all directions together, in [0, 1].
     pub weight: T,
     /// Schlick's `(1 - wo . h)^5` at the middle.
@@ -75,8 +71,7 @@ impl<T: Scalar> Lobe<T> {
         };
         let m = (T::ONE - cosine / h2.sqrt()).max(T::ZERO).min(T::ONE);
         Self {
-            axis,
-            rows: rows(gaussian, axis, deviations),
+            shape: SphericalGaussian::new(gaussian, axis, deviations),
             weight: (shadowing * masking).min(T::ONE),
             schlick: m * m * m * m * m,
         }
@@ -87,42 +82,9 @@ impl<T: Scalar> Lobe<T> {
         [self.weight, self.weight * self.schlick]
     }
 
-    /// Where a direction of any length lies in the plane of the Gaussian, in its deviations.
-    #[must_use]
-    pub fn at(&self, w: Triple<T>) -> [T; 2] {
-        let length = dot(w, w).sqrt();
-        let from_behind = (length + dot(w, self.axis)).max(T::of(1e-6) * length);
-        let scale = (T::of(2.0) / (length * from_behind).max(T::of(1e-36))).sqrt();
-        self.rows.map(|row| dot(w, row) * scale)
-    }
-
-    /// Density of the Gaussian of weight one in its middle, per steradian: `1 / (pi a1 a2)`.
-    pub(super) fn peak(&self) -> T {
-        let [x, y] = self.rows;
-        T::of(2.0) * dot(self.axis, cross(x, y)).abs() / T::TAU
-    }
-
     /// The density towards a direction, weight included, per steradian.
     #[must_use]
     pub fn density(&self, w: Triple<T>) -> T {
-        let [x, y] = self.at(w);
-        self.weight * self.peak() * (-(x * x + y * y)).exp()
-    }
-}
-
-/// The vectors that give x and y: dual to the deviations, or for a round Gaussian perpendicular and of the same area.
-fn rows<T: Scalar>(gaussian: Gaussian, axis: Triple<T>, [first, second]: [Triple<T>; 2]) -> [Triple<T>; 2] {
-    let area = dot(axis, cross(first, second));
-    let least = T::of(1e-30);
-    match gaussian {
-        Gaussian::Asg => {
-            let per_area = T::ONE / area.max(least);
-            [scaled(cross(second, axis), per_area), scaled(cross(axis, first), per_area)]
-        }
-        Gaussian::Sg => {
-            let sharp = T::ONE / area.max(least).sqrt();
-            let x = unit(first);
-            [scaled(x, sharp), scaled(cross(axis, x), sharp)]
-        }
+        self.weight * self.shape.density(w)
     }
 }

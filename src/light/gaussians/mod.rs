@@ -11,26 +11,25 @@
 //! `r` is the direction to which a middle normal reflects, `t1` and `t2` are how far the reflection moves when that normal
 //! tilts by a deviation, of lengths `a1` and `a2` where they are perpendicular, and `d` is the equal-area projection around
 //! `r`, of length `2 sin(angle / 2)`. In it a spherical Gaussian `exp(L (w . r - 1))` is a Gaussian of the plane exactly, with
-//! `L = 2 / a^2` (`lobe.rs`). A polygon's part of it is an area in the square that the error function maps the plane to
-//! (`polygon.rs`); the light of a spherical Gaussian is a convolution of two (`sg_light.rs`). `docs/gaussians.md` derives all of
+//! `L = 2 / a^2` (`lobe.rs`, `fit::lobe::gaussian`). A polygon's part of it is an area in the square that the error function
+//! maps the plane to (`fit::lobe::gaussian::covered`); the light of a spherical Gaussian is a convolution of two (`sg_light.rs`). `docs/gaussians.md` derives all of
 //! it and has the errors.
 
-mod gaussian;
 mod lobe;
-mod polygon;
 mod sg_light;
 #[cfg(test)]
 mod tests;
 
-pub use gaussian::Gaussian;
 pub use lobe::{Lobe, Warp};
 pub use sg_light::{SgLight, reflected_sg};
 
+pub use crate::fit::lobe::gaussian::{Gaussian, SphericalGaussian};
+
 use crate::fit::{
     Sides,
+    lobe::gaussian::covered,
     math::{Scalar, Triple},
 };
-use polygon::covered;
 
 /// What GGX reflects of a polygon of radiance one towards `wo` by a Gaussian: for a Fresnel factor of one, and its part
 /// weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].
@@ -47,6 +46,21 @@ pub fn reflected<T: Scalar>(
     sides: Sides,
 ) -> [T; 2] {
     let lobe = Lobe::new(gaussian, Warp::Visible, alpha, wo);
-    let covered = covered(&lobe, vertices, sides);
+    let covered = covered(&lobe.shape, vertices, sides);
     lobe.parts().map(|part| part * covered)
+}
+
+/// What is reflected of a polygon, as [`reflected`] has it, by a Gaussian and what it reflects of all directions of its
+/// plane together, for a Fresnel factor of one and weighed by Schlick's.
+///
+/// A table's Gaussian is cut at the horizon, so that the first may be more than one. What is reflected is no more.
+#[must_use]
+pub fn reflected_by<T: Scalar>(
+    shape: &SphericalGaussian<T>,
+    parts: [T; 2],
+    vertices: &[Triple<T>],
+    sides: Sides,
+) -> [T; 2] {
+    let covered = covered(shape, vertices, sides).min(T::ONE / parts[0].max(T::ONE));
+    parts.map(|part| part * covered)
 }

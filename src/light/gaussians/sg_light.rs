@@ -29,13 +29,13 @@ pub struct SgLight<T> {
 #[must_use]
 pub fn reflected_sg<T: Scalar>(gaussian: Gaussian, alpha: [T; 2], wo: Triple<T>, light: &SgLight<T>) -> [T; 2] {
     let lobe = Lobe::new(gaussian, Warp::Visible, alpha, wo);
-    let [x, y] = lobe.rows;
+    let [x, y] = lobe.shape.rows;
     let width = T::of(2.0) / light.sharpness;
     let [xx, xy, yy] = [dot(x, x), dot(x, y), dot(y, y)].map(|product| width * product);
     // det K = 1 + tr + det (2 / L X X^T), whose last term is the square of the area.
-    let area = width * lobe.peak() * T::of(0.5) * T::TAU;
+    let area = width * lobe.shape.peak() * T::of(0.5) * T::TAU;
     let determinant = T::ONE + xx + yy + area * area;
-    let [u, v] = lobe.at(light.axis);
+    let [u, v] = lobe.shape.at(light.axis);
     let far = ((T::ONE + yy) * u * u - (xy + xy) * u * v + (T::ONE + xx) * v * v) / determinant;
     let covered = light.amplitude * area / determinant.sqrt() * (-far).exp();
     lobe.parts().map(|part| part * covered)

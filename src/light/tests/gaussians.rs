@@ -1,13 +1,20 @@
 //! How far the Gaussians are from the truth.
 
+use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
+
 use glam::DVec3;
 
 use crate::{
     fit::{
-        Configuration, Sides,
+        BrdfKind, Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision,
+        Recipe, Sides, Solver, Table, fit_plan,
         math::{cos, direction, pow},
+        report,
     },
-    light::{EVERYWHERE, Gaussian, Lighting, RandomLights, by_gaussian, light_error, rectangle, truth},
+    light::{
+        EVERYWHERE, Gaussian, LightError, Lighting, RandomLights, Reflected, by_gaussian, by_table, light_error,
+        rectangle, truth,
+    },
 };
 
 /// The measure of `docs/gaussians.md`.
@@ -34,5 +41,68 @@ fn a_surface_reflects_about_what_ggx_does() {
         let found = by_gaussian(&at, &light, gaussian).expect("a surface");
         assert!((found.energy - wanted.energy).abs() < 0.1, "{gaussian} {found:?} {wanted:?}");
         assert!((found.fresnel / found.energy - pow(1.0 - cos(0.6), 5.0)).abs() < 2e-3, "{found:?}");
+    }
+}
+
+/// A table of Gaussians, fitted over the whole domain.
+fn fitted(lobe: LobeModel) -> Table {
+    let quarter = [0.0, FRAC_PI_2];
+    let recipe = Recipe {
+        fitter: FITTER_VERSION,
+        brdf: BrdfKind::Ggx.into(),
+        lobe,
+        layout: Layout::Reflected,
+        resolution: PerAxis { alpha: 5, ratio: 3, theta: 5, phi: 3 },
+        range: PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: quarter, phi: quarter },
+        fit: FitSettings {
+            metric: Metric::Sw1,
+            solver: Solver::Bfgs,
+            samples: 96,
+            directions: 8,
+            steps: 20,
+            seed: 0,
+            simplex: None,
+        },
+        terms: true,
+        precision: Precision::F32,
+    };
+    fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
+}
+
+/// Tables of a few hundred entries are nearer to the truth than the closed forms, over the whole domain: their mean error is
+/// 0.76 of the closed form's for a round Gaussian, 0.80 for a stretched one.
+#[test]
+fn fitted_gaussians_are_nearer_than_closed_forms() {
+    let lights = RandomLights::draw(&EVERYWHERE, 600).expect("ranges of a table");
+    let error = |model: Lighting<'_>| light_error(model, &lights).expect("a surface");
+    for (lobe, gaussian, part) in [(LobeModel::Sg, Gaussian::Sg, 0.8), (LobeModel::Asg, Gaussian::Asg, 0.84)] {
+        let table = fitted(lobe);
+        let [fitted, closed] = [Lighting::Ltc(&table), Lighting::Gaussian(gaussian)].map(error);
+        let measured = report(&table, &EVERYWHERE, 64);
+        println!("{lobe}: {fitted:?}, closed form {closed:?}, {:?}", measured.nodes.amplitude);
+        assert!(fitted.mean < part * closed.mean, "{lobe}: {fitted:?} {closed:?}");
+        // The report's amplitude is the albedo, of which the table stores what the horizon leaves over.
+        let amplitude = measured.nodes.amplitude.expect("terms");
+        assert!(amplitude.mean < 0.01, "{lobe}: {amplitude:?}");
+        assert!(table.terms().expect("terms").amplitude().iter().any(|stored| *stored > 1.05), "{lobe}");
+        assert_eq!(
+            light_error(Lighting::Ltc(&Table { terms: None, ..table }), &lights).err(),
+            Some(LightError::NoTerms)
+        );
+    }
+}
+
+/// No light is brighter than itself, on and between the nodes.
+#[test]
+fn a_table_of_gaussians_reflects_no_more_than_there_is() {
+    let table = fitted(LobeModel::Asg);
+    for (alpha, theta) in [1.0, 0.6, 0.1, 1e-4].into_iter().flat_map(|alpha| [0.0, 0.7, 1.3, 1.57].map(|t| (alpha, t)))
+    {
+        let at = Configuration { alpha_x: alpha, alpha_y: 0.7 * alpha, theta, phi: 0.9 };
+        for half in [0.05, 0.5, 20.0] {
+            let light = rectangle(DVec3::Z * 0.3, [DVec3::X * half, DVec3::Y * half], Sides::Two).expect("a square");
+            let Reflected { energy, fresnel } = by_table(&table, &at, &light).expect("a table");
+            assert!((0.0..=1.0).contains(&energy) && (0.0..=energy).contains(&fresnel), "{at:?} {half}: {energy}");
+        }
     }
 }

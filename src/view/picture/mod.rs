@@ -14,4 +14,4 @@ pub use marks::{cross, ring};
 pub use panels::{Panel, bar, beside, caption, grid, headed, number};
 pub use raster::{Picture, PngError};
 pub use srgb::srgb;
-pub use text::{Anchor, GROUND, LINE, fitting, short_digest, tag, tag_fits, write};
+pub use text::{Anchor, GROUND, LINE, fitting, short_digest, tag, tag_fits, text_width, write};

@@ -61,8 +61,14 @@ pub enum Anchor {
 /// The first of some wordings that a panel of `width` has room for, or else nothing.
 #[must_use]
 pub fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
-    let fits = |text: &&&str| text.len() as u32 * font(width).character_size.width <= width;
+    let fits = |text: &&&str| text_width(text, width) <= width;
     wordings.iter().find(fits).copied().unwrap_or_default()
+}
+
+/// How wide a line of text is in a panel of `width`, pixels.
+#[must_use]
+pub fn text_width(text: &str, width: u32) -> u32 {
+    text.len() as u32 * font(width).character_size.width
 }
 
 fn font(width: u32) -> &'static MonoFont<'static> {

@@ -1,6 +1,6 @@
 //! Curves in a frame: over two axes, or as distances from a point over the directions of a half plane.
 
-use crate::view::picture::{Anchor, GROUND, LINE, Picture, number, write};
+use crate::view::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
 
 /// Pixels a side of what is within the axes.
 pub(super) const SIDE: u32 = 288;
@@ -98,13 +98,21 @@ fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// The names of curves in their colours, as wide as a frame.
+/// The length of a name's line, and what is left free before it and behind it.
+const DASH: u32 = 12;
+const GAP: u32 = 4;
+
+/// The names of curves in their colours, as wide as a frame. What room there is lies between them in equal parts.
 pub(super) fn legend(width: u32, names: &[(&str, [u8; 3])]) -> Picture {
     let mut picture = Picture::filled(width, LINE + 4, GROUND);
-    let step = width / names.len().max(1) as u32;
-    for (i, (name, colour)) in (0_u32..).zip(names) {
-        picture.put(&Picture::filled(12, 3, *colour), i * step + 6, LINE / 2 + 1);
-        write(&mut picture, name, i * step + 22, LINE / 2 + 2, Anchor::Left, width);
+    let own = |name: &str| GAP + DASH + GAP + text_width(name, width);
+    let all: u32 = names.iter().map(|(name, _)| own(name)).sum();
+    let between = width.saturating_sub(all) / names.len().max(1) as u32;
+    let mut x = 0;
+    for (name, colour) in names {
+        picture.put(&Picture::filled(DASH, 3, *colour), x + GAP, LINE / 2 + 1);
+        write(&mut picture, name, x + GAP + DASH + GAP, LINE / 2 + 2, Anchor::Left, width);
+        x += own(name) + between;
     }
     picture
 }
@@ -126,5 +134,22 @@ mod tests {
         let above = drawn.rgb[..(LINE / 2 * drawn.width) as usize].iter();
         assert_eq!(above.filter(|pixel| **pixel == colour).count(), 0);
         assert!(drawn.rgb.iter().filter(|pixel| **pixel == colour).count() > 300);
+    }
+
+    /// The last column of a cut name would be the picture's: beyond the last name the ground is seen.
+    #[test]
+    fn names_of_curves_have_room() {
+        let names: [(&str, [u8; 3]); 4] =
+            [("GGX", [235, 235, 235]), ("sg", [240, 160, 60]), ("asg", [90, 190, 250]), ("normal", [190, 110, 230])];
+        let width = LEFT + SIDE + RIGHT;
+        let drawn = legend(width, &names);
+        let column = |x: u32| (0..drawn.height).map(move |y| (y * width + x) as usize);
+        let is_ground = |x: u32| column(x).all(|at| drawn.rgb[at] == GROUND);
+        assert!((width - 3..width).all(is_ground), "a name is cut");
+        let last = (0..width).rev().find(|x| !is_ground(*x)).expect("names");
+        let dash = |colour: [u8; 3]| (0..width).find(|x| column(*x).any(|at| drawn.rgb[at] == colour));
+        let begins = dash(names[3].1).expect("the last name's dash") + DASH + GAP;
+        // The last letter is drawn up to its own width.
+        assert!(last - begins >= text_width("norma", width), "{begins} {last}");
     }
 }

@@ -116,7 +116,7 @@ pub(super) fn compared(
     let width = apart.width;
     tag_cells(&mut apart, scene, |index, material| mean_tags(&errors[index], material));
     let foot = scale_bar(width, scale);
-    let short = short_title(scene.model);
+    let short = short_title(scene.model, table);
     if scene.mode == Mode::Difference {
         let ltc = model_title(scene.model, table, width / 2);
         let titles = [format!("|{ltc} - reference|"), format!("|{short} - reference|"), "difference".to_owned()];
@@ -164,7 +164,7 @@ pub(super) fn models(
         tag_cells(&mut shown, scene, |_, m| if warns(m) { warnings(m) } else { names(m) });
         let mut apart = differences(radiances, reference, scale);
         tag_cells(&mut apart, scene, |index, material| mean_tags(&own[index], material));
-        let title = format!("|{} - reference|", short_title(*model));
+        let title = format!("|{} - reference|", short_title(*model, table));
         let panels = [
             Panel { title: &model_title(*model, table, width), picture: shown, foot: mean_error(&own, width) },
             Panel { title: fitting(&[&title, "difference"], width), picture: apart, foot: scale_bar(width, scale) },
@@ -204,8 +204,8 @@ fn model_title(model: LightModel, table: &ShaderTable, width: u32) -> String {
         LightModel::Ltc => table_title(table, width),
         LightModel::Normals => fitting(&["normals, no table", "normals"], width).to_owned(),
         LightModel::Sg | LightModel::Asg => {
-            let short = short_title(model);
-            fitting(&[&format!("{short}, no table"), short], width).to_owned()
+            let short = short_title(model, table);
+            fitting(&[&format!("{short}, no table"), &short], width).to_owned()
         }
     }
 }
@@ -214,19 +214,19 @@ fn reference_title(table: &ShaderTable, width: u32) -> String {
     fitting(&[&format!("{} reference", table.brdf_title()), "reference"], width).to_owned()
 }
 
-fn short_title(model: LightModel) -> &'static str {
+fn short_title(model: LightModel, table: &ShaderTable) -> String {
     match model {
-        LightModel::Ltc => "LTC",
-        LightModel::Normals => "normals",
-        LightModel::Sg => "SG",
-        LightModel::Asg => "ASG",
+        LightModel::Ltc => table.lobe_title(),
+        LightModel::Normals => "normals".to_owned(),
+        LightModel::Sg | LightModel::Asg => model.name().to_uppercase(),
     }
 }
 
 /// What stands above a picture by the table.
 fn table_title(table: &ShaderTable, width: u32) -> String {
-    let Some(label) = &table.label else { return "LTC".to_owned() };
-    fitting(&[&format!("LTC, table {label}"), &format!("LTC {label}"), "LTC"], width).to_owned()
+    let lobe = table.lobe_title();
+    let Some(label) = &table.label else { return lobe };
+    fitting(&[&format!("{lobe}, table {label}"), &format!("{lobe} {label}"), &lobe], width).to_owned()
 }
 
 /// The picture of mode `lobe`: densities over directions, both on the scale of the reference, with the view direction

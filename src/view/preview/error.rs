@@ -1,7 +1,7 @@
 //! Why there is no picture.
 
 use super::SceneFault;
-use crate::fit::BrdfKind;
+use crate::fit::{BrdfKind, LobeModel};
 
 /// Why a scene was not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -12,6 +12,9 @@ pub enum PreviewError {
     /// The picture compares a table with what is of GGX alone.
     #[error("the closed forms light GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
     OtherBrdf(BrdfKind),
+    /// The picture draws a lobe, and the table has Gaussians.
+    #[error("mode lobe draws the lobes of LTCs, and the table has lobe {0}: choose mode strip, or a table of lobe ltc")]
+    GaussianLobe(LobeModel),
     /// A GPU was asked for, and shaders do not know the reference.
     #[error("only the CPU renders the reference of brdf {0}: choose mode ltc, or another adapter than the GPU")]
     CpuOnly(BrdfKind),

@@ -1,5 +1,6 @@
 //! What a renderer is asked for.
 
+use super::ShaderTable;
 use crate::light::{Gaussian, LightModel};
 
 /// Asked between parts of a picture whether to stop.
@@ -10,6 +11,8 @@ pub type Stop<'a> = &'a dyn Fn() -> bool;
 pub enum Estimator {
     /// Radiance by the table.
     Table,
+    /// Radiance by a table of Gaussians.
+    GaussianTable(Gaussian),
     /// Radiance by the closed form in the space of normals.
     Normals,
     /// Radiance by a Gaussian.
@@ -24,8 +27,10 @@ pub enum Estimator {
 
 impl Estimator {
     /// Every estimator.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Table,
+        Self::GaussianTable(Gaussian::Sg),
+        Self::GaussianTable(Gaussian::Asg),
         Self::Normals,
         Self::Gaussian(Gaussian::Sg),
         Self::Gaussian(Gaussian::Asg),
@@ -34,11 +39,11 @@ impl Estimator {
         Self::ReferenceLobe,
     ];
 
-    /// That of light by a model.
+    /// That of light by a model; by a table as by its lobes.
     #[must_use]
-    pub fn of(model: LightModel) -> Self {
+    pub fn of(model: LightModel, table: &ShaderTable) -> Self {
         match model {
-            LightModel::Ltc => Self::Table,
+            LightModel::Ltc => table.lobe.gaussian().map_or(Self::Table, Self::GaussianTable),
             LightModel::Normals => Self::Normals,
             LightModel::Sg => Self::Gaussian(Gaussian::Sg),
             LightModel::Asg => Self::Gaussian(Gaussian::Asg),

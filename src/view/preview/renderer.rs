@@ -118,6 +118,9 @@ impl Preview {
         if table.brdf != BrdfKind::Ggx && is_of_ggx {
             return Err(PreviewError::OtherBrdf(table.brdf.kind()));
         }
+        if scene.mode == Mode::Lobe && table.lobe.gaussian().is_some() {
+            return Err(PreviewError::GaussianLobe(table.lobe));
+        }
         self.drawn_by = DrawnBy::Nobody;
         if table.has_reference_on_cpu_only(scene) {
             if let Some(file) = table.brdf.file().filter(|_| !table.brdf.is_complete()) {
@@ -144,12 +147,12 @@ impl Preview {
         let mut errors = Vec::new();
         let picture = match scene.mode {
             Mode::Ltc => {
-                let picture = self.picture(table, &frame, Estimator::of(scene.model), stop)?;
+                let picture = self.picture(table, &frame, Estimator::of(scene.model, table), stop)?;
                 compose::warned(picture, scene, &outside)
             }
             Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
             Mode::Difference | Mode::Strip => {
-                let lit = self.radiances(table, &frame, Estimator::of(scene.model), stop)?;
+                let lit = self.radiances(table, &frame, Estimator::of(scene.model, table), stop)?;
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
                 compose::compared(scene, table, &outside, [&lit, &reference], &errors)
@@ -158,7 +161,7 @@ impl Preview {
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 let mut lit = Vec::new();
                 for model in [LightModel::Ltc, LightModel::Normals] {
-                    let radiances = self.radiances(table, &frame, Estimator::of(model), stop)?;
+                    let radiances = self.radiances(table, &frame, Estimator::of(model, table), stop)?;
                     errors.extend(panel_errors(scene, &frame, model, &radiances, &reference));
                     lit.push((model, radiances));
                 }
@@ -321,7 +324,7 @@ fn samples_of_a_pixel(frame: &Frame, estimator: Estimator) -> u32 {
         Estimator::Reference => frame.spp,
         Estimator::Normals => NORMALS_COST,
         Estimator::Gaussian(_) => GAUSSIAN_COST,
-        Estimator::Table | Estimator::TableLobe | Estimator::ReferenceLobe => TABLE_COST,
+        Estimator::Table | Estimator::GaussianTable(_) | Estimator::TableLobe | Estimator::ReferenceLobe => TABLE_COST,
     }
 }
 

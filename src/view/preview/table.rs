@@ -4,7 +4,7 @@ use half::f16;
 
 use super::{Mode, Scene};
 use crate::{
-    fit::{BrdfKind, BrdfModel, Layout, PerAxis, Table},
+    fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table},
     view::picture::short_digest,
 };
 
@@ -22,6 +22,8 @@ pub enum TexelFormat {
 pub struct ShaderTable {
     /// The model that it stands for, and that references of its pictures are of.
     pub(super) brdf: BrdfModel,
+    /// The distribution that stands for a lobe.
+    pub(super) lobe: LobeModel,
     pub(super) layout: Layout,
     pub(super) format: TexelFormat,
     pub(super) nodes: PerAxis<Vec<f32>>,
@@ -40,6 +42,7 @@ impl ShaderTable {
         let texel = |texel: [f32; 4]| vec![texel];
         Self {
             brdf: BrdfKind::Ggx.into(),
+            lobe: LobeModel::Ltc,
             layout: Layout::Kt2022,
             format: TexelFormat::F32,
             nodes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
@@ -68,6 +71,7 @@ impl ShaderTable {
         let single = |nodes: &[f64]| nodes.iter().map(|node| *node as f32).collect();
         Self {
             brdf: table.brdf.clone(),
+            lobe: table.lobe,
             layout: table.layout,
             format,
             nodes: PerAxis {
@@ -92,6 +96,11 @@ impl ShaderTable {
     #[must_use]
     pub fn has_reference_on_cpu_only(&self, scene: &Scene) -> bool {
         self.brdf != BrdfKind::Ggx && scene.mode != Mode::Ltc
+    }
+
+    /// What pictures call its light.
+    pub(super) fn lobe_title(&self) -> String {
+        self.lobe.name().to_uppercase()
     }
 
     /// What pictures call the model that it stands for.

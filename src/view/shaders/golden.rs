@@ -2,9 +2,15 @@
 
 use glam::DVec3;
 
-use crate::fit::{
-    BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
-    math::{atan2, from_row_major},
+use crate::{
+    fit::{
+        BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
+        math::{atan2, from_row_major},
+    },
+    light::{
+        Gaussian,
+        gaussians::{self, SphericalGaussian},
+    },
 };
 
 /// A surface and a view direction to look up. The cases try every fold, and a place outside the table.
@@ -69,12 +75,15 @@ pub(in crate::view) fn table(layout: Layout) -> Table {
 }
 
 impl Case {
-    /// What the table gives here, in f64.
-    pub(in crate::view) fn golden(&self, layout: Layout) -> Golden {
+    fn configuration(&self) -> Configuration {
         let [x, y, z] = self.wo;
         let theta = atan2((x * x + y * y).sqrt(), z);
-        let configuration = Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: atan2(y, x) };
-        let found = table(layout).lookup(&configuration);
+        Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: atan2(y, x) }
+    }
+
+    /// What the table gives here, in f64.
+    pub(in crate::view) fn golden(&self, layout: Layout) -> Golden {
+        let found = table(layout).lookup(&self.configuration());
         let light = CORNERS.map(DVec3::from_array);
         Golden {
             matrix: found.matrix,
@@ -82,5 +91,15 @@ impl Case {
             fresnel: found.fresnel.unwrap_or(0.0),
             covered: Ltc::new(from_row_major(&found.matrix)).map_or(0.0, |ltc| ltc.polygon(&light, Sides::One)),
         }
+    }
+
+    /// What the table, taken for one of Gaussians, reflects of the rectangle: for a Fresnel factor of one, and its part
+    /// weighed by Schlick's, in f64.
+    pub(in crate::view) fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
+        let found = table(layout).lookup(&self.configuration());
+        let parts = [found.amplitude.unwrap_or(1.0), found.fresnel.unwrap_or(0.0)];
+        let m = from_row_major(&found.matrix);
+        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
+        gaussians::reflected_by(&SphericalGaussian::of_columns(gaussian, columns), parts, &CORNERS, Sides::One)
     }
 }

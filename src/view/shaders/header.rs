@@ -76,7 +76,7 @@ EXAMPLE
 ";
 
 /// Where the program binds them.
-fn bindings(language: Language) -> &'static str {
+pub(super) fn bindings(language: Language) -> &'static str {
     match language {
         Language::Wgsl => {
             "\
@@ -116,7 +116,7 @@ fn bindings(language: Language) -> &'static str {
 
 /// Where a text to include binds them.
 #[cfg(feature = "shaders")]
-fn included_bindings(language: Language, reading: Reading, place: &Place) -> String {
+pub(super) fn included_bindings(language: Language, reading: Reading, place: &Place) -> String {
     let bound = match reading.bound {
         Bound::Volumes => bound_volumes(language),
         Bound::Array => bound_array(language),
@@ -204,7 +204,7 @@ fn about(layout: Layout) -> String {
     ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name())
 }
 
-fn bound_table(bound: Bound, nodes: &str) -> String {
+pub(super) fn bound_table(bound: Bound, nodes: &str) -> String {
     let textures = match bound {
         Bound::Volumes => VOLUMES,
         Bound::Array => ARRAY,
@@ -214,7 +214,8 @@ fn bound_table(bound: Bound, nodes: &str) -> String {
     text.replace("{nodes}", nodes).replace("{textures}", textures)
 }
 
-const NODES_IN_STORAGE: &str = "storage buffer of f32";
+/// Where nodes are in a program.
+pub(super) const NODES_IN_STORAGE: &str = "storage buffer of f32";
 
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 pub(super) fn header(language: Language, layout: Layout) -> String {
@@ -226,10 +227,16 @@ pub(super) fn header(language: Language, layout: Layout) -> String {
 /// The comment of a text to include that reads tables of `layout`.
 #[cfg(feature = "shaders")]
 pub(super) fn table_include_header(language: Language, layout: Layout, reading: Reading, place: &Place) -> String {
-    let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
-    let table = bound_table(reading.bound, if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE });
+    let table = bound_table(reading.bound, nodes_of_include(language));
     let bindings = included_bindings(language, reading, place);
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))
+}
+
+/// Where nodes are in a text to include.
+#[cfg(feature = "shaders")]
+pub(super) fn nodes_of_include(language: Language) -> &'static str {
+    let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
+    if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE }
 }
 
 /// The text in lines that begin with `//`.
@@ -239,20 +246,28 @@ pub(super) fn commented(text: &str) -> String {
 
 /// The values to check a port against.
 fn check(layout: Layout) -> String {
-    let axes = table(layout).axes;
-    let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = axes.lengths();
-    let nodes = axes.named().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).concat();
     let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
     let goldens: String = CASES.iter().map(|case| shown(case, &case.golden(layout))).collect();
     format!(
         "\
 CHECK
-  Of the table with the nodes {}
-  whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
-  of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits. Covered is by the
+{} Covered is by the
   one-sided rectangle {corners}.
   M is given by rows. A port in 32 bits comes within 0.00002 of each number.
 {goldens}",
+        checked_table(layout)
+    )
+}
+
+/// The table that ports are checked with, in words.
+pub(super) fn checked_table(layout: Layout) -> String {
+    let axes = table(layout).axes;
+    let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = axes.lengths();
+    let nodes = axes.named().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).concat();
+    format!(
+        "\x20 Of the table with the nodes {}
+  whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
+  of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits.",
         nodes.trim_end_matches("; ")
     )
 }

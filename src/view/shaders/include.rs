@@ -3,6 +3,7 @@
 use super::{
     Language, LitBy, Place, PortError, Reading,
     gaussians_header::gaussians_include_header,
+    gaussians_table_header::gaussians_table_include_header,
     header::table_include_header,
     normals_header::normals_include_header,
     sources::functions,
@@ -66,7 +67,12 @@ pub fn include(
         LitBy::Table(layout) => (TABLE_ENTRY, Some(reading), table_include_header(language, layout, reading, place)),
         LitBy::Normals => (NORMALS_ENTRY, None, normals_include_header()),
         LitBy::Gaussian(_) => (GAUSSIANS_ENTRY, None, gaussians_include_header()),
+        LitBy::GaussianTable(_, layout) => {
+            (GAUSSIANS_ENTRY, Some(reading), gaussians_table_include_header(language, layout, reading, place))
+        }
     };
+    let is_table = matches!(lit_by, LitBy::GaussianTable(..));
+    let entry = if is_table { entry.replace("gaussians_view(", "gaussians_lookup(") } else { entry.to_owned() };
     let source = format!("{}{entry}", functions(lit_by, reading.unwrap_or_default().bound, has_storage));
     let included = Included { source: &source, entry: "ltc_included", reading };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;

@@ -14,6 +14,8 @@ pub enum LitBy {
     Normals,
     /// A Gaussian, without a table. The text has both, and which one is an argument of its functions.
     Gaussian(Gaussian),
+    /// Tables of Gaussians in this layout. The text lights by both, and which one is an argument of its functions.
+    GaussianTable(Gaussian, Layout),
 }
 
 impl LitBy {
@@ -23,7 +25,7 @@ impl LitBy {
         match self {
             Self::Table(_) => LightModel::Ltc,
             Self::Normals => LightModel::Normals,
-            Self::Gaussian(gaussian) => gaussian.into(),
+            Self::Gaussian(gaussian) | Self::GaussianTable(gaussian, _) => gaussian.into(),
         }
     }
 
@@ -31,7 +33,7 @@ impl LitBy {
     #[must_use]
     pub fn layout(self) -> Option<Layout> {
         match self {
-            Self::Table(layout) => Some(layout),
+            Self::Table(layout) | Self::GaussianTable(_, layout) => Some(layout),
             Self::Normals | Self::Gaussian(_) => None,
         }
     }
@@ -43,6 +45,7 @@ impl LitBy {
             Self::Table(_) => "ltc_example",
             Self::Normals => "normals_example",
             Self::Gaussian(_) => "gaussians_example",
+            Self::GaussianTable(..) => "gaussians_table_example",
         }
     }
 }

@@ -10,6 +10,7 @@
 #[cfg(feature = "shaders")]
 mod function;
 mod gaussians_header;
+mod gaussians_table_header;
 mod golden;
 mod header;
 #[cfg(feature = "shaders")]

@@ -49,7 +49,7 @@ impl Place {
         let own = match lit_by {
             LitBy::Table(_) => "ltc",
             LitBy::Normals => "normals",
-            LitBy::Gaussian(_) => "gaussians",
+            LitBy::Gaussian(_) | LitBy::GaussianTable(..) => "gaussians",
         };
         let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
         identifiers(text, |name, rest| {
@@ -60,6 +60,15 @@ impl Place {
             let is_ours = language == Language::Wgsl || !is_of_naga(name);
             // Shared arithmetic; a table's own names are in the first arm.
             let is_shared = name.starts_with("ltc_");
+            // A table of Gaussians is read by the code of tables of LTCs, which may stand beside it.
+            if matches!(lit_by, LitBy::GaussianTable(..)) && is_ours {
+                if name.starts_with("Ltc") {
+                    return Some(format!("{}{name}", capital(prefix)));
+                }
+                if name.starts_with("LTC_") {
+                    return Some(format!("{}_{name}", prefix.to_uppercase()));
+                }
+            }
             match with_prefix(name, own, prefix) {
                 Some(named) if is_ours => Some(named),
                 None if is_ours && !is_shared => None,
@@ -105,9 +114,13 @@ impl Place {
     }
 }
 
+/// The text as names of types begin. Domain: it begins with an ASCII letter.
+fn capital(text: &str) -> String {
+    text[..1].to_uppercase() + &text[1..]
+}
+
 /// The name that begins with `to` where `name` begins with `from`, as a function, a type or a constant does.
 fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
-    let capital = |text: &str| text[..1].to_uppercase() + &text[1..];
     if let Some(rest) = name.strip_prefix(from).filter(|rest| rest.starts_with('_')) {
         return Some(format!("{to}{rest}"));
     }

@@ -3,8 +3,8 @@
 #[cfg(feature = "shaders")]
 use super::translate::translate;
 use super::{
-    gaussians_header::gaussians_header, header::header, language::Language, lit_by::LitBy,
-    normals_header::normals_header, sources::ported,
+    gaussians_header::gaussians_header, gaussians_table_header::gaussians_table_header, header::header,
+    language::Language, lit_by::LitBy, normals_header::normals_header, sources::ported,
 };
 
 /// Why there is no translation: a language that has no such text ([`Language::has_programs`], [`Language::has_includes`]), or a
@@ -34,6 +34,7 @@ pub(super) fn comment(language: Language, lit_by: LitBy) -> String {
         LitBy::Table(layout) => header(language, layout),
         LitBy::Normals => normals_header(language),
         LitBy::Gaussian(_) => gaussians_header(language),
+        LitBy::GaussianTable(_, layout) => gaussians_table_header(language, layout),
     }
 }
 

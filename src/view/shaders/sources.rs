@@ -15,7 +15,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 19] = [
+pub const SHADERS: [Shader; 21] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
     Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
@@ -30,9 +30,11 @@ pub const SHADERS: [Shader; 19] = [
     Shader { name: "normals_weight", source: include_str!("../../../shaders/normals_weight.wgsl") },
     Shader { name: "normals_light", source: include_str!("../../../shaders/normals_light.wgsl") },
     Shader { name: "gaussians_light", source: include_str!("../../../shaders/gaussians_light.wgsl") },
+    Shader { name: "gaussians_table", source: include_str!("../../../shaders/gaussians_table.wgsl") },
     Shader { name: "ltc_example", source: include_str!("../../../shaders/ltc_example.wgsl") },
     Shader { name: "normals_example", source: include_str!("../../../shaders/normals_example.wgsl") },
     Shader { name: "gaussians_example", source: include_str!("../../../shaders/gaussians_example.wgsl") },
+    Shader { name: "gaussians_table_example", source: include_str!("../../../shaders/gaussians_table_example.wgsl") },
     Shader { name: "ggx_reference", source: include_str!("../../../shaders/ggx_reference.wgsl") },
     Shader { name: "sphere", source: include_str!("../../../shaders/sphere.wgsl") },
 ];
@@ -41,9 +43,18 @@ pub const SHADERS: [Shader; 19] = [
 const PORTED: [&str; 6] = ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light", "ltc_example"];
 const PORTED_NORMALS: [&str; 5] = ["ltc_math", "normals_edge", "normals_weight", "normals_light", "normals_example"];
 const PORTED_GAUSSIANS: [&str; 3] = ["ltc_math", "gaussians_light", "gaussians_example"];
+const PORTED_GAUSSIANS_TABLE: [&str; 7] = [
+    "ltc_math",
+    "nodes_storage",
+    "texels_volumes",
+    "ltc_table",
+    "gaussians_light",
+    "gaussians_table",
+    "gaussians_table_example",
+];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 11] = [
+const PREVIEWED: [&str; 12] = [
     "ltc_math",
     "nodes_storage",
     "texels_volumes",
@@ -53,6 +64,7 @@ const PREVIEWED: [&str; 11] = [
     "normals_weight",
     "normals_light",
     "gaussians_light",
+    "gaussians_table",
     "ggx_reference",
     "sphere",
 ];
@@ -123,6 +135,7 @@ pub(super) fn ported(lit_by: LitBy) -> String {
         LitBy::Table(layout) => module(&PORTED, &[layout]),
         LitBy::Normals => joined(&PORTED_NORMALS),
         LitBy::Gaussian(_) => joined(&PORTED_GAUSSIANS),
+        LitBy::GaussianTable(_, layout) => module(&PORTED_GAUSSIANS_TABLE, &[layout]),
     }
 }
 
@@ -143,6 +156,9 @@ pub(super) fn functions(lit_by: LitBy, bound: Bound, has_storage: bool) -> Strin
         LitBy::Table(layout) => module(&["ltc_math", nodes, texels(bound), "ltc_table", "ltc_light"], &[layout]),
         LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
         LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
+        LitBy::GaussianTable(_, layout) => {
+            module(&["ltc_math", nodes, texels(bound), "ltc_table", "gaussians_light", "gaussians_table"], &[layout])
+        }
     }
 }
 
@@ -194,6 +210,7 @@ mod tests {
         validate(&PORTED_NORMALS);
         validate(&["ltc_math", "gaussians_light"]);
         validate(&PORTED_GAUSSIANS);
+        validate(&PORTED_GAUSSIANS_TABLE);
         validate(&["ltc_math", "ggx_reference"]);
         validate(&PREVIEWED);
     }

@@ -1,6 +1,9 @@
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use super::{gaussians_header::gaussians_header, golden::CASES, header::header, normals_header::normals_header, *};
+use super::{
+    gaussians_header::gaussians_header, gaussians_table_header::gaussians_table_header, golden::CASES, header::header,
+    normals_header::normals_header, *,
+};
 use crate::{fit::Layout, light::Gaussian};
 
 fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
@@ -69,6 +72,28 @@ fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static st
 const NORMALS_FUNCTIONS: [&str; 4] = ["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"];
 const GAUSSIANS_FUNCTIONS: [&str; 5] =
     ["gaussians_view", "gaussians_rectangle", "gaussians_polygon", "gaussians_disk", "gaussians_sg"];
+
+const GAUSSIANS_TABLE_FUNCTIONS: [&str; 5] =
+    ["gaussians_lookup", "gaussians_rectangle", "gaussians_polygon", "gaussians_disk", "gaussians_sg"];
+
+#[test]
+fn every_language_has_the_shader_of_a_table_of_gaussians() {
+    for layout in [Layout::Reflected, Layout::Kt2022] {
+        let lit_by = LitBy::GaussianTable(Gaussian::Asg, layout);
+        for language in programs().filter(|language| *language != Language::Spirv) {
+            let (text, name) = (text(language, lit_by), language.name());
+            let header = gaussians_table_header(language, layout);
+            assert!(header.is_ascii() && header.lines().all(|l| l.starts_with("//") && l.len() <= 124), "{name}");
+            assert!(after_version(&text).starts_with(&header) && header.contains(layout.name()), "{name}");
+            let code = code(&text);
+            for function in GAUSSIANS_TABLE_FUNCTIONS {
+                assert!(code.contains(&format!("{function}(")), "{name}: {function}");
+            }
+            assert!(code.contains("ltc_lookup(") && !code.contains("ltc_inverse("), "{name}");
+        }
+        assert_eq!(ported(Language::Spirv, lit_by)[..4], [0x03, 0x02, 0x23, 0x07]);
+    }
+}
 
 #[test]
 fn every_language_has_the_shaders_without_a_table() {
@@ -219,7 +244,9 @@ fn the_cases_try_every_fold_and_the_light_matters_in_each() {
 /// Every text to include, by language and what it lights by.
 fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     let gaussian = LitBy::Gaussian(Gaussian::Sg);
-    let lit_by = [LitBy::Table(Layout::Reflected), LitBy::Table(Layout::Kt2022), LitBy::Normals, gaussian];
+    let gaussian_table = LitBy::GaussianTable(Gaussian::Asg, Layout::Reflected);
+    let lit_by =
+        [LitBy::Table(Layout::Reflected), LitBy::Table(Layout::Kt2022), LitBy::Normals, gaussian, gaussian_table];
     let languages = Language::ALL.into_iter().filter(|language| language.has_includes());
     languages.flat_map(move |language| {
         lit_by.into_iter().flat_map(move |lit_by| {
@@ -246,6 +273,7 @@ fn what_is_included_has_functions_and_no_program() {
             "ltc_example",
             "normals_example",
             "gaussians_example",
+            "gaussians_table_example",
             "#version",
             "@compute",
             "numthreads",
@@ -257,6 +285,7 @@ fn what_is_included_has_functions_and_no_program() {
             LitBy::Table(_) => &["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk"],
             LitBy::Normals => &NORMALS_FUNCTIONS,
             LitBy::Gaussian(_) => &GAUSSIANS_FUNCTIONS,
+            LitBy::GaussianTable(..) => &GAUSSIANS_TABLE_FUNCTIONS,
         };
         for function in functions {
             assert!(code.contains(&format!("{function}(")), "{name}: {function}");

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{
     files::{digest::Digest, recipe_document::Preset},
-    fit::{FitSettings, Layout, Recipe, Spread},
+    fit::{FitSettings, Layout, LobeModel, Recipe, Spread},
     light::{LightModel, normals::WeightRule},
 };
 
@@ -22,9 +22,9 @@ pub struct ModelRow {
     pub model: LightModel,
     /// How model `normals` averages the weight of shadowing.
     pub weight: Option<WeightRule>,
-    /// The layout of model `ltc`'s table.
+    /// The layout of the table that it lights by; the Gaussians have closed forms too.
     pub layout: Option<Layout>,
-    /// The recipe of model `ltc`'s table, which is one of the family.
+    /// The recipe of that table; that of model `ltc` is one of the family.
     pub recipe_digest: Option<Digest>,
     /// Absolute error of the reflected energy of random lights.
     pub light_error: Spread,
@@ -107,6 +107,20 @@ pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
     is_paper && (recipe.resolution, recipe.precision) == (base.resolution, base.precision)
 }
 
+/// The recipes of fitted Gaussians: `base` with the effort of preset `paper`, for each lobe model that is one and that its
+/// layout stores.
+#[must_use]
+pub fn fitted_gaussians(base: &Recipe) -> Vec<Recipe> {
+    let lobes = LobeModel::ALL.iter().filter(|lobe| lobe.gaussian().is_some() && base.layout.stores(**lobe));
+    let fit = |lobe: &LobeModel| Recipe {
+        lobe: *lobe,
+        fit: FitSettings { seed: base.fit.seed, ..Preset::Paper.fit() },
+        terms: true,
+        ..base.clone()
+    };
+    lobes.map(fit).collect()
+}
+
 /// The middle of several durations. Domain: at least one.
 #[must_use]
 pub fn median(mut durations: Vec<f64>) -> f64 {
@@ -137,6 +151,16 @@ pub(super) mod tests {
         }
     }
 
+    #[test]
+    fn gaussians_are_fitted_in_the_layouts_that_store_them() {
+        let lobes = |document: &str| -> Vec<LobeModel> {
+            let base = parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");
+            fitted_gaussians(&base).iter().map(|recipe| recipe.lobe).collect()
+        };
+        assert_eq!(lobes(r#"{"preset":"draft","terms":false}"#), [LobeModel::Sg, LobeModel::Asg]);
+        assert_eq!(lobes(r#"{"layout":"ltc2017"}"#), []);
+    }
+
     pub(crate) fn rows() -> ModelRows {
         let row = |model, weight, layout, mean: f64, bytes| ModelRow {
             model,
@@ -158,6 +182,7 @@ pub(super) mod tests {
             normals(WeightRule::Fine, 0.0005),
             row(LightModel::Sg, None, None, 0.06, 0),
             row(LightModel::Asg, None, None, 0.03, 0),
+            row(LightModel::Asg, None, Some(Layout::Reflected), 0.02, 181_440),
         ];
         ModelRows { lights: LIGHTS, mean_energy: 0.3, frame_size: FRAME_SIZE, adapter: "cpu".to_owned(), rows }
     }
@@ -166,14 +191,14 @@ pub(super) mod tests {
     fn the_text_has_a_line_for_each_model() {
         let text = rows().text();
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 1 + 6 + 1, "{text}");
-        let names = ["ltc reflected", "normals fan", "normals mean", "normals fine", "sg ", "asg "];
+        assert_eq!(lines.len(), 1 + 7 + 1, "{text}");
+        let names = ["ltc reflected", "normals fan", "normals mean", "normals fine", "sg ", "asg ", "asg reflected"];
         for (line, name) in lines[1..].iter().zip(names) {
             assert!(line.starts_with(name), "{line}");
             assert_eq!(line.len(), lines[0].len(), "{line}");
         }
         assert!(lines[1].contains(" 181440 ") && lines[2].contains(" 0 "), "{text}");
-        assert!(lines[7].contains("512 x 512 by cpu"), "{text}");
+        assert!(lines[8].contains("512 x 512 by cpu"), "{text}");
     }
 
     #[test]

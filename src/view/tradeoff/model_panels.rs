@@ -164,13 +164,15 @@ fn write_names(
 
 /// A mark of a model; `classes` begin with a space.
 fn model_mark(out: &mut String, [x, y]: [f64; 2], row: &ModelRow, classes: &str) -> std::fmt::Result {
+    let d = MARK + 1.0;
+    if row.model.gaussian().is_some() {
+        // A triangle, standing for the closed form and upside down for a table; a diamond for the other closed form.
+        let down = if row.layout.is_some() { -1.0 } else { 1.0 };
+        let (x, y) = (x - d, y + down * 0.8 * d);
+        let (width, height) = (2.0 * d, down * 2.0 * d);
+        return writeln!(out, r#"<path class="gaussian{classes}" d="M{x:.1} {y:.1}h{width}l-{d} {}z"/>"#, -height);
+    }
     let Some(layout) = row.layout else {
-        let d = MARK + 1.0;
-        if row.model.gaussian().is_some() {
-            // A triangle, and a diamond for the closed form.
-            let (x, y) = (x - d, y + 0.8 * d);
-            return writeln!(out, r#"<path class="gaussian{classes}" d="M{x:.1} {y:.1}h{0}l-{d} -{0}z"/>"#, 2.0 * d);
-        }
         let y = y - d;
         return writeln!(out, r#"<path class="normals{classes}" d="M{x:.1} {y:.1}l{d} {d}l-{d} {d}l-{d} -{d}z"/>"#);
     };
@@ -197,7 +199,7 @@ mod tests {
         let svg = panels();
         // In the chart of bytes twice.
         assert_eq!(svg.matches("<path class=\"normals").count(), 3 * 4, "{svg}");
-        assert_eq!(svg.matches("<path class=\"gaussian").count(), 2 * 4, "{svg}");
+        assert_eq!(svg.matches("<path class=\"gaussian").count(), 3 * 4, "{svg}");
         assert_eq!(svg.matches("r=\"5\"").count(), 4, "{svg}");
         assert_eq!(svg.matches(" faint\"").count(), 2 * 2, "{svg}");
         for row in &rows().rows {

@@ -9,7 +9,7 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 
 use super::{about::About, file::TextureFile, rounding::RoundingError};
 use crate::{
-    files::compact::{CompactError, LAYOUTS, check_brdf, encode},
+    files::compact::{CompactError, LAYOUTS, check_lobes, encode},
     fit::{Layout, Table, named_list::named_list},
 };
 
@@ -85,7 +85,7 @@ impl CompactContainer {
     /// Whether a table has a layout that this container holds.
     pub(super) fn check(self, table: &Table) -> Result<(), CompactFileError> {
         let (layout, layouts) = (table.layout(), self.layouts());
-        check_brdf(table)?;
+        check_lobes(table)?;
         if layouts.contains(&layout) {
             return Ok(());
         }

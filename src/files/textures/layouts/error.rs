@@ -2,7 +2,7 @@
 
 use crate::{
     files::textures::texture::TextureError,
-    fit::{BrdfKind, Layout},
+    fit::{BrdfKind, Layout, LobeModel},
 };
 
 /// Why a table has no textures of a layout.
@@ -49,6 +49,19 @@ pub enum NoTextures {
         /// The scattering model of the table.
         brdf: BrdfKind,
         /// The layout of the engine's textures.
+        layout: &'static str,
+    },
+    /// An engine lights by LTCs, and the table is of another lobe model.
+    #[error(
+        "{engine} takes its textures for those of LTCs, and the table has lobe {lobe}; the same numbers in files of one's own: \
+         --layout {layout} --container ktx2"
+    )]
+    OtherLobe {
+        /// The engine.
+        engine: &'static str,
+        /// The lobe model of the table.
+        lobe: LobeModel,
+        /// The layout of its textures.
         layout: &'static str,
     },
     /// A table whose axes are longer than textures.

@@ -21,7 +21,7 @@ use self::{
     slice::{Slice, TargetSamples},
 };
 use super::{
-    distance::{Distance, Grain, Lobe, Loss, MetricRules, Samples},
+    distance::{Distance, Grain, ImageLoss, Lobe, Loss, MetricRules, Offsets, Samples},
     target::Target,
 };
 use crate::fit::{
@@ -46,6 +46,10 @@ const DIRECTION_SECONDS: f64 = 0.48e-6;
 pub(super) struct Rules;
 
 impl MetricRules for Rules {
+    fn compares_images(&self) -> bool {
+        true
+    }
+
     fn distance(&self, samples: &Samples) -> Box<dyn Distance> {
         let directions = samples.directions;
         let coarse = (samples.count / COARSE_SAMPLES).max(LEAST_COARSE).min(samples.count);
@@ -113,6 +117,24 @@ struct Buffers {
     rows: [Row; GROUP],
 }
 
+impl Buffers {
+    /// Room for `n` samples, and a gradient of zero.
+    fn prepare(&mut self, n: usize) {
+        let buffers =
+            [&mut self.x, &mut self.y, &mut self.z, &mut self.inv_length, &mut self.gx, &mut self.gy, &mut self.gz];
+        for buffer in buffers {
+            buffer.resize(n, 0.0);
+        }
+        for row in &mut self.rows {
+            row.places.resize(n);
+            row.slopes.resize(n, 0.0);
+        }
+        self.gx.fill(0.0);
+        self.gy.fill(0.0);
+        self.gz.fill(0.0);
+    }
+}
+
 /// What the gradient needs of one direction.
 #[derive(Debug)]
 struct Row {
@@ -155,18 +177,7 @@ impl<'a> SlicedLoss<'a> {
         let CosineSamples { x: cx, y: cy, z: cz, .. } = &self.samples[grain as usize];
         let work = &mut *self.buffers;
         let n = cx.len();
-        let buffers =
-            [&mut work.x, &mut work.y, &mut work.z, &mut work.inv_length, &mut work.gx, &mut work.gy, &mut work.gz];
-        for buffer in buffers {
-            buffer.resize(n, 0.0);
-        }
-        for row in &mut work.rows {
-            row.places.resize(n);
-            row.slopes.resize(n, 0.0);
-        }
-        work.gx.fill(0.0);
-        work.gy.fill(0.0);
-        work.gz.fill(0.0);
+        work.prepare(n);
         let m = m.as_mat3();
         let [rx, ry, rz] = [m.row(0), m.row(1), m.row(2)];
         let (xs, ys, zs, lengths) = (&mut work.x[..n], &mut work.y[..n], &mut work.z[..n], &mut work.inv_length[..n]);
@@ -188,9 +199,20 @@ impl<'a> SlicedLoss<'a> {
         }
     }
 
+    /// Fills the buffers with directions.
+    fn take(&mut self, offsets: &Offsets, grain: Grain) {
+        let CosineSamples { x: samples, count, .. } = &self.samples[grain as usize];
+        let work = &mut *self.buffers;
+        work.prepare(samples.len());
+        for (to, from) in [&mut work.x, &mut work.y, &mut work.z].into_iter().zip(offsets) {
+            to[..*count].copy_from_slice(&from[..*count]);
+            // What fills up the arrays are directions too.
+            to[*count..].fill(0.0);
+        }
+    }
+
     /// The mean distance along the slices; leaves its gradient by each sample's direction in the buffers when asked to.
-    fn mean<const GRADIENT: bool>(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<f64> {
-        self.transform(m, grain);
+    fn mean<const GRADIENT: bool>(&mut self, grain: Grain, pulse: &mut Pulse) -> Option<f64> {
         let count = self.samples[grain as usize].count;
         let stride = Self::stride(grain);
         let work = &mut *self.buffers;
@@ -208,6 +230,11 @@ impl<'a> SlicedLoss<'a> {
             }
         }
         Some(sum / self.slices.len().div_ceil(stride) as f64)
+    }
+
+    /// The parts that an evaluation's gradient is the sum of: samples times directions.
+    fn parts(&self, grain: Grain) -> usize {
+        self.slices.len().div_ceil(Self::stride(grain)) * self.samples[grain as usize].count
     }
 
     /// Of how many directions one is taken.
@@ -258,13 +285,37 @@ impl Loss for SlicedLoss<'_> {
     }
 
     fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
-        self.mean::<false>(m, Grain::Full, pulse)
+        self.transform(m, Grain::Full);
+        self.mean::<false>(Grain::Full, pulse)
     }
 
     fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
-        let value = self.mean::<true>(m, grain, pulse)?;
-        let parts = self.slices.len().div_ceil(Self::stride(grain)) * self.samples[grain as usize].count;
-        Some((value, self.pull_back(grain) * (1.0 / parts as f64)))
+        self.transform(m, grain);
+        let value = self.mean::<true>(grain, pulse)?;
+        Some((value, self.pull_back(grain) * (1.0 / self.parts(grain) as f64)))
+    }
+
+    fn images(&mut self) -> Option<&mut dyn ImageLoss> {
+        Some(self)
+    }
+}
+
+impl ImageLoss for SlicedLoss<'_> {
+    fn lattice(&self, grain: Grain) -> Lattice {
+        self.samples[grain as usize].lattice
+    }
+
+    fn slopes(&mut self, offsets: &Offsets, grain: Grain, pulse: &mut Pulse) -> Option<(f64, Offsets)> {
+        self.take(offsets, grain);
+        let value = self.mean::<true>(grain, pulse)?;
+        let (count, part) = (self.samples[grain as usize].count, 1.0 / self.parts(grain) as f32);
+        let Buffers { gx, gy, gz, .. } = &*self.buffers;
+        Some((value, [gx, gy, gz].map(|slopes| slopes[..count].iter().map(|slope| slope * part).collect())))
+    }
+
+    fn value_of(&mut self, offsets: &Offsets, pulse: &mut Pulse) -> Option<f64> {
+        self.take(offsets, Grain::Full);
+        self.mean::<false>(Grain::Full, pulse)
     }
 }
 

@@ -11,6 +11,8 @@ pub(super) const LANES: usize = 8;
 #[derive(Debug, Clone)]
 pub(super) struct CosineSamples {
     pub(super) count: usize,
+    /// The points of the unit square that they are images of.
+    pub(super) lattice: Lattice,
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
     pub(super) z: Vec<f32>,
@@ -30,6 +32,6 @@ impl CosineSamples {
         let mut z = coordinate(|c| c.z);
         // What fills up the arrays is a direction too.
         z[count..].fill(1.0);
-        Self { count, x: coordinate(|c| c.x), y: coordinate(|c| c.y), z }
+        Self { count, lattice, x: coordinate(|c| c.x), y: coordinate(|c| c.y), z }
     }
 }

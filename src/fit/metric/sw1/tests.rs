@@ -49,7 +49,7 @@ fn by_sorting(target: &Target, m: &DMat3, samples: &[CosineSamples; 2], directio
     let mut sum = 0.0;
     for d in directions {
         let mut wanted: Vec<f64> = target.points.iter().map(|p| d.dot(*p)).collect();
-        let CosineSamples { count, x, y, z } = &samples[Grain::Full as usize];
+        let CosineSamples { count, x, y, z, .. } = &samples[Grain::Full as usize];
         let cosine = |i: usize| DVec3::new(f64::from(x[i]), f64::from(y[i]), f64::from(z[i]));
         let mut ours: Vec<f64> = (0..*count).map(|i| d.dot((*m * cosine(i)).normalize() - DVec3::Z)).collect();
         sorted(&mut wanted);

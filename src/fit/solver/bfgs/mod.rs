@@ -16,15 +16,22 @@
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
+mod gaussian;
 mod guess;
 mod minimise;
+mod search;
 
+pub(crate) use gaussian::in_arrays;
 pub(crate) use guess::Guess;
 
-use self::minimise::{InverseHessian, StopRule, VARIABLES, Vector, minimise};
+use self::{
+    minimise::{InverseHessian, StopRule, VARIABLES, Vector, minimise},
+    search::{AREA_COST, COARSE_DECREASE, free_variables},
+};
 use super::objective::{Effort, Objective, SolverRules};
 use crate::fit::{
     brdf::Mirrors,
+    lobe::LobeModel,
     math::ln,
     metric::{Grain, Loss},
     pulse::Pulse,
@@ -33,9 +40,6 @@ use crate::fit::{
 /// BFGS stops when two steps in a row lower the loss by less than this part: after some 7 evaluations. A limit of a
 /// tenth of this lowers a table's error by a tenth of a per cent.
 const RELATIVE_DECREASE: f64 = 1e-3;
-/// Before, it goes most of the way with coarse evaluations, of an eighth of the work, until steps lower the loss by less
-/// than this part. What it has learnt of the Hessian there holds for the full ones too, which halves their number.
-const COARSE_DECREASE: f64 = 1e-2;
 /// Evaluations until BFGS has converged, counting eight coarse ones as one.
 const EVALUATIONS: u32 = 9;
 /// The slope's part of [`curvature`], in units of the lobe's width.
@@ -55,21 +59,25 @@ impl SolverRules for Rules {
     fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
         let stop = StopRule { steps: objective.effort.steps, relative_decrease: RELATIVE_DECREASE };
         let target = objective.target;
+        if let Some(gaussian) = objective.model.gaussian() {
+            let spread = objective.loss.spread();
+            // Recipes have a Gaussian with a metric that compares images alone.
+            return gaussian::solve(gaussian, (objective.loss.images()?, spread), target, stop, pulse);
+        }
         let guess = Guess::of(&target.core);
         refine(objective.loss, &guess, target.mirrors, stop, pulse).map(|matrix| target.frame * matrix)
     }
 
-    fn seconds(&self, effort: &Effort) -> f64 {
-        f64::from(effort.steps.min(EVALUATIONS)) * effort.metric.rules().seconds(effort.samples, effort.directions)
+    fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64 {
+        let evaluation = effort.metric.rules().seconds(effort.samples, effort.directions);
+        let images = lobe.gaussian().map_or(0.0, |gaussian| gaussian::image_seconds(gaussian) * effort.samples as f64);
+        f64::from(effort.steps.min(EVALUATIONS)) * (evaluation + images)
     }
 }
 
 /// Cost of a slope of one, in units of the lobe's width. The slope of its columns hardly changes a sharp lobe; without
 /// this cost the samples' noise would set it. The cost hardly changes the fit of a broad lobe.
 const SLOPE_COST: f64 = 1e-4;
-/// Cost of an area that is smaller by a factor of e, in units of the lobe's width. Without it a lobe that is a curved
-/// line would flatten `M` until no f32 number could hold its determinant. It hardly changes the fit of other lobes.
-const AREA_COST: f64 = 1e-4;
 
 /// The seven numbers as matrices.
 struct Parts {
@@ -129,13 +137,6 @@ impl Parts {
         let cost = SLOPE_COST * self.slope.length_squared() - AREA_COST * ln(area);
         (cost, [-by_area * yy, 2.0 * by_area * xy, -by_area * xx, 0.0, 0.0, by_slope.x, by_slope.y])
     }
-}
-
-/// The numbers that a lobe with these symmetries leaves free: those in whose name (`xx`, `xy`, `yy`, `ax`, `ay`, `lx`,
-/// `ly`) each mirrored axis stands an even number of times.
-fn free_variables(mirrors: Mirrors) -> [bool; VARIABLES] {
-    let Mirrors { x, y } = mirrors;
-    [true, !(x || y), true, !x, !y, !x, !y]
 }
 
 /// The matrix near `guess` with the lowest loss; `None` when `pulse` stops the search. It maps cosine space to the

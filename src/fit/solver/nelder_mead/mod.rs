@@ -27,6 +27,7 @@ use super::{
     simplex::Shear,
 };
 use crate::fit::{
+    lobe::LobeModel,
     math::exp,
     metric::{Loss, Target},
     pulse::Pulse,
@@ -51,7 +52,7 @@ impl SolverRules for Rules {
         search(loss, start, target, effort.steps, pulse).map(|matrix| target.frame * matrix)
     }
 
-    fn seconds(&self, effort: &Effort) -> f64 {
+    fn seconds(&self, _: LobeModel, effort: &Effort) -> f64 {
         let evaluations = f64::from(effort.steps.min(EVALUATIONS)) * STEP_EVALUATIONS;
         evaluations.min(f64::from(EVALUATIONS)) * effort.metric.rules().seconds(effort.samples, effort.directions)
     }

@@ -173,9 +173,10 @@ impl RenderThread {
 fn error(error: PreviewError, queue: &PictureQueue, request: &PictureRequest) -> PictureError {
     match error {
         PreviewError::Stopped => stopped(queue, request),
-        other @ (PreviewError::OtherBrdf(_) | PreviewError::CpuOnly(_) | PreviewError::NoBrdfFile(_)) => {
-            PictureError::OtherBrdf(other.to_string())
-        }
+        other @ (PreviewError::OtherBrdf(_)
+        | PreviewError::GaussianLobe(_)
+        | PreviewError::CpuOnly(_)
+        | PreviewError::NoBrdfFile(_)) => PictureError::OtherBrdf(other.to_string()),
         other => PictureError::Failed(other.to_string()),
     }
 }

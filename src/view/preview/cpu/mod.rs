@@ -53,6 +53,18 @@ pub(super) fn lit(
     (lobe.matrix, [lobe.amplitude, lobe.fresnel, covered(lobe.matrix, vertices, false)])
 }
 
+/// `gaussians_table_example`: what is reflected of a one-sided polygon.
+#[cfg(test)]
+pub(super) fn lit_by_gaussian(
+    table: &ShaderTable,
+    gaussian: crate::light::Gaussian,
+    alpha: [f32; 2],
+    wo: glam::Vec3,
+    vertices: &[[f32; 3]],
+) -> [f32; 2] {
+    surface::lit_by_gaussian(table, gaussian, alpha, wo, vertices, crate::fit::Sides::One)
+}
+
 /// `ltc_polygon` with the inverse of `m`.
 #[cfg(test)]
 pub(super) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -> f32 {

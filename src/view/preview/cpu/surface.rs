@@ -10,7 +10,11 @@ use super::{
 };
 use crate::{
     fit::{BrdfKind, Sides},
-    light::{Gaussian, gaussians, normals},
+    light::{
+        Gaussian,
+        gaussians::{self, SphericalGaussian},
+        normals,
+    },
     view::preview::{
         ShaderTable, Surface,
         estimator::Estimator,
@@ -26,6 +30,9 @@ pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at
     let (place, cell) = place_of(frame, at);
     match estimator {
         Estimator::Table => surface(frame, place, cell, |at| by_table(frame, table, at)),
+        Estimator::GaussianTable(gaussian) => {
+            surface(frame, place, cell, |at| by_gaussian_table(frame, table, gaussian, at))
+        }
         Estimator::Normals => surface(frame, place, cell, |at| by_normals(frame, at)),
         Estimator::Gaussian(gaussian) => surface(frame, place, cell, |at| by_gaussian(frame, gaussian, at)),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
@@ -120,6 +127,27 @@ fn by_gaussian(frame: &Frame, gaussian: Gaussian, at: &Shaded) -> Vec3 {
     let (vertices, sides) = around(frame, at);
     let parts = gaussians::reflected(gaussian, at.alpha.to_array(), at.wo.to_array(), &vertices, sides);
     reflected(frame, Vec2::from(parts))
+}
+
+fn by_gaussian_table(frame: &Frame, table: &ShaderTable, gaussian: Gaussian, at: &Shaded) -> Vec3 {
+    let (vertices, sides) = around(frame, at);
+    let parts = lit_by_gaussian(table, gaussian, at.alpha.to_array(), at.wo, &vertices, sides);
+    reflected(frame, Vec2::from(parts))
+}
+
+/// Twin of `gaussians_table.wgsl`.
+pub(super) fn lit_by_gaussian(
+    table: &ShaderTable,
+    gaussian: Gaussian,
+    [alpha_x, alpha_y]: [f32; 2],
+    wo: Vec3,
+    vertices: &[[f32; 3]],
+    sides: Sides,
+) -> [f32; 2] {
+    let lobe = lookup(table, alpha_x, alpha_y, wo);
+    let columns = [lobe.matrix.x_axis, lobe.matrix.y_axis, lobe.matrix.z_axis].map(|column| column.to_array());
+    let shape = SphericalGaussian::of_columns(gaussian, columns);
+    gaussians::reflected_by(&shape, [lobe.amplitude, lobe.fresnel], vertices, sides)
 }
 
 fn by_normals(frame: &Frame, at: &Shaded) -> Vec3 {

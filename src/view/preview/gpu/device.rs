@@ -36,7 +36,7 @@ struct Kind {
     is_ellipse: bool,
     /// How model `normals` averages its weight.
     rule: WeightRule,
-    /// The light of a model without a table is a polygon of other than four vertices.
+    /// The light of closed forms and Gaussians is a polygon of other than four vertices.
     is_polygon: bool,
 }
 
@@ -44,12 +44,12 @@ impl Kind {
     /// What does not matter to the estimator is the same for all frames.
     fn new(estimator: Estimator, frame: &Frame) -> Self {
         let is_normals = estimator == Estimator::Normals;
-        let is_tableless = is_normals || matches!(estimator, Estimator::Gaussian(_));
+        let is_gaussian = matches!(estimator, Estimator::Gaussian(_) | Estimator::GaussianTable(_));
         Self {
             estimator,
             is_ellipse: estimator == Estimator::Reference && frame.light.ellipse.is_some(),
             rule: if is_normals { frame.weight } else { WeightRule::Fan },
-            is_polygon: is_tableless && frame.light.vertices.len() != 4,
+            is_polygon: (is_normals || is_gaussian) && frame.light.vertices.len() != 4,
         }
     }
 }
@@ -173,6 +173,8 @@ fn entry_point(estimator: Estimator) -> &'static str {
         Estimator::Normals => "surface_by_normals",
         Estimator::Gaussian(Gaussian::Sg) => "surface_by_sg",
         Estimator::Gaussian(Gaussian::Asg) => "surface_by_asg",
+        Estimator::GaussianTable(Gaussian::Sg) => "surface_by_table_sg",
+        Estimator::GaussianTable(Gaussian::Asg) => "surface_by_table_asg",
         Estimator::Reference => "surface_by_reference",
         Estimator::TableLobe => "lobe_by_table",
         Estimator::ReferenceLobe => "lobe_by_reference",

@@ -220,3 +220,46 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
     }
     assert!(lit > 30, "{lit}");
 }
+
+/// The file that lights by a table of Gaussians: by its twin on the CPU, and on the GPU.
+#[test]
+fn the_shader_of_a_table_of_gaussians_gives_what_f64_does() {
+    let layout = Layout::Reflected;
+    let table = ShaderTable::new(&golden_table(layout), TexelFormat::F32);
+    let wgsl = port(Language::Wgsl, LitBy::GaussianTable(Gaussian::Asg, layout)).expect("WGSL");
+    let wgsl = String::from_utf8(wgsl).expect("UTF-8");
+    let corners = CORNERS.map(DVec3::from_array);
+    let light = ExampleLight { count: 4, given: corners.into(), outline: corners.into(), tolerance: TOLERANCE };
+    let tried: Vec<(Case, Gaussian)> =
+        CASES.iter().flat_map(|case| Gaussian::ALL.iter().map(|gaussian| (*case, *gaussian))).collect();
+    let words: Vec<[f32; 40]> = tried
+        .iter()
+        .map(|(case, gaussian)| {
+            let mut words = case_words(case, &light, false);
+            words[7] = f32::from(*gaussian as u8);
+            words
+        })
+        .collect();
+    let near = |found: [f32; 2], (case, gaussian): &(Case, Gaussian), what: &str| {
+        let expected = case.lit_by_gaussian(layout, *gaussian);
+        for (found, expected) in found.into_iter().zip(expected) {
+            let off = (f64::from(found) - expected).abs();
+            assert!(off < TOLERANCE, "{what} {case:?} {gaussian}: {found}, not {expected}");
+        }
+        assert!(expected[0] > 0.01, "{case:?} {gaussian}: {expected:?}");
+    };
+    for case @ (Case { alpha_x, alpha_y, wo }, gaussian) in &tried {
+        let wo = Vec3::from_array(wo.map(|x| x as f32));
+        let outline = CORNERS.map(|corner| corner.map(|x| x as f32));
+        near(cpu::lit_by_gaussian(&table, *gaussian, [*alpha_x as f32, *alpha_y as f32], wo, &outline), case, "cpu");
+    }
+    let found: Vec<[f32; 4]> =
+        match example::run(&wgsl, "gaussians_table_example", Some((&table, Bound::Volumes)), &words) {
+            Ok(found) => found,
+            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(error) => panic!("{error}"),
+        };
+    for (case, [energy, fresnel, ..]) in tried.iter().zip(found) {
+        near([energy, fresnel], case, "gpu");
+    }
+}

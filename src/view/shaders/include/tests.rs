@@ -15,9 +15,9 @@ fn place(prefix: &str, first_binding: u16) -> Place {
     Place { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
 }
 
-/// Five lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
-/// a table, and the one without textures.
-fn lights(language: Language, reading: Reading) -> [(String, &'static str); 5] {
+/// Six lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
+/// a table, a table of Gaussians, and the one without textures.
+fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
     let text = |lit_by: LitBy, place: &Place| include(language, lit_by, reading, place).expect("a translation");
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
     let function = include_function(language, &function, &[], &place("smooth", 0)).expect("a translation");
@@ -26,6 +26,7 @@ fn lights(language: Language, reading: Reading) -> [(String, &'static str); 5] {
         (text(Layout::Ltc2017.into(), &place("iso2", 6)), "iso2"),
         (text(LitBy::Normals, &Place::default()), "normals"),
         (text(LitBy::Gaussian(Gaussian::Sg), &Place::default()), "gaussians"),
+        (text(LitBy::GaussianTable(Gaussian::Asg, Layout::Reflected), &place("fitted", 12)), "fitted"),
         (function, "smooth"),
     ]
 }
@@ -89,7 +90,8 @@ fn shown() -> @location(0) vec4<f32> {
     let corners = array<vec3<f32>, 4>(wo, wo, wo, wo);
     return vec4(ltc_lookup(0.5, 0.5, wo).amplitude, iso2_lookup(0.5, 0.5, wo).amplitude,
         smooth_lookup(0.5, 0.5, wo).amplitude, normals_rectangle(view, corners, true, NORMALS_FAN).x
-            + gaussians_rectangle(gaussians_view(GAUSSIANS_ASG, 0.5, 0.5, wo), corners, true).x);
+            + gaussians_rectangle(gaussians_view(GAUSSIANS_ASG, 0.5, 0.5, wo), corners, true).x
+            + fitted_rectangle(fitted_lookup(FITTED_ASG, 0.5, 0.5, wo), corners, true).x);
 }
 ";
     let source = lights(Language::Wgsl, Reading::default()).map(|(text, _)| text).concat() + entry;
@@ -100,7 +102,7 @@ fn shown() -> @location(0) vec4<f32> {
     let mut bound: Vec<u32> =
         module.global_variables.iter().filter_map(|(_, v)| v.binding.as_ref()).map(|b| b.binding).collect();
     bound.sort_unstable();
-    assert_eq!(bound, (0..12).collect::<Vec<u32>>());
+    assert_eq!(bound, (0..18).collect::<Vec<u32>>());
 }
 
 #[test]

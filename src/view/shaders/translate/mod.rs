@@ -76,7 +76,7 @@ struct Entry<'a> {
 /// The WGSL program `source` in `language`, as UTF-8 or as the words of SPIR-V; the error is naga's.
 pub(super) fn translate(language: Language, lit_by: LitBy, source: &str) -> Result<Vec<u8>, String> {
     let (slots, filter): (&[Slot], _) = match lit_by {
-        LitBy::Table(_) => (&TABLE_SLOTS, Some(Filter::Exact)),
+        LitBy::Table(_) | LitBy::GaussianTable(..) => (&TABLE_SLOTS, Some(Filter::Exact)),
         LitBy::Normals | LitBy::Gaussian(_) => (&TABLELESS_SLOTS, None),
     };
     let entry = Entry { stage: ShaderStage::Compute, name: lit_by.entry_point(), slots };

@@ -1,8 +1,8 @@
 //! The part of a Gaussian that a polygon covers.
 
-use super::Lobe;
+use super::SphericalGaussian;
 use crate::fit::{
-    Sides,
+    lobe::ltc::Sides,
     math::{Scalar, Triple, cross, dot, minus, plus, scaled},
 };
 
@@ -17,7 +17,7 @@ const FAR: [f64; 2] = [0.005, 0.02];
 const BEHIND: f64 = 0.25;
 
 /// Half of the error function, from -1/2 to 1/2, within 2.5e-4 [Abramowitz and Stegun 1964, 7.1.27].
-pub(super) fn half_erf<T: Scalar>(x: T) -> T {
+fn half_erf<T: Scalar>(x: T) -> T {
     let z = x.abs().min(T::of(8.0));
     let p = (((T::of(0.078_108) * z + T::of(0.000_972)) * z + T::of(0.230_389)) * z + T::of(0.278_393)) * z + T::ONE;
     let p2 = p * p;
@@ -31,7 +31,8 @@ pub(super) fn half_erf<T: Scalar>(x: T) -> T {
 /// square. So what is covered is the area of the polygon's image there; edges are followed by the straight lines between
 /// their ends and two points around their foot, the point closest to the middle. Far from the middle all is in the corners
 /// and on the sides of the square: in the limit of a mirror the part is 1 or 0 exactly.
-pub(super) fn covered<T: Scalar>(lobe: &Lobe<T>, vertices: &[Triple<T>], sides: Sides) -> T {
+#[must_use]
+pub fn covered<T: Scalar>(lobe: &SphericalGaussian<T>, vertices: &[Triple<T>], sides: Sides) -> T {
     let Some(last) = vertices.last() else { return T::ZERO };
     if sides == Sides::One && is_seen_from_behind(vertices) {
         return T::ZERO;
@@ -80,7 +81,7 @@ fn crossing<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
 
 /// The square that the error function maps a Gaussian's plane to.
 struct Square<'a, T> {
-    lobe: &'a Lobe<T>,
+    lobe: &'a SphericalGaussian<T>,
     /// A point near the outline: areas relative to it lose no digits.
     origin: [T; 2],
 }
@@ -108,7 +109,7 @@ impl<T: Scalar> Square<'_, T> {
 }
 
 /// 1 where an edge's foot is so far from the axis that its place is uncertain, 0 where it is well known; see [`FAR`].
-fn is_far<T: Scalar>(lobe: &Lobe<T>, from: Triple<T>, to: Triple<T>) -> T {
+fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> T {
     let normal = cross(from, to);
     let (height, normal2) = (dot(normal, lobe.axis), dot(normal, normal).max(T::of(1e-36)));
     let far = (T::of(FAR[1]) - (T::ONE - height * height / normal2)) / T::of(FAR[1] - FAR[0]);
@@ -127,7 +128,7 @@ fn is_far<T: Scalar>(lobe: &Lobe<T>, from: Triple<T>, to: Triple<T>) -> T {
 ///   on its side of the middle. An end that is hardly behind, by [`BEHIND`], has what lies between.
 /// - A foot a quarter of a turn away from the axis may be anywhere, and rounding would say where: the middle of such an edge
 ///   takes its place.
-fn around_foot<T: Scalar>(lobe: &Lobe<T>, from: Triple<T>, to: Triple<T>) -> [T; 2] {
+fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> [T; 2] {
     let seen = |w: Triple<T>| [dot(w, lobe.rows[0]), dot(w, lobe.rows[1]), dot(w, lobe.axis)];
     let (a, b) = (seen(from), seen(to));
     let line = cross(a, b);
@@ -153,4 +154,18 @@ fn around_foot<T: Scalar>(lobe: &Lobe<T>, from: Triple<T>, to: Triple<T>) -> [T;
     }
     let [t, u] = parts.map(|part| mixed(part, middle, far));
     if t <= u { [t, u] } else { [u, t] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half_erf;
+
+    #[test]
+    fn half_the_error_function_is_within_its_bound() {
+        for i in -500..=500_i32 {
+            let x = f64::from(i) / 100.0;
+            assert!((half_erf(x) - 0.5 * libm::erf(x)).abs() < 2.6e-4, "{x}");
+            assert!(half_erf(x) <= half_erf(x + 1e-3));
+        }
+    }
 }

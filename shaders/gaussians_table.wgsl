@@ -1,0 +1,18 @@
+// Reads a table of Gaussians, which gaussians_light.wgsl then lights by. Needs ltc_table.wgsl and gaussians_light.wgsl.
+
+/// The Gaussian of a table's numbers. The third column of m is the axis, up to its length; the other two are the deviations in
+/// units of that length, up to what lies along the axis.
+fn gaussians_of_lobe(kind: u32, lobe: LtcLobe) -> GaussiansView {
+    let size = max(length(lobe.m[2]), 1e-18);
+    let axis = normalize(vec3(lobe.m[2].xy, max(lobe.m[2].z, 1e-6 * size)));
+    let first = (lobe.m[0] - axis * dot(axis, lobe.m[0])) / size;
+    let second = (lobe.m[1] - axis * dot(axis, lobe.m[1])) / size;
+    var view = gaussians_around(kind, axis, first, second);
+    view.parts = vec2(lobe.amplitude, lobe.fresnel);
+    return view;
+}
+
+/// The table at a surface and a view direction, as gaussians_view without one. kind is that of the table.
+fn gaussians_lookup(kind: u32, alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> GaussiansView {
+    return gaussians_of_lobe(kind, ltc_lookup(alpha_x, alpha_y, wo));
+}

@@ -1,0 +1,243 @@
+//! One lobe's Gaussian by BFGS.
+//!
+//! The numbers are those of the LTC without its slope, for the columns of [`SphericalGaussian::of_columns`]: in the lobe's
+//! frame, with `C^2` and `c` the block and the centre of a first guess,
+//!
+//! ```text
+//! [x y] = C (I + A) C,    z = (c + C^2 a, 1)      A symmetric, for a round Gaussian a multiple of I
+//! ```
+//!
+//! The axis stays above the horizon: where it would move down by more than a part of its height, it moves down
+//! exponentially.
+//!
+//! The gradient by directions is the metric's; how directions move with the numbers is found by differences of fixed
+//! steps. They are differences of a smooth map, so that its digits are hardly lost, and the sum over samples has no noise of
+//! the metric's.
+
+use glam::{DMat2, DMat3, DVec2, DVec3};
+
+use super::{
+    guess::Guess,
+    minimise::{InverseHessian, StopRule, VARIABLES, Vector, minimise},
+    search::{AREA_COST, COARSE_DECREASE, free_variables},
+};
+use crate::fit::{
+    lobe::gaussian::{Gaussian, Images, SphericalGaussian},
+    math::{exp, ln, symmetric_sqrt},
+    metric::{Grain, ImageLoss, Offsets, Target},
+    pulse::Pulse,
+};
+
+/// The square of a deviation over the scatter of the lobe's core: the tails of GGX widen the best Gaussian.
+const DEVIATION2_OVER_SCATTER: f64 = 5.0;
+/// Step of the differences. All numbers are of order one; see [`super`].
+const STEP: f64 = 1e-5;
+/// Cost of deviations of length one, growing with the fourth power, in units of the lobe's width: without it the Gaussian of
+/// a lobe that is nearly even over the hemisphere would be infinitely wide. It hardly changes those of other lobes.
+const BREADTH_COST: f64 = 1e-4;
+/// Work of an image, in projections of a sample on a direction.
+const IMAGE_WORK: usize = 20;
+/// Seconds of an image of a Gaussian that the horizon cuts, as most are.
+const IMAGE_SECONDS: f64 = 120e-9;
+
+/// Seconds of an evaluation for each sample, beside the metric's: its image, and again for each number that is free.
+pub(super) fn image_seconds(gaussian: Gaussian) -> f64 {
+    IMAGE_SECONDS
+        * match gaussian {
+            Gaussian::Sg => 4.0,
+            Gaussian::Asg => 6.0,
+        }
+}
+
+/// A lobe's frame and the guess that the numbers are relative to.
+struct Family<'a> {
+    gaussian: Gaussian,
+    guess: Guess,
+    target: &'a Target,
+}
+
+impl<'a> Family<'a> {
+    fn of(gaussian: Gaussian, target: &'a Target) -> Self {
+        let block = symmetric_sqrt(target.core.scatter * DEVIATION2_OVER_SCATTER);
+        let block = match gaussian {
+            Gaussian::Asg => block,
+            Gaussian::Sg => DMat2::IDENTITY * block.determinant().sqrt(),
+        };
+        Self { gaussian, guess: Guess { root: symmetric_sqrt(block), centre: target.core.centre }, target }
+    }
+
+    /// `I + A`, and `a`.
+    fn parts(&self, v: &Vector) -> (DMat2, DVec2) {
+        let [xx, xy, yy, ax, ay, ..] = *v;
+        let shape = match self.gaussian {
+            Gaussian::Asg => DMat2::from_cols(DVec2::new(1.0 + xx, xy), DVec2::new(xy, 1.0 + yy)),
+            Gaussian::Sg => DMat2::IDENTITY * (1.0 + xx),
+        };
+        (shape, DVec2::new(ax, ay))
+    }
+
+    /// The Gaussian of the numbers. Domain: a shape that is positive definite.
+    fn shape(&self, v: &Vector) -> SphericalGaussian<f64> {
+        let (shape, shift) = self.parts(v);
+        let Guess { root, centre } = self.guess;
+        let block = root * shape * root;
+        let frame = self.target.frame;
+        let middle = frame * centre.extend(1.0);
+        let moved = frame * (root * (root * shift)).extend(0.0);
+        let mut z = middle + moved;
+        if moved.z < 0.0 {
+            z.z = middle.z * exp(moved.z / middle.z);
+        }
+        let columns = [frame * block.x_axis.extend(0.0), frame * block.y_axis.extend(0.0), z];
+        SphericalGaussian::of_columns(self.gaussian, columns.map(|column| column.to_array()))
+    }
+
+    fn free(&self) -> [bool; VARIABLES] {
+        let [xx, xy, yy, ax, ay, ..] = free_variables(self.target.mirrors);
+        match self.gaussian {
+            Gaussian::Asg => [xx, xy, yy, ax, ay, false, false],
+            Gaussian::Sg => [xx, false, false, ax, ay, false, false],
+        }
+    }
+
+    /// The cost that keeps the Gaussian regular: `BREADTH_COST (|d1|^2 + |d2|^2)^2 - AREA_COST ln det(I + A)`.
+    fn cost(&self, v: &Vector, shape: &SphericalGaussian<f64>) -> f64 {
+        let [first, second] = shape.deviations().map(DVec3::from);
+        let breadth = first.length_squared() + second.length_squared();
+        BREADTH_COST * breadth * breadth - AREA_COST * ln(self.parts(v).0.determinant())
+    }
+}
+
+/// The columns of the Gaussian with the lowest loss, in the tangent frame; `None` when `pulse` stops the search.
+pub(super) fn solve(
+    gaussian: Gaussian,
+    (loss, spread): (&mut dyn ImageLoss, f64),
+    target: &Target,
+    stop: StopRule,
+    pulse: &mut Pulse,
+) -> Option<DMat3> {
+    let family = Family::of(gaussian, target);
+    let (inv_spread, free, to_lobe) = (1.0 / spread, family.free(), target.frame.transpose());
+    let curvature = [1.0; VARIABLES];
+    let mut hessian = InverseHessian::diagonal(&curvature);
+    let mut lowest = [0.0; VARIABLES];
+    let (mut base, mut moved) = (Vec::new(), Vec::new());
+    for (grain, relative_decrease) in [(Grain::Coarse, COARSE_DECREASE), (Grain::Full, stop.relative_decrease)] {
+        let images = Images::new(loss.lattice(grain));
+        let stop = StopRule { relative_decrease, ..stop };
+        lowest = minimise(lowest, &curvature, &mut hessian, free, stop, |v| {
+            let (block, _) = family.parts(v);
+            if block.determinant() <= 0.0 || block.x_axis.x <= 0.0 {
+                return Some((f64::INFINITY, [0.0; VARIABLES]));
+            }
+            let shape = family.shape(v);
+            pulse.worked(IMAGE_WORK * images.len())?;
+            images.offsets(&shape, &to_lobe, &mut base);
+            let (value, slopes) = loss.slopes(&in_arrays(&base), grain, pulse)?;
+            let cost = family.cost(v, &shape);
+            let mut gradient = [0.0; VARIABLES];
+            for (k, slope) in gradient.iter_mut().enumerate().filter(|(k, _)| free[*k]) {
+                let mut beside = *v;
+                beside[k] += STEP;
+                let beside_shape = family.shape(&beside);
+                pulse.worked(IMAGE_WORK * images.len())?;
+                images.offsets(&beside_shape, &to_lobe, &mut moved);
+                let by_directions = pulled(&slopes, &base, &moved) * inv_spread;
+                *slope = (by_directions + (family.cost(&beside, &beside_shape) - cost)) / STEP;
+            }
+            Some((value * inv_spread + cost, gradient))
+        })?;
+    }
+    let shape = family.shape(&lowest);
+    let [x, y] = shape.deviations().map(DVec3::from);
+    Some(DMat3::from_cols(x, y, shape.axis.into()))
+}
+
+/// Directions in 32 bits, one array a coordinate, as the metric takes them.
+pub(crate) fn in_arrays(offsets: &[DVec3]) -> Offsets {
+    [|o: &DVec3| o.x, |o: &DVec3| o.y, |o: &DVec3| o.z].map(|of| offsets.iter().map(|o| of(o) as f32).collect())
+}
+
+/// What the distance changes by, to first order, where directions move from `base` to `moved`.
+fn pulled([x, y, z]: &Offsets, base: &[DVec3], moved: &[DVec3]) -> f64 {
+    let slopes = x.iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z)));
+    slopes.zip(base).zip(moved).map(|((slope, base), moved)| slope.dot(*moved - *base)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{
+        brdf::{Ggx, Mirrors},
+        lobe::LobeModel,
+        math::{Lattice, direction, row_major},
+        metric::{Lobe, Metric, Samples, planted_directions},
+        pulse::unstopped,
+    };
+
+    const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
+
+    fn fitted(gaussian: Gaussian, target: &Target) -> DMat3 {
+        let mut distance = Metric::Sw1.rules().distance(&Samples { count: 1024, directions: 24, shift: [0.0; 2] });
+        let mut beat = unstopped;
+        let mut pulse = Pulse::new(&mut beat);
+        // The metric looks at the samples alone.
+        let lobe = Lobe { brdf: &Ggx { alpha_x: 0.5, alpha_y: 0.5 }, wo: DVec3::Z, target };
+        let mut loss = distance.to(&lobe, &mut pulse).expect("nothing stops it");
+        let spread = loss.spread();
+        let images = loss.images().expect("sw1 compares images");
+        let stop = StopRule { steps: 60, relative_decrease: 1e-5 };
+        solve(gaussian, (images, spread), target, stop, &mut pulse).expect("nothing stops it")
+    }
+
+    /// A lobe that is itself a Gaussian cut at the horizon.
+    fn planted(model: LobeModel, m: &DMat3, mirrors: Mirrors) -> Target {
+        let model = model.distribution(&row_major(m)).expect("a regular matrix");
+        planted_directions(Lattice::new(8192, [0.3, 0.8]).points().map(|u| model.sample(u)).collect(), mirrors)
+    }
+
+    #[test]
+    fn a_planted_gaussian_is_found_again() {
+        let cases = [
+            (1e-3, 5e-4, direction(0.5, 0.3)),
+            (0.2, 0.05, direction(1.2, 2.0)),
+            (0.5, 0.3, direction(1.0, 1.0)),
+            (0.5, 0.5, direction(1.5, 0.7)),
+        ];
+        for (a, b, axis) in cases {
+            let (x, y) = axis.any_orthonormal_pair();
+            let m = DMat3::from_cols(x * a, y * b, axis);
+            let found = fitted(Gaussian::Asg, &planted(LobeModel::Asg, &m, NO_MIRRORS));
+            assert!((found.z_axis - axis).length() < 0.05 * a, "{a} {b}: {} not {axis}", found.z_axis);
+            // What does not depend on how the deviations are turned in their plane: the square of the block.
+            let square = |m: DMat3| {
+                [[x, x], [x, y], [y, y]]
+                    .map(|[u, v]| m.x_axis.dot(u) * m.x_axis.dot(v) + m.y_axis.dot(u) * m.y_axis.dot(v))
+            };
+            let (found, wanted) = (square(found), square(m));
+            let off = found.iter().zip(wanted).map(|(f, w)| (f - w).abs()).fold(0.0, f64::max);
+            assert!(off < 0.06 * a * a, "{a} {b}: {found:?}, not {wanted:?}");
+        }
+    }
+
+    #[test]
+    fn a_round_gaussian_is_round_and_found_again() {
+        for (a, axis) in [(1e-3, direction(0.5, 0.3)), (0.4, direction(1.1, 2.0))] {
+            let (x, y) = axis.any_orthonormal_pair();
+            let found =
+                fitted(Gaussian::Sg, &planted(LobeModel::Sg, &DMat3::from_cols(x * a, y * a, axis), NO_MIRRORS));
+            let [u, v] = [found.x_axis.length(), found.y_axis.length()];
+            assert!((u - v).abs() < 1e-9 * u && found.x_axis.dot(found.y_axis).abs() < 1e-9 * u * u, "{found}");
+            assert!((u / a - 1.0).abs() < 0.03 && (found.z_axis - axis).length() < 0.03 * a, "{a}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_mirror_keeps_the_axis_in_its_plane() {
+        let axis = direction(1.0, 0.0);
+        let m = DMat3::from_cols(DVec3::Y.cross(axis) * 0.3, DVec3::Y * 0.2, axis);
+        let target = planted(LobeModel::Asg, &m, Mirrors { x: false, y: true });
+        let found = fitted(Gaussian::Asg, &target);
+        assert_eq!(found.z_axis.y, 0.0);
+    }
+}
