@@ -126,6 +126,17 @@ impl Fitter {
         self.fit_near(brdf, wo, stream, None, pulse).map(|(entry, _)| entry)
     }
 
+    /// [`Fitter::fit`] by a solver that starts from a matrix, from `start`: in [`Fitter::frame`] of the lobe.
+    pub fn fit_from(&mut self, brdf: &dyn Brdf, wo: DVec3, start: DMat3, pulse: &mut Pulse) -> Option<FittedEntry> {
+        self.fit_near(brdf, wo, 0, Some(start), pulse).map(|(entry, _)| entry)
+    }
+
+    /// The frame of a lobe: the rotation that takes +z to its mean direction.
+    #[must_use]
+    pub fn frame(&self, brdf: &dyn Brdf, wo: DVec3) -> DMat3 {
+        self.seen.target(brdf, wo).frame
+    }
+
     /// [`Fitter::fit`], for solvers that start from the matrix of a lobe next to this one, and the matrix with which to start
     /// the next one: each in the frame of its own lobe.
     pub(super) fn fit_near(

@@ -7,13 +7,28 @@ use glam::DVec3;
 use super::error::FigureError;
 use crate::{
     files::recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, parse},
-    fit::{FittedEntry, Fitter, Plan, Pulse, brdf::Ggx, fit_entries},
+    fit::{FitSettings, FittedEntry, Fitter, Metric, Plan, Pulse, Simplex, Solver, brdf::Ggx, fit_entries},
 };
 
 /// The LTC that is nearest to a lobe.
 pub(super) fn fitted(ggx: &Ggx, wo: DVec3) -> Result<FittedEntry, FigureError> {
     let mut go_on = || ControlFlow::Continue(());
     Fitter::new(&Preset::Paper.fit()).fit(ggx, wo, 0, &mut Pulse::new(&mut go_on)).ok_or(FigureError::Stopped)
+}
+
+/// Steps of a simplex from any start: far more than from a good one.
+const STEPS: u32 = 400;
+
+/// Settings for searches from a given start. The paper's solver is a descent; here the simplex minimises both metrics, so that
+/// nothing else differs.
+pub(super) fn from_any_start(metric: Metric) -> FitSettings {
+    FitSettings {
+        metric,
+        solver: Solver::NelderMead,
+        steps: STEPS,
+        simplex: Some(Simplex::default()),
+        ..Preset::Paper.fit()
+    }
 }
 
 /// The plan of a recipe and its fitted entries, on the current rayon pool.

@@ -7,6 +7,7 @@ mod error;
 mod fits;
 mod hemisphere;
 mod lobes;
+mod metrics;
 mod remedies;
 mod resolution;
 
@@ -19,6 +20,8 @@ pub use error::FigureError;
 pub enum Figure {
     /// Artefacts, each from leaving out one remedy.
     Figure3,
+    /// Lobes fitted by two metrics, from good starts and bad.
+    Figure4,
     /// Interpolation of matrices that are aligned, and that are not.
     Figure7,
     /// Spheres by tables of few and of many nodes.
@@ -29,13 +32,14 @@ pub enum Figure {
 
 impl Figure {
     /// All of them, in the paper's order.
-    pub const ALL: [Self; 4] = [Self::Figure3, Self::Figure7, Self::Figure12, Self::Figure13];
+    pub const ALL: [Self; 5] = [Self::Figure3, Self::Figure4, Self::Figure7, Self::Figure12, Self::Figure13];
 
     /// The name of its file, without the extension.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Figure3 => "figure_3",
+            Self::Figure4 => "figure_4",
             Self::Figure7 => "figure_7",
             Self::Figure12 => "figure_12",
             Self::Figure13 => "figure_13",
@@ -49,6 +53,7 @@ impl Figure {
     pub fn draw(self, preview: &mut Preview) -> Result<Picture, FigureError> {
         match self {
             Self::Figure3 => remedies::draw(preview),
+            Self::Figure4 => metrics::draw(),
             Self::Figure7 => alignment::draw(),
             Self::Figure12 => resolution::draw(preview),
             Self::Figure13 => lobes::draw(),

@@ -9,9 +9,11 @@ fn bright(picture: &Picture) -> usize {
 
 #[test]
 fn lobes_are_drawn_and_come_again() {
-    let drawn = lobes::draw().expect("a picture");
-    assert!(bright(&drawn) > 3000, "{}", bright(&drawn));
-    assert!(drawn == lobes::draw().expect("a picture"), "not the same again");
+    for (draw, least) in [(lobes::draw as fn() -> _, 3000), (metrics::draw, 400)] {
+        let drawn: Picture = draw().expect("a picture");
+        assert!(bright(&drawn) > least, "{}", bright(&drawn));
+        assert!(drawn == draw().expect("a picture"), "not the same again");
+    }
 }
 
 /// A matrix between two of one distribution is of another one, unless they are aligned: the first two rows of panels.
