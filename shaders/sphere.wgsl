@@ -30,9 +30,11 @@ struct Scene {
 
 /// Puts a constant in place of the table, to measure what a lookup costs.
 override lookup_is_constant: bool = false;
-/// How model normals averages its weight, and whether the light of a model without a table has other than four vertices.
-/// These are constants of the pipeline, since software drivers run both sides of a branch.
+/// How model normals averages its weight, which Gaussian lights and whether a table has it, and whether the light of these
+/// models has other than four vertices. These are constants of the pipeline, since software drivers run both sides of a branch.
 override normals_rule: u32 = 0u;
+override gaussian: u32 = 0u;
+override gaussian_is_fitted: bool = false;
 override light_is_polygon: bool = true;
 
 const SURFACE_SPHERE: u32 = 0u;
@@ -141,7 +143,13 @@ fn shade_by_normals(at: Shaded) -> vec3<f32> {
 }
 
 /// Radiance towards the eye, by a Gaussian.
-fn shade_by_gaussian(at: Shaded, view: GaussiansView) -> vec3<f32> {
+fn shade_by_gaussian(at: Shaded) -> vec3<f32> {
+    var view: GaussiansView;
+    if (gaussian_is_fitted) {
+        view = gaussians_lookup(gaussian, at.alpha.x, at.alpha.y, at.wo);
+    } else {
+        view = gaussians_view(gaussian, at.alpha.x, at.alpha.y, at.wo);
+    }
     let to_local = transpose(mat3x3(at.x, at.y, at.z));
     let count = select(4u, light.options.x, light_is_polygon);
     var outline = gaussians_outline_begin(view, to_local * (light.vertices[count - 1u].xyz - at.position));
@@ -205,7 +213,7 @@ fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
 }
 
 @compute @workgroup_size(8, 8)
-fn surface_by_sg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+fn surface_by_gaussian(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
     let pixel = pixel_of(group, local);
     if (any(pixel >= vec2(scene.options.x))) {
         return;
@@ -213,49 +221,7 @@ fn surface_by_sg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     let seen = see(place_of(pixel));
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_view(GAUSSIANS_SG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
-    }
-    write(pixel, radiance);
-}
-
-@compute @workgroup_size(8, 8)
-fn surface_by_asg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let pixel = pixel_of(group, local);
-    if (any(pixel >= vec2(scene.options.x))) {
-        return;
-    }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
-    if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_view(GAUSSIANS_ASG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
-    }
-    write(pixel, radiance);
-}
-
-@compute @workgroup_size(8, 8)
-fn surface_by_table_sg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let pixel = pixel_of(group, local);
-    if (any(pixel >= vec2(scene.options.x))) {
-        return;
-    }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
-    if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_lookup(GAUSSIANS_SG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
-    }
-    write(pixel, radiance);
-}
-
-@compute @workgroup_size(8, 8)
-fn surface_by_table_asg(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let pixel = pixel_of(group, local);
-    if (any(pixel >= vec2(scene.options.x))) {
-        return;
-    }
-    let seen = see(place_of(pixel));
-    var radiance = scene.background.xyz;
-    if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_gaussian(seen.at, gaussians_lookup(GAUSSIANS_ASG, seen.at.alpha.x, seen.at.alpha.y, seen.at.wo)), seen.coverage);
+        radiance = mix(radiance, shade_by_gaussian(seen.at), seen.coverage);
     }
     write(pixel, radiance);
 }

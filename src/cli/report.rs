@@ -13,14 +13,15 @@ use super::{
 use crate::{
     files::digest::Digest,
     fit::{
-        Accuracy, Asymmetry, Corner, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes, report,
-        report_points,
+        Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes,
+        report, report_points,
     },
 };
 
 /// A table and its figures.
 struct MeasuredTable {
     digest: Digest,
+    lobe: LobeModel,
     resolution: PerAxis<usize>,
     report: Report,
     corners: Option<Vec<Corner>>,
@@ -64,7 +65,7 @@ fn measure(AnyTable { digest, table, origin, .. }: &AnyTable, args: &ReportArgs)
     let report = report(table, range, args.points.map_or(usual, |points| (points as usize).into()));
     let corners = args.extremes.then(|| extremes(table));
     let asymmetry = table.model().file().and_then(|file| file.data()).and_then(|data| data.asymmetry());
-    MeasuredTable { digest: *digest, resolution: table.axes.lengths(), report, corners, asymmetry }
+    MeasuredTable { digest: *digest, lobe: table.lobe, resolution: table.axes.lengths(), report, corners, asymmetry }
 }
 
 /// The figures as text.
@@ -76,7 +77,7 @@ fn text(path: &Path, measured: &MeasuredTable) -> String {
 }
 
 fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::fmt::Result {
-    let MeasuredTable { digest, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners, asymmetry } =
+    let MeasuredTable { digest, lobe, resolution: PerAxis { alpha, ratio, theta, phi }, report, corners, asymmetry } =
         measured;
     let Report { nodes, between, poor, matrices, floors, .. } = report;
     // The figure by which tables are compared.
@@ -110,7 +111,7 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
         }
     }
 
-    writeln!(out, "\n{}", poor_line(poor))?;
+    writeln!(out, "\n{}", poor_line(*lobe, poor))?;
     if let Some(asymmetry) = asymmetry {
         writeln!(out, "{}", asymmetry_line(asymmetry))?;
     }
@@ -139,11 +140,12 @@ fn write_text(out: &mut String, path: &Path, measured: &MeasuredTable) -> std::f
     writeln!(out, "\n{HOW_TO_READ}")
 }
 
-fn poor_line(Poor { limit, nodes, alpha, theta }: &Poor) -> String {
+fn poor_line(lobe: LobeModel, Poor { limit, nodes, alpha, theta }: &Poor) -> String {
+    let model = if lobe.gaussian().is_some() { "a Gaussian" } else { "an LTC" };
     let what = format!("nodes with an error over {:.0} % of the lobe's width", 100.0 * limit);
     match (alpha, theta) {
         (Some(alpha), Some(theta)) => format!(
-            "{what}: {nodes}, alpha {:.4} to {:.4}, theta {:.3} to {:.3}; an LTC is a poor model of the lobe there",
+            "{what}: {nodes}, alpha {:.4} to {:.4}, theta {:.3} to {:.3}; {model} is a poor model of the lobe there",
             alpha[0], alpha[1], theta[0], theta[1]
         ),
         _ => format!("{what}: none"),

@@ -12,5 +12,6 @@ pub mod replace;
 #[cfg(feature = "client")]
 pub mod staged;
 pub mod tabulated;
+mod tensor;
 #[cfg(feature = "textures")]
 pub mod textures;

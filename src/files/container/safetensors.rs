@@ -8,13 +8,11 @@
 //!
 //! Equal recipe and table give equal bytes, and no other bytes decode to them.
 
-use std::borrow::Cow;
-
 use half::f16;
-use safetensors::{Dtype, SafeTensors, View, serialize};
+use safetensors::{Dtype, SafeTensors, serialize};
 
 use crate::{
-    files::{recipe_document, tabulated::FindBrdf},
+    files::{recipe_document, tabulated::FindBrdf, tensor::Tensor},
     fit::{BrdfModel, Precision, Recipe, Table, Terms, math::from_row_major},
 };
 
@@ -83,31 +81,6 @@ pub enum TableFileError {
     /// The parts are fine, but the bytes are not those that [`encode`] writes: other tensors, order or spacing.
     #[error("not in canonical form: other tensors, metadata, order or spacing than the recipe's table has")]
     NotCanonical,
-}
-
-/// A tensor on its way into a file.
-struct Tensor {
-    dtype: Dtype,
-    shape: Vec<usize>,
-    bytes: Vec<u8>,
-}
-
-impl View for Tensor {
-    fn dtype(&self) -> Dtype {
-        self.dtype
-    }
-
-    fn shape(&self) -> &[usize] {
-        &self.shape
-    }
-
-    fn data(&self) -> Cow<'_, [u8]> {
-        Cow::Borrowed(&self.bytes)
-    }
-
-    fn data_len(&self) -> usize {
-        self.bytes.len()
-    }
 }
 
 /// A tensor of numbers in a precision that holds them exactly.

@@ -10,12 +10,12 @@
 
 mod find;
 
-use std::{borrow::Cow, sync::Arc};
+use std::sync::Arc;
 
-use safetensors::{Dtype, SafeTensors, View, serialize, tensor::TensorView};
+use safetensors::{Dtype, SafeTensors, serialize, tensor::TensorView};
 
 use crate::{
-    files::digest::Digest,
+    files::{digest::Digest, tensor::Tensor},
     fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile},
 };
 
@@ -104,31 +104,6 @@ fn numbers(tensor: &TensorView) -> Option<Vec<f64>> {
     }
 }
 
-/// A tensor of f32 or f64 on its way into a file.
-struct Numbers {
-    dtype: Dtype,
-    shape: Vec<usize>,
-    bytes: Vec<u8>,
-}
-
-impl View for Numbers {
-    fn dtype(&self) -> Dtype {
-        self.dtype
-    }
-
-    fn shape(&self) -> &[usize] {
-        &self.shape
-    }
-
-    fn data(&self) -> Cow<'_, [u8]> {
-        Cow::Borrowed(&self.bytes)
-    }
-
-    fn data_len(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
 /// The file of a tabulated BRDF: axes in f64, values in f32.
 ///
 /// # Errors
@@ -137,14 +112,14 @@ pub fn encode(brdf: &TabulatedBrdf) -> Result<Vec<u8>, TabulatedError> {
     let axes = brdf.axes();
     let named = axes.named().into_iter().filter(|(_, nodes)| !nodes.is_empty());
     let shape: Vec<usize> = named.clone().map(|(_, nodes)| nodes.len()).collect();
-    let mut tensors: Vec<(String, Numbers)> = named
+    let mut tensors: Vec<(String, Tensor)> = named
         .map(|(name, nodes)| {
             let bytes = nodes.iter().flat_map(|x| x.to_le_bytes()).collect();
-            (name.to_owned(), Numbers { dtype: Dtype::F64, shape: vec![nodes.len()], bytes })
+            (name.to_owned(), Tensor { dtype: Dtype::F64, shape: vec![nodes.len()], bytes })
         })
         .collect();
     let bytes = brdf.values().iter().flat_map(|x| (*x as f32).to_le_bytes()).collect();
-    tensors.push((VALUE.to_owned(), Numbers { dtype: Dtype::F32, shape, bytes }));
+    tensors.push((VALUE.to_owned(), Tensor { dtype: Dtype::F32, shape, bytes }));
     serialize(tensors, None).map_err(|error| TabulatedError(vec![error.to_string()]))
 }
 

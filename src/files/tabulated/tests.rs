@@ -15,12 +15,12 @@ fn planted(alpha: &[f64]) -> Vec<u8> {
 
 /// Tensors of f32 by name, shape and number.
 fn file(tensors: &[(&str, Vec<usize>, f32)]) -> Vec<u8> {
-    let tensors: HashMap<String, Numbers> = tensors
+    let tensors: HashMap<String, Tensor> = tensors
         .iter()
         .map(|(name, shape, x)| {
             let count = shape.iter().product();
             let bytes = (0..count).flat_map(|i| (x * i as f32).to_le_bytes()).collect();
-            ((*name).to_owned(), Numbers { dtype: Dtype::F32, shape: shape.clone(), bytes })
+            ((*name).to_owned(), Tensor { dtype: Dtype::F32, shape: shape.clone(), bytes })
         })
         .collect();
     serialize(tensors, None).expect("a container")

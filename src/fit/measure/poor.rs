@@ -1,4 +1,4 @@
-//! Where even the best LTC is a poor model of a lobe.
+//! Where even the best LTC, or Gaussian, is a poor model of a lobe.
 
 use serde::Serialize;
 

@@ -138,6 +138,10 @@ impl Device {
         if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == kind) {
             return pipeline.clone();
         }
+        let gaussian = match estimator {
+            Estimator::Gaussian(gaussian) | Estimator::GaussianTable(gaussian) => gaussian,
+            _ => Gaussian::ALL[0],
+        };
         let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
@@ -145,6 +149,8 @@ impl Device {
             ("light_is_ellipse", flag(kind.is_ellipse)),
             ("light_is_polygon", flag(kind.is_polygon)),
             ("normals_rule", f64::from(kind.rule as u32)),
+            ("gaussian", f64::from(gaussian as u32)),
+            ("gaussian_is_fitted", flag(matches!(estimator, Estimator::GaussianTable(_)))),
         ];
         let pipeline = self.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry_point(estimator)),
@@ -171,10 +177,7 @@ fn entry_point(estimator: Estimator) -> &'static str {
     match estimator {
         Estimator::Table => "surface_by_table",
         Estimator::Normals => "surface_by_normals",
-        Estimator::Gaussian(Gaussian::Sg) => "surface_by_sg",
-        Estimator::Gaussian(Gaussian::Asg) => "surface_by_asg",
-        Estimator::GaussianTable(Gaussian::Sg) => "surface_by_table_sg",
-        Estimator::GaussianTable(Gaussian::Asg) => "surface_by_table_asg",
+        Estimator::Gaussian(_) | Estimator::GaussianTable(_) => "surface_by_gaussian",
         Estimator::Reference => "surface_by_reference",
         Estimator::TableLobe => "lobe_by_table",
         Estimator::ReferenceLobe => "lobe_by_reference",
