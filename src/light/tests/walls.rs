@@ -2,7 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::cases::{Draw, Lit, Roughness};
+use super::{
+    cases::{Draw, Lit, Roughness},
+    jumps::jump,
+};
 use crate::{
     fit::Sides,
     light::{WeightRule, by_normals, truth_within},
@@ -76,38 +79,23 @@ fn a_level_edge_sets_without_a_jump() {
     assert!(seen.iter().all(|sum| *sum > 100.0), "{seen:?}");
 }
 
-/// The largest change of a function over an interval in [0, 1] that is as good as a point: halves of the three of a hundred
-/// intervals over which it changes most, each time the half over which it changes more.
-fn jump(of: impl Fn(f64) -> f64) -> f64 {
-    let mut steps: Vec<[f64; 2]> = (0..100).map(|i| [i, i + 1].map(|i| f64::from(i) / 100.0)).collect();
-    let change = |[from, to]: [f64; 2]| (of(to) - of(from)).abs();
-    steps.sort_by_cached_key(|step| std::cmp::Reverse((change(*step) * 1e12) as u64));
-    let narrowed = steps.into_iter().take(3).map(|mut step| {
-        for _ in 0..24 {
-            let middle = 0.5 * (step[0] + step[1]);
-            let halves = [[step[0], middle], [middle, step[1]]];
-            step = if change(halves[0]) > change(halves[1]) { halves[0] } else { halves[1] };
-        }
-        change(step)
-    });
-    narrowed.fold(0.0, f64::max)
-}
-
 /// Walls sink and tilt: one corner sets after the other, and the horizon takes over from the edge near it.
 #[test]
 fn nothing_jumps_while_walls_sink_and_tilt() {
-    for rule in WeightRule::ALL {
-        let most = |seed: u64| {
-            let mut draw = Draw::new(1000 + seed);
-            let (feet, tilts) =
-                ([draw.within(0.0, 0.3), draw.within(-0.3, 0.0)], [0, 1].map(|_| draw.within(-0.1, 0.1)));
-            jump(|t| {
-                let at = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * t;
-                energy(&Draw::new(seed).wall(Roughness::All, at(feet), at(tilts)), *rule)
-            })
-        };
-        let most = (0..1000).into_par_iter().map(most).reduce(|| 0.0, f64::max);
-        println!("{rule}: jumps by {most:.1e} at most");
-        assert!(most < 1e-6, "{rule}: {most}");
+    for roughness in [Roughness::All, Roughness::Extreme] {
+        for rule in WeightRule::ALL {
+            let most = |seed: u64| {
+                let mut draw = Draw::new(1000 + seed);
+                let (feet, tilts) =
+                    ([draw.within(0.0, 0.3), draw.within(-0.3, 0.0)], [0, 1].map(|_| draw.within(-0.1, 0.1)));
+                jump(|t| {
+                    let at = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * t;
+                    energy(&Draw::new(seed).wall(roughness, at(feet), at(tilts)), *rule)
+                })
+            };
+            let most = (0..1000).into_par_iter().map(most).reduce(|| 0.0, f64::max);
+            println!("{roughness:?}, {rule}: jumps by {most:.1e} at most");
+            assert!(most < 1e-6, "{roughness:?}, {rule}: {most}");
+        }
     }
 }
