@@ -96,11 +96,6 @@ fn read_fit(root: &Object, preset: Preset, faults: &mut Faults) -> FitSettings {
     let default = preset.fit();
     let metric = object.choice("metric", &named(Metric::ALL, Metric::name), default.metric, faults);
     let solver = object.choice("solver", &named(Solver::ALL, Solver::name), default.solver, faults);
-    if !solver.takes(metric) {
-        let others = listed(Solver::ALL, |other| other.takes(metric));
-        let detail = format!("solver \"{solver}\" does not minimise metric \"{metric}\"; solvers that do are {others}");
-        faults.note(object.pointer("solver"), detail);
-    }
     FitSettings {
         metric,
         solver,
@@ -130,10 +125,10 @@ fn read_simplex(object: &Object, solver: Solver, faults: &mut Faults) -> Option<
 
 /// Some solvers fit lobes that are symmetric in the plane of incidence only.
 fn check_ratio(range: &PerAxis<[f64; 2]>, fit: &FitSettings, faults: &mut Faults) {
-    let FitSettings { solver, metric, .. } = *fit;
+    let solver = fit.solver;
     if solver.is_isotropic() && range.ratio != ISOTROPIC.ratio {
         let [low, high] = range.ratio;
-        let others = listed(Solver::ALL, |other| !other.is_isotropic() && other.takes(metric));
+        let others = listed(Solver::ALL, |other| !other.is_isotropic());
         let detail = format!(
             "[{low}, {high}] has anisotropic surfaces, and solver \"{solver}\" fits isotropic ones only: set the range to \
              [1, 1], or /fit/solver to {others}"

@@ -27,6 +27,17 @@ pub(crate) struct Lobe<'a> {
     pub(crate) target: &'a Target,
 }
 
+/// Fresh samples of one step of the published descent, in the tangent frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Draws {
+    /// Directions, drawn with the lobe's density.
+    pub(crate) lobe: Vec<DVec3>,
+    /// Directions of the clamped cosine, as many.
+    pub(crate) cosines: Vec<DVec3>,
+    /// Directions to project on.
+    pub(crate) directions: Vec<DVec3>,
+}
+
 /// How finely a distance is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Grain {
@@ -73,6 +84,10 @@ pub(crate) trait Loss {
 
     /// The distance at `m` and its gradient by the elements of `m`.
     fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)>;
+
+    /// A step up the distance: `rate` times an estimate, from these samples alone, of its gradient by `m`, a matrix to the tangent
+    /// frame whose determinant may have either sign.
+    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, pulse: &mut Pulse) -> Option<DMat3>;
 
     /// The same distance of other models than LTCs, where the metric compares samples alone.
     fn images(&mut self) -> Option<&mut dyn ImageLoss> {

@@ -8,7 +8,7 @@ mod l3;
 mod sw1;
 mod target;
 
-pub(super) use distance::{Distance, Grain, ImageLoss, Lobe, Loss, MetricRules, Offsets, Samples};
+pub(super) use distance::{Distance, Draws, Grain, ImageLoss, Lobe, Loss, MetricRules, Offsets, Samples};
 #[cfg(test)]
 pub(super) use target::tests::{PlantedBrdf, planted, planted_directions};
 pub(super) use target::{LobeCore, Target};

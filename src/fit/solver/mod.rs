@@ -13,7 +13,7 @@ pub(super) use objective::{Effort, Objective, SolverRules};
 pub(super) use bfgs::{Guess, in_arrays};
 pub use simplex::{Shear, Simplex, Start};
 
-use super::{lobe::LobeModel, metric::Metric, named_list::named_list};
+use super::{lobe::LobeModel, named_list::named_list};
 
 named_list! {
     /// How a distance is minimised.
@@ -29,12 +29,6 @@ named_list! {
 }
 
 impl Solver {
-    /// Whether the solver minimises a metric.
-    #[must_use]
-    pub fn takes(self, metric: Metric) -> bool {
-        self.rules().takes(metric)
-    }
-
     /// Whether it fits lobes of isotropic surfaces only, so that a table has a ratio of one.
     #[must_use]
     pub fn is_isotropic(self) -> bool {

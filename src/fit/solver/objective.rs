@@ -56,11 +56,6 @@ pub(crate) trait SolverRules: Sync {
     /// steps. Of one thread, on the machine of `fit_seconds`.
     fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64;
 
-    /// Whether the solver minimises this metric. All do that take their losses from it.
-    fn takes(&self, _: Metric) -> bool {
-        true
-    }
-
     /// Whether it fits lobes of isotropic surfaces only.
     fn is_isotropic(&self) -> bool {
         false

@@ -1,8 +1,8 @@
 //! Figure 3: artefacts, each from leaving out one remedy.
 //!
-//! Our solver leaves neither artefact by itself: it does not turn the cosine under a matrix, and its samples are as symmetric as
+//! Our solver leaves none of the artefacts by itself: it starts at the lobe, does not turn the cosine under a matrix, and its samples are as symmetric as
 //! the lobe. So the matrices of (b) are turned here, each by an angle of its own, as a solver on nine numbers is free to do,
-//! and (c) is fitted by the published descent, whose samples are random.
+//! and (a) and (c) are fitted by the published descent, which starts far from the lobe and whose samples are random.
 
 use std::{f64::consts::TAU, sync::Arc};
 
@@ -10,8 +10,9 @@ use glam::DMat3;
 
 use super::{error::FigureError, fits::entries};
 use crate::{
+    files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse},
     fit::{
-        FittedEntry, PerAxis, Plan, Table, assemble,
+        Configuration, FittedEntry, PerAxis, Plan, Table, assemble,
         brdf::Mirrors,
         lobe::ltc::align,
         math::{from_row_major, row_major},
@@ -28,27 +29,48 @@ const SIDE: u32 = 320;
 const RECIPE: &str = r#"{"preset": "paper", "layout": "kt2022"}"#;
 /// The same by the descent, with few samples and steps.
 const DESCENT: &str = r#"{"layout": "kt2022", "fit": {"solver": "sgd", "samples": 64, "directions": 4, "steps": 200}}"#;
+/// The same descent by the L3 norm.
+const DESCENT_BY_L3: &str =
+    r#"{"layout": "kt2022", "fit": {"metric": "l3", "solver": "sgd", "samples": 64, "directions": 4, "steps": 200}}"#;
 /// A part of a turn far from any fraction with a small denominator.
 const TURN: f64 = 0.618_033_988_749_895;
 /// As of layout `kt2022`.
 const FLATTEST: f64 = 1e-4;
 
+/// The material of most spheres.
+const SATIN: Material = Material { alpha_x: 0.5, alpha_y: 0.15, rotation: 0.0 };
+/// The material of (d), between the two least roughnesses of a table.
+const GLOSSY: Material = Material { alpha_x: 0.08, alpha_y: 0.05, rotation: 0.0 };
+/// The nodes of (d) along theta and along phi: so many that what is between them does not show.
+const FINE: u32 = 64;
+
 /// Draws spheres by tables that lack one remedy, beside those that have it.
 pub(super) fn draw(preview: &mut Preview) -> Result<Picture, FigureError> {
     let (plan, exact) = entries(RECIPE)?;
     let (rough_plan, rough) = entries(DESCENT)?;
+    let (broken_plan, broken) = entries(DESCENT_BY_L3)?;
     let turned: Vec<FittedEntry> = exact.iter().enumerate().map(|(i, entry)| with(entry, turned(i, entry))).collect();
     let unsymmetrised = |entry: &FittedEntry| align(&from_row_major(&entry.matrix), NO_MIRRORS, FLATTEST);
+    let enforced = assemble(&rough_plan, &alike_from_above(&rough_plan, &rough));
     let tables = [
+        ("(a) descent by the L3 norm", assemble(&broken_plan, &alike_from_above(&broken_plan, &broken))),
+        ("by the sliced Wasserstein distance", enforced.clone()),
         ("(b) matrices not aligned", stored(&plan, &turned, |entry| from_row_major(&entry.matrix))),
         ("aligned", assemble(&plan, &turned)),
         ("(c) symmetries not enforced", stored(&rough_plan, &rough, unsymmetrised)),
-        ("enforced", assemble(&rough_plan, &alike_from_above(&rough_plan, &rough))),
+        ("enforced", enforced),
+    ];
+    let aligned = assemble(&plan, &exact);
+    let inverses = Table { matrix: aligned.matrix.iter().map(inverted).collect(), ..aligned.clone() };
+    let glossy = [
+        ("(d) inverses between nodes", read_finely(&inverses, |found| from_row_major(found).inverse())?),
+        ("inverted after the lookup", read_finely(&aligned, from_row_major)?),
     ];
     let mut titled = Vec::new();
-    for (name, table) in tables {
+    let rows = tables.into_iter().map(|named| (named, SATIN)).chain(glossy.into_iter().map(|named| (named, GLOSSY)));
+    for ((name, table), material) in rows {
         let table = Arc::new(ShaderTable::new(&table, TexelFormat::F32));
-        titled.push((name, preview.render(&table, &scene(), &|| false)?.picture));
+        titled.push((name, preview.render(&table, &scene(material), &|| false)?.picture));
     }
     let panels: Vec<Panel<'_>> = titled
         .iter()
@@ -60,14 +82,45 @@ pub(super) fn draw(preview: &mut Preview) -> Result<Picture, FigureError> {
 const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
 /// A light in front, so that the sphere is seen to reflect it where the view is along the normal.
-fn scene() -> Scene {
+fn scene(material: Material) -> Scene {
     Scene {
-        materials: vec![Material { alpha_x: 0.5, alpha_y: 0.15, rotation: 0.0 }],
+        materials: vec![material],
         light: Light { centre: [-0.6, 0.8, 3.0], half_size: [0.9, 0.6], ..Light::default() },
         camera: Camera::default(),
         size: SIDE,
         ..Scene::default()
     }
+}
+
+/// The inverse of a stored matrix.
+fn inverted(stored: &[f32; 9]) -> [f32; 9] {
+    row_major(&from_row_major(&stored.map(f64::from)).inverse()).map(|x| x as f32)
+}
+
+/// A table of the glossy material alone, of what a lookup in another table finds at each of many views. A shader reads the
+/// matrix itself, so that what it would make of a table of inverses is read here.
+fn read_finely(table: &Table, matrix: impl Fn(&[f64; 9]) -> DMat3) -> Result<Table, FigureError> {
+    let Material { alpha_x, alpha_y, .. } = GLOSSY;
+    let ratio = alpha_y / alpha_x;
+    let (range, resolution) = (
+        format!(r#""alpha": [{alpha_x}, {alpha_x}], "ratio": [{ratio}, {ratio}]"#),
+        format!(r#""theta": {FINE}, "phi": {FINE}"#),
+    );
+    let recipe = format!(
+        r#"{{"layout": "kt2022", "range": {{{range}}}, "resolution": {{"alpha": 1, "ratio": 1, {resolution}}}}}"#
+    );
+    let plan = Plan::new(&parse(recipe.as_bytes(), DEFAULT_ENTRY_LIMIT)?);
+    let nodes = plan.nodes();
+    let at = |theta: &f64, phi: &f64| Configuration { alpha_x, alpha_y, theta: *theta, phi: *phi };
+    let views = nodes.theta.iter().flat_map(|theta| nodes.phi.iter().map(move |phi| at(theta, phi)));
+    let entries: Vec<FittedEntry> = views
+        .map(|view| {
+            let found = table.lookup(&view);
+            let (amplitude, fresnel) = (found.amplitude.unwrap_or(1.0), found.fresnel.unwrap_or(0.0));
+            FittedEntry { matrix: row_major(&matrix(&found.matrix)), amplitude, fresnel, error: 0.0 }
+        })
+        .collect();
+    Ok(assemble(&plan, &entries))
 }
 
 fn with(entry: &FittedEntry, matrix: DMat3) -> FittedEntry {

@@ -22,7 +22,7 @@ use std::{f64::consts::PI, sync::Arc};
 
 use glam::{DMat3, DVec3};
 
-use super::distance::{Distance, Grain, Lobe, Loss, MetricRules, Samples};
+use super::distance::{Distance, Draws, Grain, Lobe, Loss, MetricRules, Samples};
 use crate::fit::{
     brdf::Brdf,
     math::{Lattice, cosine_hemisphere, pow},
@@ -82,13 +82,13 @@ struct Place {
 /// The density of the LTC of a matrix, in the lobe's frame.
 struct Density {
     inverse: DMat3,
-    /// `det M^-1 / pi`.
+    /// `|det M^-1| / pi`.
     factor: f64,
 }
 
 impl Density {
     fn new(m: &DMat3) -> Self {
-        Self { inverse: m.inverse(), factor: 1.0 / (m.determinant() * PI) }
+        Self { inverse: m.inverse(), factor: 1.0 / (m.determinant().abs() * PI) }
     }
 
     /// `c = M^-1 w` and `D = c_z det M^-1 / (pi |c|^4)` for a unit vector `w`.
@@ -96,6 +96,47 @@ impl Density {
         let c = self.inverse * direction;
         let length2 = c.length_squared();
         (c, c.z.max(0.0) * self.factor / (length2 * length2))
+    }
+}
+
+/// The integral of the cubes and its slopes, place by place.
+///
+/// With `N = M^-1`, `c = N w` and `D = c_z |det N| / (pi |c|^4)`:
+///
+/// ```text
+/// dD/dN = D ((z / c_z - 4 c / |c|^2) w^T + M^T),    dL/dM = -N^T (dL/dN) N^T
+/// ```
+struct Slopes {
+    density: Density,
+    sum: f64,
+    by_inverse: DMat3,
+    by_determinant: f64,
+}
+
+impl Slopes {
+    fn new(density: Density) -> Self {
+        Self { density, sum: 0.0, by_inverse: DMat3::ZERO, by_determinant: 0.0 }
+    }
+
+    /// Adds a direction that was drawn with a density of `1 / weight`, where the lobe's is `lobe`.
+    fn add(&mut self, direction: DVec3, lobe: f64, weight: f64) {
+        let (c, ltc) = self.density.at(direction);
+        let off = ltc - lobe;
+        self.sum += cube(off.abs()) * weight;
+        if ltc > 0.0 {
+            let slope = 3.0 * off * off.abs() * weight * ltc;
+            let by_c = (DVec3::Z * (1.0 / c.z) - c * (4.0 / c.length_squared())) * slope;
+            let w = direction;
+            self.by_inverse += DMat3::from_cols(by_c * w.x, by_c * w.y, by_c * w.z);
+            self.by_determinant += slope;
+        }
+    }
+
+    /// The gradient of the sum by the matrix.
+    fn by_matrix(&self, m: &DMat3) -> DMat3 {
+        let by_inverse = self.by_inverse + m.transpose() * self.by_determinant;
+        let transposed = self.density.inverse.transpose();
+        -(transposed * by_inverse * transposed)
     }
 }
 
@@ -155,6 +196,14 @@ impl<'a> L3Loss<'a> {
         self.spread * pow(sum * self.inv_whole, 1.0 / 3.0)
     }
 
+    /// The loss and its gradient by the matrix, of the sum and its slopes.
+    fn of(&self, slopes: &Slopes, m: &DMat3) -> (f64, DMat3) {
+        let loss = self.loss(slopes.sum);
+        // The slope of the cube root, and none where the two are equal.
+        let scale = if slopes.sum > 0.0 { loss / (3.0 * slopes.sum) } else { 0.0 };
+        (loss, slopes.by_matrix(m) * scale)
+    }
+
     fn hold(&self, m: &DMat3, grain: Grain) -> Vec<Place> {
         let cosines = &self.cosines[grain as usize];
         let (count, density) = (cosines.len() as f64, Density::new(m));
@@ -209,11 +258,6 @@ impl Loss for L3Loss<'_> {
         Some(self.loss(sum))
     }
 
-    /// With `N = M^-1`, `c = N w` and `D = c_z det N / (pi |c|^4)`:
-    ///
-    /// ```text
-    /// dD/dN = D ((z / c_z - 4 c / |c|^2) w^T + M^T),    dL/dM = -N^T (dL/dN) N^T
-    /// ```
     fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
         let held = if let Some(held) = self.held[grain as usize].take() {
             held
@@ -222,28 +266,29 @@ impl Loss for L3Loss<'_> {
             self.hold(m, grain)
         };
         pulse.worked(2 * held.len())?;
-        let density = Density::new(m);
-        let (mut sum, mut by_inverse, mut by_determinant) = (0.0, DMat3::ZERO, 0.0);
+        let mut slopes = Slopes::new(Density::new(m));
         for place in &held {
-            let (c, ltc) = density.at(place.direction);
-            let (off, weight) = (ltc - place.lobe, 1.0 / place.drawn);
-            sum += cube(off.abs()) * weight;
-            if ltc > 0.0 {
-                let slope = 3.0 * off * off.abs() * weight * ltc;
-                let by_c = (DVec3::Z * (1.0 / c.z) - c * (4.0 / c.length_squared())) * slope;
-                let w = place.direction;
-                by_inverse += DMat3::from_cols(by_c * w.x, by_c * w.y, by_c * w.z);
-                by_determinant += slope;
-            }
+            slopes.add(place.direction, place.lobe, 1.0 / place.drawn);
         }
         self.held[grain as usize] = Some(held);
-        by_inverse += m.transpose() * by_determinant;
-        let transposed = density.inverse.transpose();
-        let by_m = -(transposed * by_inverse * transposed);
-        let loss = self.loss(sum);
-        // The slope of the cube root, and none where the two are equal.
-        let scale = if sum > 0.0 { loss / (3.0 * sum) } else { 0.0 };
-        Some((loss, by_m * scale))
+        Some(self.of(&slopes, m))
+    }
+
+    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, pulse: &mut Pulse) -> Option<DMat3> {
+        pulse.worked(2 * SAMPLE_WORK * draws.lobe.len())?;
+        let Lobe { brdf, wo, .. } = self.lobe;
+        let images = draws.cosines.iter().map(|c| (*m * *c).normalize());
+        let mut slopes = Slopes::new(Density::new(m));
+        let count = draws.lobe.len() as f64;
+        for direction in draws.lobe.iter().copied().chain(images) {
+            let [value, _] = seen(brdf, wo, direction);
+            let lobe = value / self.albedo;
+            let (_, ltc) = slopes.density.at(direction);
+            slopes.add(direction, lobe, 1.0 / (count * (lobe + ltc)));
+        }
+        let (_, by_m) = self.of(&slopes, m);
+        // A matrix without an inverse has no density, and a step from it no direction.
+        Some(if by_m.is_finite() { by_m * rate } else { DMat3::ZERO })
     }
 }
 

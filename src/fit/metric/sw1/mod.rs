@@ -9,6 +9,7 @@ mod cells;
 mod histogram;
 mod samples;
 mod slice;
+mod sorted;
 
 use std::sync::Arc;
 
@@ -21,7 +22,7 @@ use self::{
     slice::{Slice, TargetSamples},
 };
 use super::{
-    distance::{Distance, Grain, ImageLoss, Lobe, Loss, MetricRules, Offsets, Samples},
+    distance::{Distance, Draws, Grain, ImageLoss, Lobe, Loss, MetricRules, Offsets, Samples},
     target::Target,
 };
 use crate::fit::{
@@ -293,6 +294,10 @@ impl Loss for SlicedLoss<'_> {
         self.transform(m, grain);
         let value = self.mean::<true>(grain, pulse)?;
         Some((value, self.pull_back(grain) * (1.0 / self.parts(grain) as f64)))
+    }
+
+    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, pulse: &mut Pulse) -> Option<DMat3> {
+        sorted::step(m, rate, draws, pulse)
     }
 
     fn images(&mut self) -> Option<&mut dyn ImageLoss> {
