@@ -1,26 +1,30 @@
 //! The time that a fit takes, estimated from its recipe.
 
 use super::{
+    brdf::BrdfKind,
     lobe::LobeModel,
+    metric::Metric,
     recipe::{FitSettings, Recipe},
-    solver::Effort,
+    solver::{Effort, Solver},
 };
 
 /// Seconds of an entry for each sample, beside its solver's: the lobe is sampled twice, each time with two samples for
 /// each sample of the LTC. All constants of the model, here and in `solver`, are seconds of one thread, measured on one
 /// machine. On other machines only their proportions count.
 const SAMPLING_SECONDS: f64 = 0.31e-6;
+/// The part of a step that is the scattering model's, where steps evaluate it.
+const STEP_SAMPLING: f64 = 0.25;
 /// Seconds of an entry that do not depend on the settings.
 const ENTRY_SECONDS: f64 = 65e-6;
 
 /// The time that the fit of a whole recipe takes, in seconds of one thread on the machine of the constants.
 #[must_use]
 pub fn fit_seconds(recipe: &Recipe) -> f64 {
-    lobes(recipe) * entry_seconds(recipe.lobe, &recipe.fit)
+    lobes(recipe) * entry_seconds(recipe.brdf.kind(), recipe.lobe, &recipe.fit)
 }
 
 /// The time that one entry's fit takes, likewise.
-fn entry_seconds(lobe: LobeModel, fit: &FitSettings) -> f64 {
+fn entry_seconds(brdf: BrdfKind, lobe: LobeModel, fit: &FitSettings) -> f64 {
     let effort = Effort {
         metric: fit.metric,
         samples: fit.samples as usize,
@@ -28,7 +32,12 @@ fn entry_seconds(lobe: LobeModel, fit: &FitSettings) -> f64 {
         steps: fit.steps,
         seed: fit.seed,
     };
-    fit.solver.rules().seconds(lobe, &effort) + SAMPLING_SECONDS * f64::from(fit.samples) + ENTRY_SECONDS
+    // Solvers by `l3` and `sgd` evaluate the model in each step.
+    let of_sample = brdf.rules().compared().sample;
+    let is_fixed = fit.metric == Metric::Sw1 && fit.solver != Solver::Sgd;
+    let of_step = if is_fixed { 1.0 } else { 1.0 + STEP_SAMPLING * (of_sample - 1.0) };
+    let sampling = SAMPLING_SECONDS * of_sample * f64::from(fit.samples);
+    of_step * fit.solver.rules().seconds(lobe, &effort) + sampling + ENTRY_SECONDS
 }
 
 /// The number of entries that are fitted. Where the surface is isotropic or seen from above, the entries of all phi
@@ -60,7 +69,7 @@ mod tests {
                 let work = work_of(|pulse| {
                     Fitter::new(&fit).of(lobe).fit(&ggx, direction(1.0, 0.6), 0, pulse).expect("nothing stops it");
                 });
-                let nanoseconds = 1e9 * entry_seconds(lobe, &fit) / work as f64;
+                let nanoseconds = 1e9 * entry_seconds(BrdfKind::Ggx, lobe, &fit) / work as f64;
                 assert!(
                     (1.0..10.0).contains(&nanoseconds),
                     "{solver} {lobe} {samples} x {directions}: {nanoseconds} ns"

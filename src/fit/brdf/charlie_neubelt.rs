@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{
     charlie::Fibres,
-    scattering::{Brdf, BrdfRules, BrdfSample},
+    scattering::{Brdf, BrdfRules, BrdfSample, Compared},
 };
 use crate::fit::math::SquarePoint;
 
@@ -30,6 +30,10 @@ impl BrdfRules for Rules {
 
     fn follows_reflection(&self) -> bool {
         false
+    }
+
+    fn compared(&self) -> Compared {
+        Compared { sample: 3.0, error: 0.8 }
     }
 }
 

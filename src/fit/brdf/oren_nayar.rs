@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{
     hemisphere::Hemisphere,
-    scattering::{Brdf, BrdfRules, BrdfSample},
+    scattering::{Brdf, BrdfRules, BrdfSample, Compared},
 };
 use crate::fit::math::{SquarePoint, atan2};
 
@@ -42,6 +42,10 @@ impl BrdfRules for Rules {
 
     fn follows_reflection(&self) -> bool {
         false
+    }
+
+    fn compared(&self) -> Compared {
+        Compared { sample: 1.0, error: 0.18 }
     }
 }
 

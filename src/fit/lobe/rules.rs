@@ -29,6 +29,11 @@ pub(crate) trait LobeModelRules: Sync {
         *matrix
     }
 
+    /// The mean error of a table, over that of a table of LTCs.
+    fn error_over_ltc(&self) -> f64 {
+        1.0
+    }
+
     /// The Gaussian that the numbers stand for; `None` for models that are none.
     fn gaussian(&self) -> Option<Gaussian> {
         None

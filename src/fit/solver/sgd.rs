@@ -14,7 +14,7 @@ use super::objective::{Effort, Objective, SolverRules};
 use crate::fit::{
     brdf::Brdf,
     lobe::LobeModel,
-    math::{cosine_hemisphere, ln, sin_cos},
+    math::{Lattice, cosine_hemisphere, ln, sin_cos},
     metric::{Draws, Metric},
     pulse::Pulse,
 };
@@ -73,16 +73,33 @@ impl Uniform {
         DVec3::new(radius * cos, radius * sin, z)
     }
 
-    /// Algorithm 1: a direction drawn from the density proportional to the cosine-weighted lobe.
-    fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3) -> DVec3 {
+    /// Algorithm 1: a direction drawn from the density proportional to the cosine-weighted lobe, whose samples weigh `heaviest`
+    /// at most.
+    fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3, heaviest: f64, pulse: &mut Pulse) -> Option<DVec3> {
         loop {
+            pulse.worked(DRAW)?;
             let u = self.pair();
             let sample = brdf.sample(wo, u);
-            if self.next() < sample.weight {
-                return sample.wi;
+            if heaviest * self.next() < sample.weight {
+                return Some(sample.wi);
             }
         }
     }
+}
+
+/// Work of a draw from the lobe, in projections of a sample on a direction.
+const DRAW: usize = 16;
+/// Samples that are looked at for the heaviest.
+const LOOKED_AT: usize = 1024;
+/// Where samples weigh less than this, most would be rejected.
+const LIGHT: f64 = 0.125;
+
+/// The weight that no sample of a lobe exceeds: one, or for lobes that reflect little, such as those of smooth sheen, twice the
+/// most of a lattice of samples.
+fn heaviest(brdf: &dyn Brdf, wo: DVec3) -> f64 {
+    let points = Lattice::new(LOOKED_AT, [0.0; 2]).points();
+    let most = 2.0 * points.map(|u| brdf.sample(wo, u).weight).fold(0.0, f64::max);
+    if most > 0.0 && most < LIGHT { most } else { 1.0 }
 }
 
 /// The matrix after all steps, from the identity, in the tangent frame; `None` when `pulse` stops the descent. Its
@@ -92,14 +109,65 @@ fn descend(objective: &Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
     // A multiplier that mixes every bit of the entry's number separates the streams of one seed.
     let seed = effort.seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(seed));
+    let heaviest = heaviest(*brdf, *wo);
     let mut m = DMat3::IDENTITY;
     for _ in 0..effort.steps {
         let draws = Draws {
-            lobe: (0..effort.samples).map(|_| random.lobe(*brdf, *wo)).collect(),
+            lobe: (0..effort.samples).map(|_| random.lobe(*brdf, *wo, heaviest, pulse)).collect::<Option<_>>()?,
             cosines: (0..effort.samples).map(|_| cosine_hemisphere(random.pair())).collect(),
             directions: (0..effort.directions).map(|_| random.direction()).collect(),
         };
         m -= loss.step(&m, RATE, &draws, pulse)?;
     }
     Some(m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{
+        brdf::{Charlie, Ggx},
+        math::direction,
+        pulse::work_of,
+    };
+
+    /// Smooth sheen seen from above reflects a millionth of the light: its samples weigh as little.
+    #[test]
+    fn lobes_that_reflect_little_are_drawn_as_quickly() {
+        let wo = direction(0.3, 0.0);
+        let draws = |brdf: &dyn Brdf| {
+            let heaviest = heaviest(brdf, wo);
+            let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(1));
+            work_of(|pulse| {
+                for _ in 0..100 {
+                    random.lobe(brdf, wo, heaviest, pulse).expect("nothing stops it");
+                }
+            }) / (100 * DRAW)
+        };
+        let charlie = Charlie::new(0.01);
+        assert!(heaviest(&charlie, wo) < 1e-3, "{}", heaviest(&charlie, wo));
+        let (sheen, metal) = (draws(&charlie), draws(&Ggx { alpha_x: 0.3, alpha_y: 0.3 }));
+        assert!(sheen < 100 && metal < 2, "{sheen} {metal} draws a sample");
+    }
+
+    /// All that a lobe's samples can weigh is counted, or a search would wait for one for ever.
+    #[test]
+    fn a_lobe_that_reflects_nothing_can_be_stopped() {
+        #[derive(Debug)]
+        struct Black;
+        impl Brdf for Black {
+            fn eval_cos(&self, _: DVec3, _: DVec3) -> f64 {
+                0.0
+            }
+            fn sample(&self, _: DVec3, _: [f64; 2]) -> crate::fit::brdf::BrdfSample {
+                crate::fit::brdf::BrdfSample { wi: DVec3::Z, weight: 0.0, cos_theta_d: 1.0 }
+            }
+            fn pdf(&self, _: DVec3, _: DVec3) -> f64 {
+                1.0
+            }
+        }
+        let mut beat = || std::ops::ControlFlow::Break(());
+        let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(1));
+        assert!(random.lobe(&Black, DVec3::Z, heaviest(&Black, DVec3::Z), &mut Pulse::new(&mut beat)).is_none());
+    }
 }

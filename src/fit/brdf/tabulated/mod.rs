@@ -14,7 +14,7 @@ pub use check::{MOST_ALBEDO, MOST_VALUES};
 pub use fault::TabulatedFault;
 pub use grid::{Asymmetry, TabulatedBrdf};
 
-use super::scattering::{Brdf, BrdfRules};
+use super::scattering::{Brdf, BrdfRules, Compared};
 
 /// Tabulated BRDFs as an item of [`super::BrdfKind`]. Their surfaces are those of a file: see [`super::BrdfModel`].
 pub(super) struct Rules;
@@ -35,5 +35,10 @@ impl BrdfRules for Rules {
 
     fn needs_file(&self) -> bool {
         true
+    }
+
+    /// Its error is that of what it holds, and taken to be GGX's.
+    fn compared(&self) -> Compared {
+        Compared { sample: 7.0, error: 1.0 }
     }
 }

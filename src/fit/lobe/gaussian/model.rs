@@ -35,6 +35,13 @@ impl LobeModelRules for Rules {
         Some(self.0)
     }
 
+    fn error_over_ltc(&self) -> f64 {
+        match self.0 {
+            Gaussian::Sg => 5.2,
+            Gaussian::Asg => 3.2,
+        }
+    }
+
     /// A round Gaussian is told by its axis and its area: its deviations may be those of the reflection, scaled, which change
     /// with roughness and view like the reflection's own. Round ones, relative to the long and thin ones of a grazing view,
     /// grow without bound.
