@@ -7,12 +7,13 @@ use crate::light::LightModel;
 pub(super) const TABLE_COST: u32 = 8;
 /// The cost of light by the closed form in the space of normals.
 pub(super) const NORMALS_COST: u32 = 10;
-/// The cost of light by a Gaussian.
-pub(super) const GAUSSIAN_COST: u32 = 5;
+/// The cost of light by a Gaussian in closed form, and by one of a table.
+pub(super) const GAUSSIAN_COST: u32 = 6;
+pub(super) const GAUSSIAN_TABLE_COST: u32 = 10;
 
 impl Scene {
     /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the
-    /// reference, plus pixels times eight where it shows the table, ten the closed form and five a Gaussian. A lobe costs as
+    /// reference, plus pixels times eight where it shows the table, ten the closed form and six a Gaussian. A lobe costs as
     /// much as light by the table. The pixels are those of the whole panel: the background, which costs little, is not left
     /// out.
     #[must_use]
@@ -48,7 +49,7 @@ mod tests {
         assert_eq!(cost(Mode::Strip, 100, 64), 720_000.0);
         assert_eq!(cost(Mode::Difference, 100, 64), 720_000.0);
         assert_eq!(cost(Mode::Lobe, 100, 4096), 160_000.0);
-        for (model, of_a_pixel) in [(LightModel::Normals, 10.0), (LightModel::Sg, 5.0), (LightModel::Asg, 5.0)] {
+        for (model, of_a_pixel) in [(LightModel::Normals, 10.0), (LightModel::Sg, 6.0), (LightModel::Asg, 6.0)] {
             let cost = |mode| Scene { size: 100, spp: 64, mode, model, ..Scene::default() }.cost();
             assert_eq!([cost(Mode::Ltc), cost(Mode::Strip)], [of_a_pixel, of_a_pixel + 64.0].map(|cost| 1e4 * cost));
         }

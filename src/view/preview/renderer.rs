@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{
     Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose,
-    cost::{GAUSSIAN_COST, NORMALS_COST, TABLE_COST},
+    cost::{GAUSSIAN_COST, GAUSSIAN_TABLE_COST, NORMALS_COST, TABLE_COST},
     cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
@@ -324,7 +324,8 @@ fn samples_of_a_pixel(frame: &Frame, estimator: Estimator) -> u32 {
         Estimator::Reference => frame.spp,
         Estimator::Normals => NORMALS_COST,
         Estimator::Gaussian(_) => GAUSSIAN_COST,
-        Estimator::Table | Estimator::GaussianTable(_) | Estimator::TableLobe | Estimator::ReferenceLobe => TABLE_COST,
+        Estimator::GaussianTable(_) => GAUSSIAN_TABLE_COST,
+        Estimator::Table | Estimator::TableLobe | Estimator::ReferenceLobe => TABLE_COST,
     }
 }
 

@@ -108,6 +108,54 @@ impl<'a> Family<'a> {
     }
 }
 
+/// The loss over the numbers of a family, with the points of a grain.
+struct Search<'a, 'b> {
+    family: &'a Family<'a>,
+    loss: &'b mut dyn ImageLoss,
+    inv_spread: f64,
+    grain: Grain,
+    images: Images,
+    to_lobe: DMat3,
+    /// The images of the points, by the Gaussian and by one beside it.
+    base: Vec<DVec3>,
+    moved: Vec<DVec3>,
+}
+
+impl<'a, 'b> Search<'a, 'b> {
+    fn new(family: &'a Family<'a>, loss: &'b mut dyn ImageLoss, spread: f64, grain: Grain) -> Self {
+        let images = Images::new(loss.lattice(grain));
+        let to_lobe = family.target.frame.transpose();
+        let inv_spread = 1.0 / spread;
+        Self { family, loss, inv_spread, grain, images, to_lobe, base: Vec::new(), moved: Vec::new() }
+    }
+
+    /// Loss and cost, and their gradient by the free numbers: that of the loss by the images' directions is exact, and these
+    /// move by differences. `None` when `pulse` stops the search.
+    fn at(&mut self, v: &Vector, pulse: &mut Pulse) -> Option<(f64, Vector)> {
+        let Self { family, loss, inv_spread, grain, images, to_lobe, base, moved } = self;
+        let (block, _) = family.parts(v);
+        if block.determinant() <= 0.0 || block.x_axis.x <= 0.0 {
+            return Some((f64::INFINITY, [0.0; VARIABLES]));
+        }
+        let shape = family.shape(v);
+        pulse.worked(IMAGE_WORK * images.len())?;
+        images.offsets(&shape, to_lobe, base);
+        let (value, slopes) = loss.slopes(&in_arrays(base), *grain, pulse)?;
+        let cost = family.cost(v, &shape);
+        let (mut gradient, free) = ([0.0; VARIABLES], family.free());
+        for (k, slope) in gradient.iter_mut().enumerate().filter(|(k, _)| free[*k]) {
+            let mut beside = *v;
+            beside[k] += STEP;
+            let beside_shape = family.shape(&beside);
+            pulse.worked(IMAGE_WORK * images.len())?;
+            images.offsets(&beside_shape, to_lobe, moved);
+            let by_directions = pulled(&slopes, base, moved) * *inv_spread;
+            *slope = (by_directions + (family.cost(&beside, &beside_shape) - cost)) / STEP;
+        }
+        Some((value * *inv_spread + cost, gradient))
+    }
+}
+
 /// The columns of the Gaussian with the lowest loss, in the tangent frame; `None` when `pulse` stops the search.
 pub(super) fn solve(
     gaussian: Gaussian,
@@ -117,36 +165,13 @@ pub(super) fn solve(
     pulse: &mut Pulse,
 ) -> Option<DMat3> {
     let family = Family::of(gaussian, target);
-    let (inv_spread, free, to_lobe) = (1.0 / spread, family.free(), target.frame.transpose());
-    let curvature = [1.0; VARIABLES];
+    let (free, curvature) = (family.free(), [1.0; VARIABLES]);
     let mut hessian = InverseHessian::diagonal(&curvature);
     let mut lowest = [0.0; VARIABLES];
-    let (mut base, mut moved) = (Vec::new(), Vec::new());
     for (grain, relative_decrease) in [(Grain::Coarse, COARSE_DECREASE), (Grain::Full, stop.relative_decrease)] {
-        let images = Images::new(loss.lattice(grain));
         let stop = StopRule { relative_decrease, ..stop };
-        lowest = minimise(lowest, &curvature, &mut hessian, free, stop, |v| {
-            let (block, _) = family.parts(v);
-            if block.determinant() <= 0.0 || block.x_axis.x <= 0.0 {
-                return Some((f64::INFINITY, [0.0; VARIABLES]));
-            }
-            let shape = family.shape(v);
-            pulse.worked(IMAGE_WORK * images.len())?;
-            images.offsets(&shape, &to_lobe, &mut base);
-            let (value, slopes) = loss.slopes(&in_arrays(&base), grain, pulse)?;
-            let cost = family.cost(v, &shape);
-            let mut gradient = [0.0; VARIABLES];
-            for (k, slope) in gradient.iter_mut().enumerate().filter(|(k, _)| free[*k]) {
-                let mut beside = *v;
-                beside[k] += STEP;
-                let beside_shape = family.shape(&beside);
-                pulse.worked(IMAGE_WORK * images.len())?;
-                images.offsets(&beside_shape, &to_lobe, &mut moved);
-                let by_directions = pulled(&slopes, &base, &moved) * inv_spread;
-                *slope = (by_directions + (family.cost(&beside, &beside_shape) - cost)) / STEP;
-            }
-            Some((value * inv_spread + cost, gradient))
-        })?;
+        let mut search = Search::new(&family, loss, spread, grain);
+        lowest = minimise(lowest, &curvature, &mut hessian, free, stop, |v| search.at(v, pulse))?;
     }
     let shape = family.shape(&lowest);
     let [x, y] = shape.deviations().map(DVec3::from);
@@ -194,6 +219,42 @@ mod tests {
     fn planted(model: LobeModel, m: &DMat3, mirrors: Mirrors) -> Target {
         let model = model.distribution(&row_major(m)).expect("a regular matrix");
         planted_directions(Lattice::new(8192, [0.3, 0.8]).points().map(|u| model.sample(u)).collect(), mirrors)
+    }
+
+    /// A search finds its way with a gradient that is somewhat off; the differences of the loss itself tell.
+    #[test]
+    fn the_gradient_is_that_of_central_differences() {
+        const STEP: f64 = 1e-3;
+        let m = DMat3::from_cols(DVec3::X * 0.7, DVec3::Y * 0.5, direction(0.6, 0.4));
+        let target = planted(LobeModel::Ltc, &m, NO_MIRRORS);
+        let mut distance = Metric::Sw1.rules().distance(&Samples { count: 2048, directions: 32, shift: [0.0; 2] });
+        let mut beat = unstopped;
+        let mut pulse = Pulse::new(&mut beat);
+        let lobe = Lobe { brdf: &Ggx { alpha_x: 0.5, alpha_y: 0.5 }, wo: DVec3::Z, target: &target };
+        let mut loss = distance.to(&lobe, &mut pulse).expect("nothing stops it");
+        let spread = loss.spread();
+        let images = loss.images().expect("sw1 compares images");
+        for gaussian in [Gaussian::Sg, Gaussian::Asg] {
+            let family = Family::of(gaussian, &target);
+            let mut search = Search::new(&family, images, spread, Grain::Full);
+            let mut at = |v: &Vector| search.at(v, &mut pulse).expect("nothing stops it");
+            let v = [0.3, 0.2, -0.2, 0.3, -0.25, 0.0, 0.0];
+            let (_, gradient) = at(&v);
+            for k in (0..VARIABLES).filter(|k| family.free()[*k]) {
+                let [below, above] = [-STEP, STEP].map(|step| {
+                    let mut beside = v;
+                    beside[k] += step;
+                    at(&beside).0
+                });
+                let difference = (above - below) / (2.0 * STEP);
+                assert!(difference.abs() > 0.05, "number {k} of {gaussian} does not matter: {difference}");
+                assert!(
+                    (gradient[k] - difference).abs() < 0.02 * difference.abs(),
+                    "{k}: {} {difference}",
+                    gradient[k]
+                );
+            }
+        }
     }
 
     #[test]
