@@ -41,6 +41,9 @@ pub struct Located {
 pub fn locate(folders: &[PathBuf], name: &str) -> Result<Located, Vec<String>> {
     let digest: Option<Digest> = name.parse().ok();
     let Some(digest) = digest else {
+        if name.starts_with("sha256:") {
+            return Err(vec![format!("{name:?} is not a digest, sha256:<64 hex digits>")]);
+        }
         let path = folders.first().map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
         return read_path(&path);
     };

@@ -137,6 +137,8 @@ fn a_digest_is_found_where_tables_are() {
     let folders = [PathBuf::from("/none"), folder.path().to_owned()];
     let bytes = planted(&[]);
     let digest = Digest::of(&bytes);
+    let short = locate(&folders, "sha256:00").err().expect("no digest");
+    assert_eq!(short, [r#""sha256:00" is not a digest, sha256:<64 hex digits>"#]);
     let missing = locate(&folders, &digest.to_string()).err().expect("no file");
     assert!(
         missing[0].contains("there is no") && missing[0].contains(".brdf.safetensors in /none/ and "),

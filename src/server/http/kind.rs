@@ -91,7 +91,9 @@ impl ProblemKind {
             }
             Self::UriTooLong => row(StatusCode::URI_TOO_LONG, "uri-too-long", "Path and query are too long"),
             Self::BodyTooLarge => row(StatusCode::PAYLOAD_TOO_LARGE, "body-too-large", "The body is too large"),
-            Self::NotJsonType => row(StatusCode::UNSUPPORTED_MEDIA_TYPE, "not-json-type", "A recipe is sent as JSON"),
+            Self::NotJsonType => {
+                row(StatusCode::UNSUPPORTED_MEDIA_TYPE, "not-json-type", "The body is of another media type")
+            }
             Self::RangeNotSatisfiable => {
                 row(StatusCode::RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The range lies outside the file")
             }
