@@ -17,7 +17,7 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use super::{Batch, Findings, Row, Rows, StoreError, Tree, files, numbered};
+use super::{Batch, Findings, Row, Rows, Staged, StoreError, Tree, files, numbered};
 
 /// Bytes that are appended before the journal is written anew.
 const MOST_APPENDED: usize = 64 << 20;
@@ -202,7 +202,11 @@ impl<R: Rows> Rows for JournalledRows<R> {
         self.append(&mut end, &entry)
     }
 
-    fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
+    fn settle(&self, staged: Staged) -> Result<(), StoreError> {
+        self.rows.settle(staged)
+    }
+
+    fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
         if !concerns_jobs(batch) {
             return self.rows.stage(batch);
         }

@@ -8,7 +8,7 @@ use std::{
     },
 };
 
-use super::{Batch, Row, Rows, StoreError, Tree};
+use super::{Batch, Row, Rows, Staged, StoreError, Tree};
 
 type Map = BTreeMap<(Tree, Vec<u8>), Vec<u8>>;
 
@@ -25,6 +25,17 @@ pub(crate) struct MemoryRows {
     pub(crate) refused: AtomicU64,
     /// Number of acknowledged commits.
     pub(crate) commits: AtomicU64,
+    /// Called while the next [`Rows::settle`] waits for the disk.
+    pub(crate) while_settling: Mutex<Option<Meanwhile>>,
+}
+
+/// What a test does while a disk is waited for.
+pub(crate) struct Meanwhile(pub(crate) Box<dyn FnOnce() + Send>);
+
+impl std::fmt::Debug for Meanwhile {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Meanwhile(..)")
+    }
 }
 
 impl MemoryRows {
@@ -37,6 +48,11 @@ impl MemoryRows {
     /// Number of rows of `tree`.
     pub(crate) fn len(&self, tree: Tree) -> usize {
         self.rows.lock().unwrap().keys().filter(|(t, _)| *t == tree).count()
+    }
+
+    fn flush(&self) {
+        *self.durable.lock().unwrap() = self.rows.lock().unwrap().clone();
+        self.commits.fetch_add(1, Ordering::Relaxed);
     }
 
     fn collect<'a>(rows: impl Iterator<Item = (&'a (Tree, Vec<u8>), &'a Vec<u8>)>) -> Vec<Row> {
@@ -62,12 +78,23 @@ impl Rows for MemoryRows {
 
     fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
         self.stage(batch)?;
-        *self.durable.lock().unwrap() = self.rows.lock().unwrap().clone();
-        self.commits.fetch_add(1, Ordering::Relaxed);
+        self.flush();
         Ok(())
     }
 
-    fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
+    fn settle(&self, _staged: Staged) -> Result<(), StoreError> {
+        let meanwhile = self.while_settling.lock().unwrap().take();
+        if let Some(meanwhile) = meanwhile {
+            (meanwhile.0)();
+        }
+        if self.full.load(Ordering::Relaxed) {
+            return Err(StoreError::DiskFull);
+        }
+        self.flush();
+        Ok(())
+    }
+
+    fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
         if self.full.load(Ordering::Relaxed) {
             return Err(StoreError::DiskFull);
         }
@@ -83,6 +110,6 @@ impl Rows for MemoryRows {
                 None => rows.remove(&(*tree, key.clone())),
             };
         }
-        Ok(())
+        Ok(Staged(0))
     }
 }

@@ -51,6 +51,6 @@ pub use postgres::{Database, DatabaseOpenError, PostgresRows};
 #[cfg(all(test, feature = "cluster"))]
 pub(crate) use postgres::{test_database, throwaway};
 pub use rehearsal::Rehearsal;
-pub use rows::{Batch, Row, Rows};
+pub use rows::{Batch, Row, Rows, Staged};
 pub use sled_rows::SledRows;
 pub use tree::Tree;

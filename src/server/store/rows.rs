@@ -47,6 +47,10 @@ pub struct Row {
     pub value: Option<Vec<u8>>,
 }
 
+/// Changes that were staged: which opening of the database has them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Staged(pub(super) u64);
+
 /// Rows in ordered trees. What [`Rows::commit`] acknowledged survives a power cut.
 pub trait Rows: Send + Sync + std::fmt::Debug {
     /// The value of `key`.
@@ -82,11 +86,18 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// may be stored or not, but never in part.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
-    /// Applies `batch` without waiting for the disk; it is durable with the next [`Rows::commit`].
+    /// Applies `batch` without waiting for the disk; it is durable with the next [`Rows::commit`] or [`Rows::settle`].
     ///
     /// # Errors
     /// As [`Rows::commit`].
-    fn stage(&self, batch: &Batch) -> Result<(), StoreError>;
+    fn stage(&self, batch: &Batch) -> Result<Staged, StoreError>;
+
+    /// Waits until what was staged, and all that was before it, is durable. Others may stage and read meanwhile.
+    ///
+    /// # Errors
+    /// The database's error, or that it was closed since by the error of another write: the changes may be stored or not, but
+    /// never in part.
+    fn settle(&self, staged: Staged) -> Result<(), StoreError>;
 }
 
 /// Bytes of the hash in front of each stored value.

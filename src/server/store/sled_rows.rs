@@ -12,7 +12,10 @@ use std::{
     fs::{File, TryLockError},
     io,
     path::{Path, PathBuf},
-    sync::{Arc, PoisonError, RwLock, RwLockReadGuard},
+    sync::{
+        Arc, PoisonError, RwLock, RwLockReadGuard,
+        atomic::{AtomicU64, Ordering},
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -20,7 +23,7 @@ use std::{
 use sled::transaction::{TransactionError, Transactional as _};
 
 use super::{
-    Batch, Checks, Row, Rows, StoreError, Tree, files,
+    Batch, Checks, Row, Rows, Staged, StoreError, Tree, files,
     migrations::{self, MigrationError},
     rows,
 };
@@ -58,6 +61,8 @@ pub struct SledRows {
     sync: SyncFn,
     /// `None` after a write error.
     handle: RwLock<Option<Handle>>,
+    /// How often it was opened.
+    openings: AtomicU64,
     /// What is checked when it was opened again.
     pub(super) checks: Checks,
     /// Whether the database was empty, without even a schema, when it was opened.
@@ -73,6 +78,8 @@ struct Handle {
     file: File,
     /// Migrations that were applied when it was opened.
     applied: usize,
+    /// Number of the opening, of all since the process has begun.
+    opening: u64,
 }
 
 impl std::fmt::Debug for SledRows {
@@ -122,6 +129,7 @@ impl SledRows {
             folder: folder.to_owned(),
             sync,
             handle: RwLock::new(Some(handle)),
+            openings: AtomicU64::new(0),
             checks: Checks::default(),
             was_empty: before == 0,
             was_journalled: before >= migrations::WITH_JOURNAL,
@@ -138,7 +146,8 @@ impl SledRows {
             drop(guard);
             let mut slot = self.handle.write().unwrap_or_else(PoisonError::into_inner);
             if slot.is_none() {
-                *slot = Some(self.reopen()?);
+                let opening = self.openings.fetch_add(1, Ordering::Relaxed) + 1;
+                *slot = Some(Handle { opening, ..self.reopen()? });
             }
         };
         let Some(handle) = guard.as_ref() else {
@@ -200,6 +209,11 @@ impl SledRows {
         done?.unwrap_or_else(|_| Err(StoreError::Database("sled panicked while it read its rows".to_owned())))
     }
 
+    fn flush(&self, handle: &Handle) -> Result<(), sled::Error> {
+        handle.db.flush()?;
+        (self.sync)(&handle.file).map_err(sled::Error::Io)
+    }
+
     fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {
         let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
         if free < HEADROOM_BYTES + batch.bytes() as u64 { Err(StoreError::DiskFull) } else { Ok(()) }
@@ -233,14 +247,30 @@ impl Rows for SledRows {
         self.ensure_room(batch)?;
         self.with(|handle| {
             handle.apply(batch)?;
-            handle.db.flush()?;
-            (self.sync)(&handle.file).map_err(sled::Error::Io)
+            self.flush(handle)
         })
     }
 
-    fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
+    fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
         self.ensure_room(batch)?;
-        self.with(|handle| handle.apply(batch))
+        self.with(|handle| {
+            handle.apply(batch)?;
+            Ok(Staged(handle.opening))
+        })
+    }
+
+    fn settle(&self, staged: Staged) -> Result<(), StoreError> {
+        let is_settled = self.with(|handle| {
+            if handle.opening != staged.0 {
+                return Ok(false);
+            }
+            self.flush(handle)?;
+            Ok(true)
+        })?;
+        if is_settled {
+            return Ok(());
+        }
+        Err(StoreError::Database("it was closed by a write error while rows were on their way to the disk".to_owned()))
     }
 }
 
@@ -287,7 +317,7 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     let file = File::options().read(true).write(true).open(folder.join("db")).map_err(SledOpenError::Unusable)?;
     db.flush().map_err(refused)?;
     file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
-    Ok(Handle { db, trees, file, applied })
+    Ok(Handle { db, trees, file, applied, opening: 0 })
 }
 
 /// Opens the database in `folder` with sled, once it is not locked.

@@ -25,7 +25,8 @@ pub type Clock = Arc<dyn Fn() -> Timestamp + Send + Sync>;
 
 /// Durable jobs, which share the workers evenly.
 ///
-/// The lock is held while a change is written, so that only durable changes can be seen.
+/// The lock is held while a change of a job is written, so that only durable changes can be seen. Results are written
+/// without it, and their tasks count as leased meanwhile.
 pub struct EmbeddedQueue {
     pub(super) rows: Arc<dyn Rows>,
     pub(super) limits: Limits,
@@ -154,7 +155,8 @@ impl EmbeddedQueue {
             self.fail_job(state, submission, error);
         } else {
             let mut batch = Batch::default();
-            let stored = record::put_task(&mut batch, id, task, waiting).and_then(|()| self.rows.stage(&batch));
+            let stored =
+                record::put_task(&mut batch, id, task, waiting).and_then(|()| self.rows.stage(&batch).map(|_| ()));
             if let Err(error) = stored {
                 tracing::warn!(job = %id, task, %error, "the failure could not be recorded");
             }
@@ -220,6 +222,13 @@ impl QueueState {
             TaskState::Leased { attempt, .. } if *attempt == lease.attempt => Ok((active, task)),
             _ => Err(StaleLease),
         }
+    }
+
+    /// Renews a lease; returns its job.
+    pub(super) fn extend(&mut self, lease: &Lease, until: Timestamp) -> Result<&mut ActiveJob, StaleLease> {
+        let active = self.active.get_mut(&lease.submission).ok_or(StaleLease)?;
+        active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.extend(lease.attempt, until)?;
+        Ok(active)
     }
 
     /// Records a change of `job` that may have made a task available. The caller notifies the workers.

@@ -1,21 +1,18 @@
-//! Leasing tasks, renewing leases, and what a worker reports under a lease.
+//! Leasing tasks, renewing leases, giving tasks back.
 
-use std::{collections::BTreeMap, num::NonZeroUsize, sync::TryLockError};
+use std::{num::NonZeroUsize, sync::TryLockError};
 
 use jiff::Timestamp;
 
 use super::{
     active::ActiveJob,
-    jobs::{EmbeddedQueue, QueueState, conclusion},
+    jobs::{EmbeddedQueue, QueueState},
     record,
     task::TaskState,
 };
-use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Demand, Failure, JobState, Lease, LeaseError, LeasedTask, Offer, StaleLease, TaskKind},
-        store::{Batch, StoreError, Tree},
-    },
+use crate::server::{
+    queue::{Demand, Failure, JobState, Lease, LeasedTask, Offer, StaleLease, TaskKind},
+    store::Batch,
 };
 
 impl EmbeddedQueue {
@@ -62,7 +59,8 @@ impl EmbeddedQueue {
         if first {
             stored = stored.and_then(|()| record::put_job(&mut batch, &active.record));
         }
-        let write = |batch: &Batch| if is_careful { self.rows.commit(batch) } else { self.rows.stage(batch) };
+        let write =
+            |batch: &Batch| if is_careful { self.rows.commit(batch) } else { self.rows.stage(batch).map(|_| ()) };
         if let Err(error) = stored.and_then(|()| write(&batch)) {
             tracing::warn!(job = %id, task, %error, "the lease could not be recorded");
         }
@@ -88,80 +86,7 @@ impl EmbeddedQueue {
             Err(TryLockError::WouldBlock) => return Ok(()),
         };
         self.take_back_expired(&mut state);
-        let active = state.active.get_mut(&lease.submission).ok_or(StaleLease)?;
-        active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.extend(lease.attempt, until)?;
-        active.report(lease.task, entries_done);
-        Ok(())
-    }
-
-    pub(super) fn complete_shards(&self, done: &[(Lease, &[u8])]) -> Result<Vec<Result<(), StaleLease>>, StoreError> {
-        let mut state = self.lock();
-        let mut batch = Batch::default();
-        let (mut answers, mut accepted) = (Vec::with_capacity(done.len()), BTreeMap::new());
-        for (lease, result) in done {
-            let finished = state.current(lease).and_then(|(active, task)| {
-                let is_shard = lease.task != active.assembly() && !accepted.contains_key(lease);
-                if is_shard { Ok((active.record.job.id, task.finish(lease.attempt)?)) } else { Err(StaleLease) }
-            });
-            answers.push(finished.as_ref().map(drop).map_err(|error| *error));
-            let Ok((id, finished)) = finished else { continue };
-            record::put_task(&mut batch, id, lease.task, &finished)?;
-            batch.put(Tree::Results, record::task_key(id, lease.task), *result);
-            accepted.insert(*lease, finished);
-        }
-        if !accepted.is_empty() {
-            self.commit(&mut state, batch)?;
-        }
-        for (lease, finished) in accepted {
-            self.set(&mut state, &lease, finished);
-        }
-        Ok(answers)
-    }
-
-    pub(super) fn all_results(&self, lease: &Lease, take: &mut dyn FnMut(&[u8])) -> Result<bool, LeaseError> {
-        let id = self.lock().current(lease)?.0.record.job.id;
-        let mut lost = Vec::new();
-        for shard in 0..lease.task {
-            match self.rows.get(Tree::Results, &record::task_key(id, shard)) {
-                Ok(Some(result)) => take(&result),
-                Ok(None) | Err(StoreError::DamagedRow { .. }) => lost.push(shard),
-                Err(error) => return Err(error.into()),
-            }
-        }
-        if lost.is_empty() {
-            return Ok(true);
-        }
-        let mut state = self.lock();
-        let error = format!("the results of shards {lost:?} are lost or damaged");
-        self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, &error)?;
-        if !state.active.contains_key(&lease.submission) {
-            // That was its last attempt, and the job has failed.
-            return Ok(false);
-        }
-        for shard in lost {
-            let waiting = TaskState::new();
-            let mut batch = Batch::default();
-            record::put_task(&mut batch, id, shard, &waiting)?;
-            batch.remove(Tree::Results, record::task_key(id, shard));
-            self.commit(&mut state, batch)?;
-            self.set(&mut state, &Lease { task: shard, ..*lease }, waiting);
-        }
-        Ok(false)
-    }
-
-    pub(super) fn finish_job(&self, lease: &Lease, table: Digest, with: Batch) -> Result<(), LeaseError> {
-        let mut state = self.lock();
-        let (active, _) = state.current(lease)?;
-        if lease.task != active.assembly() {
-            return Err(StaleLease.into());
-        }
-        let record = active.concluded(JobState::Done { table }, (self.clock)());
-        let mut batch = with;
-        let (conclusion, remains) = conclusion(&record)?;
-        batch.extend(conclusion);
-        self.commit(&mut state, batch)?;
-        state.conclude(&record, remains);
-        self.changed.notify_all();
+        state.extend(lease, until)?.report(lease.task, entries_done);
         Ok(())
     }
 
@@ -187,7 +112,7 @@ impl EmbeddedQueue {
         Ok(())
     }
 
-    fn set(&self, state: &mut QueueState, lease: &Lease, task: TaskState) {
+    pub(super) fn set(&self, state: &mut QueueState, lease: &Lease, task: TaskState) {
         if let Some(active) = state.active.get_mut(&lease.submission) {
             active.set(lease.task, task);
             let id = active.record.job.id;
@@ -196,7 +121,7 @@ impl EmbeddedQueue {
         self.changed.notify_all();
     }
 
-    fn expiry(&self, now: Timestamp) -> Timestamp {
+    pub(super) fn expiry(&self, now: Timestamp) -> Timestamp {
         now.checked_add(self.limits.lease_ttl).unwrap_or(Timestamp::MAX)
     }
 }

@@ -3,6 +3,7 @@
 //! Invariant: leases are not durable; they end with the process.
 
 mod active;
+mod deliver;
 mod export;
 mod forget;
 mod jobs;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use deadpool_postgres::GenericClient;
 
 use super::Database;
-use crate::server::store::{Batch, Row, Rows, StoreError, Tree};
+use crate::server::store::{Batch, Row, Rows, Staged, StoreError, Tree};
 
 /// Rows in a table of PostgreSQL.
 #[derive(Debug)]
@@ -96,8 +96,13 @@ impl Rows for PostgresRows {
         })
     }
 
-    fn stage(&self, batch: &Batch) -> Result<(), StoreError> {
-        self.commit(batch)
+    fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
+        self.commit(batch)?;
+        Ok(Staged(0))
+    }
+
+    fn settle(&self, _staged: Staged) -> Result<(), StoreError> {
+        Ok(())
     }
 }
 

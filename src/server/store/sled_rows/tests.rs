@@ -127,15 +127,53 @@ fn a_value_that_was_changed_on_the_disk_is_reported() {
     assert_eq!(rows.scan(Tree::Jobs, b"").unwrap()[0].value, None);
 }
 
+#[test]
+fn what_was_settled_survives_a_power_cut_and_what_was_staged_later_does_not() {
+    let dir = tempfile::tempdir().unwrap();
+    let (folder, cut) = (dir.path().join("db"), dir.path().join("cut"));
+    let hook = {
+        let (folder, cut) = (folder.clone(), cut.clone());
+        move |file: &File| {
+            file.sync_all()?;
+            let _ = fs::remove_dir_all(&cut);
+            files::copy_folder(&folder, &cut)
+        }
+    };
+    let rows = SledRows::open(&folder, Arc::new(hook)).unwrap();
+    let staged = rows.stage(&put("settled")).unwrap();
+    rows.settle(staged).unwrap();
+    rows.stage(&put("staged")).unwrap();
+    let survived = plain(&cut);
+    assert!(survived.get(Tree::Jobs, b"settled").unwrap().is_some());
+    assert!(survived.get(Tree::Jobs, b"staged").unwrap().is_none());
+}
+
+#[test]
+fn what_was_staged_before_a_write_error_is_not_acknowledged_after_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = SledRows::open(dir.path(), fails_at(1)).unwrap();
+    let staged = rows.stage(&put("staged")).unwrap();
+    assert!(matches!(rows.commit(&put("during")), Err(StoreError::DiskFull)));
+    let error = rows.settle(staged).unwrap_err().to_string();
+    assert!(error.contains("closed by a write error"), "{error}");
+    let again = rows.stage(&put("staged")).unwrap();
+    rows.settle(again).unwrap();
+    assert!(rows.get(Tree::Jobs, b"staged").unwrap().is_some());
+}
+
+/// A sync that fails once, after so many that do not.
+fn fails_at(sync: u32) -> SyncFn {
+    let syncs = AtomicU32::new(0);
+    Arc::new(move |file: &File| match syncs.fetch_add(1, Ordering::Relaxed) {
+        at if at == sync => Err(io::ErrorKind::StorageFull.into()),
+        _ => file.sync_all(),
+    })
+}
+
 /// A database whose next commit fails and closes it.
 fn closed_by_an_error(folder: &Path) -> SledRows {
-    let full = AtomicU32::new(0);
-    let hook = move |file: &File| match full.fetch_add(1, Ordering::Relaxed) {
-        // Opening it syncs once, and so does the commit before.
-        2 => Err(io::ErrorKind::StorageFull.into()),
-        _ => file.sync_all(),
-    };
-    let rows = SledRows::open(folder, Arc::new(hook)).unwrap();
+    // Opening it syncs once, and so does the commit before.
+    let rows = SledRows::open(folder, fails_at(2)).unwrap();
     rows.commit(&put("before")).unwrap();
     assert!(matches!(rows.commit(&put("during")), Err(StoreError::DiskFull)));
     rows
