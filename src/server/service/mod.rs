@@ -20,6 +20,7 @@ mod forecast;
 mod migrate;
 mod open;
 mod pictures;
+mod places;
 mod reconcile;
 mod speed;
 mod state;

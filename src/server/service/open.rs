@@ -64,7 +64,9 @@ impl Service {
     pub(super) fn start(config: Config, parts: Parts) -> Result<Arc<Self>, OpenError> {
         let Parts { queue, store, engine, works } = parts;
         let workers = config.workers.get();
-        let threads = if works { workers.saturating_add(config.queue_limit.clamp(1, MOST_WAITING)) } else { 0 };
+        // Each worker has a task under way, and one that was leased ahead.
+        let tasks = workers.saturating_mul(2).saturating_add(config.queue_limit.clamp(1, MOST_WAITING));
+        let threads = if works { tasks } else { 0 };
         let (fitting_pool, measuring_pool) =
             (pool(&config, "fit", threads.max(1))?, pool(&config, "measure", workers)?);
         let turns = Turns::new(workers, config.lease_ttl / 4);

@@ -19,7 +19,8 @@ use crate::server::{
 pub struct Service {
     pub(super) state: Arc<ServiceState>,
     pub(super) workers: Arc<Workers>,
-    /// The threads that fit: one for each worker, and one for each job that may arrive while all are busy.
+    /// The threads that fit: two for each worker, of which one waits with a task that was leased ahead, and one for each job
+    /// that may arrive while all are busy.
     pub(super) _pool: rayon::ThreadPool,
 }
 

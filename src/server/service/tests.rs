@@ -14,11 +14,11 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{FailureKind, JobId, JobState, StateName},
-        store::Store,
+        store::{Row, Store, Tree},
     },
 };
 
-fn config(dir: &Path) -> Config {
+pub(super) fn config(dir: &Path) -> Config {
     Config {
         data_dir: dir.to_owned(),
         workers: NonZeroUsize::new(2).unwrap(),
@@ -235,6 +235,38 @@ fn a_small_job_is_done_while_a_long_one_has_all_workers() {
     let behaviour = shared.behaviour.lock().unwrap();
     assert_eq!(behaviour.order[2], "small 3", "{:?}", behaviour.order);
     assert!(behaviour.begun.values().all(|begun| *begun == 1), "a shard was begun twice: {:?}", behaviour.begun);
+}
+
+/// Tasks that are leased now.
+fn leased(service: &Service) -> usize {
+    let rows = service.state.tables.store.rows.scan(Tree::Shards, b"").unwrap();
+    let text = |row: Row| String::from_utf8(row.value.unwrap()).unwrap();
+    rows.into_iter().map(text).filter(|row| row.contains("\"state\":\"leased\"")).count()
+}
+
+#[test]
+fn a_shard_is_leased_ahead_and_keeps_no_other_job_waiting() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let engine = Box::new(FakeEngine(Arc::clone(&shared)));
+    let config = Config { workers: NonZeroUsize::MIN, ..config(dir.path()) };
+    let service = Service::open_with(config, Store::open(dir.path()).unwrap(), engine).unwrap();
+    fitted(&service, "quick 1");
+    shared.set(|b| b.endless = Some("long 4".to_owned()));
+    let (long, _) = submit(&service, "long 4");
+    // The one that is fitted, and the next.
+    while leased(&service) < 2 {
+        std::thread::yield_now();
+    }
+    fitted(&service, "small 3");
+    let begun = |recipe: &str| shared.behaviour.lock().unwrap().order.iter().filter(|begun| *begun == recipe).count();
+    assert_eq!(begun("long 4"), 1, "what was leased ahead waits for a place");
+    assert_eq!(service.cancel(long).unwrap().unwrap().job.state, JobState::Cancelled);
+    fitted(&service, "other 3");
+    assert_eq!(shared.behaviour.lock().unwrap().gave_up, 0);
+    shared.set(|b| b.endless = None);
+    submit(&service, "long 4");
+    assert!(matches!(end_of(&service, long), JobState::Done { .. }));
 }
 
 /// A worker whose table is measured by other threads fits meanwhile.

@@ -1,16 +1,18 @@
 //! Turns: which of the threads that are in the middle of a task may work.
 //!
 //! A shard may take minutes and nothing of it would be left if it were given back, so a job that arrives meanwhile gets a
-//! thread of its own. As many threads work at once as there are workers; they take turns, first come, first served.
+//! thread of its own. As many threads work at once as there are workers; they take turns, first come, first served. Tasks that
+//! were leased ahead have no turn before they are under way, see [`super::places`].
 
 use std::{
-    collections::VecDeque,
+    collections::{BTreeSet, HashMap, VecDeque},
     num::NonZeroUsize,
-    sync::{Condvar, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
-use crate::server::queue::{Demand, LeasedTask, Offer};
+use super::places::{Place, Places};
+use crate::server::queue::{Demand, JobId, LeasedTask, Offer};
 
 /// How long a thread works before it lets another have its turn.
 const SLICE: Duration = Duration::from_millis(100);
@@ -31,11 +33,14 @@ pub(super) struct Turns {
     renewal: Duration,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct State {
-    /// Threads that have a task.
-    busy: usize,
-    /// Those of them that work.
+    /// The tasks that were leased.
+    places: Places,
+    /// Threads with tasks that were leased ahead, by ticket of their place, and the tickets that are under way since.
+    ahead: HashMap<u64, Arc<Condvar>>,
+    begun: BTreeSet<u64>,
+    /// Threads that work.
     working: usize,
     /// Tickets of those that wait; the front one is next.
     waiting: VecDeque<u64>,
@@ -58,16 +63,24 @@ struct Asking {
     /// The last round that found nothing.
     nothing: u64,
     /// Leased tasks that no thread has taken yet.
-    tasks: VecDeque<LeasedTask>,
+    tasks: VecDeque<Asked>,
     /// Whether the queue is closed.
     is_closed: bool,
+}
+
+/// A leased task and whether it may begin.
+#[derive(Debug)]
+pub(super) struct Asked {
+    pub(super) task: Box<LeasedTask>,
+    place: Place,
 }
 
 /// The turns of a thread during one task.
 #[derive(Debug)]
 pub(super) struct Turn<'a> {
     turns: &'a Turns,
-    /// Whether its task counts as worked on.
+    job: JobId,
+    /// Whether its task is under way.
     is_busy: bool,
     /// Whether it works now.
     works: bool,
@@ -78,7 +91,16 @@ pub(super) struct Turn<'a> {
 impl Turns {
     pub(super) fn new(at_once: usize, renewal: Duration) -> Self {
         Self {
-            state: Mutex::default(),
+            state: Mutex::new(State {
+                places: Places::new(at_once),
+                ahead: HashMap::new(),
+                begun: BTreeSet::new(),
+                working: 0,
+                waiting: VecDeque::new(),
+                tickets: 0,
+                is_closed: false,
+                asking: Asking::default(),
+            }),
             changed: Condvar::new(),
             leased: Condvar::new(),
             idle: Condvar::new(),
@@ -87,20 +109,16 @@ impl Turns {
         }
     }
 
-    /// Asks for a task: any while fewer threads have one than may work, else one of a job that no thread works for. Of
-    /// threads that ask at the same time, one calls `lease` for all, and while there is nothing, one calls `wait` with the
-    /// generation of the queue that was seen. `None` when the queue is closed.
-    pub(super) fn ask(
-        &self,
-        lease: impl Fn(Demand, NonZeroUsize) -> Offer,
-        wait: impl Fn(u64),
-    ) -> Option<Box<LeasedTask>> {
+    /// Asks for a task, to be passed to [`Self::begin`]. Of threads that ask at the same time, one calls `lease` for all,
+    /// and while there is nothing, one calls `wait` with the generation of the queue that was seen. `None` when the queue is
+    /// closed.
+    pub(super) fn ask(&self, lease: impl Fn(Demand, NonZeroUsize) -> Offer, wait: impl Fn(u64)) -> Option<Asked> {
         let mut state = self.lock();
         let mut arrived = state.asking.rounds;
         state.asking.threads += 1;
         let task = loop {
             if let Some(task) = state.asking.tasks.pop_front() {
-                break Some(Box::new(task));
+                break Some(task);
             }
             if state.asking.is_closed {
                 break None;
@@ -115,20 +133,21 @@ impl Turns {
                 arrived = state.asking.rounds;
                 continue;
             }
-            let free = NonZeroUsize::new(self.at_once.saturating_sub(state.busy).min(state.asking.threads));
+            let (demand, most) = state.places.demand(state.asking.threads);
             state.asking.rounds += 1;
             state.asking.is_leasing = true;
             drop(state);
-            let offer =
-                lease(if free.is_some() { Demand::Any } else { Demand::Unserved }, free.unwrap_or(NonZeroUsize::MIN));
+            let offer = lease(demand, most);
             state = self.lock();
             state.asking.is_leasing = false;
             self.leased.notify_all();
             match offer {
                 Offer::Tasks(tasks) => {
-                    state.busy += tasks.len();
                     (1..tasks.len()).for_each(|_| self.idle.notify_one());
-                    state.asking.tasks.extend(tasks);
+                    for task in tasks {
+                        let place = state.places.add(task.job);
+                        state.asking.tasks.push_back(Asked { task: Box::new(task), place });
+                    }
                 }
                 Offer::Nothing { seen } => {
                     state.asking.nothing = state.asking.rounds;
@@ -155,10 +174,21 @@ impl Turns {
         task
     }
 
-    /// Begins a task that was offered, as soon as a thread that works lets it. `renew` is called now and then until then.
-    pub(super) fn begin(&self, renew: &mut dyn FnMut()) -> Turn<'_> {
-        let mut turn = Turn { turns: self, is_busy: true, works: false, since: Instant::now(), waited: Duration::ZERO };
+    /// Begins a task that was leased, as soon as it has a place and a thread that works lets it. `renew` is called now and
+    /// then until then.
+    pub(super) fn begin(&self, asked: &Asked, renew: &mut dyn FnMut()) -> Turn<'_> {
+        let (job, since) = (asked.task.job, Instant::now());
+        let mut turn = Turn { turns: self, job, is_busy: true, works: false, since, waited: Duration::ZERO };
         let mut state = self.lock();
+        if let Place::Ahead(place) = asked.place {
+            let named = Arc::new(Condvar::new());
+            state.ahead.insert(place, Arc::clone(&named));
+            while !(state.begun.contains(&place) || state.is_closed) {
+                state = self.wait_on(&named, state, renew);
+            }
+            state.ahead.remove(&place);
+            turn.is_busy = state.begun.remove(&place);
+        }
         let ticket = state.ticket();
         state.waiting.push_front(ticket);
         turn.wait(state, ticket, renew);
@@ -167,8 +197,27 @@ impl Turns {
 
     /// Ends all waiting: who waits goes on without a turn, and has to stop.
     pub(super) fn close(&self) {
-        self.lock().is_closed = true;
+        let mut state = self.lock();
+        state.is_closed = true;
+        state.ahead.values().for_each(|named| named.notify_one());
         self.changed.notify_all();
+    }
+
+    /// Waits for a change, but not so long that a lease ends meanwhile.
+    fn wait_on<'a>(
+        &'a self,
+        changed: &Condvar,
+        state: MutexGuard<'a, State>,
+        renew: &mut dyn FnMut(),
+    ) -> MutexGuard<'a, State> {
+        let waited = changed.wait_timeout(state, self.renewal);
+        let (held, timeout) = waited.unwrap_or_else(PoisonError::into_inner);
+        if !timeout.timed_out() {
+            return held;
+        }
+        drop(held);
+        renew();
+        self.lock()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -225,15 +274,26 @@ impl<'a> Turn<'a> {
         done
     }
 
-    /// After the last work on the task: what is left, such as storing its result, needs no turn, and another task may be
-    /// leased meanwhile.
-    pub(super) fn end(&mut self) {
+    /// After the last work on a shard, which `took` so long: what is left, such as storing its result, needs no turn, and
+    /// another task may begin meanwhile.
+    pub(super) fn end(&mut self, took: Duration) {
+        self.leave_place(Some(took));
+    }
+
+    fn leave_place(&mut self, took: Option<Duration>) {
         self.give();
-        if self.is_busy {
-            self.is_busy = false;
-            self.turns.lock().busy -= 1;
-            self.turns.idle.notify_one();
+        if !self.is_busy {
+            return;
         }
+        self.is_busy = false;
+        let mut state = self.turns.lock();
+        if let Some(place) = state.places.end(self.job, took) {
+            state.begun.insert(place);
+            // A thread that has not come to wait yet will see that it need not.
+            state.ahead.get(&place).inspect(|named| named.notify_one());
+        }
+        drop(state);
+        self.turns.idle.notify_one();
     }
 
     fn give(&mut self) {
@@ -249,14 +309,7 @@ impl<'a> Turn<'a> {
         let (turns, begun) = (self.turns, Instant::now());
         let is_next = |state: &State| state.working < turns.at_once && state.waiting.front() == Some(&ticket);
         while !(state.is_closed || is_next(&state)) {
-            let waited = turns.changed.wait_timeout(state, turns.renewal);
-            let (held, timeout) = waited.unwrap_or_else(PoisonError::into_inner);
-            state = held;
-            if timeout.timed_out() {
-                drop(state);
-                renew();
-                state = turns.lock();
-            }
+            state = turns.wait_on(&turns.changed, state, renew);
         }
         state.waiting.retain(|waiting| *waiting != ticket);
         self.works = !state.is_closed;
@@ -270,6 +323,6 @@ impl<'a> Turn<'a> {
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        self.end();
+        self.leave_place(None);
     }
 }

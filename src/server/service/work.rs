@@ -50,10 +50,11 @@ impl ServiceState {
     /// Does tasks until the queue is closed.
     pub(super) fn work(&self, thread: u32) {
         let lease = |demand, most| self.queue.lease(thread, demand, most);
-        while let Some(task) = self.turns.ask(lease, |seen| self.queue.wait(seen)) {
+        while let Some(asked) = self.turns.ask(lease, |seen| self.queue.wait(seen)) {
             self.publish_changes();
-            let mut turn = self.turns.begin(&mut || self.renew(&task, 0));
-            self.deliver(&task, &mut turn);
+            let task = &asked.task;
+            let mut turn = self.turns.begin(&asked, &mut || self.renew(task, 0));
+            self.deliver(task, &mut turn);
             drop(turn);
             self.publish_changes();
         }
@@ -122,12 +123,14 @@ impl ServiceState {
             }
             ControlFlow::Continue(())
         };
+        // It may have waited, and its job may have ended meanwhile.
+        self.queue.progress(&task.lease, 0)?;
         self.engine.prepare(&task.recipe)?;
         match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
             Some(result) => {
-                let seconds = (started.elapsed() + waited).saturating_sub(turn.waited()).as_secs_f64();
-                turn.end();
-                self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, seconds);
+                let took = (started.elapsed() + waited).saturating_sub(turn.waited());
+                turn.end(took);
+                self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, took.as_secs_f64());
                 self.complete(task, &result)?;
             }
             None => self.queue.give_back(&task.lease)?,
