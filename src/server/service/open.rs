@@ -64,7 +64,7 @@ impl Service {
     pub(super) fn start(config: Config, parts: Parts) -> Result<Arc<Self>, OpenError> {
         let Parts { queue, store, engine, works } = parts;
         let workers = config.workers.get();
-        // Each worker has a task under way, and one that was leased ahead.
+        // Each worker has a task under way, and a result to store.
         let tasks = workers.saturating_mul(2).saturating_add(config.queue_limit.clamp(1, MOST_WAITING));
         let threads = if works { tasks } else { 0 };
         let (fitting_pool, measuring_pool) =

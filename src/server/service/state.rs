@@ -19,7 +19,7 @@ use crate::server::{
 pub struct Service {
     pub(super) state: Arc<ServiceState>,
     pub(super) workers: Arc<Workers>,
-    /// The threads that fit: two for each worker, of which one waits with a task that was leased ahead, and one for each job
+    /// The threads that fit: two for each worker, of which one stores results, and one for each job
     /// that may arrive while all are busy.
     pub(super) _pool: rayon::ThreadPool,
 }

@@ -1,18 +1,23 @@
 //! Turns: which of the threads that are in the middle of a task may work.
 //!
 //! A shard may take minutes and nothing of it would be left if it were given back, so a job that arrives meanwhile gets a
-//! thread of its own. As many threads work at once as there are workers; they take turns, first come, first served. Tasks that
-//! were leased ahead have no turn before they are under way, see [`super::places`].
+//! thread of its own. As many threads work at once as there are workers; they take turns, first come, first served.
+//!
+//! A thread that has ended a shard goes on with a task that was leased ahead, see [`super::places`], and leaves the result to
+//! one that sleeps: its core would be idle otherwise until the system has found another thread for it.
 
 use std::{
-    collections::{BTreeSet, HashMap, VecDeque},
+    collections::VecDeque,
     num::NonZeroUsize,
-    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    sync::{Condvar, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
 use super::places::{Place, Places};
 use crate::server::queue::{Demand, JobId, LeasedTask, Offer};
+
+/// Results that wait for a thread that stores them, at most, while tasks are begun.
+const MOST_RESULTS: usize = 64;
 
 /// How long a thread works before it lets another have its turn.
 const SLICE: Duration = Duration::from_millis(100);
@@ -37,9 +42,8 @@ pub(super) struct Turns {
 struct State {
     /// The tasks that were leased.
     places: Places,
-    /// Threads with tasks that were leased ahead, by ticket of their place, and the tickets that are under way since.
-    ahead: HashMap<u64, Arc<Condvar>>,
-    begun: BTreeSet<u64>,
+    /// Those that were leased ahead, by ticket of their place, and when their leases were renewed.
+    ahead: VecDeque<(u64, Box<LeasedTask>, Instant)>,
     /// Threads that work.
     working: usize,
     /// Tickets of those that wait; the front one is next.
@@ -62,17 +66,28 @@ struct Asking {
     rounds: u64,
     /// The last round that found nothing.
     nothing: u64,
-    /// Leased tasks that no thread has taken yet.
-    tasks: VecDeque<Asked>,
+    /// Tasks under way that no thread has taken yet.
+    tasks: VecDeque<Box<LeasedTask>>,
+    /// Results of shards that no thread has taken yet.
+    results: VecDeque<ShardResult>,
     /// Whether the queue is closed.
     is_closed: bool,
 }
 
-/// A leased task and whether it may begin.
+/// What a thread is to do.
 #[derive(Debug)]
-pub(super) struct Asked {
+pub(super) enum Asked {
+    /// Begin a task.
+    Task(Box<LeasedTask>),
+    /// Store a result.
+    Result(ShardResult),
+}
+
+/// The result of a shard, on its way to the queue.
+#[derive(Debug)]
+pub(super) struct ShardResult {
     pub(super) task: Box<LeasedTask>,
-    place: Place,
+    pub(super) bytes: Vec<u8>,
 }
 
 /// The turns of a thread during one task.
@@ -93,8 +108,7 @@ impl Turns {
         Self {
             state: Mutex::new(State {
                 places: Places::new(at_once),
-                ahead: HashMap::new(),
-                begun: BTreeSet::new(),
+                ahead: VecDeque::new(),
                 working: 0,
                 waiting: VecDeque::new(),
                 tickets: 0,
@@ -109,16 +123,16 @@ impl Turns {
         }
     }
 
-    /// Asks for a task, to be passed to [`Self::begin`]. Of threads that ask at the same time, one calls `lease` for all,
-    /// and while there is nothing, one calls `wait` with the generation of the queue that was seen. `None` when the queue is
-    /// closed.
+    /// Asks for a task, to be passed to [`Self::begin`], or for a result to store. Of threads that ask at the same time, one
+    /// calls `lease` for all, and while there is nothing, one calls `wait` with the generation of the queue that was seen.
+    /// `None` when the queue is closed.
     pub(super) fn ask(&self, lease: impl Fn(Demand, NonZeroUsize) -> Offer, wait: impl Fn(u64)) -> Option<Asked> {
         let mut state = self.lock();
         let mut arrived = state.asking.rounds;
         state.asking.threads += 1;
-        let task = loop {
-            if let Some(task) = state.asking.tasks.pop_front() {
-                break Some(task);
+        let asked = loop {
+            if let Some(asked) = state.asking.next() {
+                break Some(asked);
             }
             if state.asking.is_closed {
                 break None;
@@ -143,10 +157,11 @@ impl Turns {
             self.leased.notify_all();
             match offer {
                 Offer::Tasks(tasks) => {
-                    (1..tasks.len()).for_each(|_| self.idle.notify_one());
                     for task in tasks {
-                        let place = state.places.add(task.job);
-                        state.asking.tasks.push_back(Asked { task: Box::new(task), place });
+                        match state.places.add(task.job) {
+                            Place::UnderWay => state.asking.tasks.push_back(Box::new(task)),
+                            Place::Ahead(ticket) => state.ahead.push_back((ticket, Box::new(task), Instant::now())),
+                        }
                     }
                 }
                 Offer::Nothing { seen } => {
@@ -162,33 +177,42 @@ impl Turns {
                 }
                 Offer::Closed => {
                     state.asking.is_closed = true;
+                    // They are given back.
+                    let ahead = std::mem::take(&mut state.ahead);
+                    state.asking.tasks.extend(ahead.into_iter().map(|(_, task, _)| task));
                     self.idle.notify_all();
                 }
             }
         };
         state.asking.threads -= 1;
-        if !state.asking.is_waiting {
-            // Somebody has to wait for the queue.
+        if !state.asking.is_waiting || !state.asking.is_empty() {
+            // Somebody has to wait for the queue, or there is more to do.
             self.idle.notify_one();
         }
-        task
+        asked
     }
 
-    /// Begins a task that was leased, as soon as it has a place and a thread that works lets it. `renew` is called now and
-    /// then until then.
-    pub(super) fn begin(&self, asked: &Asked, renew: &mut dyn FnMut()) -> Turn<'_> {
-        let (job, since) = (asked.task.job, Instant::now());
+    /// Renews the leases of tasks that wait for their place, now and then.
+    pub(super) fn renew_ahead(&self, renew: impl Fn(&LeasedTask)) {
+        let due: Vec<Box<LeasedTask>> = {
+            let mut state = self.lock();
+            let now = Instant::now();
+            let is_due = |renewed: &Instant| self.renewal <= now.duration_since(*renewed);
+            let due = state.ahead.iter_mut().filter(|(.., renewed)| is_due(renewed));
+            due.map(|(_, task, renewed)| {
+                *renewed = now;
+                task.clone()
+            })
+            .collect()
+        };
+        due.iter().for_each(|task| renew(task));
+    }
+
+    /// Begins a task that was leased, as soon as a thread that works lets it. `renew` is called now and then until then.
+    pub(super) fn begin(&self, job: JobId, renew: &mut dyn FnMut()) -> Turn<'_> {
+        let since = Instant::now();
         let mut turn = Turn { turns: self, job, is_busy: true, works: false, since, waited: Duration::ZERO };
         let mut state = self.lock();
-        if let Place::Ahead(place) = asked.place {
-            let named = Arc::new(Condvar::new());
-            state.ahead.insert(place, Arc::clone(&named));
-            while !(state.begun.contains(&place) || state.is_closed) {
-                state = self.wait_on(&named, state, renew);
-            }
-            state.ahead.remove(&place);
-            turn.is_busy = state.begun.remove(&place);
-        }
         let ticket = state.ticket();
         state.waiting.push_front(ticket);
         turn.wait(state, ticket, renew);
@@ -197,9 +221,7 @@ impl Turns {
 
     /// Ends all waiting: who waits goes on without a turn, and has to stop.
     pub(super) fn close(&self) {
-        let mut state = self.lock();
-        state.is_closed = true;
-        state.ahead.values().for_each(|named| named.notify_one());
+        self.lock().is_closed = true;
         self.changed.notify_all();
     }
 
@@ -222,6 +244,22 @@ impl Turns {
 
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Asking {
+    /// What there is to do.
+    fn next(&mut self) -> Option<Asked> {
+        if self.results.len() <= MOST_RESULTS
+            && let Some(task) = self.tasks.pop_front()
+        {
+            return Some(Asked::Task(task));
+        }
+        self.results.pop_front().map(Asked::Result)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.tasks.is_empty() && self.results.is_empty()
     }
 }
 
@@ -274,26 +312,30 @@ impl<'a> Turn<'a> {
         done
     }
 
-    /// After the last work on a shard, which `took` so long: what is left, such as storing its result, needs no turn, and
-    /// another task may begin meanwhile.
-    pub(super) fn end(&mut self, took: Duration) {
-        self.leave_place(Some(took));
+    /// After the last work on a shard, which `took` so long. Another thread stores its result; the answer is the task to go on
+    /// with, if there is one.
+    pub(super) fn end(&mut self, took: Duration, result: ShardResult) -> Option<Box<LeasedTask>> {
+        let next = self.leave_place(Some(took));
+        let mut state = self.turns.lock();
+        state.asking.results.push_back(result);
+        self.turns.idle.notify_one();
+        if state.asking.results.len() <= MOST_RESULTS {
+            return next;
+        }
+        // The disk or the database is behind: this thread stores one of them first.
+        state.asking.tasks.extend(next);
+        None
     }
 
-    fn leave_place(&mut self, took: Option<Duration>) {
+    fn leave_place(&mut self, took: Option<Duration>) -> Option<Box<LeasedTask>> {
         self.give();
-        if !self.is_busy {
-            return;
+        if !std::mem::take(&mut self.is_busy) {
+            return None;
         }
-        self.is_busy = false;
         let mut state = self.turns.lock();
-        if let Some(place) = state.places.end(self.job, took) {
-            state.begun.insert(place);
-            // A thread that has not come to wait yet will see that it need not.
-            state.ahead.get(&place).inspect(|named| named.notify_one());
-        }
-        drop(state);
-        self.turns.idle.notify_one();
+        let ticket = state.places.end(self.job, took)?;
+        let at = state.ahead.iter().position(|(of, ..)| *of == ticket)?;
+        state.ahead.remove(at).map(|(_, task, _)| task)
     }
 
     fn give(&mut self) {
@@ -323,6 +365,9 @@ impl<'a> Turn<'a> {
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        self.leave_place(None);
+        if let Some(next) = self.leave_place(None) {
+            self.turns.lock().asking.tasks.push_back(next);
+        }
+        self.turns.idle.notify_one();
     }
 }

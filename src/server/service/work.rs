@@ -8,7 +8,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{TableRow, downloads::ManifestError, state::ServiceState, turns::Turn};
+use super::{
+    TableRow,
+    downloads::ManifestError,
+    state::ServiceState,
+    turns::{Asked, ShardResult, Turn},
+};
 use crate::{
     files::digest::Digest,
     server::{
@@ -50,30 +55,57 @@ impl ServiceState {
     /// Does tasks until the queue is closed.
     pub(super) fn work(&self, thread: u32) {
         let lease = |demand, most| self.queue.lease(thread, demand, most);
-        while let Some(asked) = self.turns.ask(lease, |seen| self.queue.wait(seen)) {
+        let mut next = None;
+        loop {
+            let task = match next.take() {
+                Some(task) => task,
+                None => match self.turns.ask(lease, |seen| self.queue.wait(seen)) {
+                    Some(Asked::Task(task)) => task,
+                    Some(Asked::Result(result)) => {
+                        self.attempt(&result.task, || Ok(self.complete(&result.task, &result.bytes)?));
+                        self.publish_changes();
+                        continue;
+                    }
+                    None => return,
+                },
+            };
             self.publish_changes();
-            let task = &asked.task;
-            let mut turn = self.turns.begin(&asked, &mut || self.renew(task, 0));
-            self.deliver(task, &mut turn);
+            let mut turn = self.turns.begin(task.job, &mut || self.renew(&task, 0));
+            next = self.attempt(&task, || self.perform(&task, &mut turn)).flatten();
             drop(turn);
             self.publish_changes();
         }
     }
 
-    /// Renews the lease of a task that waits. If it has ended, the task hears of it when it goes on.
+    /// Renews the lease of a task that waits, and those of tasks that were leased ahead. If it has ended, the task hears of it
+    /// when it goes on.
     fn renew(&self, task: &LeasedTask, done: u64) {
         let _ = self.queue.progress(&task.lease, done);
+        self.renew_ahead();
     }
 
-    /// Does a leased task. A failure ends the task or the job, never the service.
-    fn deliver(&self, task: &LeasedTask, turn: &mut Turn<'_>) {
-        let done = catch_unwind(AssertUnwindSafe(|| match task.kind {
-            _ if !turn.works() => Ok(self.queue.give_back(&task.lease)?),
+    fn renew_ahead(&self) {
+        self.turns.renew_ahead(|task| {
+            let _ = self.queue.progress(&task.lease, 0);
+        });
+    }
+
+    /// Does a leased task. Returns the one to go on with.
+    fn perform(&self, task: &LeasedTask, turn: &mut Turn<'_>) -> Result<Option<Box<LeasedTask>>, TaskError> {
+        match task.kind {
+            _ if !turn.works() => {
+                self.queue.give_back(&task.lease)?;
+                Ok(None)
+            }
             TaskKind::Shard(shard) => self.fit(task, shard, turn),
-            TaskKind::Assemble => self.assemble(task, turn),
-        }));
-        let error = match done {
-            Ok(Ok(())) => return,
+            TaskKind::Assemble => self.assemble(task, turn).map(|()| None),
+        }
+    }
+
+    /// Does work on a leased task. A failure ends the task or the job, never the service.
+    fn attempt<T>(&self, task: &LeasedTask, work: impl FnOnce() -> Result<T, TaskError>) -> Option<T> {
+        let error = match catch_unwind(AssertUnwindSafe(work)) {
+            Ok(Ok(done)) => return Some(done),
             Ok(Err(error)) => error,
             Err(panic) => TaskError::Failed(format!("panic: {}", panic_text(panic.as_ref()))),
         };
@@ -97,9 +129,10 @@ impl ServiceState {
         if let Err(StaleLease) = reported {
             tracing::debug!(job = %task.job, task = ?task.kind, "the lease was no longer current when the task ended");
         }
+        None
     }
 
-    fn fit(&self, task: &LeasedTask, shard: u32, turn: &mut Turn<'_>) -> Result<(), TaskError> {
+    fn fit(&self, task: &LeasedTask, shard: u32, turn: &mut Turn<'_>) -> Result<Option<Box<LeasedTask>>, TaskError> {
         let mut fitted = 0;
         let (started, waited) = (Instant::now(), turn.waited());
         let mut reported = None;
@@ -117,6 +150,7 @@ impl ServiceState {
             if self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
+            self.renew_ahead();
             // Whoever follows a shared job has it looked at now and then.
             if self.queue.is_local() && self.hub.is_watched(task.job) {
                 self.publish(task.job);
@@ -126,16 +160,14 @@ impl ServiceState {
         // It may have waited, and its job may have ended meanwhile.
         self.queue.progress(&task.lease, 0)?;
         self.engine.prepare(&task.recipe)?;
-        match self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)? {
-            Some(result) => {
-                let took = (started.elapsed() + waited).saturating_sub(turn.waited());
-                turn.end(took);
-                self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, took.as_secs_f64());
-                self.complete(task, &result)?;
-            }
-            None => self.queue.give_back(&task.lease)?,
-        }
-        Ok(())
+        let Some(bytes) = self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)?
+        else {
+            self.queue.give_back(&task.lease)?;
+            return Ok(None);
+        };
+        let took = (started.elapsed() + waited).saturating_sub(turn.waited());
+        self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, took.as_secs_f64());
+        Ok(turn.end(took, ShardResult { task: Box::new(task.clone()), bytes }))
     }
 
     /// Stores a shard's result. An error that passes is waited out, because the shard may have taken minutes.
@@ -160,7 +192,10 @@ impl ServiceState {
         }
         let file = parts.file().map_err(TaskError::Failed)?;
         // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
-        let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
+        let go_on = || {
+            self.renew_ahead();
+            !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok()
+        };
         // The table is measured by other threads.
         let manifest = turn.leave(|| self.make_manifest(&file, &go_on), &mut || self.renew(task, 0));
         let manifest = manifest.map_err(|error| match error {
