@@ -1,15 +1,15 @@
 // What a table approximates: anisotropic GGX with height-correlated Smith masking [KT et al. 2022, section 3.1] under
-// a polygon or a disk, by Monte Carlo integration with multiple importance sampling [Veach and Guibas 1995, balance
-// heuristic]: visible normals [Dupuy and Benyoub 2023] and points on the light, one each a sample. Needs ltc_math.wgsl.
+// a light, by Monte Carlo integration with multiple importance sampling [Veach and Guibas 1995, balance heuristic]: visible
+// normals [Dupuy and Benyoub 2023] and points of the light, one each a sample. Needs ltc_math.wgsl and reference_solids.wgsl.
 
-/// A convex polygon or an ellipse in the scene's coordinates.
+/// A light in the scene's coordinates.
 struct Light {
-    /// xyz: a vertex of the polygon, or of the one by which tables light an ellipse; clockwise as seen from the lit side.
+    /// xyz: a vertex of the polygon, or of the one that stands for an ellipse; clockwise as seen from the lit side.
     /// w: area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all.
     vertices: array<vec4<f32>, 8>,
-    /// xyz: middle of the ellipse.
+    /// xyz: middle of the ellipse, or one end of a tube or line. w: the radius or width of these.
     centre: vec4<f32>,
-    /// xyz: its half axes. w: one over their length squared.
+    /// xyz: the ellipse's half axes. w: one over their length squared. Of a tube or line the first is the other end.
     half_axes: array<vec4<f32>, 2>,
     /// xyz: unit normal towards the lit side. w: area.
     normal: vec4<f32>,
@@ -21,8 +21,14 @@ struct Light {
 
 @group(1) @binding(0) var<uniform> light: Light;
 
-/// Whether the light is an ellipse. This is a constant of the pipeline, since software drivers run both sides of a branch.
-override light_is_ellipse: bool = false;
+/// What the light is. This is a constant of the pipeline, since software drivers run both sides of a branch.
+override light_shape: u32 = 0u;
+
+const LIGHT_POLYGON: u32 = 0u;
+const LIGHT_ELLIPSE: u32 = 1u;
+/// A tube with round ends, which is a sphere where both ends are one.
+const LIGHT_TUBE: u32 = 2u;
+const LIGHT_LINE: u32 = 3u;
 
 /// A point of the surface with its tangent frame, and what is seen from where.
 struct Shaded {
@@ -80,23 +86,26 @@ fn light_faces(cosine: f32) -> bool {
     return towards > GGX_HORIZON;
 }
 
-/// Density per steradian with which points of the light are drawn towards wi; zero where wi misses it.
+/// Density per steradian with which points of the light are drawn towards wi; below zero where wi misses it.
 fn light_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
+    if (light_shape >= LIGHT_TUBE) {
+        return solid_pdf(position, wi);
+    }
     let cosine = dot(light.normal.xyz, wi);
     if (!light_faces(cosine)) {
-        return 0.0;
+        return -1.0;
     }
     let away = dot(light.normal.xyz, light.vertices[0].xyz - position) / cosine;
     if (away <= 0.0) {
-        return 0.0;
+        return -1.0;
     }
     let hit = position + away * wi;
     let density = away * away / (light.normal.w * abs(cosine));
-    if (light_is_ellipse) {
+    if (light_shape == LIGHT_ELLIPSE) {
         let offset = hit - light.centre.xyz;
         let across = vec2(dot(offset, light.half_axes[0].xyz), dot(offset, light.half_axes[1].xyz)) *
             vec2(light.half_axes[0].w, light.half_axes[1].w);
-        return select(0.0, density, dot(across, across) <= 1.0);
+        return select(-1.0, density, dot(across, across) <= 1.0);
     }
     var is_hit = true;
     var a = light.vertices[light.options.x - 1u].xyz;
@@ -105,12 +114,25 @@ fn light_pdf(position: vec3<f32>, wi: vec3<f32>) -> f32 {
         is_hit = is_hit && dot(cross(b - a, hit - a), light.normal.xyz) <= 0.0;
         a = b;
     }
-    return select(0.0, density, is_hit);
+    return select(-1.0, density, is_hit);
 }
 
-/// A point of the light, uniform over its area.
+/// A direction towards the light, and its density per steradian; zero where the light does not emit to the shaded point.
+fn light_sample(position: vec3<f32>, u: vec2<f32>) -> vec4<f32> {
+    if (light_shape >= LIGHT_TUBE) {
+        return solid_sample(position, u);
+    }
+    let to_light = light_point(u) - position;
+    let distance2 = dot(to_light, to_light);
+    let direction = to_light / sqrt(max(distance2, 1e-36));
+    let facing = dot(light.normal.xyz, direction);
+    let density = distance2 / (light.normal.w * max(abs(facing), GGX_HORIZON));
+    return vec4(direction, select(0.0, density, light_faces(facing)));
+}
+
+/// A point of the polygon or ellipse, uniform over its area.
 fn light_point(u: vec2<f32>) -> vec3<f32> {
-    if (light_is_ellipse) {
+    if (light_shape == LIGHT_ELLIPSE) {
         let turn = sqrt(u.x) * ltc_sin_cos(u.y);
         return light.centre.xyz + turn.y * light.half_axes[0].xyz + turn.x * light.half_axes[1].xyz;
     }
@@ -146,24 +168,23 @@ fn ggx_reference(at: Shaded, first: u32, samples: u32, key: u32) -> vec2<f32> {
         var wi = 2.0 * cosine * wm - at.wo;
         if (wi.z > GGX_HORIZON) {
             let of_light = light_pdf(at.position, at.x * wi.x + at.y * wi.y + at.z * wi.z);
-            if (of_light > 0.0) {
+            if (of_light >= 0.0) {
                 let of_brdf = ggx_distribution(at.alpha, wm) * to_pdf;
                 let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + ggx_lambda(at.alpha, wi));
                 sum += ggx_fresnel(cosine) * (g2_over_g1 * (of_brdf / (of_brdf + of_light)));
             }
         }
         // Sample a point of the light.
-        let to_light = light_point(reference_point(i, vec2(c, d))) - at.position;
-        let distance2 = dot(to_light, to_light);
-        let direction = to_light / sqrt(max(distance2, 1e-36));
-        let facing = dot(light.normal.xyz, direction);
-        wi = vec3(dot(direction, at.x), dot(direction, at.y), dot(direction, at.z));
-        if (wi.z > GGX_HORIZON && light_faces(facing)) {
+        let drawn = light_sample(at.position, reference_point(i, vec2(c, d)));
+        let of_light = drawn.w;
+        wi = vec3(dot(drawn.xyz, at.x), dot(drawn.xyz, at.y), dot(drawn.xyz, at.z));
+        if (wi.z > GGX_HORIZON && of_light > 0.0) {
             wm = normalize(at.wo + wi);
-            let of_light = distance2 / (light.normal.w * abs(facing));
             let of_brdf = ggx_distribution(at.alpha, wm) * to_pdf;
             let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + ggx_lambda(at.alpha, wi));
-            sum += ggx_fresnel(dot(at.wo, wm)) * (g2_over_g1 * (of_brdf / (of_brdf + of_light)));
+            // No normal reflects a line exactly, so that the light alone is sampled.
+            let of_both = select(of_brdf, 0.0, light_shape == LIGHT_LINE) + of_light;
+            sum += ggx_fresnel(dot(at.wo, wm)) * (g2_over_g1 * (of_brdf / of_both));
         }
     }
     return sum;

@@ -1,12 +1,14 @@
 // Lights one surface by one light. It shows how to call the other files, and checks a port. Needs ltc_math.wgsl,
-// ltc_table.wgsl and ltc_light.wgsl. Replace it by your own; group 1 and LtcExample* go with it.
+// ltc_table.wgsl, ltc_light.wgsl and ltc_shapes.wgsl. Replace it by your own; group 1 and LtcExample* go with it.
 
 struct LtcExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
     wo: vec4<f32>,
-    /// x: alpha_y. y: how many vertices the light has, 3 to 8; 0 for a disk. z: 1 if it is lit from both sides.
+    /// x: alpha_y. y: what the light is: 3 to 8 for as many vertices, 0 a disk, 1 a sphere, 2 a tube, 9 a line. z: 1 if it is
+    /// lit from both sides. w: the radius of a sphere or tube, the width of a line.
     light: vec4<f32>,
-    /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes.
+    /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes, of a sphere its
+    /// centre, of tubes and lines both ends.
     vertices: array<vec4<f32>, 8>,
 }
 
@@ -33,6 +35,12 @@ fn ltc_example() {
     var covered: f32;
     if (count == 0u) {
         covered = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], two_sided);
+    } else if (count == 1u) {
+        covered = ltc_sphere(inverse, vertices[0], ltc_case.light.w);
+    } else if (count == 2u) {
+        covered = ltc_tube(inverse, vertices[0], vertices[1], ltc_case.light.w);
+    } else if (count == 9u) {
+        covered = ltc_line(inverse, vertices[0], vertices[1], ltc_case.light.w);
     } else if (count == 4u) {
         let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
         covered = ltc_rectangle(inverse, corners, two_sided);

@@ -1,7 +1,7 @@
 // Integrates a Linearly Transformed Cosine over a polygon. Needs ltc_math.wgsl.
 //
 // Vertices are given relative to the shaded point in its tangent frame, normal +z. The lit side is the one from which
-// they run clockwise. The outline has to be convex; a disk is lit as a polygon of its area.
+// they run clockwise. The outline has to be convex. ltc_shapes.wgsl has lights that are no polygons.
 
 /// The inverse of M up to a positive factor, which changes no direction.
 struct LtcInverse {
@@ -111,16 +111,4 @@ fn ltc_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, t
         clip = ltc_clip_edge(clip, inverse.m * outline[i]);
     }
     return ltc_clip_finish(clip, inverse.side, two_sided);
-}
-
-/// A disk: the regular octagon of its area. Its half axes are perpendicular; the lit side is towards their cross
-/// product, half_x x half_y.
-fn ltc_disk(inverse: LtcInverse, centre: vec3<f32>, half_x: vec3<f32>, half_y: vec3<f32>, two_sided: bool) -> f32 {
-    // sqrt(pi / (4 sin(pi / 4))) times the radius gives the octagon its area.
-    var vertices: array<vec3<f32>, 8>;
-    for (var i = 0u; i < 8u; i++) {
-        let turn = ltc_sin_cos((0.5 - f32(i)) * 0.125) * 1.0539074;
-        vertices[i] = centre + half_x * turn.y + half_y * turn.x;
-    }
-    return ltc_polygon(inverse, vertices, 8u, two_sided);
 }

@@ -1,4 +1,4 @@
-// The preview: spheres or a floor of anisotropic metal under a polygon light. Needs all the other files but the example.
+// The preview: spheres or a floor of anisotropic metal under a light. Needs all the other files but the example.
 
 struct Scene {
     /// xyz: position. w: width of a pixel at distance one.
@@ -119,6 +119,10 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
     let inverse = ltc_inverse(lobe.m);
     // World to cosine space in one matrix.
     let to_cosine = inverse.m * transpose(mat3x3(at.x, at.y, at.z));
+    if (light_shape != LIGHT_POLYGON) {
+        let parts = vec2(lobe.amplitude, lobe.fresnel);
+        return reflected(parts * shape_covered(LtcInverse(to_cosine, inverse.side), at.position));
+    }
     var clip = ltc_clip_begin(to_cosine * (light.vertices[light.options.x - 1u].xyz - at.position));
     for (var i = 0u; i < light.options.x; i++) {
         clip = ltc_clip_edge(clip, to_cosine * (light.vertices[i].xyz - at.position));
@@ -127,13 +131,39 @@ fn shade_by_table(at: Shaded) -> vec3<f32> {
     return reflected(vec2(lobe.amplitude, lobe.fresnel) * covered);
 }
 
-/// Radiance towards the eye, by the closed form in the space of normals.
-fn shade_by_normals(at: Shaded) -> vec3<f32> {
+/// The part of the lobe that an ellipse, a sphere, a tube or a line covers.
+fn shape_covered(inverse: LtcInverse, position: vec3<f32>) -> f32 {
+    let start = light.centre.xyz - position;
+    if (light_shape == LIGHT_ELLIPSE) {
+        return ltc_disk(inverse, start, light.half_axes[0].xyz, light.half_axes[1].xyz, light.options.y == 1u);
+    }
+    let end = light.half_axes[0].xyz - position;
+    if (light_shape == LIGHT_LINE) {
+        return ltc_line(inverse, start, end, light.centre.w);
+    }
+    return ltc_tube(inverse, start, end, light.centre.w);
+}
+
+/// The vertices that models of polygons light, around a point of the surface in its tangent frame.
+fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
     let to_local = transpose(mat3x3(at.x, at.y, at.z));
     var vertices: array<vec3<f32>, 8>;
+    if (light_shape >= LIGHT_TUBE) {
+        vertices = solid_outline(at.position, at.z);
+        for (var i = 0u; i < 8u; i++) {
+            vertices[i] = to_local * vertices[i];
+        }
+        return vertices;
+    }
     for (var i = 0u; i < light.options.x; i++) {
         vertices[i] = to_local * (light.vertices[i].xyz - at.position);
     }
+    return vertices;
+}
+
+/// Radiance towards the eye, by the closed form in the space of normals.
+fn shade_by_normals(at: Shaded) -> vec3<f32> {
+    var vertices = outline_of(at);
     let view = normals_view(at.alpha.x, at.alpha.y, at.wo);
     let two_sided = light.options.y == 1u;
     if (light_is_polygon) {
@@ -150,11 +180,11 @@ fn shade_by_gaussian(at: Shaded) -> vec3<f32> {
     } else {
         view = gaussians_view(gaussian, at.alpha.x, at.alpha.y, at.wo);
     }
-    let to_local = transpose(mat3x3(at.x, at.y, at.z));
     let count = select(4u, light.options.x, light_is_polygon);
-    var outline = gaussians_outline_begin(view, to_local * (light.vertices[count - 1u].xyz - at.position));
+    var vertices = outline_of(at);
+    var outline = gaussians_outline_begin(view, vertices[count - 1u]);
     for (var i = 0u; i < count; i++) {
-        outline = gaussians_outline_edge(view, outline, to_local * (light.vertices[i].xyz - at.position));
+        outline = gaussians_outline_edge(view, outline, vertices[i]);
     }
     return reflected(gaussians_outline_finish(view, outline, light.options.y == 1u));
 }

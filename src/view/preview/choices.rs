@@ -115,7 +115,7 @@ mod tests {
             "spp: «99999999999» is not a whole number from 1 to 4096",
             "f0: «1,2» is not 3 numbers with commas between them",
             "exposure: is given more than once",
-            "light: «cube» is none of rectangle, disk, triangle, pentagon, hexagon, heptagon, octagon",
+            "light: «cube» is none of rectangle, disk, sphere, tube, line, triangle, pentagon, hexagon, heptagon, octagon",
             "size: 63 is not within 64 to 2048",
             "rotation: 7 is not within -6.283185307179586 to 6.283185307179586",
             "phi: NaN is not within -6.283185307179586 to 6.283185307179586",

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::{
     Camera, Scene, Surface,
-    light::{Ellipse, Outline},
+    light::{Ellipse, Outline, Shape},
     scene::MAX_MATERIALS,
 };
 use crate::{
@@ -51,11 +51,59 @@ pub(super) struct FrameLight {
     pub(super) vertices: Vec<Vec3>,
     /// Area of the fan's triangles up to each vertex over that of all.
     pub(super) area_up_to: Vec<f32>,
-    pub(super) ellipse: Option<FrameEllipse>,
+    pub(super) shape: FrameShape,
     pub(super) normal: Vec3,
     pub(super) area: f32,
     pub(super) radiance: f32,
     pub(super) two_sided: bool,
+}
+
+/// What the light is, as uniforms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum FrameShape {
+    Polygon,
+    Ellipse(FrameEllipse),
+    Tube { ends: [Vec3; 2], radius: f32 },
+    Line { ends: [Vec3; 2], width: f32 },
+}
+
+impl From<Shape> for FrameShape {
+    fn from(shape: Shape) -> Self {
+        match shape {
+            Shape::Polygon => Self::Polygon,
+            Shape::Ellipse(ellipse) => Self::Ellipse(ellipse.into()),
+            Shape::Tube { ends, radius } => Self::Tube { ends: ends.map(|end| end.as_vec3()), radius: radius as f32 },
+            Shape::Line { ends, width } => Self::Line { ends: ends.map(|end| end.as_vec3()), width: width as f32 },
+        }
+    }
+}
+
+impl FrameShape {
+    /// `light_shape` in the shader.
+    pub(super) fn number(&self) -> u32 {
+        match self {
+            Self::Polygon => 0,
+            Self::Ellipse(_) => 1,
+            Self::Tube { .. } => 2,
+            Self::Line { .. } => 3,
+        }
+    }
+}
+
+impl FrameLight {
+    /// Whether the polygon that stands for it is lit from both sides; those that face every point are.
+    pub(super) fn is_two_sided(&self) -> bool {
+        self.two_sided || matches!(self.shape, FrameShape::Tube { .. } | FrameShape::Line { .. })
+    }
+
+    /// Vertices of the polygon by which models light it that know polygons alone.
+    pub(super) fn outline_vertices(&self) -> usize {
+        match self.shape {
+            FrameShape::Polygon | FrameShape::Ellipse(_) => self.vertices.len(),
+            FrameShape::Tube { .. } => MAX_VERTICES,
+            FrameShape::Line { .. } => 4,
+        }
+    }
 }
 
 /// An ellipse, as uniforms.
@@ -92,7 +140,7 @@ impl Frame {
         let (eye, [right, up, forward]) = if of_lobe { lobe_view(scene.lobe.phi) } else { view(&scene.camera) };
         let half = if of_lobe { 1.0 } else { libm::tan(0.5 * scene.camera.field_of_view) };
         let side = (scene.size / cells).max(1);
-        let Outline { vertices, normal, area, area_up_to, ellipse } = scene.light.outline();
+        let Outline { vertices, normal, area, area_up_to, shape } = scene.light.outline();
         Self {
             surface: scene.surface,
             eye: eye.as_vec3(),
@@ -120,7 +168,7 @@ impl Frame {
             light: FrameLight {
                 vertices: vertices.into_iter().map(DVec3::as_vec3).collect(),
                 area_up_to: area_up_to.into_iter().map(|share| share as f32).collect(),
-                ellipse: ellipse.map(FrameEllipse::from),
+                shape: shape.into(),
                 normal: normal.as_vec3(),
                 area: area as f32,
                 radiance: scene.light.intensity as f32,
@@ -167,17 +215,23 @@ impl Frame {
                 None => words.vector(Vec3::ZERO, 1.0),
             }
         }
-        match light.ellipse {
-            Some(FrameEllipse { centre, half_axes: [(x, per_x2), (y, per_y2)] }) => {
+        match light.shape {
+            FrameShape::Ellipse(FrameEllipse { centre, half_axes: [(x, per_x2), (y, per_y2)] }) => {
                 words.vector(centre, 0.0);
                 words.vector(x, per_x2);
                 words.vector(y, per_y2);
             }
-            None => words.floats([0.0; 12]),
+            FrameShape::Tube { ends: [start, end], radius: size }
+            | FrameShape::Line { ends: [start, end], width: size } => {
+                words.vector(start, size);
+                words.vector(end, 0.0);
+                words.floats([0.0; 4]);
+            }
+            FrameShape::Polygon => words.floats([0.0; 12]),
         }
         words.vector(light.normal, light.area);
         words.vector(Vec3::splat(light.radiance), 0.0);
-        words.0.extend([light.vertices.len() as u32, u32::from(light.two_sided), 0, 0]);
+        words.0.extend([light.outline_vertices() as u32, u32::from(light.is_two_sided()), 0, 0]);
         words.0
     }
 }

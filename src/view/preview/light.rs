@@ -6,17 +6,34 @@ use glam::{DMat3, DVec3};
 
 use super::{Light, LightKind};
 
-/// A convex polygon in the scene, or the one by which a table lights an ellipse.
+/// A light in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outline {
-    /// Clockwise as seen from the lit side.
+    /// Of a polygon, or of the one that stands for an ellipse where models know polygons alone; clockwise as seen from the lit
+    /// side. Of other shapes, which face every point, there are none.
     pub(super) vertices: Vec<DVec3>,
     /// Unit normal towards the lit side.
     pub(super) normal: DVec3,
     pub(super) area: f64,
     /// Area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all, for each vertex i.
     pub(super) area_up_to: Vec<f64>,
-    pub(super) ellipse: Option<Ellipse>,
+    pub(super) shape: Shape,
+}
+
+/// What the light is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Shape {
+    Polygon,
+    Ellipse(Ellipse),
+    /// A tube with round ends; a sphere where both are one.
+    Tube {
+        ends: [DVec3; 2],
+        radius: f64,
+    },
+    Line {
+        ends: [DVec3; 2],
+        width: f64,
+    },
 }
 
 /// What a disk becomes.
@@ -52,8 +69,15 @@ impl Light {
             })
             .collect();
         let half_axes = [frame.x_axis * width, frame.y_axis * height];
-        let ellipse = (self.kind == LightKind::Disk).then_some(Ellipse { centre, half_axes });
-        Outline { normal: frame.z_axis, area, area_up_to, vertices, ellipse }
+        let ends = [centre - half_axes[0], centre + half_axes[0]];
+        let shape = match self.kind {
+            LightKind::Rectangle | LightKind::Polygon(_) => Shape::Polygon,
+            LightKind::Disk => Shape::Ellipse(Ellipse { centre, half_axes }),
+            LightKind::Sphere => Shape::Tube { ends: [centre; 2], radius: width },
+            LightKind::Tube => Shape::Tube { ends, radius: height },
+            LightKind::Line => Shape::Line { ends, width: 2.0 * height },
+        };
+        Outline { normal: frame.z_axis, area, area_up_to, vertices, shape }
     }
 
     fn turn(&self) -> DMat3 {
@@ -81,6 +105,7 @@ impl LightKind {
             // n / 2 sin(2 pi / n) R^2 = pi.
             Self::Disk => regular(8, (PI / (4.0 * FRAC_PI_4.sin())).sqrt(), 0.5 * FRAC_PI_4),
             Self::Polygon(sides) => regular(sides, 1.0, 0.5 * PI),
+            Self::Sphere | Self::Tube | Self::Line => Vec::new(),
         }
     }
 }

@@ -65,22 +65,27 @@ pub static PARAMETERS: [Parameter; 25] = [
     numbers("f0", "Reflectance at normal incidence, linear sRGB", "R,G,B", None, [0.0, 1.0], |s| &mut s.f0),
     name(
         "light",
-        "Outline of the light",
+        "Shape of the light",
         || LightKind::NAMED.map(|(name, _)| name).into(),
         |s| LightKind::NAMED.iter().position(|(_, kind)| *kind == s.light.kind),
         |s, i| s.light.kind = LightKind::NAMED[i].1,
     ),
     numbers("light_centre", "Middle of the light", "X,Y,Z", RADII, [-PLACE, PLACE], |s| &mut s.light.centre),
-    numbers("light_half_size", "Half the light's width and height", "X,Y", RADII, [1e-3, PLACE], |s| {
-        &mut s.light.half_size
-    }),
+    numbers(
+        "light_half_size",
+        "Half the light's width and height; of a sphere radius and any, of a tube half its length and its radius",
+        "X,Y",
+        RADII,
+        [1e-3, PLACE],
+        |s| &mut s.light.half_size,
+    ),
     numbers("light_rotation", "Turn of the light from facing the origin", "YAW,PITCH,ROLL", RAD, TURN, |s| {
         &mut s.light.rotation
     }),
     number("light_intensity", "Radiance of the light", None, [0.0, 1e4], |s| one(&mut s.light.intensity)),
     Parameter {
         name: "light_two_sided",
-        help: "Whether the light's back emits too",
+        help: "Whether the back of a flat light emits too",
         value_name: "BOOL",
         unit: None,
         form: Form::Flag(|s| &mut s.light.two_sided),

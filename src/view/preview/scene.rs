@@ -61,32 +61,39 @@ pub struct Material {
     pub rotation: f64,
 }
 
-/// A polygon that emits evenly.
+/// A light that emits evenly.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
-    /// Its outline.
+    /// Its shape.
     pub kind: LightKind,
     /// Its middle.
     pub centre: [f64; 3],
-    /// Half its width and half its height.
+    /// Half its width and half its height. Of a sphere the first is the radius, the second does not matter. Of a tube or line
+    /// the first is half of what lies between its ends; the second is a tube's radius, half a line's width.
     pub half_size: [f64; 2],
     /// Yaw, pitch and roll by which it is turned from facing the origin upright, applied in reverse order.
     pub rotation: [f64; 3],
     /// Radiance.
     pub intensity: f64,
-    /// Whether its back emits too.
+    /// Whether its back emits too. Spheres, tubes and lines emit to all sides.
     pub two_sided: bool,
 }
 
-/// A light's outline.
+/// A light's shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LightKind {
     /// A rectangle.
     Rectangle,
-    /// An ellipse; tables light it as the octagon of its area.
+    /// An ellipse.
     Disk,
+    /// A sphere.
+    Sphere,
+    /// All points up to a radius from a line: a cylinder with round ends.
+    Tube,
+    /// The limit of a thin tube, whose light is in proportion to its diameter.
+    Line,
     /// A regular polygon, stretched to the half sizes, its first vertex upwards.
     Polygon(u32),
 }
@@ -201,9 +208,12 @@ impl Scene {
 
 impl LightKind {
     /// Those that have a name, with their names in parameters.
-    pub const NAMED: [(&str, Self); 7] = [
+    pub const NAMED: [(&str, Self); 10] = [
         ("rectangle", Self::Rectangle),
         ("disk", Self::Disk),
+        ("sphere", Self::Sphere),
+        ("tube", Self::Tube),
+        ("line", Self::Line),
         ("triangle", Self::Polygon(3)),
         ("pentagon", Self::Polygon(5)),
         ("hexagon", Self::Polygon(6)),

@@ -6,6 +6,7 @@ mod normals;
 mod planted;
 mod polygons;
 mod ported;
+mod shapes;
 mod truth;
 mod twins;
 mod without_textures;

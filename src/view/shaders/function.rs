@@ -21,14 +21,17 @@ FUNCTIONS
       the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
   ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
-  ltc_disk(inverse, centre, half_x, half_y, two_sided)
-      the part of the lobe that a light covers, 0 to 1. Its vertices are relative to the shaded point, in the tangent
-      frame, convex, and run clockwise seen from the lit side; a disk's is towards half_x x half_y.
+  ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
+  ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
+      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
+      Vertices are convex and run clockwise seen from the lit side; a disk's is towards half_x x half_y. A tube has
+      round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
+      LTC_CHEAP_HORIZON, a constant, makes disks and spheres cheaper, and too bright by up to 0.16 at the horizon.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 
 USE
   ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Diffuse light is the albedo times
-  ltc_rectangle, ltc_polygon or ltc_disk with the unit matrix for inverse. Nothing is bound.
+  one with the unit matrix for inverse. Nothing is bound.
 
 TABLE
 ";

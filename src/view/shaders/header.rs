@@ -20,9 +20,12 @@ FUNCTIONS
       the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
   ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
-  ltc_disk(inverse, centre, half_x, half_y, two_sided)
-      the part of the lobe that a light covers, 0 to 1. Its vertices are relative to the shaded point, in the tangent
-      frame, convex, and run clockwise seen from the lit side; a disk's is towards half_x x half_y.
+  ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
+  ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
+      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
+      Vertices are convex and run clockwise seen from the lit side; a disk's is towards half_x x half_y. A tube has
+      round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
+      LTC_CHEAP_HORIZON, a constant, makes disks and spheres cheaper, and too bright by up to 0.16 at the horizon.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 ";
 
@@ -34,7 +37,7 @@ const CALLED: &str = "  ltc_example calls them; it stands for your own code. All
 const USE: &str = "
 USE
   ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Isotropic surfaces have alpha_x =
-  alpha_y. Diffuse light is the albedo times ltc_rectangle, ltc_polygon or ltc_disk with the unit matrix for inverse.
+  alpha_y. Diffuse light is the albedo times one with the unit matrix for inverse.
   A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
 ";
 
@@ -70,8 +73,9 @@ const ARRAY: &str = "\
 /// The input and output of `ltc_example`.
 const EXAMPLE: &str = "\
 EXAMPLE
-  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, or 0 for a disk), 1 if it is
-  lit from both sides, else 0, and 0; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
+  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, what the light is (3 to 8 for as many vertices, 0 a disk, 1 a sphere,
+  2 a tube, 9 a line), 1 if it is lit from both sides, else 0, and radius or width; then eight vertices with 0 after
+  each, of a disk centre, half_x and half_y, of a sphere its centre, of tube and line both ends.
   Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
 ";
 

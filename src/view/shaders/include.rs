@@ -19,7 +19,10 @@ fn ltc_included() -> @location(0) vec4<f32> {
     var vertices: array<vec3<f32>, 8>;
     let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
     let disk = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], true);
-    return vec4(ltc_rectangle(inverse, corners, true), ltc_polygon(inverse, vertices, 4u, true), disk, lobe.fresnel);
+    let sphere = ltc_sphere(inverse, vertices[0], 1.0);
+    let long = ltc_tube(inverse, vertices[0], vertices[1], 1.0) + ltc_line(inverse, vertices[0], vertices[1], 1.0);
+    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
+    return vec4(polygon, disk + sphere, long, lobe.fresnel);
 }
 ";
 /// The same for the light in the space of normals.

@@ -15,7 +15,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 21] = [
+pub const SHADERS: [Shader; 23] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
     Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
@@ -26,6 +26,7 @@ pub const SHADERS: [Shader; 21] = [
     Shader { name: "ltc_decode", source: include_str!("../../../shaders/ltc_decode.wgsl") },
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
     Shader { name: "ltc_light", source: include_str!("../../../shaders/ltc_light.wgsl") },
+    Shader { name: "ltc_shapes", source: include_str!("../../../shaders/ltc_shapes.wgsl") },
     Shader { name: "normals_edge", source: include_str!("../../../shaders/normals_edge.wgsl") },
     Shader { name: "normals_weight", source: include_str!("../../../shaders/normals_weight.wgsl") },
     Shader { name: "normals_light", source: include_str!("../../../shaders/normals_light.wgsl") },
@@ -36,11 +37,13 @@ pub const SHADERS: [Shader; 21] = [
     Shader { name: "gaussians_example", source: include_str!("../../../shaders/gaussians_example.wgsl") },
     Shader { name: "gaussians_table_example", source: include_str!("../../../shaders/gaussians_table_example.wgsl") },
     Shader { name: "ggx_reference", source: include_str!("../../../shaders/ggx_reference.wgsl") },
+    Shader { name: "reference_solids", source: include_str!("../../../shaders/reference_solids.wgsl") },
     Shader { name: "sphere", source: include_str!("../../../shaders/sphere.wgsl") },
 ];
 
 /// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
-const PORTED: [&str; 6] = ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light", "ltc_example"];
+const PORTED: [&str; 7] =
+    ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light", "ltc_shapes", "ltc_example"];
 const PORTED_NORMALS: [&str; 5] = ["ltc_math", "normals_edge", "normals_weight", "normals_light", "normals_example"];
 const PORTED_GAUSSIANS: [&str; 3] = ["ltc_math", "gaussians_light", "gaussians_example"];
 const PORTED_GAUSSIANS_TABLE: [&str; 7] = [
@@ -54,18 +57,20 @@ const PORTED_GAUSSIANS_TABLE: [&str; 7] = [
 ];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 12] = [
+const PREVIEWED: [&str; 14] = [
     "ltc_math",
     "nodes_storage",
     "texels_volumes",
     "ltc_table",
     "ltc_light",
+    "ltc_shapes",
     "normals_edge",
     "normals_weight",
     "normals_light",
     "gaussians_light",
     "gaussians_table",
     "ggx_reference",
+    "reference_solids",
     "sphere",
 ];
 
@@ -153,7 +158,9 @@ fn texels(bound: Bound) -> &'static str {
 pub(super) fn functions(lit_by: LitBy, bound: Bound, has_storage: bool) -> String {
     let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
     match lit_by {
-        LitBy::Table(layout) => module(&["ltc_math", nodes, texels(bound), "ltc_table", "ltc_light"], &[layout]),
+        LitBy::Table(layout) => {
+            module(&["ltc_math", nodes, texels(bound), "ltc_table", "ltc_light", "ltc_shapes"], &[layout])
+        }
         LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
         LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
         LitBy::GaussianTable(_, layout) => {
@@ -166,7 +173,7 @@ pub(super) fn functions(lit_by: LitBy, bound: Bound, has_storage: bool) -> Strin
 #[cfg(feature = "shaders")]
 pub(super) fn without_textures(smooth_at: &str) -> String {
     let LayoutShader { source, .. } = Layout::Reflected.rules().shader();
-    let parts = ["ltc_math", "ltc_smooth", "ltc_function", "ltc_light"];
+    let parts = ["ltc_math", "ltc_smooth", "ltc_function", "ltc_light", "ltc_shapes"];
     format!("{}\n{source}\n{smooth_at}", joined(&parts))
 }
 
@@ -204,6 +211,7 @@ mod tests {
         validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"]);
         validate(&["ltc_math", "nodes_uniform", "texels_array", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
+        validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
         validate(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]);
         validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light"]);
         validate(&PORTED);
@@ -211,7 +219,7 @@ mod tests {
         validate(&["ltc_math", "gaussians_light"]);
         validate(&PORTED_GAUSSIANS);
         validate(&PORTED_GAUSSIANS_TABLE);
-        validate(&["ltc_math", "ggx_reference"]);
+        validate(&["ltc_math", "ltc_light", "ggx_reference", "reference_solids"]);
         validate(&PREVIEWED);
     }
 

@@ -54,7 +54,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
                 assert!(header.contains(line), "{name}: {line}");
             }
             let code = code(&text);
-            for function in ["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk"] {
+            for function in TABLE_FUNCTIONS {
                 assert!(code.contains(&format!("{function}(")), "{name}: {function}");
             }
         }
@@ -69,6 +69,8 @@ fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static st
     ]
 }
 
+const TABLE_FUNCTIONS: [&str; 8] =
+    ["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk", "ltc_sphere", "ltc_tube", "ltc_line"];
 const NORMALS_FUNCTIONS: [&str; 4] = ["normals_view", "normals_rectangle", "normals_polygon", "normals_disk"];
 const GAUSSIANS_FUNCTIONS: [&str; 5] =
     ["gaussians_view", "gaussians_rectangle", "gaussians_polygon", "gaussians_disk", "gaussians_sg"];
@@ -282,7 +284,7 @@ fn what_is_included_has_functions_and_no_program() {
             assert!(!code.contains(word), "{name}: {word}");
         }
         let functions: &[&str] = match lit_by {
-            LitBy::Table(_) => &["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk"],
+            LitBy::Table(_) => &TABLE_FUNCTIONS,
             LitBy::Normals => &NORMALS_FUNCTIONS,
             LitBy::Gaussian(_) => &GAUSSIANS_FUNCTIONS,
             LitBy::GaussianTable(..) => &GAUSSIANS_TABLE_FUNCTIONS,

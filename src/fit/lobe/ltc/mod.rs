@@ -1,15 +1,19 @@
 //! Linearly Transformed Cosines: the distribution, its integral over polygons, and caps for any light.
 
 mod align;
+mod cone;
 mod distribution;
 mod model;
 mod polygon;
+mod shapes;
 mod sphere;
 
 pub(crate) use align::{align, align_to, turned};
+pub use cone::Cone;
 pub use distribution::Ltc;
 pub(super) use model::Rules;
 #[cfg(test)]
 pub(crate) use polygon::quadrature;
 pub use polygon::{Clip, MAX_VERTICES, Sides};
-pub use sphere::clipped_form_factor;
+pub use shapes::CosineSpace;
+pub use sphere::{cheap_form_factor, clipped_form_factor};

@@ -39,6 +39,18 @@ pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
     (seen / (PI * length)).max(0.0)
 }
 
+/// [`clipped_form_factor`] by two additions and a division: `(length + c) / (length + 1)`, zero where that is below zero
+/// [Hill and Heitz 2016].
+///
+/// It is exact for a light straight above and for one without width. Any other it takes for brighter: by up to 0.180 at `length` 0.64
+/// and `c` 0.225, and by 0.106 where the cap does not meet the horizon; for darker by 0.029 at most. As a part of the light of
+/// a hemisphere, which is `length` times that, it is off by 0.042 on average over `c` and `length`, by +0.135 (`length` 0.82, `c`
+/// 0.165) and -0.0075 at most, and by +0.051 where the cap does not meet the horizon.
+#[must_use]
+pub fn cheap_form_factor(cos_elevation: f64, length: f64) -> f64 {
+    ((length + cos_elevation) / (length + 1.0)).max(0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,5 +100,31 @@ mod tests {
                 assert!((before - after).abs() < 1e-8, "{c} {length}: {before} {after}");
             }
         }
+    }
+
+    #[test]
+    fn the_cheap_fit_is_off_by_what_its_documentation_says() {
+        let (mut factor, mut light, mut mean) = ([0.0_f64; 3], [0.0_f64; 3], 0.0);
+        let (rows, columns) = (300, 600);
+        for i in 1..=rows {
+            let length = f64::from(i) / f64::from(rows);
+            for j in 0..=columns {
+                let c = f64::from(2 * j) / f64::from(columns) - 1.0;
+                let off = cheap_form_factor(c, length) - clipped_form_factor(c, length);
+                let above = if c * c > length { off } else { 0.0 };
+                factor = [factor[0].max(off), factor[1].min(off), factor[2].max(above)];
+                light = [light[0].max(length * off), light[1].min(length * off), light[2].max(length * above)];
+                mean += length * off.abs() / f64::from(rows * (columns + 1));
+            }
+        }
+        let wanted = [0.1803, -0.0288, 0.1059, 0.1346, -0.0075, 0.0507];
+        for (found, wanted) in factor.into_iter().chain(light).zip(wanted) {
+            assert!((found - wanted).abs() < 3e-4, "{found} {wanted}");
+        }
+        assert!((mean - 0.042).abs() < 3e-4, "{mean}");
+        for length in [0.0, 0.4, 1.0] {
+            assert_eq!(cheap_form_factor(1.0, length), 1.0);
+        }
+        assert_eq!([cheap_form_factor(0.3, 0.0), cheap_form_factor(-0.3, 0.0)], [0.3, 0.0]);
     }
 }

@@ -46,20 +46,17 @@ pub(super) fn reference(brdf: &BrdfModel, at: &Shaded, light: &FrameLight, sampl
         if weight > 0.0 && to_light.z > HORIZON {
             let of_light = f64::from(light.pdf(at.position, at.x * to_light.x + at.y * to_light.y + at.z * to_light.z));
             let of_brdf = surface.pdf(wo, wi);
-            if of_light > 0.0 {
+            if of_light >= 0.0 {
                 add(weight * of_brdf / (of_brdf + of_light), cosine);
             }
         }
-        let to_light = light.point(point(i, [c, d])) - at.position;
-        let distance2 = to_light.dot(to_light);
-        let direction = to_light / distance2.max(1e-36).sqrt();
-        let facing = light.normal.dot(direction);
+        let (direction, of_light) = light.sample(at.position, point(i, [c, d]));
         let wi = DVec3::new(direction.dot(at.x).into(), direction.dot(at.y).into(), direction.dot(at.z).into());
-        if wi.z > f64::from(HORIZON) && light.faces(facing) {
-            let of_light = f64::from(distance2) / (f64::from(light.area) * f64::from(facing.abs()));
+        if wi.z > f64::from(HORIZON) && of_light > 0.0 {
             let value = surface.eval_cos(wo, wi);
             if value > 0.0 {
-                add(value / (surface.pdf(wo, wi) + of_light), cos_theta_d(wo, wi));
+                let of_brdf = if light.is_line() { 0.0 } else { surface.pdf(wo, wi) };
+                add(value / (of_brdf + f64::from(of_light)), cos_theta_d(wo, wi));
             }
         }
     }

@@ -4,9 +4,10 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
+use super::solids;
 use crate::{
     fit::math::sin_cos_turns,
-    view::preview::frame::{FrameEllipse, FrameLight},
+    view::preview::frame::{FrameEllipse, FrameLight, FrameShape},
 };
 
 pub(super) const HORIZON: f32 = 1e-6;
@@ -58,24 +59,45 @@ impl FrameLight {
     }
 
     pub(super) fn pdf(&self, position: Vec3, wi: Vec3) -> f32 {
+        if let FrameShape::Tube { .. } | FrameShape::Line { .. } = self.shape {
+            return solids::pdf(&self.shape, position, wi);
+        }
         let cosine = self.normal.dot(wi);
         if !self.faces(cosine) {
-            return 0.0;
+            return -1.0;
         }
         let away = self.normal.dot(self.vertices[0] - position) / cosine;
         if away <= 0.0 {
-            return 0.0;
+            return -1.0;
         }
         let hit = position + away * wi;
         if !self.holds(hit) {
-            return 0.0;
+            return -1.0;
         }
         away * away / (self.area * cosine.abs())
     }
 
+    /// A direction towards the light, and its density per steradian; zero where the light does not emit to the shaded point.
+    pub(super) fn sample(&self, position: Vec3, u: Vec2) -> (Vec3, f32) {
+        if let FrameShape::Tube { .. } | FrameShape::Line { .. } = self.shape {
+            return solids::sample(&self.shape, position, u);
+        }
+        let to_light = self.point(u) - position;
+        let distance2 = to_light.dot(to_light);
+        let direction = to_light / distance2.max(1e-36).sqrt();
+        let facing = self.normal.dot(direction);
+        let density = distance2 / (self.area * facing.abs().max(HORIZON));
+        (direction, if self.faces(facing) { density } else { 0.0 })
+    }
+
+    /// Whether directions towards the light are drawn by it alone: no direction of a lobe's hits a line exactly.
+    pub(super) fn is_line(&self) -> bool {
+        matches!(self.shape, FrameShape::Line { .. })
+    }
+
     /// Whether a point of its plane is on it.
     fn holds(&self, hit: Vec3) -> bool {
-        if let Some(FrameEllipse { centre, half_axes }) = self.ellipse {
+        if let FrameShape::Ellipse(FrameEllipse { centre, half_axes }) = self.shape {
             let [x, y] = half_axes.map(|(axis, per_length2)| (hit - centre).dot(axis) * per_length2);
             return x * x + y * y <= 1.0;
         }
@@ -89,8 +111,8 @@ impl FrameLight {
         true
     }
 
-    pub(super) fn point(&self, u: Vec2) -> Vec3 {
-        if let Some(FrameEllipse { centre, half_axes: [(x, _), (y, _)] }) = self.ellipse {
+    fn point(&self, u: Vec2) -> Vec3 {
+        if let FrameShape::Ellipse(FrameEllipse { centre, half_axes: [(x, _), (y, _)] }) = self.shape {
             let (sin, cos) = sin_cos_turns(u.y);
             return centre + u.x.sqrt() * (cos * x + sin * y);
         }
@@ -115,7 +137,7 @@ pub(super) fn reference(at: &Shaded, light: &FrameLight, samples: u32, key: u32)
     let weighed = |wm: Vec3, wi: Vec3, of_light: f32| {
         let of_brdf = distribution(at.alpha, wm) * to_pdf;
         let g2_over_g1 = (1.0 + lambda_o) / (1.0 + lambda_o + smith_lambda(at.alpha, wi));
-        g2_over_g1 * (of_brdf / (of_brdf + of_light))
+        g2_over_g1 * (of_brdf / (if light.is_line() { 0.0 } else { of_brdf } + of_light))
     };
     let mut sum = Vec2::ZERO;
     for i in 0..samples {
@@ -124,18 +146,14 @@ pub(super) fn reference(at: &Shaded, light: &FrameLight, samples: u32, key: u32)
         let wi = 2.0 * cosine * wm - at.wo;
         if wi.z > HORIZON {
             let of_light = light.pdf(at.position, at.x * wi.x + at.y * wi.y + at.z * wi.z);
-            if of_light > 0.0 {
+            if of_light >= 0.0 {
                 sum += fresnel(cosine) * weighed(wm, wi, of_light);
             }
         }
-        let to_light = light.point(point(i, [c, d])) - at.position;
-        let distance2 = to_light.dot(to_light);
-        let direction = to_light / distance2.max(1e-36).sqrt();
-        let facing = light.normal.dot(direction);
+        let (direction, of_light) = light.sample(at.position, point(i, [c, d]));
         let wi = Vec3::new(direction.dot(at.x), direction.dot(at.y), direction.dot(at.z));
-        if wi.z > HORIZON && light.faces(facing) {
+        if wi.z > HORIZON && of_light > 0.0 {
             let wm = (at.wo + wi).normalize();
-            let of_light = distance2 / (light.area * facing.abs());
             sum += fresnel(at.wo.dot(wm)) * weighed(wm, wi, of_light);
         }
     }

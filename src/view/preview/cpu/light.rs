@@ -1,8 +1,11 @@
-//! Twin of `ltc_light.wgsl`; the edges are [`Clip`]'s.
+//! Twin of `ltc_light.wgsl`; the edges are [`Clip`]'s, and other shapes those of [`CosineSpace`].
 
 use glam::{Mat3, Vec3};
 
-use crate::{fit::Clip, view::preview::frame::FrameLight};
+use crate::{
+    fit::{Clip, CosineSpace, Sides},
+    view::preview::frame::{FrameLight, FrameShape},
+};
 
 pub(super) struct Inverse {
     pub(super) m: Mat3,
@@ -27,6 +30,9 @@ impl Inverse {
 
     /// The part of the distribution that the light covers from `position`, whose tangent frame `to_local` leads into.
     pub(super) fn covered(&self, light: &FrameLight, position: Vec3, to_local: Mat3) -> f32 {
+        if !matches!(light.shape, FrameShape::Polygon) {
+            return self.cosine_space(to_local).map_or(0.0, |space| shape_covered(&space, light, position));
+        }
         let to_cosine = self.m * to_local;
         let vertex = |v: &Vec3| (to_cosine * (*v - position)).to_array();
         let Some(last) = light.vertices.last() else { return 0.0 };
@@ -38,10 +44,31 @@ impl Inverse {
         (if light.two_sided { covered.abs() } else { covered }).clamp(0.0, 1.0)
     }
 
+    /// The space of the clamped cosine, from that which `to_local` leads into the tangent frame; `None` where nothing is lit. Twin
+    /// of `ltc_shapes.wgsl`.
+    pub(super) fn cosine_space(&self, to_local: Mat3) -> Option<CosineSpace<f32>> {
+        let to_cosine = self.m * to_local;
+        (self.side != 0.0).then(|| CosineSpace::new(to_cosine.transpose().to_cols_array_2d()))
+    }
+
     /// The distribution's density at `wi`.
     pub(super) fn density(&self, wi: Vec3) -> f32 {
         let c = self.m * wi;
         let length2 = c.dot(c);
         c.z.max(0.0) * self.m.determinant().abs() / (std::f32::consts::PI * (length2 * length2).max(1e-36))
+    }
+}
+
+/// The part of the lobe that an ellipse, a sphere, a tube or a line covers.
+fn shape_covered(space: &CosineSpace<f32>, light: &FrameLight, position: Vec3) -> f32 {
+    let around = |v: Vec3| (v - position).to_array();
+    match light.shape {
+        FrameShape::Polygon => 0.0,
+        FrameShape::Ellipse(ellipse) => {
+            let sides = if light.two_sided { Sides::Two } else { Sides::One };
+            space.ellipse(around(ellipse.centre), ellipse.half_axes.map(|(axis, _)| axis.to_array()), sides)
+        }
+        FrameShape::Tube { ends, radius } => space.tube(ends.map(around), radius),
+        FrameShape::Line { ends, width } => space.line(ends.map(around), width),
     }
 }

@@ -7,6 +7,7 @@ use super::{
     ggx::{self, Shaded},
     light::Inverse,
     lookup::{LEAST_ALPHA, lookup},
+    solids,
 };
 use crate::{
     fit::{BrdfKind, Sides},
@@ -18,7 +19,7 @@ use crate::{
     view::preview::{
         ShaderTable, Surface,
         estimator::Estimator,
-        frame::{Frame, LOWEST_VIEW},
+        frame::{Frame, FrameShape, LOWEST_VIEW},
         radiances::{BELOW, BESIDE},
     },
 };
@@ -119,8 +120,15 @@ fn by_table(frame: &Frame, table: &ShaderTable, at: &Shaded) -> Vec3 {
 fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
     let to_local = Mat3::from_cols(at.x, at.y, at.z).transpose();
     let light = &frame.light;
-    let vertices = light.vertices.iter().map(|v| (to_local * (*v - at.position)).to_array()).collect();
-    (vertices, if light.two_sided { Sides::Two } else { Sides::One })
+    let vertices = match light.shape {
+        FrameShape::Polygon | FrameShape::Ellipse(_) => {
+            light.vertices.iter().map(|v| (to_local * (*v - at.position)).to_array()).collect()
+        }
+        FrameShape::Tube { .. } | FrameShape::Line { .. } => {
+            solids::outline(&light.shape, at.position, at.z).into_iter().map(|v| (to_local * v).to_array()).collect()
+        }
+    };
+    (vertices, if light.is_two_sided() { Sides::Two } else { Sides::One })
 }
 
 fn by_gaussian(frame: &Frame, gaussian: Gaussian, at: &Shaded) -> Vec3 {

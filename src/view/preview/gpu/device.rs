@@ -6,7 +6,10 @@ use super::{GpuFailure, Variant, Weights};
 use crate::{
     light::{Gaussian, WeightRule},
     view::{
-        preview::{estimator::Estimator, frame::Frame},
+        preview::{
+            estimator::Estimator,
+            frame::{Frame, FrameShape},
+        },
         shaders::{Bound, preview_module},
     },
 };
@@ -32,8 +35,8 @@ pub(super) struct Device {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Kind {
     estimator: Estimator,
-    /// The reference's light is an ellipse.
-    is_ellipse: bool,
+    /// What the light is; see `LIGHT_` in `ggx_reference.wgsl`.
+    shape: u32,
     /// How model `normals` averages its weight.
     rule: WeightRule,
     /// The light of closed forms and Gaussians is a polygon of other than four vertices.
@@ -45,11 +48,17 @@ impl Kind {
     fn new(estimator: Estimator, frame: &Frame) -> Self {
         let is_normals = estimator == Estimator::Normals;
         let is_gaussian = matches!(estimator, Estimator::Gaussian(_) | Estimator::GaussianTable(_));
+        // A polygon stands for an ellipse there.
+        let is_flat = matches!(frame.light.shape, FrameShape::Polygon | FrameShape::Ellipse(_));
         Self {
             estimator,
-            is_ellipse: estimator == Estimator::Reference && frame.light.ellipse.is_some(),
+            shape: if estimator.is_lobe() || (is_flat && (is_normals || is_gaussian)) {
+                0
+            } else {
+                frame.light.shape.number()
+            },
             rule: if is_normals { frame.weight } else { WeightRule::Fan },
-            is_polygon: (is_normals || is_gaussian) && frame.light.vertices.len() != 4,
+            is_polygon: (is_normals || is_gaussian) && frame.light.outline_vertices() != 4,
         }
     }
 }
@@ -146,7 +155,7 @@ impl Device {
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
             ("lookup_is_constant", flag(self.lookup_is_constant)),
-            ("light_is_ellipse", flag(kind.is_ellipse)),
+            ("light_shape", f64::from(kind.shape)),
             ("light_is_polygon", flag(kind.is_polygon)),
             ("normals_rule", f64::from(kind.rule as u32)),
             ("gaussian", f64::from(gaussian as u32)),

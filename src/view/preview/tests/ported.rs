@@ -49,14 +49,34 @@ struct ExampleLight {
     given: Vec<DVec3>,
     /// What f64 integrates over.
     outline: Vec<DVec3>,
-    /// How far the two may be apart.
-    tolerance: f64,
+    /// Radius or width.
+    size: f64,
+}
+
+impl ExampleLight {
+    /// What an LTC sees of it, in f64.
+    fn covered(&self, ltc: &Ltc, sides: Sides) -> f64 {
+        match (self.count, &self.given[..]) {
+            (0, [centre, x, y]) => ltc.ellipse(*centre, [*x, *y], sides),
+            (1, [centre]) => ltc.sphere(*centre, self.size),
+            (2, [start, end]) => ltc.tube([*start, *end], self.size),
+            (9, [start, end]) => ltc.line([*start, *end], self.size),
+            _ => ltc.polygon(&self.outline, sides),
+        }
+    }
+}
+
+/// The lights that only an LTC has: a sphere, a tube and a line, through the horizon.
+fn round_lights() -> Vec<ExampleLight> {
+    let ends = vec![DVec3::new(0.3, -0.8, 0.9), DVec3::new(0.1, 1.2, -0.4)];
+    let light =
+        |count: u8, given: &[DVec3], size: f64| ExampleLight { count, given: given.into(), outline: vec![], size };
+    vec![light(1, &[DVec3::new(0.5, 0.4, 0.3)], 0.45), light(2, &ends, 0.25), light(9, &ends, 0.1)]
 }
 
 fn example_lights() -> Vec<ExampleLight> {
     let corners = CORNERS.map(DVec3::from_array);
-    let mut lights =
-        vec![ExampleLight { count: 4, given: corners.into(), outline: corners.into(), tolerance: TOLERANCE }];
+    let mut lights = vec![ExampleLight { count: 4, given: corners.into(), outline: corners.into(), size: 0.0 }];
     // Clockwise from the shaded point, one vertex or more below the horizon.
     let (centre, x, y) = (DVec3::new(0.3, 0.2, 0.6), DVec3::new(0.9, 0.0, 0.4), DVec3::new(0.0, -0.8, 0.5));
     let around = |n: u32| -> Vec<DVec3> {
@@ -65,10 +85,9 @@ fn example_lights() -> Vec<ExampleLight> {
     };
     for count in [3_u8, 5, 7, 8] {
         let outline = around(count.into());
-        lights.push(ExampleLight { count, given: outline.clone(), outline, tolerance: TOLERANCE });
+        lights.push(ExampleLight { count, given: outline.clone(), outline, size: 0.0 });
     }
-    // The octagon of a disk's area is another outline.
-    lights.push(ExampleLight { count: 0, given: vec![centre, x, y], outline: around(512), tolerance: 5e-3 });
+    lights.push(ExampleLight { count: 0, given: vec![centre, x, y], outline: around(512), size: 0.0 });
     lights
 }
 
@@ -77,21 +96,23 @@ fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> [f32; 40] {
     let mut words = [0.0; 40];
     words[..3].copy_from_slice(&case.wo.map(|x| x as f32));
     words[3] = case.alpha_x as f32;
-    words[4..7].copy_from_slice(&[case.alpha_y as f32, light.count.into(), f32::from(u8::from(two_sided))]);
+    let two_sided = f32::from(u8::from(two_sided));
+    words[4..8].copy_from_slice(&[case.alpha_y as f32, light.count.into(), two_sided, light.size as f32]);
     for (place, vertex) in words[8..].chunks_exact_mut(4).zip(&light.given) {
         place[..3].copy_from_slice(&vertex.as_vec3().to_array());
     }
     words
 }
 
-/// The file that `ltcforge shader` writes, on the GPU: `M`, terms, and what a rectangle, polygons and a disk cover.
+/// The file that `ltcforge shader` writes, on the GPU: `M`, terms, and what each kind of light covers.
 #[test]
 fn the_shader_that_users_take_home_gives_what_f64_does() {
     let mut covered_somewhere = 0;
     for &layout in Layout::ALL {
         let table = golden_table(layout);
         let wgsl = String::from_utf8(port(Language::Wgsl, layout).expect("WGSL")).expect("UTF-8");
-        let lights = example_lights();
+        let mut lights = example_lights();
+        lights.extend(round_lights());
         let tried: Vec<_> = CASES
             .iter()
             .flat_map(|case| lights.iter().flat_map(move |l| [false, true].map(|two| (case, l, two))))
@@ -109,18 +130,14 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
             let Golden { matrix, amplitude, fresnel, .. } = case.golden(layout);
             let sides = if two_sided { Sides::Two } else { Sides::One };
             let ltc = Ltc::new(from_row_major(&matrix)).expect("a regular matrix");
-            let covered = ltc.polygon(&light.outline, sides);
+            let covered = light.covered(&ltc, sides);
             let what = format!("{layout:?} {case:?} {} vertices, {two_sided}", light.count);
             for (row, column) in (0..9).map(|k| (k / 3, k % 3)) {
                 let (found, expected) = (f64::from(found[4 * column + row]), matrix[3 * row + column]);
                 assert!((found - expected).abs() < TOLERANCE, "{what}: m{row}{column} is {found}, not {expected}");
             }
-            for (found, expected, tolerance) in [
-                (found[12], amplitude, TOLERANCE),
-                (found[13], fresnel, TOLERANCE),
-                (found[14], covered, light.tolerance),
-            ] {
-                assert!((f64::from(found) - expected).abs() < tolerance, "{what}: {found}, not {expected}");
+            for (found, expected) in found[12..15].iter().zip([amplitude, fresnel, covered]) {
+                assert!((f64::from(*found) - expected).abs() < TOLERANCE, "{what}: {found}, not {expected}");
             }
             covered_somewhere += usize::from(covered > 0.05);
         }
@@ -181,7 +198,7 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
     let mut lights = example_lights();
     let SgLight { axis, sharpness, amplitude } = SG_LIGHT;
     let given = vec![axis.into(), DVec3::new(sharpness, amplitude, 0.0)];
-    lights.push(ExampleLight { count: 1, given, outline: Vec::new(), tolerance: TOLERANCE });
+    lights.push(ExampleLight { count: 1, given, outline: Vec::new(), size: 0.0 });
     let mut tried = Vec::new();
     for (case, light) in CASES.iter().flat_map(|case| lights.iter().map(move |light| (case, light))) {
         for two_sided in [false, true] {
@@ -229,7 +246,7 @@ fn the_shader_of_a_table_of_gaussians_gives_what_f64_does() {
     let wgsl = port(Language::Wgsl, LitBy::GaussianTable(Gaussian::Asg, layout)).expect("WGSL");
     let wgsl = String::from_utf8(wgsl).expect("UTF-8");
     let corners = CORNERS.map(DVec3::from_array);
-    let light = ExampleLight { count: 4, given: corners.into(), outline: corners.into(), tolerance: TOLERANCE };
+    let light = ExampleLight { count: 4, given: corners.into(), outline: corners.into(), size: 0.0 };
     let tried: Vec<(Case, Gaussian)> =
         CASES.iter().flat_map(|case| Gaussian::ALL.iter().map(|gaussian| (*case, *gaussian))).collect();
     let words: Vec<[f32; 40]> = tried

@@ -9,7 +9,10 @@ use super::{planted::diffuse, *};
 use crate::{
     fit::{BrdfKind, BrdfModel, Table, TabulatedFile, brdf::planted_tabulated},
     light::LightModel,
-    view::preview::{Camera, Estimator, Light, LightKind, Material, Mode, Scene, light::Ellipse},
+    view::preview::{
+        Camera, Estimator, Light, LightKind, Material, Mode, Scene,
+        light::{Ellipse, Shape},
+    },
 };
 
 /// Of the energy that the light sends along.
@@ -19,6 +22,8 @@ const DIM: f64 = 0.05;
 /// Part of the same, of which more is lit.
 const LIT: f64 = 0.02;
 const SIZE: u32 = 64;
+const FLAT: &[LightKind] = &[LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(6)];
+const ROUND: &[LightKind] = &[LightKind::Sphere, LightKind::Tube, LightKind::Line];
 /// Enough that what is left of the noise is a third of the tolerance.
 const SAMPLES: u32 = 1 << 13;
 
@@ -75,26 +80,57 @@ fn rings(ellipse: &Ellipse) -> Vec<(DVec3, f64)> {
     (0..N).flat_map(|j| (0..N).map(move |k| (radius(j), angle(k)))).map(point).collect()
 }
 
-/// Radiance for each channel, by summing `reflects(wo, wi) -> (all, Fresnel part)` over the light as the estimator has
-/// it: a table lights a disk by a polygon.
-fn expected(
-    scene: &Scene,
-    point: &Point,
-    estimator: Estimator,
-    reflects: impl Fn(DVec3, DVec3) -> (f64, f64),
-) -> [f64; 3] {
+/// The same over the surface of a tube with round ends, each with its normal.
+fn surface([start, end]: [DVec3; 2], radius: f64) -> Vec<(DVec3, DVec3, f64)> {
+    const N: usize = 400;
+    let axis = (end - start).try_normalize().unwrap_or(DVec3::X);
+    let (x, y) = axis.any_orthonormal_pair();
+    let share = 2.0 * PI * radius / (N * N) as f64;
+    let mut points = Vec::new();
+    for (along, around) in (0..N).flat_map(|i| (0..N).map(move |k| (i, k))) {
+        let s = (along as f64 + 0.5) / N as f64;
+        let (sin, cos) = ((around as f64 + 0.5) / N as f64 * TAU).sin_cos();
+        let across = x * cos + y * sin;
+        points.push((start.lerp(end, s) + across * radius, across, share * start.distance(end)));
+        let height = 2.0 * s - 1.0;
+        let normal = axis * height + across * (1.0 - height * height).sqrt();
+        points.push((if height > 0.0 { end } else { start } + normal * radius, normal, share * 2.0 * radius));
+    }
+    points
+}
+
+/// The light's points, each with how large it is and the cosine that it has along a direction from the shaded point.
+fn points(scene: &Scene) -> Vec<(DVec3, f64, Box<dyn Fn(DVec3) -> f64>)> {
     let outline = scene.light.outline();
-    let points = match &outline.ellipse {
-        Some(ellipse) if estimator == Estimator::Reference => rings(ellipse),
-        _ => grid(&outline.vertices),
-    };
+    let (normal, two_sided) = (outline.normal, scene.light.two_sided);
+    let flat = move |wi: DVec3| if two_sided { normal.dot(wi).abs() } else { (-normal.dot(wi)).max(0.0) };
+    let flat = |(at, area): (DVec3, f64)| (at, area, Box::new(flat) as Box<dyn Fn(DVec3) -> f64>);
+    match outline.shape {
+        Shape::Polygon => grid(&outline.vertices).into_iter().map(flat).collect(),
+        Shape::Ellipse(ellipse) => rings(&ellipse).into_iter().map(flat).collect(),
+        Shape::Tube { ends, radius } => {
+            let surface = surface(ends, radius).into_iter();
+            let towards = |normal: DVec3| Box::new(move |wi: DVec3| (-normal.dot(wi)).max(0.0));
+            surface.map(|(at, normal, area)| (at, area, towards(normal) as Box<dyn Fn(DVec3) -> f64>)).collect()
+        }
+        Shape::Line { ends: [start, end], width } => {
+            const N: u32 = 100_000;
+            let (axis, part) = ((end - start).normalize(), width * start.distance(end) / f64::from(N));
+            let at = |i: u32| start.lerp(end, (f64::from(i) + 0.5) / f64::from(N));
+            let sine = move |wi: DVec3| axis.cross(wi).length();
+            (0..N).map(|i| (at(i), part, Box::new(sine) as Box<dyn Fn(DVec3) -> f64>)).collect()
+        }
+    }
+}
+
+/// Radiance for each channel, by summing `reflects(wo, wi) -> (all, Fresnel part)` over the light.
+fn expected(scene: &Scene, point: &Point, reflects: impl Fn(DVec3, DVec3) -> (f64, f64)) -> [f64; 3] {
     let (mut all, mut fresnel) = (0.0, 0.0);
-    for (at, area) in points {
+    for (at, area, cosine) in points(scene) {
         let to_light = at - point.position;
         let distance2 = to_light.length_squared();
         let wi = to_light / distance2.sqrt();
-        let facing = -outline.normal.dot(wi);
-        let facing = if scene.light.two_sided { facing.abs() } else { facing.max(0.0) };
+        let facing = cosine(wi);
         let (a, f) = reflects(point.wo, point.to_local * wi);
         all += a * area * facing / distance2;
         fresnel += f * area * facing / distance2;
@@ -104,8 +140,7 @@ fn expected(
 
 /// Twenty materials, lights, cameras and pixels, from sharp to rough; lights near the mirror direction, some of them
 /// cut by the horizon. Then the roughest surface seen from above.
-fn configurations() -> Vec<(Scene, [u32; 2])> {
-    const KINDS: [LightKind; 4] = [LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(6)];
+fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(20);
     let mut within = |low: f64, high: f64| low + (high - low) * (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut found = Vec::new();
@@ -131,17 +166,26 @@ fn configurations() -> Vec<(Scene, [u32; 2])> {
         let mirror = point.to_local.transpose() * DVec3::new(-point.wo.x, -point.wo.y, point.wo.z);
         let jitter = DVec3::from([0; 3].map(|_: u32| within(-0.6, 0.6)));
         scene.light = Light {
-            kind: KINDS[found.len() % KINDS.len()],
+            kind: kinds[found.len() % kinds.len()],
             centre: (point.position + 1.2 * mirror + jitter).to_array(),
             half_size: [within(0.2, 1.2), within(0.2, 1.2)],
             rotation: [within(-1.0, 1.0), within(-1.0, 1.0), within(-3.0, 3.0)],
             intensity: 2.0,
             two_sided: found.len() % 2 == 0,
         };
+        // A sphere or tube that holds the shaded point is another test's.
+        if let Shape::Tube { ends: [start, end], radius } = scene.light.outline().shape {
+            let along = end - start;
+            let foot = (point.position - start).dot(along) / along.length_squared().max(1e-30);
+            if (start + along * foot.clamp(0.0, 1.0)).distance(point.position) < 1.1 * radius {
+                continue;
+            }
+        }
         found.push((scene, pixel));
     }
     let rough = Material { alpha_x: 1.0, alpha_y: 1.0, rotation: 0.0 };
-    let from_above = Scene { materials: vec![rough], size: SIZE, spp: SAMPLES, ..Scene::default() };
+    let light = Light { kind: kinds[0], ..Light::default() };
+    let from_above = Scene { materials: vec![rough], light, size: SIZE, spp: SAMPLES, ..Scene::default() };
     found.push((from_above, [SIZE / 2; 2]));
     found
 }
@@ -151,12 +195,12 @@ fn configurations() -> Vec<(Scene, [u32; 2])> {
 fn assert_true(
     mut renderers: Vec<Preview>,
     table: &Arc<ShaderTable>,
-    estimator: Estimator,
+    (estimator, kinds): (Estimator, &[LightKind]),
     faint: f64,
     truth: impl Fn(&Scene, &Point) -> [f64; 3],
 ) {
     let mut lit = 0;
-    let configurations = configurations();
+    let configurations = configurations(kinds);
     let (scene, pixel) = &configurations[20];
     assert!(seen(scene, *pixel).expect("on the sphere").wo.z > 0.999);
     for (scene, pixel) in configurations {
@@ -178,16 +222,19 @@ fn assert_true(
 
 #[test]
 fn the_reference_converges_to_the_integral_of_ggx() {
-    assert_true(renderers(), &shader_table(TexelFormat::F32), Estimator::Reference, 1.0, |scene, point| {
-        integral(&BrdfKind::Ggx.into(), scene, point)
-    });
+    for kinds in [FLAT, ROUND] {
+        let table = shader_table(TexelFormat::F32);
+        assert_true(renderers(), &table, (Estimator::Reference, kinds), 1.0, |scene, point| {
+            integral(&BrdfKind::Ggx.into(), scene, point)
+        });
+    }
 }
 
 /// The integral of a scattering model over the light.
 fn integral(brdf: &BrdfModel, scene: &Scene, point: &Point) -> [f64; 3] {
     let Material { alpha_x, alpha_y, .. } = scene.materials[0];
     let surface = brdf.surface([alpha_x, alpha_y]);
-    expected(scene, point, Estimator::Reference, |wo, wi| {
+    expected(scene, point, |wo, wi| {
         let all = surface.eval_cos(wo, wi);
         (all, all * (1.0 - wo.dot((wo + wi).normalize())).powi(5))
     })
@@ -201,7 +248,9 @@ fn every_reference_converges_to_the_integral_of_its_model() {
         let renderers = vec![Preview::new(Adapter::Any), Preview::new(Adapter::Cpu)];
         // Sheen and diffuse surfaces send little of a light into any one direction.
         let faint = if brdf.follows_reflection() { 1.0 } else { 0.1 };
-        assert_true(renderers, &table, Estimator::Reference, faint, |scene, point| integral(&brdf, scene, point));
+        let kinds = [LightKind::Disk, LightKind::Tube, LightKind::Sphere, LightKind::Line];
+        let reference = (Estimator::Reference, &kinds[..]);
+        assert_true(renderers, &table, reference, faint, |scene, point| integral(&brdf, scene, point));
     }
 }
 
@@ -247,7 +296,9 @@ fn a_missing_file_is_told_where_the_reference_is_asked_for() {
 #[test]
 fn a_planted_diffuse_table_is_lit_as_a_diffuse_surface() {
     let table = Arc::new(ShaderTable::new(&diffuse(), TexelFormat::F32));
-    assert_true(renderers(), &table, Estimator::Table, 1.0, |scene, point| {
-        expected(scene, point, Estimator::Table, |_, wi| (wi.z.max(0.0) / PI, 0.0))
-    });
+    for kinds in [FLAT, ROUND] {
+        assert_true(renderers(), &table, (Estimator::Table, kinds), 1.0, |scene, point| {
+            expected(scene, point, |_, wi| (wi.z.max(0.0) / PI, 0.0))
+        });
+    }
 }

@@ -3,7 +3,7 @@ use crate::{
     light::{LightModel, WeightRule},
     view::{
         picture::Picture,
-        preview::{Camera, Choices, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
+        preview::{Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
     },
 };
 
@@ -112,6 +112,36 @@ fn gpu_and_cpu_agree_under_small_lights() {
             let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
             assert_twins(&a.picture, &b.picture, &format!("{scene:?}"));
             assert!(b.picture.rgb.iter().any(|pixel| pixel[0] > 128), "{half_size} lights nothing");
+        }
+    }
+}
+
+/// Lights of every shape, by every model: beside the surface, around a part of it, and far along their axes.
+#[test]
+fn gpu_and_cpu_agree_on_every_shape() {
+    let mut renderers = renderers();
+    let [gpu, cpu] = renderers.as_mut_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    for (named, kind) in [NamedScene::Sphere, NamedScene::BrushedFloor, NamedScene::Horizon]
+        .into_iter()
+        .flat_map(|named| LightKind::NAMED.map(|(_, kind)| (named, kind)))
+    {
+        let usual = named.scene();
+        for (centre, half_size) in
+            [(usual.light.centre, [0.8, 0.3]), ([0.9, 0.7, 0.2], [2.0, 0.5]), ([3.0, 0.5, 0.0], [1.5, 1e-2])]
+        {
+            let light = Light { kind, centre, half_size, rotation: [0.3, 0.8, 0.1], ..usual.light };
+            for (mode, model) in
+                LightModel::ALL.iter().map(|model| (Mode::Ltc, *model)).chain([(Mode::Reference, LightModel::Ltc)])
+            {
+                let scene = Scene { size: 64, spp: 4, mode, model, light, ..usual.clone() };
+                let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
+                assert_twins(
+                    &a.picture,
+                    &b.picture,
+                    &format!("{kind:?} {} {} {model} {centre:?}", named.name(), mode.name()),
+                );
+            }
         }
     }
 }

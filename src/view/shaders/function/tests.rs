@@ -11,7 +11,16 @@ fn every_language_has_the_functions_and_binds_nothing() {
         let name = language.name();
         assert!(text.starts_with("// Linearly") && text.contains("//   table 17\n"), "{name}");
         let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
-        for function in ["ltc_lookup", "ltc_inverse", "ltc_rectangle", "ltc_polygon", "ltc_disk"] {
+        for function in [
+            "ltc_lookup",
+            "ltc_inverse",
+            "ltc_rectangle",
+            "ltc_polygon",
+            "ltc_disk",
+            "ltc_sphere",
+            "ltc_tube",
+            "ltc_line",
+        ] {
             assert!(code.contains(&format!("{function}(")), "{name}: {function}");
         }
         for bound in ["texture", "sampler", "uniform", "buffer", "binding", "cbuffer", "ltc_included"] {

@@ -1,0 +1,199 @@
+//! The integral of a distribution over lights that are no polygons: ellipses, spheres, lines and tubes.
+//!
+//! Each is the integral of the clamped cosine over what `M^-1` makes of the light as it is seen from the origin: an ellipse
+//! and the outline of a sphere become cones over ellipses, see [`Cone`]; a line stays a line; the outline of a tube becomes two
+//! arcs of such cones and two straight edges.
+
+use glam::DVec3;
+
+use super::{Clip, Cone, Ltc, Sides};
+use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
+
+/// The linear map to the space in which a distribution is the clamped cosine.
+#[derive(Debug, Clone, Copy)]
+pub struct CosineSpace<T> {
+    rows: [Triple<T>; 3],
+    determinant: T,
+}
+
+impl<T: Scalar> CosineSpace<T> {
+    /// That of the rows of `M^-1`, up to a factor above zero.
+    #[must_use]
+    pub fn new(rows: [Triple<T>; 3]) -> Self {
+        Self { rows, determinant: dot(rows[2], cross(rows[0], rows[1])) }
+    }
+
+    /// Where a vector is there.
+    #[must_use]
+    pub fn of(&self, v: Triple<T>) -> Triple<T> {
+        self.rows.map(|row| dot(row, v))
+    }
+
+    /// The part that the ellipse `centre + cos t x + sin t y` covers, for any two half axes; its lit side is that of
+    /// `x cross y`.
+    #[must_use]
+    pub fn ellipse(&self, centre: Triple<T>, half_axes: [Triple<T>; 2], sides: Sides) -> T {
+        // From its lit side an ellipse is seen against its normal.
+        if sides == Sides::One && !(dot(centre, cross(half_axes[0], half_axes[1])) < T::ZERO) {
+            return T::ZERO;
+        }
+        self.cone(centre, half_axes).map_or(T::ZERO, |cone| cone.covered())
+    }
+
+    fn cone(&self, centre: Triple<T>, half_axes: [Triple<T>; 2]) -> Option<Cone<T>> {
+        Cone::new(self.of(centre), half_axes.map(|axis| self.of(axis)))
+    }
+
+    /// The part that a sphere covers; all from inside it.
+    #[must_use]
+    pub fn sphere(&self, centre: Triple<T>, radius: T) -> T {
+        if dot(centre, centre) <= radius * radius {
+            return T::ONE;
+        }
+        self.outline(centre, radius).map_or(T::ZERO, |cone| cone.covered())
+    }
+
+    /// The cone of a sphere: that of a disk which faces the origin. Domain: outside of the sphere.
+    fn outline(&self, centre: Triple<T>, radius: T) -> Option<Cone<T>> {
+        let towards = unit(centre);
+        let sine2 = radius * radius / dot(centre, centre);
+        let (x, y) = basis(towards);
+        let [x, y] = [x, y].map(|axis| scaled(axis, sine2.sqrt()));
+        self.cone(scaled(towards, (T::ONE - sine2).max(T::ZERO).sqrt()), [x, y])
+    }
+
+    /// The part that a line covers, of a width that faces the origin everywhere, in the limit of a small one: it is proportional
+    /// to the width.
+    ///
+    /// The strip around `p(s)` of the half width `h`, across the line and the view, becomes the strip around `M^-1 p(s)` of
+    /// the half width `M^-1 h`. Its integral is `2/pi` times `M^-1 h . (p x dp/ds)`, the same everywhere on the line, times
+    /// that of `max(p_z, 0) / |p|^4 ds` [Heitz and Hill 2017]. With the angle `u` from the line's point nearest to the origin,
+    /// at distance `d` in direction `o`, and the line's direction `t`, the integrand is `(o_z cos u + t_z sin u) cos u / d^2 du`,
+    /// over the angles above the horizon, `u_0` to `u_1`:
+    ///
+    /// ```text
+    /// 1 / (2 d^2) (o_z D + (o_z cos S + t_z sin S) sin D),    D = u_1 - u_0,  S = u_0 + u_1
+    /// ```
+    #[must_use]
+    pub fn line(&self, [a, b]: [Triple<T>; 2], width: T) -> T {
+        let lit = cross(a, b);
+        let (mut p, mut q) = (self.of(a), self.of(b));
+        let normal = cross(p, q);
+        let area2 = dot(normal, normal);
+        let along = minus(q, p);
+        let length = dot(along, along).sqrt();
+        let seen = (dot(lit, lit).sqrt() * self.determinant).abs() * length / area2.max(T::SHORTEST * T::SHORTEST);
+        if !(area2 > T::SHORTEST * T::SHORTEST) || (p[2] <= T::ZERO && q[2] <= T::ZERO) {
+            return T::ZERO;
+        }
+        let t = scaled(along, T::ONE / length);
+        let o = cross(t, scaled(normal, T::ONE / area2.sqrt()));
+        // What is below the horizon is cut off.
+        let crossing = || scaled(minus(scaled(p, q[2]), scaled(q, p[2])), T::ONE / (q[2] - p[2]));
+        if p[2] < T::ZERO {
+            p = crossing();
+        } else if q[2] < T::ZERO {
+            q = crossing();
+        }
+        let ([cos_0, sin_0], [cos_1, sin_1]) = (place(p, o, t), place(q, o, t));
+        let turn = [cos_0 * cos_1 + sin_0 * sin_1, cos_0 * sin_1 - sin_0 * cos_1];
+        let angle = T::atan2_upper(turn[1].abs(), turn[0]);
+        let cos_sum = cos_0 * cos_1 - sin_0 * sin_1;
+        let sin_sum = sin_0 * cos_1 + cos_0 * sin_1;
+        let integral = o[2] * angle + (o[2] * cos_sum + t[2] * sin_sum) * turn[1].abs();
+        (width * seen * integral / T::TAU).max(T::ZERO).min(T::ONE)
+    }
+
+    /// The part that a tube with round ends covers: all points up to `radius` from the line between `ends`. From inside it is
+    /// all.
+    ///
+    /// The outline of such a tube is that of two spheres and the two planes that touch both. Where the origin is within the
+    /// radius of the line beyond an end, the sphere at that end hides all the rest.
+    #[must_use]
+    pub fn tube(&self, ends: [Triple<T>; 2], radius: T) -> T {
+        let along = minus(ends[1], ends[0]);
+        let length = dot(along, along).sqrt();
+        let axis = unit(along);
+        let foot = (-dot(ends[0], axis)).max(T::ZERO).min(length);
+        let nearest = plus(ends[0], scaled(axis, foot));
+        if dot(nearest, nearest) <= radius * radius {
+            return T::ONE;
+        }
+        let beside = minus(ends[0], scaled(axis, dot(ends[0], axis)));
+        let distance2 = dot(beside, beside);
+        if !(length > T::ZERO) || distance2 <= radius * radius {
+            return self.sphere(nearest, radius);
+        }
+        let (Some(first), Some(second)) = (self.outline(ends[0], radius), self.outline(ends[1], radius)) else {
+            return T::ZERO;
+        };
+        // The planes with unit normals (r u +- sqrt(d^2 - r^2) v) / d touch the spheres, for the unit vector u from the origin to the
+        // line, d long, and v across both.
+        let towards = scaled(beside, radius / distance2);
+        let sideways = scaled(cross(axis, beside), (distance2 - radius * radius).sqrt() / distance2);
+        let sideways = if self.determinant < T::ZERO { scaled(sideways, -T::ONE) } else { sideways };
+        let touched = |end: Triple<T>, normal: Triple<T>| self.of(minus(end, scaled(normal, radius)));
+        let (left, right) = (plus(towards, sideways), minus(towards, sideways));
+        let mut clip = Clip::begin(touched(ends[0], right));
+        clip.edge_to(touched(ends[1], right));
+        clip.border_to(&second, touched(ends[1], left));
+        clip.edge_to(touched(ends[0], left));
+        clip.border_to(&first, touched(ends[0], right));
+        clip.finish().max(T::ZERO).min(T::ONE)
+    }
+}
+
+/// Cosine and sine of the angle of `p` from `o` towards `t`.
+fn place<T: Scalar>(p: Triple<T>, o: Triple<T>, t: Triple<T>) -> [T; 2] {
+    let (x, y) = (dot(p, o), dot(p, t));
+    let length = (x * x + y * y).sqrt().max(T::SHORTEST);
+    [x / length, y / length]
+}
+
+/// Two unit vectors across `n` and each other.
+fn basis<T: Scalar>(n: Triple<T>) -> (Triple<T>, Triple<T>) {
+    let is_upright = n[2].abs() > T::of(0.7);
+    let axis = if is_upright { [T::ONE, T::ZERO, T::ZERO] } else { [T::ZERO, T::ZERO, T::ONE] };
+    let x = unit(cross(axis, n));
+    (x, cross(n, x))
+}
+
+impl Ltc {
+    /// Its map to the space of the clamped cosine.
+    #[must_use]
+    pub fn cosine_space(&self) -> CosineSpace<f64> {
+        CosineSpace::new(self.inverse().transpose().to_cols_array_2d())
+    }
+
+    /// The part of the distribution that an ellipse covers, or a disk: `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two
+    /// half axes. Its lit side is that of their vector product. Exact, see [`Cone`]. Domain: finite vectors.
+    #[must_use]
+    pub fn ellipse(&self, centre: DVec3, half_axes: [DVec3; 2], sides: Sides) -> f64 {
+        self.cosine_space().ellipse(centre.to_array(), half_axes.map(|axis| axis.to_array()), sides)
+    }
+
+    /// The part of the distribution that a sphere covers; one from inside it. Exact. Domain: a finite centre, `radius >= 0`.
+    #[must_use]
+    pub fn sphere(&self, centre: DVec3, radius: f64) -> f64 {
+        self.cosine_space().sphere(centre.to_array(), radius)
+    }
+
+    /// The part of the distribution that a line of a small width covers, which faces the origin everywhere: the limit of a thin
+    /// tube, whose diameter is the width. See [`CosineSpace::line`]. Domain: finite ends, `width >= 0`.
+    #[must_use]
+    pub fn line(&self, ends: [DVec3; 2], width: f64) -> f64 {
+        self.cosine_space().line(ends.map(|end| end.to_array()), width)
+    }
+
+    /// The part of the distribution that a tube with round ends covers, a sphere where the ends are one; one from inside it.
+    /// Exact. Domain: finite ends, `radius >= 0`.
+    #[must_use]
+    pub fn tube(&self, ends: [DVec3; 2], radius: f64) -> f64 {
+        self.cosine_space().tube(ends.map(|end| end.to_array()), radius)
+    }
+}
+
+#[cfg(test)]
+mod quadrature;
+#[cfg(test)]
+mod tests;
