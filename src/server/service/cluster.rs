@@ -8,7 +8,7 @@ use std::{
     thread,
 };
 
-use jiff::SignedDuration;
+use jiff::{SignedDuration, Timestamp};
 
 use super::{
     Config, OpenError, Service,
@@ -34,6 +34,9 @@ const FOLLOW: std::time::Duration = std::time::Duration::from_millis(250);
 
 /// How long a blob that no row knows is kept: its row may be on its way.
 const ORPHAN_AGE: SignedDuration = SignedDuration::from_hours(24);
+
+/// Jobs that are looked at together.
+const JOBS_AT_ONCE: usize = 256;
 
 /// The URL of a database, which may have a password and is never printed.
 #[derive(Clone, PartialEq, Eq)]
@@ -143,6 +146,20 @@ fn used_brdfs(catalogue: &Catalogue, queue: &dyn Queue) -> Result<BTreeSet<Diges
     Ok(used)
 }
 
+/// The files of tabulated BRDFs that recipes of jobs submitted `since` name, whatever became of the jobs.
+fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Digest>, StoreError> {
+    let (mut named, mut before) = (BTreeSet::new(), None);
+    loop {
+        let (jobs, next) = queue.list(None, before, JOBS_AT_ONCE)?;
+        let is_earlier = jobs.iter().any(|job| job.created_at < since);
+        named.extend(jobs.iter().filter_map(|job| named_in(&job.recipe)));
+        match next {
+            Some(next) if !is_earlier => before = Some(next),
+            _ => return Ok(named),
+        }
+    }
+}
+
 /// Removes the blobs that no table of the catalogue has, that no recipe in use names, and that are older than a day. Returns how many.
 ///
 /// # Errors
@@ -152,16 +169,64 @@ pub fn sweep(config: &Config, shared: &Shared) -> Result<usize, OpenError> {
     let process = Process { name: "gc".to_owned(), fitter: FITTER_VERSION };
     let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;
     let catalogue = Catalogue::new(Arc::new(PostgresRows::new(database)));
+    let began = queue.now();
     let brdfs = used_brdfs(&catalogue, &queue).map_err(OpenError::Shared)?;
     let is_known = |digest: Digest| -> Result<bool, StoreError> {
-        Ok(brdfs.contains(&digest) || catalogue.table(digest)?.is_some())
+        Ok(brdfs.contains(&digest)
+            || catalogue.table(digest)?.is_some()
+            || brdfs_named_since(&queue, began)?.contains(&digest))
     };
     blobs.sweep(ORPHAN_AGE, &is_known).map_err(OpenError::Shared)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::{
+        fs::{self, File},
+        path::PathBuf,
+        time::{Duration, SystemTime},
+    };
+
     use super::*;
+    use crate::{
+        files::tabulated::encode,
+        fit::{BrdfKind, TabulatedAxes, TabulatedBrdf},
+        server::{service::tests::config, store::throwaway},
+    };
+
+    #[test]
+    fn a_file_of_long_ago_is_kept_from_the_submission_of_a_job_that_names_it() {
+        let Some(url) = throwaway::empty_database() else { return };
+        let dir = tempfile::tempdir().unwrap();
+        let (store, config) = (dir.path().join("store"), config(&dir.path().join("data")));
+        fs::create_dir_all(&store).unwrap();
+        let shared = Shared {
+            database: url.parse().unwrap(),
+            blobs: format!("file://{}", store.display()),
+            cache_bytes: 1 << 20,
+        };
+        let service = Service::open_shared(config.clone(), &shared, false).unwrap();
+        let [named, other] = [0.2, 0.3].map(|alpha| {
+            let axes = TabulatedAxes::spread(vec![alpha, 1.0], 48, 32);
+            let bytes = encode(&TabulatedBrdf::tabulate(BrdfKind::OrenNayar, axes).unwrap()).unwrap();
+            let (stored, _) = service.store_brdf(&bytes).unwrap();
+            let hex = stored.digest.hex();
+            (stored.digest, store.join(&hex[..2]).join(hex.as_str()))
+        });
+        let long_ago = SystemTime::now() - Duration::from_secs(200_000);
+        let age = |file: &PathBuf| File::options().write(true).open(file).unwrap().set_modified(long_ago).unwrap();
+        age(&named.1);
+        age(&other.1);
+        let recipe =
+            format!(r#"{{"brdf": "tabulated", "tabulated": "{}", "resolution": {{"alpha": 2, "theta": 3}}}}"#, named.0);
+        service.submit(recipe.as_bytes()).unwrap();
+        let stored_at = |file| fs::metadata(file).unwrap().modified().unwrap();
+        assert!(stored_at(&named.1) > stored_at(&other.1), "it was put again after the job was known");
+        age(&named.1);
+        assert_eq!(sweep(&config, &shared).unwrap(), 1);
+        assert!(named.1.exists() && !other.1.exists());
+        service.stop();
+    }
 
     #[test]
     fn the_url_of_a_database_is_not_printed() {

@@ -42,7 +42,6 @@ pub(super) fn find(blobs: &dyn Blobs, name: &str) -> Result<TabulatedFile, FindB
 }
 
 /// The file that a canonical recipe names.
-#[cfg(feature = "cluster")]
 pub(super) fn named_in(recipe: &str) -> Option<Digest> {
     let recipe: serde_json::Value = serde_json::from_str(recipe).ok()?;
     recipe.get("tabulated")?.as_str()?.parse().ok()

@@ -5,7 +5,8 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 use super::{
-    Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply, state::ServiceState,
+    Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply, find_brdf::named_in,
+    state::ServiceState,
 };
 use crate::{
     files::digest::Digest,
@@ -28,9 +29,14 @@ impl Service {
             return Err(SubmitError::Stopping);
         }
         let new = self.state.engine.plan(document, self.state.config.entry_limit)?;
+        let file = self.state.old_file(&new.recipe)?;
         let submission = self.state.submit(new);
         self.state.publish_changes();
-        submission
+        let reply = submission?;
+        if let Some(file) = file {
+            self.state.tables.store.blobs.put(&file).map_err(ServiceError::from)?;
+        }
+        Ok(reply)
     }
 
     /// The forecast for a stored recipe; `None` for a recipe of another fitter.
@@ -82,6 +88,15 @@ impl Service {
 }
 
 impl ServiceState {
+    /// The file that a recipe names, to be put again once its job is known: where others remove files that no recipe names,
+    /// they may be about to remove it.
+    fn old_file(&self, recipe: &str) -> Result<Option<Vec<u8>>, ServiceError> {
+        if self.queue.is_local() {
+            return Ok(None);
+        }
+        named_in(recipe).map_or(Ok(None), |named| Ok(self.tables.store.blobs.get(named)?))
+    }
+
     fn submit(&self, new: NewJob) -> Result<SubmitReply, SubmitError> {
         let digest = new.recipe_digest;
         let table = self.tables.of_recipe(digest).map_err(ServiceError::from)?;

@@ -114,7 +114,9 @@ impl ObjectBlobs {
         }
     }
 
-    /// Removes the blobs that were stored longer ago than `age` and that `is_known` does not know. Returns how many.
+    /// Removes the blobs that were stored longer ago than `age` and that `is_known` does not know. Returns how many. One that
+    /// becomes known while it is removed is put back: whoever makes an old blob known puts it again afterwards, so that it is
+    /// there whichever comes first.
     ///
     /// # Errors
     /// When the store, or `is_known`, fails.
@@ -129,9 +131,14 @@ impl ObjectBlobs {
             if is_known(blob.digest)? {
                 continue;
             }
+            let bytes = self.fetch(blob.digest)?;
             match self.block_on(self.connected.store.delete(&self.path(blob.digest))) {
-                Ok(()) | Err(Error::NotFound { .. }) => removed += 1,
+                Ok(()) | Err(Error::NotFound { .. }) => {}
                 Err(error) => return Err(failure(&error)),
+            }
+            match bytes {
+                Some(bytes) if is_known(blob.digest)? => drop(self.put(&bytes)?),
+                _ => removed += 1,
             }
         }
         Ok(removed)
@@ -277,5 +284,22 @@ mod tests {
         assert_eq!(blobs.sweep(SignedDuration::from_hours(24), &is_known).unwrap(), 1);
         assert_eq!(blobs.list().unwrap().len(), 1);
         assert!(file(dir.path(), known).exists());
+    }
+
+    #[test]
+    fn a_blob_that_becomes_known_while_it_is_swept_stays() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = open(dir.path());
+        let digest = blobs.put(b"brdf").unwrap();
+        let day = std::time::SystemTime::now() - Duration::from_secs(100_000);
+        fs::File::options().write(true).open(file(dir.path(), digest)).unwrap().set_modified(day).unwrap();
+        let asked = std::cell::Cell::new(0);
+        let becomes_known = |_| {
+            asked.set(asked.get() + 1);
+            Ok(asked.get() > 1)
+        };
+        assert_eq!(blobs.sweep(SignedDuration::from_hours(24), &becomes_known).unwrap(), 0);
+        assert_eq!(fs::read(file(dir.path(), digest)).unwrap(), b"brdf");
+        assert_eq!(asked.get(), 2);
     }
 }
