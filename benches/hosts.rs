@@ -1,17 +1,16 @@
 //! What it costs to share a database and a store of tables, and what a second worker gains.
 //!
 //! `cargo bench -p ltcforge-benches --bench hosts`. The shared service is compared with the embedded one, job by job in turn;
-//! two workers with one, on several jobs at once. PostgreSQL is one of the bench's own that waits for its disk, the store a
-//! folder.
+//! two workers with one, on several jobs at once, and on one larger job. PostgreSQL is one of the bench's own that waits for its
+//! disk, the store a folder. Times are those of the queue's clock, so that asking for them takes no processor's.
 
 use std::{
     num::NonZeroUsize,
-    thread,
-    time::{Duration, Instant},
+    time::{SystemTime, UNIX_EPOCH},
 };
 
 use ltcforge::server::{
-    queue::{JobId, StateName},
+    queue::{Job, JobId, StateName},
     service::{Service, Shared, SubmitReply},
 };
 
@@ -32,9 +31,15 @@ fn workers(threads: usize) -> NonZeroUsize {
     NonZeroUsize::new(threads).expect("at least one")
 }
 
-/// A default table of its own.
-fn recipe(seed: u32) -> String {
-    format!(r#"{{"preset":"paper","fit":{{"seed":{seed}}}}}"#)
+/// The resolution of the default table: 3,780 entries.
+const DEFAULT: [u32; 4] = [10, 6, 9, 7];
+/// That of a larger one: 20,160 entries.
+const LARGE: [u32; 4] = [16, 10, 14, 9];
+
+fn recipe([alpha, ratio, theta, phi]: [u32; 4], seed: u32) -> String {
+    format!(
+        r#"{{"preset":"paper","resolution":{{"alpha":{alpha},"ratio":{ratio},"theta":{theta},"phi":{phi}}},"fit":{{"seed":{seed}}}}}"#
+    )
 }
 
 fn submit(service: &Service, recipe: &str) -> JobId {
@@ -43,21 +48,32 @@ fn submit(service: &Service, recipe: &str) -> JobId {
     }
 }
 
-fn wait(service: &Service, id: JobId, is_there: fn(StateName) -> bool) {
-    while !service.job(id).expect("an answer").is_some_and(|found| is_there(found.job.state.name())) {
-        thread::sleep(Duration::from_millis(20));
-    }
+/// The job as it is when it is there.
+fn wait(service: &Service, id: JobId, is_there: fn(StateName) -> bool) -> Job {
+    let mut followed = service.watch(id).expect("an answer").expect("a job");
+    let runtime = tokio::runtime::Builder::new_current_thread().build().expect("a runtime");
+    let there = runtime.block_on(followed.wait_for(|snapshot| is_there(snapshot.job.state.name())));
+    there.expect("the last snapshot has the final state").job.clone()
 }
 
-/// Seconds until the tables of `seeds`, submitted together, are stored.
-fn seconds(service: &Service, seeds: impl Iterator<Item = u32>) -> f64 {
-    let start = Instant::now();
-    let jobs: Vec<JobId> = seeds.map(|seed| submit(service, &recipe(seed))).collect();
-    for id in jobs {
-        wait(service, id, StateName::is_final);
-        assert_eq!(service.job(id).expect("an answer").expect("a job").job.state.name(), StateName::Done);
-    }
-    start.elapsed().as_secs_f64()
+/// Seconds from the submission of the tables of `recipes` until all are stored.
+fn seconds(service: &Service, recipes: &[String]) -> f64 {
+    let ids: Vec<JobId> = recipes.iter().map(|recipe| submit(service, recipe)).collect();
+    let jobs: Vec<Job> = ids.into_iter().map(|id| wait(service, id, StateName::is_final)).collect();
+    assert!(jobs.iter().all(|job| job.state.name() == StateName::Done));
+    let began = jobs.iter().map(|job| job.created_at).min().expect("a job");
+    let ended = jobs.iter().filter_map(|job| job.finished_at).max().expect("an end");
+    ended.duration_since(began).as_secs_f64()
+}
+
+/// `jobs` default tables of their own.
+fn tables(turn: u32, jobs: u32) -> Vec<String> {
+    (turn * jobs..(turn + 1) * jobs).map(|seed| recipe(DEFAULT, seed)).collect()
+}
+
+/// A larger table of its own.
+fn large_table(turn: u32) -> Vec<String> {
+    vec![recipe(LARGE, turn)]
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -84,13 +100,26 @@ fn main() {
 
     let embedded = Service::open(config(&folder.path().join("embedded"), workers(2))).expect("a service");
     let cluster = open(&shared, "cluster", 2, true);
-    seconds(&embedded, 0..1);
-    seconds(&cluster, 0..1);
+    for service in [&embedded, &cluster] {
+        seconds(service, &tables(0, 1));
+    }
     let pairs: Vec<_> =
-        (1..=TURNS).map(|seed| [&embedded, &cluster].map(|service| seconds(service, seed..=seed))).collect();
+        (1..=TURNS).map(|turn| [&embedded, &cluster].map(|service| seconds(service, &tables(turn, 1)))).collect();
     compare("a default table, embedded and shared", "s", &pairs);
     embedded.stop();
     cluster.stop();
+
+    let pairs: Vec<_> = (0..TURNS)
+        .map(|turn| {
+            [2, 1].map(|threads| {
+                let service = Service::open(config(&folder.path().join("alone"), workers(threads))).expect("a service");
+                let seconds = seconds(&service, &large_table(2 * turn + threads as u32));
+                service.stop();
+                seconds
+            })
+        })
+        .collect();
+    compare("a larger table, embedded, by two threads and by one", "s", &pairs);
 
     // A database of their own: no table is known yet.
     let replica = Shared { database: database(), ..shared.clone() };
@@ -98,36 +127,32 @@ fn main() {
     let one = open(&replica, "one", 1, true);
     let mut pairs = vec![];
     for turn in 0..TURNS {
-        let first = 2 * turn * JOBS;
-        let alone = seconds(&front, first..first + JOBS);
+        let alone = seconds(&front, &tables(2 * turn, JOBS));
         let two = open(&replica, "two", 1, true);
-        let both = seconds(&front, first + JOBS..first + 2 * JOBS);
+        let both = seconds(&front, &tables(2 * turn + 1, JOBS));
         two.stop();
         pairs.push([both, alone]);
     }
     one.stop();
     compare(&format!("{JOBS} default tables by two workers and by one, a thread each"), "s", &pairs);
     let mut pairs = vec![];
-    for turn in 0..TURNS {
-        let first = (2 * TURNS + 2 * turn) * JOBS;
-        let times = [2, 1].map(|threads| {
+    for turn in TURNS..2 * TURNS {
+        pairs.push([2, 1].map(|threads| {
             let service = open(&replica, "threads", threads, true);
-            let seconds = seconds(&front, (first + threads as u32 * JOBS)..(first + (threads as u32 + 1) * JOBS));
+            let seconds = seconds(&front, &tables(2 * turn + threads as u32, JOBS));
             service.stop();
             seconds
-        });
-        pairs.push(times);
+        }));
     }
     compare(&format!("{JOBS} default tables by two threads of one worker and by one"), "s", &pairs);
 
     let mut times = vec![];
     for turn in 0..TURNS {
-        let id = submit(&front, &recipe(1_000_000 + turn));
-        let start = Instant::now();
+        let id = submit(&front, &recipe(DEFAULT, 1_000_000 + turn));
+        let began = SystemTime::now().duration_since(UNIX_EPOCH).expect("a clock").as_secs_f64();
         let worker = open(&replica, "late", 2, true);
-        wait(&front, id, |state| state != StateName::Queued);
-        times.push(1e3 * start.elapsed().as_secs_f64());
-        wait(&front, id, StateName::is_final);
+        let job = wait(&front, id, StateName::is_final);
+        times.push(job.started_at.expect("a start").as_microsecond() as f64 / 1e3 - 1e3 * began);
         worker.stop();
     }
     println!("from the start of a worker to its first lease: {:.0} ms (median of {TURNS})", median(times));

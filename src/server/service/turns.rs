@@ -205,7 +205,9 @@ impl Turns {
             })
             .collect()
         };
-        due.iter().for_each(|task| renew(task));
+        for task in &due {
+            renew(task);
+        }
     }
 
     /// Begins a task that was leased, as soon as a thread that works lets it. `renew` is called now and then until then.
