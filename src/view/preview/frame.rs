@@ -72,8 +72,8 @@ impl From<Shape> for FrameShape {
         match shape {
             Shape::Polygon => Self::Polygon,
             Shape::Ellipse(ellipse) => Self::Ellipse(ellipse.into()),
-            Shape::Tube { ends, radius } => Self::Tube { ends: ends.map(|end| end.as_vec3()), radius: radius as f32 },
-            Shape::Line { ends, width } => Self::Line { ends: ends.map(|end| end.as_vec3()), width: width as f32 },
+            Shape::Tube { ends, radius } => Self::Tube { ends: ends.map(glam::DVec3::as_vec3), radius: radius as f32 },
+            Shape::Line { ends, width } => Self::Line { ends: ends.map(glam::DVec3::as_vec3), width: width as f32 },
         }
     }
 }

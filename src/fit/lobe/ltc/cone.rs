@@ -23,6 +23,8 @@
 //! has the arc above it, and the horizon's own arc, which closes the border, adds its angle. So the integral is elementary and
 //! exact in either case; no sphere stands for the part that is cut.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
+
 use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// Steps of Newton's method beyond those that the number of digits asks for: from its start to three digits.

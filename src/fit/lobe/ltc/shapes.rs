@@ -4,6 +4,8 @@
 //! and the outline of a sphere become cones over ellipses, see [`Cone`]; a line stays a line; the outline of a tube becomes two
 //! arcs of such cones and two straight edges.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
+
 use glam::DVec3;
 
 use super::{Clip, Cone, Ltc, Sides};

@@ -58,9 +58,9 @@ impl Case {
     /// What f64 finds of the same numbers in 32 bits.
     fn wanted(&self) -> [f64; 4] {
         let ltc = Ltc::new(self.m.as_dmat3()).expect("regular");
-        let [centre, x, y] = self.places.map(|v| v.as_dvec3());
+        let [centre, x, y] = self.places.map(Vec3::as_dvec3);
         let [start, end] = [self.places[0] - self.places[1], self.places[0] + self.places[1]];
-        let ends = [start, end].map(|v| v.as_dvec3());
+        let ends = [start, end].map(Vec3::as_dvec3);
         let size = self.size.into();
         [ltc.ellipse(centre, [x, y], Sides::Two), ltc.sphere(centre, size), ltc.tube(ends, size), ltc.line(ends, size)]
     }
@@ -95,7 +95,7 @@ fn cases() -> Vec<Case> {
         }
         cases.push(Case {
             m: m.as_mat3(),
-            places: [centre, x, y].map(|v| v.as_vec3()),
+            places: [centre, x, y].map(DVec3::as_vec3),
             size: (scale * within(0.0, 1.0)) as f32,
         });
     }

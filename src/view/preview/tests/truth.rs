@@ -99,8 +99,11 @@ fn surface([start, end]: [DVec3; 2], radius: f64) -> Vec<(DVec3, DVec3, f64)> {
     points
 }
 
+/// A point of a light, its share of the area, and the cosine at which directions leave it.
+type Sample = (DVec3, f64, Box<dyn Fn(DVec3) -> f64>);
+
 /// The light's points, each with how large it is and the cosine that it has along a direction from the shaded point.
-fn points(scene: &Scene) -> Vec<(DVec3, f64, Box<dyn Fn(DVec3) -> f64>)> {
+fn points(scene: &Scene) -> Vec<Sample> {
     let outline = scene.light.outline();
     let (normal, two_sided) = (outline.normal, scene.light.two_sided);
     let flat = move |wi: DVec3| if two_sided { normal.dot(wi).abs() } else { (-normal.dot(wi)).max(0.0) };
