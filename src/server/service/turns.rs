@@ -68,8 +68,8 @@ struct Asking {
     nothing: u64,
     /// Tasks under way that no thread has taken yet.
     tasks: VecDeque<Box<LeasedTask>>,
-    /// Results of shards that no thread has taken yet.
-    results: VecDeque<ShardResult>,
+    /// Results of shards that no thread has taken yet, and when their leases were renewed.
+    results: VecDeque<(ShardResult, Instant)>,
     /// Whether the queue is closed.
     is_closed: bool,
 }
@@ -192,19 +192,9 @@ impl Turns {
         asked
     }
 
-    /// Renews the leases of tasks that wait for their place, now and then.
-    pub(super) fn renew_ahead(&self, renew: impl Fn(&LeasedTask)) {
-        let due: Vec<Box<LeasedTask>> = {
-            let mut state = self.lock();
-            let now = Instant::now();
-            let is_due = |renewed: &Instant| self.renewal <= now.duration_since(*renewed);
-            let due = state.ahead.iter_mut().filter(|(.., renewed)| is_due(renewed));
-            due.map(|(_, task, renewed)| {
-                *renewed = now;
-                task.clone()
-            })
-            .collect()
-        };
+    /// Renews the leases of tasks that wait for their place, and of results that wait for a thread, now and then.
+    pub(super) fn renew_held(&self, mut renew: impl FnMut(&LeasedTask)) {
+        let due = self.lock().due(self.renewal);
         for task in &due {
             renew(task);
         }
@@ -257,7 +247,7 @@ impl Asking {
         {
             return Some(Asked::Task(task));
         }
-        self.results.pop_front().map(Asked::Result)
+        self.results.pop_front().map(|(result, _)| Asked::Result(result))
     }
 
     fn is_empty(&self) -> bool {
@@ -266,6 +256,19 @@ impl Asking {
 }
 
 impl State {
+    /// The tasks whose leases nobody else renews and which were renewed longest ago; they count as renewed now.
+    fn due(&mut self, renewal: Duration) -> Vec<Box<LeasedTask>> {
+        let now = Instant::now();
+        let ahead = self.ahead.iter_mut().map(|(_, task, renewed)| (&*task, renewed));
+        let results = self.asking.results.iter_mut().map(|(result, renewed)| (&result.task, renewed));
+        let due = ahead.chain(results).filter(|(_, renewed)| renewal <= now.duration_since(**renewed));
+        due.map(|(task, renewed)| {
+            *renewed = now;
+            task.clone()
+        })
+        .collect()
+    }
+
     fn ticket(&mut self) -> u64 {
         self.tickets += 1;
         self.tickets
@@ -319,7 +322,7 @@ impl<'a> Turn<'a> {
     pub(super) fn end(&mut self, took: Duration, result: ShardResult) -> Option<Box<LeasedTask>> {
         let next = self.leave_place(Some(took));
         let mut state = self.turns.lock();
-        state.asking.results.push_back(result);
+        state.asking.results.push_back((result, Instant::now()));
         self.turns.idle.notify_one();
         if state.asking.results.len() <= MOST_RESULTS {
             return next;
@@ -373,3 +376,6 @@ impl Drop for Turn<'_> {
         self.turns.idle.notify_one();
     }
 }
+
+#[cfg(test)]
+mod tests;

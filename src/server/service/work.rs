@@ -77,15 +77,15 @@ impl ServiceState {
         }
     }
 
-    /// Renews the lease of a task that waits, and those of tasks that were leased ahead. If it has ended, the task hears of it
-    /// when it goes on.
+    /// Renews the lease of a task that waits, and those that no thread holds. If one has ended, its task hears of it when it
+    /// goes on.
     fn renew(&self, task: &LeasedTask, done: u64) {
         let _ = self.queue.progress(&task.lease, done);
-        self.renew_ahead();
+        self.renew_held();
     }
 
-    fn renew_ahead(&self) {
-        self.turns.renew_ahead(|task| {
+    fn renew_held(&self) {
+        self.turns.renew_held(|task| {
             let _ = self.queue.progress(&task.lease, 0);
         });
     }
@@ -150,7 +150,7 @@ impl ServiceState {
             if self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
-            self.renew_ahead();
+            self.renew_held();
             // Whoever follows a shared job has it looked at now and then.
             if self.queue.is_local() && self.hub.is_watched(task.job) {
                 self.publish(task.job);
@@ -178,6 +178,7 @@ impl ServiceState {
                     tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result is stored again");
                     self.queue.pause(RETRY);
                     self.queue.progress(&task.lease, 0)?;
+                    self.renew_held();
                 }
                 done => return done,
             }
@@ -193,7 +194,7 @@ impl ServiceState {
         let file = parts.file().map_err(TaskError::Failed)?;
         // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
         let go_on = || {
-            self.renew_ahead();
+            self.renew_held();
             !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok()
         };
         // The table is measured by other threads.

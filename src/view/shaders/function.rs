@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{
     Language, Place, PortError,
-    header::commented,
+    header::{LIGHTS, commented},
     include::TABLE_ENTRY,
     sources::without_textures,
     translate::{Included, translate_functions},
@@ -19,16 +19,7 @@ Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0, of the n
 FUNCTIONS
   ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness, the same twice; wo is the view direction in
       the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
-  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
-  ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
-  ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
-  ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
-      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
-      Vertices are convex and run clockwise seen from the lit side; a disk's is towards half_x x half_y. A tube has
-      round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
-      LTC_CHEAP_HORIZON, a constant, makes disks and spheres cheaper, and too bright by up to 0.16 at the horizon.
-  Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
-
+{lights}
 USE
   ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Diffuse light is the albedo times
   one with the unit matrix for inverse. Nothing is bound.
@@ -51,7 +42,8 @@ pub fn include_function(
     let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");
-    let header = commented(&format!("{}  {lines}", ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"))));
+    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", LIGHTS);
+    let header = commented(&format!("{about}  {lines}"));
     Ok(place.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
 }
 

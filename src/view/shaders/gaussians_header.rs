@@ -19,7 +19,11 @@ FUNCTIONS
   gaussians_view(kind, alpha_x, alpha_y, wo)  a surface seen from a direction, for all lights at the point. kind is 0
       for a spherical Gaussian (sg), 1 for an anisotropic one (asg); give it as a constant. GGX roughness along x and y,
       above 0; wo is the view direction in the tangent frame, normal +z, of unit length.
-  gaussians_rectangle(view, corners, two_sided), gaussians_polygon(view, vertices, count, two_sided),
+{lights}";
+
+/// What a Gaussian lights by, with a table or without one.
+pub(super) const LIGHTS: &str =
+    "  gaussians_rectangle(view, corners, two_sided), gaussians_polygon(view, vertices, count, two_sided),
   gaussians_disk(view, centre, half_x, half_y, two_sided)
       what is reflected of a light of radiance one: for a Fresnel factor of one, and the part of it that Schlick's
       (1 - cos)^5 weighs. The light's vertices are relative to the shaded point, in the tangent frame, convex, and run
@@ -74,7 +78,7 @@ pub(super) fn gaussians_include_header() -> String {
 }
 
 fn about() -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"))
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", LIGHTS)
 }
 
 /// The values to check a port against.

@@ -2,6 +2,7 @@
 
 use super::{
     Bound, Language,
+    gaussians_header::LIGHTS,
     golden::{CASES, CORNERS, Case},
     header::{NODES_IN_STORAGE, bindings, bound_table, checked_table, commented, fixed, listed},
 };
@@ -23,15 +24,7 @@ FUNCTIONS
   gaussians_lookup(kind, alpha_x, alpha_y, wo)  the table at a surface and a view, for all lights at the point. kind is 0
       for a table of lobe sg, 1 for asg; give it as a constant. GGX roughness along x and y; wo is the view direction in
       the tangent frame, normal +z, of unit length.
-  gaussians_rectangle(view, corners, two_sided), gaussians_polygon(view, vertices, count, two_sided),
-  gaussians_disk(view, centre, half_x, half_y, two_sided)
-      what is reflected of a light of radiance one: for a Fresnel factor of one, and the part of it that Schlick's
-      (1 - cos)^5 weighs. The light's vertices are relative to the shaded point, in the tangent frame, convex, and run
-      clockwise seen from the lit side; a disk's is towards half_x x half_y.
-  gaussians_sg(view, axis, sharpness, amplitude)
-      the same of the light amplitude exp(sharpness (w . axis - 1)), as lightmaps and probes store it.
-  Light of radiance L arrives as L (f0 (x - y) + f90 y).
-";
+{lights}";
 
 /// The program beside the functions.
 const EXAMPLE: &str = "\
@@ -52,7 +45,7 @@ USE
 ";
 
 fn about(layout: Layout) -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name())
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name()).replace("{lights}", LIGHTS)
 }
 
 /// The comment of the program, in lines that begin with `//`.

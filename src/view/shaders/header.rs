@@ -18,7 +18,11 @@ Reads tables of layout {layout}, and takes every table for one.
 FUNCTIONS
   ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness along x and y; wo is the view direction in
       the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
-  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
+{lights}";
+
+/// What both kinds of tables light by.
+pub(super) const LIGHTS: &str =
+    "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
   ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
   ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
@@ -205,7 +209,7 @@ fn bound_array(language: Language) -> &'static str {
 
 /// The table and what it is called, with its nodes in a buffer or a uniform.
 fn about(layout: Layout) -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name())
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name()).replace("{lights}", LIGHTS)
 }
 
 pub(super) fn bound_table(bound: Bound, nodes: &str) -> String {

@@ -1,8 +1,8 @@
 //! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
 //!
 //! Each file mirrors a shader and has functions of the same names: `lookup` mirrors `ltc_table.wgsl`, `light`
-//! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, `solids` `reference_solids.wgsl`, and `surface` `sphere.wgsl`. The shaders have the comments.
-//! `any_brdf` has no shader: it is the reference of models other than GGX.
+//! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, `solids` `reference_solids.wgsl`, and `surface` `sphere.wgsl`. The shaders
+//! have the comments. `any_brdf` has no shader: it is the reference of models other than GGX.
 
 mod any_brdf;
 mod ggx;
