@@ -257,10 +257,10 @@ impl Asking {
 
 impl State {
     /// The tasks whose leases nobody else renews and which were renewed longest ago; they count as renewed now.
-    fn due(&mut self, renewal: Duration) -> Vec<Box<LeasedTask>> {
+    fn due(&mut self, renewal: Duration) -> Vec<LeasedTask> {
         let now = Instant::now();
-        let ahead = self.ahead.iter_mut().map(|(_, task, renewed)| (&*task, renewed));
-        let results = self.asking.results.iter_mut().map(|(result, renewed)| (&result.task, renewed));
+        let ahead = self.ahead.iter_mut().map(|(_, task, renewed)| (&**task, renewed));
+        let results = self.asking.results.iter_mut().map(|(result, renewed)| (&*result.task, renewed));
         let due = ahead.chain(results).filter(|(_, renewed)| renewal <= now.duration_since(**renewed));
         due.map(|(task, renewed)| {
             *renewed = now;
