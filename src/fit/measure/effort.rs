@@ -1,5 +1,5 @@
-//! How many configurations are measured: as many as a fixed part of the fit's own time allows, and between nodes so many
-//! that a few bad ones hardly count, where that takes no more than a few times as long as the fit.
+//! How many configurations are measured: as many as a fixed part of the fit's own time allows, and more between nodes than at
+//! them, because there a few bad ones count for much.
 
 use crate::fit::{Recipe, fit_seconds};
 
@@ -7,15 +7,15 @@ use crate::fit::{Recipe, fit_seconds};
 const LEAST_POINTS: usize = 8;
 /// Most configurations at nodes, and again between them.
 pub const MOST_POINTS: usize = 1024;
-/// The part of the fit's time that the report may take.
-const SHARE: f64 = 0.2;
+/// The part of the fit's time that measuring nodes may take, and as much again between them.
+const SHARE: f64 = 0.1;
+/// The part of the fit's time that measuring between nodes may take, up to [`STEADY`] configurations.
+const SHARE_BETWEEN: f64 = 0.25;
 /// The time that one measurement takes, on the scale of [`fit_seconds`].
 const POINT_SECONDS: f64 = 1.8e-3;
 /// Configurations between nodes whose mean is worth stating beside a table. Of the 64 x 64 lobes of an isotropic table a
 /// few next to the mirror miss by several widths: the mean is 0.079 at 68 configurations, 0.047 at 512, 0.039 at 4096.
 const STEADY: usize = 512;
-/// How many times as long as the fit those may take, which is less than a second on one core.
-const STEADY_SHARE: f64 = 4.0;
 
 /// How many configurations a table is measured at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,8 +36,7 @@ impl From<usize> for ReportPoints {
 /// How many nodes, and how many configurations between nodes, the table of a recipe is measured at.
 #[must_use]
 pub fn report_points(recipe: &Recipe) -> ReportPoints {
-    let seconds = fit_seconds(recipe);
-    let nodes = ((0.5 * SHARE * seconds / POINT_SECONDS) as usize).clamp(LEAST_POINTS, MOST_POINTS);
-    let is_cheap = STEADY as f64 * POINT_SECONDS <= STEADY_SHARE * seconds;
-    ReportPoints { nodes, between: if is_cheap { nodes.max(STEADY) } else { nodes } }
+    let points = fit_seconds(recipe) / POINT_SECONDS;
+    let nodes = ((SHARE * points) as usize).clamp(LEAST_POINTS, MOST_POINTS);
+    ReportPoints { nodes, between: ((SHARE_BETWEEN * points) as usize).min(STEADY).max(nodes) }
 }
