@@ -155,8 +155,16 @@ fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
         }
         return vertices;
     }
-    for (var i = 0u; i < light.options.x; i++) {
-        vertices[i] = to_local * (light.vertices[i].xyz - at.position);
+    // One by one, since software drivers write by an index that is not a constant pixel by pixel.
+    vertices[0] = to_local * (light.vertices[0].xyz - at.position);
+    vertices[1] = to_local * (light.vertices[1].xyz - at.position);
+    vertices[2] = to_local * (light.vertices[2].xyz - at.position);
+    vertices[3] = to_local * (light.vertices[3].xyz - at.position);
+    if (light_is_polygon) {
+        vertices[4] = to_local * (light.vertices[4].xyz - at.position);
+        vertices[5] = to_local * (light.vertices[5].xyz - at.position);
+        vertices[6] = to_local * (light.vertices[6].xyz - at.position);
+        vertices[7] = to_local * (light.vertices[7].xyz - at.position);
     }
     return vertices;
 }
