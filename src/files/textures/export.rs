@@ -4,7 +4,7 @@ use std::{fmt, str::FromStr};
 
 use super::{
     About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFileError,
-    TextureLayout, sampling_of,
+    TextureLayout, recipe::recipe_like, sampling_of,
 };
 use crate::{
     files::compact::encode,
@@ -60,7 +60,7 @@ pub enum ExportError {
         /// What the engine takes, and what there is.
         source: TextureFileError,
         /// A recipe that serves.
-        recipe: &'static str,
+        recipe: String,
     },
     /// The format cannot hold them.
     #[error(transparent)]
@@ -85,7 +85,7 @@ pub enum ExportError {
 impl ExportError {
     /// A recipe whose table has these files, if another one would help.
     #[must_use]
-    pub fn recipe(&self) -> Option<&'static str> {
+    pub fn recipe(&self) -> Option<&str> {
         match self {
             Self::Textures(NoTextures::OtherLayout { recipe, .. } | NoTextures::Lacking { recipe, .. })
             | Self::Sizes { recipe, .. }
@@ -139,7 +139,10 @@ impl Export {
                 let textures = layout.textures(table)?;
                 let made = engine.bundle(&textures, &table.axes, &about.and(sampling_of(table, layout)));
                 made.map_err(|source| match source {
-                    TextureFileError::Missing { .. } => ExportError::Sizes { source, recipe: layout.sampling().recipe },
+                    TextureFileError::Missing { .. } => {
+                        let recipe = recipe_like(layout.sampling().recipe, table.layout(), table);
+                        ExportError::Sizes { source, recipe }
+                    }
                     other => ExportError::Files(other),
                 })
             }

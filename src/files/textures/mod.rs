@@ -15,6 +15,7 @@ mod export;
 mod file;
 mod halfs;
 mod layouts;
+mod recipe;
 mod rounding;
 mod texture;
 

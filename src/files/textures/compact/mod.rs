@@ -7,7 +7,7 @@ mod wgsl;
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
-use super::{about::About, file::TextureFile, rounding::RoundingError};
+use super::{about::About, file::TextureFile, recipe::recipe_like, rounding::RoundingError};
 use crate::{
     files::compact::{CompactError, LAYOUTS, check_lobes, encode},
     fit::{Layout, Table, named_list::named_list},
@@ -43,7 +43,7 @@ pub enum CompactFileError {
         /// The table's layout.
         layout: Layout,
         /// A recipe that serves.
-        recipe: &'static str,
+        recipe: String,
     },
     /// Its numbers have no compact form.
     #[error(transparent)]
@@ -89,12 +89,16 @@ impl CompactContainer {
         if layouts.contains(&layout) {
             return Ok(());
         }
-        let is_isotropic = layout.only_ranges().is_some();
+        let usual = if layout.only_ranges().is_some() {
+            (Layout::Ltc2017, r#"{"layout": "ltc2017"}"#)
+        } else {
+            (Layout::Reflected, r#"{"layout": "reflected"}"#)
+        };
         Err(CompactFileError::Layout {
             container: self.name(),
             allowed: layouts.iter().map(|layout| layout.name()).collect::<Vec<_>>().join(", "),
             layout,
-            recipe: if is_isotropic { r#"{"layout": "ltc2017"}"# } else { r#"{"layout": "reflected"}"# },
+            recipe: recipe_like(usual.1, usual.0, table),
         })
     }
 

@@ -26,7 +26,7 @@ pub enum NoTextures {
         /// The one that was asked for.
         asked: &'static str,
         /// A recipe whose table has them.
-        recipe: &'static str,
+        recipe: String,
     },
     /// The table has the right layout, but not all that the textures need.
     #[error("textures of layout {asked} need {lacking}; this recipe gives a table that has them: {recipe}")]
@@ -36,7 +36,7 @@ pub enum NoTextures {
         /// What they need, and what the table has.
         lacking: String,
         /// A recipe whose table has them.
-        recipe: &'static str,
+        recipe: String,
     },
     /// An engine lights GGX with its files, and the table is of another scattering model.
     #[error(

@@ -13,6 +13,7 @@ use crate::fit::{Layout, Precision, Table, named_list::named_list};
 
 use super::{
     halfs::{Halfs, halved},
+    recipe::recipe_like,
     rounding::round,
     texture::Texture,
 };
@@ -101,10 +102,14 @@ impl TextureLayout {
     pub(super) fn check(self, table: &Table) -> Result<(), NoTextures> {
         let TextureSampling { table: needed, recipe, .. } = self.sampling();
         if table.layout != needed {
+            let recipe = recipe_like(recipe, needed, table);
             return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe });
         }
         let lacking = self.rules().lacks(table);
-        lacking.map_or(Ok(()), |lacking| Err(NoTextures::Lacking { asked: self.name(), lacking, recipe }))
+        lacking.map_or(Ok(()), |lacking| {
+            let recipe = recipe_like(recipe, needed, table);
+            Err(NoTextures::Lacking { asked: self.name(), lacking, recipe })
+        })
     }
 }
 

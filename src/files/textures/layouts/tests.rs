@@ -148,6 +148,11 @@ fn what_a_table_cannot_serve_is_said_with_the_recipe_that_could() {
     let volume = refused(&small, "kt2022-volume");
     assert!(volume.contains("2 x 3 x 4 x 5") && volume.contains(r#"{"layout": "kt2022"}"#), "{volume}");
     assert!(refused(&small, "square").contains("there are of reflected, kt2022"));
+    let sheen = refused(&planted(r#"{"brdf": "charlie", "layout": "ltc2017"}"#), "hdrp");
+    assert!(sheen.ends_with(r#"{"brdf": "charlie", "layout": "hdrp"}"#), "{sheen}");
+    // Sheen has no lobes around a reflection.
+    let reflected = refused(&planted(r#"{"brdf": "charlie", "layout": "ltc2017"}"#), "reflected");
+    assert!(reflected.ends_with(r#"{"layout": "reflected"}"#), "{reflected}");
     let mut without = planted(r#"{"layout": "ltc2017"}"#);
     without.terms = None;
     assert!(refused(&without, "ltc2017").contains("amplitude"));
