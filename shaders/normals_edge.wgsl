@@ -73,6 +73,19 @@ fn normals_arc_bend(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return across * select(obtuse, bend, is_acute);
 }
 
+/// What each of two parts, from a to m and from m to b, adds beyond its plane triangle, of the image of an edge whose whole is
+/// known: the great circle's arc, and of what the arcs leave a share by the cube of the chord. The shares decide only which
+/// part has which weight.
+fn normals_shared(a: vec3<f32>, m: vec3<f32>, b: vec3<f32>, whole: vec3<f32>) -> mat2x3<f32> {
+    let arc = normals_arc_bend(a, m);
+    let next = normals_arc_bend(m, b);
+    let rest = whole - cross(m - a, b - a) - arc - next;
+    let length2 = vec2(dot(m - a, m - a), dot(b - m, b - m));
+    let cubes = length2 * sqrt(length2);
+    let shares = cubes / max(cubes.x + cubes.y, 1e-36);
+    return mat2x3(arc + rest * shares.x, next + rest * shares.y);
+}
+
 /// The eigenframe of a symmetric matrix of Frobenius norm one, by its diagonal and xy, xz, yz. Column i of the matrix
 /// belongs to values[i]; they descend.
 struct NormalsEigenframe {

@@ -183,7 +183,8 @@ fn normals_polygon(
     let many = outline.many;
     let is_fine = rule == NORMALS_FINE;
     let edge_parts = select(1u, 2u, is_fine);
-    let horizon_parts = select(select(4u, 8u, is_fine), 1u, rule == NORMALS_MEAN);
+    // The edge on or near the horizon is integrated in so many parts, each of which has two triangles.
+    let horizon_parts = select(select(2u, 4u, is_fine), 1u, rule == NORMALS_MEAN);
     // Those but the one on or near the horizon.
     let edges = outline.edges - select(0u, 1u, outline.is_closed);
     let closing_parts = select(0u, horizon_parts, outline.is_closed);
@@ -227,7 +228,7 @@ fn normals_polygon(
         }
         normals_put(&ends, select(edge, 8u, is_half || is_closing), c, many);
         normals_put(&curves, select(edge, 8u, is_half || is_closing), curved, many);
-        normals_put(&horizon_curves, select(8u, edge - edges, is_closing), curved, is_fine);
+        normals_put(&horizon_curves, select(8u, edge - edges, is_closing), curved, false);
         // Beyond the plane triangle of the whole arc, whose parts have their own.
         arc_start = select(c, arc_start, is_closing);
         closing += select(vec3(0.0), curved + cross(last.c - arc_start, c - arc_start), is_closing);
@@ -289,10 +290,17 @@ fn normals_polygon(
         }
         // A loop of its own: a driver that runs both sides of a branch skips it where no edge is near the horizon.
         before = setting;
-        for (var part = 1u; part <= closing_parts; part++) {
-            let c = normals_on_horizon(horizon, f32(part) / f32(horizon_parts));
-            let to = NormalsSpoke(c, normals_arc_bend(tip, c), vec3(0.0));
-            let flux = normals_flux(tip, before, to, normals_get(&horizon_curves, part - 1u, is_fine));
+        for (var part = 0u; part < closing_parts; part++) {
+            let middle = normals_on_horizon(horizon, (f32(part) + 0.5) / f32(horizon_parts));
+            let end = normals_on_horizon(horizon, f32(part + 1u) / f32(horizon_parts));
+            let curved = normals_shared(before.c, middle, end, normals_get(&horizon_curves, part, false));
+            let half = NormalsSpoke(middle, normals_arc_bend(tip, middle), vec3(0.0));
+            let to = NormalsSpoke(end, normals_arc_bend(tip, end), vec3(0.0));
+            let first_flux = normals_flux(tip, before, half, curved[0]);
+            let first_m = normals_centroid(first_flux, tip);
+            let first_mean = normals_horizon_triangle(view, tip, at_tip, first_m, is_fine);
+            sum = normals_add(view, sum, least_rise, first_m, outline.share * dot(first_flux, sided), first_mean);
+            let flux = normals_flux(tip, half, to, curved[1]);
             let m = normals_centroid(flux, tip);
             let mean = normals_horizon_triangle(view, tip, at_tip, m, is_fine);
             sum = normals_add(view, sum, least_rise, m, outline.share * dot(flux, sided), mean);

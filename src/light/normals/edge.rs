@@ -18,6 +18,24 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
     minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
 }
 
+/// What each of two parts, from a to m and from m to b, adds beyond its plane triangle, of the image of an edge whose `whole` is
+/// known.
+///
+/// A part is the arc of the great circle between its ends, and of what the two arcs leave of the whole it has a share by the cube
+/// of its chord, as lies between an arc and a chord of any curve. The shares decide only which part has which weight.
+pub(super) fn shared<T: Scalar>([a, m, b]: [Triple<T>; 3], whole: Triple<T>) -> [Triple<T>; 2] {
+    let arcs = [arc_bend(a, m), arc_bend(m, b)];
+    // a x b less a x m and m x b.
+    let plane = scaled(cross(minus(m, a), minus(b, a)), -T::ONE);
+    let rest = minus(plus(whole, plane), plus(arcs[0], arcs[1]));
+    let cubes = [minus(m, a), minus(b, m)].map(|chord| {
+        let length2 = dot(chord, chord);
+        length2 * length2.sqrt()
+    });
+    let per_cube = T::ONE / (cubes[0] + cubes[1]).max(T::of(1e-36));
+    [0, 1].map(|i| plus(arcs[i], scaled(rest, cubes[i] * per_cube)))
+}
+
 /// `a x b (acos(a . b) / |a x b| - 1)`: what the arc of a great circle from `a` to `b` adds to `a x b`.
 ///
 /// With `z = |a - b|^2 / 4`, half of the versed sine of the angle, the bracket is `asin(sqrt z) / sqrt(z (1 - z)) - 1 =
