@@ -4,7 +4,7 @@ use crate::common::{LARGE, command::run_with_stdin, server::Server};
 
 /// A table with every kind of entry: seen from above, isotropic, on the folds, grazing, and in between.
 const PINNED_RECIPE: &str =
-    r#"{"preset":"draft","resolution":{"alpha":3,"ratio":3,"theta":4,"phi":3},"fit":{"seed":1}}"#;
+    r#"{"preset":"draft","resolution":{"alpha":3,"ratio":3,"theta":4,"phi":3},"fit":{"samples":128,"seed":1}}"#;
 
 /// Its digest, on any machine and for any processor. When it changes on purpose, raise `FITTER_VERSION` and say why
 /// in `CHANGELOG.md`.

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo sets OUT_DIR")?);
 
     let axes = [("alpha", 3), ("ratio", 3), ("theta", 4), ("phi", 3)];
-    let builder = Recipe::builder().preset(Preset::Draft).seed(1);
+    let builder = Recipe::builder().preset(Preset::Draft).samples(128).seed(1);
     let recipe = axes.into_iter().fold(builder, |builder, (axis, nodes)| builder.resolution(axis, nodes)).build()?;
 
     // An invalid recipe is an error that lists every fault.

@@ -41,8 +41,8 @@ impl Preset {
     #[must_use]
     pub fn fit(self) -> FitSettings {
         let (samples, directions, steps) = match self {
-            Self::Draft => (128, 8, 30),
-            Self::Standard => (256, 16, 60),
+            Self::Draft => (192, 8, 30),
+            Self::Standard => (384, 16, 60),
             Self::Paper => (512, 32, 60),
             Self::Best => (2048, 48, 120),
         };
