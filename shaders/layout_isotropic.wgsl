@@ -1,4 +1,5 @@
-// Layouts ltc2017, ltc2016, godot and hdrp: tables of isotropic surfaces as engines read them, of M or of its inverse.
+// Layouts ltc2017, ltc2016, godot and hdrp, tables of isotropic surfaces as engines read them, and inverse and matrix33: of M
+// or of its inverse.
 // Needs ltc_math.wgsl and ltc_table.wgsl.
 
 /// Weights are linear in the perceptual roughness, the square root of alpha, and in theta.

@@ -47,8 +47,8 @@
 //!
 //! # Light without a table
 //!
-//! [`light()`] tells what GGX reflects of a polygon light in closed form; [`mod@light`] also has disks, tubes and lines, and
-//! the truth by quadrature.
+//! [`light()`] tells what GGX reflects of a polygon light in closed form, and of a disk, sphere, tube or line, a
+//! [`light::ShapedLight`]; [`mod@light`] also has the truth by quadrature.
 //!
 //! ```
 //! # fn main() -> Result<(), ltcforge::Error> {

@@ -1,4 +1,4 @@
-//! `light`: what surfaces reflect of polygon lights.
+//! `light`: what surfaces reflect of area lights.
 
 use std::io::{self, BufWriter, Write};
 
@@ -9,7 +9,7 @@ use super::{
     args::LightArgs,
     csv::{CsvLines, LineFailure},
     input::AnyTable,
-    lamps::{self, Lamp},
+    lamps,
 };
 use crate::{
     fit::{BrdfKind, Table},
@@ -32,16 +32,18 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let header = if args.truth { "energy,fresnel,true_energy,true_fresnel" } else { "energy,fresnel" };
         writeln!(out, "{header}").map_err(|error| CommandFailure::stdout(&error))?;
     }
-    lamps.each(lamps::is_header, |line| {
-        let Some(Lamp { at, light }) = lamps::parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
+    let is_header = |line: &str| lamps::is_header(args.light, line);
+    lamps.each(is_header, |line| {
+        let Some(lamp) = lamps::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
+        let (at, light) = (lamp.at, lamp.light());
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
         let reflected = match &found {
-            Found::Normals(rule) => by_normals(&at, &light, *rule),
-            Found::Gaussian(gaussian) => by_gaussian(&at, &light, *gaussian),
-            Found::Ltc(table) => by_table(table, &at, &light),
+            Found::Normals(rule) => by_normals(&at, light, *rule),
+            Found::Gaussian(gaussian) => by_gaussian(&at, light, *gaussian),
+            Found::Ltc(table) => by_table(table, &at, light),
         };
         let reflected = reflected.map_err(refuse)?;
-        let true_light = if args.truth { Some(truth(&at, &light).map_err(refuse)?) } else { None };
+        let true_light = if args.truth { Some(truth(&at, light).map_err(refuse)?) } else { None };
         let written = if json {
             write_json(&mut out, &reflected, true_light.as_ref())
         } else {

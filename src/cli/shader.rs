@@ -15,7 +15,7 @@ use crate::{
     files::textures::About,
     fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report},
     light::{Gaussian, LightModel},
-    view::shaders::{Bound, Filter, Language, LitBy, Place, Reading, include, include_function, port},
+    view::shaders::{Bound, Filter, Language, Lights, LitBy, Place, Reading, include, include_function, port},
 };
 
 /// Places at which a table and its polynomials are measured, so many that a single one hardly counts.
@@ -64,8 +64,9 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     let shader = match args.form {
         ShaderForm::Include => {
             let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
+            let lights = args.lights.unwrap_or(Lights::ALL[0]);
             let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
-            include(language, lit_by, Reading { filter, bound }, &place(args)).map(String::into_bytes)
+            include(language, lit_by, Reading { filter, bound }, lights, &place(args)).map(String::into_bytes)
         }
         ShaderForm::Example => port(language, lit_by),
     }
@@ -114,9 +115,10 @@ fn without_textures(
     let about = about.and([format!(
         "mean error of the polynomials: {width:.4} of the lobe's width; of the table: {table_width:.4}"
     )]);
-    let shader = include_function(language, &function, about.lines(), &place(args))
-        .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
-        .into_bytes();
+    let shader =
+        include_function(language, &function, about.lines(), args.lights.unwrap_or(Lights::ALL[0]), &place(args))
+            .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
+            .into_bytes();
     let value = json!({
         "language": language.name(), "model": LightModel::Ltc, "table": digest,
         "coefficients": 6 * FUNCTION_SIDE * FUNCTION_SIDE, "error": width, "table_error": table_width,
@@ -168,6 +170,11 @@ fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailur
             refused(format!("{what} binds nothing by number: leave out --first-binding and --group"))
         }
         ShaderForm::Example if args.texture_array => refused("--texture-array is for a text to include".to_owned()),
+        ShaderForm::Example if args.lights.is_some() => refused("--lights is for a text to include".to_owned()),
+        _ if args.lights.is_some() && args.model != LightModel::Ltc => refused(format!(
+            "--lights is of model ltc: model {} has no spheres, tubes and lines to leave out",
+            args.model
+        )),
         _ if args.texture_array && !has_table => {
             refused(format!("--texture-array is for tables: model {} reads none", args.model))
         }

@@ -29,6 +29,9 @@ pub enum LightError {
     /// The shaded point lies in the light.
     #[error("the shaded point lies inside the light")]
     Inside,
+    /// The half axes of an ellipse are parallel, or one has no length.
+    #[error("the half axes are parallel or zero; an ellipse has two that span a plane")]
+    Flat,
     /// A length is negative or not finite.
     #[error("{what} is {value}; it is a finite number, not negative")]
     Length {

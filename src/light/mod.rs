@@ -12,6 +12,7 @@ mod measure;
 mod model;
 mod polygon;
 mod refracted;
+mod shaped;
 mod shapes;
 mod table;
 #[cfg(test)]
@@ -25,6 +26,7 @@ pub use model::{LightModel, Reflected, by_gaussian, by_normals};
 pub use normals::WeightRule;
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;
+pub use shaped::{AreaLight, LightShape, ShapedLight};
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
 pub use table::by_table;
 pub use truth::{TRUTH_TOLERANCE, truth, truth_within};

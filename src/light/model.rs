@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use super::{
-    LightError, PolygonLight,
+    AreaLight, LightError,
     gaussians::{self, Gaussian},
     normals::{WeightRule, reflected},
 };
@@ -84,25 +84,34 @@ pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), 
     Ok(([at.alpha_x.max(LEAST_ALPHA), at.alpha_y.max(LEAST_ALPHA)], direction(at.theta, at.phi)))
 }
 
-/// What a surface reflects of a light by the closed form in the space of normals, in f64.
+/// What a surface reflects of a light by the closed form in the space of normals, in f64. Shapes are lit as the
+/// polygons that [`ShapedLight::outline`](super::ShapedLight::outline) tells.
 ///
 /// # Errors
-/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
-pub fn by_normals(at: &Configuration, light: &PolygonLight, rule: WeightRule) -> Result<Reflected, LightError> {
+/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the outline.
+pub fn by_normals<'a>(
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    rule: WeightRule,
+) -> Result<Reflected, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
-    let vertices: Vec<[f64; 3]> = light.vertices().iter().map(DVec3::to_array).collect();
-    let [energy, fresnel] = reflected(alpha, wo.to_array(), &vertices, light.sides(), rule);
+    let (vertices, sides) = light.into().polygon()?;
+    let [energy, fresnel] = reflected(alpha, wo.to_array(), &vertices, sides, rule);
     Ok(Reflected { energy, fresnel })
 }
 
-/// What a surface reflects of a light by a Gaussian, in f64.
+/// What a surface reflects of a light by a Gaussian, in f64. Shapes are lit as by [`by_normals`].
 ///
 /// # Errors
 /// As [`by_normals`].
-pub fn by_gaussian(at: &Configuration, light: &PolygonLight, gaussian: Gaussian) -> Result<Reflected, LightError> {
+pub fn by_gaussian<'a>(
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    gaussian: Gaussian,
+) -> Result<Reflected, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
-    let vertices: Vec<[f64; 3]> = light.vertices().iter().map(DVec3::to_array).collect();
-    let [energy, fresnel] = gaussians::reflected(gaussian, alpha, wo.to_array(), &vertices, light.sides());
+    let (vertices, sides) = light.into().polygon()?;
+    let [energy, fresnel] = gaussians::reflected(gaussian, alpha, wo.to_array(), &vertices, sides);
     Ok(Reflected { energy, fresnel })
 }
 

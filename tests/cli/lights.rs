@@ -108,6 +108,56 @@ fn light_names_the_line_and_the_column_that_is_wrong() {
     run(folder.path(), ["light", "none.csv"]).exited(1);
 }
 
+/// A surface and a view, with a light of each shape but polygons.
+const SHAPES: [(&str, &str); 4] = [
+    ("disk", "0.5,0.25,0.7,0.3,2,-1,0.2,1.5,0.6,0,0,0,0.4,0.2"),
+    ("sphere", "0.5,0.25,0.7,0.3,-1,0.2,1.5,0.5"),
+    ("tube", "0.5,0.25,0.7,0.3,-1.5,-0.5,1,0,0.8,1.2,0.3"),
+    ("line", "0.5,0.25,0.7,0.3,-1.5,-0.5,1,0,0.8,1.2,0.1"),
+];
+
+#[test]
+fn every_shape_is_lit_by_every_model() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
+    for (shape, line) in SHAPES {
+        let with = |options: &[&str]| {
+            let words = ["light", "-", "--truth", "--light", shape];
+            rows(&run_with_stdin(folder.path(), words.iter().chain(options), &format!("{line}\n")).exited(0).stdout)
+        };
+        let lit = [with(&[]), with(&["--model", "asg"]), with(&["--model", "ltc", "--table", &digest])];
+        for (model, limit) in lit.iter().zip([0.006, 0.15, 0.3]) {
+            let [row] = &model[..] else { panic!("{model:?}") };
+            let [energy, fresnel, true_energy, true_fresnel] = row[..] else { panic!("{row:?}") };
+            assert!((energy - true_energy).abs() < limit * true_energy.max(0.3), "{shape} {model:?}");
+            assert!(0.0 < fresnel && fresnel < energy && true_fresnel < true_energy, "{shape} {model:?}");
+        }
+        // A row of another shape is none of this one, and names what it has.
+        for (other, wrong) in SHAPES.iter().filter(|(_, other)| other.split(',').count() != line.split(',').count()) {
+            let refused =
+                run_with_stdin(folder.path(), ["light", "-", "--light", shape], &format!("{wrong}\n")).exited(2);
+            assert!(refused.complaints()[0].contains(&format!("a {shape} has alpha_x,")), "{other}: {refused:#?}");
+        }
+    }
+    let inside = run_with_stdin(folder.path(), ["light", "-", "--light", "sphere"], "1,1,0,0,0,0,1,2\n").exited(2);
+    assert_eq!(inside.complaints(), ["standard input, line 1: the shaded point lies inside the light"]);
+    let faults =
+        run_with_stdin(folder.path(), ["light", "-", "--light", "tube"], "1,2,0,0,0,0,NaN,1,1,1,0\n").exited(2);
+    assert_eq!(
+        faults.complaints(),
+        [
+            "standard input, line 1: alpha_y is «2»; roughness is a number above 0, up to 1; az is «NaN»; a coordinate is \
+          a finite number; radius is «0»; a radius is a number above 0"
+        ]
+    );
+    assert!(
+        run(folder.path(), ["light", "-", "--light", "cube"])
+            .exited(2)
+            .stderr
+            .contains("[possible values: polygon, disk")
+    );
+}
+
 /// The example of the documentation, as it stands there.
 #[test]
 fn the_documentation_shows_what_is_printed() {

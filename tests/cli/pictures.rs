@@ -159,13 +159,17 @@ fn shader_is_written_in_each_language_to_a_file_or_to_standard_output() {
     assert!(run(folder.path(), both).exited(2).stderr.contains("reads no table"));
     let wgsl = ["shader", "--language", "wgsl", "--layout", "kt2022", "--json"];
     let told: Value = serde_json::from_str(&run(folder.path(), wgsl).exited(0).stdout).expect("JSON");
-    assert!(told["source"].as_str().expect("text").contains("fn ltc_lookup("));
+    let text = told["source"].as_str().expect("text");
+    assert!(text.contains("fn ltc_lookup(") && text.contains("fn ltc_tube("));
+    let [all, polygons] = ["all", "polygons"]
+        .map(|lights| run(folder.path(), wgsl[..5].iter().chain(&["--lights", lights])).exited(0).stdout);
+    assert!(all == text && polygons.contains("fn ltc_polygon(") && !polygons.contains("ltc_tube"));
 }
 
 #[test]
 fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
     let folder = tempfile::tempdir().expect("a folder");
-    let cases: [&[&str]; 13] = [
+    let cases: [&[&str]; 16] = [
         &["--language", "glsl", "--model", "sg", "--hardware-filter"],
         &["--language", "glsl", "--model", "normals", "--texture-array"],
         &["--language", "glsl", "--layout", "kt2022", "--texture-array", "--as", "example"],
@@ -179,6 +183,9 @@ fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
         &["--language", "wgsl"],
         &["--layout", "kt2022"],
         &["--language", "spirv", "--layout", "kt2022", "--json"],
+        &["--language", "glsl", "--layout", "kt2022", "--lights", "cubes"],
+        &["--language", "glsl", "--layout", "kt2022", "--lights", "polygons", "--as", "example"],
+        &["--language", "glsl", "--model", "normals", "--lights", "polygons"],
     ];
     for case in cases {
         let refused = run(folder.path(), ["shader"].iter().chain(case)).exited(2);

@@ -28,13 +28,15 @@ fn assert_sound(output: &Output) {
 }
 
 /// What a shader lights by: each layout of tables, and no table.
-const LIT_BY: [[&str; 2]; 8] = [
+const LIT_BY: [[&str; 2]; 10] = [
     ["--layout", "kt2022"],
     ["--layout", "reflected"],
     ["--layout", "ltc2017"],
     ["--layout", "ltc2016"],
     ["--layout", "godot"],
     ["--layout", "hdrp"],
+    ["--layout", "inverse"],
+    ["--layout", "matrix33"],
     ["--model", "normals"],
     ["--model", "asg"],
 ];

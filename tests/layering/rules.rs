@@ -47,7 +47,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("files", &["fit", "fit::measure", "fit::math"]),
     ("files::textures", &["files", "fit", "fit::named_list", "fit::math", "fit::lobe"]),
-    ("view::shaders", &["light", "light::gaussians", "light::normals", "fit", "fit::math"]),
+    ("view::shaders", &["light", "light::gaussians", "light::normals", "fit", "fit::named_list", "fit::math"]),
     ("library", &["view::shaders", "files", "light", "light::normals", "fit", "fit::brdf"]),
     ("view::parameters", &[]),
     ("view::picture", &[]),

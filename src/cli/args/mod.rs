@@ -74,7 +74,7 @@ pub enum Command {
     Fit(FitArgs),
     /// Print the matrices that a shader would fetch from a table, as CSV
     Lookup(LookupArgs),
-    /// Print what surfaces reflect of polygon lights, as CSV: in closed form, by a table, and the truth
+    /// Print what surfaces reflect of area lights, as CSV: in closed form, by a table, and the truth
     Light(LightArgs),
     /// Measure how good a table is
     Report(ReportArgs),

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 
 use crate::{
-    light::{LightModel, WeightRule},
+    light::{LightModel, LightShape, WeightRule},
     view::plots::IsotropicFigure,
 };
 
@@ -11,6 +11,12 @@ use crate::{
 pub(super) fn models() -> impl clap::builder::TypedValueParser<Value = LightModel> {
     PossibleValuesParser::new(LightModel::ALL.iter().map(|model| model.name()))
         .try_map(|name| LightModel::from_name(&name).ok_or("no model"))
+}
+
+/// A shape of lights by its name.
+pub(super) fn light_shapes() -> impl clap::builder::TypedValueParser<Value = LightShape> {
+    PossibleValuesParser::new(LightShape::ALL.iter().map(|shape| shape.name()))
+        .try_map(|name| LightShape::from_name(&name).ok_or("no shape"))
 }
 
 /// A picture of isotropic fits by its name.

@@ -19,7 +19,7 @@ use crate::{
         figures::Figure,
         plots::{Azimuth, IsotropicFigure, Ratio},
         preview::{Choices, Form, PARAMETERS, Parameter, Value},
-        shaders::Prefix,
+        shaders::{Lights, Prefix},
     },
 };
 
@@ -166,6 +166,9 @@ pub struct ShaderArgs {
     /// Read the table from one 2D array in place of three 3D textures, in a text to include: one sampler
     #[arg(long)]
     pub texture_array: bool,
+    /// Lights that a text of model ltc to include has functions for: all, or polygons alone, which is two fifths shorter [default: all]
+    #[arg(long, value_parser = lights())]
+    pub lights: Option<Lights>,
     /// What all names begin with, in place of ltc, normals or gaussians, in a text to include: two tables in one shader
     #[arg(long, value_name = "NAME")]
     pub prefix: Option<Prefix>,
@@ -196,6 +199,12 @@ pub struct ShaderArgs {
 fn layout() -> impl TypedValueParser<Value = Layout> {
     let names = PossibleValuesParser::new(Layout::ALL.iter().map(|layout| layout.name()));
     names.try_map(|name| Layout::from_name(&name).ok_or("is no layout"))
+}
+
+/// Reads the lights of a text.
+fn lights() -> impl TypedValueParser<Value = Lights> {
+    let names = PossibleValuesParser::new(Lights::ALL.iter().map(|lights| lights.name()));
+    names.try_map(|name| Lights::from_name(&name).ok_or("is no light"))
 }
 
 /// `figures`.

@@ -139,7 +139,7 @@ fn a_layout_of_isotropic_tables_has_its_own_ranges() {
     assert_eq!((plain.entries(), plain.range.ratio, plain.range.phi), (64 * 64, [1.0, 1.0], [0.0, 0.0]));
     let named = recipe(r#"{"layout": "ltc2017", "range": {"ratio": [1, 1], "alpha": [0, 1], "phi": [0, 0]}}"#);
     assert_eq!(named.map(|named| digest(&named)), Ok(digest(&plain)));
-    for layout in ["ltc2017", "ltc2016", "godot", "hdrp"] {
+    for layout in ["ltc2017", "ltc2016", "godot", "hdrp", "inverse", "matrix33"] {
         let other = format!(
             r#"{{"layout": "{layout}", "range": {{"alpha": [0.1, 1], "ratio": [0, 1]}}, "resolution": {{"phi": 2}}}}"#
         );

@@ -11,6 +11,8 @@ use crate::fit::{
 };
 
 const OF_ENGINES: [Layout; 4] = [Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp];
+const ISOTROPIC: [Layout; 6] =
+    [Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp, Layout::Inverse, Layout::Matrix33];
 const SETTINGS: FitSettings = FitSettings {
     metric: Metric::Sw1,
     solver: Solver::Bfgs,
@@ -80,6 +82,7 @@ fn errors(table: &Table) -> [f64; 2] {
 
 #[test]
 fn chosen_entries_are_nearer_between_nodes_than_those_that_fit_best() {
+    // With 16 nodes `inverse` stays as it is fitted, and of `matrix33` little is left to gain.
     for layout in OF_ENGINES {
         let (plan, entries) = fitted(layout, 16, Precision::F32);
         let chosen = assemble(&plan, &entries);
@@ -94,7 +97,7 @@ fn chosen_entries_are_nearer_between_nodes_than_those_that_fit_best() {
 #[test]
 fn coarse_tables_are_no_worse_than_as_fitted() {
     let mut kept = 0;
-    for (layout, nodes) in OF_ENGINES.iter().flat_map(|layout| [2, 3, 5, 8].map(|nodes| (*layout, nodes))) {
+    for (layout, nodes) in ISOTROPIC.iter().flat_map(|layout| [2, 3, 5, 8].map(|nodes| (*layout, nodes))) {
         let (plan, entries) = fitted(layout, nodes, Precision::F32);
         let (own, free) = (own_numbers(&plan, &entries), layout.rules().free_numbers().expect("an engine's layout"));
         let (grid, lobes) = (Grid { rows: nodes as usize, columns: nodes as usize }, Lobes::of(&plan, &entries));
@@ -104,13 +107,13 @@ fn coarse_tables_are_no_worse_than_as_fitted() {
         assert!(errors(&found) <= errors(&fitted), "{layout} {nodes}");
         kept += usize::from(found == fitted);
     }
-    assert!((1..16).contains(&kept), "{kept} of 16 tables are stored as fitted");
+    assert!((1..24).contains(&kept), "{kept} of 24 tables are stored as fitted");
 }
 
 /// At the nodes and between them, for the mirror and at the horizon, in either precision.
 #[test]
 fn every_interpolated_matrix_is_upright_and_every_number_finite() {
-    for (layout, precision) in OF_ENGINES.iter().flat_map(|layout| Precision::ALL.iter().map(|p| (*layout, *p))) {
+    for (layout, precision) in ISOTROPIC.iter().flat_map(|layout| Precision::ALL.iter().map(|p| (*layout, *p))) {
         let (plan, entries) = fitted(layout, 12, precision);
         let table = assemble(&plan, &entries);
         let numbers = table.matrix.iter().flatten();

@@ -1,4 +1,5 @@
-//! The layouts of isotropic tables that engines read: `ltc2017`, `ltc2016`, `godot` and `hdrp`, one description each.
+//! The layouts of isotropic tables: `ltc2017`, `ltc2016`, `godot` and `hdrp`, which engines read, and `inverse` and `matrix33`,
+//! the forms that no engine has, to compare; one description each.
 //!
 //! All are tables of perceptual roughness `u = sqrt(alpha)` and of the view's polar angle, evenly divided from 0 to 1 and
 //! from the normal to the horizon. Ratio and phi have one node. The lobe is symmetric in the plane of incidence, so that
@@ -13,8 +14,9 @@
 //! A lookup interpolates what is stored between the four nodes around a place, as an engine's sampler does, and inverts
 //! the result where `M^-1` is stored.
 //!
-//! Nodes stand where the engines' texel centres are: the first at a roughness of 0, the last at the horizon. The lobes
-//! there are those of the least roughness and the most grazing view that are fitted.
+//! Nodes stand where the engines' texel centres are, those of `inverse` and `matrix33` where those of `ltc2017` are: the first
+//! at a roughness of 0, the last at the horizon. The lobes there are those of the least roughness and the most grazing view
+//! that are fitted.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -34,7 +36,7 @@ use crate::fit::{
 
 /// `sqrt(1 - cos theta)`; `M^-1` over its middle element.
 pub(super) const LTC2017: Rules = Rules {
-    stored: Stored::Inverse { divisor: [1, 1] },
+    stored: Stored::InverseOver { divisor: [1, 1] },
     side: 64,
     theta: Spacing::Versine,
     number: 2,
@@ -42,7 +44,7 @@ pub(super) const LTC2017: Rules = Rules {
 };
 /// theta; `M^-1` over its first element.
 pub(super) const LTC2016: Rules = Rules {
-    stored: Stored::Inverse { divisor: [0, 0] },
+    stored: Stored::InverseOver { divisor: [0, 0] },
     side: 32,
     theta: Spacing::Even,
     number: 3,
@@ -53,10 +55,25 @@ pub(super) const GODOT: Rules =
     Rules { stored: Stored::Matrix, side: 64, theta: Spacing::Even, number: 4, interpolation: [0.039, 5.4, 2.1] };
 /// `sqrt(1 - cos theta)`; `M^-1` over its last element.
 pub(super) const HDRP: Rules = Rules {
-    stored: Stored::Inverse { divisor: [2, 2] },
+    stored: Stored::InverseOver { divisor: [2, 2] },
     side: 64,
     theta: Spacing::Versine,
     number: 5,
+    interpolation: [0.05, 14.0, 4.0],
+};
+/// `sqrt(1 - cos theta)`; `M^-1` of the `M` with a third column of unit length.
+///
+/// How its error depends on the nodes is taken to be as with [`HDRP`], and was not measured.
+pub(super) const INVERSE: Rules =
+    Rules { stored: Stored::Inverse, side: 64, theta: Spacing::Versine, number: 6, interpolation: [0.05, 14.0, 4.0] };
+/// `sqrt(1 - cos theta)`; `M` over its last element.
+///
+/// How its error depends on the nodes is taken to be as with [`HDRP`], and was not measured.
+pub(super) const MATRIX33: Rules = Rules {
+    stored: Stored::MatrixOverLast,
+    side: 64,
+    theta: Spacing::Versine,
+    number: 7,
     interpolation: [0.05, 14.0, 4.0],
 };
 
@@ -65,8 +82,21 @@ pub(super) const HDRP: Rules = Rules {
 enum Stored {
     /// `M` with a third column of unit length.
     Matrix,
+    /// `M` over its last element.
+    MatrixOverLast,
+    /// The inverse of the `M` with a third column of unit length.
+    Inverse,
     /// `M^-1`, divided by its element at this column and row.
-    Inverse { divisor: [usize; 2] },
+    InverseOver { divisor: [usize; 2] },
+}
+
+impl Stored {
+    fn is_inverse(self) -> bool {
+        match self {
+            Self::Matrix | Self::MatrixOverLast => false,
+            Self::Inverse | Self::InverseOver { .. } => true,
+        }
+    }
 }
 
 /// One of the layouts.
@@ -140,19 +170,18 @@ impl LayoutRules for Rules {
 
     fn store(&self, place: &PerAxis<f64>, lobe: &LobeNumbers, mirrors: Mirrors, precision: Precision) -> LobeNumbers {
         let m = align(&lobe.matrix, mirrors, self.flattest(precision));
-        let matrix = match self.stored {
-            Stored::Matrix => m,
-            Stored::Inverse { .. } => inverse(&m),
-        };
+        let matrix = if self.stored.is_inverse() { inverse(&m) } else { m };
         let matrix = matrix * (1.0 / self.norm(&matrix));
         self.limited(LobeNumbers { matrix, terms: self.store_terms(place, lobe.terms) }, precision)
     }
 
     fn free_numbers(&self) -> Option<FreeNumbers> {
-        Some(match self.stored {
-            Stored::Matrix => FreeNumbers { is_inverse: false, fixed: None },
-            Stored::Inverse { divisor } => FreeNumbers { is_inverse: true, fixed: Some(divisor) },
-        })
+        let fixed = match self.stored {
+            Stored::Matrix | Stored::Inverse => None,
+            Stored::MatrixOverLast => Some([2, 2]),
+            Stored::InverseOver { divisor } => Some(divisor),
+        };
+        Some(FreeNumbers { is_inverse: self.stored.is_inverse(), fixed })
     }
 
     fn limited(&self, mut stored: LobeNumbers, precision: Precision) -> LobeNumbers {
@@ -168,7 +197,13 @@ impl LayoutRules for Rules {
     fn norm(&self, stored: &DMat3) -> f64 {
         match self.stored {
             Stored::Matrix => stored.z_axis.length(),
-            Stored::Inverse { divisor: [column, row] } => stored.col(column)[row],
+            Stored::MatrixOverLast => stored.z_axis.z,
+            // One over the length of the third column of the inverse, (-b, 0, a) / (a d - b e).
+            Stored::Inverse => {
+                let (a, e, b, d) = (stored.x_axis.x, stored.x_axis.z, stored.z_axis.x, stored.z_axis.z);
+                (a * d - b * e).abs() / (a * a + b * b).sqrt()
+            }
+            Stored::InverseOver { divisor: [column, row] } => stored.col(column)[row],
         }
     }
 
@@ -177,17 +212,15 @@ impl LayoutRules for Rules {
     }
 
     fn restore(&self, _: &PerAxis<f64>, stored: &LobeNumbers) -> LobeNumbers {
-        let matrix = match self.stored {
-            Stored::Matrix => stored.matrix,
-            Stored::Inverse { .. } => inverse(&stored.matrix),
-        };
+        let matrix = if self.stored.is_inverse() { inverse(&stored.matrix) } else { stored.matrix };
         LobeNumbers { matrix, terms: stored.terms }
     }
 
     fn restore_in_shader(&self, stored: &ShaderNumbers, _: f32, _: f32, _: Vec3) -> ShaderNumbers {
-        match self.stored {
-            Stored::Matrix => *stored,
-            Stored::Inverse { .. } => ShaderNumbers { matrix: inverse_in_shader(&stored.matrix), ..*stored },
+        if self.stored.is_inverse() {
+            ShaderNumbers { matrix: inverse_in_shader(&stored.matrix), ..*stored }
+        } else {
+            *stored
         }
     }
 
@@ -201,10 +234,7 @@ impl LayoutRules for Rules {
     fn shader(&self) -> LayoutShader {
         LayoutShader {
             source: include_str!("../../../shaders/layout_isotropic.wgsl"),
-            restore: match self.stored {
-                Stored::Matrix => "ltc_restore_matrix",
-                Stored::Inverse { .. } => "ltc_restore_inverse",
-            },
+            restore: if self.stored.is_inverse() { "ltc_restore_inverse" } else { "ltc_restore_matrix" },
             even: Some(match self.theta {
                 Spacing::Versine => "ltc_even_versine",
                 _ => "ltc_even_roughness",

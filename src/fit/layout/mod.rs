@@ -40,6 +40,10 @@ named_list! {
         Godot = "godot" => isotropic::GODOT,
         /// Isotropic: `M^-1` over its last element, by roughness and `sqrt(1 - cos theta)`, as Unity's HDRP reads it.
         Hdrp = "hdrp" => isotropic::HDRP,
+        /// Isotropic: the inverse of the `M` with a third column of unit length, on the nodes of `ltc2017`.
+        Inverse = "inverse" => isotropic::INVERSE,
+        /// Isotropic: `M` over its last element, on the nodes of `ltc2017`.
+        Matrix33 = "matrix33" => isotropic::MATRIX33,
     }
 }
 
@@ -63,7 +67,7 @@ impl Layout {
         brdf.follows_reflection() || !self.rules().is_relative()
     }
 
-    /// Whether the layout can store a lobe model: those that engines read have matrices of LTCs.
+    /// Whether the layout can store a lobe model: those of isotropic tables have matrices of LTCs.
     #[must_use]
     pub fn stores(self, lobe: LobeModel) -> bool {
         lobe.gaussian().is_none() || self.only_ranges().is_none()

@@ -7,6 +7,7 @@ mod extremes;
 mod gaussians;
 mod jumps;
 mod shape_lights;
+mod shaped_lights;
 mod shapes_energy;
 mod small_lights;
 mod true_light;

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::{
-    Language, Place, PortError,
-    header::{LIGHTS, commented},
-    include::TABLE_ENTRY,
+    Language, Lights, Place, PortError,
+    header::{commented, functions_of},
+    include::table_entry,
     sources::without_textures,
     translate::{Included, translate_functions},
 };
@@ -36,13 +36,14 @@ pub fn include_function(
     language: Language,
     function: &IsotropicFunction,
     about: &[String],
+    lights: Lights,
     place: &Place,
 ) -> Result<String, PortError> {
-    let source = format!("{}{TABLE_ENTRY}", without_textures(&smooth_at(function)));
+    let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_entry(lights));
     let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");
-    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", LIGHTS);
+    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", functions_of(lights));
     let header = commented(&format!("{about}  {lines}"));
     Ok(place.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
 }

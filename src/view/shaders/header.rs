@@ -1,7 +1,7 @@
 //! The comment at the top of a translation.
 
 use super::{
-    Bound, Language,
+    Bound, Language, Lights,
     golden::{CASES, CORNERS, Case, Golden, table},
 };
 #[cfg(feature = "shaders")]
@@ -21,8 +21,22 @@ FUNCTIONS
 {lights}";
 
 /// What both kinds of tables light by.
-pub(super) const LIGHTS: &str =
-    "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
+pub(super) fn functions_of(lights: Lights) -> &'static str {
+    match lights {
+        Lights::All => LIGHTS,
+        Lights::Polygons => POLYGONS,
+    }
+}
+
+const POLYGONS: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
+  ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided)
+      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
+      Vertices are convex and run clockwise seen from the lit side. Disks, spheres, tubes and lines were left out by
+      --lights polygons.
+  Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+";
+
+const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
   ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
   ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
   ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
@@ -208,8 +222,11 @@ fn bound_array(language: Language) -> &'static str {
 }
 
 /// The table and what it is called, with its nodes in a buffer or a uniform.
-fn about(layout: Layout) -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name()).replace("{lights}", LIGHTS)
+fn about(layout: Layout, lights: Lights) -> String {
+    ABOUT
+        .replace("{version}", env!("CARGO_PKG_VERSION"))
+        .replace("{layout}", layout.name())
+        .replace("{lights}", functions_of(lights))
 }
 
 pub(super) fn bound_table(bound: Bound, nodes: &str) -> String {
@@ -228,16 +245,27 @@ pub(super) const NODES_IN_STORAGE: &str = "storage buffer of f32";
 /// The comment of the shader for `layout`, in lines that begin with `//`.
 pub(super) fn header(language: Language, layout: Layout) -> String {
     let table = bound_table(Bound::Volumes, NODES_IN_STORAGE);
-    let text = format!("{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}", about(layout), bindings(language), check(layout));
+    let text = format!(
+        "{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}",
+        about(layout, Lights::All),
+        bindings(language),
+        check(layout)
+    );
     commented(&text)
 }
 
 /// The comment of a text to include that reads tables of `layout`.
 #[cfg(feature = "shaders")]
-pub(super) fn table_include_header(language: Language, layout: Layout, reading: Reading, place: &Place) -> String {
+pub(super) fn table_include_header(
+    language: Language,
+    layout: Layout,
+    reading: Reading,
+    lights: Lights,
+    place: &Place,
+) -> String {
     let table = bound_table(reading.bound, nodes_of_include(language));
     let bindings = included_bindings(language, reading, place);
-    commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))
+    commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout, lights), check(layout)))
 }
 
 /// Where nodes are in a text to include.

@@ -1,7 +1,7 @@
 //! What a shader lights by.
 
 use crate::{
-    fit::Layout,
+    fit::{Layout, named_list::named_list},
     light::{Gaussian, LightModel},
 };
 
@@ -47,6 +47,16 @@ impl LitBy {
             Self::Gaussian(_) => "gaussians_example",
             Self::GaussianTable(..) => "gaussians_table_example",
         }
+    }
+}
+
+named_list! {
+    /// The lights that a text to include has functions for, by a table of LTCs.
+    pub enum Lights {
+        /// Polygons, disks, spheres, tubes and lines.
+        All = "all",
+        /// Rectangles and polygons alone: a text two fifths shorter.
+        Polygons = "polygons",
     }
 }
 

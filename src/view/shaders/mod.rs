@@ -36,7 +36,7 @@ pub(in crate::view) use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table 
 #[cfg(feature = "shaders")]
 pub use include::include;
 pub use language::Language;
-pub use lit_by::{Bound, Filter, LitBy, Reading};
+pub use lit_by::{Bound, Filter, Lights, LitBy, Reading};
 #[cfg(feature = "shaders")]
 pub use place::{BadPrefix, Place, Prefix};
 pub use port::wgsl;

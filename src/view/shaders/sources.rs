@@ -2,6 +2,8 @@
 
 #[cfg(any(feature = "shaders", all(test, feature = "render")))]
 use super::Bound;
+#[cfg(feature = "shaders")]
+use super::Lights;
 use super::LitBy;
 use crate::fit::{Layout, LayoutShader};
 
@@ -155,11 +157,12 @@ fn texels(bound: Bound) -> &'static str {
 
 /// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
 #[cfg(feature = "shaders")]
-pub(super) fn functions(lit_by: LitBy, bound: Bound, has_storage: bool) -> String {
+pub(super) fn functions(lit_by: LitBy, bound: Bound, lights: Lights, has_storage: bool) -> String {
     let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
     match lit_by {
         LitBy::Table(layout) => {
-            module(&["ltc_math", nodes, texels(bound), "ltc_table", "ltc_light", "ltc_shapes"], &[layout])
+            let table = ["ltc_math", nodes, texels(bound), "ltc_table"];
+            module(&[&table[..], lights_by_table(lights)].concat(), &[layout])
         }
         LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
         LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
@@ -169,12 +172,21 @@ pub(super) fn functions(lit_by: LitBy, bound: Bound, has_storage: bool) -> Strin
     }
 }
 
+/// What integrates an LTC over lights.
+#[cfg(feature = "shaders")]
+fn lights_by_table(lights: Lights) -> &'static [&'static str] {
+    match lights {
+        Lights::All => &["ltc_light", "ltc_shapes"],
+        Lights::Polygons => &["ltc_light"],
+    }
+}
+
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
 #[cfg(feature = "shaders")]
-pub(super) fn without_textures(smooth_at: &str) -> String {
+pub(super) fn without_textures(smooth_at: &str, lights: Lights) -> String {
     let LayoutShader { source, .. } = Layout::Reflected.rules().shader();
-    let parts = ["ltc_math", "ltc_smooth", "ltc_function", "ltc_light", "ltc_shapes"];
-    format!("{}\n{source}\n{smooth_at}", joined(&parts))
+    let parts = ["ltc_math", "ltc_smooth", "ltc_function"];
+    format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], lights_by_table(lights)].concat()))
 }
 
 #[cfg(test)]

@@ -4,7 +4,10 @@ use super::{
     gaussians_header::gaussians_header, gaussians_table_header::gaussians_table_header, golden::CASES, header::header,
     normals_header::normals_header, *,
 };
-use crate::{fit::Layout, light::Gaussian};
+use crate::{
+    fit::{IsotropicFunction, Layout, planted_isotropic},
+    light::Gaussian,
+};
 
 fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
     let lit_by = lit_by.into();
@@ -253,7 +256,7 @@ fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     languages.flat_map(move |language| {
         lit_by.into_iter().flat_map(move |lit_by| {
             Reading::ALL.into_iter().map(move |reading| {
-                let text = include(language, lit_by, reading, &Place::default())
+                let text = include(language, lit_by, reading, Lights::All, &Place::default())
                     .unwrap_or_else(|error| panic!("{lit_by:?}: {error}"));
                 (language, lit_by, text)
             })
@@ -296,11 +299,39 @@ fn what_is_included_has_functions_and_no_program() {
     }
 }
 
+/// The text for polygons is what that for all lights is without the other shapes.
+#[test]
+fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
+    let texts = |language, lights| {
+        let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
+        [
+            include(language, Layout::Reflected, Reading::default(), lights, &Place::default()),
+            include_function(language, &function, &[], lights, &Place::default()),
+        ]
+        .map(|text| text.expect("a translation"))
+    };
+    for language in Language::ALL.into_iter().filter(|language| language.has_includes()) {
+        let name = language.name();
+        for (all, polygons) in texts(language, Lights::All).iter().zip(&texts(language, Lights::Polygons)) {
+            let (left, right) = TABLE_FUNCTIONS.split_at(4);
+            assert!(left.iter().all(|function| code(polygons).contains(&format!("{function}("))), "{name}");
+            for shape in right.iter().chain(&["LTC_CHEAP_HORIZON"]) {
+                assert!(!polygons.contains(shape) && all.contains(shape), "{name}: {shape}");
+            }
+            println!("{name}: {} bytes, {} for polygons", all.len(), polygons.len());
+            assert!(polygons.len() + 10_000 < all.len(), "{name}: {} {}", polygons.len(), all.len());
+        }
+        let normals = [Lights::All, Lights::Polygons]
+            .map(|lights| include(language, LitBy::Normals, Reading::default(), lights, &Place::default()));
+        assert_eq!(normals[0].as_ref().ok(), normals[1].as_ref().ok(), "{name}");
+    }
+}
+
 #[test]
 fn what_is_included_binds_what_its_comment_says() {
     let included_from = |language, filter, bound| {
         let reading = Reading { filter, bound };
-        code(&include(language, Layout::Reflected, reading, &Place::default()).expect("a text"))
+        code(&include(language, Layout::Reflected, reading, Lights::All, &Place::default()).expect("a text"))
     };
     let included = |language, filter| included_from(language, filter, Bound::Volumes);
     let glsl = included(Language::Glsl, Filter::Exact);
@@ -338,8 +369,8 @@ fn what_is_included_binds_what_its_comment_says() {
         assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
     }
     assert_eq!(hlsl.matches("register(").count(), 4);
-    let refused =
-        include(Language::Spirv, Layout::Reflected, Reading::default(), &Place::default()).expect_err("no text");
+    let refused = include(Language::Spirv, Layout::Reflected, Reading::default(), Lights::All, &Place::default())
+        .expect_err("no text");
     assert!(refused.to_string().contains("include"), "{refused}");
     assert!(port(Language::Glsl330, LitBy::Normals).expect_err("no program").to_string().contains("compute"));
 }

@@ -42,6 +42,8 @@ text { fill: #24292f; fill: var(--ink) }
 .layout3 { fill: #bf8700; stroke: #bf8700 }
 .layout4 { fill: #0f7b8a; stroke: #0f7b8a }
 .layout5 { fill: #cf222e; stroke: #cf222e }
+.layout6 { fill: #8a6d3b; stroke: #8a6d3b }
+.layout7 { fill: #6e7781; stroke: #6e7781 }
 .normals { fill: #1a7f37; fill: var(--c); stroke: #1a7f37; stroke: var(--c) }
 .gaussian { fill: #9a6700; stroke: #9a6700 }
 .f16 { fill: #ffffff; fill: var(--paper) }

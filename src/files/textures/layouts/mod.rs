@@ -51,6 +51,10 @@ named_list! {
         GodotIn3d = "godot-3d" => volumes::GODOT,
         /// The same of layout `hdrp`.
         HdrpIn3d = "hdrp-3d" => volumes::HDRP,
+        /// The same of layout `inverse`, which has no other textures.
+        InverseIn3d = "inverse-3d" => volumes::INVERSE,
+        /// The same of layout `matrix33`, which has no other textures.
+        Matrix33In3d = "matrix33-3d" => volumes::MATRIX33,
     }
 }
 
@@ -80,6 +84,8 @@ impl TextureLayout {
             Layout::Ltc2016 => Self::Ltc2016In3d,
             Layout::Godot => Self::GodotIn3d,
             Layout::Hdrp => Self::HdrpIn3d,
+            Layout::Inverse => Self::InverseIn3d,
+            Layout::Matrix33 => Self::Matrix33In3d,
         }
     }
 

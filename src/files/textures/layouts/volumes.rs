@@ -54,6 +54,18 @@ pub(super) const LTC2017: Rules = of(&isotropic::LTC2017);
 pub(super) const LTC2016: Rules = of(&isotropic::LTC2016);
 pub(super) const GODOT: Rules = of(&isotropic::GODOT);
 pub(super) const HDRP: Rules = of(&isotropic::HDRP);
+pub(super) const INVERSE: Rules = Rules {
+    table: Layout::Inverse,
+    normalisation: "the stored matrix, the inverse of the one with a third column of unit length",
+    recipe: r#"{"layout": "inverse"}"#,
+    ..REFLECTED
+};
+pub(super) const MATRIX33: Rules = Rules {
+    table: Layout::Matrix33,
+    normalisation: "the stored matrix over its last element",
+    recipe: r#"{"layout": "matrix33"}"#,
+    ..REFLECTED
+};
 pub(super) const REFLECTED_ARRAY: Rules = Rules { is_array: true, ..REFLECTED };
 pub(super) const KT2022_ARRAY: Rules = Rules { is_array: true, ..KT2022 };
 

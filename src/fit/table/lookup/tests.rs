@@ -227,6 +227,8 @@ proptest! {
             (Layout::Ltc2016, true, v * FRAC_PI_2),
             (Layout::Godot, false, v * FRAC_PI_2),
             (Layout::Hdrp, true, f64::acos(1.0 - v * v)),
+            (Layout::Inverse, true, f64::acos(1.0 - v * v)),
+            (Layout::Matrix33, false, f64::acos(1.0 - v * v)),
         ] {
             let table = of_engines(layout);
             let found = table.lookup(&Configuration { alpha_x: u * u, alpha_y: u * u, theta, phi });

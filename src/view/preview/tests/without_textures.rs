@@ -7,7 +7,7 @@ use crate::{
     fit::{Configuration, IsotropicFunction, Layout, planted_isotropic},
     view::{
         preview::gpu::{GpuFailure, example},
-        shaders::{Language, Place, include_function},
+        shaders::{Language, Lights, Place, include_function},
     },
 };
 
@@ -27,7 +27,7 @@ fn tried_once() {
 }
 ";
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
-    let source = include_function(Language::Wgsl, &function, &[], &Place::default()).expect("WGSL");
+    let source = include_function(Language::Wgsl, &function, &[], Lights::All, &Place::default()).expect("WGSL");
     let mut tried = Vec::new();
     for alpha in [0.0002, 0.01, 0.13, 0.6, 1.0] {
         for theta in [0.0, 0.3, 1.0, 1.4, 1.56] {

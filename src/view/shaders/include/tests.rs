@@ -8,7 +8,7 @@ use super::*;
 use crate::{
     fit::{IsotropicFunction, Layout, planted_isotropic},
     light::Gaussian,
-    view::shaders::{Bound, Filter, Place, include_function},
+    view::shaders::{Bound, Filter, Lights, Place, include_function},
 };
 
 fn place(prefix: &str, first_binding: u16) -> Place {
@@ -18,9 +18,10 @@ fn place(prefix: &str, first_binding: u16) -> Place {
 /// Six lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
 /// a table, a table of Gaussians, and the one without textures.
 fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
-    let text = |lit_by: LitBy, place: &Place| include(language, lit_by, reading, place).expect("a translation");
+    let text =
+        |lit_by: LitBy, place: &Place| include(language, lit_by, reading, Lights::All, place).expect("a translation");
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
-    let function = include_function(language, &function, &[], &place("smooth", 0)).expect("a translation");
+    let function = include_function(language, &function, &[], Lights::All, &place("smooth", 0)).expect("a translation");
     [
         (text(Layout::Reflected.into(), &Place::default()), "ltc"),
         (text(Layout::Ltc2017.into(), &place("iso2", 6)), "iso2"),
@@ -114,7 +115,8 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         (Language::GlslEs, "uniforms iso2_table.nodes and iso2_table.reading"),
         (Language::Msl, "iso2_mslBufferSizes may be any"),
     ] {
-        let text = include(language, Layout::Ltc2017, Reading::default(), &place("iso2", 6)).expect("a translation");
+        let text = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &place("iso2", 6))
+            .expect("a translation");
         let name = language.name();
         assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
         assert!(!text.contains("ltc_lookup"), "{name}");
@@ -125,7 +127,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         (Language::Hlsl, "terms t10, sampler s11, all of space3"),
     ] {
         let place = Place { group: 3, ..place("iso2", 6) };
-        let text = include(language, Layout::Ltc2017, Reading::default(), &place).expect("a translation");
+        let text = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &place).expect("a translation");
         assert!(text.contains(line), "{}:\n{text}", language.name());
         if language == Language::Wgsl {
             let module = naga::front::wgsl::parse_str(&text).expect("WGSL");
@@ -138,6 +140,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         Language::Hlsl,
         Layout::Ltc2017,
         Reading { filter: Filter::Hardware, bound: Bound::Volumes },
+        Lights::All,
         &place("iso2", 6),
     )
     .expect("a translation");

@@ -6,14 +6,23 @@
 //! its outline, and along the ray from a tip within the image to the outline. An edge is halved until its image is
 //! short, which finds the few points of a light that a mirror reflects.
 //!
+//! An outline has straight pieces and arcs of ellipses (`border.rs`): those of disks, spheres and tubes are exact, and no polygon
+//! stands for them. A line light has no outline; what it reflects is an integral along it.
+//!
 //! This shares no line with the closed form but the mapping of directions to normals.
+
+mod border;
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{LightError, PolygonLight, Reflected, model::surface_and_view};
-use crate::fit::{Configuration, Sides};
+use self::border::Piece;
+use super::{AreaLight, LightError, Reflected, model::surface_and_view, shaped::Form};
+use crate::fit::{
+    Configuration, Sides,
+    brdf::{Brdf, Ggx},
+};
 
 /// How exact [`truth`] is, for each part of an edge.
 pub const TRUTH_TOLERANCE: f64 = 1e-9;
@@ -28,6 +37,9 @@ const LEAST_EDGE_HALVINGS: u32 = 2;
 /// Halvings of an interval along the outline, and along a ray. They end where a horizon crosses the integrand.
 const OUTLINE_HALVINGS: u32 = 16;
 const RAY_HALVINGS: u32 = 12;
+
+/// A line points at the shaded point that is closer to it, made longer, than this part of the farther end's distance.
+const POINTING: f64 = 1e-14;
 
 /// Nodes and weights of the Kronrod rule of 15 points on [-1, 1], for zero and the positive nodes in ascending order.
 const KRONROD: [(f64, f64); 8] = [
@@ -46,9 +58,11 @@ const GAUSS: [f64; 4] =
 
 /// What a surface reflects of a light, to [`TRUTH_TOLERANCE`].
 ///
+/// A line is the limit of a thin tube: what it reflects is proportional to its width, up to one.
+///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
-pub fn truth(at: &Configuration, light: &PolygonLight) -> Result<Reflected, LightError> {
+pub fn truth<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, LightError> {
     truth_within(TRUTH_TOLERANCE, at, light)
 }
 
@@ -56,42 +70,33 @@ pub fn truth(at: &Configuration, light: &PolygonLight) -> Result<Reflected, Ligh
 ///
 /// # Errors
 /// As [`truth`].
-pub fn truth_within(tolerance: f64, at: &Configuration, light: &PolygonLight) -> Result<Reflected, LightError> {
+pub fn truth_within<'a>(
+    tolerance: f64,
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+) -> Result<Reflected, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
     let lobe = Lobe::new(alpha, wo);
-    let outline = above_surface(light.vertices());
-    let middle = outline.iter().sum::<DVec3>().normalize_or_zero();
-    if outline.len() < 3 || middle == DVec3::ZERO {
-        return Ok(Reflected::NONE);
-    }
-    let tip = lobe.image(middle);
-    let mut sum = [0.0; 2];
-    for (i, from) in outline.iter().enumerate() {
-        let edge = lobe.edge(*from, outline[(i + 1) % outline.len()]);
-        sum = plus(sum, lobe.triangle(tip, edge, tolerance, 0));
-    }
+    let (border, sides) = match light.into() {
+        AreaLight::Polygon(light) => (border::of_polygon(light.vertices()), light.sides()),
+        AreaLight::Shaped(light) => match *light.form() {
+            Form::Line { ends, width } => return Ok(within_one(lobe.line(alpha, ends, width, tolerance))),
+            Form::Ellipse { sides, .. } => (border::of_shape(light.form()), sides),
+            Form::Sphere { .. } | Form::Tube { .. } => (border::of_shape(light.form()), Sides::Two),
+        },
+    };
+    let sum = lobe.within(&border::above_surface(&border), tolerance);
     // The lit side is that from which the outline runs clockwise; seen from there, the sum is positive.
-    let [energy, fresnel] = match (light.sides(), sum[0] < 0.0) {
+    Ok(within_one(match (sides, sum[0] < 0.0) {
         (_, false) => sum,
         (Sides::Two, true) => sum.map(|x| -x),
         (Sides::One, true) => [0.0; 2],
-    };
-    Ok(Reflected { energy: energy.clamp(0.0, 1.0), fresnel: fresnel.clamp(0.0, 1.0) })
+    }))
 }
 
-/// The directions to the corners of the part of a polygon above the surface.
-fn above_surface(vertices: &[DVec3]) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(vertices.len() + 1);
-    for (from, to) in vertices.iter().zip(vertices.iter().cycle().skip(1)) {
-        if from.z > 0.0 {
-            kept.push(from.normalize());
-        }
-        if (from.z > 0.0) != (to.z > 0.0) {
-            let crossing = *from * to.z.abs() + *to * from.z.abs();
-            kept.push(DVec3::new(crossing.x, crossing.y, 0.0).normalize_or_zero());
-        }
-    }
-    kept
+fn within_one(parts: [f64; 2]) -> Reflected {
+    let [energy, fresnel] = parts.map(|part| part.clamp(0.0, 1.0));
+    Reflected { energy, fresnel }
 }
 
 /// A lobe of GGX among normals `c = normalize(A^-1 h)`, `A = diag(alpha_x, alpha_y, 1)`.
@@ -103,11 +108,10 @@ struct Lobe {
     length: f64,
 }
 
-/// A part of an edge: directions to its ends, and their images.
+/// A part of an outline, and the images of its ends.
 #[derive(Clone, Copy)]
 struct Edge {
-    from: DVec3,
-    to: DVec3,
+    piece: Piece,
     from_image: DVec3,
     to_image: DVec3,
 }
@@ -123,8 +127,17 @@ impl Lobe {
         ((self.wo + w) / self.stretch).normalize()
     }
 
-    fn edge(&self, from: DVec3, to: DVec3) -> Edge {
-        Edge { from, to, from_image: self.image(from), to_image: self.image(to) }
+    fn edge(&self, piece: Piece) -> Edge {
+        let [from_image, to_image] = piece.ends().map(|end| self.image_of(&piece, end));
+        Edge { piece, from_image, to_image }
+    }
+
+    /// The image of a place on a piece: straight ones are of unit vectors.
+    fn image_of(&self, piece: &Piece, place: DVec3) -> DVec3 {
+        match piece {
+            Piece::Straight(_) => self.image(place),
+            Piece::Arc { .. } => self.image(place.normalize()),
+        }
     }
 
     /// Energy reflected by normals around `c`, of length one, per steradian there, and the same times Schlick's fifth
@@ -144,31 +157,46 @@ impl Lobe {
         [energy, energy * (1.0 - cosine.min(1.0)).powi(5)]
     }
 
-    /// The integral of the density over the triangle between `tip` and the image of an edge, negative where it runs
-    /// the other way round.
-    fn triangle(&self, tip: DVec3, edge: Edge, tolerance: f64, halvings: u32) -> [f64; 2] {
-        let Edge { from, to, from_image, to_image } = edge;
-        if from == to {
+    /// The integral of the density within an outline above the surface, positive where that is seen to run clockwise.
+    fn within(&self, outline: &[Piece], tolerance: f64) -> [f64; 2] {
+        let around = outline.iter().fold(DVec3::ZERO, |sum, piece| match piece {
+            Piece::Straight([from, _]) => sum + *from,
+            Piece::Arc { .. } => sum + piece.ends()[0].normalize() + piece.middle().normalize(),
+        });
+        let middle = around.normalize_or_zero();
+        if middle == DVec3::ZERO {
             return [0.0; 2];
         }
-        let middle = (from + to).normalize_or_zero();
-        let image = self.image(middle);
+        let tip = self.image(middle);
+        let triangle = |edge: &Edge| self.triangle(tip, edge, tolerance);
+        let parts = outline.iter().map(|piece| self.over_short_parts(self.edge(*piece), 0, &triangle));
+        parts.fold([0.0; 2], plus)
+    }
+
+    /// The sum over parts of an edge whose images are short.
+    fn over_short_parts(&self, edge: Edge, halvings: u32, part: &impl Fn(&Edge) -> [f64; 2]) -> [f64; 2] {
+        let Edge { piece, from_image, to_image } = edge;
+        if matches!(piece, Piece::Straight([from, to]) if from == to) {
+            return [0.0; 2];
+        }
+        let image = self.image_of(&piece, piece.middle());
         let ends = [from_image.dot(to_image), from_image.dot(image), image.dot(to_image)];
         let is_short = halvings >= LEAST_EDGE_HALVINGS && ends.iter().all(|cosine| *cosine > SHORT);
-        if !is_short && halvings < MOST_EDGE_HALVINGS {
-            let halves =
-                [Edge { to: middle, to_image: image, ..edge }, Edge { from: middle, from_image: image, ..edge }];
-            return halves
-                .into_iter()
-                .fold([0.0; 2], |sum, half| plus(sum, self.triangle(tip, half, tolerance, halvings + 1)));
+        if is_short || halvings == MOST_EDGE_HALVINGS {
+            return part(&edge);
         }
+        let [first, second] = piece.halves();
+        let halves =
+            [Edge { piece: first, to_image: image, ..edge }, Edge { piece: second, from_image: image, ..edge }];
+        halves.into_iter().fold([0.0; 2], |sum, half| plus(sum, self.over_short_parts(half, halvings + 1, part)))
+    }
+
+    /// The integral of the density over the triangle between `tip` and the image of an edge, negative where it runs
+    /// the other way round.
+    fn triangle(&self, tip: DVec3, edge: &Edge, tolerance: f64) -> [f64; 2] {
         // c(t) along the image, and its derivative.
-        let along = to - from;
         let slice = |t: f64| {
-            let w = from + along * t;
-            let distance = w.length();
-            let w = w / distance;
-            let turning = (along - w * w.dot(along)) / distance;
+            let (w, turning) = turn(&edge.piece, t);
             let h = (self.wo + w) / self.stretch;
             let length = h.length();
             let (c, derivative) = (h / length, turning / self.stretch / length);
@@ -184,6 +212,38 @@ impl Lobe {
         };
         integral(&slice, [0.0, 1.0], tolerance, OUTLINE_HALVINGS)
     }
+
+    /// What is reflected of a line: the width times the integral of the BRDF times cosine over the angle along the line, over the
+    /// distance.
+    fn line(&self, [alpha_x, alpha_y]: [f64; 2], ends: [DVec3; 2], width: f64, tolerance: f64) -> [f64; 2] {
+        let ggx = Ggx { alpha_x, alpha_y };
+        let axis = (ends[1] - ends[0]).normalize();
+        let beside = ends[0] - axis * ends[0].dot(axis);
+        let (own, towards) = (beside.length(), beside.normalize_or_zero());
+        // A line that points at the shaded point is seen as a point.
+        if own <= POINTING * ends[0].length().max(ends[1].length()) {
+            return [0.0; 2];
+        }
+        let along = |edge: &Edge| {
+            let at = |t: f64| {
+                let (w, turning) = turn(&edge.piece, t);
+                let cosine = self.wo.dot((self.wo + w).normalize()).min(1.0);
+                let energy = width * ggx.eval_cos(self.wo, w) * turning.length() * w.dot(towards) / own;
+                [energy, energy * (1.0 - cosine).powi(5)]
+            };
+            integral(&at, [0.0, 1.0], tolerance, OUTLINE_HALVINGS)
+        };
+        let seen = Piece::Straight(ends).above_surface();
+        seen.iter().map(|piece| self.over_short_parts(self.edge(*piece), 0, &along)).fold([0.0; 2], plus)
+    }
+}
+
+/// The direction to the place at `t` of a piece, and its derivative.
+fn turn(piece: &Piece, t: f64) -> (DVec3, DVec3) {
+    let (place, along) = piece.at(t);
+    let distance = place.length();
+    let w = place / distance;
+    (w, (along - w * w.dot(along)) / distance)
 }
 
 fn plus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {

@@ -1,0 +1,162 @@
+use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::fit::brdf::Ggx;
+use crate::fit::{
+    ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING,
+    math::{direction, from_row_major},
+};
+
+fn fit(settings: FitSettings, ggx: &Ggx, wo: DVec3, stream: u64) -> FittedEntry {
+    let fitted = Fitter::new(&settings).fit(ggx, wo, stream, &mut Pulse::new(&mut unstopped));
+    fitted.expect("nothing stops it")
+}
+
+fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSettings {
+    FitSettings { metric: Metric::Sw1, solver, samples, directions, steps, seed: 0, simplex: None }
+}
+
+/// One of the values where fits are hardest, moved by a few ulps, or any value from `low` to `high`.
+fn hard(values: &'static [f64], low: f64, high: f64) -> impl Strategy<Value = f64> {
+    let near = (prop::sample::select(values), -3_i64..=3)
+        .prop_map(move |(x, ulps)| f64::from_bits(x.to_bits().saturating_add_signed(ulps)).clamp(low, high));
+    prop_oneof![near, low..high]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn every_lobe_gets_a_finite_upright_matrix(
+        alpha in hard(&[ALPHA_FLOOR, 1e-3, 1.0], ALPHA_FLOOR, 1.0),
+        ratio in hard(&[RATIO_FLOOR, 1e-3, 1.0], RATIO_FLOOR, 1.0),
+        theta in hard(&[0.0, 1e-9, 1.57, THETA_CEILING], 0.0, THETA_CEILING),
+        phi in hard(&[0.0, 1e-12, FRAC_PI_2], 0.0, FRAC_PI_2),
+    ) {
+        let ggx = Ggx { alpha_x: alpha, alpha_y: alpha * ratio };
+        let wo = direction(theta, phi);
+        let entry = fit(settings(Solver::Bfgs, 64, 6, 20), &ggx, wo, 0);
+        prop_assert!(entry.matrix.iter().all(|x| x.is_finite()), "{entry:?}");
+        prop_assert!(from_row_major(&entry.matrix).determinant() > 0.0, "{entry:?}");
+        prop_assert!(entry.error.is_finite() && entry.error < 0.2, "{entry:?}");
+        prop_assert!((0.0..=1.0).contains(&entry.fresnel) && (0.0..=1.0 + 1e-9).contains(&entry.amplitude), "{entry:?}");
+    }
+}
+
+/// The sharpest and the broadest isotropic lobes, from above and at the horizon.
+#[test]
+fn every_metric_and_solver_fits_the_hardest_isotropic_lobes() {
+    let pairs = Solver::ALL.iter().flat_map(|solver| Metric::ALL.iter().map(move |metric| (*solver, *metric)));
+    for (solver, metric) in pairs.filter(|(solver, _)| *solver != Solver::Sgd) {
+        for (alpha, theta) in [1e-4, 1e-2, 1.0].into_iter().flat_map(|a| [0.0, 1.5, THETA_CEILING].map(|t| (a, t))) {
+            let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
+            let settings = FitSettings { metric, ..settings(solver, 64, 6, 40) };
+            let entry = fit(settings, &ggx, direction(theta, 0.0), 0);
+            assert!(entry.matrix.iter().all(|x| x.is_finite()), "{solver} {metric} {alpha} {theta}: {entry:?}");
+            assert!(from_row_major(&entry.matrix).determinant() > 0.0, "{solver} {metric} {alpha} {theta}: {entry:?}");
+            assert!(entry.error < 0.2, "{solver} {metric} {alpha} {theta}: {entry:?}");
+        }
+    }
+}
+
+/// Seen from above, a sharp lobe is an LTC: `M = diag(2 alpha_x, 2 alpha_y, 1)`.
+#[test]
+fn a_sharp_lobe_from_above_has_the_limit_s_matrix() {
+    let ggx = Ggx { alpha_x: 1e-3, alpha_y: 4e-4 };
+    let entry = fit(settings(Solver::Bfgs, 512, 16, 60), &ggx, DVec3::Z, 0);
+    let [xx, _, _, _, yy, _, _, _, zz] = entry.matrix;
+    assert!((xx / zz / 2e-3 - 1.0).abs() < 0.01 && (yy / zz / 8e-4 - 1.0).abs() < 0.01, "{entry:?}");
+    assert!((entry.amplitude - 1.0).abs() < 1e-4 && entry.fresnel < 1e-9, "{entry:?}");
+}
+
+#[test]
+fn more_samples_fit_better() {
+    let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
+    let wo = direction(1.0, 0.6);
+    let [coarse, fine] = [32, 1024].map(|n| fit(settings(Solver::Bfgs, n, 16, 60), &ggx, wo, 0).matrix);
+    let mut judge = Fitter::new(&settings(Solver::Bfgs, 2048, 48, 1));
+    let [coarse, fine] = [coarse, fine].map(|m| judge.error(&ggx, wo, &from_row_major(&m)));
+    assert!(fine < coarse, "{fine} {coarse}");
+}
+
+/// Algorithm 3 approaches the same fit, only slower: after a few hundred steps a broad lobe is near its best fit.
+#[test]
+fn the_paper_s_descent_comes_near_the_same_error() {
+    let ggx = Ggx { alpha_x: 0.8, alpha_y: 0.5 };
+    let wo = direction(0.7, 0.4);
+    let ours = fit(settings(Solver::Bfgs, 1024, 32, 60), &ggx, wo, 0).matrix;
+    let descended = |seed| {
+        let settings = FitSettings { seed, ..settings(Solver::Sgd, 256, 8, 600) };
+        fit(settings, &ggx, wo, 7).matrix
+    };
+    let mut judge = Fitter::new(&settings(Solver::Bfgs, 1024, 32, 1));
+    let [ours, theirs, identity] = [ours, descended(0), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]]
+        .map(|m| judge.error(&ggx, wo, &from_row_major(&m)));
+    assert!(ours <= theirs && theirs < 3.0 * ours && theirs < 0.2 * identity, "{ours} {theirs} {identity}");
+    assert_eq!(descended(0), descended(0));
+    assert_ne!(descended(0), descended(1));
+}
+
+/// By the L3 norm too, from the identity, if the lobe is as broad: a sharp one has no slope there.
+#[test]
+fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
+    let descended = |alpha: f64| {
+        let settings = FitSettings { metric: Metric::L3, ..settings(Solver::Sgd, 256, 8, 1000) };
+        let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
+        let wo = direction(0.5, 0.4);
+        let found = fit(settings, &ggx, wo, 7).matrix;
+        let mut judge = Fitter::new(&FitSettings { metric: Metric::L3, ..self::settings(Solver::Bfgs, 1024, 32, 60) });
+        let target = judge.seen.target(&ggx, wo);
+        let lobe = Lobe { brdf: &ggx, wo, target: &target };
+        let mut beat = unstopped;
+        let mut pulse = Pulse::new(&mut beat);
+        let mut loss = judge.seen.distance.to(&lobe, &mut pulse).expect("nothing stops it");
+        let mut of = |m: DMat3| loss.value(&(target.frame.transpose() * m), &mut pulse).expect("nothing stops it");
+        [of(from_row_major(&found)), of(DMat3::IDENTITY)]
+    };
+    let [found, identity] = descended(0.7);
+    assert!(found < 0.35 * identity, "{found} {identity}");
+    for alpha in [1e-4, 0.03] {
+        let [found, identity] = descended(alpha);
+        assert!(found.is_finite() && found < 1.1 * identity, "{alpha}: {found} {identity}");
+    }
+}
+
+/// The largest settings that a recipe may have take minutes an entry. Every beat can stop them, and a beat comes for
+/// each 2^23 projections of a sample on a direction: while the lobe is tabulated, within an evaluation and within a
+/// step.
+#[test]
+fn an_entry_of_any_size_is_stopped_within_a_moment() {
+    let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };
+    let (samples, directions) = (16_384, 256);
+    // The tabulation of both sample sets, and one evaluation; of `sgd` the sorts of its one step, if it sorts.
+    let least = |solver: Solver, metric: Metric| {
+        let sorts = match (solver, metric) {
+            (Solver::Sgd, Metric::Sw1) => 16,
+            (Solver::Sgd, Metric::L3) => 0,
+            _ => 1,
+        };
+        let tabulations = if metric == Metric::Sw1 { 2 } else { 1 };
+        ((tabulations * TARGET_SAMPLES_PER_SAMPLE + sorts) * samples as usize * directions as usize) >> 23
+    };
+    let pairs = Solver::ALL.iter().flat_map(|solver| Metric::ALL.iter().map(move |metric| (*solver, *metric)));
+    for (solver, metric) in pairs {
+        let settings = FitSettings { metric, ..settings(solver, samples, directions, 1) };
+        let stopped_at = |stop: usize| {
+            let mut beats = 0;
+            let mut beat = || {
+                beats += 1;
+                if beats == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let entry = Fitter::new(&settings).fit(&ggx, direction(1.0, 0.6), 0, &mut Pulse::new(&mut beat));
+            (beats, entry)
+        };
+        let (beats, entry) = stopped_at(usize::MAX);
+        assert!(entry.is_some() && beats >= least(solver, metric), "{solver} {metric}: {beats} beats");
+        for stop in [1, beats / 2, beats].into_iter().filter(|stop| *stop > 0) {
+            assert_eq!(stopped_at(stop), (stop, None), "{solver} {metric}");
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Lights that are no polygons, checked, and lights of any shape.
+
+use glam::DVec3;
+
+use super::{LightError, PolygonLight, TubeEnds, ellipse, line, tube};
+use crate::fit::{Sides, named_list::named_list};
+
+named_list! {
+    /// The shapes of lights.
+    pub enum LightShape {
+        /// A convex polygon.
+        Polygon = "polygon",
+        /// A disk or an ellipse.
+        Disk = "disk",
+        /// A sphere.
+        Sphere = "sphere",
+        /// A tube with round ends.
+        Tube = "tube",
+        /// A line of a small width.
+        Line = "line",
+    }
+}
+
+/// The half axes of an ellipse are parallel where the sine of the angle between them is below this.
+const PARALLEL: f64 = 1e-12;
+
+/// A length below this part of the light's largest number is none.
+const TOUCHING: f64 = 1e-12;
+
+/// A light of radiance one that is no polygon, as seen from a shaded point in its tangent frame, normal +z. The shaded point is
+/// outside of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShapedLight(Form);
+
+/// What it is, scaled so that the largest number is one: what is seen of a light depends on directions alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Form {
+    Ellipse { centre: DVec3, half_axes: [DVec3; 2], sides: Sides },
+    Sphere { centre: DVec3, radius: f64 },
+    Tube { ends: [DVec3; 2], radius: f64 },
+    Line { ends: [DVec3; 2], width: f64 },
+}
+
+impl ShapedLight {
+    /// The ellipse `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two half axes; a disk where they are as long as each
+    /// other and perpendicular. Its lit side is that of `half_axes[0] x half_axes[1]`.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] for a coordinate that is not finite, [`LightError::Flat`] for half axes that are parallel or zero,
+    /// [`LightError::Inside`] for a shaded point in the ellipse.
+    pub fn ellipse(centre: DVec3, half_axes: [DVec3; 2], sides: Sides) -> Result<Self, LightError> {
+        let [x, y] = half_axes;
+        check_points([("the centre", centre), ("the first half axis", x), ("the second half axis", y)])?;
+        let [centre, x, y] = scaled([centre, x, y]);
+        let normal = x.cross(y);
+        if normal.length() <= PARALLEL * x.length() * y.length() {
+            return Err(LightError::Flat);
+        }
+        // The shaded point in the half axes; where it lies in the plane.
+        let across2 = normal.length_squared();
+        let (u, v) = (y.cross(centre).dot(normal) / across2, centre.cross(x).dot(normal) / across2);
+        if centre.dot(normal).abs() <= TOUCHING * normal.length() && u * u + v * v <= 1.0 + TOUCHING {
+            return Err(LightError::Inside);
+        }
+        Ok(Self(Form::Ellipse { centre, half_axes: [x, y], sides }))
+    }
+
+    /// A sphere.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] for a coordinate that is not finite and a radius that is not above zero, [`LightError::Inside`] for a
+    /// shaded point in the sphere or on it.
+    pub fn sphere(centre: DVec3, radius: f64) -> Result<Self, LightError> {
+        check_points([("the centre", centre)])?;
+        check_above_zero("the radius", radius)?;
+        let [centre, DVec3 { x: radius, .. }] = scaled([centre, DVec3::X * radius]);
+        if centre.length() <= radius {
+            return Err(LightError::Inside);
+        }
+        Ok(Self(Form::Sphere { centre, radius }))
+    }
+
+    /// A tube with round ends: all points up to `radius` from the line between `ends`. Where both are one it is a sphere.
+    ///
+    /// # Errors
+    /// As [`Self::sphere`].
+    pub fn tube(ends: [DVec3; 2], radius: f64) -> Result<Self, LightError> {
+        check_points([("the first end", ends[0]), ("the second end", ends[1])])?;
+        check_above_zero("the radius", radius)?;
+        let [a, b, DVec3 { x: radius, .. }] = scaled([ends[0], ends[1], DVec3::X * radius]);
+        if nearest([a, b]).length() <= radius {
+            return Err(LightError::Inside);
+        }
+        Ok(Self(Form::Tube { ends: [a, b], radius }))
+    }
+
+    /// A line of a small width that faces the shaded point everywhere: the limit of a thin tube whose diameter is the width.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] for a coordinate that is not finite, a width that is not above zero and a line without length,
+    /// [`LightError::Inside`] for a shaded point on the line.
+    pub fn line(ends: [DVec3; 2], width: f64) -> Result<Self, LightError> {
+        check_points([("the first end", ends[0]), ("the second end", ends[1])])?;
+        check_above_zero("the width", width)?;
+        if ends[0] == ends[1] {
+            let allowed = "the two ends are points apart";
+            return Err(LightError::Domain { what: "the length of the line", value: 0.0, allowed });
+        }
+        let [a, b, DVec3 { x: width, .. }] = scaled([ends[0], ends[1], DVec3::X * width]);
+        if nearest([a, b]).length() <= TOUCHING {
+            return Err(LightError::Inside);
+        }
+        Ok(Self(Form::Line { ends: [a, b], width }))
+    }
+
+    /// Which shape it is.
+    #[must_use]
+    pub fn shape(&self) -> LightShape {
+        match self.0 {
+            Form::Ellipse { .. } => LightShape::Disk,
+            Form::Sphere { .. } => LightShape::Sphere,
+            Form::Tube { .. } => LightShape::Tube,
+            Form::Line { .. } => LightShape::Line,
+        }
+    }
+
+    /// The convex polygon that stands for it where a model knows polygons alone: see [`ellipse`], [`tube`] and [`line`].
+    ///
+    /// # Errors
+    /// [`LightError::OnOutline`] for a shaded point on the polygon that stands for an ellipse.
+    pub fn outline(&self) -> Result<PolygonLight, LightError> {
+        match self.0 {
+            Form::Ellipse { centre, half_axes, sides } => ellipse(centre, half_axes, sides),
+            Form::Sphere { centre, radius } => tube([centre; 2], radius, TubeEnds::Round),
+            Form::Tube { ends, radius } => tube(ends, radius, TubeEnds::Round),
+            Form::Line { ends, width } => line(ends, width),
+        }
+    }
+
+    pub(super) fn form(&self) -> &Form {
+        &self.0
+    }
+}
+
+/// A light of any shape.
+#[derive(Debug, Clone, Copy)]
+pub enum AreaLight<'a> {
+    /// A polygon.
+    Polygon(&'a PolygonLight),
+    /// Any other.
+    Shaped(&'a ShapedLight),
+}
+
+impl<'a> From<&'a PolygonLight> for AreaLight<'a> {
+    fn from(light: &'a PolygonLight) -> Self {
+        Self::Polygon(light)
+    }
+}
+
+impl<'a> From<&'a ShapedLight> for AreaLight<'a> {
+    fn from(light: &'a ShapedLight) -> Self {
+        Self::Shaped(light)
+    }
+}
+
+impl AreaLight<'_> {
+    /// The vertices and lit sides of the polygon, or of the one that stands for another shape.
+    pub(super) fn polygon(&self) -> Result<(Vec<[f64; 3]>, Sides), LightError> {
+        let read = |light: &PolygonLight| (light.vertices().iter().map(DVec3::to_array).collect(), light.sides());
+        Ok(match self {
+            Self::Polygon(light) => read(light),
+            Self::Shaped(light) => read(&light.outline()?),
+        })
+    }
+}
+
+/// The point of the line between two points that is nearest to the origin.
+fn nearest([a, b]: [DVec3; 2]) -> DVec3 {
+    let along = b - a;
+    let axis = along.normalize_or_zero();
+    a + axis * (-a).dot(axis).clamp(0.0, along.length())
+}
+
+/// The vectors over their largest component: lengths near the ends of the range of f64 would overflow in products.
+fn scaled<const N: usize>(vectors: [DVec3; N]) -> [DVec3; N] {
+    let largest = vectors.iter().fold(0.0_f64, |largest, v| largest.max(v.abs().max_element()));
+    if largest > 0.0 { vectors.map(|v| v / largest) } else { vectors }
+}
+
+fn check_points<const N: usize>(points: [(&'static str, DVec3); N]) -> Result<(), LightError> {
+    let coordinates = points.into_iter().flat_map(|(what, point)| point.to_array().map(|value| (what, value)));
+    match coordinates.into_iter().find(|(_, value)| !value.is_finite()) {
+        Some((what, value)) => Err(LightError::Domain { what, value, allowed: "its coordinates are finite numbers" }),
+        None => Ok(()),
+    }
+}
+
+fn check_above_zero(what: &'static str, value: f64) -> Result<(), LightError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(LightError::Domain { what, value, allowed: "it is a finite number above 0" })
+    }
+}

@@ -1,0 +1,60 @@
+use super::*;
+
+/// Whether a GPU that answers so is asked at all.
+fn is_asked(preview: &mut Preview, answer: Result<(), GpuFailure>) -> bool {
+    let mut asked = false;
+    preview.drawn_by = DrawnBy::Nobody;
+    let done = preview.on_gpu(|_| {
+        asked = true;
+        answer
+    });
+    if done == Ok(Some(())) {
+        preview.drawn_by = DrawnBy::OnGpu;
+    }
+    preview.end();
+    assert!(done.is_ok(), "the CPU stands in: {done:?}");
+    asked
+}
+
+fn hangs() -> Result<(), GpuFailure> {
+    Err(GpuFailure::Hangs("no answer".to_owned()))
+}
+
+fn absent() -> Result<(), GpuFailure> {
+    Err(GpuFailure::Absent("none".to_owned()))
+}
+
+/// Whatever the scene, the CPU asks whether to stop after so many samples, or after one pixel.
+#[test]
+fn parts_for_the_cpu_are_small_and_take_each_pixel_once_in_order() {
+    for (size, samples) in [(64, 1), (64, 4096), (2048, 4096), (2048, 64), (2048, 8), (333, 700), (100, 1 << 20)] {
+        let mut next = 0;
+        for ([left, top], [width, height]) in cpu_parts(size, samples) {
+            assert!(width * height == 1 || width * height * samples <= SAMPLES, "{size} {samples}");
+            assert!(height == 1 || width == size, "whole rows, or a part of one");
+            assert_eq!(top * size + left, next, "{size} {samples}");
+            next += width * height;
+        }
+        assert_eq!(next, size * size, "{size} {samples}");
+    }
+}
+
+#[test]
+fn a_gpu_that_hangs_twice_in_a_row_is_left_alone() {
+    let mut preview = Preview::new(Adapter::Any);
+    for answer in [hangs(), Ok(()), hangs(), hangs()] {
+        assert!(is_asked(&mut preview, answer));
+    }
+    assert!(!is_asked(&mut preview, Ok(())));
+}
+
+#[test]
+fn a_gpu_that_never_was_there_is_not_asked_again_and_one_that_was_is() {
+    let mut preview = Preview::new(Adapter::Any);
+    assert!(is_asked(&mut preview, absent()));
+    assert!(!is_asked(&mut preview, Ok(())));
+    let mut preview = Preview::new(Adapter::Any);
+    for answer in [Ok(()), absent(), Ok(())] {
+        assert!(is_asked(&mut preview, answer));
+    }
+}
