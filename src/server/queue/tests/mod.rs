@@ -1,5 +1,6 @@
 //! What every queue does, whatever it is built on.
 
+mod actions;
 mod forgetting;
 mod model;
 mod sharing;

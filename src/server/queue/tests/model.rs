@@ -11,7 +11,10 @@ use proptest::{
     test_runner::{TestCaseResult, TestRunner},
 };
 
-use super::world::{World, results};
+use super::{
+    actions::{Action, LEASE_SECONDS, action},
+    world::{World, results},
+};
 use crate::{
     files::digest::Digest,
     server::{
@@ -23,53 +26,8 @@ use crate::{
     },
 };
 
-const LEASE_SECONDS: i64 = 10;
 const MAX_ATTEMPTS: u32 = 3;
 const SHARDS: u32 = 3;
-
-#[derive(Debug, Clone)]
-enum Action {
-    Submit(u8),
-    Cancel(u8),
-    /// Lease up to so many tasks at once.
-    Lease(usize),
-    /// Deliver a held lease, whether it is still current or not.
-    Deliver(prop::sample::Index),
-    /// Deliver under a lease once more.
-    DeliverAgain(prop::sample::Index),
-    Fail(prop::sample::Index),
-    GiveBack(prop::sample::Index),
-    Progress(prop::sample::Index),
-    /// Let time pass.
-    Tick(i64),
-    /// The process ends. What was acknowledged is on the disk.
-    PowerCut,
-    /// The process ends, and the system writes what the database was given.
-    Kill,
-    /// The disk is full for the next action.
-    DiskFull(Box<Action>),
-}
-
-fn action() -> impl Strategy<Value = Action> {
-    let index = any::<prop::sample::Index>;
-    let plain = prop_oneof![
-        3 => (0..3_u8).prop_map(Action::Submit),
-        1 => (0..3_u8).prop_map(Action::Cancel),
-        8 => (1..4_usize).prop_map(Action::Lease),
-        8 => index().prop_map(Action::Deliver),
-        1 => index().prop_map(Action::DeliverAgain),
-        1 => index().prop_map(Action::Fail),
-        1 => index().prop_map(Action::GiveBack),
-        1 => index().prop_map(Action::Progress),
-        1 => (1..2 * LEASE_SECONDS).prop_map(Action::Tick),
-        1 => Just(Action::PowerCut),
-        2 => Just(Action::Kill),
-    ];
-    prop_oneof![
-        9 => plain.clone(),
-        1 => plain.prop_map(|action| Action::DiskFull(Box::new(action))),
-    ]
-}
 
 /// What must be true of a job, given the queue's answers so far.
 #[derive(Debug, Clone)]
@@ -118,6 +76,11 @@ fn recipe(n: u8) -> NewJob {
     NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
 }
 
+/// What a shard has for a result.
+fn result(leased: &LeasedTask) -> String {
+    format!("{}/{:?}", leased.recipe, leased.kind)
+}
+
 const LIMITS: Limits = Limits {
     jobs: 2,
     lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
@@ -126,17 +89,13 @@ const LIMITS: Limits = Limits {
 };
 
 impl<W: World> Run<W> {
-    fn now(&self) -> i64 {
-        self.seconds
-    }
-
     fn pass(&mut self, seconds: i64) {
         self.seconds += seconds;
         self.world.pass(Duration::from_secs(seconds.cast_unsigned()));
     }
 
     fn is_current(&self, leased: &LeasedTask, seen: i64) -> bool {
-        self.now() < seen + LEASE_SECONDS && self.jobs[&leased.job].is_open()
+        self.seconds < seen + LEASE_SECONDS && self.jobs[&leased.job].is_open()
     }
 
     /// Takes out a held lease. The flag tells whether the queue must accept it.
@@ -180,18 +139,51 @@ impl<W: World> Run<W> {
 
     fn deliver(&mut self, leased: &LeasedTask) -> Result<(), LeaseError> {
         match leased.kind {
-            TaskKind::Shard(shard) => {
-                let result = format!("{}/{shard}", leased.recipe);
-                let answers = self.world.queue().complete(&[(leased.lease, result.as_bytes())])?;
+            TaskKind::Shard(_) => {
+                let answers = self.world.queue().complete(&[(leased.lease, result(leased).as_bytes())])?;
                 let [answer] = answers[..] else { panic!("{answers:?}") };
                 Ok(answer?)
             }
             TaskKind::Assemble => {
                 let results = results(self.world.queue(), &leased.lease)?.expect("no result was damaged");
-                let wanted: Vec<_> = (0..SHARDS).map(|n| format!("{}/{n}", leased.recipe).into_bytes()).collect();
+                let wanted: Vec<_> =
+                    (0..SHARDS).map(|n| format!("{}/Shard({n})", leased.recipe).into_bytes()).collect();
                 assert_eq!(results, wanted, "every shard's own result, once");
                 self.world.queue().finish(&leased.lease, Digest::of(leased.recipe.as_bytes()), Batch::default())
             }
+        }
+    }
+
+    /// Hands over the result of a shard, and acts until it is on the disk.
+    fn deliver_while(&mut self, index: prop::sample::Index, other: &Action) {
+        let shards: Vec<_> = self.held.iter().filter(|(leased, _)| leased.kind != TaskKind::Assemble).collect();
+        if shards.is_empty() {
+            return;
+        }
+        let at = index.index(shards.len());
+        let (leased, seen) = shards[at].clone();
+        let was_current = self.is_current(&leased, seen);
+        let Some(arrive) = self.world.hand_over(leased.lease, result(&leased)) else {
+            self.act(&Action::Deliver(index));
+            return self.act(other);
+        };
+        for (held, seen) in &mut self.held {
+            if was_current && held.lease == leased.lease {
+                *seen = self.seconds;
+            }
+        }
+        self.act(other);
+        self.notice_failures(false);
+        let answer = arrive().expect("the disk has room");
+        let held = self.held.iter().position(|(held, _)| held.lease == leased.lease);
+        let is_current = was_current && held.is_some_and(|at| self.is_current(&leased, self.held[at].1));
+        assert_eq!(answer.is_ok(), is_current, "{leased:?}");
+        if let Some(at) = held {
+            self.held.remove(at);
+            self.spent.push(leased.clone());
+        }
+        if is_current {
+            self.delivered(&leased);
         }
     }
 
@@ -242,6 +234,7 @@ impl<W: World> Run<W> {
                     Err(LeaseError::Store(_)) => assert!(current),
                 }
             }
+            Action::DeliverWhile(index, other) => self.deliver_while(*index, other),
             Action::DeliverAgain(index) => {
                 if !self.spent.is_empty() {
                     let leased = self.spent[index.index(self.spent.len())].clone();
@@ -269,7 +262,7 @@ impl<W: World> Run<W> {
                 let current = self.is_current(&leased, seen);
                 assert_eq!(self.world.queue().progress(&leased.lease, 1).is_ok(), current);
                 if current {
-                    self.held[at].1 = self.now();
+                    self.held[at].1 = self.seconds;
                 }
             }
             Action::Tick(seconds) => {
@@ -310,7 +303,7 @@ impl<W: World> Run<W> {
             let same = (other.job, other.kind) == (leased.job, leased.kind);
             assert!(!same || !self.is_current(other, *seen), "leased twice");
         }
-        self.held.push((leased, self.now()));
+        self.held.push((leased, self.seconds));
     }
 
     fn submit(&mut self, n: u8) {
