@@ -7,6 +7,7 @@
 
 use std::{
     num::NonZeroUsize,
+    sync::Arc,
     time::{SystemTime, UNIX_EPOCH},
 };
 
@@ -109,11 +110,11 @@ impl Bench {
         Shared { database, blobs, cache_bytes: CACHE_BYTES }
     }
 
-    fn embedded(&self, name: &str, threads: usize) -> Service {
+    fn embedded(&self, name: &str, threads: usize) -> Arc<Service> {
         Service::open(config(&self.folder.path().join(name), workers(threads))).expect("a service")
     }
 
-    fn open(&self, shared: &Shared, name: &str, threads: usize, works: bool) -> Service {
+    fn open(&self, shared: &Shared, name: &str, threads: usize, works: bool) -> Arc<Service> {
         let config = config(&self.folder.path().join(name), workers(threads));
         Service::open_shared(config, shared, works).expect("a service")
     }

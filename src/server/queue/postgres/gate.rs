@@ -1,12 +1,15 @@
-//! How many leases the database works on at once.
+//! How many leases of many tasks the database works on at once.
 
 use tokio_postgres::{Client, Error, Row, Statement, error::SqlState, types::ToSql};
 
 /// First half of the number of an advisory lock: «leas» in ASCII. The second half is the place, from 0.
 pub(super) const GATE: i32 = 0x6c65_6173;
 
-/// Leases at once, of all processes. Each looks for the jobs to serve, and passes over those that another is serving; with
-/// many at once it would pass over most of them. Four keep a server busy while each waits for its disk.
+/// Leases of so many tasks wait for a place. Those of fewer serve few jobs.
+pub(super) const MANY: i64 = 8;
+
+/// Such leases at once, of all processes. Each looks for the jobs to serve, and passes over those that another is serving;
+/// with many at once it would pass over most of them. Four keep a server busy while each waits for its disk.
 pub(super) const PLACES: i32 = 4;
 
 /// Asks for `statement` in a transaction of its own, when one of the places is free.

@@ -235,6 +235,9 @@ impl Shared {
                 let statement = client.prepare_cached(&LEASE).await?;
                 let parameters: [&(dyn ToSql + Sync); 6] =
                     [&fitter, &most, &self.lease_seconds(), &worker, &is_unserved, &suspect];
+                if most < gate::MANY {
+                    return client.query(&statement, &parameters).await;
+                }
                 gate::query(client, &statement, &parameters).await
             })?;
             let (is_offered, is_empty) = rows.first().map_or((false, true), |row| {

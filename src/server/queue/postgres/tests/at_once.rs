@@ -84,24 +84,25 @@ fn a_lease_shares_the_job_of_another_lease_before_one_that_has_more() {
 }
 
 #[test]
-fn a_lease_waits_for_its_turn_and_not_for_ever() {
+fn a_lease_of_many_tasks_waits_for_its_turn_and_not_for_ever() {
     let Some(queues) = queues(1, LEASE_TTL) else { return };
     let queue = &queues[0];
-    submit(queue, "a", 2);
+    submit(queue, "a", 20);
+    let many = NonZeroUsize::new(usize::try_from(gate::MANY).unwrap()).unwrap();
     let database = &queue.shared.database;
     let others = database.block_on(database.client()).unwrap();
     let (gate, last) = (gate::GATE, gate::PLACES - 1);
     let enter = format!("BEGIN; SELECT pg_advisory_xact_lock({gate}, place) FROM generate_series(0, {last}) AS place");
     database.block_on(others.batch_execute(&enter)).unwrap();
     thread::scope(|scope| {
-        let leased = scope.spawn(|| queue.lease(0, Demand::Any, NonZeroUsize::MIN));
+        let leased = scope.spawn(|| queue.lease(0, Demand::Any, many));
         let waits = "SELECT FROM pg_locks WHERE locktype = 'advisory' AND NOT granted
             AND database = (SELECT oid FROM pg_database WHERE datname = current_database())";
         eventually(|| database.run(async |client| client.query_opt(waits, &[]).await).unwrap());
         assert!(matches!(leased.join().unwrap(), Offer::Tasks(_)));
     });
     database.block_on(others.batch_execute("ROLLBACK")).unwrap();
-    assert!(matches!(queue.lease(0, Demand::Any, NonZeroUsize::MIN), Offer::Tasks(_)));
+    assert!(matches!(queue.lease(0, Demand::Any, many), Offer::Tasks(_)));
     let open = "SELECT FROM pg_stat_activity WHERE datname = current_database() AND state LIKE 'idle in transaction%'";
     let open = database.run(async |client| client.query(open, &[]).await).unwrap();
     assert!(open.is_empty(), "a transaction was left open");
