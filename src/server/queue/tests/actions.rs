@@ -2,7 +2,22 @@
 
 use proptest::prelude::*;
 
+use crate::{
+    files::digest::Digest,
+    server::queue::{LeasedTask, NewJob},
+};
+
 pub(super) const LEASE_SECONDS: i64 = 10;
+pub(super) const SHARDS: u32 = 3;
+
+pub(super) fn recipe(n: u8) -> NewJob {
+    NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
+}
+
+/// What a shard has for a result.
+pub(super) fn result(leased: &LeasedTask) -> String {
+    format!("{}/{:?}", leased.recipe, leased.kind)
+}
 
 #[derive(Debug, Clone)]
 pub(super) enum Action {

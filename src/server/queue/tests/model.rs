@@ -12,7 +12,7 @@ use proptest::{
 };
 
 use super::{
-    actions::{Action, LEASE_SECONDS, action},
+    actions::{Action, LEASE_SECONDS, SHARDS, action, recipe, result},
     world::{World, results},
 };
 use crate::{
@@ -27,7 +27,6 @@ use crate::{
 };
 
 const MAX_ATTEMPTS: u32 = 3;
-const SHARDS: u32 = 3;
 
 /// What must be true of a job, given the queue's answers so far.
 #[derive(Debug, Clone)]
@@ -35,6 +34,8 @@ struct ExpectedJob {
     stage: Stage,
     /// Shards whose completion was acknowledged in this submission, or kept from a failed one.
     finished: BTreeSet<u32>,
+    /// Its result was refused because the job failed while it was on its way to the disk. It may be kept all the same.
+    refused: Option<u32>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +51,7 @@ enum Stage {
 
 impl ExpectedJob {
     fn concluded(stage: Stage) -> Self {
-        Self { stage, finished: BTreeSet::new() }
+        Self { stage, finished: BTreeSet::new(), refused: None }
     }
 
     fn is_open(&self) -> bool {
@@ -70,15 +71,6 @@ struct Run<W> {
     may_fail: bool,
     /// How often the process ended.
     restarts: u32,
-}
-
-fn recipe(n: u8) -> NewJob {
-    NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
-}
-
-/// What a shard has for a result.
-fn result(leased: &LeasedTask) -> String {
-    format!("{}/{:?}", leased.recipe, leased.kind)
 }
 
 const LIMITS: Limits = Limits {
@@ -184,6 +176,8 @@ impl<W: World> Run<W> {
         }
         if is_current {
             self.delivered(&leased);
+        } else if was_current && let TaskKind::Shard(shard) = leased.kind {
+            self.jobs.get_mut(&leased.job).unwrap().refused = Some(shard);
         }
     }
 
@@ -317,9 +311,13 @@ impl<W: World> Run<W> {
                 assert!(former.as_ref().is_none_or(|job| !matches!(job.stage, Stage::Open | Stage::Done)));
                 assert!(open < 2);
                 assert_eq!(job.attempts, 0);
-                let finished = former.map(|job| job.finished).unwrap_or_default();
+                let refused = former.as_ref().and_then(|job| job.refused);
+                let mut finished = former.map(|job| job.finished).unwrap_or_default();
+                if job.entries_done > 2 * finished.len() as u64 {
+                    finished.extend(refused);
+                }
                 assert_eq!(job.entries_done, 2 * finished.len() as u64, "finished shards are kept");
-                self.jobs.insert(id, ExpectedJob { stage: Stage::Open, finished });
+                self.jobs.insert(id, ExpectedJob { stage: Stage::Open, finished, refused: None });
             }
             Err(QueueError::Full { .. }) => assert_eq!(open, 2),
             Err(QueueError::Store(_)) => {}
