@@ -19,8 +19,8 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, NewJob, Offer,
-            QueueError, Submitted, TaskKind,
+            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, Offer, QueueError,
+            Submitted, TaskKind,
         },
         store::Batch,
     },
