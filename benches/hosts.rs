@@ -1,11 +1,13 @@
 //! What it costs to share a database and a store of tables, and what a second worker gains.
 //!
-//! `cargo bench -p ltcforge-benches --bench hosts`. The shared service is compared with the embedded one, job by job in turn;
+//! `cargo bench -p ltcforge-benches --bench hosts`, or with `-- PART` only a part of it: `tables`, `large`, `workers`, `threads`
+//! or `start`. The shared service is compared with the embedded one, job by job in turn;
 //! two workers with one, on several jobs at once, and on one larger job. PostgreSQL is one of the bench's own that waits for its
 //! disk, the store a folder. Times are those of the queue's clock, so that asking for them takes no processor's.
 
 use std::{
     num::NonZeroUsize,
+    sync::Arc,
     time::{SystemTime, UNIX_EPOCH},
 };
 
@@ -88,73 +90,128 @@ fn compare(name: &str, unit: &str, pairs: &[[f64; 2]]) {
     println!("{name}: {one:.3} and {other:.3} {unit}, ratio {ratio:.3} (medians of {} turns)", pairs.len());
 }
 
-fn main() {
-    let Some(server) = throwaway::Server::start("-c shared_buffers=128MB") else { return };
-    let folder = tempfile::tempdir().expect("a folder");
-    let database = || server.empty_database().parse().expect("any text");
-    let blobs = format!("file://{}", folder.path().join("tables").display());
-    let shared = Shared { database: database(), blobs: blobs.clone(), cache_bytes: CACHE_BYTES };
-    let open = |shared: &Shared, name: &str, threads, works| {
-        Service::open_shared(config(&folder.path().join(name), workers(threads)), shared, works).expect("a service")
-    };
+/// Whether the part was asked for, or none in particular.
+fn is_wanted(part: &str) -> bool {
+    let mut parts = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).peekable();
+    parts.peek().is_none() || parts.any(|wanted| wanted == part)
+}
 
-    let embedded = Service::open(config(&folder.path().join("embedded"), workers(2))).expect("a service");
-    let cluster = open(&shared, "cluster", 2, true);
-    for service in [&embedded, &cluster] {
-        seconds(service, &tables(0, 1));
+/// Services of this bench, which keep what they have in `folder`.
+struct Bench {
+    server: throwaway::Server,
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    /// An empty database, and the folder of tables.
+    fn shared(&self) -> Shared {
+        let blobs = format!("file://{}", self.folder.path().join("tables").display());
+        let database = self.server.empty_database().parse().expect("any text");
+        Shared { database, blobs, cache_bytes: CACHE_BYTES }
     }
-    let pairs: Vec<_> =
-        (1..=TURNS).map(|turn| [&embedded, &cluster].map(|service| seconds(service, &tables(turn, 1)))).collect();
-    compare("a default table, embedded and shared", "s", &pairs);
-    embedded.stop();
-    cluster.stop();
 
-    let pairs: Vec<_> = (0..TURNS)
-        .map(|turn| {
-            [2, 1].map(|threads| {
-                let service = Service::open(config(&folder.path().join("alone"), workers(threads))).expect("a service");
-                let seconds = seconds(&service, &large_table(2 * turn + threads as u32));
+    fn embedded(&self, name: &str, threads: usize) -> Arc<Service> {
+        Service::open(config(&self.folder.path().join(name), workers(threads))).expect("a service")
+    }
+
+    fn open(&self, shared: &Shared, name: &str, threads: usize, works: bool) -> Arc<Service> {
+        let config = config(&self.folder.path().join(name), workers(threads));
+        Service::open_shared(config, shared, works).expect("a service")
+    }
+
+    fn tables(&self) {
+        let embedded = self.embedded("embedded", 2);
+        let cluster = self.open(&self.shared(), "cluster", 2, true);
+        for service in [&embedded, &cluster] {
+            seconds(service, &tables(0, 1));
+        }
+        let pairs: Vec<_> =
+            (1..=TURNS).map(|turn| [&embedded, &cluster].map(|service| seconds(service, &tables(turn, 1)))).collect();
+        compare("a default table, embedded and shared", "s", &pairs);
+        embedded.stop();
+        cluster.stop();
+    }
+
+    fn large(&self) {
+        let pairs: Vec<_> = (0..TURNS)
+            .map(|turn| {
+                [2, 1].map(|threads| {
+                    let service = self.embedded("alone", threads);
+                    let seconds = seconds(&service, &large_table(2 * turn + threads as u32));
+                    service.stop();
+                    seconds
+                })
+            })
+            .collect();
+        compare("a larger table, embedded, by two threads and by one", "s", &pairs);
+    }
+
+    fn workers(&self) {
+        let shared = self.shared();
+        let front = self.open(&shared, "front", 1, false);
+        let one = self.open(&shared, "one", 1, true);
+        let mut pairs = vec![];
+        for turn in 0..TURNS {
+            let alone = seconds(&front, &tables(2 * turn, JOBS));
+            let two = self.open(&shared, "two", 1, true);
+            let both = seconds(&front, &tables(2 * turn + 1, JOBS));
+            two.stop();
+            pairs.push([both, alone]);
+        }
+        one.stop();
+        front.stop();
+        compare(&format!("{JOBS} default tables by two workers and by one, a thread each"), "s", &pairs);
+    }
+
+    fn threads(&self) {
+        let shared = self.shared();
+        let front = self.open(&shared, "front", 1, false);
+        let mut pairs = vec![];
+        for turn in 0..TURNS {
+            pairs.push([2, 1].map(|threads| {
+                let service = self.open(&shared, "threads", threads, true);
+                let seconds = seconds(&front, &tables(2 * turn + threads as u32, JOBS));
                 service.stop();
                 seconds
-            })
-        })
-        .collect();
-    compare("a larger table, embedded, by two threads and by one", "s", &pairs);
+            }));
+        }
+        front.stop();
+        compare(&format!("{JOBS} default tables by two threads of one worker and by one"), "s", &pairs);
+    }
 
-    // A database of their own: no table is known yet.
-    let replica = Shared { database: database(), ..shared.clone() };
-    let front = open(&replica, "front", 1, false);
-    let one = open(&replica, "one", 1, true);
-    let mut pairs = vec![];
-    for turn in 0..TURNS {
-        let alone = seconds(&front, &tables(2 * turn, JOBS));
-        let two = open(&replica, "two", 1, true);
-        let both = seconds(&front, &tables(2 * turn + 1, JOBS));
-        two.stop();
-        pairs.push([both, alone]);
+    fn start(&self) {
+        let shared = self.shared();
+        let front = self.open(&shared, "front", 1, false);
+        let mut times = vec![];
+        for turn in 0..TURNS {
+            let id = submit(&front, &recipe(DEFAULT, 1_000_000 + turn));
+            let began = SystemTime::now().duration_since(UNIX_EPOCH).expect("a clock").as_secs_f64();
+            let worker = self.open(&shared, "late", 2, true);
+            let job = wait(&front, id, StateName::is_final);
+            times.push(job.started_at.expect("a start").as_microsecond() as f64 / 1e3 - 1e3 * began);
+            worker.stop();
+        }
+        front.stop();
+        println!("from the start of a worker to its first lease: {:.0} ms (median of {TURNS})", median(times));
     }
-    one.stop();
-    compare(&format!("{JOBS} default tables by two workers and by one, a thread each"), "s", &pairs);
-    let mut pairs = vec![];
-    for turn in TURNS..2 * TURNS {
-        pairs.push([2, 1].map(|threads| {
-            let service = open(&replica, "threads", threads, true);
-            let seconds = seconds(&front, &tables(2 * turn + threads as u32, JOBS));
-            service.stop();
-            seconds
-        }));
-    }
-    compare(&format!("{JOBS} default tables by two threads of one worker and by one"), "s", &pairs);
+}
 
-    let mut times = vec![];
-    for turn in 0..TURNS {
-        let id = submit(&front, &recipe(DEFAULT, 1_000_000 + turn));
-        let began = SystemTime::now().duration_since(UNIX_EPOCH).expect("a clock").as_secs_f64();
-        let worker = open(&replica, "late", 2, true);
-        let job = wait(&front, id, StateName::is_final);
-        times.push(job.started_at.expect("a start").as_microsecond() as f64 / 1e3 - 1e3 * began);
-        worker.stop();
+/// A part of the bench, and its name on the command line.
+type Part = (&'static str, fn(&Bench));
+
+fn main() {
+    let Some(server) = throwaway::Server::start("-c shared_buffers=128MB") else { return };
+    let bench = Bench { server, folder: tempfile::tempdir().expect("a folder") };
+    let parts: [Part; 5] = [
+        ("tables", Bench::tables),
+        ("large", Bench::large),
+        ("workers", Bench::workers),
+        ("threads", Bench::threads),
+        ("start", Bench::start),
+    ];
+    for (name, run) in parts {
+        if is_wanted(name) {
+            run(&bench);
+        }
     }
-    println!("from the start of a worker to its first lease: {:.0} ms (median of {TURNS})", median(times));
-    front.stop();
 }

@@ -23,9 +23,9 @@
 //   alpha_x 0.3 alpha_y 0.15 wo (0.36 0.48 0.8)
 //     parts 0.701572 0.000219 | 0.710371 0.000052 | 0.704523 0.000244
 //   alpha_x 0.2 alpha_y 0.6 wo (-0.64 0.48 0.6)
-//     parts 0.549790 0.001242 | 0.599484 0.000332 | 0.553100 0.001496
+//     parts 0.549794 0.001242 | 0.599484 0.000332 | 0.553101 0.001496
 //   alpha_x 0.05 alpha_y 0.02 wo (0.576 -0.768 0.28)
-//     parts 0.988140 0.187998 | 0.991922 0.187098 | 0.989343 0.187655
+//     parts 0.988160 0.187868 | 0.991922 0.187098 | 0.989343 0.187656
 
 
 precision highp float;
@@ -111,8 +111,8 @@ vec2 normals_ltc_sin_cos(float turns) {
 
 float normals_ltc_log(float x_1) {
     int bits = (floatBitsToInt(x_1) - 1060439283);
-    float m_3 = intBitsToFloat(((bits & 8388607) + 1060439283));
-    float s_1 = ((m_3 - 1.0) / (m_3 + 1.0));
+    float m_4 = intBitsToFloat(((bits & 8388607) + 1060439283));
+    float s_1 = ((m_4 - 1.0) / (m_4 + 1.0));
     float z_2 = (s_1 * s_1);
     float series = (((((((((0.22222222 * z_2) + 0.2857143) * z_2) + 0.4) * z_2) + 0.6666667) * z_2) * s_1) + (2.0 * s_1));
     return ((float((bits >> 23u)) * 0.6931472) + series);
@@ -166,9 +166,19 @@ vec3 normals_arc_bend(vec3 a_2, vec3 b_2) {
     return (across_1 * (is_acute ? bend : obtuse));
 }
 
+mat2x3 normals_shared(vec3 a_3, vec3 m, vec3 b_3, vec3 whole) {
+    vec3 _e4 = normals_arc_bend(a_3, m);
+    vec3 _e5 = normals_arc_bend(m, b_3);
+    vec3 rest = (((whole - cross((m - a_3), (b_3 - a_3))) - _e4) - _e5);
+    vec2 length2_2 = vec2(dot((m - a_3), (m - a_3)), dot((b_3 - m), (b_3 - m)));
+    vec2 cubes = (length2_2 * sqrt(length2_2));
+    vec2 shares = (cubes / vec2(max((cubes.x + cubes.y), 1e-36)));
+    return mat2x3((_e4 + (rest * shares.x)), (_e5 + (rest * shares.y)));
+}
+
 NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     vec3 longest = vec3(0.0);
-    mat3x3 m_4 = mat3x3(vec3(diagonal.x, off.x, off.y), vec3(off.x, diagonal.y, off.z), vec3(off.y, off.z, diagonal.z));
+    mat3x3 m_5 = mat3x3(vec3(diagonal.x, off.x, off.y), vec3(off.x, diagonal.y, off.z), vec3(off.y, off.z, diagonal.z));
     float mean_1 = (((diagonal.x + diagonal.y) + diagonal.z) * 0.33333334);
     vec3 d = (diagonal - vec3(mean_1));
     float p2_ = (0.16666667 - ((0.5 * mean_1) * mean_1));
@@ -199,14 +209,14 @@ NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
     vec3 _e132 = longest;
     vec3 _e133 = longest;
     vec3 isolated = (_e131 * inversesqrt(max(dot(_e132, _e133), 1e-36)));
-    float value = dot(isolated, (m_4 * isolated));
+    float value = dot(isolated, (m_5 * isolated));
     float s_2 = ((isolated.z < 0.0) ? -1.0 : 1.0);
     float q_1 = (-1.0 / (s_2 + isolated.z));
     float r = ((isolated.x * isolated.y) * q_1);
     vec3 e = vec3((1.0 + (((s_2 * isolated.x) * isolated.x) * q_1)), (s_2 * r), (-(s_2) * isolated.x));
     vec3 f = vec3(r, (s_2 + ((isolated.y * isolated.y) * q_1)), -(isolated.y));
-    vec3 image_e = (m_4 * e);
-    vec3 image_f = (m_4 * f);
+    vec3 image_e = (m_5 * e);
+    vec3 image_f = (m_5 * f);
     float ee = dot(e, image_e);
     float ef = dot(e, image_f);
     float ff = dot(f, image_f);
@@ -232,7 +242,7 @@ float normals_atan2_(float y_1, float x_2) {
     return ((y_1 < 0.0) ? -(_e3) : _e3);
 }
 
-vec3 normals_exact(NormalsView view_3, vec3 a_3, vec3 b_3, vec3 across, bool is_long) {
+vec3 normals_exact(NormalsView view_3, vec3 a_4, vec3 b_4, vec3 across, bool is_long) {
     bool local_1 = false;
     bool local_2 = false;
     bool local_3 = false;
@@ -249,9 +259,9 @@ vec3 normals_exact(NormalsView view_3, vec3 a_3, vec3 b_3, vec3 across, bool is_
     float l2_ = min(_e81.values.y, 0.0);
     float l3_ = min(_e81.values.z, l2_);
     mat3x3 v_3 = transpose(_e81.vectors);
-    vec3 p0_ = (v_3 * a_3);
-    vec3 p1_ = (v_3 * b_3);
-    vec3 normal = (v_3 * cross(a_3, b_3));
+    vec3 p0_ = (v_3 * a_4);
+    vec3 p1_ = (v_3 * b_4);
+    vec3 normal = (v_3 * cross(a_4, b_4));
     float d2_ = (l1_ - l2_);
     float e2_ = (l1_ - l3_);
     float g2_ = (l2_ - l3_);
@@ -300,24 +310,24 @@ vec3 normals_exact(NormalsView view_3, vec3 a_3, vec3 b_3, vec3 across, bool is_
 
 vec2 normals_weight(NormalsView view_4, vec3 c) {
     vec3 h_1 = vec3((view_4.alpha * c.xy), c.z);
-    float length2_2 = max(dot(h_1, h_1), 1e-36);
+    float length2_3 = max(dot(h_1, h_1), 1e-36);
     float cosine = dot(view_4.wo, h_1);
-    vec3 wi = ((h_1 * (2.0 * cosine)) - (view_4.wo * length2_2));
+    vec3 wi = ((h_1 * (2.0 * cosine)) - (view_4.wo * length2_3));
     float up = max(wi.z, 0.0);
     vec2 across_2 = (view_4.alpha * wi.xy);
     float stretched_1 = sqrt((dot(across_2, across_2) + (wi.z * wi.z)));
     float weight = (((view_4.wo.z + view_4.length_) * up) / max(((view_4.length_ * up) + (view_4.wo.z * stretched_1)), 1e-36));
-    float m_5 = clamp((1.0 - (cosine * inversesqrt(length2_2))), 0.0, 1.0);
-    float m2_ = (m_5 * m_5);
-    return vec2(weight, ((m2_ * m2_) * m_5));
+    float m_6 = clamp((1.0 - (cosine * inversesqrt(length2_3))), 0.0, 1.0);
+    float m2_ = (m_6 * m_6);
+    return vec2(weight, ((m2_ * m2_) * m_6));
 }
 
 float normals_to_horizon(float tip, float near, float rate) {
     float root = sqrt(((rate * near) * max((tip - near), 0.0)));
-    float rest = (near / max((near + root), 1e-36));
-    float u = (1.0 - rest);
+    float rest_1 = (near / max((near + root), 1e-36));
+    float u = (1.0 - rest_1);
     float series_1 = (2.0 + (u * (-7.406265 + (u * (21.07087 + (u * (-31.448433 + (u * 16.743261))))))));
-    return (((tip * rest) * rest) * (1.0 + (u * series_1)));
+    return (((tip * rest_1) * rest_1) * (1.0 + (u * series_1)));
 }
 
 vec3 normals_centroid(vec3 flux, vec3 tip_1) {
@@ -337,13 +347,13 @@ NormalsSpoke normals_spoke(NormalsView view_6, vec3 tip_2, vec3 c_2, bool is_fin
     return NormalsSpoke(c_2, _e4, ((is_fine ? 0.04 : 0.08) * _e8));
 }
 
-vec3 normals_flux(vec3 tip_3, NormalsSpoke a_4, NormalsSpoke b_4, vec3 curved) {
-    return ((cross((a_4.c - tip_3), (b_4.c - tip_3)) + curved) + (a_4.bend - b_4.bend));
+vec3 normals_flux(vec3 tip_3, NormalsSpoke a_5, NormalsSpoke b_5, vec3 curved) {
+    return ((cross((a_5.c - tip_3), (b_5.c - tip_3)) + curved) + (a_5.bend - b_5.bend));
 }
 
-vec2 normals_triangle(NormalsView view_7, vec3 tip_4, vec3 m, vec3 corners, bool is_fine_1) {
-    vec3 _e9 = normals_sample(view_7, (m + (0.5 * (m - tip_4))));
-    vec3 _e10 = normals_sample(view_7, m);
+vec2 normals_triangle(NormalsView view_7, vec3 tip_4, vec3 m_1, vec3 corners, bool is_fine_1) {
+    vec3 _e9 = normals_sample(view_7, (m_1 + (0.5 * (m_1 - tip_4))));
+    vec3 _e10 = normals_sample(view_7, m_1);
     vec3 mean_2 = ((_e10 + ((is_fine_1 ? 0.2 : 0.3) * _e9)) + corners);
     return (mean_2.yz / vec2(max(mean_2.x, 1e-18)));
 }
@@ -353,11 +363,11 @@ float normals_rise(NormalsView view_8, vec3 c_3) {
     return (((2.0 * dot(view_8.wo, h_2)) * h_2.z) - (dot(h_2, h_2) * view_8.wo.z));
 }
 
-NormalsSum normals_add(NormalsView view_9, NormalsSum sum, float least_rise, vec3 m_1, float whole, vec2 mean) {
-    float _e6 = normals_rise(view_9, m_1);
+NormalsSum normals_add(NormalsView view_9, NormalsSum sum, float least_rise, vec3 m_2, float whole_1, vec2 mean) {
+    float _e6 = normals_rise(view_9, m_2);
     float known = clamp((_e6 / least_rise), 0.0, 1.0);
-    vec3 part_1 = ((known * whole) * vec3(1.0, mean));
-    return NormalsSum((sum.all_ + part_1), (sum.positive + ((part_1.x > 0.0) ? part_1 : vec3(0.0))), ((sum.unknown + whole) - part_1.x));
+    vec3 part_1 = ((known * whole_1) * vec3(1.0, mean));
+    return NormalsSum((sum.all_ + part_1), (sum.positive + ((part_1.x > 0.0) ? part_1 : vec3(0.0))), ((sum.unknown + whole_1) - part_1.x));
 }
 
 vec2 normals_total(NormalsSum sum_1, float seen, vec2 at_tip) {
@@ -367,8 +377,8 @@ vec2 normals_total(NormalsSum sum_1, float seen, vec2 at_tip) {
     return ((share_1 * sum_1.all_.yz) + (per_part * (sum_1.positive.yz + ((tip_6 * at_tip.x) * vec2(1.0, at_tip.y)))));
 }
 
-vec2 normals_horizon_triangle(NormalsView view_10, vec3 tip_5, vec2 at_tip_1, vec3 m_2, bool is_fine_2) {
-    vec2 _e9 = normals_weight(view_10, (m_2 + (0.3 * (m_2 - tip_5))));
+vec2 normals_horizon_triangle(NormalsView view_10, vec3 tip_5, vec2 at_tip_1, vec3 m_3, bool is_fine_2) {
+    vec2 _e9 = normals_weight(view_10, (m_3 + (0.3 * (m_3 - tip_5))));
     float _e15 = normals_to_horizon(at_tip_1.x, _e9.x, (is_fine_2 ? 0.145 : 0.155));
     return (_e15 * vec2(1.0, mix(_e9.y, at_tip_1.y, 0.25)));
 }
@@ -442,8 +452,8 @@ void normals_put(inout vec3 list_1[8], uint i_1, vec3 v_2, bool many_1) {
     return;
 }
 
-vec3 normals_crossing(vec3 a_5, vec3 b_5) {
-    return vec3(((a_5.xy * abs(b_5.z)) + (b_5.xy * abs(a_5.z))), 0.0);
+vec3 normals_crossing(vec3 a_6, vec3 b_6) {
+    return vec3(((a_6.xy * abs(b_6.z)) + (b_6.xy * abs(a_6.z))), 0.0);
 }
 
 NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
@@ -683,7 +693,7 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
     NormalsSpoke before_1 = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
     NormalsSpoke setting = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
     uint i_5 = 0u;
-    uint part = 1u;
+    uint part = 0u;
     NormalsOutline _e8 = normals_outline(vertices_3, min(max(count, 3u), 8u));
     if ((_e8.ups == 0u)) {
         return vec2(0.0);
@@ -691,7 +701,7 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
     bool many_2 = _e8.many;
     bool is_fine_3 = (rule == NORMALS_FINE);
     uint edge_parts = (is_fine_3 ? 2u : 1u);
-    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_3 ? 8u : 4u));
+    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_3 ? 4u : 2u));
     uint edges = (_e8.edges - (_e8.is_closed ? 1u : 0u));
     uint closing_parts = (_e8.is_closed ? horizon_parts : 0u);
     NormalsCorner _e37 = normals_outline_corner(view_13, _e8, vertices_3, 0u);
@@ -702,8 +712,8 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e216 = step_;
-            step_ = (_e216 + 1u);
+            uint _e217 = step_;
+            step_ = (_e217 + 1u);
         }
         loop_init_2 = false;
         uint _e66 = step_;
@@ -785,160 +795,172 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
             bool _e170 = local_20;
             normals_put(curves, (_e170 ? 8u : _e164), curved_1, many_2);
             uint _e173 = edge;
-            normals_put(horizon_curves, (is_closing ? (_e173 - edges) : 8u), curved_1, is_fine_3);
-            vec3 _e176 = arc_start;
-            arc_start = (is_closing ? _e176 : c_5);
-            vec3 _e178 = closing;
-            vec3 _e180 = last.c;
-            vec3 _e181 = arc_start;
-            vec3 _e183 = arc_start;
-            closing = (_e178 + (is_closing ? (curved_1 + cross((_e180 - _e181), (c_5 - _e183))) : vec3(0.0)));
+            normals_put(horizon_curves, (is_closing ? (_e173 - edges) : 8u), curved_1, false);
+            vec3 _e177 = arc_start;
+            arc_start = (is_closing ? _e177 : c_5);
+            vec3 _e179 = closing;
+            vec3 _e181 = last.c;
+            vec3 _e182 = arc_start;
+            vec3 _e184 = arc_start;
+            closing = (_e179 + (is_closing ? (curved_1 + cross((_e181 - _e182), (c_5 - _e184))) : vec3(0.0)));
             if (is_fine_3) {
-                uint _e193 = edge;
-                local_21 = ((_e193 + 1u) == (edges + (horizon_parts / 2u)));
+                uint _e194 = edge;
+                local_21 = ((_e194 + 1u) == (edges + (horizon_parts / 2u)));
             } else {
                 local_21 = false;
             }
-            bool _e201 = local_21;
-            if (_e201) {
-                vec3 _e202 = closing;
-                half_closing = _e202;
+            bool _e202 = local_21;
+            if (_e202) {
+                vec3 _e203 = closing;
+                half_closing = _e203;
                 half_end = c_5;
                 closing = vec3(0.0);
                 arc_start = c_5;
             }
-            vec3 _e206 = to.w;
-            float _e208 = to.length_;
-            last = NormalsCorner(_e206, c_5, _e208);
-            uint _e210 = edge;
-            edge = (_e210 + (is_half ? 0u : 1u));
+            vec3 _e207 = to.w;
+            float _e209 = to.length_;
+            last = NormalsCorner(_e207, c_5, _e209);
+            uint _e211 = edge;
+            edge = (_e211 + (is_half ? 0u : 1u));
             is_second = is_half;
         }
     }
-    vec3 _e218 = flux_1;
-    float seen_2 = dot(_e218, view_13.stretched);
+    vec3 _e219 = flux_1;
+    float seen_2 = dot(_e219, view_13.stretched);
     float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
     if ((side < 0.0)) {
         local_22 = !(two_sided);
     } else {
         local_22 = false;
     }
-    bool _e232 = local_22;
-    if (_e232) {
+    bool _e233 = local_22;
+    if (_e233) {
         return vec2(0.0);
     }
     float to_part = ((side * 0.3183099) / (view_13.wo.z + view_13.length_));
-    vec3 _e242 = flux_1;
-    vec3 _e244 = normals_unit((_e242 * side));
-    vec2 _e245 = normals_weight(view_13, _e244);
-    parts = (vec2(_e245.x, (_e245.x * _e245.y)) * seen_2);
+    vec3 _e243 = flux_1;
+    vec3 _e245 = normals_unit((_e243 * side));
+    vec2 _e246 = normals_weight(view_13, _e245);
+    parts = (vec2(_e246.x, (_e246.x * _e246.y)) * seen_2);
     if ((rule != NORMALS_MEAN)) {
-        float _e262 = normals_rise(view_13, _e244);
-        float least_rise_1 = max((0.125 * _e262), 1e-36);
+        float _e263 = normals_rise(view_13, _e245);
+        float least_rise_1 = max((0.125 * _e263), 1e-36);
         vec3 sided = (side * view_13.stretched);
-        vec3 _e272 = normals_sample(view_13, _e244);
-        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e272);
-        NormalsSpoke _e275 = normals_spoke(view_13, _e244, _e37.c, is_fine_3);
-        before_1 = _e275;
-        setting = _e275;
+        vec3 _e273 = normals_sample(view_13, _e245);
+        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e273);
+        NormalsSpoke _e276 = normals_spoke(view_13, _e245, _e37.c, is_fine_3);
+        before_1 = _e276;
+        setting = _e276;
         bool loop_init_3 = true;
         while(true) {
             if (!loop_init_3) {
-                uint _e336 = i_5;
-                i_5 = (_e336 + 1u);
+                uint _e337 = i_5;
+                i_5 = (_e337 + 1u);
             }
             loop_init_3 = false;
-            uint _e280 = i_5;
-            if ((_e280 < _e8.edges)) {
+            uint _e281 = i_5;
+            if ((_e281 < _e8.edges)) {
             } else {
                 break;
             }
             {
-                uint _e283 = i_5;
-                bool is_closing_1 = (_e283 == edges);
+                uint _e284 = i_5;
+                bool is_closing_1 = (_e284 == edges);
                 if (is_closing_1) {
-                    NormalsSpoke _e285 = before_1;
-                    setting = _e285;
+                    NormalsSpoke _e286 = before_1;
+                    setting = _e286;
                 }
                 float counts = (is_closing_1 ? (1.0 - _e8.share) : 1.0);
                 if (is_fine_3) {
-                    uint _e291 = i_5;
-                    vec3 _e292 = normals_get(half_ends, _e291, many_2);
-                    vec3 _e293 = half_end;
-                    vec3 half_c = (is_closing_1 ? _e293 : _e292);
-                    uint _e295 = i_5;
-                    vec3 _e296 = normals_get(half_curves, _e295, many_2);
-                    vec3 _e297 = half_closing;
-                    vec3 half_curved = (is_closing_1 ? _e297 : _e296);
-                    NormalsSpoke _e299 = normals_spoke(view_13, _e244, half_c, is_fine_3);
-                    NormalsSpoke _e300 = before_1;
-                    vec3 _e301 = normals_flux(_e244, _e300, _e299, half_curved);
-                    vec3 _e302 = normals_centroid(_e301, _e244);
-                    vec3 _e304 = before_1.at_end;
-                    vec2 _e308 = normals_triangle(view_13, _e244, _e302, ((tip_share + _e304) + _e299.at_end), is_fine_3);
-                    NormalsSum _e309 = sum_2;
-                    NormalsSum _e312 = normals_add(view_13, _e309, least_rise_1, _e302, (counts * dot(_e301, sided)), _e308);
-                    sum_2 = _e312;
-                    before_1 = _e299;
+                    uint _e292 = i_5;
+                    vec3 _e293 = normals_get(half_ends, _e292, many_2);
+                    vec3 _e294 = half_end;
+                    vec3 half_c = (is_closing_1 ? _e294 : _e293);
+                    uint _e296 = i_5;
+                    vec3 _e297 = normals_get(half_curves, _e296, many_2);
+                    vec3 _e298 = half_closing;
+                    vec3 half_curved = (is_closing_1 ? _e298 : _e297);
+                    NormalsSpoke _e300 = normals_spoke(view_13, _e245, half_c, is_fine_3);
+                    NormalsSpoke _e301 = before_1;
+                    vec3 _e302 = normals_flux(_e245, _e301, _e300, half_curved);
+                    vec3 _e303 = normals_centroid(_e302, _e245);
+                    vec3 _e305 = before_1.at_end;
+                    vec2 _e309 = normals_triangle(view_13, _e245, _e303, ((tip_share + _e305) + _e300.at_end), is_fine_3);
+                    NormalsSum _e310 = sum_2;
+                    NormalsSum _e313 = normals_add(view_13, _e310, least_rise_1, _e303, (counts * dot(_e302, sided)), _e309);
+                    sum_2 = _e313;
+                    before_1 = _e300;
                 }
-                uint _e313 = i_5;
-                vec3 _e314 = normals_get(ends, _e313, many_2);
-                vec3 c_6 = (is_closing_1 ? _e37.c : _e314);
-                uint _e317 = i_5;
-                vec3 _e318 = normals_get(curves, _e317, many_2);
-                vec3 _e319 = closing;
-                vec3 curved_2 = (is_closing_1 ? _e319 : _e318);
-                NormalsSpoke _e321 = normals_spoke(view_13, _e244, c_6, is_fine_3);
-                NormalsSpoke _e322 = before_1;
-                vec3 _e323 = normals_flux(_e244, _e322, _e321, curved_2);
-                vec3 _e324 = normals_centroid(_e323, _e244);
-                vec3 _e326 = before_1.at_end;
-                vec2 _e330 = normals_triangle(view_13, _e244, _e324, ((tip_share + _e326) + _e321.at_end), is_fine_3);
-                NormalsSum _e331 = sum_2;
-                NormalsSum _e334 = normals_add(view_13, _e331, least_rise_1, _e324, (counts * dot(_e323, sided)), _e330);
-                sum_2 = _e334;
-                before_1 = _e321;
+                uint _e314 = i_5;
+                vec3 _e315 = normals_get(ends, _e314, many_2);
+                vec3 c_6 = (is_closing_1 ? _e37.c : _e315);
+                uint _e318 = i_5;
+                vec3 _e319 = normals_get(curves, _e318, many_2);
+                vec3 _e320 = closing;
+                vec3 curved_2 = (is_closing_1 ? _e320 : _e319);
+                NormalsSpoke _e322 = normals_spoke(view_13, _e245, c_6, is_fine_3);
+                NormalsSpoke _e323 = before_1;
+                vec3 _e324 = normals_flux(_e245, _e323, _e322, curved_2);
+                vec3 _e325 = normals_centroid(_e324, _e245);
+                vec3 _e327 = before_1.at_end;
+                vec2 _e331 = normals_triangle(view_13, _e245, _e325, ((tip_share + _e327) + _e322.at_end), is_fine_3);
+                NormalsSum _e332 = sum_2;
+                NormalsSum _e335 = normals_add(view_13, _e332, least_rise_1, _e325, (counts * dot(_e324, sided)), _e331);
+                sum_2 = _e335;
+                before_1 = _e322;
             }
         }
-        NormalsSpoke _e338 = setting;
-        before_1 = _e338;
+        NormalsSpoke _e339 = setting;
+        before_1 = _e339;
         bool loop_init_4 = true;
         while(true) {
             if (!loop_init_4) {
-                uint _e366 = part;
-                part = (_e366 + 1u);
+                uint _e392 = part;
+                part = (_e392 + 1u);
             }
             loop_init_4 = false;
-            uint _e341 = part;
-            if ((_e341 <= closing_parts)) {
+            uint _e342 = part;
+            if ((_e342 < closing_parts)) {
             } else {
                 break;
             }
             {
-                uint _e343 = part;
-                vec3 _e347 = normals_on_horizon(_e39, (float(_e343) / float(horizon_parts)));
-                vec3 _e348 = normals_arc_bend(_e244, _e347);
-                NormalsSpoke to_1 = NormalsSpoke(_e347, _e348, vec3(0.0));
-                NormalsSpoke _e352 = before_1;
-                uint _e353 = part;
-                vec3 _e356 = normals_get(horizon_curves, (_e353 - 1u), is_fine_3);
-                vec3 _e357 = normals_flux(_e244, _e352, to_1, _e356);
-                vec3 _e358 = normals_centroid(_e357, _e244);
-                vec2 _e359 = normals_horizon_triangle(view_13, _e244, _e245, _e358, is_fine_3);
-                NormalsSum _e360 = sum_2;
-                NormalsSum _e364 = normals_add(view_13, _e360, least_rise_1, _e358, (_e8.share * dot(_e357, sided)), _e359);
-                sum_2 = _e364;
+                uint _e344 = part;
+                vec3 _e350 = normals_on_horizon(_e39, ((float(_e344) + 0.5) / float(horizon_parts)));
+                uint _e351 = part;
+                vec3 _e357 = normals_on_horizon(_e39, (float((_e351 + 1u)) / float(horizon_parts)));
+                vec3 _e359 = before_1.c;
+                uint _e360 = part;
+                vec3 _e362 = normals_get(horizon_curves, _e360, false);
+                mat2x3 _e363 = normals_shared(_e359, _e350, _e357, _e362);
+                vec3 _e364 = normals_arc_bend(_e245, _e350);
+                NormalsSpoke half_ = NormalsSpoke(_e350, _e364, vec3(0.0));
+                vec3 _e368 = normals_arc_bend(_e245, _e357);
+                NormalsSpoke to_1 = NormalsSpoke(_e357, _e368, vec3(0.0));
+                NormalsSpoke _e372 = before_1;
+                vec3 _e374 = normals_flux(_e245, _e372, half_, _e363[0]);
+                vec3 _e375 = normals_centroid(_e374, _e245);
+                vec2 _e376 = normals_horizon_triangle(view_13, _e245, _e246, _e375, is_fine_3);
+                NormalsSum _e377 = sum_2;
+                NormalsSum _e381 = normals_add(view_13, _e377, least_rise_1, _e375, (_e8.share * dot(_e374, sided)), _e376);
+                sum_2 = _e381;
+                vec3 _e383 = normals_flux(_e245, half_, to_1, _e363[1]);
+                vec3 _e384 = normals_centroid(_e383, _e245);
+                vec2 _e385 = normals_horizon_triangle(view_13, _e245, _e246, _e384, is_fine_3);
+                NormalsSum _e386 = sum_2;
+                NormalsSum _e390 = normals_add(view_13, _e386, least_rise_1, _e384, (_e8.share * dot(_e383, sided)), _e385);
+                sum_2 = _e390;
                 before_1 = to_1;
             }
         }
-        NormalsSum _e368 = sum_2;
-        vec2 _e370 = normals_total(_e368, (seen_2 * side), _e245);
-        parts = (_e370 * side);
+        NormalsSum _e394 = sum_2;
+        vec2 _e396 = normals_total(_e394, (seen_2 * side), _e246);
+        parts = (_e396 * side);
     }
-    float _e373 = parts.x;
-    float energy = clamp((_e373 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
-    float _e382 = parts.y;
-    return vec2(energy, clamp((_e382 * to_part), 0.0, energy));
+    float _e399 = parts.x;
+    float energy = clamp((_e399 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e408 = parts.y;
+    return vec2(energy, clamp((_e408 * to_part), 0.0, energy));
 }
 
 vec2 normals_rectangle(NormalsView view_14, vec3 corners_1[4], bool two_sided_1, uint rule_1) {

@@ -8,15 +8,14 @@ use crate::{
 /// The recipe of a layout, with the scattering model and the lobe of a table added where the layout takes them.
 pub(super) fn recipe_like(recipe: &str, layout: Layout, table: &Table) -> String {
     let brdf = table.brdf.kind();
-    let mut fields = String::new();
-    if brdf != BrdfKind::ALL[0] && layout.takes(brdf) {
-        fields += &format!("\"brdf\": \"{brdf}\", ");
-        if let Some(file) = table.brdf.file() {
-            fields += &format!("\"tabulated\": \"{}\", ", Digest::from_bytes(*file.digest()));
-        }
-    }
-    if table.lobe != LobeModel::ALL[0] && layout.stores(table.lobe) {
-        fields += &format!("\"lobe\": \"{}\", ", table.lobe);
-    }
-    recipe.replacen('{', &format!("{{{fields}"), 1)
+    let file = table.brdf.file().map(|file| Digest::from_bytes(*file.digest()).to_string());
+    let takes_brdf = brdf != BrdfKind::ALL[0] && layout.takes(brdf);
+    let takes_lobe = table.lobe != LobeModel::ALL[0] && layout.stores(table.lobe);
+    let fields = [
+        ("brdf", takes_brdf.then(|| brdf.to_string())),
+        ("tabulated", file.filter(|_| takes_brdf)),
+        ("lobe", takes_lobe.then(|| table.lobe.to_string())),
+    ];
+    let fields = fields.into_iter().filter_map(|(name, value)| value.map(|value| format!("\"{name}\": \"{value}\", ")));
+    recipe.replacen('{', &format!("{{{}", fields.collect::<String>()), 1)
 }

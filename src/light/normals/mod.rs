@@ -259,6 +259,8 @@ impl<T: Scalar> Fan<'_, T> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::fit::math::direction;
 
@@ -270,9 +272,9 @@ mod tests {
         for i in 1..=2000 {
             let [a, b, c, d] = [0.754_877_67, 0.569_840_29, 0.438_447_19, 0.309_016_99].map(|step| fraction(i, step));
             let alpha = [0.02 + 0.98 * a * a, 0.02 + 0.98 * b];
-            let wo = direction(1.5 * c, 6.28 * d).to_array();
+            let wo = direction(1.5 * c, TAU * d).to_array();
             // A wall through the horizon, seen at up to a right angle.
-            let [begin, end] = [6.28 * fraction(i, 0.829), 6.28 * fraction(i, 0.829) + 0.1 + 1.4 * fraction(i, 0.671)];
+            let [begin, end] = [TAU * fraction(i, 0.829), TAU * fraction(i, 0.829) + 0.1 + 1.4 * fraction(i, 0.671)];
             let at = |angle: f64, z: f64| [angle.cos(), angle.sin(), z];
             let wall = [at(begin, -0.3), at(begin, 0.5), at(end, 0.5), at(end, -0.3)];
             let outline = Outline::new(&wall, Parts { edge: 1, horizon: 4 }, alpha, wo);

@@ -161,6 +161,33 @@ mod tests {
         assert_eq!(places.end(job("a"), QUICK), None);
     }
 
+    #[test]
+    fn tasks_ahead_begin_in_their_order_and_only_when_there_is_room() {
+        let mut places = Places::new(2);
+        add(&mut places, 2);
+        assert_eq!(places.end(job("a"), QUICK), None);
+        assert_eq!((places.add(job("a")), places.add(job("long"))), (Place::UnderWay, Place::UnderWay));
+        assert_eq!(places.demand(9), UNSERVED, "more are under way than there are threads");
+        assert_eq!(places.add(job("a")), Place::Ahead(1));
+        assert_eq!(places.end(job("a"), QUICK), None, "there are as many others as threads");
+        assert_eq!(places.end(job("a"), QUICK), Some(1));
+        let mut places = Places::new(3);
+        assert_eq!(["a", "b", "c"].map(|name| places.add(job(name))), [Place::UnderWay; 3]);
+        assert_eq!(["a", "b"].map(|name| places.add(job(name))), [Place::Ahead(1), Place::Ahead(2)]);
+        assert_eq!(places.end(job("c"), QUICK), Some(1));
+    }
+
+    #[test]
+    fn an_assembly_says_nothing_of_shards() {
+        let mut places = Places::new(1);
+        add(&mut places, 1);
+        assert_eq!(places.end(job("a"), QUICK), None);
+        add(&mut places, 1);
+        assert_eq!(places.end(job("a"), None), None);
+        add(&mut places, 1);
+        assert_eq!(places.demand(9), any_of(1));
+    }
+
     proptest! {
         /// Whatever is leased and ends: as many are under way as may be, each job has one of them, and none is forgotten.
         #[test]

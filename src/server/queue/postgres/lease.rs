@@ -12,7 +12,7 @@ use std::{
 
 use tokio_postgres::types::ToSql;
 
-use super::{failing, shared::Shared};
+use super::{failing, gate, shared::Shared};
 use crate::{
     files::digest::Digest,
     server::{
@@ -35,10 +35,18 @@ const LOOKS: u32 = 20;
 ///
 /// Each job offers its waiting shards, then those of its blocks; the assembly only when no shard waits or is leased. A place
 /// in the queue is the number of the job's leased tasks if it gets the task; the lowest places are taken. Those are of jobs
-/// that nobody works for, served longest ago first; only if they are too few are the others looked at. Tasks and blocks that
-/// another transaction is leasing now are passed over. A subquery with LIMIT 1 is asked for each row by an index, where NOT
-/// EXISTS may be joined to all leased tasks. Of the suspect tasks, one is leased at a time. Tells with each
-/// task, or alone, whether any job had something to offer.
+/// that nobody works for (`idle`), served longest ago first; only if they are too few is counted what each job has
+/// (`standing`). No more jobs are asked for their offers than tasks are wanted, those with the lowest places (`nearest`).
+///
+/// Leases at the same time would look at the same jobs, so each locks the rows of `serving` of the jobs it serves, and
+/// passes over those that another has locked or has served since this statement began. Among the jobs that are counted it
+/// does so while there are enough others (`apart`) with at most one leased task more than those that would be next: what
+/// it passes over has one more by then too. Else it shares the next ones with the others. It locks what a subquery has found,
+/// because a row that has changed is checked once more with all that is below the lock in the plan.
+///
+/// Tasks and blocks that another transaction is leasing now are passed over. A subquery with LIMIT 1 is asked for each row
+/// by an index, where NOT EXISTS may be joined to all leased tasks. Of the suspect tasks, one is leased at a time. Tells
+/// with each task, or alone, whether any job had something to offer.
 pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| LEASE_TEXT.replace("ltcforge_offer", OFFER));
 
 /// What the job `s.submission` offers: its waiting shards, at most `$2`; and as `waiting` also those of its blocks, or its
@@ -55,9 +63,9 @@ const OFFER: &str = "
             SELECT u.past, u.next FROM ltcforge.blocks AS u WHERE u.submission = s.submission
             ORDER BY u.first LIMIT $2 / 64 + 2
         ) AS f
-    ) AS b CROSS JOIN (
+    ) AS b CROSS JOIN LATERAL (
         SELECT count(*) AS assemblies FROM (
-            SELECT FROM ltcforge.tasks AS t WHERE t.submission = s.submission AND t.state = 'waiting'
+            SELECT FROM ltcforge.tasks AS t WHERE r.shards + b.shards = 0 AND t.submission = s.submission AND t.state = 'waiting'
                 AND t.is_assembly AND (t.deaths < $6 OR NOT (SELECT leased FROM suspect))
                 AND (
                     SELECT true FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased' LIMIT 1
@@ -72,24 +80,47 @@ const LEASE_TEXT: &str = "
     WITH suspect AS MATERIALIZED (
         SELECT EXISTS (SELECT FROM ltcforge.tasks WHERE state = 'leased' AND deaths > 0 AND deaths >= $6) AS leased
     ), idle AS MATERIALIZED (
-        SELECT s.submission, 0::bigint AS leased, s.last_served, w.shards, w.waiting
-        FROM ltcforge.serving AS s CROSS JOIN LATERAL (ltcforge_offer) AS w
-        WHERE s.fitter = $1 AND w.waiting > 0 AND (
-            SELECT true FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased' LIMIT 1
-        ) IS NULL
-        ORDER BY s.last_served, s.submission LIMIT $2
-    ), load AS MATERIALIZED (
-        SELECT submission, count(*) AS leased FROM ltcforge.tasks
-        WHERE state = 'leased' AND NOT $5 AND (SELECT count(*) FROM idle) < $2 GROUP BY submission
+        SELECT n.submission, 0::bigint AS leased, n.last_served, n.shards, n.waiting
+        FROM (
+            SELECT s.submission, s.last_served, w.shards, w.waiting
+            FROM ltcforge.serving AS s CROSS JOIN LATERAL (ltcforge_offer) AS w
+            WHERE s.fitter = $1 AND w.waiting > 0 AND (
+                SELECT true FROM ltcforge.tasks AS u WHERE u.submission = s.submission AND u.state = 'leased' LIMIT 1
+            ) IS NULL
+            ORDER BY s.last_served, s.submission
+        ) AS n JOIN ltcforge.serving AS s ON s.submission = n.submission AND s.last_served = n.last_served
+        ORDER BY n.last_served, n.submission LIMIT $2 FOR UPDATE OF s SKIP LOCKED
+    ), standing AS MATERIALIZED (
+        SELECT submission, count(*) - 1 AS leased, max(last_served) AS last_served FROM (
+            SELECT submission, last_served FROM ltcforge.serving WHERE fitter = $1
+            UNION ALL SELECT submission, NULL FROM ltcforge.tasks WHERE state = 'leased'
+        ) AS u
+        WHERE NOT $5 AND (SELECT count(*) FROM idle) < $2 GROUP BY submission HAVING max(last_served) IS NOT NULL
+    ), nearest AS MATERIALIZED (
+        SELECT s.submission, s.leased, s.last_served, w.shards, w.waiting
+        FROM (SELECT * FROM standing ORDER BY leased, last_served, submission) AS s CROSS JOIN LATERAL (ltcforge_offer) AS w
+        WHERE w.waiting > 0
+        ORDER BY s.leased, s.last_served, s.submission LIMIT $2
+    ), apart AS MATERIALIZED (
+        SELECT n.submission, n.leased, n.last_served, n.shards, n.waiting
+        FROM (
+            SELECT s.submission, s.leased, s.last_served, w.shards, w.waiting
+            FROM (SELECT * FROM standing ORDER BY leased, last_served, submission) AS s
+            CROSS JOIN LATERAL (ltcforge_offer) AS w
+            WHERE w.waiting > 0 AND s.leased <= (SELECT max(leased) + 1 FROM nearest) AND (SELECT count(*) FROM nearest) = $2
+            ORDER BY s.leased, s.last_served, s.submission
+        ) AS n JOIN ltcforge.serving AS s ON s.submission = n.submission AND s.last_served = n.last_served
+        ORDER BY n.leased, n.last_served, n.submission LIMIT $2 FOR UPDATE OF s SKIP LOCKED
     ), open AS MATERIALIZED (
-        SELECT * FROM idle UNION ALL
-        SELECT s.submission, l.leased, s.last_served, w.shards, w.waiting
-        FROM load AS l JOIN ltcforge.serving AS s ON s.submission = l.submission
-        CROSS JOIN LATERAL (ltcforge_offer) AS w
-        WHERE s.fitter = $1 AND w.waiting > 0
+        SELECT * FROM idle WHERE $5 OR (SELECT count(*) FROM idle) = $2
+        UNION ALL SELECT * FROM apart WHERE (SELECT count(*) FROM apart) = $2
+        UNION ALL SELECT * FROM nearest WHERE (SELECT count(*) FROM apart) < $2
     ), shares AS MATERIALIZED (
         SELECT submission, count(*) AS share, min(shards) AS shards FROM (
-            SELECT submission, shards FROM open CROSS JOIN LATERAL generate_series(1, waiting) AS n
+            SELECT submission, shards FROM open CROSS JOIN LATERAL generate_series(1, CASE
+                WHEN (SELECT count(*) FROM open) < $2 THEN waiting
+                ELSE least(waiting, (SELECT max(leased) FROM open) - leased + 1)
+            END) AS n
             ORDER BY leased + n, n > 1, last_served, submission LIMIT $2
         ) AS places GROUP BY submission
     ), picked AS MATERIALIZED (
@@ -204,7 +235,10 @@ impl Shared {
                 let statement = client.prepare_cached(&LEASE).await?;
                 let parameters: [&(dyn ToSql + Sync); 6] =
                     [&fitter, &most, &self.lease_seconds(), &worker, &is_unserved, &suspect];
-                client.query(&statement, &parameters).await
+                if most < gate::MANY {
+                    return client.query(&statement, &parameters).await;
+                }
+                gate::query(client, &statement, &parameters).await
             })?;
             let (is_offered, is_empty) = rows.first().map_or((false, true), |row| {
                 (row.get::<_, bool>("is_offered"), row.get::<_, Option<i64>>("submission").is_none())

@@ -10,6 +10,7 @@ mod deliver;
 mod failing;
 mod fence;
 mod forget;
+mod gate;
 mod held;
 mod import;
 mod lease;

@@ -22,6 +22,8 @@ use crate::{
     },
 };
 
+mod at_once;
+
 /// How long a condition may take to come true. It only ends a test that hangs.
 const DEADLINE: Duration = Duration::from_secs(60);
 

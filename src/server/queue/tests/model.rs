@@ -11,65 +11,22 @@ use proptest::{
     test_runner::{TestCaseResult, TestRunner},
 };
 
-use super::world::{World, results};
+use super::{
+    actions::{Action, LEASE_SECONDS, SHARDS, action, recipe, result},
+    world::{World, results},
+};
 use crate::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, NewJob, Offer,
-            QueueError, Submitted, TaskKind,
+            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, Offer, QueueError,
+            Submitted, TaskKind,
         },
         store::Batch,
     },
 };
 
-const LEASE_SECONDS: i64 = 10;
 const MAX_ATTEMPTS: u32 = 3;
-const SHARDS: u32 = 3;
-
-#[derive(Debug, Clone)]
-enum Action {
-    Submit(u8),
-    Cancel(u8),
-    /// Lease up to so many tasks at once.
-    Lease(usize),
-    /// Deliver a held lease, whether it is still current or not.
-    Deliver(prop::sample::Index),
-    /// Deliver under a lease once more.
-    DeliverAgain(prop::sample::Index),
-    Fail(prop::sample::Index),
-    GiveBack(prop::sample::Index),
-    Progress(prop::sample::Index),
-    /// Let time pass.
-    Tick(i64),
-    /// The process ends. What was acknowledged is on the disk.
-    PowerCut,
-    /// The process ends, and the system writes what the database was given.
-    Kill,
-    /// The disk is full for the next action.
-    DiskFull(Box<Action>),
-}
-
-fn action() -> impl Strategy<Value = Action> {
-    let index = any::<prop::sample::Index>;
-    let plain = prop_oneof![
-        3 => (0..3_u8).prop_map(Action::Submit),
-        1 => (0..3_u8).prop_map(Action::Cancel),
-        8 => (1..4_usize).prop_map(Action::Lease),
-        8 => index().prop_map(Action::Deliver),
-        1 => index().prop_map(Action::DeliverAgain),
-        1 => index().prop_map(Action::Fail),
-        1 => index().prop_map(Action::GiveBack),
-        1 => index().prop_map(Action::Progress),
-        1 => (1..2 * LEASE_SECONDS).prop_map(Action::Tick),
-        1 => Just(Action::PowerCut),
-        2 => Just(Action::Kill),
-    ];
-    prop_oneof![
-        9 => plain.clone(),
-        1 => plain.prop_map(|action| Action::DiskFull(Box::new(action))),
-    ]
-}
 
 /// What must be true of a job, given the queue's answers so far.
 #[derive(Debug, Clone)]
@@ -77,6 +34,8 @@ struct ExpectedJob {
     stage: Stage,
     /// Shards whose completion was acknowledged in this submission, or kept from a failed one.
     finished: BTreeSet<u32>,
+    /// Its result was refused because the job failed while it was on its way to the disk. It may be kept all the same.
+    refused: Option<u32>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,7 +51,7 @@ enum Stage {
 
 impl ExpectedJob {
     fn concluded(stage: Stage) -> Self {
-        Self { stage, finished: BTreeSet::new() }
+        Self { stage, finished: BTreeSet::new(), refused: None }
     }
 
     fn is_open(&self) -> bool {
@@ -114,10 +73,6 @@ struct Run<W> {
     restarts: u32,
 }
 
-fn recipe(n: u8) -> NewJob {
-    NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
-}
-
 const LIMITS: Limits = Limits {
     jobs: 2,
     lease_ttl: Duration::from_secs(LEASE_SECONDS.cast_unsigned()),
@@ -126,17 +81,13 @@ const LIMITS: Limits = Limits {
 };
 
 impl<W: World> Run<W> {
-    fn now(&self) -> i64 {
-        self.seconds
-    }
-
     fn pass(&mut self, seconds: i64) {
         self.seconds += seconds;
         self.world.pass(Duration::from_secs(seconds.cast_unsigned()));
     }
 
     fn is_current(&self, leased: &LeasedTask, seen: i64) -> bool {
-        self.now() < seen + LEASE_SECONDS && self.jobs[&leased.job].is_open()
+        self.seconds < seen + LEASE_SECONDS && self.jobs[&leased.job].is_open()
     }
 
     /// Takes out a held lease. The flag tells whether the queue must accept it.
@@ -180,18 +131,53 @@ impl<W: World> Run<W> {
 
     fn deliver(&mut self, leased: &LeasedTask) -> Result<(), LeaseError> {
         match leased.kind {
-            TaskKind::Shard(shard) => {
-                let result = format!("{}/{shard}", leased.recipe);
-                let answers = self.world.queue().complete(&[(leased.lease, result.as_bytes())])?;
+            TaskKind::Shard(_) => {
+                let answers = self.world.queue().complete(&[(leased.lease, result(leased).as_bytes())])?;
                 let [answer] = answers[..] else { panic!("{answers:?}") };
                 Ok(answer?)
             }
             TaskKind::Assemble => {
                 let results = results(self.world.queue(), &leased.lease)?.expect("no result was damaged");
-                let wanted: Vec<_> = (0..SHARDS).map(|n| format!("{}/{n}", leased.recipe).into_bytes()).collect();
+                let wanted: Vec<_> =
+                    (0..SHARDS).map(|n| format!("{}/Shard({n})", leased.recipe).into_bytes()).collect();
                 assert_eq!(results, wanted, "every shard's own result, once");
                 self.world.queue().finish(&leased.lease, Digest::of(leased.recipe.as_bytes()), Batch::default())
             }
+        }
+    }
+
+    /// Hands over the result of a shard, and acts until it is on the disk.
+    fn deliver_while(&mut self, index: prop::sample::Index, other: &Action) {
+        let shards: Vec<_> = self.held.iter().filter(|(leased, _)| leased.kind != TaskKind::Assemble).collect();
+        if shards.is_empty() {
+            return;
+        }
+        let at = index.index(shards.len());
+        let (leased, seen) = shards[at].clone();
+        let was_current = self.is_current(&leased, seen);
+        let Some(arrive) = self.world.hand_over(leased.lease, result(&leased)) else {
+            self.act(&Action::Deliver(index));
+            return self.act(other);
+        };
+        for (held, seen) in &mut self.held {
+            if was_current && held.lease == leased.lease {
+                *seen = self.seconds;
+            }
+        }
+        self.act(other);
+        self.notice_failures(false);
+        let answer = arrive().expect("the disk has room");
+        let held = self.held.iter().position(|(held, _)| held.lease == leased.lease);
+        let is_current = was_current && held.is_some_and(|at| self.is_current(&leased, self.held[at].1));
+        assert_eq!(answer.is_ok(), is_current, "{leased:?}");
+        if let Some(at) = held {
+            self.held.remove(at);
+            self.spent.push(leased.clone());
+        }
+        if is_current {
+            self.delivered(&leased);
+        } else if was_current && let TaskKind::Shard(shard) = leased.kind {
+            self.jobs.get_mut(&leased.job).unwrap().refused = Some(shard);
         }
     }
 
@@ -242,6 +228,7 @@ impl<W: World> Run<W> {
                     Err(LeaseError::Store(_)) => assert!(current),
                 }
             }
+            Action::DeliverWhile(index, other) => self.deliver_while(*index, other),
             Action::DeliverAgain(index) => {
                 if !self.spent.is_empty() {
                     let leased = self.spent[index.index(self.spent.len())].clone();
@@ -269,7 +256,7 @@ impl<W: World> Run<W> {
                 let current = self.is_current(&leased, seen);
                 assert_eq!(self.world.queue().progress(&leased.lease, 1).is_ok(), current);
                 if current {
-                    self.held[at].1 = self.now();
+                    self.held[at].1 = self.seconds;
                 }
             }
             Action::Tick(seconds) => {
@@ -310,7 +297,7 @@ impl<W: World> Run<W> {
             let same = (other.job, other.kind) == (leased.job, leased.kind);
             assert!(!same || !self.is_current(other, *seen), "leased twice");
         }
-        self.held.push((leased, self.now()));
+        self.held.push((leased, self.seconds));
     }
 
     fn submit(&mut self, n: u8) {
@@ -324,9 +311,13 @@ impl<W: World> Run<W> {
                 assert!(former.as_ref().is_none_or(|job| !matches!(job.stage, Stage::Open | Stage::Done)));
                 assert!(open < 2);
                 assert_eq!(job.attempts, 0);
-                let finished = former.map(|job| job.finished).unwrap_or_default();
+                let refused = former.as_ref().and_then(|job| job.refused);
+                let mut finished = former.map(|job| job.finished).unwrap_or_default();
+                if job.entries_done > 2 * finished.len() as u64 {
+                    finished.extend(refused);
+                }
                 assert_eq!(job.entries_done, 2 * finished.len() as u64, "finished shards are kept");
-                self.jobs.insert(id, ExpectedJob { stage: Stage::Open, finished });
+                self.jobs.insert(id, ExpectedJob { stage: Stage::Open, finished, refused: None });
             }
             Err(QueueError::Full { .. }) => assert_eq!(open, 2),
             Err(QueueError::Store(_)) => {}

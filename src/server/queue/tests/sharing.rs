@@ -40,6 +40,16 @@ pub(super) fn several_tasks_at_once_are_shared_as_evenly<W: World>() {
     assert!(tasks(queue, Demand::Any, 100).is_empty());
 }
 
+pub(super) fn a_new_job_gets_all_until_it_has_as_many<W: World>() {
+    let Some(world) = W::new(LIMITS) else { return };
+    let queue = world.queue();
+    submit(queue, "long", 9);
+    assert_eq!(recipes(&tasks(queue, Demand::Any, 3)), ["long", "long", "long"]);
+    submit(queue, "new", 9);
+    task(queue);
+    assert_eq!(recipes(&tasks(queue, Demand::Any, 2)), ["new", "new"]);
+}
+
 pub(super) fn one_worker_alternates<W: World>() {
     let Some(world) = W::new(LIMITS) else { return };
     let queue = world.queue();

@@ -4,7 +4,9 @@ use std::{
     sync::{
         Arc,
         atomic::{AtomicI64, Ordering},
+        mpsc,
     },
+    thread,
     time::Duration,
 };
 
@@ -19,12 +21,18 @@ use crate::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, JobId, Lease, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue, Submitted,
+            Demand, JobId, Lease, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue, StaleLease, Submitted,
             embedded::{Clock, EmbeddedQueue},
         },
-        store::{Tree, memory::MemoryRows},
+        store::{
+            StoreError, Tree,
+            memory::{Meanwhile, MemoryRows},
+        },
     },
 };
+
+/// Lets a result get to the disk, and returns the queue's answer.
+pub(super) type Arrive = Box<dyn FnOnce() -> Result<Result<(), StaleLease>, StoreError>>;
 
 /// A queue of its own, empty at first.
 pub(super) trait World: Sized {
@@ -37,6 +45,10 @@ pub(super) trait World: Sized {
     fn new(limits: Limits) -> Option<Self>;
 
     fn queue(&self) -> &dyn Queue;
+
+    /// Hands over the result of a shard, which is on its way to the disk until it is let get there; `None` if what a queue
+    /// does meanwhile is another's business.
+    fn hand_over(&self, lease: Lease, result: String) -> Option<Arrive>;
 
     /// Lets time pass.
     fn pass(&mut self, time: Duration);
@@ -57,15 +69,15 @@ pub(super) trait World: Sized {
 /// The embedded queue on rows in memory.
 pub(super) struct EmbeddedWorld {
     rows: Arc<MemoryRows>,
-    queue: EmbeddedQueue,
+    queue: Arc<EmbeddedQueue>,
     seconds: Arc<AtomicI64>,
 }
 
 impl EmbeddedWorld {
-    fn open(rows: &Arc<MemoryRows>, limits: Limits, seconds: &Arc<AtomicI64>) -> EmbeddedQueue {
+    fn open(rows: &Arc<MemoryRows>, limits: Limits, seconds: &Arc<AtomicI64>) -> Arc<EmbeddedQueue> {
         let seconds = Arc::clone(seconds);
         let clock: Clock = Arc::new(move || Timestamp::from_second(seconds.load(Ordering::Relaxed)).unwrap());
-        EmbeddedQueue::open(rows.clone(), limits, clock).unwrap()
+        Arc::new(EmbeddedQueue::open(rows.clone(), limits, clock).unwrap())
     }
 }
 
@@ -80,7 +92,28 @@ impl World for EmbeddedWorld {
     }
 
     fn queue(&self) -> &dyn Queue {
-        &self.queue
+        &*self.queue
+    }
+
+    fn hand_over(&self, lease: Lease, result: String) -> Option<Arrive> {
+        let ((on_its_way, looked), (arrive, arrives)) = (mpsc::channel(), mpsc::channel());
+        let (queue, ended) = (Arc::clone(&self.queue), on_its_way.clone());
+        *self.rows.while_settling.lock().unwrap() = Some(Meanwhile(Box::new(move || {
+            on_its_way.send(()).unwrap();
+            arrives.recv().ok();
+        })));
+        let delivering = thread::spawn(move || {
+            let answers = queue.complete(&[(lease, result.as_bytes())]);
+            ended.send(()).ok();
+            answers.map(|answers| answers[0])
+        });
+        looked.recv().unwrap();
+        // It is still there if the result was refused at once.
+        self.rows.while_settling.lock().unwrap().take();
+        Some(Box::new(move || {
+            arrive.send(()).ok();
+            delivering.join().unwrap()
+        }))
     }
 
     fn pass(&mut self, time: Duration) {
@@ -183,6 +216,11 @@ impl World for PostgresWorld {
 
     fn queue(&self) -> &dyn Queue {
         &self.queue
+    }
+
+    fn hand_over(&self, _lease: Lease, _result: String) -> Option<Arrive> {
+        // One statement stores it.
+        None
     }
 
     fn pass(&mut self, time: Duration) {

@@ -1,0 +1,71 @@
+//! What a random history consists of.
+
+use proptest::prelude::*;
+
+use crate::{
+    files::digest::Digest,
+    server::queue::{LeasedTask, NewJob},
+};
+
+pub(super) const LEASE_SECONDS: i64 = 10;
+pub(super) const SHARDS: u32 = 3;
+
+pub(super) fn recipe(n: u8) -> NewJob {
+    NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
+}
+
+/// What a shard has for a result.
+pub(super) fn result(leased: &LeasedTask) -> String {
+    format!("{}/{:?}", leased.recipe, leased.kind)
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Action {
+    Submit(u8),
+    Cancel(u8),
+    /// Lease up to so many tasks at once.
+    Lease(usize),
+    /// Deliver a held lease, whether it is still current or not.
+    Deliver(prop::sample::Index),
+    /// Deliver a held lease of a shard, and do something else while its result is on its way to the disk.
+    DeliverWhile(prop::sample::Index, Box<Action>),
+    /// Deliver under a lease once more.
+    DeliverAgain(prop::sample::Index),
+    Fail(prop::sample::Index),
+    GiveBack(prop::sample::Index),
+    Progress(prop::sample::Index),
+    /// Let time pass.
+    Tick(i64),
+    /// The process ends. What was acknowledged is on the disk.
+    PowerCut,
+    /// The process ends, and the system writes what the database was given.
+    Kill,
+    /// The disk is full for the next action.
+    DiskFull(Box<Action>),
+}
+
+pub(super) fn action() -> impl Strategy<Value = Action> {
+    let index = any::<prop::sample::Index>;
+    let step = prop_oneof![
+        3 => (0..3_u8).prop_map(Action::Submit),
+        1 => (0..3_u8).prop_map(Action::Cancel),
+        8 => (1..4_usize).prop_map(Action::Lease),
+        8 => index().prop_map(Action::Deliver),
+        1 => index().prop_map(Action::DeliverAgain),
+        1 => index().prop_map(Action::Fail),
+        1 => index().prop_map(Action::GiveBack),
+        1 => index().prop_map(Action::Progress),
+        1 => (1..2 * LEASE_SECONDS).prop_map(Action::Tick),
+    ];
+    let plain = prop_oneof![
+        25 => step.clone(),
+        1 => Just(Action::PowerCut),
+        2 => Just(Action::Kill),
+    ];
+    prop_oneof![
+        27 => plain.clone(),
+        // Seldom, because each needs a thread, which waits where others work.
+        1 => (index(), step).prop_map(|(index, other)| Action::DeliverWhile(index, Box::new(other))),
+        3 => plain.prop_map(|action| Action::DiskFull(Box::new(action))),
+    ]
+}
