@@ -73,7 +73,7 @@ fn equals_the_distance_by_sorting() {
     }
 }
 
-/// Numbers of samples that do not fill the last lanes, and the most that a recipe may have.
+/// Numbers of samples that do not fill the last lanes, and many.
 #[test]
 fn any_number_of_samples_gives_the_distance() {
     let target = planted(lobe(0.3), NO_MIRRORS);
