@@ -124,7 +124,7 @@ impl ShapedLight {
         }
     }
 
-    /// The convex polygon that stands for it where a model knows polygons alone: see [`ellipse`], [`tube`] and [`line`].
+    /// The convex polygon that stands for it where a model knows polygons alone: see [`ellipse`], [`tube`] and [`line()`].
     ///
     /// # Errors
     /// [`LightError::OnOutline`] for a shaded point on the polygon that stands for an ellipse.
