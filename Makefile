@@ -83,9 +83,12 @@ test: packages browser cluster
 	$(CARGO) test --locked
 	@$(MAKE) --no-print-directory test-native
 
-# The pinned bytes again, by the core alone, compiled for this machine's own processor.
+# The pinned bytes again, by the core alone, compiled for this machine's own processor, and for one with AVX2 and no AVX-512.
+NATIVE_CPUS := native $(if $(filter x86_64,$(shell uname -m)),$(shell grep -qw avx2 /proc/cpuinfo && echo x86-64-v3))
 test-native:
-	CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS='-C target-cpu=native' $(CARGO) test --locked -p ltcforge-library-test
+	@set -e; for cpu in $(NATIVE_CPUS); do \
+		CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS="-C target-cpu=$$cpu" $(CARGO) test --locked -p ltcforge-library-test; \
+	done
 
 # Each feature by itself: code that another one hides must not be missed. What `server` hides, `cli` and `cluster` show, which
 # have it without each other.

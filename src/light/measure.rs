@@ -8,7 +8,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::{
-    Gaussian, LightError, PolygonLight, Reflected, WeightRule, by_gaussian, by_normals, by_table, truth_within,
+    Gaussian, LightError, PolygonLight, Reflected, WeightRule, by_gaussian, by_normals, by_table, gaussians::Warp,
+    model::by_warp, truth_within,
 };
 use crate::fit::{
     BrdfKind, Configuration, PerAxis, Sides, Spread, Table,
@@ -42,6 +43,8 @@ pub enum Lighting<'a> {
     Normals(WeightRule),
     /// One Gaussian.
     Gaussian(Gaussian),
+    /// One Gaussian, warped around the surface's own normal as in the articles.
+    AroundSurface(Gaussian),
 }
 
 /// A surface, a view of it, and a light.
@@ -186,6 +189,7 @@ impl<'a> Lighting<'a> {
             Self::Ltc(table) => by_table(table, &lit.at, &lit.light),
             Self::Normals(rule) => by_normals(&lit.at, &lit.light, rule),
             Self::Gaussian(gaussian) => by_gaussian(&lit.at, &lit.light, gaussian),
+            Self::AroundSurface(gaussian) => by_warp(&lit.at, &lit.light, gaussian, Warp::Surface),
         }
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{
     AreaLight, LightError,
-    gaussians::{self, Gaussian},
+    gaussians::{self, Gaussian, Warp},
     normals::{WeightRule, reflected},
 };
 use crate::fit::{Configuration, LEAST_ALPHA, math::direction, named_list::named_list};
@@ -109,9 +109,19 @@ pub fn by_gaussian<'a>(
     light: impl Into<AreaLight<'a>>,
     gaussian: Gaussian,
 ) -> Result<Reflected, LightError> {
+    by_warp(at, light, gaussian, Warp::Visible)
+}
+
+/// As [`by_gaussian`], by the Gaussian of a warp.
+pub(super) fn by_warp<'a>(
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    gaussian: Gaussian,
+    warp: Warp,
+) -> Result<Reflected, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
     let (vertices, sides) = light.into().polygon()?;
-    let [energy, fresnel] = gaussians::reflected(gaussian, alpha, wo.to_array(), &vertices, sides);
+    let [energy, fresnel] = gaussians::reflected_around(warp, gaussian, (alpha, wo.to_array()), &vertices, sides);
     Ok(Reflected { energy, fresnel })
 }
 

@@ -10,11 +10,28 @@ const PINNED_RECIPE: &str =
 /// in `CHANGELOG.md`.
 const PINNED_DIGEST: &str = "sha256:2c3d0be191fa318bae02c01a19581ccfd5ffe169f39cf14adc6ab35065d221d3";
 
+/// The same recipe for Gaussians in place of Linearly Transformed Cosines, and their digests.
+const PINNED_GAUSSIANS: [(&str, &str); 2] = [
+    ("sg", "sha256:3f719fc926b56fa7c427aa842ea95aee574242605683c00d634ed8b246fbf74b"),
+    ("asg", "sha256:82ca1d11e86d7361f151d7fed723c6f913bb8d1e8405bb61b556b9c5c6a7dc37"),
+];
+
+fn fitted(recipe: &str) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    run_with_stdin(folder.path(), ["fit", "-"], recipe).exited(0).last_line().to_owned()
+}
+
 #[test]
 fn the_bytes_of_a_small_table_are_pinned() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let fitted = run_with_stdin(folder.path(), ["fit", "-"], PINNED_RECIPE).exited(0);
-    assert_eq!(fitted.last_line(), PINNED_DIGEST);
+    assert_eq!(fitted(PINNED_RECIPE), PINNED_DIGEST);
+}
+
+#[test]
+fn the_bytes_of_small_tables_of_gaussians_are_pinned() {
+    for (lobe, digest) in PINNED_GAUSSIANS {
+        let recipe = PINNED_RECIPE.replacen('{', &format!(r#"{{"lobe":"{lobe}","#), 1);
+        assert_eq!(fitted(&recipe), digest, "{lobe}");
+    }
 }
 
 #[test]

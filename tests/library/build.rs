@@ -10,7 +10,7 @@ use std::{
     sync::atomic::{AtomicU64, Ordering},
 };
 
-use ltcforge::{Configuration, Digest, Fit, Layout, Preset, Recipe, TableFile, glam::DMat3};
+use ltcforge::{Configuration, Digest, Fit, Layout, LobeModel, Preset, Recipe, TableFile, glam::DMat3};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");
@@ -18,7 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let axes = [("alpha", 3), ("ratio", 3), ("theta", 4), ("phi", 3)];
     let builder = Recipe::builder().preset(Preset::Draft).samples(128).seed(1);
-    let recipe = axes.into_iter().fold(builder, |builder, (axis, nodes)| builder.resolution(axis, nodes)).build()?;
+    let builder = axes.into_iter().fold(builder, |builder, (axis, nodes)| builder.resolution(axis, nodes));
+    let recipe = builder.clone().build()?;
 
     // An invalid recipe is an error that lists every fault.
     let refused = Recipe::builder().samples(1).resolution("beta", 2).build();
@@ -42,6 +43,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         Fit::new(&recipe).progress(|done| if done < 9 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) });
     let stopped = matches!(stopped.run(), Err(ltcforge::Error::Stopped));
 
+    // Gaussians in place of Linearly Transformed Cosines.
+    let gaussians = |lobe| -> Result<Digest, Box<dyn Error>> {
+        Ok(Digest::of(&ltcforge::fit(&builder.clone().lobe(lobe).build()?)?.to_bytes()?))
+    };
+    let gaussians = [gaussians(LobeModel::Sg)?, gaussians(LobeModel::Asg)?].map(|digest| digest.to_string());
+
     let found = table.table().lookup(&Configuration { alpha_x: 0.5, alpha_y: 0.25, theta: 0.7, phi: 0.3 });
     let determinant = DMat3::from_cols_array(&found.matrix).determinant();
     let error = table.measure().expect("a report").between.width.mean;
@@ -50,6 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let facts = format!(
         "/// Digest of the table.\npub const DIGEST: &str = \"{}\";\n\
+        /// Digests of the same tables of Gaussians, round and stretched.\npub const GAUSSIANS: [&str; 2] = {gaussians:?};\n\
         /// Entries that the progress callback was told of.\npub const ENTRIES: u64 = {};\n\
         /// Whether all ways to the table gave the same one.\npub static SAME: bool = {};\n\
         /// Whether a cached table was read rather than fitted again.\npub static HIT: bool = {hit};\n\

@@ -21,7 +21,7 @@ mod sg_light;
 mod tests;
 
 pub use lobe::{Lobe, Warp};
-pub use sg_light::{SgLight, reflected_sg};
+pub use sg_light::{SgLight, reflected_sg, reflected_sg_by};
 
 pub use crate::fit::lobe::gaussian::{Gaussian, SphericalGaussian};
 
@@ -45,7 +45,18 @@ pub fn reflected<T: Scalar>(
     vertices: &[Triple<T>],
     sides: Sides,
 ) -> [T; 2] {
-    let lobe = Lobe::new(gaussian, Warp::Visible, alpha, wo);
+    reflected_around(Warp::Visible, gaussian, (alpha, wo), vertices, sides)
+}
+
+/// As [`reflected`], by the Gaussian of a warp.
+pub(in crate::light) fn reflected_around<T: Scalar>(
+    warp: Warp,
+    gaussian: Gaussian,
+    (alpha, wo): ([T; 2], Triple<T>),
+    vertices: &[Triple<T>],
+    sides: Sides,
+) -> [T; 2] {
+    let lobe = Lobe::new(gaussian, warp, alpha, wo);
     let covered = covered(&lobe.shape, vertices, sides);
     lobe.parts().map(|part| part * covered)
 }

@@ -1,6 +1,6 @@
 //! The light of a spherical Gaussian.
 
-use super::{Gaussian, Lobe, Warp};
+use super::{Gaussian, Lobe, SphericalGaussian, Warp};
 use crate::fit::math::{Scalar, Triple, dot};
 
 /// A light of radiance `amplitude exp(sharpness (w . axis - 1))`, as lightmaps and probes store it.
@@ -17,26 +17,34 @@ pub struct SgLight<T> {
 /// What GGX reflects of a spherical Gaussian's light towards `wo` by a Gaussian: for a Fresnel factor of one, and its part
 /// weighed by Schlick's `(1 - wo . h)^5`.
 ///
-/// In the plane around the lobe's axis the light is `exp(-L d^2 / 2)` around its own middle `d`, and the inner product the
-/// value of the convolution there. With `X` the rows of the lobe, `v = X d` and `K = 1 + 2 / L X X^T`:
+/// The whole sphere counts, also what is below the surface. Domain: as [`super::reflected`]; a sharpness above 0.
+#[must_use]
+pub fn reflected_sg<T: Scalar>(gaussian: Gaussian, alpha: [T; 2], wo: Triple<T>, light: &SgLight<T>) -> [T; 2] {
+    let lobe = Lobe::new(gaussian, Warp::Visible, alpha, wo);
+    reflected_sg_by(&lobe.shape, lobe.parts(), light)
+}
+
+/// What is reflected of a spherical Gaussian's light, as [`reflected_sg`] has it, by a Gaussian and what it reflects of all
+/// directions together.
+///
+/// In the plane around the Gaussian's axis the light is `exp(-L d^2 / 2)` around its own middle `d`, and the inner product the
+/// value of the convolution there. With `X` the rows of the Gaussian, `v = X d` and `K = 1 + 2 / L X X^T`:
 ///
 /// ```text
 /// W a (2 / L) sqrt(det X X^T / det K) exp(-v K^-1 v)
 /// ```
 ///
-/// The formula of Xu et al. for an anisotropic Gaussian, without its cosine, in any basis. The whole sphere counts, also what is
-/// below the surface. Domain: as [`super::reflected`]; a sharpness above 0.
+/// The formula of Xu et al. for an anisotropic Gaussian, without its cosine, in any basis.
 #[must_use]
-pub fn reflected_sg<T: Scalar>(gaussian: Gaussian, alpha: [T; 2], wo: Triple<T>, light: &SgLight<T>) -> [T; 2] {
-    let lobe = Lobe::new(gaussian, Warp::Visible, alpha, wo);
-    let [x, y] = lobe.shape.rows;
+pub fn reflected_sg_by<T: Scalar>(shape: &SphericalGaussian<T>, parts: [T; 2], light: &SgLight<T>) -> [T; 2] {
+    let [x, y] = shape.rows;
     let width = T::of(2.0) / light.sharpness;
     let [xx, xy, yy] = [dot(x, x), dot(x, y), dot(y, y)].map(|product| width * product);
     // det K = 1 + tr + det (2 / L X X^T), whose last term is the square of the area.
-    let area = width * lobe.shape.peak() * T::of(0.5) * T::TAU;
+    let area = width * shape.peak() * T::of(0.5) * T::TAU;
     let determinant = T::ONE + xx + yy + area * area;
-    let [u, v] = lobe.shape.at(light.axis);
+    let [u, v] = shape.at(light.axis);
     let far = ((T::ONE + yy) * u * u - (xy + xy) * u * v + (T::ONE + xx) * v * v) / determinant;
     let covered = light.amplitude * area / determinant.sqrt() * (-far).exp();
-    lobe.parts().map(|part| part * covered)
+    parts.map(|part| part * covered)
 }

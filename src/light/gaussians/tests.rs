@@ -249,16 +249,16 @@ fn single_and_double_precision_agree_where_the_horizon_is_a_quarter_away() {
 /// Places on the cap of visible normals: part of its height, part of a turn.
 const POINTS: [[f64; 2]; 4] = [[0.1, 0.1], [0.35, 0.7], [0.6, 0.35], [0.85, 0.9]];
 
-/// What is reflected of a light, as the mean over visible normals of `G2 / G1` where they reflect it.
-fn over_normals(alpha: [f64; 2], wo: DVec3, is_light: impl Fn(DVec3) -> bool) -> f64 {
+/// What is reflected of a light, as the mean over visible normals of `G2 / G1` times the radiance that they reflect.
+fn over_normals(alpha: [f64; 2], wo: DVec3, radiance: impl Fn(DVec3) -> f64) -> f64 {
     const SIDE: u32 = 160;
     let stretch = DVec3::new(alpha[0], alpha[1], 1.0);
     let mu = |w: DVec3| w.z / (stretch * w).length();
     let mut sum = 0.0;
     for [row, column] in (0..SIDE).flat_map(|row| (0..2 * SIDE).map(move |column| [row, column].map(f64::from))) {
         let wi = reflected_at(alpha, wo, [(row + 0.5) / f64::from(SIDE), (column + 0.5) / f64::from(2 * SIDE)]);
-        if wi.z > 0.0 && is_light(wi) {
-            sum += (1.0 + mu(wo)) * mu(wi) / (mu(wi) + mu(wo));
+        if wi.z > 0.0 {
+            sum += (1.0 + mu(wo)) * mu(wi) / (mu(wi) + mu(wo)) * radiance(wi);
         }
     }
     sum / f64::from(2 * SIDE * SIDE)
@@ -287,7 +287,7 @@ fn the_warp_around_the_surface_s_normal_is_farther_off() {
             let edge = |i: usize| DVec3::from(light[i]).cross(DVec3::from(light[(i + 1) % 4]));
             let edges = [0, 1, 2, 3].map(edge);
             let is_light = |w: DVec3| w.dot(centre) > 0.0 && edges.iter().all(|edge| edge.dot(w) > 0.0);
-            let wanted = over_normals(alpha, wo, is_light);
+            let wanted = over_normals(alpha, wo, |wi| f64::from(u8::from(is_light(wi))));
             for (error, warp) in errors.iter_mut().zip([Warp::Visible, Warp::Surface]) {
                 let lobe = Lobe::new(Gaussian::Asg, warp, alpha, wo.to_array());
                 *error += (lobe.weight * covered(&lobe.shape, &light, Sides::One) - wanted).abs();
@@ -298,4 +298,31 @@ fn the_warp_around_the_surface_s_normal_is_farther_off() {
     let [visible, surface] = errors.map(|error| error / f64::from(count));
     println!("around the middle visible normal {visible:.4}, around the surface's {surface:.4}, of {count}");
     assert!(visible < 0.7 * surface && visible < 0.05, "{visible} {surface}");
+}
+
+/// Lights of spherical Gaussians around what surfaces reflect, each Gaussian with both warps.
+#[test]
+fn the_light_of_gaussians_is_as_far_off_as_the_docs_say() {
+    let mut errors = [0.0; 4];
+    let (mut count, mut energy) = (0, 0.0);
+    for alpha in [[0.05, 0.05], [0.2, 0.2], [0.3, 0.1], [0.5, 0.5], [0.6, 0.1]] {
+        for (theta, u) in [0.2, 0.6, 1.0, 1.3, 1.5].into_iter().flat_map(|theta| POINTS.map(|u| (theta, u))) {
+            let wo = direction(theta, 0.7);
+            let axis = reflected_at(alpha, wo, u);
+            for sharpness in [5.0, 20.0, 100.0] {
+                let wanted = over_normals(alpha, wo, |wi| exp(sharpness * (axis.dot(wi) - 1.0)));
+                let light = SgLight { axis: axis.to_array(), sharpness, amplitude: 1.0 };
+                let kinds = [Warp::Visible, Warp::Surface].map(|warp| [Gaussian::Sg, Gaussian::Asg].map(|g| (g, warp)));
+                for (error, (gaussian, warp)) in errors.iter_mut().zip(kinds.into_iter().flatten()) {
+                    let lobe = Lobe::new(gaussian, warp, alpha, wo.to_array());
+                    *error += (reflected_sg_by(&lobe.shape, lobe.parts(), &light)[0] - wanted).abs();
+                }
+                (count, energy) = (count + 1, energy + wanted);
+            }
+        }
+    }
+    let [sg, asg, sg_warp, asg_warp] = errors.map(|error| error / f64::from(count));
+    println!("sg {sg:.4}, asg {asg:.4}; around the surface's normal {sg_warp:.4}, {asg_warp:.4}");
+    println!("{count} lights, of which {:.3} is reflected on average", energy / f64::from(count));
+    assert!(asg < 0.053 && asg < asg_warp && sg < 0.078 && sg < sg_warp, "{sg} {asg} {sg_warp} {asg_warp}");
 }

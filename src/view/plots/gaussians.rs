@@ -23,7 +23,7 @@ use crate::{
 /// A row of panels each.
 const ROUGHNESSES: [f64; 2] = [0.25, 0.5];
 /// The views whose lobes are shown, degrees.
-const VIEWS: [f64; 2] = [0.0, 60.0];
+const VIEWS: [f64; 2] = [0.0, 45.0];
 /// Points of a curve, and of the curve of errors.
 const POINTS: u32 = 360;
 const ERRORS: u32 = 12;
@@ -33,14 +33,23 @@ const STEEPEST: f64 = 85.0;
 const TRUE: [u8; 3] = [235, 235, 235];
 const SG: [u8; 3] = [240, 160, 60];
 const ASG: [u8; 3] = [90, 190, 250];
-const AT_SURFACE: [u8; 3] = [190, 110, 230];
+const SG_WARP: [u8; 3] = [150, 200, 70];
+const ASG_WARP: [u8; 3] = [190, 110, 230];
 const VIEW: [u8; 3] = [110, 110, 110];
 
 /// A curve's name and colour, for each kind of graph.
 type Names = &'static [(&'static str, [u8; 3])];
-const OF_NORMALS: Names = &[("GGX", TRUE), ("Beckmann", AT_SURFACE), ("Gaussian", SG)];
-const OF_LOBES: Names = &[("GGX", TRUE), ("sg", SG), ("asg", ASG), ("normal", AT_SURFACE)];
-const OF_ERRORS: Names = &[("sg", SG), ("asg", ASG)];
+const OF_NORMALS: Names = &[("GGX", TRUE), ("Beckmann", ASG_WARP), ("Gaussian", SG_WARP), ("SG", SG)];
+const OF_LOBES: Names = &[("GGX", TRUE), ("sg", SG), ("asg", ASG), ("sg warp", SG_WARP), ("asg warp", ASG_WARP)];
+const OF_ERRORS: Names = &[("sg", SG), ("asg", ASG), ("sg warp", SG_WARP), ("asg warp", ASG_WARP)];
+
+/// The Gaussians of a surface, and the colours of their curves.
+const GAUSSIANS: [(Gaussian, Warp, [u8; 3]); 4] = [
+    (Gaussian::Sg, Warp::Surface, SG_WARP),
+    (Gaussian::Asg, Warp::Surface, ASG_WARP),
+    (Gaussian::Sg, Warp::Visible, SG),
+    (Gaussian::Asg, Warp::Visible, ASG),
+];
 
 /// Draws for two roughnesses the distribution of normals against its Gaussian, the lobes of two views as polar graphs, and
 /// the mean error of `count` random lights against the angle of view. Measures on the current rayon pool; its size changes
@@ -67,8 +76,7 @@ pub fn gaussian_plots(count: usize) -> Result<Picture, LightError> {
         })
         .collect();
     let what = "GGX and the Gaussians that stand for it: normals, lobes in the plane of incidence, and errors of light";
-    let how =
-        "polar graphs are scaled to the peak of GGX; normal: the anisotropic warp around the surface's own normal";
+    let how = "polar graphs are scaled to the peak of GGX; warp: around the surface's own normal, as Wang et al. and Xu et al. have it";
     Ok(headed(&[&[what], &[how]], &grid(&panels, 4)))
 }
 
@@ -77,8 +85,8 @@ fn steps([low, high]: [f64; 2], count: u32) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| low + (high - low) * f64::from(i) / f64::from(count))
 }
 
-/// The distributions of normals over the angle from the surface's: GGX, `exp(-tan^2 / a^2) / (pi a^2 cos^4)` of Beckmann, and
-/// the Gaussian `exp(2 (cos - 1) / a^2) / (pi a^2)`.
+/// The distributions of normals over the angle from the surface's: GGX, `exp(-tan^2 / a^2) / (pi a^2 cos^4)` of Beckmann, the
+/// Gaussian `exp(-angle^2 / a^2) / (pi a^2)`, and the spherical Gaussian that stands for it, `exp(2 (cos - 1) / a^2) / (pi a^2)`.
 fn normals(alpha: f64) -> Picture {
     let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
     let peak = 1.0 / (PI * alpha * alpha);
@@ -90,14 +98,16 @@ fn normals(alpha: f64) -> Picture {
         let (sin2, cos2) = squared(angle);
         peak * exp(-sin2 / cos2 / (alpha * alpha)) / (cos2 * cos2)
     };
-    let gaussian = |angle: f64| peak * exp(2.0 * (cos(angle) - 1.0) / (alpha * alpha));
+    let gaussian = |angle: f64| peak * exp(-angle * angle / (alpha * alpha));
+    let spherical = |angle: f64| peak * exp(2.0 * (cos(angle) - 1.0) / (alpha * alpha));
     let curve = |colour, of: &dyn Fn(f64) -> f64| {
         let points = steps([0.0, FRAC_PI_2 - 1e-6], POINTS).map(|angle| [angle.to_degrees(), of(angle)]).collect();
         Curve { points, colour }
     };
     let curves = [
-        curve(AT_SURFACE, &beckmann),
-        curve(SG, &gaussian),
+        curve(ASG_WARP, &beckmann),
+        curve(SG_WARP, &gaussian),
+        curve(SG, &spherical),
         curve(TRUE, &|angle| ggx.distribution(direction(angle, 0.0))),
     ];
     let ticks = [0.0, 0.5 * peak, peak];
@@ -109,12 +119,6 @@ fn normals(alpha: f64) -> Picture {
 fn lobes(alpha: f64, theta: f64) -> Picture {
     let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
     let wo = direction(theta, PI);
-    let lobe = |gaussian, warp| Lobe::new(gaussian, warp, [alpha; 2], wo.to_array());
-    let gaussians = [
-        (lobe(Gaussian::Asg, Warp::Surface), AT_SURFACE),
-        (lobe(Gaussian::Sg, Warp::Visible), SG),
-        (lobe(Gaussian::Asg, Warp::Visible), ASG),
-    ];
     let directions: Vec<DVec3> = steps([-FRAC_PI_2, FRAC_PI_2], POINTS)
         .map(|angle| {
             let (sin, cos) = sin_cos(angle);
@@ -128,8 +132,9 @@ fn lobes(alpha: f64, theta: f64) -> Picture {
         Curve { points: directions.iter().map(point).collect(), colour }
     };
     let mut curves = vec![Curve { points: vec![[0.0, 0.0], [1.4 * wo.x, 1.4 * wo.z]], colour: VIEW }];
-    for (gaussian, colour) in &gaussians {
-        curves.push(curve(*colour, &|wi: DVec3| gaussian.density(wi.to_array())));
+    for (gaussian, warp, colour) in GAUSSIANS {
+        let lobe = Lobe::new(gaussian, warp, [alpha; 2], wo.to_array());
+        curves.push(curve(colour, &|wi: DVec3| lobe.density(wi.to_array())));
     }
     curves.push(curve(TRUE, &reflected));
     Frame { x: [-1.2, 1.2], y: [-0.2, 2.2], x_ticks: &[-1.0, 0.0, 1.0], y_ticks: &[0.0, 1.0] }.draw(&curves)
@@ -144,20 +149,27 @@ fn density(ggx: &Ggx, wo: DVec3, wi: DVec3) -> f64 {
 /// The mean error of light against the angle of view, degrees, for surfaces of this roughness along x and any ratio.
 fn errors(alpha: f64, count: usize) -> Result<Picture, LightError> {
     let thetas: Vec<f64> = steps([0.0, STEEPEST], ERRORS).collect();
-    let at = |degrees: &f64| -> Result<[f64; 2], LightError> {
+    let at = |degrees: &f64| -> Result<Vec<f64>, LightError> {
         let theta = [degrees.to_radians(); 2];
         let range = PerAxis { alpha: [alpha; 2], ratio: [0.0, 1.0], theta, phi: [0.0, FRAC_PI_2] };
         let lights = RandomLights::draw(&range, count)?;
-        let error = |gaussian| Ok::<_, LightError>(light_error(Lighting::Gaussian(gaussian), &lights)?.mean);
-        Ok([error(Gaussian::Sg)?, error(Gaussian::Asg)?])
+        let error = |(gaussian, warp, _)| {
+            let model = match warp {
+                Warp::Visible => Lighting::Gaussian(gaussian),
+                Warp::Surface => Lighting::AroundSurface(gaussian),
+            };
+            Ok(light_error(model, &lights)?.mean)
+        };
+        GAUSSIANS.into_iter().map(error).collect()
     };
-    let found: Vec<[f64; 2]> = thetas.par_iter().map(at).collect::<Result<_, _>>()?;
-    let curve = |which: usize, colour| {
-        let points = thetas.iter().zip(&found).map(|(theta, error)| [*theta, error[which]]).collect();
+    let found: Vec<Vec<f64>> = thetas.par_iter().map(at).collect::<Result<_, _>>()?;
+    let curve = |(which, (.., colour)): (usize, (Gaussian, Warp, [u8; 3]))| {
+        let points = thetas.iter().zip(&found).map(|(theta, errors)| [*theta, errors[which]]).collect();
         Curve { points, colour }
     };
+    let curves: Vec<Curve> = GAUSSIANS.into_iter().enumerate().map(curve).collect();
     let frame = Frame { x: [0.0, 90.0], y: [0.0, 0.2], x_ticks: &[0.0, 30.0, 60.0, 90.0], y_ticks: &[0.0, 0.1, 0.2] };
-    Ok(frame.draw(&[curve(0, SG), curve(1, ASG)]))
+    Ok(frame.draw(&curves))
 }
 
 #[cfg(test)]
@@ -170,7 +182,7 @@ mod tests {
         let drawn = gaussian_plots(2).expect("surfaces");
         assert!(drawn == gaussian_plots(2).expect("surfaces"), "not the same again");
         let count = |colour: [u8; 3]| drawn.rgb.iter().filter(|pixel| **pixel == colour).count();
-        for colour in [TRUE, SG, ASG, AT_SURFACE, VIEW] {
+        for colour in [TRUE, SG, ASG, SG_WARP, ASG_WARP, VIEW] {
             assert!(count(colour) > 200, "{colour:?}: {}", count(colour));
         }
         assert!(drawn != gaussian_plots(3).expect("surfaces"), "no error is measured");

@@ -96,10 +96,16 @@ impl Case {
     /// What the table, taken for one of Gaussians, reflects of the rectangle: for a Fresnel factor of one, and its part
     /// weighed by Schlick's, in f64.
     pub(in crate::view) fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
+        let (shape, parts) = self.gaussian(layout, gaussian);
+        gaussians::reflected_by(&shape, parts, &CORNERS, Sides::One)
+    }
+
+    /// What the table, taken for one of Gaussians, has: the Gaussian, and its two parts.
+    pub(in crate::view) fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
         let found = table(layout).lookup(&self.configuration());
         let parts = [found.amplitude.unwrap_or(1.0), found.fresnel.unwrap_or(0.0)];
         let m = from_row_major(&found.matrix);
         let columns = [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
-        gaussians::reflected_by(&SphericalGaussian::of_columns(gaussian, columns), parts, &CORNERS, Sides::One)
+        (SphericalGaussian::of_columns(gaussian, columns), parts)
     }
 }

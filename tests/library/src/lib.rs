@@ -12,12 +12,17 @@ pub const SHADER: &str = include_str!(concat!(env!("OUT_DIR"), "/ltc.wgsl"));
 mod tests {
     use super::*;
 
-    /// The digest that `tests/cli/same_bytes.rs` pins for the command, whatever this was compiled for.
+    /// The digests that `tests/cli/same_bytes.rs` pins for the command, whatever this was compiled for.
     const PINNED_DIGEST: &str = "sha256:2c3d0be191fa318bae02c01a19581ccfd5ffe169f39cf14adc6ab35065d221d3";
+    const PINNED_GAUSSIANS: [&str; 2] = [
+        "sha256:3f719fc926b56fa7c427aa842ea95aee574242605683c00d634ed8b246fbf74b",
+        "sha256:82ca1d11e86d7361f151d7fed723c6f913bb8d1e8405bb61b556b9c5c6a7dc37",
+    ];
 
     #[test]
     fn the_bytes_are_pinned() {
         assert_eq!(DIGEST, PINNED_DIGEST);
+        assert_eq!(GAUSSIANS, PINNED_GAUSSIANS);
         assert!(SAME);
         assert!(TABLE.len() > 108 * 4 * 12, "{}", TABLE.len());
     }
