@@ -14,16 +14,18 @@ impl TabulatedBrdf {
     ///
     /// # Errors
     /// All faults at once: axes that do not ascend, lie outside their ranges or do not span the hemisphere; values that are
-    /// too many, too few, negative or no numbers; and, of a well-formed grid, more than [`MOST_ALBEDO`] or nothing at all
-    /// of even light reflected.
-    pub fn new(mut axes: TabulatedAxes, values: Vec<f64>) -> Result<Self, Vec<TabulatedFault>> {
+    /// too many, too few, negative or no numbers; and, where axes and number of values are right, more than [`MOST_ALBEDO`]
+    /// or nothing at all of even light reflected. Values that are negative or no numbers count as zero there.
+    pub fn new(mut axes: TabulatedAxes, mut values: Vec<f64>) -> Result<Self, Vec<TabulatedFault>> {
         let mut faults = Vec::new();
         axes.check(&mut faults);
+        let axes_are_right = faults.is_empty();
         let lengths = axes.lengths();
         let count = lengths.iter().try_fold(1_usize, |product, n| product.checked_mul(*n));
         let mut note = |detail: String| faults.push(TabulatedFault { tensor: "value", detail });
         let fits = count == Some(values.len());
-        if count.is_none_or(|count| count > MOST_VALUES) {
+        let is_too_large = count.is_none_or(|count| count > MOST_VALUES);
+        if is_too_large {
             note(format!("{} numbers; allowed: at most {MOST_VALUES}", shape(lengths)));
         }
         if !fits {
@@ -38,16 +40,19 @@ impl TabulatedBrdf {
         };
         refuse("are not finite", |x| !x.is_finite());
         refuse("are negative", |x| *x < 0.0);
-        if !faults.is_empty() {
+        let is_wrong = |x: &f64| !(x.is_finite() && *x >= 0.0);
+        let any_is_wrong = values.iter().any(is_wrong);
+        if !axes_are_right || !fits || is_too_large {
             return Err(faults);
         }
+        values.iter_mut().filter(|x| is_wrong(x)).for_each(|x| *x = 0.0);
         let grid = Self::of_checked(axes, values);
-        let faults = grid.energy_faults();
+        faults.extend(grid.energy_faults(any_is_wrong));
         if faults.is_empty() { Ok(grid) } else { Err(faults) }
     }
 
-    /// Views for which it reflects too much, or nothing.
-    fn energy_faults(&self) -> Vec<TabulatedFault> {
+    /// Views for which it reflects too much, or nothing; too much alone if some of its values were wrong.
+    fn energy_faults(&self, any_was_wrong: bool) -> Vec<TabulatedFault> {
         let views = self.axes().theta_o.len();
         let place = |node: usize| {
             let theta = format!("theta_o {:.4}", self.axes().theta_o[node % views]);
@@ -67,7 +72,7 @@ impl TabulatedBrdf {
                 albedos.len()
             ));
         }
-        if let Some(node) = albedos.iter().position(|x| *x < LEAST_ALBEDO) {
+        if let Some(node) = albedos.iter().position(|x| *x < LEAST_ALBEDO).filter(|_| !any_was_wrong) {
             let place = place(node);
             note(format!("nothing is reflected at {place}; end the axis before it, or give it a value"));
         }

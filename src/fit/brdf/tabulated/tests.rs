@@ -148,6 +148,19 @@ fn energy_is_bounded_above_and_below() {
     assert!(told(axes(), f64::MAX).is_err_and(|fault| fault.contains("the most is inf")));
 }
 
+/// Too bright, negative and no number, each told; a view that has nothing but wrong values is not called dark too.
+#[test]
+fn energy_is_told_beside_wrong_values() {
+    let mut values = vec![1.5 / PI; 2 * 4 * 4 * 3];
+    (values[0], values[13]) = (-0.001, f64::NAN);
+    values[36..48].fill(-1.0);
+    let told = faults(axes(&[0.2, 0.6], 4, 3), values);
+    assert_eq!(told.len(), 3, "{told:?}");
+    assert!(told[0].contains("1 of 96 numbers are not finite"), "{told:?}");
+    assert!(told[1].contains("13 of 96 numbers are negative"), "{told:?}");
+    assert!(told[2].contains("7 of 8 views reflect more than 1.001 of even light; the most is 1.5000"), "{told:?}");
+}
+
 #[test]
 fn ends_in_f32_are_quarter_turns() {
     let single = |x: f64| f64::from(x as f32);
