@@ -24,6 +24,10 @@ fn a_database_that_cannot_be_used_is_named_without_its_password() {
     assert!(line.contains("tables on 127.0.0.1:1 cannot be reached"), "{line}");
     let line = of("mysql://me:hunter2@host/tables");
     assert!(line.contains("cannot be read"), "{line}");
+    for password in ["pw@hunter2", "hunter2@more", "hun/hunter2", "a?hunter2", "hunter2#b@c"] {
+        let line = of(&format!("postgres://me:{password}@127.0.0.1:1/tables"));
+        assert!(line.contains("%40") || line.contains("cannot be reached"), "{line}");
+    }
     let missing = shared.database.replacen("/test", "/missing", 1);
     assert!(of(&missing).contains("does not exist"), "{}", of(&missing));
     let with_tls = shared.database.replace("sslmode=disable", "sslmode=require");
@@ -70,5 +74,8 @@ fn a_store_that_cannot_be_used_is_named() {
     assert!(of("s3://key:hunter2@bucket/x").contains("read from the environment"));
     fs::write(folder.path().join("file"), "").expect("a file");
     let line = of(&format!("file://{}/file", folder.path().display()));
-    assert!(line.contains("the store of blobs"), "{line}");
+    assert!(line.contains("there is no such folder"), "{line}");
+    let nowhere = folder.path().join("nowhere");
+    assert!(of(&format!("file://{}", nowhere.display())).contains("there is no such folder"));
+    assert!(!nowhere.exists());
 }

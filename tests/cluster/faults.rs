@@ -1,5 +1,7 @@
 //! What the processes of a cluster survive.
 
+use std::{sync::Barrier, thread};
+
 use serde_json::Value;
 
 use crate::{
@@ -47,6 +49,33 @@ fn replicas_share_their_jobs_and_a_killed_worker_s_shards_are_done_by_another() 
 }
 
 #[test]
+fn the_same_recipe_at_two_replicas_at_once_is_one_job() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
+    shared.database = database.empty_database();
+    let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
+    let replicas = ["one", "other"].map(|replica| {
+        let arguments: Vec<&str> =
+            shared.arguments().into_iter().chain(["--no-workers", "--queue-limit", "200"]).collect();
+        Server::start(&folder.path().join(replica), &arguments)
+    });
+    for seed in 0..100 {
+        let recipe = SMALL.replace("\"steps\":5", &format!("\"steps\":5,\"seed\":{seed}"));
+        let ready = Barrier::new(2);
+        let [one, other] = thread::scope(|scope| {
+            let submit = |replica| {
+                ready.wait();
+                Server::submit(replica, &recipe).json()["id"].clone()
+            };
+            replicas.each_ref().map(|replica| scope.spawn(move || submit(replica))).map(|id| id.join().expect("an id"))
+        });
+        assert!(one.is_string() && one == other, "{seed}: {one} and {other}");
+    }
+    assert_eq!(database.psql(&name, "SELECT count(*) FROM ltcforge.jobs"), "100");
+}
+
+#[test]
 fn a_worker_that_stops_gives_back_and_a_third_replica_knows_all_jobs() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
@@ -88,10 +117,15 @@ fn a_standby_takes_over_with_all_that_was_acknowledged() {
     let Some(mut shared) = Shared::new(folder.path()) else { return };
     let Some(primary) = throwaway::Server::start("-c fsync=off") else { return };
     let name_url = primary.empty_database();
+    let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LARGE).exited(0);
     let standby = primary.standby().expect("a standby of a server that runs");
     primary.psql("postgres", "ALTER SYSTEM SET synchronous_standby_names = '*'");
     primary.psql("postgres", "ALTER SYSTEM SET synchronous_commit = 'remote_apply'");
     primary.psql("postgres", "SELECT pg_reload_conf()");
+    eventually("a standby that each commit waits for", || {
+        let states = primary.psql("postgres", "SELECT sync_state FROM pg_stat_replication");
+        (states == "sync" && primary.psql("postgres", "SHOW synchronous_commit") == "remote_apply").then_some(())
+    });
     shared.database = name_url;
     let link = Proxy::start(Upstream::Unix(primary.socket()));
     let shared = shared.by(link.address);
@@ -107,7 +141,7 @@ fn a_standby_takes_over_with_all_that_was_acknowledged() {
     standby.psql("postgres", "SELECT pg_reload_conf()");
     link.lead_to(Upstream::Unix(standby.socket()));
     let job = replica.finished(&id);
-    assert_eq!(job["state"], "done", "{job:#}");
+    assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
     assert_eq!(replica.submit(SMALL).with_status(200).json()["table"], first);
 }
 

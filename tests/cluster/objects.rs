@@ -33,8 +33,8 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
 
     link.set(Link::Answers(500));
     let id = text(&replica.submit(SMALL).with_status(202).json()["id"]).to_owned();
-    // Broken, full, down: each must have refused an upload before the next.
-    for next in [Link::Answers(507), Link::Down, Link::Slow] {
+    // Broken, without permission, full, down: each must have refused an upload before the next.
+    for next in [Link::Answers(403), Link::Answers(507), Link::Down, Link::Slow] {
         let before = link.refused();
         eventually("an upload", || (link.refused() > before).then_some(()));
         let job = replica.get(&format!("/v1/jobs/{id}")).with_status(200).json();
@@ -48,6 +48,8 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
     // This replica has never read it, so that nothing comes from its cache.
     let other = shared.replica(&folder.path().join("other"));
     let path = format!("/v1/tables/{table}");
+    link.set(Link::Answers(403));
+    other.get(&path).with_status(503);
     link.set(Link::OtherBytes);
     other.get(&path).with_status(503);
     link.set(Link::Down);
@@ -76,6 +78,13 @@ fn downloads_can_be_redirected_to_the_store() {
     assert_eq!(answer.status(), 307);
     let location = answer.headers()["location"].to_str().expect("a URL").to_owned();
     let bytes = agent.get(&location).call().expect("the object").body_mut().read_to_vec().expect("a whole body");
+    // Whoever has it is told so, and whoever wants a part is sent there too.
+    let etag = format!("\"{table}\"");
+    let path = format!("/v1/tables/{table}");
+    replica.request("GET", &path, &[("if-none-match", &etag)], None).with_status(304);
+    replica.request("GET", &path, &[("if-match", "\"other\"")], None).with_status(412);
+    let part = agent.get(&location).header("range", "bytes=1-4").call().expect("a part");
+    assert_eq!((part.status().as_u16(), part.into_body().read_to_vec().expect("bytes")), (206, bytes[1..5].to_vec()));
     // A request for the head is answered here, with the table's size.
     let head = replica.request("HEAD", &format!("/v1/tables/{table}"), &[], None).with_status(200);
     assert_eq!(head.header("content-length"), Some(bytes.len().to_string().as_str()));
@@ -88,16 +97,19 @@ fn downloads_can_be_redirected_to_the_store() {
 fn a_store_without_the_bucket_or_the_permission_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
-    let complaint = |blobs: &str| {
+    let complaint_with = |blobs: &str, more: &[(&str, &str)]| {
         let args = ["work", "--database", &shared.database, "--blobs", blobs, "--data", "data"];
         let mut command = crate::common::command::ltcforge(folder.path(), args);
-        command.envs(shared.environment.iter().map(|(name, value)| (name, value)));
+        command.envs(shared.environment.iter().map(|(name, value)| (name, value))).envs(more.iter().copied());
         let run: crate::common::command::Run = command.output().expect("the binary runs").into();
         let run = run.exited(1);
         assert!(!run.stderr.contains("hunter2"), "{run:#?}");
         let [line] = run.complaints()[..] else { panic!("{run:#?}") };
         line.to_owned()
     };
+    let complaint = |blobs: &str| complaint_with(blobs, &[]);
+    let line = complaint_with("s3://tables/ltc", &[("AWS_ENDPOINT", "http://me:hunter2@127.0.0.1:1")]);
+    assert!(line.contains("AWS_ENDPOINT has a user or a password"), "{line}");
     let line = complaint("s3://nowhere/ltc");
     assert!(line.contains("s3://nowhere/ltc does not exist"), "{line}");
     link.set(Link::Answers(403));

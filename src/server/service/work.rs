@@ -112,7 +112,8 @@ impl ServiceState {
         let reported = match error {
             TaskError::Stale(error) => Err(error),
             TaskError::Failed(error) => self.queue.fail(&task.lease, &error),
-            TaskError::Store(error) if error.is_passing() => {
+            // Credentials may have run out on this host alone, and be good on another or later.
+            TaskError::Store(error) if error.is_passing() || matches!(error, StoreError::Refused(_)) => {
                 tracing::warn!(job = %task.job, task = ?task.kind, %error, "the task is tried again");
                 let given_back = self.queue.give_back(&task.lease);
                 self.queue.pause(RETRY);

@@ -15,6 +15,10 @@ const RETRY: Duration = Duration::from_secs(8);
 /// take as long as it keeps coming.
 const SILENCE: Duration = Duration::from_secs(30);
 
+/// Variables of the environment with addresses of stores.
+const ENDPOINTS: [&str; 5] =
+    ["AWS_ENDPOINT", "AWS_ENDPOINT_URL", "AWS_ENDPOINT_URL_S3", "AZURE_STORAGE_ENDPOINT", "GOOGLE_BASE_URL"];
+
 /// The object that shows whether the store can be written.
 const MARK: &str = "ltcforge";
 
@@ -87,6 +91,12 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
     let (scheme, prefix) = ObjectStoreScheme::parse(&parsed).map_err(|error| bad(error.to_string()))?;
     // reqwest needs to be told which library of cryptography it uses. Who was told before has it already.
     let _ = rustls::crypto::ring::default_provider().install_default();
+    for name in ENDPOINTS {
+        let endpoint = std::env::var(name).ok().and_then(|value| reqwest::Url::parse(&value).ok());
+        if endpoint.is_some_and(|endpoint| !endpoint.username().is_empty() || endpoint.password().is_some()) {
+            return Err(bad(format!("{name} has a user or a password, which would show in errors; leave them out")));
+        }
+    }
     let client = ClientOptions::new().with_timeout_disabled().with_read_timeout(SILENCE).with_connect_timeout(RETRY);
     let retry = RetryConfig { retry_timeout: RETRY, ..RetryConfig::default() };
     let failed = |error: Error| bad(error.to_string());
@@ -109,7 +119,15 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
             let store = Arc::new(builder.with_client_options(client).build().map_err(failed)?);
             (Arc::clone(&store) as _, Some(store))
         }
-        ObjectStoreScheme::Local => (Arc::new(LocalFileSystem::new().with_fsync(true)), None),
+        ObjectStoreScheme::Local => {
+            // A network folder that is not mounted must not become a local one.
+            let folder = parsed.to_file_path().map_err(|()| bad("it is no path of this machine".to_owned()))?;
+            if !folder.is_dir() {
+                let reason = "there is no such folder".to_owned();
+                return Err(ObjectsOpenError::Missing { url: url.to_owned(), reason });
+            }
+            (Arc::new(LocalFileSystem::new().with_fsync(true)), None)
+        }
         _ => return Err(bad(format!("«{}» is not one of its schemes", parsed.scheme()))),
     };
     Ok(Connected { store, signer, prefix })
@@ -156,6 +174,7 @@ mod tests {
         }
         let error = connect("s3://key:hunter2@bucket/x").unwrap_err().to_string();
         assert!(!error.contains("hunter2") && error.contains("environment"), "{error}");
-        assert_eq!(connect("file:///tmp/x").unwrap().prefix, Path::from("tmp/x"));
+        assert_eq!(connect("file:///tmp").unwrap().prefix, Path::from("tmp"));
+        assert!(matches!(connect("file:///tmp/nowhere/x"), Err(ObjectsOpenError::Missing { .. })));
     }
 }

@@ -37,6 +37,16 @@ const RECOVERY: Duration = Duration::from_secs(5);
 /// How long an operation waits before it is tried again, at first and at most.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(20), Duration::from_millis(500));
 
+const STRAY_AT: &str = "a user or a password with one of @ : / ? # has to have it encoded, as %40 %3A %2F %3F %23";
+
+/// Whether a URL has an `@` that does not end the user and the password: parsers then take a piece of the password for the
+/// host or the name, and errors would show it.
+fn has_stray_at(url: &str) -> bool {
+    let Some((_, rest)) = url.split_once("://") else { return false };
+    let authority = rest.split(['/', '?', '#']).next().unwrap_or(rest);
+    rest.matches('@').count() != authority.matches('@').count() || authority.matches('@').count() > 1
+}
+
 /// A PostgreSQL database with the schema of this program. Its methods block, and must not be called by tasks of tokio.
 pub struct Database {
     /// Drives the connections.
@@ -67,6 +77,9 @@ impl Database {
     /// # Errors
     /// See [`DatabaseOpenError`].
     pub fn open(url: &str) -> Result<Arc<Self>, DatabaseOpenError> {
+        if has_stray_at(url) {
+            return Err(DatabaseOpenError::BadUrl(STRAY_AT.to_owned()));
+        }
         let mut config: Config = url.parse().map_err(|error: tokio_postgres::Error| {
             // The text names a parameter, never its value.
             DatabaseOpenError::BadUrl(failure::text(&error))
@@ -109,6 +122,12 @@ impl Database {
         };
         let reason = failure::text(error);
         match error.code() {
+            // The server's rules have no entry for a connection without TLS.
+            Some(code)
+                if *code == SqlState::INVALID_AUTHORIZATION_SPECIFICATION && reason.contains("no encryption") =>
+            {
+                DatabaseOpenError::Tls { database, reason }
+            }
             Some(code)
                 if *code == SqlState::INVALID_PASSWORD || *code == SqlState::INVALID_AUTHORIZATION_SPECIFICATION =>
             {
