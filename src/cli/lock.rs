@@ -15,12 +15,11 @@ use super::{
     pins::{Fitting, asked_by, of_pin},
     print, shown,
     sources::Sources,
-    table_file::{check, table_path},
+    table_file::{self, check, table_path},
 };
 use crate::{
     client::{self, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins},
     files::{
-        bounded::read_file,
         container::TableFile,
         digest::Digest,
         recipe_document,
@@ -90,7 +89,7 @@ pub(super) fn run(
         }
         // Names are checked before the work, and once more with the files that come of it.
         check_pins(&pins).map_err(refused)?;
-        check_output_folder(folder_of(path))?;
+        check_places(path, &lock.folder, pins.iter().filter(|pin| made.contains(&pin.name)))?;
         let locking = Locking { args, sources, lock: &lock, context };
         for pin in pins.iter_mut().filter(|pin| made.contains(&pin.name)) {
             planned.extend(locking.pin(pin).map_err(|failure| of_pin(pin, &failure))?);
@@ -124,6 +123,24 @@ pub(super) fn run(
         tell(pin, json, context)?;
     }
     Ok(Exit::Ok)
+}
+
+/// Checks that the lock file at `path`, and what pins name below its `folder`, can be written.
+fn check_places<'a>(path: &Path, folder: &Path, pins: impl Iterator<Item = &'a Pin>) -> Result<(), CommandFailure> {
+    if !folder_of(path).is_dir() {
+        return Err(file_failure(path, &format!("there is no folder {}", folder_of(path).display())));
+    }
+    check_output_folder(folder_of(path))?;
+    for pin in pins {
+        client::check(&pin.path, pin.digest, None, folder)?;
+        check_output_folder(folder_of(&client::target(&pin.path, folder)?))?;
+        for export in &pin.exports {
+            // The files in it have names of their own.
+            let file = client::target(&export.to.join("file"), folder)?;
+            check_output_folder(folder_of(&file))?;
+        }
+    }
+    Ok(())
 }
 
 fn tell(pin: &Pin, json: bool, context: &mut Context<'_>) -> Result<(), CommandFailure> {
@@ -262,7 +279,7 @@ impl Locking<'_, '_> {
     }
 
     fn read(&self, path: &Path, expected: Option<Digest>) -> Result<Found, CommandFailure> {
-        let bytes = read_file(path, self.args.sources.limit.table_limit).map_err(|error| file_failure(path, &error))?;
+        let bytes = table_file::read(path, self.args.sources.limit.table_limit)?;
         let (digest, file) = check(path, &bytes, expected)?;
         Ok(Found { digest, file, bytes, from_source: false })
     }

@@ -2,12 +2,14 @@
 
 use std::{
     collections::BTreeMap,
-    fs, io,
+    fs,
+    io::{self, Read as _},
     path::{Path, PathBuf},
 };
 
 use super::{CommandFailure, Exit, file_failure};
 use crate::files::{
+    bounded::{read_stream, too_long},
     container::{self, TableFile},
     digest::Digest,
 };
@@ -62,6 +64,35 @@ pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, 
     }
 }
 
+/// The most bytes of a file that are read before its header tells how long a table it is.
+const BEGINNING: u64 = 1 << 20;
+
+/// The bytes of a table's file of at most `limit_bytes`. One that is no table by its header is not read beyond its beginning,
+/// and no file beyond the length that its header tells.
+///
+/// # Errors
+/// The system's; that it is too long, or no table.
+pub(super) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, CommandFailure> {
+    let failed = |error: io::Error| file_failure(path, &error);
+    let mut file = fs::File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.len() > limit_bytes {
+        return Err(failed(too_long("file", limit_bytes)));
+    }
+    let beginning = BEGINNING.min(limit_bytes);
+    let mut bytes = Vec::new();
+    file.by_ref().take(beginning).read_to_end(&mut bytes).map_err(failed)?;
+    let limit_bytes = if bytes.len() as u64 == BEGINNING {
+        let mismatch = |reason: String| CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()));
+        container::stated_length(&bytes).map_err(|error| mismatch(error.to_string()))?.clamp(beginning, limit_bytes)
+    } else {
+        limit_bytes
+    };
+    let rest = read_stream(file, limit_bytes - bytes.len() as u64);
+    let is_longer = |error: &io::Error| error.kind() == io::ErrorKind::FileTooLarge;
+    bytes.extend(rest.map_err(|error| failed(if is_longer(&error) { too_long("file", limit_bytes) } else { error }))?);
+    Ok(bytes)
+}
+
 /// The table of a file that is what it says it is: it hashes to `expected`, or else to the digest in its name if there
 /// is one, and is well formed.
 pub(super) fn check(
@@ -104,6 +135,23 @@ mod tests {
         let expected = format!("no ff*.safetensors in {}/", folder.path().display());
         assert!(refused.message.ends_with(&expected), "{}", refused.message);
         assert_eq!(find("some/file").expect("a path"), PathBuf::from("some/file"));
+    }
+
+    #[test]
+    fn a_file_that_is_no_table_is_not_read_beyond_its_beginning() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("long");
+        let file = fs::File::create(&path).expect("a file");
+        file.set_len(1 << 40).expect("a sparse file");
+        let of = |limit| read(&path, limit).expect_err("no table");
+        assert!(of(1 << 41).message.contains("EOF while parsing"), "{}", of(1 << 41).message);
+        assert!(of(1 << 39).message.contains("longer than"), "{}", of(1 << 39).message);
+        let header = r#"{"x":{"dtype":"F32","shape":[262144],"data_offsets":[0,1048576]}}"#;
+        fs::write(&path, [&(header.len() as u64).to_le_bytes()[..], header.as_bytes(), &[0; 1 << 20]].concat())
+            .expect("a file");
+        assert!(of(1 << 41).message.contains("the key is missing"), "{}", of(1 << 41).message);
+        let refused = read(Path::new("/dev/zero"), 1 << 41).expect_err("no table");
+        assert_eq!(refused.exit, Exit::Mismatch);
     }
 
     #[test]

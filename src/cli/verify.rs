@@ -7,12 +7,11 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit,
     args::VerifyArgs,
-    file_failure,
     pins::Fitting,
     print, shown,
-    table_file::{check, table_path},
+    table_file::{self, check, table_path},
 };
-use crate::files::{bounded::read_file, container::TableFile, digest::Digest, recipe_document};
+use crate::files::{container::TableFile, digest::Digest, recipe_document};
 
 /// Checks every file; the first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -65,7 +64,7 @@ fn refit(path: &Path, digest: Digest, file: &TableFile, fitting: &Fitting<'_>) -
 }
 
 fn read(path: &Path, expected: Option<Digest>, limit_bytes: u64) -> Result<(Digest, TableFile), CommandFailure> {
-    let bytes = read_file(path, limit_bytes).map_err(|error| file_failure(path, &error))?;
+    let bytes = table_file::read(path, limit_bytes)?;
     check(path, &bytes, expected)
 }
 

@@ -44,7 +44,9 @@ pub fn read_line(stream: &mut impl BufRead, line: &mut Vec<u8>, most_bytes: u64)
     if line.len() as u64 > most_bytes { Err(too_long("line", most_bytes)) } else { Ok(is_line) }
 }
 
-fn too_long(what: &str, most_bytes: u64) -> io::Error {
+/// The error of something that is longer than it may be.
+#[must_use]
+pub fn too_long(what: &str, most_bytes: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, format!("the {what} is longer than {most_bytes} bytes, the limit"))
 }
 

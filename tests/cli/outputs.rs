@@ -92,7 +92,18 @@ fn what_cannot_be_written_is_told_before_the_work() {
             assert!(refused.complaints()[0].starts_with(out), "{refused:#?}");
         }
     }
-    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 2, "nothing was made");
+    let recipe = ["lock", "a", "--recipe", "r.json"];
+    fs::create_dir(folder.path().join("folder")).expect("a folder");
+    for (more, said) in [
+        (["--lock", "none/l"].as_slice(), "none/l: there is no folder none"),
+        (&["--to", "folder"], "folder: this is no regular file"),
+        (&["--to", "file/a.safetensors"], "file/a.safetensors: Not a directory"),
+        (&["--for", "wgpu", "--out", "file"], "file: no file can be made there"),
+    ] {
+        let refused = run(folder.path(), recipe.iter().chain(more)).exited(1);
+        assert!(refused.complaints()[0].contains(said), "{refused:#?}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 3, "nothing was made");
 }
 
 #[test]

@@ -12,21 +12,30 @@ const SHARD: u64 = 64;
 /// hundredths of a second; a step of the dearest recipe takes six seconds.
 const MOST_SECONDS: f64 = 3.0;
 
-/// Four shards, each of which takes a minute or hours, by the dearest legal settings of a solver.
-fn dearest(solver: &str) -> String {
-    format!(
-        r#"{{"preset":"draft","resolution":{{"alpha":4,"ratio":4,"theta":4,"phi":4}},
-            "fit":{{"solver":"{solver}","samples":65536,"directions":1024,"steps":1000}}}}"#
-    )
+/// Four shards, each of which takes a minute or hours, by the dearest legal settings.
+fn dearest(what: &str, fit: &str) -> String {
+    format!(r#"{{"preset":"draft",{what},"fit":{{{fit},"samples":65536,"directions":1024,"steps":1000}}}}"#)
 }
+
+const ANISOTROPIC: &str = r#""resolution":{"alpha":4,"ratio":4,"theta":4,"phi":4}"#;
+const GAUSSIANS: &str = r#""lobe":"asg","resolution":{"alpha":4,"ratio":4,"theta":4,"phi":4}"#;
+const SHEEN: &str = r#""brdf":"charlie","layout":"ltc2017","resolution":{"alpha":16,"theta":16}"#;
+const ISOTROPIC: &str = r#""layout":"ltc2017","resolution":{"alpha":16,"theta":16}"#;
 
 #[test]
 fn a_job_of_any_length_frees_its_worker_and_lets_the_service_stop() {
     let folder = tempfile::tempdir().expect("a folder");
     let start = || Server::start(folder.path(), &["--workers", "1", "--job-seconds", "1000000000"]);
-    for solver in ["sgd", "bfgs"] {
+    let recipes = [
+        dearest(ANISOTROPIC, r#""solver":"sgd""#),
+        dearest(ANISOTROPIC, r#""solver":"bfgs""#),
+        dearest(GAUSSIANS, r#""solver":"bfgs""#),
+        dearest(ISOTROPIC, r#""solver":"nelder_mead","metric":"l3""#),
+        dearest(SHEEN, r#""solver":"nelder_mead""#),
+    ];
+    for recipe in &recipes {
         let server = start();
-        let job = server.submit(&dearest(solver)).with_status(202).json();
+        let job = server.submit(recipe).with_status(202).json();
         let path = format!("/v1/jobs/{}", text(&job["id"]));
         let running = || server.job_when(text(&job["id"]), |job| job["state"] == "running");
         running();
@@ -35,15 +44,15 @@ fn a_job_of_any_length_frees_its_worker_and_lets_the_service_stop() {
         // The only worker is free again, and not because the shard came to its end.
         server.fit(SMALL);
         let taken = server.processor_seconds() - before;
-        assert!(taken < MOST_SECONDS, "{solver}: {taken} s until another job was done");
+        assert!(taken < MOST_SECONDS, "{recipe}: {taken} s until another job was done");
         let done = server.get(&path).with_status(200).json()["progress"]["entries_done"].clone();
-        assert!(done.as_u64().is_some_and(|done| done < SHARD), "{solver}: {done}");
+        assert!(done.as_u64().is_some_and(|done| done < SHARD), "{recipe}: {done}");
 
-        server.submit(&dearest(solver)).with_status(202);
+        server.submit(recipe).with_status(202);
         running();
         let (run, taken) = server.stop_and_measure("TERM");
         run.exited(0);
-        assert!(taken < MOST_SECONDS, "{solver}: {taken} s until the service had stopped");
+        assert!(taken < MOST_SECONDS, "{recipe}: {taken} s until the service had stopped");
         let server = start();
         let again = server.get(&path).with_status(200).json();
         assert!(again["state"] == "running" || again["state"] == "queued", "{again:#}");

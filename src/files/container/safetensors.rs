@@ -9,7 +9,7 @@
 //! Equal recipe and table give equal bytes, and no other bytes decode to them.
 
 use half::f16;
-use safetensors::{Dtype, SafeTensors, serialize};
+use safetensors::{Dtype, SafeTensors, serialize, tensor::Metadata};
 
 use crate::{
     files::{recipe_document, tabulated::FindBrdf, tensor::Tensor},
@@ -124,6 +124,41 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
         .map_err(|error| TableFileError::Container(error.to_string()))
 }
 
+/// The length of a file that begins so, if it is canonical: by its header, which has to be whole, and the table that the
+/// recipe in it stands for. Tells a file that is none before it is read.
+///
+/// # Errors
+/// When the header is not whole, is none, or has no recipe.
+pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
+    let refused = |reason: String| TableFileError::Container(reason);
+    let (length, rest) = beginning.split_first_chunk::<8>().ok_or_else(|| refused("it is too short".to_owned()))?;
+    let length = u64::from_le_bytes(*length);
+    let header = usize::try_from(length).ok().and_then(|length| rest.get(..length));
+    let header = header.ok_or_else(|| {
+        refused(format!(
+            "its header has {length} bytes, more than the {} that are there or that a table has",
+            rest.len()
+        ))
+    })?;
+    let header: Metadata = serde_json::from_slice(header).map_err(|error| refused(error.to_string()))?;
+    let recipe = recipe_of(&header)?;
+    let lengths = recipe.nodes().lengths().named().map(|(_, n)| *n);
+    let number = match recipe.precision {
+        Precision::F32 => 4,
+        Precision::F16 => 2,
+    };
+    // Matrix, error at the node, amplitude and Fresnel term.
+    let numbers = if recipe.terms { 12 } else { 10 };
+    let entries = lengths.iter().product::<usize>() as u64;
+    Ok(8 + length + entries * numbers * number + 8 * lengths.iter().sum::<usize>() as u64)
+}
+
+fn recipe_of(header: &Metadata) -> Result<Recipe, TableFileError> {
+    let text = header.metadata().as_ref().and_then(|metadata| metadata.get(RECIPE_KEY));
+    let text = text.ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;
+    recipe_document::parse_stored(text.as_bytes()).map_err(|error| TableFileError::Recipe(error.to_string()))
+}
+
 /// Reads a canonical file. Hostile bytes give an error, never a panic.
 ///
 /// # Errors
@@ -132,14 +167,7 @@ pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
     let container = |error: safetensors::SafeTensorError| TableFileError::Container(error.to_string());
     let (_, header) = SafeTensors::read_metadata(bytes).map_err(container)?;
     let file = SafeTensors::deserialize(bytes).map_err(container)?;
-    let text = header
-        .metadata()
-        .as_ref()
-        .and_then(|metadata| metadata.get(RECIPE_KEY))
-        .ok_or_else(|| TableFileError::Recipe("the key is missing".to_owned()))?;
-    let recipe =
-        recipe_document::parse_stored(text.as_bytes()).map_err(|error| TableFileError::Recipe(error.to_string()))?;
-
+    let recipe = recipe_of(&header)?;
     let axes = recipe.nodes();
     let shape = axes.lengths().named().map(|(_, n)| *n);
     let matrix_shape: Vec<usize> = shape.into_iter().chain([3, 3]).collect();

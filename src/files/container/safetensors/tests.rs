@@ -42,6 +42,7 @@ fn a_file_reads_back_as_it_was_written() {
     for terms in [true, false] {
         let (recipe, table) = example(terms);
         assert_eq!(decode(&file(terms)), Ok(TableFile { recipe, table }));
+        assert_eq!(stated_length(&file(terms)), Ok(file(terms).len() as u64));
     }
 }
 
@@ -58,6 +59,7 @@ fn a_file_of_half_floats_takes_half_the_bytes() {
     halves(&mut terms.fresnel);
     let file_of_halves = encode(&recipe, &table).expect("a consistent table");
     assert_eq!(file(true).len() - file_of_halves.len(), 24 * (9 + 3) * 2);
+    assert_eq!(stated_length(&file_of_halves), Ok(file_of_halves.len() as u64));
     assert_eq!(decode(&file_of_halves), Ok(TableFile { recipe, table }));
 }
 
