@@ -3,11 +3,6 @@
 //
 // Lights are given relative to the shaded point in its tangent frame, normal +z.
 
-/// Whether what the horizon leaves of disks and spheres is guessed by a fit [Hill and Heitz 2016] instead of integrated. It
-/// is cheaper and mostly too bright: by 0.033 on average and 0.16 at most where the horizon cuts a light, by 0.003 on average
-/// and 0.09 at most above it.
-const LTC_CHEAP_HORIZON: bool = false;
-
 /// The directions in which an ellipse is seen, in cosine space. Its border is axes * (a cos t, b sin t, g): the eigenvectors
 /// of x x^T + y y^T - c c^T, whose eigenvalues are a^2, b^2 and -g^2, for the ellipse c + x cos t + y sin t.
 struct LtcCone {

@@ -43,7 +43,7 @@ const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a fa
       the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
       Vertices are convex and run clockwise seen from the lit side; a disk's is towards half_x x half_y. A tube has
       round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
-      LTC_CHEAP_HORIZON, a constant, makes disks and spheres cheaper, and too bright by up to 0.16 at the horizon.
+      LTC_CHEAP_HORIZON, a constant, makes all but tubes and lines cheaper, and too bright by up to 0.16 at the horizon.
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 ";
 

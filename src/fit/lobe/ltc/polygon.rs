@@ -162,6 +162,24 @@ impl Ltc {
         };
         covered.clamp(0.0, 1.0)
     }
+
+    /// The vector form factor of a convex polygon in cosine space, without a horizon, towards the polygon: of the length
+    /// `sin^2 sigma` of a cap of half angle sigma. What the horizon leaves of it, [`super::clipped_form_factor`] guesses by
+    /// the sphere of the same vector form factor [Hill and Heitz 2016].
+    ///
+    /// Zero for fewer than three vertices. Domain: finite vertices; a polygon that the origin does not lie in.
+    #[must_use]
+    pub fn vector_form_factor(&self, vertices: &[DVec3]) -> DVec3 {
+        let corners: Vec<DVec3> = vertices.iter().map(|v| (self.inverse() * *v).normalize_or_zero()).collect();
+        let next = corners.iter().cycle().skip(1);
+        let edge = |(a, b): (&DVec3, &DVec3)| {
+            let across = a.cross(*b);
+            let sin = across.length();
+            if sin > 0.0 { across * (f64::atan2_upper(sin, a.dot(*b)) / sin) } else { DVec3::ZERO }
+        };
+        let flux = corners.iter().zip(next).map(edge).sum::<DVec3>() / std::f64::consts::TAU;
+        if flux.dot(corners.iter().sum()) < 0.0 { -flux } else { flux }
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 use super::{shader_table, tell_skipped};
 use crate::{
     fit::{
-        Ltc, Sides,
+        Ltc, Sides, cheap_form_factor,
         quadrature::{quadrature, random_cases},
     },
     view::{
@@ -70,17 +70,24 @@ fn cases(aimed: bool) -> Vec<Case> {
 fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let twin = |case: &Case| [false, true].map(|two_sided| cpu::covered(case.m, &case.vertices, two_sided));
     let mut found = vec![("CPU", cases.iter().map(twin).collect())];
-    let source = joined(&["ltc_math", "ltc_light"]) + ENTRY;
+    found.extend(by_gpu(cases, &(joined(&["ltc_math", "ltc_light"]) + ENTRY)).map(|by_gpu| ("GPU", by_gpu)));
+    found
+}
+
+/// By a shader with [`ENTRY`], where there is a GPU.
+fn by_gpu(cases: &[Case], source: &str) -> Option<Vec<[f32; 2]>> {
     let words: Vec<[u32; 48]> = cases.iter().map(words).collect();
     let (groups, rest) = words.as_chunks::<256>();
     assert!(rest.is_empty(), "the shader takes 256 at a time");
     let table = shader_table(TexelFormat::F32);
-    match example::run::<_, [[f32; 2]; 256]>(&source, "covered", Some((&*table, Bound::Volumes)), groups) {
-        Ok(by_gpu) => found.push(("GPU", by_gpu.into_flattened())),
-        Err(GpuFailure::Absent(reason)) => tell_skipped(&reason),
+    match example::run::<_, [[f32; 2]; 256]>(source, "covered", Some((&*table, Bound::Volumes)), groups) {
+        Ok(by_gpu) => Some(by_gpu.into_flattened()),
+        Err(GpuFailure::Absent(reason)) => {
+            tell_skipped(&reason);
+            None
+        }
         Err(error) => panic!("{error}"),
     }
-    found
 }
 
 fn words(case: &Case) -> [u32; 48] {
@@ -141,6 +148,28 @@ fn lights_that_end_within_a_lobe_are_right_but_for_its_sharpness() {
         let most = errors.iter().copied().fold(0.0, f64::max);
         assert!(most < 3e-3 && beyond <= 20, "{who}: at most {most:e}, {beyond} of {COUNT} beyond 1e-4");
     }
+}
+
+/// With `LTC_CHEAP_HORIZON`: the cheap fit for the sphere of the same vector form factor.
+#[test]
+fn the_cheap_horizon_of_polygons_is_the_fit_for_spheres() {
+    let exact = |m: DMat3, polygon: &[DVec3]| {
+        let flux = Ltc::new(m).expect("regular").vector_form_factor(polygon);
+        let length = flux.length();
+        length * cheap_form_factor(if length > 0.0 { flux.z / length } else { 0.0 }, length)
+    };
+    let cases: Vec<Case> = random_cases(COUNT).map(|(polygon, m)| Case::new(m, polygon.into_iter(), exact)).collect();
+    let source = joined(&["ltc_math", "ltc_light"]) + ENTRY;
+    let cheap = source.replacen("LTC_CHEAP_HORIZON: bool = false", "LTC_CHEAP_HORIZON: bool = true", 1);
+    assert_ne!(cheap, source);
+    let Some(found) = by_gpu(&cases, &cheap) else { return };
+    let mut lit = [0; 2];
+    for (case, found) in cases.iter().zip(found) {
+        let error = error(case, "GPU", found);
+        assert!(error < 1e-4, "{error:e}: {} {:?}", case.m, case.vertices);
+        lit[usize::from(found[0] > 0.0)] += usize::from(found[1] > 1e-3);
+    }
+    assert!(lit.into_iter().all(|count| count > 500), "{lit:?} seen from behind and in front");
 }
 
 /// Lights a thousandth as large.

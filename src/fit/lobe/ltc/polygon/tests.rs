@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 
 use super::{
+    super::{cheap_form_factor, clipped_form_factor},
     quadrature::{mirror_like, polygon, quadrature, random_cases},
     *,
 };
@@ -22,6 +23,40 @@ fn ten_thousand_polygons_agree_with_quadrature() {
         lit += usize::from(wanted > 1e-3);
     }
     assert!(clipped > 3000 && lit > 3000, "{clipped} clipped, {lit} lit");
+}
+
+/// What the horizon leaves of a polygon, guessed by the sphere of the same vector form factor: by the closed form, and by its
+/// cheap fit.
+#[test]
+fn spheres_in_place_of_polygons_are_off_by_what_the_documents_say() {
+    let mut errors: [[Vec<f64>; 2]; 2] = Default::default();
+    for (polygon, m) in random_cases(20_000) {
+        let ltc = Ltc::new(m).expect("regular");
+        let exact = ltc.polygon(&polygon, Sides::Two);
+        let flux = ltc.vector_form_factor(&polygon);
+        let (length, heights) = (flux.length(), polygon.iter().map(|v| (ltc.inverse() * *v).z));
+        let (up, down) = (heights.clone().any(|z| z > 0.0), heights.clone().any(|z| z <= 0.0));
+        if !up || length < 1e-12 {
+            continue;
+        }
+        let cosine = flux.z / length;
+        let found = [clipped_form_factor, cheap_form_factor].map(|guess| length * guess(cosine, length));
+        for (errors, found) in errors[usize::from(down)].iter_mut().zip(found) {
+            errors.push((found - exact).abs());
+        }
+    }
+    let wanted = [[7e-5, 0.00305], [0.00347, 0.0122]];
+    for ((kind, wanted), [sphere, cheap]) in ["above", "cut"].into_iter().zip(wanted).zip(errors) {
+        let figures = |mut errors: Vec<f64>| {
+            errors.sort_by(f64::total_cmp);
+            let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+            [mean, errors[errors.len() * 95 / 100], errors[errors.len() - 1]]
+        };
+        let (count, [sphere, cheap]) = (sphere.len(), [sphere, cheap].map(figures));
+        println!("{kind}, {count}: sphere {sphere:.5?}, cheap {cheap:.5?}");
+        let mean = [sphere[0], cheap[0]];
+        assert!(mean.into_iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 0.1 * wanted), "{mean:?}");
+    }
 }
 
 /// The square is four patches, each with a corner straight above the origin. Texts on form factors have the closed form
