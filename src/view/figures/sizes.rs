@@ -33,7 +33,8 @@ pub(super) fn table() -> Result<String, FigureError> {
         let table = empty(layout.sampling().table)?;
         let textures = layout.textures(&table)?;
         let numbers: usize = textures.iter().map(|texture| texture.texels.len()).sum();
-        let of_lobes = textures.iter().flat_map(|texture| &texture.channels).filter(|name| !NOT_OF_LOBES.contains(&name.as_str()));
+        let of_lobes =
+            textures.iter().flat_map(|texture| &texture.channels).filter(|name| !NOT_OF_LOBES.contains(&name.as_str()));
         let axes = table.axes.named().into_iter().filter(|(_, nodes)| nodes.len() > 1);
         let (names, nodes): (Vec<_>, Vec<_>) = axes.map(|(name, nodes)| (name, nodes.len().to_string())).unzip();
         // Writing to a string cannot fail.

@@ -84,8 +84,11 @@ pub(super) fn table_from_cosine() -> Vec<Fit> {
         fitter.fit_from(&Ggx { alpha_x, alpha_y }, place.view(), DMat3::IDENTITY, &mut pulse)
     };
     let indices: Vec<u64> = (0..plan.entries()).collect();
-    let entries: Option<Vec<_>> =
-        indices.into_par_iter().with_max_len(16).map_init(|| fitter.another(), |fitter, index| entry(fitter, index)).collect();
+    let entries: Option<Vec<_>> = indices
+        .into_par_iter()
+        .with_max_len(16)
+        .map_init(|| fitter.another(), |fitter, index| entry(fitter, index))
+        .collect();
     entries.unwrap_or_default().iter().map(|entry| Fit::of(from_row_major(&entry.matrix))).collect()
 }
 

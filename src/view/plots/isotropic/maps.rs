@@ -73,9 +73,9 @@ pub(super) fn starts() -> Picture {
         told.collect::<Vec<_>>().join(", ")
     };
     let what = "skew by metric l3 from three starts: roughness to the right, view downwards, 64 x 64";
-    let how = format!("mean second difference of m13 along the view: {}", jumps(skews[0].2));
-    let relative = format!("of m13 / m11: {}", jumps(skews[1].2));
-    headed(&[&[what], &[&how], &[&relative]], &together(&panels, 3))
+    let how = "mean second difference along the view";
+    let [skew, relative] = skews.map(|(name, _, of)| format!("  of {name}: {}", jumps(of)));
+    headed(&[&[what], &[how], &[&skew], &[&relative]], &together(&panels, 3))
 }
 
 const AXES: &str = "roughness sqrt(alpha) 0 to 1 to the right, sqrt(1 - cos theta) 0 to 1 downwards: 64 x 64";
