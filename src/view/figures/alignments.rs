@@ -66,7 +66,7 @@ fn told(table: &Halfway) -> [String; 3] {
             "  mean error: ours {ours:.5}, equation 12 {nearest:.5}; at most {times:.2}, {nearest_times:.2} times the other's"
         ),
         format!(
-            "  least determinant over the smaller neighbour's: {determinant:.2}, {nearest_determinant:.2}; mirrored pairs: {}, {}",
+            "  mirrored pairs: {}, {}; least determinant of the others over a node's: {determinant:.2}, {nearest_determinant:.2}",
             mirrored[OURS], mirrored[NEAREST],
         ),
     ]

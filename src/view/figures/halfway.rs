@@ -38,8 +38,7 @@ impl Pair {
         (first + second) * 0.5
     }
 
-    /// The determinant halfway over the smaller one of the nodes': negative where the nodes are mirrored to each other and
-    /// the matrix halfway is not on the smaller one's side.
+    /// The determinant halfway over the smaller one of the nodes'.
     fn determinant(&self, alignment: usize) -> f64 {
         let [first, second] = self.nodes[alignment].map(|m| m.determinant());
         self.mean(alignment).determinant() / if first.abs() < second.abs() { first } else { second }
@@ -107,9 +106,10 @@ impl Halfway {
         self.pairs.iter().map(|pair| pair.errors[alignment]).sum::<f64>() / self.pairs.len() as f64
     }
 
-    /// The least determinant halfway, over the smaller one of its neighbours'.
+    /// The least determinant halfway, over the smaller one of its neighbours', of the pairs that are not mirrored.
     pub(super) fn least_determinant(&self, alignment: usize) -> f64 {
-        self.pairs.iter().map(|pair| pair.determinant(alignment)).fold(f64::INFINITY, f64::min)
+        let upright = self.pairs.iter().filter(|pair| !pair.is_mirrored(alignment));
+        upright.map(|pair| pair.determinant(alignment)).fold(f64::INFINITY, f64::min)
     }
 
     /// How many pairs have one matrix that is mirrored and one that is not.
