@@ -1,4 +1,4 @@
-//! `figures`: the figures of the paper, drawn anew.
+//! `figures`: the figures of the paper and of the notes, drawn anew.
 
 use serde_json::json;
 
@@ -7,7 +7,10 @@ use super::{
 };
 use crate::{
     files::replace::replace_file,
-    view::{figures::Figure, preview::Preview},
+    view::{
+        figures::{Drawn, Figure},
+        preview::Preview,
+    },
 };
 
 /// Draws each figure and writes it as soon as it is done.
@@ -16,14 +19,20 @@ pub(super) fn run(args: &FiguresArgs, json: bool, context: &mut Context<'_>) -> 
     let pool = args.threads.pool()?;
     let failed = |error: &dyn std::fmt::Display| CommandFailure::new(Exit::Failed, error.to_string());
     let mut preview = Preview::new(args.adapter.0);
-    for figure in Figure::ALL.into_iter().filter(|figure| args.names.is_empty() || args.names.contains(figure)) {
-        let picture = pool.install(|| figure.draw(&mut preview)).map_err(|error| failed(&error))?;
-        let png = picture.png().map_err(|error| failed(&error))?;
-        let path = args.out.join(format!("{}.png", figure.name()));
-        replace_file(&path, &png).map_err(|error| file_failure(&path, &error))?;
-        let value = json!({
-            "figure": figure.name(), "file": shown(&path), "width": picture.width, "height": picture.height,
-        });
+    let asked = Figure::ALL.iter().filter(|figure| args.names.is_empty() || args.names.contains(figure));
+    for figure in asked {
+        let drawn = pool.install(|| figure.draw(&mut preview)).map_err(|error| failed(&error))?;
+        let path = args.out.join(format!("{figure}.{}", drawn.extension()));
+        let mut value = json!({ "figure": figure.name(), "file": shown(&path) });
+        let bytes = match drawn {
+            Drawn::Picture(picture) => {
+                value["width"] = picture.width.into();
+                value["height"] = picture.height.into();
+                picture.png().map_err(|error| failed(&error))?
+            }
+            Drawn::Table(text) => text.into_bytes(),
+        };
+        replace_file(&path, &bytes).map_err(|error| file_failure(&path, &error))?;
         print(context.stdout, json, &value, &shown(&path))?;
     }
     Ok(Exit::Ok)

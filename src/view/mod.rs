@@ -2,7 +2,7 @@
 
 pub mod shaders;
 
-#[cfg(feature = "render")]
+#[cfg(all(feature = "render", feature = "textures"))]
 pub mod figures;
 #[cfg(feature = "render")]
 pub mod parameters;

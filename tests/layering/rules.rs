@@ -82,7 +82,21 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("view::tradeoff", &["files", "light", "light::normals", "fit"]),
-    ("view::figures", &["view::picture", "view::preview", "files", "fit", "fit::brdf", "fit::lobe", "fit::math"]),
+    (
+        "view::figures",
+        &[
+            "view::picture",
+            "view::plots",
+            "view::preview",
+            "files::textures",
+            "files",
+            "fit",
+            "fit::named_list",
+            "fit::brdf",
+            "fit::lobe",
+            "fit::math",
+        ],
+    ),
     ("server::store", &["files"]),
     ("server::queue", &["server::store", "files"]),
     (

@@ -82,7 +82,7 @@ pub enum Command {
     Preview(Box<PreviewArgs>),
     /// Draw where a table's errors are, or all its numbers, as PNG
     Plot(PlotArgs),
-    /// Draw figures of the paper that introduced anisotropic LTCs, from fits of ours
+    /// Draw figures of the paper that introduced anisotropic LTCs and of the notes on isotropic ones, from fits of ours
     Figures(FiguresArgs),
     /// Fit a family of recipes and show what speed and size cost in accuracy
     Tradeoff(TradeoffArgs),

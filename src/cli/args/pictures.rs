@@ -216,7 +216,7 @@ pub struct FiguresArgs {
     /// What renders the spheres
     #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
     pub adapter: AdapterName,
-    /// Folder that the pictures go to
+    /// Folder that the figures go to
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// Number of threads
@@ -226,10 +226,8 @@ pub struct FiguresArgs {
 
 /// A figure by its name.
 fn figure() -> impl TypedValueParser<Value = Figure> {
-    PossibleValuesParser::new(Figure::ALL.map(Figure::name)).map(|name| {
-        // The parser lets no other name through.
-        Figure::ALL.into_iter().find(|figure| figure.name() == name).unwrap_or(Figure::ALL[0])
-    })
+    PossibleValuesParser::new(Figure::ALL.iter().map(|figure| figure.name()))
+        .try_map(|name| Figure::from_name(&name).ok_or("no figure"))
 }
 
 /// What a shader is written as.

@@ -1,6 +1,9 @@
 //! Why a figure could not be drawn.
 
-use crate::{files::recipe_document::RecipeError, view::preview::PreviewError};
+use crate::{
+    files::{recipe_document::RecipeError, textures::NoTextures},
+    view::preview::PreviewError,
+};
 
 /// Why a figure could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -11,6 +14,9 @@ pub enum FigureError {
     /// The renderer's error.
     #[error(transparent)]
     Preview(#[from] PreviewError),
+    /// The textures of a table.
+    #[error(transparent)]
+    Textures(#[from] NoTextures),
     /// The fit was stopped.
     #[error("the fit was stopped")]
     Stopped,

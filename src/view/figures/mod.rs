@@ -1,63 +1,99 @@
-//! The figures of the paper that introduced anisotropic LTCs [KT et al. 2022], made anew from our own fits.
+//! The figures of the paper that introduced anisotropic LTCs [KT et al. 2022] and those of the notes on the isotropic fit,
+//! made anew from our own fits.
 //!
-//! Invariant: equal calls give equal bytes on the same adapter; lobes do so on every machine.
+//! Invariant: equal calls give equal bytes on the same adapter; all but spheres do so on every machine.
 
 mod alignment;
+mod alignments;
 mod error;
 mod fits;
+mod halfway;
 mod hemisphere;
 mod lobes;
 mod metrics;
+mod nearest;
 mod remedies;
 mod resolution;
+mod sizes;
 
-use crate::view::{picture::Picture, preview::Preview};
+use crate::{
+    fit::named_list::named_list,
+    view::{picture::Picture, plots::IsotropicFigure, preview::Preview},
+};
 
 pub use error::FigureError;
 
-/// One of the figures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Figure {
-    /// Artefacts, each from leaving out one remedy.
-    Figure3,
-    /// Lobes fitted by two metrics, from good starts and bad.
-    Figure4,
-    /// Interpolation of matrices that are aligned, and that are not.
-    Figure7,
-    /// Spheres by tables of few and of many nodes.
-    Figure12,
-    /// Eight lobes of GGX beside the LTCs that stand for them.
-    Figure13,
+named_list! {
+    /// One of the figures: of the paper in its order, and of the notes.
+    pub enum Figure {
+        /// Artefacts, each from leaving out one remedy.
+        Figure3 = "figure_3",
+        /// Lobes fitted by two metrics, from good starts and bad.
+        Figure4 = "figure_4",
+        /// Interpolation of matrices that are aligned, and that are not.
+        Figure7 = "figure_7",
+        /// Spheres by tables of few and of many nodes.
+        Figure12 = "figure_12",
+        /// Eight lobes of GGX beside the LTCs that stand for them.
+        Figure13 = "figure_13",
+        /// What tables of several layouts are and take.
+        Table1 = "table_1",
+        /// The paper's alignment, its equation 12, beside ours.
+        Alignment = "alignment",
+        /// The notes' figure 1: the numbers of every entry.
+        Notes1 = "notes_1",
+        /// The notes' figure 2: shear along x.
+        Notes2 = "notes_2",
+        /// The notes' figure 3: shear along z.
+        Notes3 = "notes_3",
+        /// The notes' figure 4: skews by searches that start by themselves, and by warm ones.
+        Notes4 = "notes_4",
+        /// The notes' figure 5: the order in which searches start from each other.
+        Notes5 = "notes_5",
+    }
+}
+
+/// What a figure is written as.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Drawn {
+    /// A PNG.
+    Picture(Picture),
+    /// A table in Markdown.
+    Table(String),
+}
+
+impl Drawn {
+    /// The extension of its file.
+    #[must_use]
+    pub fn extension(&self) -> &'static str {
+        match self {
+            Self::Picture(_) => "png",
+            Self::Table(_) => "md",
+        }
+    }
 }
 
 impl Figure {
-    /// All of them, in the paper's order.
-    pub const ALL: [Self; 5] = [Self::Figure3, Self::Figure4, Self::Figure7, Self::Figure12, Self::Figure13];
-
-    /// The name of its file, without the extension.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Figure3 => "figure_3",
-            Self::Figure4 => "figure_4",
-            Self::Figure7 => "figure_7",
-            Self::Figure12 => "figure_12",
-            Self::Figure13 => "figure_13",
-        }
-    }
-
     /// Fits what it shows, on the current rayon pool, and draws it. Figure 12 takes a minute, the others seconds.
     ///
     /// # Errors
     /// What the renderer of spheres reports.
-    pub fn draw(self, preview: &mut Preview) -> Result<Picture, FigureError> {
-        match self {
-            Self::Figure3 => remedies::draw(preview),
-            Self::Figure4 => metrics::draw(),
-            Self::Figure7 => alignment::draw(),
-            Self::Figure12 => resolution::draw(preview),
-            Self::Figure13 => lobes::draw(),
-        }
+    pub fn draw(self, preview: &mut Preview) -> Result<Drawn, FigureError> {
+        let picture = match self {
+            Self::Figure3 => remedies::draw(preview)?,
+            Self::Figure4 => metrics::draw()?,
+            Self::Figure7 => alignment::draw()?,
+            Self::Figure12 => resolution::draw(preview)?,
+            Self::Figure13 => lobes::draw()?,
+            Self::Table1 => return Ok(Drawn::Table(sizes::table()?)),
+            Self::Alignment => alignments::draw()?,
+            Self::Notes1 => IsotropicFigure::Numbers.draw(),
+            Self::Notes2 => IsotropicFigure::ShearX.draw(),
+            Self::Notes3 => IsotropicFigure::ShearZ.draw(),
+            Self::Notes4 => IsotropicFigure::Starts.draw(),
+            Self::Notes5 => IsotropicFigure::Order.draw(),
+        };
+        Ok(Drawn::Picture(picture))
     }
 }
 

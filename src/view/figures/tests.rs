@@ -1,5 +1,5 @@
 use super::*;
-use crate::view::picture::colour;
+use crate::view::picture::{GROUND, LINE, colour};
 
 /// Pixels of the brightest colours.
 fn bright(picture: &Picture) -> usize {
@@ -35,8 +35,32 @@ fn aligned_matrices_of_one_distribution_stay_it() {
 }
 
 #[test]
-fn every_figure_has_a_name_of_its_own() {
-    let mut names = Figure::ALL.map(Figure::name).to_vec();
-    names.dedup();
-    assert_eq!(names.len(), Figure::ALL.len());
+fn both_alignments_are_drawn_with_their_errors() {
+    let drawn = alignments::draw().expect("a picture");
+    assert!(bright(&drawn) > 400, "{}", bright(&drawn));
+    // A line that is too long would be left out.
+    let first = |line: u32| (2 + line * LINE) * drawn.width;
+    for line in 0..8 {
+        let pixels = &drawn.rgb[first(line) as usize..first(line + 1) as usize];
+        assert!(pixels.iter().any(|pixel| *pixel != GROUND), "line {line} is empty");
+    }
+}
+
+#[test]
+fn table_1_is_the_one_of_the_documentation() {
+    let table = sizes::table().expect("a table");
+    assert_eq!(table, include_str!("../../../docs/figures/table_1.md"), "make figures writes it");
+    assert!(include_str!("../../../docs/figures.md").contains(&table), "docs/figures.md has another one");
+    for (layout, numbers) in [("reflected", "| 11 | 181440 | 90720 |"), ("ltc2017", "| 6 | 131072 | 65536 |")] {
+        let line = table.lines().find(|line| line.starts_with(&format!("| `{layout}` |"))).expect(layout);
+        assert!(line.ends_with(numbers), "{line}");
+    }
+}
+
+#[test]
+fn the_documentation_shows_every_figure() {
+    let text = include_str!("../../../docs/figures.md");
+    for figure in Figure::ALL.iter().filter(|figure| **figure != Figure::Table1) {
+        assert!(text.contains(&format!("(figures/{figure}.png)")), "{figure}");
+    }
 }

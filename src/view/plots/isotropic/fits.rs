@@ -16,6 +16,9 @@ use crate::fit::{
 /// Entries along either side of a table.
 pub(super) const SIDE: u32 = 64;
 
+/// Steps of a search from the cosine: many more than from a near start.
+const STEPS_FROM_COSINE: u32 = 200;
+
 /// As hard as the recipe of docs/recipes/isotropic-l3.json.
 pub(super) fn settings(shear: Shear, start: Start) -> FitSettings {
     FitSettings {
@@ -57,10 +60,43 @@ impl Fit {
 
 /// Every entry of a table of layout `ltc2017` by shear x, from the smoothest roughness up, and for each from the normal down.
 pub(super) fn table(start: Start) -> Vec<Fit> {
+    let plan = plan(start);
+    let fitter = Fitter::new(&plan.recipe().fit());
+    let row = |row: u64| {
+        let entries = fit_rows(&plan, row..row + 1, &mut fitter.another(), &mut |_| ControlFlow::Continue(()));
+        entries.unwrap_or_default()
+    };
+    let rows: Vec<u64> = (0..plan.rows()).collect();
+    let entries: Vec<_> = rows.into_par_iter().with_max_len(1).map(row).collect();
+    entries.concat().iter().map(|entry| Fit::of(from_row_major(&entry.matrix))).collect()
+}
+
+/// The same entries, each searched by itself from the cosine around its lobe's mean direction, which knows nothing of how
+/// wide the lobe is.
+pub(super) fn table_from_cosine() -> Vec<Fit> {
+    let plan = plan(Start::Independent);
+    let fitter = Fitter::new(&FitSettings { steps: STEPS_FROM_COSINE, ..plan.recipe().fit() });
+    let entry = |fitter: &mut Fitter, index: u64| {
+        let place = plan.place(index);
+        let [alpha_x, alpha_y] = place.roughness();
+        let mut go_on = || ControlFlow::Continue(());
+        let mut pulse = Pulse::new(&mut go_on);
+        fitter.fit_from(&Ggx { alpha_x, alpha_y }, place.view(), DMat3::IDENTITY, &mut pulse)
+    };
+    let indices: Vec<u64> = (0..plan.entries()).collect();
+    let entries: Option<Vec<_>> = indices
+        .into_par_iter()
+        .with_max_len(16)
+        .map_init(|| fitter.another(), |fitter, index| entry(fitter, index))
+        .collect();
+    entries.unwrap_or_default().iter().map(|entry| Fit::of(from_row_major(&entry.matrix))).collect()
+}
+
+fn plan(start: Start) -> Plan {
     let layout = Layout::Ltc2017;
     let whole =
         PerAxis { alpha: [0.0, 1.0], ratio: [1.0; 2], theta: [0.0, std::f64::consts::FRAC_PI_2], phi: [0.0; 2] };
-    let plan = Plan::new(&Recipe {
+    Plan::new(&Recipe {
         fitter: FITTER_VERSION,
         brdf: BrdfKind::Ggx.into(),
         lobe: LobeModel::Ltc,
@@ -70,15 +106,7 @@ pub(super) fn table(start: Start) -> Vec<Fit> {
         fit: settings(Shear::X, start),
         terms: true,
         precision: Precision::F32,
-    });
-    let fitter = Fitter::new(&plan.recipe().fit());
-    let row = |row: u64| {
-        let entries = fit_rows(&plan, row..row + 1, &mut fitter.another(), &mut |_| ControlFlow::Continue(()));
-        entries.unwrap_or_default()
-    };
-    let rows: Vec<u64> = (0..plan.rows()).collect();
-    let entries: Vec<_> = rows.into_par_iter().with_max_len(1).map(row).collect();
-    entries.concat().iter().map(|entry| Fit::of(from_row_major(&entry.matrix))).collect()
+    })
 }
 
 /// The matrix of one lobe of GGX.

@@ -1,6 +1,6 @@
 //! Numbers of every entry over roughness and view.
 
-use super::fits::{Fit, SIDE, table};
+use super::fits::{Fit, SIDE, table, table_from_cosine};
 use crate::{
     fit::Start,
     view::{
@@ -53,22 +53,29 @@ pub(super) fn numbers() -> Picture {
     headed(&[&[what], &[AXES], &[COLOURS]], &together(&panels, 5))
 }
 
-/// The skew of every entry by either start.
+/// The skew of every entry by searches from the cosine, and by either start of recipes.
 pub(super) fn starts() -> Picture {
+    let own = Start::ALL.iter().rev().map(|start| (start.name(), table(*start)));
+    let tables: Vec<(&str, Vec<Fit>)> = std::iter::once(("from the cosine", table_from_cosine())).chain(own).collect();
+    let skews: [Named; 2] = [("m13", true, |fit| fit.m13), ("m13 / m11", true, |fit| fit.m13 / fit.m11)];
     let mut panels = Vec::new();
-    let mut jumps = Vec::new();
-    for &start in Start::ALL.iter().rev() {
-        let fits = table(start);
-        jumps.push(format!("{start} {:.5}", second_difference(&fits)));
-        let skews: [Named; 2] = [("m13", true, |fit| fit.m13), ("m13 / m11", true, |fit| fit.m13 / fit.m11)];
-        for (name, is_signed, of) in skews {
-            let values = values(&fits, of);
-            panels.push(Drawn::new(format!("{start}: {name}"), &values, &Scale::of(&values, is_signed)));
+    for (name, is_signed, of) in skews {
+        // One scale for all, which is that of the last.
+        let scale = tables.last().map(|(_, fits)| Scale::of(&values(fits, of), is_signed));
+        for (start, fits) in &tables {
+            let values = values(fits, of);
+            let scale = scale.unwrap_or_else(|| Scale::of(&values, is_signed));
+            panels.push(Drawn::new(format!("{start}: {name}"), &values, &scale));
         }
     }
-    let what = "skew by metric l3 with either start: roughness to the right, view downwards, 64 x 64";
-    let how = format!("mean second difference of m13 / m11 along the view: {}", jumps.join(", "));
-    headed(&[&[what], &[&how]], &together(&panels, 4))
+    let jumps = |of: fn(&Fit) -> f64| {
+        let told = tables.iter().map(|(start, fits)| format!("{start} {:.5}", second_difference(fits, of)));
+        told.collect::<Vec<_>>().join(", ")
+    };
+    let what = "skew by metric l3 from three starts: roughness to the right, view downwards, 64 x 64";
+    let how = "mean second difference along the view";
+    let [skew, relative] = skews.map(|(name, _, of)| format!("  of {name}: {}", jumps(of)));
+    headed(&[&[what], &[how], &[&skew], &[&relative]], &together(&panels, 3))
 }
 
 const AXES: &str = "roughness sqrt(alpha) 0 to 1 to the right, sqrt(1 - cos theta) 0 to 1 downwards: 64 x 64";
@@ -78,12 +85,9 @@ fn values(fits: &[Fit], of: fn(&Fit) -> f64) -> Vec<f32> {
     fits.iter().map(|fit| of(fit) as f32).collect()
 }
 
-/// Mean absolute second difference of the relative skew along the view.
-fn second_difference(fits: &[Fit]) -> f64 {
-    let row = |row: &[Fit]| {
-        let skew = |fit: &Fit| fit.m13 / fit.m11;
-        row.windows(3).map(|s| (skew(&s[0]) - 2.0 * skew(&s[1]) + skew(&s[2])).abs()).sum::<f64>()
-    };
+/// Mean absolute second difference of a number along the view.
+fn second_difference(fits: &[Fit], of: fn(&Fit) -> f64) -> f64 {
+    let row = |row: &[Fit]| row.windows(3).map(|s| (of(&s[0]) - 2.0 * of(&s[1]) + of(&s[2])).abs()).sum::<f64>();
     let side = SIDE as usize;
     fits.chunks(side).map(row).sum::<f64>() / (side * (side - 2)) as f64
 }

@@ -1,0 +1,97 @@
+//! The paper's alignment, its equation 12, beside ours.
+
+use glam::{DMat3, DVec3};
+
+use super::{
+    error::FigureError,
+    fits::fitted,
+    halfway::{Halfway, NEAREST, OURS, Pair},
+    hemisphere::{hemisphere, peak},
+};
+use crate::{
+    fit::{
+        Ltc, PerAxis,
+        brdf::{Brdf, Ggx},
+    },
+    view::picture::{Panel, Picture, caption, grid, headed},
+};
+
+/// Pixels a side of a lobe.
+const SIDE: u32 = 176;
+/// Sharper lobes are too thin to be seen.
+const LEAST_ALPHA: f64 = 0.1;
+/// Anisotropic lobes.
+const ANISOTROPIC: &str = r#"{"layout": "kt2022", "resolution": {"alpha": 5, "ratio": 4, "theta": 6, "phi": 5},
+    "fit": {"samples": 256, "directions": 16}}"#;
+/// Isotropic ones, whose matrices have zeros.
+const ISOTROPIC: &str = r#"{"layout": "ltc2017", "resolution": {"alpha": 16, "theta": 16},
+    "fit": {"metric": "l3", "solver": "nelder_mead", "samples": 512, "directions": 16, "steps": 60}}"#;
+
+/// Draws, of the pairs of neighbours in an anisotropic table whose lobes can be seen, those for which either alignment is
+/// furthest behind the other; above them the errors of all pairs, of this table and of an isotropic one.
+pub(super) fn draw() -> Result<Picture, FigureError> {
+    let tables = [Halfway::of(ANISOTROPIC)?, Halfway::of(ISOTROPIC)?];
+    let mut titled = Vec::new();
+    for (alignment, name) in [(NEAREST, "equation 12 furthest behind"), (OURS, "ours furthest behind")] {
+        if let Some(pair) = tables[0].furthest_behind(alignment, LEAST_ALPHA) {
+            titled.extend(row(pair, name)?);
+        }
+    }
+    let panels: Vec<Panel<'_>> = titled
+        .iter()
+        .map(|(title, picture, foot)| Panel { title, picture: picture.clone(), foot: caption(SIDE, &[foot]) })
+        .collect();
+    let told: Vec<String> = tables.iter().flat_map(told).collect();
+    let what = "Halfway between neighbours, aligned by us and by equation 12; colours by the root of the density";
+    let unit = "error, off by: the sliced Wasserstein distance from GGX, on samples that the fit did not see";
+    let lines: Vec<[&str; 1]> = [[what], [unit]].into_iter().chain(told.iter().map(|line| [line.as_str()])).collect();
+    let lines: Vec<&[&str]> = lines.iter().map(<[&str; 1]>::as_slice).collect();
+    Ok(headed(&lines, &grid(&panels, 5)))
+}
+
+/// The errors of a table in words.
+fn told(table: &Halfway) -> [String; 3] {
+    let PerAxis { alpha, ratio, theta, phi } = table.nodes;
+    let (layout, different, pairs) = (table.layout, table.different, table.pairs.len());
+    let both = |of: fn(&Halfway, usize) -> f64| [of(table, OURS), of(table, NEAREST)];
+    let [ours, nearest] = both(Halfway::mean);
+    let [times, nearest_times] = both(Halfway::most_times);
+    let mirrored = [OURS, NEAREST].map(|of| table.mirrored(of));
+    let [determinant, nearest_determinant] = both(Halfway::least_determinant);
+    [
+        format!(
+            "layout {layout}, {alpha} x {ratio} x {theta} x {phi} nodes, {different} aligned differently; {pairs} pairs"
+        ),
+        format!(
+            "  mean error: ours {ours:.5}, equation 12 {nearest:.5}; at most {times:.2}, {nearest_times:.2} times the other's"
+        ),
+        format!(
+            "  mirrored pairs: {}, {}; least determinant of the others over a node's: {determinant:.2}, {nearest_determinant:.2}",
+            mirrored[OURS], mirrored[NEAREST],
+        ),
+    ]
+}
+
+/// A node, the mean by ours, GGX halfway, the mean by equation 12, and the other node, to the scale of GGX.
+fn row(pair: &Pair, title: &str) -> Result<[(String, Picture, String); 5], FigureError> {
+    let ([alpha_x, alpha_y], wo) = (pair.at.roughness(), pair.at.view());
+    let ggx = Ggx { alpha_x, alpha_y };
+    let amplitude = fitted(&ggx, wo)?.amplitude;
+    let wanted = |wi: DVec3| ggx.eval_cos(wo, wi) / amplitude;
+    let scale = peak(SIDE, wanted);
+    let shown = |m: DMat3| {
+        let ltc = Ltc::new(m);
+        hemisphere(SIDE, scale, move |wi| ltc.as_ref().map_or(0.0, |ltc| ltc.pdf(wi)))
+    };
+    let PerAxis { theta, phi, .. } = pair.at;
+    let at = format!("{alpha_x:.2} {alpha_y:.2}, theta {:.0}, phi {:.0}", theta.to_degrees(), phi.to_degrees());
+    let off = |of: usize| format!("off by {:.4}", pair.errors[of]);
+    let [first, second] = pair.nodes[OURS];
+    Ok([
+        (title.to_owned(), shown(first), "node".to_owned()),
+        ("ours".to_owned(), shown(pair.mean(OURS)), off(OURS)),
+        ("GGX halfway".to_owned(), hemisphere(SIDE, scale, wanted), at),
+        ("equation 12".to_owned(), shown(pair.mean(NEAREST)), off(NEAREST)),
+        (String::new(), shown(second), "node".to_owned()),
+    ])
+}
