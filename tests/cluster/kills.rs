@@ -82,7 +82,7 @@ fn kills_lose_nothing_that_was_acknowledged() {
             (count >= wanted || database.psql(&name, &ended) == "1").then_some(())
         });
         if hit == 4 {
-            workers.iter_mut().for_each(|worker| drop(worker.take()));
+            workers.fill_with(|| None);
             replicas.iter_mut().filter_map(Option::take).for_each(Server::kill);
         }
         for number in 0..2 {
