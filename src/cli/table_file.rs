@@ -147,7 +147,7 @@ mod tests {
         assert!(of(1 << 41).message.contains("EOF while parsing"), "{}", of(1 << 41).message);
         assert!(of(1 << 39).message.contains("longer than"), "{}", of(1 << 39).message);
         let header = r#"{"x":{"dtype":"F32","shape":[262144],"data_offsets":[0,1048576]}}"#;
-        fs::write(&path, [&(header.len() as u64).to_le_bytes()[..], header.as_bytes(), &[0; 1 << 20]].concat())
+        fs::write(&path, [&(header.len() as u64).to_le_bytes()[..], header.as_bytes(), &vec![0; 1 << 20]].concat())
             .expect("a file");
         assert!(of(1 << 41).message.contains("the key is missing"), "{}", of(1 << 41).message);
         let refused = read(Path::new("/dev/zero"), 1 << 41).expect_err("no table");
