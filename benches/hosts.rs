@@ -105,7 +105,9 @@ struct Bench {
 impl Bench {
     /// An empty database, and the folder of tables.
     fn shared(&self) -> Shared {
-        let blobs = format!("file://{}", self.folder.path().join("tables").display());
+        let tables = self.folder.path().join("tables");
+        std::fs::create_dir_all(&tables).expect("a folder");
+        let blobs = format!("file://{}", tables.display());
         let database = self.server.empty_database().parse().expect("any text");
         Shared { database, blobs, cache_bytes: CACHE_BYTES }
     }

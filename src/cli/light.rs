@@ -9,11 +9,14 @@ use super::{
     args::LightArgs,
     csv::{CsvLines, LineFailure},
     input::AnyTable,
-    lamps,
+    lamps, tabulated,
 };
 use crate::{
-    fit::{BrdfKind, Table},
-    light::{Gaussian, LightError, LightModel, Reflected, WeightRule, by_gaussian, by_normals, by_table, truth},
+    fit::{BrdfKind, BrdfModel, Table},
+    light::{
+        Gaussian, LightError, LightModel, Reflected, TRUTH_TOLERANCE, WeightRule, by_gaussian, by_normals, by_table,
+        truth_of,
+    },
 };
 
 /// How the light is found, with what that takes.
@@ -23,9 +26,19 @@ enum Found {
     Ltc(Box<Table>),
 }
 
+impl Found {
+    /// The scattering model of a table; closed forms are of GGX.
+    fn brdf(&self) -> Option<&BrdfModel> {
+        match self {
+            Self::Ltc(table) => Some(table.model()),
+            Self::Normals(_) | Self::Gaussian(_) => None,
+        }
+    }
+}
+
 /// Prints what is reflected for each line, as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let found = choose(args)?;
+    let (found, ggx) = (choose(args)?, BrdfModel::from(BrdfKind::Ggx));
     let lamps = CsvLines::open(&args.cases, "lights")?;
     let mut out = BufWriter::new(&mut *context.stdout);
     if !json {
@@ -43,7 +56,11 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
             Found::Ltc(table) => by_table(table, &at, light),
         };
         let reflected = reflected.map_err(refuse)?;
-        let true_light = if args.truth { Some(truth(&at, light).map_err(refuse)?) } else { None };
+        let true_light = if args.truth {
+            Some(truth_of(found.brdf().unwrap_or(&ggx), TRUTH_TOLERANCE, &at, light).map_err(refuse)?)
+        } else {
+            None
+        };
         let written = if json {
             write_json(&mut out, &reflected, true_light.as_ref())
         } else {
@@ -73,8 +90,8 @@ fn choose(args: &LightArgs) -> Result<Found, CommandFailure> {
                 let (path, lobe) = (path.display(), table.lobe);
                 return usage(&format!("{path}: the table has lobe {lobe}, not {model}: choose --model {lobe}"));
             }
-            if args.truth && table.brdf != BrdfKind::Ggx {
-                return usage(&format!("{}: {}", path.display(), LightError::OtherBrdf(table.brdf())));
+            if args.truth {
+                tabulated::check_complete(&table, &path)?;
             }
             if table.terms.is_none() {
                 let message = format!("{}: {}", path.display(), LightError::NoTerms);

@@ -10,6 +10,7 @@ use super::{
     print, shown, tabulated,
 };
 use crate::{
+    fit::BrdfKind,
     light::WeightRule,
     view::{
         picture::Picture,
@@ -70,6 +71,17 @@ fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailur
         }
         PlotName::Matrix => of_table(Plot::Matrix)?,
         PlotName::Light => {
+            if let Some(any) = read {
+                tabulated::check_complete(&any.table, &any.path)?;
+                if args.weight.is_some() && any.table.brdf != BrdfKind::Ggx {
+                    let message = format!(
+                        "{}: --weight is of model normals, which is of brdf ggx and not drawn beside brdf {}: leave it out",
+                        any.path.display(),
+                        any.table.brdf()
+                    );
+                    return Err(CommandFailure::new(Exit::Usage, message));
+                }
+            }
             let named =
                 read.map(|AnyTable { table, origin, .. }| NamedTable { table, digest: &digest, range: origin.range() });
             light_errors(named, args.weight.unwrap_or(WeightRule::ALL[0]), args.lights.unwrap_or(LIGHTS) as usize)

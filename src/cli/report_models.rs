@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print};
+use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print, tabulated};
 use crate::{
-    fit::{BrdfKind, Spread},
+    fit::{BrdfKind, BrdfModel, Spread},
     light::{EVERYWHERE, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
 };
 
@@ -34,7 +34,7 @@ pub(super) fn run(
         (LightModel::Ltc | LightModel::Sg | LightModel::Asg, _) if args.weight.is_some() => {
             return usage("--weight belongs to model normals");
         }
-        (_, Some(any)) if any.table.brdf != BrdfKind::Ggx => {
+        (LightModel::Normals | LightModel::Sg | LightModel::Asg, Some(any)) if any.table.brdf != BrdfKind::Ggx => {
             return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf())));
         }
         _ if args.points.is_some() || args.extremes => {
@@ -42,11 +42,16 @@ pub(super) fn run(
         }
         _ => {}
     }
+    if let Some(any) = read {
+        tabulated::check_complete(&any.table, &any.path)?;
+    }
+    let ggx = BrdfModel::from(BrdfKind::Ggx);
+    let brdf = read.map_or(&ggx, |any| any.table.model());
     let range = read.map_or(EVERYWHERE, |any| *any.origin.range());
     let count = args.lights.unwrap_or(LIGHTS) as usize;
     let measure = || -> Result<(RandomLights, Vec<Row>), CommandFailure> {
         let failed = |error: LightError| CommandFailure::new(Exit::Failed, error.to_string());
-        let lights = RandomLights::draw(&range, count).map_err(failed)?;
+        let lights = RandomLights::draw(brdf, &range, count).map_err(failed)?;
         let mut rows = Vec::new();
         if let Some(any) = read {
             let name = format!("{}, table {}", any.table.lobe, &any.digest.hex()[..12]);
@@ -68,6 +73,7 @@ pub(super) fn run(
     let value = json!({
         "lights": lights.len(),
         "mean_energy": lights.mean_energy(),
+        "brdf": brdf.kind(),
         "range": range,
         "models": rows.iter().map(|Row { name, model, error }| json!({ "name": name, "model": model, "error": error })).collect::<Vec<_>>(),
     });

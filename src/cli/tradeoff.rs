@@ -17,7 +17,7 @@ use super::{
 use crate::{
     files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT, replace::replace_file},
     fit::{BrdfKind, Plan, Recipe, Table, report},
-    light::{LightError, Lighting, RandomLights},
+    light::{Lighting, RandomLights},
     view::tradeoff::{
         FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture,
         rows, stands_for_ltc,
@@ -33,7 +33,11 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let document = input::recipe_document(name)?;
     let (base, _) = tabulated::recipe(name, &document, None)?;
     if base.brdf() != BrdfKind::Ggx {
-        let message = format!("{}: /brdf: {}", name.display(), LightError::OtherBrdf(base.brdf()));
+        let message = format!(
+            "{}: /brdf: the trade-off is between tables and the models normals, sg and asg, which are of brdf ggx, not {}",
+            name.display(),
+            base.brdf()
+        );
         return Err(CommandFailure::new(Exit::Usage, message));
     }
     if base.lobe().gaussian().is_some() {

@@ -34,7 +34,7 @@ struct Candidate {
 
 /// The lights by which tables and models are measured, within the ranges of a family. Runs on the current rayon pool.
 pub(super) fn lights(base: &Recipe) -> Result<RandomLights, CommandFailure> {
-    RandomLights::draw(&base.range, LIGHTS).map_err(|error| no_light(&error))
+    RandomLights::draw(&base.brdf, &base.range, LIGHTS).map_err(|error| no_light(&error))
 }
 
 /// How far off a model's light is.

@@ -59,4 +59,4 @@ pub use solver::{Shear, Simplex, Solver, Start};
 #[cfg(test)]
 pub(crate) use table::planted_isotropic;
 pub use table::{Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms};
-pub use terms::ggx_terms;
+pub use terms::{ggx_terms, terms_of};

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{
     axes::PerAxis,
-    brdf::BrdfKind,
+    brdf::{BrdfKind, BrdfModel},
     layout::{Layout, within_limits},
     math::{Lattice, SquarePoint},
     table::Terms,
@@ -13,12 +13,18 @@ use super::{
 /// Samples of a lobe. With this many its terms are within 1e-3 of their limit.
 const SAMPLES: usize = 4096;
 
-/// GGX's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on the current rayon
-/// pool; its size changes nothing.
-///
-/// Domain: nodes that a fit could have.
+/// GGX's amplitude and Fresnel term at every node, as [`terms_of`] finds them.
 #[must_use]
 pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
+    terms_of(&BrdfKind::Ggx.into(), layout, axes)
+}
+
+/// A scattering model's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on the current
+/// rayon pool; its size changes nothing.
+///
+/// Domain: nodes that a fit could have, and a model that [is complete](BrdfModel::is_complete).
+#[must_use]
+pub fn terms_of(brdf: &BrdfModel, layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
     let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
     let points: Vec<SquarePoint> = Lattice::new(SAMPLES, [0.0; 2]).points().map(SquarePoint::new).collect();
     let (amplitude, fresnel) = (0..alpha * ratio * theta * phi)
@@ -26,7 +32,7 @@ pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
         .map(|index| {
             let place = within_limits(axes.node(index));
             let wo = place.view();
-            let terms = BrdfKind::Ggx.surface_at(&place).terms(wo, &points);
+            let terms = brdf.surface_at(&place).terms(wo, &points);
             let stored = layout.rules().store_terms(&place, terms);
             (stored.amplitude as f32, stored.fresnel as f32)
         })

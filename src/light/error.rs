@@ -53,9 +53,22 @@ pub enum LightError {
     /// A table tells how lobes look and not how much they reflect.
     #[error("the table has no amplitude and no Fresnel term")]
     NoTerms,
-    /// A table stands for another scattering model than what it is compared with.
-    #[error("the true light and the closed forms are of GGX, and the table is of brdf {0}: take a table of brdf ggx")]
+    /// A closed form is of another scattering model than what it is compared with.
+    #[error("models normals, sg and asg are of brdf ggx, not of brdf {0}, which is lit by a table: choose --model ltc")]
     OtherBrdf(BrdfKind),
+    /// A table stands for another scattering model than the lights that it is measured by.
+    #[error(
+        "the lights are around what brdf {lights} reflects, and the table is of brdf {table}: draw lights for the table's own"
+    )]
+    OtherLights {
+        /// What the lights were drawn for.
+        lights: BrdfKind,
+        /// What the table is of.
+        table: BrdfKind,
+    },
+    /// A tabulated model has no numbers at hand.
+    #[error("the BRDF is tabulated, and its file was not read: attach it first")]
+    NoBrdfFile,
     /// A table's matrix has no inverse.
     #[error("the table's matrix is singular")]
     Singular,

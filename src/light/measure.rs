@@ -9,13 +9,12 @@ use rayon::prelude::*;
 
 use super::{
     Gaussian, LightError, PolygonLight, Reflected, WeightRule, by_gaussian, by_normals, by_table, gaussians::Warp,
-    model::by_warp, truth_within,
+    model::by_warp, truth_of,
 };
 use crate::fit::{
-    BrdfKind, Configuration, PerAxis, Sides, Spread, Table,
-    brdf::{Brdf, Ggx},
-    ggx_terms,
+    BrdfKind, BrdfModel, Configuration, PerAxis, Sides, Spread, Table,
     math::{cos, direction, ln, pow},
+    terms_of,
 };
 
 /// Roughnesses below these are not drawn: a lobe of theirs is inside a light or outside.
@@ -37,11 +36,11 @@ pub const EVERYWHERE: PerAxis<[f64; 2]> =
 /// A model and what it reads.
 #[derive(Debug, Clone, Copy)]
 pub enum Lighting<'a> {
-    /// A table. One of Linearly Transformed Cosines without terms gets GGX's own.
+    /// A table. One of Linearly Transformed Cosines without terms gets its scattering model's own.
     Ltc(&'a Table),
-    /// The closed form in the space of normals.
+    /// The closed form in the space of normals, of GGX.
     Normals(WeightRule),
-    /// One Gaussian.
+    /// One Gaussian, of GGX.
     Gaussian(Gaussian),
     /// One Gaussian, warped around the surface's own normal as in the articles.
     AroundSurface(Gaussian),
@@ -54,30 +53,34 @@ struct Lit {
     light: PolygonLight,
 }
 
-/// Random rectangles around what random surfaces reflect, and the energy that is reflected of each.
+/// Random rectangles around what random surfaces of a scattering model reflect, and the energy that is reflected of each.
 ///
 /// Equal arguments give equal lights.
 #[derive(Debug, Clone)]
 pub struct RandomLights {
+    brdf: BrdfModel,
     lit: Vec<Lit>,
     energy: Vec<f64>,
 }
 
 impl RandomLights {
-    /// `count` lights on surfaces and views within the ranges of a table.
+    /// `count` lights on surfaces and views within the ranges of a table of a scattering model.
     ///
     /// The square root of alpha, ratio and angles are even; alpha is 0.01 at least and theta 88 degrees at most. A light
-    /// stands at distance one around the reflection of a visible normal, turned and tilted at random, half as wide as 0.05
-    /// to 1.2. Domain: at least one light. Runs on the current rayon pool; its size changes nothing.
+    /// stands at distance one around a direction that the model's sampler draws (for GGX the reflection of a visible normal), turned
+    /// and tilted at random, half as wide as 0.05 to 1.2. Domain: at least one light. Runs on the current rayon pool; its size changes nothing.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for ranges that no table has.
-    pub fn draw(range: &PerAxis<[f64; 2]>, count: usize) -> Result<Self, LightError> {
+    /// [`LightError::Domain`] for ranges that no table has, [`LightError::NoBrdfFile`] for a tabulated model without its numbers.
+    pub fn draw(brdf: &BrdfModel, range: &PerAxis<[f64; 2]>, count: usize) -> Result<Self, LightError> {
+        if !brdf.is_complete() {
+            return Err(LightError::NoBrdfFile);
+        }
         let mut random = Draw(Xoshiro256PlusPlus::seed_from_u64(SEED));
-        let lit: Vec<Lit> = (0..count).map(|_| random.lit(range)).collect();
-        let energy = |lit: &Lit| truth_within(TOLERANCE, &lit.at, &lit.light).map(|truth| truth.energy);
+        let lit: Vec<Lit> = (0..count).map(|_| random.lit(brdf, range)).collect();
+        let energy = |lit: &Lit| truth_of(brdf, TOLERANCE, &lit.at, &lit.light).map(|truth| truth.energy);
         let energy = lit.par_iter().map(energy).collect::<Result<_, _>>()?;
-        Ok(Self { lit, energy })
+        Ok(Self { brdf: brdf.clone(), lit, energy })
     }
 
     /// The number of lights.
@@ -87,19 +90,21 @@ impl RandomLights {
         self.lit.len()
     }
 
-    /// Mean of the reflected energy, in [0, 1].
+    /// Mean of the reflected energy: in [0, 1] for a model that gains no light.
     #[must_use]
     pub fn mean_energy(&self) -> f64 {
         self.energy.iter().sum::<f64>() / self.energy.len() as f64
     }
 }
 
-/// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights: in [0, 1].
+/// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights: in [0, 1] for a scattering
+/// model that gains no light.
 ///
 /// # Errors
-/// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherBrdf`] for one that is not of GGX.
+/// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherLights`] for one of another scattering model than the
+/// lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
-    Ok(spread(errors(model.with_terms()?.borrowed(), lights)?))
+    Ok(spread(errors(model.with_terms(&lights.brdf)?.borrowed(), lights)?))
 }
 
 fn errors(model: Lighting<'_>, lights: &RandomLights) -> Result<Vec<f64>, LightError> {
@@ -118,7 +123,7 @@ pub struct LightMap {
     pub errors: Vec<Vec<f64>>,
 }
 
-/// Measures models on `count` random lights in each of `cells` by `cells` parts of a range, over all of its ratios and
+/// Measures models of light, for surfaces of one scattering model, on `count` random lights in each of `cells` by `cells` parts of a range, over all of its ratios and
 /// azimuths. The lights are those of [`RandomLights`]; neighbouring cells have like ones.
 ///
 /// Domain: at least one cell and one light. Runs on the current rayon pool; its size changes nothing.
@@ -127,18 +132,19 @@ pub struct LightMap {
 /// As [`RandomLights::draw`] and [`light_error`].
 pub fn light_map(
     models: &[Lighting<'_>],
+    brdf: &BrdfModel,
     range: &PerAxis<[f64; 2]>,
     cells: usize,
     count: usize,
 ) -> Result<LightMap, LightError> {
-    let models: Vec<Owned<'_>> = models.iter().map(|model| model.with_terms()).collect::<Result<_, _>>()?;
+    let models: Vec<Owned<'_>> = models.iter().map(|model| model.with_terms(brdf)).collect::<Result<_, _>>()?;
     let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_ALPHA, 1.0).sqrt());
     let theta = range.theta.map(|theta| theta.min(STEEPEST));
     let part = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / cells as f64;
     let both = |ends: [f64; 2], i: usize| [part(ends, i), part(ends, i + 1)];
     let cell = |index: usize| -> Result<Vec<f64>, LightError> {
         let alpha = both(roughness, index / cells).map(|root| root * root);
-        let lights = RandomLights::draw(&PerAxis { alpha, theta: both(theta, index % cells), ..*range }, count)?;
+        let lights = RandomLights::draw(brdf, &PerAxis { alpha, theta: both(theta, index % cells), ..*range }, count)?;
         models.iter().map(|model| Ok(spread(errors(model.borrowed(), &lights)?).mean)).collect()
     };
     let by_cell: Vec<Vec<f64>> = (0..cells * cells).into_par_iter().map(cell).collect::<Result<_, _>>()?;
@@ -169,15 +175,20 @@ fn spread(mut errors: Vec<f64>) -> Spread {
 }
 
 impl<'a> Lighting<'a> {
-    /// A table without terms with GGX's own. Tables of other models are not measured by the truth of GGX.
-    fn with_terms(self) -> Result<Owned<'a>, LightError> {
+    /// A table without terms with its scattering model's own. Every model is measured by the truth of what it stands for.
+    fn with_terms(self, brdf: &BrdfModel) -> Result<Owned<'a>, LightError> {
         Ok(match self {
-            Self::Ltc(table) if table.brdf != BrdfKind::Ggx => return Err(LightError::OtherBrdf(table.brdf())),
+            Self::Ltc(table) if table.brdf != *brdf => {
+                return Err(LightError::OtherLights { lights: brdf.kind(), table: table.brdf() });
+            }
+            Self::Normals(_) | Self::Gaussian(_) | Self::AroundSurface(_) if *brdf != BrdfKind::Ggx => {
+                return Err(LightError::OtherBrdf(brdf.kind()));
+            }
             Self::Ltc(table) if table.terms.is_none() && table.lobe.gaussian().is_some() => {
                 return Err(LightError::NoTerms);
             }
             Self::Ltc(table) if table.terms.is_none() => {
-                let terms = Some(ggx_terms(table.layout, &table.axes));
+                let terms = Some(terms_of(brdf, table.layout, &table.axes));
                 Owned::WithTerms(Box::new(Table { terms, ..table.clone() }))
             }
             given => Owned::Given(given),
@@ -219,11 +230,11 @@ impl Draw {
         Configuration { alpha_x: alpha, alpha_y: across, theta, phi: self.within(range.phi) }
     }
 
-    fn lit(&mut self, range: &PerAxis<[f64; 2]>) -> Lit {
+    fn lit(&mut self, brdf: &BrdfModel, range: &PerAxis<[f64; 2]>) -> Lit {
         loop {
             let at = self.configuration(range);
-            let ggx = Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y };
-            let centre = ggx.sample(direction(at.theta, at.phi), [self.unit(), self.unit()]).wi;
+            let surface = brdf.surface([at.alpha_x, at.alpha_y]);
+            let centre = surface.sample(direction(at.theta, at.phi), [self.unit(), self.unit()]).wi;
             let towards = (0.5 * self.vector() - centre).normalize();
             let x = towards.cross(self.vector()).normalize();
             let [least, most] = HALF_WIDTH;
@@ -251,7 +262,7 @@ mod tests {
         PerAxis { alpha: [1e-4, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
 
     fn lights(range: &PerAxis<[f64; 2]>, count: usize) -> RandomLights {
-        RandomLights::draw(range, count).expect("ranges of a table")
+        RandomLights::draw(&BrdfKind::Ggx.into(), range, count).expect("ranges of a table")
     }
 
     #[test]
@@ -267,7 +278,10 @@ mod tests {
             let middle = *a + *b + *c + *d;
             assert!(middle.z > 0.0 && (*b - *a).dot(*c - *b).abs() < 1e-9 * middle.length_squared(), "{light:?}");
         }
-        assert!(RandomLights::draw(&PerAxis { alpha: [0.5, 0.5], theta: [-1.0, -1.0], ..RANGE }, 3).is_err());
+        assert!(
+            RandomLights::draw(&BrdfKind::Ggx.into(), &PerAxis { alpha: [0.5, 0.5], theta: [-1.0, -1.0], ..RANGE }, 3)
+                .is_err()
+        );
     }
 
     /// The clamped cosine in place of every lobe.
@@ -286,7 +300,9 @@ mod tests {
     #[test]
     fn a_map_tells_where_a_model_is_off() {
         let (wrong, rules) = (cosine(), WeightRule::Fan);
-        let map = light_map(&[Lighting::Ltc(&wrong), Lighting::Normals(rules)], &EVERYWHERE, 3, 12).expect("a surface");
+        let map =
+            light_map(&[Lighting::Ltc(&wrong), Lighting::Normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
+                .expect("a surface");
         assert_eq!((map.errors.len(), map.errors[0].len()), (2, 9));
         // The cosine is the lobe of nothing sharp.
         let [ltc, normals] = [&map.errors[0], &map.errors[1]];

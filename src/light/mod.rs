@@ -29,4 +29,4 @@ pub use refracted::by_refraction;
 pub use shaped::{AreaLight, LightShape, ShapedLight};
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
 pub use table::by_table;
-pub use truth::{TRUTH_TOLERANCE, truth, truth_within};
+pub use truth::{TRUTH_TOLERANCE, truth, truth_of, truth_within};

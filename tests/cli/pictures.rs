@@ -69,8 +69,26 @@ fn a_table_of_another_scattering_model_is_shown_beside_its_own() {
         run_with_stdin(folder.path(), ["light", "-", "--model", "ltc", "--table", table].iter().chain(more), lights)
     };
     assert!(light(&[]).exited(0).stdout.lines().count() == 2);
-    assert!(light(&["--truth"]).exited(2).stderr.contains("brdf charlie"));
-    assert!(run(folder.path(), ["report", table, "--model", "normals"]).exited(2).stderr.contains("brdf charlie"));
+    let told = light(&["--truth", "--json"]).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    let [by_table, truth] = ["energy", "true_energy"].map(|name| told[name].as_f64().expect("a number"));
+    assert!(truth > 0.01 && by_table != truth && (by_table - truth).abs() < 0.3 * truth, "{told}");
+    let told = run(folder.path(), ["report", table, "--model", "ltc", "--lights", "40", "--json"]).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    let error = told["models"][0]["error"]["mean"].as_f64().expect("a mean");
+    let energy = told["mean_energy"].as_f64().expect("a mean");
+    assert!(told["brdf"] == "charlie" && error > 1e-5 && error < 0.3 * energy, "{told}");
+    let told = run(folder.path(), ["plot", table, "light", "--lights", "1", "-o", "l.png", "--json"]).exited(0);
+    let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
+    assert!(told["width"].as_u64().is_some_and(|width| width < 600), "one panel: {told}");
+    for of_ggx in [
+        &["report", table, "--model", "normals"][..],
+        &["report", table, "--model", "sg"],
+        &["plot", table, "light", "--weight", "fan", "-o", "x.png"],
+    ] {
+        let refused = run(folder.path(), of_ggx).exited(2);
+        assert!(refused.stderr.contains("of brdf ggx") && refused.stderr.contains("brdf charlie"), "{refused:#?}");
+    }
     let tradeoff = run_with_stdin(folder.path(), ["tradeoff", "--recipe", "-", "--quick", "-o", "."], recipe).exited(2);
     assert!(tradeoff.stderr.contains("/brdf: ") && tradeoff.stderr.contains("brdf charlie"), "{tradeoff:#?}");
 

@@ -60,12 +60,21 @@ fn a_model_as_numbers_is_fitted_as_the_model_itself() {
     // Without the file nothing is measured, and all else works.
     fs::remove_file(here.join(format!("tables/{}.brdf.safetensors", digest.trim_start_matches("sha256:"))))
         .expect("the file");
-    for command in [&["report", table][..], &["plot", table, "error", "-o", "e.png"], &["diff", table, table], &picture]
-    {
+    let commands = [
+        &["report", table][..],
+        &["report", table, "--model", "ltc"],
+        &["plot", table, "error", "-o", "e.png"],
+        &["plot", table, "light", "-o", "l.png"],
+        &["light", "/dev/null", "--model", "ltc", "--table", table, "--truth"],
+        &["diff", table, table],
+        &picture,
+    ];
+    for command in commands {
         let refused = run(here, command).exited(1);
         assert!(refused.complaints()[0].contains("tabulated BRDF"), "{refused:#?}");
     }
     run(here, ["plot", table, "matrix", "-o", "m.png"]).exited(0);
+    run(here, ["light", "/dev/null", "--model", "ltc", "--table", table]).exited(0);
     run(here, ["preview", table, "-o", "p.png", "--size", "64", "--adapter", "cpu"]).exited(0);
     run(here, ["verify", &format!("tables/{hex}.safetensors")]).exited(0);
 }

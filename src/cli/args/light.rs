@@ -36,7 +36,7 @@ pub struct LightArgs {
     /// How model `normals` averages shadowing over a light [default: fan]
     #[arg(long, value_parser = weights())]
     pub weight: Option<WeightRule>,
-    /// Print the truth beside it, by adaptive quadrature: milliseconds a line
+    /// Print the truth beside it, of the table's scattering model or of GGX, by adaptive quadrature: milliseconds a line
     #[arg(long)]
     pub truth: bool,
 }

@@ -174,6 +174,16 @@ impl Brdf for Beckmann {
         self.pdf(wo, wi) * self.g2_over_g1(wo, wi)
     }
 
+    /// `D(wm) G2(wo, wi) (wo . wm) / cos(theta_o)`.
+    fn eval_normal(&self, wo: DVec3, wm: DVec3) -> f64 {
+        let cosine = wo.dot(wm);
+        if cosine <= 0.0 || wo.z <= 0.0 {
+            return 0.0;
+        }
+        let g2 = self.smith_g1(wo) * self.g2_over_g1(wo, 2.0 * cosine * wm - wo);
+        self.distribution(wm) * g2 * cosine / wo.z
+    }
+
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {
         let wm = self.visible_normal(wo, u);
         let cos_theta_d = wo.dot(wm);

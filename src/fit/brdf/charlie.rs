@@ -1,10 +1,10 @@
 //! Sheen by the Charlie distribution, with the visibility of Estevez and Kulla.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_3, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::scattering::{Brdf, BrdfRules, BrdfSample, Compared};
+use super::scattering::{Bends, Brdf, BrdfRules, BrdfSample, Compared};
 use crate::fit::math::{SquarePoint, exp, pow};
 
 /// The sheen of Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
@@ -75,6 +75,11 @@ impl Brdf for Charlie {
         }
         let shadowed = 1.0 + self.smith_lambda(wo.z) + self.smith_lambda(wi.z);
         self.fibres.distribution(wo, wi) / (4.0 * wo.z * shadowed)
+    }
+
+    /// `Lambda` has two branches.
+    fn bends(&self, _: DVec3) -> Bends {
+        Bends { theta_i: vec![FRAC_PI_3], phi: Vec::new() }
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {

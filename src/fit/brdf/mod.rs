@@ -24,7 +24,7 @@ pub use ggx::Ggx;
 pub use model::{BrdfModel, TabulatedFile};
 pub use oren_nayar::OrenNayar;
 pub(crate) use scattering::BrdfRules;
-pub use scattering::{Brdf, BrdfSample, LobeTerms, cos_theta_d};
+pub use scattering::{Bends, Brdf, BrdfSample, LobeTerms, cos_theta_d};
 pub(crate) use symmetry::Mirrors;
 #[cfg(test)]
 pub(crate) use tabulated::tests::planted as planted_tabulated;

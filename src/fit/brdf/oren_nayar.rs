@@ -1,12 +1,12 @@
 //! Energy-preserving Oren-Nayar.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
 use super::{
     hemisphere::Hemisphere,
-    scattering::{Brdf, BrdfRules, BrdfSample, Compared},
+    scattering::{Bends, Brdf, BrdfRules, BrdfSample, Compared},
 };
 use crate::fit::math::{SquarePoint, atan2};
 
@@ -77,6 +77,11 @@ impl Brdf for OrenNayar {
         let single = 1.0 + r * s_over_t;
         let multiple = r * lost(wo) * lost(wi) / LOST_ON_AVERAGE;
         (single + multiple) * wi.z / (PI * (1.0 + LOST * r))
+    }
+
+    /// `s` changes its sign a quarter turn from the view, and `t` is the larger cosine.
+    fn bends(&self, wo: DVec3) -> Bends {
+        Bends { theta_i: vec![atan2((wo.x * wo.x + wo.y * wo.y).sqrt(), wo.z)], phi: vec![FRAC_PI_2] }
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {

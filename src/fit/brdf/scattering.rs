@@ -30,12 +30,37 @@ pub fn cos_theta_d(wo: DVec3, wi: DVec3) -> f64 {
     (0.5 * (1.0 + wo.dot(wi)).max(0.0)).sqrt()
 }
 
+/// Where a model bends as a function of the light's direction, for one view. Quadratures end their intervals there.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Bends {
+    /// Polar angles of the light, radians in (0, pi/2).
+    pub theta_i: Vec<f64>,
+    /// Azimuths of the light from the view's on either side, radians in \[0, pi\].
+    pub phi: Vec<f64>,
+}
+
 /// A scattering model with its surface's tangent frame: normal +z, and x and y along the axes of anisotropy.
 ///
 /// Directions point away from the surface and have unit length; the Fresnel factor is one.
 pub trait Brdf: Sync {
     /// `f(wo, wi) cos(theta_i)`, per steradian; zero when either direction is below the horizon.
     fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64;
+
+    /// What the normals around `wm` reflect, per steradian of normals: `4 (wo . wm) f(wo, wi) cos(theta_i)` for the `wi` that `wm`
+    /// reflects. A model of microfacets may know `wm` better than half the way between two directions tells.
+    fn eval_normal(&self, wo: DVec3, wm: DVec3) -> f64 {
+        let cosine = wo.dot(wm);
+        if cosine <= 0.0 {
+            return 0.0;
+        }
+        4.0 * cosine * self.eval_cos(wo, 2.0 * cosine * wm - wo)
+    }
+
+    /// Where [`Brdf::eval_cos`] bends as a function of `wi`, as far as quadratures gain from knowing it; nowhere unless a model says
+    /// so.
+    fn bends(&self, _wo: DVec3) -> Bends {
+        Bends::default()
+    }
 
     /// Draws a light direction for `wo` from a point of the unit square. Domain: `wo.z > 0`.
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample;

@@ -23,7 +23,7 @@ pub(crate) struct Lit {
 }
 
 impl Lit {
-    pub(super) fn light(&self, sides: Sides) -> PolygonLight {
+    pub(crate) fn light(&self, sides: Sides) -> PolygonLight {
         PolygonLight::new(self.vertices.clone(), sides).expect("convex")
     }
 
@@ -62,7 +62,7 @@ impl Draw {
         (-2.0 * (1.0 - self.within(0.0, 1.0)).ln()).sqrt() * self.within(0.0, TAU).cos()
     }
 
-    pub(super) fn vector(&mut self) -> DVec3 {
+    pub(crate) fn vector(&mut self) -> DVec3 {
         DVec3::new(self.normal(), self.normal(), self.normal())
     }
 
@@ -82,7 +82,7 @@ impl Draw {
     }
 
     /// A rectangle, half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that the lobe reflects.
-    pub(super) fn lit(&mut self, roughness: Roughness) -> Lit {
+    pub(crate) fn lit(&mut self, roughness: Roughness) -> Lit {
         self.lit_by(roughness, [0.05, 1.2])
     }
 
@@ -124,10 +124,14 @@ impl Draw {
     }
 }
 
+/// What GGX reflects of a parallelogram of radiance one, by [`over_area_of`].
+pub(super) fn over_area(lit: &Lit, n: u32) -> [f64; 2] {
+    over_area_of(&Ggx { alpha_x: lit.at.alpha_x, alpha_y: lit.at.alpha_y }, lit, n)
+}
+
 /// What is reflected of a parallelogram of radiance one, by the midpoint rule on its area with `n` by `n` cells and the
 /// BRDF itself: for a Fresnel factor of one, and weighed by Schlick's fifth power.
-pub(super) fn over_area(lit: &Lit, n: u32) -> [f64; 2] {
-    let ggx = Ggx { alpha_x: lit.at.alpha_x, alpha_y: lit.at.alpha_y };
+pub(super) fn over_area_of(brdf: &dyn Brdf, lit: &Lit, n: u32) -> [f64; 2] {
     let wo = lit.wo();
     let [corner, next, _, last] = lit.vertices[..] else { panic!("four vertices") };
     let (x, y) = (next - corner, last - corner);
@@ -140,7 +144,7 @@ pub(super) fn over_area(lit: &Lit, n: u32) -> [f64; 2] {
             let distance2 = place.length_squared();
             let wi = place / distance2.sqrt();
             let solid_angle = wi.dot(area).abs() / distance2 / f64::from(n * n);
-            let energy = ggx.eval_cos(wo, wi) * solid_angle;
+            let energy = brdf.eval_cos(wo, wi) * solid_angle;
             let cosine = wo.dot((wo + wi).normalize()).min(1.0);
             sum = [sum[0] + energy, sum[1] + energy * (1.0 - cosine).powi(5)];
         }

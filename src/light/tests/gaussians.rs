@@ -20,7 +20,7 @@ use crate::{
 /// The measure of `docs/gaussians.md`.
 #[test]
 fn random_lights_are_off_by_a_tenth_and_the_stretched_gaussian_by_less() {
-    let lights = RandomLights::draw(&EVERYWHERE, 1500).expect("ranges of a table");
+    let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &EVERYWHERE, 1500).expect("ranges of a table");
     let error = |gaussian| light_error(Lighting::Gaussian(gaussian), &lights).expect("a surface");
     let [sg, asg] = [Gaussian::Sg, Gaussian::Asg].map(error);
     println!("sg {sg:?}\nasg {asg:?}");
@@ -73,7 +73,7 @@ fn fitted(lobe: LobeModel) -> Table {
 /// 0.76 of the closed form's for a round Gaussian, 0.80 for a stretched one.
 #[test]
 fn fitted_gaussians_are_nearer_than_closed_forms() {
-    let lights = RandomLights::draw(&EVERYWHERE, 600).expect("ranges of a table");
+    let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &EVERYWHERE, 600).expect("ranges of a table");
     let error = |model: Lighting<'_>| light_error(model, &lights).expect("a surface");
     for (lobe, gaussian, part) in [(LobeModel::Sg, Gaussian::Sg, 0.8), (LobeModel::Asg, Gaussian::Asg, 0.84)] {
         let table = fitted(lobe);

@@ -3,6 +3,7 @@
 mod bent;
 pub(crate) mod cases;
 mod closed_form;
+mod every_brdf;
 mod extremes;
 mod gaussians;
 mod jumps;

@@ -20,7 +20,7 @@ use crate::{
 
 /// A light with the numbers that it was made of.
 #[derive(Debug, Clone, Copy)]
-enum Case {
+pub(super) enum Case {
     Ellipse(DVec3, [DVec3; 2]),
     Sphere(DVec3, f64),
     Tube([DVec3; 2], f64),
@@ -28,7 +28,7 @@ enum Case {
 }
 
 impl Case {
-    fn light(&self) -> Result<ShapedLight, LightError> {
+    pub(super) fn light(&self) -> Result<ShapedLight, LightError> {
         match *self {
             Self::Ellipse(centre, half_axes) => ShapedLight::ellipse(centre, half_axes, Sides::Two),
             Self::Sphere(centre, radius) => ShapedLight::sphere(centre, radius),
@@ -39,13 +39,12 @@ impl Case {
 
     /// What is reflected of it: energy and Schlick's part, by the midpoint rule over the light's own surface with `n` by `n` cells a
     /// part and the BRDF itself.
-    fn by_sum(&self, at: &Configuration, n: u32) -> [f64; 2] {
-        let (ggx, wo) = (Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, direction(at.theta, at.phi));
+    pub(super) fn by_sum(&self, brdf: &dyn Brdf, wo: DVec3, n: u32) -> [f64; 2] {
         let mut sum = [0.0; 2];
         // Adds a piece of a surface that is seen under a solid angle.
         let mut add = |place: DVec3, solid_angle: f64| {
             let wi = place.normalize();
-            let energy = ggx.eval_cos(wo, wi) * solid_angle;
+            let energy = brdf.eval_cos(wo, wi) * solid_angle;
             let cosine = wo.dot((wo + wi).normalize()).min(1.0);
             sum = [sum[0] + energy, sum[1] + energy * (1.0 - cosine).powi(5)];
         };
@@ -101,7 +100,7 @@ impl Case {
 }
 
 /// A light of each shape around a direction that the lobe reflects, at distance one.
-fn cases(draw: &mut Draw, centre: DVec3) -> [Case; 4] {
+pub(super) fn cases(draw: &mut Draw, centre: DVec3) -> [Case; 4] {
     let [x, y] = [0; 2].map(|_: u32| draw.vector() * draw.within(0.05, 0.6));
     let half = draw.vector().normalize() * draw.within(0.05, 1.0);
     let ends = [centre - half, centre + half];
@@ -135,7 +134,8 @@ fn the_truth_is_the_sum_over_a_lights_surface() {
         .filter_map(|(at, case)| {
             let light = case.light().ok()?;
             let found = truth(&at, &light).expect("a surface");
-            let [coarse, fine] = [150, 300].map(|n| case.by_sum(&at, n));
+            let (ggx, wo) = (Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, direction(at.theta, at.phi));
+            let [coarse, fine] = [150, 300].map(|n| case.by_sum(&ggx, wo, n));
             let off = |found: f64, i: usize| (found - fine[i]).abs() - (fine[i] - coarse[i]).abs();
             assert!(found.fresnel <= found.energy, "{found:?}");
             Some((case, off(found.energy, 0).max(off(found.fresnel, 1))))

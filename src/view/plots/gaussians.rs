@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::curves::{Curve, Frame, legend};
 use crate::{
     fit::{
-        PerAxis,
+        BrdfKind, PerAxis,
         brdf::Ggx,
         math::{cos, direction, exp, sin_cos},
     },
@@ -152,7 +152,7 @@ fn errors(alpha: f64, count: usize) -> Result<Picture, LightError> {
     let at = |degrees: &f64| -> Result<Vec<f64>, LightError> {
         let theta = [degrees.to_radians(); 2];
         let range = PerAxis { alpha: [alpha; 2], ratio: [0.0, 1.0], theta, phi: [0.0, FRAC_PI_2] };
-        let lights = RandomLights::draw(&range, count)?;
+        let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &range, count)?;
         let error = |(gaussian, warp, _)| {
             let model = match warp {
                 Warp::Visible => Lighting::Gaussian(gaussian),

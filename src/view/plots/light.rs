@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use crate::{
-    fit::{PerAxis, Table},
+    fit::{BrdfKind, BrdfModel, PerAxis, Table},
     light::{EVERYWHERE, LightError, Lighting, WeightRule, light_map},
     view::picture::{Panel, Picture, bar, colour, grid, headed, short_digest},
 };
@@ -24,21 +24,24 @@ pub struct NamedTable<'a> {
 }
 
 /// Draws how far off the closed form in the space of normals is under a rule, and before it a table if one is given, by
-/// `count` random lights in each cell. Measures on the current rayon pool; its size changes nothing.
+/// `count` random lights in each cell. A table of another scattering model than GGX stands alone. Measures on the current rayon pool; its size changes nothing.
 ///
 /// # Errors
-/// [`LightError`] for a table that does not tell.
+/// [`LightError`] for a table that does not tell, and one of a tabulated model without its numbers.
 pub fn light_errors(table: Option<NamedTable<'_>>, rule: WeightRule, count: usize) -> Result<Picture, LightError> {
+    let ggx = BrdfModel::from(BrdfKind::Ggx);
+    let brdf = table.map_or(&ggx, |named| named.table.model());
+    let closed = (*brdf == BrdfKind::Ggx).then_some(rule);
     let models: Vec<Lighting<'_>> =
-        table.iter().map(|named| Lighting::Ltc(named.table)).chain([Lighting::Normals(rule)]).collect();
+        table.iter().map(|named| Lighting::Ltc(named.table)).chain(closed.map(Lighting::Normals)).collect();
     let range = table.map_or(EVERYWHERE, |named| *named.range);
-    let map = light_map(&models, &range, CELLS, count)?;
+    let map = light_map(&models, brdf, &range, CELLS, count)?;
     let nodes = table.map_or([&[][..], &[][..]], |NamedTable { table, .. }| [&table.axes.alpha, &table.axes.theta]);
     let chart = Chart { cells: CELLS, roughness: map.roughness, theta: map.theta, nodes, ends: ENDS };
     let titles = table
         .iter()
         .map(|named| format!("LTC, table {}", short_digest(named.digest)))
-        .chain([format!("model normals, weight {rule}")]);
+        .chain(closed.map(|rule| format!("model normals, weight {rule}")));
     let titles: Vec<String> = titles
         .zip(&map.errors)
         .map(|(title, errors)| format!("{title}: mean {:.5}", errors.iter().sum::<f64>() / errors.len() as f64))

@@ -5,11 +5,11 @@ use std::{f64::consts::PI, sync::Arc};
 use glam::DVec3;
 
 use super::{
-    TabulatedBrdf,
+    TabulatedAxes, TabulatedBrdf,
     grid::{Cell, mass_below, masses},
 };
 use crate::fit::{
-    brdf::scattering::{Brdf, BrdfSample, cos_theta_d},
+    brdf::scattering::{Bends, Brdf, BrdfSample, cos_theta_d},
     math::{SquarePoint, atan2, sin_cos},
 };
 
@@ -52,6 +52,12 @@ impl Brdf for TabulatedSurface {
         let axes = self.data.axes();
         let (theta_i, phi) = (Cell::of(&axes.theta_i, polar(wi)), Cell::of(&axes.phi, apart));
         self.data.value(self.alpha, self.view(wo), theta_i, phi) * wi.z
+    }
+
+    /// At every node.
+    fn bends(&self, _: DVec3) -> Bends {
+        let TabulatedAxes { theta_i, phi, .. } = self.data.axes();
+        Bends { theta_i: theta_i[1..theta_i.len() - 1].to_vec(), phi: phi.clone() }
     }
 
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample {

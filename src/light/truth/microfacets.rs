@@ -1,0 +1,122 @@
+//! Lobes around a reflection, among the normals that reflect.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{space::Space, with_fresnel};
+use crate::fit::brdf::{Brdf, Ggx};
+
+/// Cosine of 60 degrees: rays from a tip so near the pole turn by 150 degrees at most.
+const NEAR_POLE: f64 = 0.5;
+
+/// The map of a direction of light to the normal that reflects the view there, `c = normalize(A^-1 h)`,
+/// `A = diag(alpha_x, alpha_y, 1)`.
+struct Stretch {
+    stretch: DVec3,
+    wo: DVec3,
+}
+
+impl Stretch {
+    fn new([alpha_x, alpha_y]: [f64; 2], wo: DVec3) -> Self {
+        Self { stretch: DVec3::new(alpha_x, alpha_y, 1.0), wo }
+    }
+
+    fn image(&self, w: DVec3) -> DVec3 {
+        ((self.wo + w) / self.stretch).normalize()
+    }
+
+    fn turning_image(&self, w: DVec3, turning: DVec3) -> (DVec3, DVec3) {
+        let h = (self.wo + w) / self.stretch;
+        let length = h.length();
+        (h / length, turning / self.stretch / length)
+    }
+}
+
+/// A lobe of GGX among normals.
+pub(super) struct GgxNormals {
+    map: Stretch,
+    ggx: Ggx,
+    /// `A wo`, and its length.
+    seen_along: DVec3,
+    length: f64,
+}
+
+impl GgxNormals {
+    pub(super) fn new([alpha_x, alpha_y]: [f64; 2], wo: DVec3) -> Self {
+        let map = Stretch::new([alpha_x, alpha_y], wo);
+        let seen_along = map.stretch * wo;
+        Self { map, ggx: Ggx { alpha_x, alpha_y }, seen_along, length: seen_along.length() }
+    }
+}
+
+impl Space for GgxNormals {
+    fn image(&self, w: DVec3) -> DVec3 {
+        self.map.image(w)
+    }
+
+    fn turning_image(&self, w: DVec3, turning: DVec3) -> (DVec3, DVec3) {
+        self.map.turning_image(w, turning)
+    }
+
+    /// Visible normals have the density `2 (A wo . c) / (cos_o + |A wo|) / pi`, and `G2 / G1` is
+    /// `(cos_o + |A wo|) cos_i / (|A wo| cos_i + cos_o |A wi|)`.
+    fn density(&self, c: DVec3) -> [f64; 2] {
+        let Stretch { stretch, wo } = self.map;
+        let h = (stretch * c).normalize();
+        let cosine = wo.dot(h);
+        let wi = 2.0 * cosine * h - wo;
+        if wi.z <= 0.0 {
+            return [0.0; 2];
+        }
+        let shadowing = self.length * wi.z + wo.z * (stretch * wi).length();
+        with_fresnel(2.0 * self.seen_along.dot(c) * wi.z / (PI * shadowing), cosine)
+    }
+
+    fn seen(&self) -> (&dyn Brdf, DVec3) {
+        (&self.ggx, self.map.wo)
+    }
+}
+
+/// Any other lobe around a reflection among normals.
+pub(super) struct Normals<'a> {
+    map: Stretch,
+    brdf: &'a dyn Brdf,
+}
+
+impl<'a> Normals<'a> {
+    pub(super) fn new(brdf: &'a dyn Brdf, alpha: [f64; 2], wo: DVec3) -> Self {
+        Self { map: Stretch::new(alpha, wo), brdf }
+    }
+}
+
+impl Space for Normals<'_> {
+    fn image(&self, w: DVec3) -> DVec3 {
+        self.map.image(w)
+    }
+
+    fn turning_image(&self, w: DVec3, turning: DVec3) -> (DVec3, DVec3) {
+        self.map.turning_image(w, turning)
+    }
+
+    /// Far from the pole lobes without long tails are zero. Rays between two places there could pass the lobe unseen, and those from
+    /// the pole, in the middle of it, cannot: a tip outside of the image gives the same sum.
+    fn tip(&self, within: DVec3) -> DVec3 {
+        let image = self.image(within);
+        if image.z > NEAR_POLE { image } else { DVec3::Z }
+    }
+
+    /// A steradian around `c` is `alpha_x alpha_y / |A c|^3` steradians of normals.
+    fn density(&self, c: DVec3) -> [f64; 2] {
+        let Stretch { stretch, wo } = self.map;
+        let h = stretch * c;
+        let length = h.length();
+        let wm = h / length;
+        let steradians = stretch.x * stretch.y / (length * length * length);
+        with_fresnel(self.brdf.eval_normal(wo, wm) * steradians, wo.dot(wm))
+    }
+
+    fn seen(&self) -> (&dyn Brdf, DVec3) {
+        (self.brdf, self.map.wo)
+    }
+}
