@@ -77,7 +77,7 @@
 //! | `render` | pictures: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
 //! | `server` | the HTTP service with its queue and store (axum, tokio, sled) |
 //! | `cluster` | the service on PostgreSQL and an object store (`tokio-postgres`, `object_store`); by default with the command |
-//! | `textures` | textures as files, for engines (ddsfile, exr, rawzip, ruzstd) |
+//! | `textures` | textures as files, for engines (ddsfile, exr, rawzip, ruzstd); with `render` also the figures of docs/figures.md |
 //! | `client` | calls of a service, and the lock file (ureq) |
 //! | `cli`, the default | the command `ltcforge`, with all of the above |
 //!
