@@ -77,7 +77,7 @@ fn a_table_of_another_scattering_model_is_shown_beside_its_own() {
     let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
     let error = told["models"][0]["error"]["mean"].as_f64().expect("a mean");
     let energy = told["mean_energy"].as_f64().expect("a mean");
-    assert!(told["brdf"] == "charlie" && error > 1e-5 && error < 0.3 * energy, "{told}");
+    assert!(told["brdf"] == "charlie" && energy > 1e-3 && error > 1e-5 && error < 0.05, "{told}");
     let told = run(folder.path(), ["plot", table, "light", "--lights", "1", "-o", "l.png", "--json"]).exited(0);
     let told: Value = serde_json::from_str(&told.stdout).expect("JSON");
     assert!(told["width"].as_u64().is_some_and(|width| width < 600), "one panel: {told}");

@@ -13,7 +13,7 @@ use crate::fit::{
     math::{cos, sin_cos},
 };
 
-/// A part of an outline spans at most so many of the nearest bends: its rule of 15 points then has a ray between any two.
+/// A part of an outline spans at most so many bends at their mean distance: its rule of 15 points then has a ray between two.
 const BENDS_A_PART: f64 = 9.0;
 /// Parts are not made shorter than this, radians, however near bends are to each other.
 const LEAST_PART: f64 = PI / 90.0;
@@ -33,8 +33,12 @@ pub(super) struct Directions<'a> {
 impl<'a> Directions<'a> {
     pub(super) fn new(brdf: &'a dyn Brdf, wo: DVec3) -> Self {
         let Bends { theta_i, phi } = brdf.bends(wo);
-        let nearest = |angles: &[f64]| angles.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        let part = (BENDS_A_PART * nearest(&theta_i).min(nearest(&phi))).clamp(LEAST_PART, 1.0);
+        // Nodes crowd towards the horizon, where rays cross them anyhow: their mean distance counts.
+        let apart = |angles: &[f64]| match angles {
+            [first, .., last] => (last - first) / (angles.len() - 1) as f64,
+            _ => f64::INFINITY,
+        };
+        let part = (BENDS_A_PART * apart(&theta_i).min(apart(&phi))).clamp(LEAST_PART, 1.0);
         let along = DVec3::new(wo.x, wo.y, 0.0).try_normalize().unwrap_or(DVec3::X);
         let across = DVec3::Z.cross(along);
         let plane = |angle: &f64| {
