@@ -111,8 +111,3 @@ fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64
         (Sides::One, true) => [0.0; 2],
     })
 }
-
-/// Schlick's fifth power beside the whole, for the cosine between view and half vector.
-fn with_fresnel(energy: f64, cosine: f64) -> [f64; 2] {
-    [energy, energy * (1.0 - cosine.min(1.0)).powi(5)]
-}

@@ -5,8 +5,7 @@ use glam::DVec3;
 use super::{
     border::Piece,
     quadrature::{integral, plus},
-    space::Space,
-    with_fresnel,
+    space::{Space, with_fresnel},
 };
 
 /// Parts into which an edge is halved at most: the last is shorter than the spacing of f64 directions.

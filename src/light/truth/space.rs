@@ -39,3 +39,8 @@ pub(super) trait Space {
         Vec::new()
     }
 }
+
+/// Schlick's fifth power beside the whole, for the cosine between view and half vector.
+pub(super) fn with_fresnel(energy: f64, cosine: f64) -> [f64; 2] {
+    [energy, energy * (1.0 - cosine.min(1.0)).powi(5)]
+}
