@@ -96,8 +96,11 @@ struct LtcClip {
     vec3 previous_unit;
     vec3 leaves;
     vec3 enters;
+    vec3 flux;
+    vec3 ahead;
 };
 const float LTC_LEAST_ALPHA = 1e-5;
+const bool LTC_CHEAP_HORIZON = false;
 const bool ltc_hardware_filter = false;
 
 uniform LtcNodes ltc_nodes;
@@ -155,12 +158,12 @@ LtcTexels ltc_fetch(uvec3 texel) {
 
 LtcFold ltc_fold(float alpha_x, float alpha_y, vec3 wo) {
     LtcFold fold = LtcFold(0.0, 0.0, 0.0, 0.0, vec2(0.0), false);
-    vec2 a_1 = max(vec2(alpha_x, alpha_y), vec2(1e-5));
-    bool swap = (a_1.y > a_1.x);
+    vec2 a_2 = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    bool swap = (a_2.y > a_2.x);
     vec2 flat_ = abs(wo.xy);
-    fold.alpha = max(a_1.x, a_1.y);
+    fold.alpha = max(a_2.x, a_2.y);
     float _e22 = fold.alpha;
-    fold.ratio = (min(a_1.x, a_1.y) / _e22);
+    fold.ratio = (min(a_2.x, a_2.y) / _e22);
     float _e28 = ltc_atan2_(sqrt(dot(flat_, flat_)), wo.z);
     fold.theta = min(_e28, 1.5707964);
     float _e38 = ltc_atan2_((swap ? flat_.x : flat_.y), (swap ? flat_.y : flat_.x));
@@ -385,87 +388,93 @@ vec3 ltc_unit(vec3 v) {
     return ((length2_ > 1e-36) ? (v / vec3(sqrt(max(length2_, 1e-36)))) : vec3(0.0));
 }
 
-float ltc_arc(vec3 a, vec3 b, vec2 origin) {
+float ltc_bend(vec3 a, vec3 b) {
     vec3 c_1 = cross(a, b);
     float s_1 = sqrt(dot(c_1, c_1));
-    vec2 p = (a.xy - origin);
-    vec2 q_1 = (b.xy - origin);
-    float _e11 = ltc_atan2_(s_1, dot(a, b));
-    float bend = ((s_1 > 1e-18) ? ((_e11 / max(s_1, 1e-18)) - 1.0) : 0.0);
-    return (((p.x * q_1.y) - (p.y * q_1.x)) + (c_1.z * bend));
+    float _e6 = ltc_atan2_(s_1, dot(a, b));
+    return ((s_1 > 1e-18) ? ((_e6 / max(s_1, 1e-18)) - 1.0) : 0.0);
+}
+
+float ltc_arc(vec3 a_1, vec3 b_1, vec2 origin) {
+    vec2 p = (a_1.xy - origin);
+    vec2 q_1 = (b_1.xy - origin);
+    float _e16 = ltc_bend(a_1, b_1);
+    return (((p.x * q_1.y) - (p.y * q_1.x)) + (cross(a_1, b_1).z * _e16));
 }
 
 LtcClip ltc_clip_begin(vec3 vertex) {
     vec3 _e1 = ltc_unit(vertex);
-    return LtcClip(0.0, _e1.xy, vertex, _e1, vec3(0.0), vec3(0.0));
+    return LtcClip(0.0, _e1.xy, vertex, _e1, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
 }
 
-LtcClip ltc_clip_edge(LtcClip clip, vec3 b_1) {
-    LtcClip next = LtcClip(0.0, vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+LtcClip ltc_clip_edge(LtcClip clip, vec3 b_2) {
+    LtcClip next = LtcClip(0.0, vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 from_point = vec3(0.0);
     vec3 to_point = vec3(0.0);
     bool local_3 = false;
     bool local_4 = false;
     bool local_5 = false;
     next = clip;
-    vec3 a_2 = clip.previous;
-    next.previous = b_1;
-    vec3 _e6 = ltc_unit(b_1);
+    vec3 a_3 = clip.previous;
+    next.previous = b_2;
+    vec3 _e6 = ltc_unit(b_2);
     next.previous_unit = _e6;
     from_point = clip.previous_unit;
-    vec3 _e10 = next.previous_unit;
-    to_point = _e10;
-    if ((a_2.z > 0.0)) {
-        local_3 = (b_1.z <= 0.0);
+    vec3 _e14 = next.previous_unit;
+    to_point = _e14;
+    if ((a_3.z > 0.0)) {
+        local_3 = (b_2.z <= 0.0);
     } else {
         local_3 = false;
     }
-    bool _e21 = local_3;
-    if (_e21) {
-        vec3 _e32 = ltc_unit(vec3(((b_1.xy * a_2.z) - (a_2.xy * b_1.z)), 0.0));
-        next.leaves = _e32;
-        vec3 _e34 = next.leaves;
-        to_point = _e34;
+    bool _e25 = local_3;
+    if (_e25) {
+        vec3 _e36 = ltc_unit(vec3(((b_2.xy * a_3.z) - (a_3.xy * b_2.z)), 0.0));
+        next.leaves = _e36;
+        vec3 _e38 = next.leaves;
+        to_point = _e38;
     }
-    if ((a_2.z <= 0.0)) {
-        local_4 = (b_1.z > 0.0);
+    if ((a_3.z <= 0.0)) {
+        local_4 = (b_2.z > 0.0);
     } else {
         local_4 = false;
     }
-    bool _e44 = local_4;
-    if (_e44) {
-        vec3 _e55 = ltc_unit(vec3(((a_2.xy * b_1.z) - (b_1.xy * a_2.z)), 0.0));
-        next.enters = _e55;
-        vec3 _e57 = next.enters;
-        from_point = _e57;
+    bool _e48 = local_4;
+    if (_e48) {
+        vec3 _e59 = ltc_unit(vec3(((a_3.xy * b_2.z) - (b_2.xy * a_3.z)), 0.0));
+        next.enters = _e59;
+        vec3 _e61 = next.enters;
+        from_point = _e61;
     }
-    if (!((a_2.z > 0.0))) {
-        local_5 = (b_1.z > 0.0);
+    if (!((a_3.z > 0.0))) {
+        local_5 = (b_2.z > 0.0);
     } else {
         local_5 = true;
     }
-    bool _e68 = local_5;
-    if (_e68) {
-        float _e70 = next.sum;
-        vec3 _e71 = from_point;
-        vec3 _e72 = to_point;
-        float _e74 = ltc_arc(_e71, _e72, clip.origin);
-        next.sum = (_e70 + _e74);
+    bool _e72 = local_5;
+    if (_e72) {
+        float _e74 = next.sum;
+        vec3 _e75 = from_point;
+        vec3 _e76 = to_point;
+        float _e78 = ltc_arc(_e75, _e76, clip.origin);
+        next.sum = (_e74 + _e78);
     }
-    LtcClip _e76 = next;
-    return _e76;
+    LtcClip _e80 = next;
+    return _e80;
 }
 
 float ltc_clip_finish(LtcClip clip_1, float side, bool two_sided) {
+    bool local_6 = false;
+    bool local_7 = false;
     bool is_cut = any(notEqual(clip_1.leaves, clip_1.enters));
-    float _e10 = ltc_arc(clip_1.leaves, clip_1.enters, clip_1.origin);
-    float closing = (is_cut ? _e10 : 0.0);
+    float _e43 = ltc_arc(clip_1.leaves, clip_1.enters, clip_1.origin);
+    float closing = (is_cut ? _e43 : 0.0);
     float sum_1 = (((clip_1.sum + closing) * 0.15915494) * side);
     return clamp((two_sided ? abs(sum_1) : sum_1), 0.0, 1.0);
 }
 
 float ltc_rectangle(LtcInverse inverse_, vec3 corners[4], bool two_sided_1) {
-    LtcClip clip_2 = LtcClip(0.0, vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    LtcClip clip_2 = LtcClip(0.0, vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     LtcClip _e6 = ltc_clip_begin((inverse_.m * corners[3]));
     clip_2 = _e6;
     LtcClip _e8 = clip_2;
@@ -487,7 +496,7 @@ float ltc_rectangle(LtcInverse inverse_, vec3 corners[4], bool two_sided_1) {
 
 float ltc_polygon(LtcInverse inverse_1, vec3 vertices_1[8], uint count_1, bool two_sided_2) {
     vec3 outline[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    LtcClip clip_3 = LtcClip(0.0, vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    LtcClip clip_3 = LtcClip(0.0, vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint i = 0u;
     outline = vertices_1;
     uint number = min(max(count_1, 3u), 8u);
