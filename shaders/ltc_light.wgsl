@@ -107,8 +107,9 @@ fn ltc_clip_finish(clip: LtcClip, side: f32, two_sided: bool) -> f32 {
     if (LTC_CHEAP_HORIZON) {
         // The light of a sphere of the same vector form factor.
         let length = sqrt(dot(clip.flux, clip.flux)) * 0.15915494;
-        let is_lit = side * dot(clip.flux, clip.ahead) > 0.0;
-        let up = select(-1.0, 1.0, dot(clip.flux, clip.ahead) > 0.0) * clip.flux.z * 0.15915494;
+        let ahead = dot(clip.flux, clip.ahead);
+        let is_lit = side * ahead > 0.0;
+        let up = select(-1.0, 1.0, ahead > 0.0) * clip.flux.z * 0.15915494;
         let seen = clamp((length * length + up) / (length + 1.0), 0.0, 1.0);
         return select(0.0, seen, is_lit || (two_sided && side != 0.0));
     }

@@ -467,8 +467,8 @@ float ltc_clip_finish(LtcClip clip_1, float side, bool two_sided) {
     bool local_6 = false;
     bool local_7 = false;
     bool is_cut = any(notEqual(clip_1.leaves, clip_1.enters));
-    float _e43 = ltc_arc(clip_1.leaves, clip_1.enters, clip_1.origin);
-    float closing = (is_cut ? _e43 : 0.0);
+    float _e40 = ltc_arc(clip_1.leaves, clip_1.enters, clip_1.origin);
+    float closing = (is_cut ? _e40 : 0.0);
     float sum_1 = (((clip_1.sum + closing) * 0.15915494) * side);
     return clamp((two_sided ? abs(sum_1) : sum_1), 0.0, 1.0);
 }

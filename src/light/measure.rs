@@ -256,7 +256,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     use super::*;
-    use crate::fit::{BrdfKind, Layout, LobeModel};
+    use crate::{fit::BrdfKind, light::tests::cases::cosine};
 
     const RANGE: PerAxis<[f64; 2]> =
         PerAxis { alpha: [1e-4, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
@@ -284,22 +284,9 @@ mod tests {
         );
     }
 
-    /// The clamped cosine in place of every lobe.
-    fn cosine() -> Table {
-        Table {
-            brdf: BrdfKind::Ggx.into(),
-            lobe: LobeModel::Ltc,
-            layout: Layout::Kt2022,
-            axes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
-            matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]],
-            terms: None,
-            node_error: vec![0.0],
-        }
-    }
-
     #[test]
     fn a_map_tells_where_a_model_is_off() {
-        let (wrong, rules) = (cosine(), WeightRule::Fan);
+        let (wrong, rules) = (cosine(BrdfKind::Ggx.into()), WeightRule::Fan);
         let map =
             light_map(&[Lighting::Ltc(&wrong), Lighting::Normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
                 .expect("a surface");
@@ -320,10 +307,10 @@ mod tests {
         let error = |rule| light_error(Lighting::Normals(rule), &lights).expect("a surface").mean;
         let [mean, fan, fine] = [WeightRule::Mean, WeightRule::Fan, WeightRule::Fine].map(error);
         assert!(10.0 * TOLERANCE < fine && fine < fan && 2.0 * fan < mean && mean < 0.01, "{fine} {fan} {mean}");
-        let wrong = light_error(Lighting::Ltc(&cosine()), &lights).expect("a lobe");
+        let wrong = light_error(Lighting::Ltc(&cosine(BrdfKind::Ggx.into())), &lights).expect("a lobe");
         assert!(wrong.mean > 0.05 && wrong.max > 0.5, "{wrong:?}");
         assert!(wrong.mean < wrong.p95 && wrong.p95 <= wrong.max, "{wrong:?}");
-        let flat = Table { matrix: vec![[0.0; 9]], ..cosine() };
+        let flat = Table { matrix: vec![[0.0; 9]], ..cosine(BrdfKind::Ggx.into()) };
         assert_eq!(light_error(Lighting::Ltc(&flat), &lights).err(), Some(LightError::Singular));
     }
 }

@@ -109,7 +109,7 @@ fn a_store_without_the_bucket_or_the_permission_is_named() {
     };
     let complaint = |blobs: &str| complaint_with(blobs, &[]);
     let line = complaint_with("s3://tables/ltc", &[("AWS_ENDPOINT", "http://me:hunter2@127.0.0.1:1")]);
-    assert!(line.contains("AWS_ENDPOINT has a user or a password"), "{line}");
+    assert!(line.contains("AWS_ENDPOINT of the environment has a user or a password"), "{line}");
     let line = complaint("s3://nowhere/ltc");
     assert!(line.contains("s3://nowhere/ltc does not exist"), "{line}");
     link.set(Link::Answers(403));

@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::{
     fit::{
-        Configuration, Sides,
+        BrdfModel, Configuration, Layout, LobeModel, PerAxis, Sides, Table,
         brdf::{Brdf, Ggx},
         math::direction,
     },
@@ -33,6 +33,19 @@ impl Lit {
 
     pub(crate) fn wo(&self) -> DVec3 {
         direction(self.at.theta, self.at.phi)
+    }
+}
+
+/// A table with the clamped cosine in place of every lobe of a model.
+pub(crate) fn cosine(brdf: BrdfModel) -> Table {
+    Table {
+        brdf,
+        lobe: LobeModel::Ltc,
+        layout: Layout::Kt2022,
+        axes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
+        matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]],
+        terms: None,
+        node_error: vec![0.0],
     }
 }
 

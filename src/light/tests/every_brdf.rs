@@ -9,13 +9,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    cases::{Draw, Lit, Roughness, over_area_of},
+    cases::{Draw, Lit, Roughness, cosine, over_area_of},
     shaped_lights::{Case, cases},
 };
 use crate::{
     fit::{
-        BrdfKind, BrdfModel, Configuration, Layout, LobeModel, PerAxis, Sides, Table, TabulatedAxes, TabulatedBrdf,
-        TabulatedFile,
+        BrdfKind, BrdfModel, Configuration, PerAxis, Sides, TabulatedAxes, TabulatedBrdf, TabulatedFile,
         brdf::planted_tabulated,
         math::{Lattice, direction},
     },
@@ -208,19 +207,6 @@ fn lambert() -> BrdfModel {
     let count = axes.lengths().iter().product();
     let brdf = TabulatedBrdf::new(axes, vec![0.8 / PI; count]).expect("a BRDF");
     BrdfModel::tabulated(TabulatedFile::new([8; 32], Arc::new(brdf)))
-}
-
-/// The clamped cosine in place of every lobe of a model.
-fn cosine(brdf: BrdfModel) -> Table {
-    Table {
-        brdf,
-        lobe: LobeModel::Ltc,
-        layout: Layout::Kt2022,
-        axes: PerAxis { alpha: vec![1.0], ratio: vec![1.0], theta: vec![0.0], phi: vec![0.0] },
-        matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]],
-        terms: None,
-        node_error: vec![0.0],
-    }
 }
 
 /// A cosine is Lambert's reflection itself, with the terms that the measure finds, and of sheen it is none.

@@ -3,6 +3,7 @@
 mod closed_form;
 mod lookups;
 mod normals;
+mod pictures;
 mod planted;
 mod polygons;
 mod ported;

@@ -42,6 +42,11 @@ pub enum ObjectsOpenError {
         /// What is wrong.
         reason: String,
     },
+    /// An address in the environment has a user or a password.
+    #[error(
+        "{0} of the environment has a user or a password, which errors would show: credentials have variables of their own"
+    )]
+    SecretInEndpoint(&'static str),
     /// The bucket or folder does not exist.
     #[error("the store of blobs {url} does not exist: {reason}")]
     Missing {
@@ -94,7 +99,7 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
     for name in ENDPOINTS {
         let endpoint = std::env::var(name).ok().and_then(|value| reqwest::Url::parse(&value).ok());
         if endpoint.is_some_and(|endpoint| !endpoint.username().is_empty() || endpoint.password().is_some()) {
-            return Err(bad(format!("{name} has a user or a password, which would show in errors; leave them out")));
+            return Err(ObjectsOpenError::SecretInEndpoint(name));
         }
     }
     let client = ClientOptions::new().with_timeout_disabled().with_read_timeout(SILENCE).with_connect_timeout(RETRY);

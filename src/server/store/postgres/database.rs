@@ -265,3 +265,20 @@ fn name(config: &Config) -> String {
     let port = config.get_ports().first().copied().unwrap_or(5432);
     format!("the database {} on {host}:{port}", config.get_dbname().or(config.get_user()).unwrap_or_default())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_url_whose_password_would_show_is_refused() {
+        for url in ["://me:a@b@host/name", "://me:a/b@host/name", "://me:a?b@host/name", "://me:a#b@host/name"] {
+            assert!(has_stray_at(&format!("postgres{url}")), "{url}");
+        }
+        for url in ["postgres://me:a%40b@host/name?sslmode=disable", "postgres://host/name", "host=h user=a@b"] {
+            assert!(!has_stray_at(url), "{url}");
+        }
+        let error = Database::open("postgres://me:hunter2@more@host/name").unwrap_err().to_string();
+        assert!(error.contains("%40") && !error.contains("more"), "{error}");
+    }
+}

@@ -1,0 +1,163 @@
+//! What holds of the pictures of each renderer.
+
+use super::{
+    twins::{GO_ON, apart, cameras, render},
+    *,
+};
+use crate::view::{
+    picture::Picture,
+    preview::{Choices, Estimator, Material, Mode, NamedScene, Scene},
+};
+
+#[test]
+fn twice_the_same_picture_is_the_same_bytes() {
+    let table = shader_table(TexelFormat::F32);
+    for mut preview in renderers() {
+        for mode in Mode::ALL {
+            let scene = Scene { size: 96, spp: 4, mode, ..NamedScene::Figure14.scene() };
+            let first = render(&mut preview, &table, &scene).picture.png().expect("a file");
+            let again = render(&mut preview, &table, &scene).picture.png().expect("a file");
+            assert_eq!(first, again, "{}", mode.name());
+        }
+    }
+}
+
+/// The bytes that the shader writes are those that `tone` makes of its radiance.
+#[test]
+fn tone_mapping_is_the_same_in_all_modes() {
+    let table = shader_table(TexelFormat::F32);
+    for mut preview in renderers() {
+        let scene = Scene { size: 128, spp: 4, ..Scene::default() };
+        let ltc = render(&mut preview, &table, &scene).picture;
+        let strip = render(&mut preview, &table, &Scene { mode: Mode::Strip, ..scene }).picture;
+        // The table's panel is the middle one, under the line of titles. Its lowest rows have the material's label.
+        let (left, top, height) = (128 + 4, 22, 108);
+        let rows = (0..height).map(|y| ((top + y) * strip.width + left) as usize);
+        let panel = rows.flat_map(|start| strip.rgb[start..start + 128].iter().copied()).collect();
+        let panel = Picture { width: 128, height, rgb: panel };
+        let ltc = Picture { height, rgb: ltc.rgb[..(128 * height) as usize].to_vec(), ..ltc };
+        let (mean, far) = apart(&ltc, &panel);
+        assert!(mean < 0.01 && far == 0.0, "{mean} {far}");
+    }
+}
+
+#[test]
+fn a_lost_device_is_opened_again() {
+    let mut renderers = renderers();
+    let [gpu, _] = renderers.as_mut_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    let scene = Scene { size: 64, ..Scene::default() };
+    let before = render(gpu, &table, &scene);
+    gpu.lose_device();
+    assert_eq!(render(gpu, &table, &scene), before);
+}
+
+#[test]
+fn a_picture_that_the_gpu_began_is_not_ended_by_the_cpu() {
+    // Says so where there is no GPU: then nothing fails in the middle.
+    let [_, _] = renderers().as_slice() else { return };
+    let table = shader_table(TexelFormat::F32);
+    let mut any = Preview::new(Adapter::Any);
+    for mode in [Mode::Difference, Mode::Strip, Mode::Lobe] {
+        let scene = Scene { mode, size: 64, spp: 4, ..Scene::default() };
+        any.fail_after(1);
+        let rendered = render(&mut any, &table, &scene);
+        assert_eq!(rendered.adapter, "cpu");
+        let by_cpu = render(&mut Preview::new(Adapter::Cpu), &table, &scene);
+        assert!(rendered == by_cpu, "{}: not all is by the CPU", mode.name());
+    }
+}
+
+#[test]
+fn a_picture_can_be_stopped_and_a_bad_scene_is_refused() {
+    let table = shader_table(TexelFormat::F32);
+    for mut preview in renderers() {
+        let scene = Scene::default();
+        assert_eq!(preview.render(&table, &scene, &|| true), Err(PreviewError::Stopped));
+        let bad = Scene { size: 4096, ..scene };
+        let Err(PreviewError::Scene(faults)) = preview.render(&table, &bad, GO_ON) else { panic!("taken") };
+        assert_eq!(faults.len(), 1);
+    }
+}
+
+/// Two scenes have one canonical form just when they make the same picture.
+#[test]
+fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
+    let table = shader_table(TexelFormat::F32);
+    let mut cpu = Preview::new(Adapter::Cpu);
+    let others = [
+        ("scene", "horizon"),
+        ("alpha_x", "0.3"),
+        ("alpha_y", "0.4"),
+        ("rotation", "1"),
+        ("f0", "1,0.5,0"),
+        ("light", "disk"),
+        ("light_centre", "1,2,2"),
+        ("light_half_size", "0.5,0.5"),
+        ("light_rotation", "1.5,0,0"),
+        ("light_intensity", "1"),
+        ("camera_distance", "6"),
+        ("camera_azimuth", "1"),
+        ("camera_elevation", "1"),
+        ("camera_target", "0.2,0,0.1"),
+        ("field_of_view", "1"),
+        ("theta", "0.5"),
+        ("phi", "1.5"),
+        ("exposure", "2"),
+        ("difference_scale", "0.1"),
+        ("spp", "3"),
+    ];
+    for mode in Mode::ALL {
+        let usual = [("mode", mode.name()), ("size", "64")];
+        let scene = Choices::read(usual).expect("a scene");
+        let picture = render(&mut cpu, &table, &scene).picture;
+        for other in others {
+            let changed = Choices::read(usual.into_iter().chain([other])).expect("a scene");
+            let is_same = render(&mut cpu, &table, &changed).picture == picture;
+            assert_eq!(scene.clone().canonical() == changed.canonical(), is_same, "{} {other:?}", mode.name());
+        }
+    }
+}
+
+#[test]
+fn a_floor_is_seen_from_above_alone() {
+    let table = shader_table(TexelFormat::F32);
+    for mut preview in renderers() {
+        for elevation in ["0", "-0.3", "-1.5", "1e-9"] {
+            let scene = [("scene", "brushed_floor"), ("camera_elevation", elevation), ("size", "64")];
+            let scene = Choices::read(scene).expect("a scene");
+            let picture = render(&mut preview, &table, &scene).picture;
+            assert!(picture.rgb.iter().all(|pixel| *pixel == picture.rgb[0]), "{elevation}");
+        }
+    }
+}
+
+/// Nothing that a table or a scene may hold makes a pixel that is not a number.
+#[test]
+fn every_pixel_is_a_number() {
+    let mut hostile = planted();
+    // Singular, mirroring, huge and tiny matrices.
+    for (i, matrix) in hostile.matrix.iter_mut().enumerate() {
+        match i % 5 {
+            0 => *matrix = [0.0; 9],
+            1 => matrix[0] = -matrix[0],
+            2 => *matrix = matrix.map(|x| x * 1e12),
+            3 => *matrix = matrix.map(|x| x * 1e-12),
+            _ => {}
+        }
+    }
+    for table in [shader_table(TexelFormat::F16), Arc::new(ShaderTable::new(&hostile, TexelFormat::F32))] {
+        for mut preview in renderers() {
+            for mut scene in cameras() {
+                scene.materials[0] = Material { alpha_x: 0.0, alpha_y: 1.0, rotation: 0.0 };
+                for estimator in Estimator::ALL {
+                    let part = preview.part(&table, &scene, estimator, [0; 2], [64; 2]).expect("radiances");
+                    assert_eq!(part.pixels.len(), 64 * 64);
+                    let lowest = if matches!(estimator, Estimator::Table | Estimator::Reference) { 0.0 } else { -1.0 };
+                    let bad = part.pixels.iter().flatten().find(|x| !(x.is_finite() && **x >= lowest));
+                    assert_eq!(bad, None, "{estimator:?} {scene:?}");
+                }
+            }
+        }
+    }
+}
