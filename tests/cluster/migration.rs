@@ -1,5 +1,7 @@
 //! Taking a data folder along.
 
+use std::{fs, path::PathBuf};
+
 use serde_json::Value;
 
 use crate::{
@@ -7,8 +9,10 @@ use crate::{
     common::{
         ENDLESS, SMALL,
         command::run,
+        seeded,
         server::{Server, text},
     },
+    faults::entries_done,
 };
 
 #[test]
@@ -35,4 +39,39 @@ fn tables_and_jobs_are_taken_along_once() {
     assert_eq!(replica.submit(SMALL).with_status(200).json()["table"], table);
     replica.get(&format!("/v1/tables/{table}")).with_status(200);
     assert_eq!(replica.get(&format!("/v1/jobs/{endless}")).with_status(200).json()["state"], "queued");
+}
+
+/// Tables are taken along newest first. Something is where the oldest one's file would be, which ends the migration after
+/// the others and before the jobs.
+#[test]
+fn an_interrupted_migration_goes_on_where_it_ended() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(shared) = Shared::new(folder.path()) else { return };
+    let server = Server::start(&folder.path().join("data"), &["--workers", "1"]);
+    let tables: Vec<String> = (0..4).map(|seed| server.fit(&seeded(seed))).collect();
+    let endless = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();
+    // A shard of it has 256 entries.
+    server.job_when(&endless, |job| entries_done(job) > 256);
+    assert_eq!(server.stop("TERM").code, Some(0));
+    let oldest = tables[0].strip_prefix("sha256:").expect("a digest");
+    let store: PathBuf = shared.blobs.strip_prefix("file://").expect("a folder").into();
+    let obstacle = store.join(&oldest[..2]).join(oldest);
+    fs::create_dir_all(obstacle.join("obstacle")).expect("a folder");
+
+    let arguments = ["migrate", "--to", &shared.database, "--blobs", &shared.blobs, "--data", "data", "--json"];
+    run(folder.path(), arguments).exited(1);
+    let args: Vec<&str> = shared.arguments().into_iter().chain(["--no-workers"]).collect();
+    let replica = Server::start(&folder.path().join("replica"), &args);
+    for table in &tables[1..] {
+        replica.get(&format!("/v1/tables/{table}")).with_status(200);
+    }
+    replica.get(&format!("/v1/tables/{}", tables[0])).with_status(404);
+    replica.get(&format!("/v1/jobs/{endless}")).with_status(404);
+
+    fs::remove_dir_all(&obstacle).expect("no obstacle");
+    let rest: Value = serde_json::from_str(run(folder.path(), arguments).exited(0).last_line()).expect("JSON");
+    assert_eq!((&rest["tables"], &rest["jobs"], &rest["missing"]), (&1.into(), &5.into(), &0.into()), "{rest}");
+    replica.get(&format!("/v1/tables/{}", tables[0])).with_status(200);
+    let job = replica.get(&format!("/v1/jobs/{endless}")).with_status(200).json();
+    assert!(entries_done(&job) >= 256, "{job:#}");
 }

@@ -14,6 +14,11 @@ use std::{
 pub(crate) const SMALL: &str = r#"{"preset":"draft","resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},
     "fit":{"samples":64,"directions":4,"steps":5}}"#;
 
+/// [`SMALL`] by other samples.
+pub(crate) fn seeded(seed: u32) -> String {
+    SMALL.replace(r#""steps":5"#, &format!(r#""steps":5,"seed":{seed}"#))
+}
+
 /// Enough entries for several shards and a few seconds.
 pub(crate) const LARGE: &str = r#"{"preset":"draft","resolution":{"alpha":8,"ratio":8,"theta":8,"phi":4},
     "fit":{"samples":128,"directions":8,"steps":8}}"#;

@@ -2,8 +2,9 @@
 
 use super::fsck::{contents, write};
 use crate::common::{
-    LARGE, SMALL,
+    LARGE,
     command::run_with_stdin,
+    seeded,
     server::{Server, text},
 };
 
@@ -46,11 +47,6 @@ fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     assert_ne!(server.metric("ltcforge_entries_fitted_total"), 0, "the job was over before it could be stopped");
 }
 
-/// A recipe of its own for each number.
-fn numbered(seed: u32) -> String {
-    SMALL.replace(r#""steps":5"#, &format!(r#""steps":5,"seed":{seed}"#))
-}
-
 /// Wherever a bit of the database flips after the process was killed, a job that was acknowledged is there or named in the
 /// log.
 #[test]
@@ -59,7 +55,7 @@ fn no_acknowledged_job_is_lost_silently_by_kill_9_and_a_flipped_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let data = folder.path().join("data");
     let server = Server::start(&data, &["--workers", "1"]);
-    let submit = |seed: u32| text(&server.submit(&numbered(seed)).with_status(202).json()["id"]).to_owned();
+    let submit = |seed: u32| text(&server.submit(&seeded(seed)).with_status(202).json()["id"]).to_owned();
     let ids: Vec<String> = (0..12).map(submit).collect();
     // Some are done, some are not.
     server.finished(&ids[0]);
