@@ -259,8 +259,10 @@ fn normals_polygon(
         let least_rise = max(0.125 * normals_rise(view, tip), 1e-36);
         // What is seen is positive on the lit side.
         let sided = side * view.stretched;
-        let tip_share = select(0.2, 0.1, is_fine) * normals_sample(view, tip);
-        let begin = normals_spoke(view, tip, first.c, is_fine);
+        let numbers = normals_numbers(view, is_fine);
+        // So little that it matters only where all other normals are seen edge-on, where the mean would jump.
+        let tip_share = 0.03 * normals_sample(view, tip);
+        let begin = normals_spoke(view, numbers, tip, first.c);
         var before = begin;
         var setting = begin;
         for (var i = 0u; i < outline.edges; i++) {
@@ -272,19 +274,19 @@ fn normals_polygon(
             if (is_fine) {
                 let half_c = select(normals_get(&half_ends, i, many), half_end, is_closing);
                 let half_curved = select(normals_get(&half_curves, i, many), half_closing, is_closing);
-                let half = normals_spoke(view, tip, half_c, is_fine);
+                let half = normals_spoke(view, numbers, tip, half_c);
                 let flux = normals_flux(tip, before, half, half_curved);
                 let m = normals_centroid(flux, tip);
-                let mean = normals_triangle(view, tip, m, tip_share + before.at_end + half.at_end, is_fine);
+                let mean = normals_triangle(view, numbers, tip, m, tip_share + before.at_end + half.at_end);
                 sum = normals_add(view, sum, least_rise, m, counts * dot(flux, sided), mean);
                 before = half;
             }
             let c = select(normals_get(&ends, i, many), first.c, is_closing);
             let curved = select(normals_get(&curves, i, many), closing, is_closing);
-            let to = normals_spoke(view, tip, c, is_fine);
+            let to = normals_spoke(view, numbers, tip, c);
             let flux = normals_flux(tip, before, to, curved);
             let m = normals_centroid(flux, tip);
-            let mean = normals_triangle(view, tip, m, tip_share + before.at_end + to.at_end, is_fine);
+            let mean = normals_triangle(view, numbers, tip, m, tip_share + before.at_end + to.at_end);
             sum = normals_add(view, sum, least_rise, m, counts * dot(flux, sided), mean);
             before = to;
         }
@@ -298,11 +300,11 @@ fn normals_polygon(
             let to = NormalsSpoke(end, normals_arc_bend(tip, end), vec3(0.0));
             let first_flux = normals_flux(tip, before, half, curved[0]);
             let first_m = normals_centroid(first_flux, tip);
-            let first_mean = normals_horizon_triangle(view, tip, at_tip, first_m, is_fine);
+            let first_mean = normals_horizon_triangle(view, numbers, tip, at_tip, first_m);
             sum = normals_add(view, sum, least_rise, first_m, outline.share * dot(first_flux, sided), first_mean);
             let flux = normals_flux(tip, half, to, curved[1]);
             let m = normals_centroid(flux, tip);
-            let mean = normals_horizon_triangle(view, tip, at_tip, m, is_fine);
+            let mean = normals_horizon_triangle(view, numbers, tip, at_tip, m);
             sum = normals_add(view, sum, least_rise, m, outline.share * dot(flux, sided), mean);
             before = to;
         }

@@ -15,6 +15,48 @@ fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
     return vec2(weight, m2 * m2 * m);
 }
 
+/// The numbers of a rule for a view: of a triangle on an edge how much its outer sample (x) and each corner of its outer side
+/// (y) count beside its centroid, and how far the outer sample is beyond that (z); of one on the horizon how fast the weight
+/// falls (x), how far its sample is beyond the centroid (y), and the tip's part of Schlick's factor (z).
+struct NormalsNumbers {
+    edge: vec3<f32>,
+    horizon: vec3<f32>,
+}
+
+/// Each is linear in the view's mu and in the larger alpha, with the least error over random lights.
+fn normals_numbers(view: NormalsView, is_fine: bool) -> NormalsNumbers {
+    let mu = view.wo.z / view.length;
+    let alpha = max(view.alpha.x, view.alpha.y);
+    let at = vec4(1.0, mu, alpha, alpha * mu);
+    var edge = mat4x3(
+        0.492, 0.042, 0.45,
+        -0.033, -0.052, 0.114,
+        0.193, 0.044, -0.292,
+        -0.188, 0.167, -0.296,
+    ) * at;
+    var horizon = mat4x3(
+        0.103, 0.243, 0.267,
+        0.112, -0.064, -0.205,
+        0.087, 0.076, 0.295,
+        -0.011, -0.137, 0.105,
+    ) * at;
+    if (is_fine) {
+        edge = mat4x3(
+            0.356, 0.062, 0.361,
+            0.037, -0.065, 0.007,
+            0.448, 0.028, -0.325,
+            -0.008, 0.165, -0.161,
+        ) * at;
+        horizon = mat4x3(
+            0.088, 0.282, 0.371,
+            0.107, -0.077, -0.194,
+            0.048, 0.074, 0.269,
+            0.009, -0.129, 0.021,
+        ) * at;
+    }
+    return NormalsNumbers(max(edge, vec3(0.0)), max(horizon, vec3(0.02, 0.0, 0.0)));
+}
+
 /// The mean over a triangle of a weight that is tip at its tip, zero on its outer edge, which is on the horizon, and near
 /// close to it: of tip (1 - s) / (1 - s + r s), r = rate (tip / near - 1), by a polynomial in sqrt r / (1 + sqrt r).
 fn normals_to_horizon(tip: f32, near: f32, rate: f32) -> f32 {
@@ -25,10 +67,12 @@ fn normals_to_horizon(tip: f32, near: f32, rate: f32) -> f32 {
     return tip * rest * rest * (1.0 + u * series);
 }
 
-/// The direction of a triangle's centroid, by the integral of its normals.
+/// A triangle's centroid, by the integral of its normals. Where that is at a right angle to the tip, because what runs on and
+/// what runs back cancel each other, it is the tip.
 fn normals_centroid(flux: vec3<f32>, tip: vec3<f32>) -> vec3<f32> {
     let m = normals_unit(flux);
-    return select(m, -m, dot(m, tip) < 0.0);
+    let share = clamp(10.0 * dot(m, tip), -1.0, 1.0);
+    return share * m + (1.0 - abs(share)) * tip;
 }
 
 /// A normal in a mean: what is seen of it (x), that times its weight, and that times Schlick's factor.
@@ -46,8 +90,8 @@ struct NormalsSpoke {
     at_end: vec3<f32>,
 }
 
-fn normals_spoke(view: NormalsView, tip: vec3<f32>, c: vec3<f32>, is_fine: bool) -> NormalsSpoke {
-    return NormalsSpoke(c, normals_arc_bend(tip, c), select(0.08, 0.04, is_fine) * normals_sample(view, c));
+fn normals_spoke(view: NormalsView, numbers: NormalsNumbers, tip: vec3<f32>, c: vec3<f32>) -> NormalsSpoke {
+    return NormalsSpoke(c, normals_arc_bend(tip, c), numbers.edge.y * normals_sample(view, c));
 }
 
 /// The integral of the normals of the triangle between two spokes, whose outer side adds curved beyond the plane triangle.
@@ -57,9 +101,15 @@ fn normals_flux(tip: vec3<f32>, a: NormalsSpoke, b: NormalsSpoke, curved: vec3<f
 
 /// The mean weight of a triangle on an edge, and that times Schlick's factor, by its centroid m, a normal beyond it and what
 /// its corners add.
-fn normals_triangle(view: NormalsView, tip: vec3<f32>, m: vec3<f32>, corners: vec3<f32>, is_fine: bool) -> vec2<f32> {
-    let outer = normals_sample(view, m + 0.5 * (m - tip));
-    let mean = normals_sample(view, m) + select(0.3, 0.2, is_fine) * outer + corners;
+fn normals_triangle(
+    view: NormalsView,
+    numbers: NormalsNumbers,
+    tip: vec3<f32>,
+    m: vec3<f32>,
+    corners: vec3<f32>,
+) -> vec2<f32> {
+    let outer = normals_sample(view, m + numbers.edge.z * (m - tip));
+    let mean = normals_sample(view, m) + numbers.edge.x * outer + corners;
     return mean.yz / max(mean.x, 1e-18);
 }
 
@@ -107,12 +157,12 @@ fn normals_total(sum: NormalsSum, seen: f32, at_tip: vec2<f32>) -> vec2<f32> {
 /// edge and at_tip, the weight of its tip.
 fn normals_horizon_triangle(
     view: NormalsView,
+    numbers: NormalsNumbers,
     tip: vec3<f32>,
     at_tip: vec2<f32>,
     m: vec3<f32>,
-    is_fine: bool,
 ) -> vec2<f32> {
-    let near = normals_weight(view, m + 0.3 * (m - tip));
-    let energy = normals_to_horizon(at_tip.x, near.x, select(0.155, 0.145, is_fine));
-    return energy * vec2(1.0, mix(near.y, at_tip.y, 0.25));
+    let near = normals_weight(view, m + numbers.horizon.y * (m - tip));
+    let energy = normals_to_horizon(at_tip.x, near.x, numbers.horizon.x);
+    return energy * vec2(1.0, mix(near.y, at_tip.y, numbers.horizon.z));
 }

@@ -21,11 +21,11 @@
 //   The parts of the one-sided rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5),
 //   by rules 0 | 1 | 2. A port in 32 bits comes within 0.00002 of each number.
 //   alpha_x 0.3 alpha_y 0.15 wo (0.36 0.48 0.8)
-//     parts 0.701572 0.000219 | 0.710371 0.000052 | 0.704523 0.000244
+//     parts 0.702866 0.000223 | 0.710371 0.000052 | 0.704465 0.000247
 //   alpha_x 0.2 alpha_y 0.6 wo (-0.64 0.48 0.6)
-//     parts 0.549794 0.001242 | 0.599484 0.000332 | 0.553101 0.001496
+//     parts 0.550205 0.001271 | 0.599484 0.000332 | 0.553721 0.001490
 //   alpha_x 0.05 alpha_y 0.02 wo (0.576 -0.768 0.28)
-//     parts 0.988160 0.187868 | 0.991922 0.187098 | 0.989343 0.187656
+//     parts 0.989657 0.185364 | 0.991922 0.187098 | 0.989585 0.185611
 
 
 precision highp float;
@@ -46,6 +46,10 @@ struct NormalsCorner {
 struct NormalsEigenframe {
     vec3 values;
     mat3x3 vectors;
+};
+struct NormalsNumbers {
+    vec3 edge;
+    vec3 horizon;
 };
 struct NormalsSpoke {
     vec3 c;
@@ -322,6 +326,23 @@ vec2 normals_weight(NormalsView view_4, vec3 c) {
     return vec2(weight, ((m2_ * m2_) * m_6));
 }
 
+NormalsNumbers normals_numbers(NormalsView view_5, bool is_fine) {
+    vec3 edge = vec3(0.0);
+    vec3 horizon = vec3(0.0);
+    float mu = (view_5.wo.z / view_5.length_);
+    float alpha_1 = max(view_5.alpha.x, view_5.alpha.y);
+    vec4 at = vec4(1.0, mu, alpha_1, (alpha_1 * mu));
+    edge = (mat4x3(vec3(0.492, 0.042, 0.45), vec3(-0.033, -0.052, 0.114), vec3(0.193, 0.044, -0.292), vec3(-0.188, 0.167, -0.296)) * at);
+    horizon = (mat4x3(vec3(0.103, 0.243, 0.267), vec3(0.112, -0.064, -0.205), vec3(0.087, 0.076, 0.295), vec3(-0.011, -0.137, 0.105)) * at);
+    if (is_fine) {
+        edge = (mat4x3(vec3(0.356, 0.062, 0.361), vec3(0.037, -0.065, 0.007), vec3(0.448, 0.028, -0.325), vec3(-0.008, 0.165, -0.161)) * at);
+        horizon = (mat4x3(vec3(0.088, 0.282, 0.371), vec3(0.107, -0.077, -0.194), vec3(0.048, 0.074, 0.269), vec3(0.009, -0.129, 0.021)) * at);
+    }
+    vec3 _e88 = edge;
+    vec3 _e92 = horizon;
+    return NormalsNumbers(max(_e88, vec3(0.0)), max(_e92, vec3(0.02, 0.0, 0.0)));
+}
+
 float normals_to_horizon(float tip, float near, float rate) {
     float root = sqrt(((rate * near) * max((tip - near), 0.0)));
     float rest_1 = (near / max((near + root), 1e-36));
@@ -332,55 +353,56 @@ float normals_to_horizon(float tip, float near, float rate) {
 
 vec3 normals_centroid(vec3 flux, vec3 tip_1) {
     vec3 _e2 = normals_unit(flux);
-    return ((dot(_e2, tip_1) < 0.0) ? -(_e2) : _e2);
+    float share_1 = clamp((10.0 * dot(_e2, tip_1)), -1.0, 1.0);
+    return ((share_1 * _e2) + ((1.0 - abs(share_1)) * tip_1));
 }
 
-vec3 normals_sample(NormalsView view_5, vec3 c_1) {
-    vec2 _e2 = normals_weight(view_5, c_1);
-    float seen_1 = max(dot(c_1, view_5.stretched), 0.0);
+vec3 normals_sample(NormalsView view_6, vec3 c_1) {
+    vec2 _e2 = normals_weight(view_6, c_1);
+    float seen_1 = max(dot(c_1, view_6.stretched), 0.0);
     return vec3(seen_1, (seen_1 * _e2.x), ((seen_1 * _e2.x) * _e2.y));
 }
 
-NormalsSpoke normals_spoke(NormalsView view_6, vec3 tip_2, vec3 c_2, bool is_fine) {
+NormalsSpoke normals_spoke(NormalsView view_7, NormalsNumbers numbers, vec3 tip_2, vec3 c_2) {
     vec3 _e4 = normals_arc_bend(tip_2, c_2);
-    vec3 _e8 = normals_sample(view_6, c_2);
-    return NormalsSpoke(c_2, _e4, ((is_fine ? 0.04 : 0.08) * _e8));
+    vec3 _e7 = normals_sample(view_7, c_2);
+    return NormalsSpoke(c_2, _e4, (numbers.edge.y * _e7));
 }
 
 vec3 normals_flux(vec3 tip_3, NormalsSpoke a_5, NormalsSpoke b_5, vec3 curved) {
     return ((cross((a_5.c - tip_3), (b_5.c - tip_3)) + curved) + (a_5.bend - b_5.bend));
 }
 
-vec2 normals_triangle(NormalsView view_7, vec3 tip_4, vec3 m_1, vec3 corners, bool is_fine_1) {
-    vec3 _e9 = normals_sample(view_7, (m_1 + (0.5 * (m_1 - tip_4))));
-    vec3 _e10 = normals_sample(view_7, m_1);
-    vec3 mean_2 = ((_e10 + ((is_fine_1 ? 0.2 : 0.3) * _e9)) + corners);
+vec2 normals_triangle(NormalsView view_8, NormalsNumbers numbers_1, vec3 tip_4, vec3 m_1, vec3 corners) {
+    vec3 _e10 = normals_sample(view_8, (m_1 + (numbers_1.edge.z * (m_1 - tip_4))));
+    vec3 _e11 = normals_sample(view_8, m_1);
+    vec3 mean_2 = ((_e11 + (numbers_1.edge.x * _e10)) + corners);
     return (mean_2.yz / vec2(max(mean_2.x, 1e-18)));
 }
 
-float normals_rise(NormalsView view_8, vec3 c_3) {
-    vec3 h_2 = vec3((view_8.alpha * c_3.xy), c_3.z);
-    return (((2.0 * dot(view_8.wo, h_2)) * h_2.z) - (dot(h_2, h_2) * view_8.wo.z));
+float normals_rise(NormalsView view_9, vec3 c_3) {
+    vec3 h_2 = vec3((view_9.alpha * c_3.xy), c_3.z);
+    return (((2.0 * dot(view_9.wo, h_2)) * h_2.z) - (dot(h_2, h_2) * view_9.wo.z));
 }
 
-NormalsSum normals_add(NormalsView view_9, NormalsSum sum, float least_rise, vec3 m_2, float whole_1, vec2 mean) {
-    float _e6 = normals_rise(view_9, m_2);
+NormalsSum normals_add(NormalsView view_10, NormalsSum sum, float least_rise, vec3 m_2, float whole_1, vec2 mean) {
+    float _e6 = normals_rise(view_10, m_2);
     float known = clamp((_e6 / least_rise), 0.0, 1.0);
     vec3 part_1 = ((known * whole_1) * vec3(1.0, mean));
     return NormalsSum((sum.all_ + part_1), (sum.positive + ((part_1.x > 0.0) ? part_1 : vec3(0.0))), ((sum.unknown + whole_1) - part_1.x));
 }
 
 vec2 normals_total(NormalsSum sum_1, float seen, vec2 at_tip) {
-    float share_1 = clamp((((sum_1.positive.x + sum_1.unknown) - seen) / max(seen, 1e-18)), 0.0, 0.5);
+    float share_2 = clamp((((sum_1.positive.x + sum_1.unknown) - seen) / max(seen, 1e-18)), 0.0, 0.5);
     float tip_6 = (1e-6 * max(seen, 1e-18));
-    float per_part = (((share_1 * sum_1.unknown) + ((1.0 - share_1) * seen)) / (sum_1.positive.x + tip_6));
-    return ((share_1 * sum_1.all_.yz) + (per_part * (sum_1.positive.yz + ((tip_6 * at_tip.x) * vec2(1.0, at_tip.y)))));
+    float per_part = (((share_2 * sum_1.unknown) + ((1.0 - share_2) * seen)) / (sum_1.positive.x + tip_6));
+    return ((share_2 * sum_1.all_.yz) + (per_part * (sum_1.positive.yz + ((tip_6 * at_tip.x) * vec2(1.0, at_tip.y)))));
 }
 
-vec2 normals_horizon_triangle(NormalsView view_10, vec3 tip_5, vec2 at_tip_1, vec3 m_3, bool is_fine_2) {
-    vec2 _e9 = normals_weight(view_10, (m_3 + (0.3 * (m_3 - tip_5))));
-    float _e15 = normals_to_horizon(at_tip_1.x, _e9.x, (is_fine_2 ? 0.145 : 0.155));
-    return (_e15 * vec2(1.0, mix(_e9.y, at_tip_1.y, 0.25)));
+vec2 normals_horizon_triangle(NormalsView view_11, NormalsNumbers numbers_2, vec3 tip_5, vec2 at_tip_1, vec3 m_3) {
+    vec2 _e10 = normals_weight(view_11, (m_3 + (numbers_2.horizon.y * (m_3 - tip_5))));
+    float _e15 = normals_to_horizon(at_tip_1.x, _e10.x, numbers_2.horizon.x);
+    return (_e15 * vec2(1.0, mix(_e10.y, at_tip_1.y, numbers_2.horizon.z)));
 }
 
 vec3 normals_get(inout vec3 list[8], uint i, bool many) {
@@ -562,10 +584,10 @@ NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
                 uint _e128 = i_3;
                 uint _e131 = outline.start;
                 bool _e137 = outline.is_cut;
-                uint edge_1 = (((_e128 + number) - _e131) + (_e137 ? 0u : (number - 1u)));
+                uint edge_2 = (((_e128 + number) - _e131) + (_e137 ? 0u : (number - 1u)));
                 uint _e140 = nearest;
                 float _e142 = nearness;
-                nearest = ((near_3 > _e142) ? (edge_1 % number) : _e140);
+                nearest = ((near_3 > _e142) ? (edge_2 % number) : _e140);
                 float _e145 = nearness;
                 nearness = max(_e145, near_3);
             }
@@ -592,9 +614,9 @@ NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
         vec3 _e174 = normals_unit(_e173);
         vec3 _e175 = sink;
         vec3 _e176 = normals_unit(_e175);
-        float horizon_1 = distance(_e174, _e176);
+        float horizon_2 = distance(_e174, _e176);
         float _e178 = extents;
-        float extent = (horizon_1 / max((horizon_1 + _e178), 1e-36));
+        float extent = (horizon_2 / max((horizon_2 + _e178), 1e-36));
         float _e184 = outline.share;
         float other = (_e184 * (1.0 - extent));
         outline.share = abs((extent - other));
@@ -610,7 +632,7 @@ NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
     return _e209;
 }
 
-NormalsCorner normals_outline_corner(NormalsView view_11, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_4) {
+NormalsCorner normals_outline_corner(NormalsView view_12, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_4) {
     bool local_12 = false;
     bool local_13 = false;
     bool local_14 = false;
@@ -634,20 +656,20 @@ NormalsCorner normals_outline_corner(NormalsView view_11, NormalsOutline outline
         local_14 = false;
     }
     bool _e37 = local_14;
-    uint at = ((outline_1.start + k) - (_e37 ? 1u : 0u));
-    uint before_2 = ((at == 0u) ? (outline_1.number - 1u) : (at - 1u));
-    vec3 _e54 = normals_get(vertices_2, ((at >= outline_1.number) ? (at - outline_1.number) : at), outline_1.many);
+    uint at_1 = ((outline_1.start + k) - (_e37 ? 1u : 0u));
+    uint before_2 = ((at_1 == 0u) ? (outline_1.number - 1u) : (at_1 - 1u));
+    vec3 _e54 = normals_get(vertices_2, ((at_1 >= outline_1.number) ? (at_1 - outline_1.number) : at_1), outline_1.many);
     vec3 _e61 = normals_get(vertices_2, ((before_2 >= outline_1.number) ? (before_2 - outline_1.number) : before_2), outline_1.many);
     vec3 _e62 = normals_crossing(_e61, _e54);
-    NormalsCorner _e64 = normals_corner((is_crossing ? _e62 : _e54), view_11);
+    NormalsCorner _e64 = normals_corner((is_crossing ? _e62 : _e54), view_12);
     return _e64;
 }
 
-NormalsHorizon normals_horizon(NormalsView view_12, NormalsCorner begin, NormalsCorner end) {
+NormalsHorizon normals_horizon(NormalsView view_13, NormalsCorner begin, NormalsCorner end) {
     bool local_15 = false;
     vec3 sum_4 = (begin.w + end.w);
     float _e6 = normals_half_cosine(begin, end);
-    vec3 _e13 = normals_unstretched(((view_12.wo * _e6) + (sum_4 * (0.5 / _e6))), view_12);
+    vec3 _e13 = normals_unstretched(((view_13.wo * _e6) + (sum_4 * (0.5 / _e6))), view_13);
     vec3 turn_1 = cross(begin.w, (end.w - begin.w));
     if ((begin.w.z == 0.0)) {
         local_15 = (end.w.z == 0.0);
@@ -659,13 +681,13 @@ NormalsHorizon normals_horizon(NormalsView view_12, NormalsCorner begin, Normals
     return NormalsHorizon(begin.c, (_e13 * inversesqrt((begin.length_ * end.length_))), end.c, across_3);
 }
 
-vec3 normals_on_horizon(NormalsHorizon horizon, float t_1) {
+vec3 normals_on_horizon(NormalsHorizon horizon_1, float t_1) {
     float u_1 = (1.0 - t_1);
-    vec3 _e17 = normals_unit((((horizon.begin * (u_1 * u_1)) + (horizon.control * ((2.0 * u_1) * t_1))) + (horizon.end * (t_1 * t_1))));
-    return ((t_1 >= 1.0) ? horizon.end : _e17);
+    vec3 _e17 = normals_unit((((horizon_1.begin * (u_1 * u_1)) + (horizon_1.control * ((2.0 * u_1) * t_1))) + (horizon_1.end * (t_1 * t_1))));
+    return ((t_1 >= 1.0) ? horizon_1.end : _e17);
 }
 
-vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
+vec2 normals_polygon(NormalsView view_14, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
     vec3 ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vec3 half_ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
@@ -677,7 +699,7 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
     vec3 arc_start = vec3(0.0);
     vec3 flux_1 = vec3(0.0);
     NormalsCorner last = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
-    uint edge = 0u;
+    uint edge_1 = 0u;
     bool is_second = false;
     uint step_ = 0u;
     bool local_16 = false;
@@ -699,14 +721,14 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
         return vec2(0.0);
     }
     bool many_2 = _e8.many;
-    bool is_fine_3 = (rule == NORMALS_FINE);
-    uint edge_parts = (is_fine_3 ? 2u : 1u);
-    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_3 ? 4u : 2u));
+    bool is_fine_1 = (rule == NORMALS_FINE);
+    uint edge_parts = (is_fine_1 ? 2u : 1u);
+    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_1 ? 4u : 2u));
     uint edges = (_e8.edges - (_e8.is_closed ? 1u : 0u));
     uint closing_parts = (_e8.is_closed ? horizon_parts : 0u);
-    NormalsCorner _e37 = normals_outline_corner(view_13, _e8, vertices_3, 0u);
-    NormalsCorner _e38 = normals_outline_corner(view_13, _e8, vertices_3, edges);
-    NormalsHorizon _e39 = normals_horizon(view_13, _e38, _e37);
+    NormalsCorner _e37 = normals_outline_corner(view_14, _e8, vertices_3, 0u);
+    NormalsCorner _e38 = normals_outline_corner(view_14, _e8, vertices_3, edges);
+    NormalsHorizon _e39 = normals_horizon(view_14, _e38, _e37);
     arc_start = _e37.c;
     last = _e37;
     bool loop_init_2 = true;
@@ -722,9 +744,9 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
             break;
         }
         {
-            uint _e70 = edge;
+            uint _e70 = edge_1;
             bool is_closing = (_e70 >= edges);
-            if (is_fine_3) {
+            if (is_fine_1) {
                 bool _e74 = is_second;
                 local_16 = !(_e74);
             } else {
@@ -737,16 +759,16 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
                 local_17 = false;
             }
             bool is_half = local_17;
-            uint _e83 = edge;
-            NormalsCorner _e86 = normals_outline_corner(view_13, _e8, vertices_3, (_e83 + 1u));
+            uint _e83 = edge_1;
+            NormalsCorner _e86 = normals_outline_corner(view_14, _e8, vertices_3, (_e83 + 1u));
             to = _e86;
             if (is_half) {
                 NormalsCorner _e88 = last;
                 NormalsCorner _e89 = to;
-                NormalsCorner _e91 = normals_between(_e88, _e89, 0.5, view_13);
+                NormalsCorner _e91 = normals_between(_e88, _e89, 0.5, view_14);
                 to = _e91;
             }
-            uint _e92 = edge;
+            uint _e92 = edge_1;
             float t_3 = (float(((_e92 + 1u) - edges)) / float(horizon_parts));
             vec3 _e100 = to.c;
             vec3 _e101 = normals_on_horizon(_e39, t_3);
@@ -765,20 +787,20 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
                 local_18 = true;
             }
             bool _e126 = local_18;
-            vec3 _e127 = normals_exact(view_13, _e114, c_5, across_4, _e126);
+            vec3 _e127 = normals_exact(view_14, _e114, c_5, across_4, _e126);
             bool is_edge = ((is_closing ? dot(across_4, across_4) : dot(apart, apart)) >= 1e-14);
             vec3 _e134 = last.c;
             vec3 curved_1 = (is_edge ? (_e127 - cross(_e134, c_5)) : vec3(0.0));
             vec3 _e140 = flux_1;
             vec3 _e142 = last.c;
             flux_1 = (_e140 + (curved_1 + cross((_e142 - _e37.c), (c_5 - _e37.c))));
-            if (is_fine_3) {
-                uint _e151 = edge;
+            if (is_fine_1) {
+                uint _e151 = edge_1;
                 normals_put(half_ends, (is_half ? _e151 : 8u), c_5, many_2);
-                uint _e154 = edge;
+                uint _e154 = edge_1;
                 normals_put(half_curves, (is_half ? _e154 : 8u), curved_1, many_2);
             }
-            uint _e156 = edge;
+            uint _e156 = edge_1;
             if (!(is_half)) {
                 local_19 = is_closing;
             } else {
@@ -786,7 +808,7 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
             }
             bool _e162 = local_19;
             normals_put(ends, (_e162 ? 8u : _e156), c_5, many_2);
-            uint _e164 = edge;
+            uint _e164 = edge_1;
             if (!(is_half)) {
                 local_20 = is_closing;
             } else {
@@ -794,7 +816,7 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
             }
             bool _e170 = local_20;
             normals_put(curves, (_e170 ? 8u : _e164), curved_1, many_2);
-            uint _e173 = edge;
+            uint _e173 = edge_1;
             normals_put(horizon_curves, (is_closing ? (_e173 - edges) : 8u), curved_1, false);
             vec3 _e177 = arc_start;
             arc_start = (is_closing ? _e177 : c_5);
@@ -803,8 +825,8 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
             vec3 _e182 = arc_start;
             vec3 _e184 = arc_start;
             closing = (_e179 + (is_closing ? (curved_1 + cross((_e181 - _e182), (c_5 - _e184))) : vec3(0.0)));
-            if (is_fine_3) {
-                uint _e194 = edge;
+            if (is_fine_1) {
+                uint _e194 = edge_1;
                 local_21 = ((_e194 + 1u) == (edges + (horizon_parts / 2u)));
             } else {
                 local_21 = false;
@@ -820,13 +842,13 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
             vec3 _e207 = to.w;
             float _e209 = to.length_;
             last = NormalsCorner(_e207, c_5, _e209);
-            uint _e211 = edge;
-            edge = (_e211 + (is_half ? 0u : 1u));
+            uint _e211 = edge_1;
+            edge_1 = (_e211 + (is_half ? 0u : 1u));
             is_second = is_half;
         }
     }
     vec3 _e219 = flux_1;
-    float seen_2 = dot(_e219, view_13.stretched);
+    float seen_2 = dot(_e219, view_14.stretched);
     float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
     if ((side < 0.0)) {
         local_22 = !(two_sided);
@@ -837,143 +859,144 @@ vec2 normals_polygon(NormalsView view_13, inout vec3 vertices_3[8], uint count, 
     if (_e233) {
         return vec2(0.0);
     }
-    float to_part = ((side * 0.3183099) / (view_13.wo.z + view_13.length_));
+    float to_part = ((side * 0.3183099) / (view_14.wo.z + view_14.length_));
     vec3 _e243 = flux_1;
     vec3 _e245 = normals_unit((_e243 * side));
-    vec2 _e246 = normals_weight(view_13, _e245);
+    vec2 _e246 = normals_weight(view_14, _e245);
     parts = (vec2(_e246.x, (_e246.x * _e246.y)) * seen_2);
     if ((rule != NORMALS_MEAN)) {
-        float _e263 = normals_rise(view_13, _e245);
+        float _e263 = normals_rise(view_14, _e245);
         float least_rise_1 = max((0.125 * _e263), 1e-36);
-        vec3 sided = (side * view_13.stretched);
-        vec3 _e273 = normals_sample(view_13, _e245);
-        vec3 tip_share = ((is_fine_3 ? 0.1 : 0.2) * _e273);
-        NormalsSpoke _e276 = normals_spoke(view_13, _e245, _e37.c, is_fine_3);
-        before_1 = _e276;
-        setting = _e276;
+        vec3 sided = (side * view_14.stretched);
+        NormalsNumbers _e270 = normals_numbers(view_14, is_fine_1);
+        vec3 _e271 = normals_sample(view_14, _e245);
+        vec3 tip_share = (0.03 * _e271);
+        NormalsSpoke _e275 = normals_spoke(view_14, _e270, _e245, _e37.c);
+        before_1 = _e275;
+        setting = _e275;
         bool loop_init_3 = true;
         while(true) {
             if (!loop_init_3) {
-                uint _e337 = i_5;
-                i_5 = (_e337 + 1u);
+                uint _e336 = i_5;
+                i_5 = (_e336 + 1u);
             }
             loop_init_3 = false;
-            uint _e281 = i_5;
-            if ((_e281 < _e8.edges)) {
+            uint _e280 = i_5;
+            if ((_e280 < _e8.edges)) {
             } else {
                 break;
             }
             {
-                uint _e284 = i_5;
-                bool is_closing_1 = (_e284 == edges);
+                uint _e283 = i_5;
+                bool is_closing_1 = (_e283 == edges);
                 if (is_closing_1) {
-                    NormalsSpoke _e286 = before_1;
-                    setting = _e286;
+                    NormalsSpoke _e285 = before_1;
+                    setting = _e285;
                 }
                 float counts = (is_closing_1 ? (1.0 - _e8.share) : 1.0);
-                if (is_fine_3) {
-                    uint _e292 = i_5;
-                    vec3 _e293 = normals_get(half_ends, _e292, many_2);
-                    vec3 _e294 = half_end;
-                    vec3 half_c = (is_closing_1 ? _e294 : _e293);
-                    uint _e296 = i_5;
-                    vec3 _e297 = normals_get(half_curves, _e296, many_2);
-                    vec3 _e298 = half_closing;
-                    vec3 half_curved = (is_closing_1 ? _e298 : _e297);
-                    NormalsSpoke _e300 = normals_spoke(view_13, _e245, half_c, is_fine_3);
-                    NormalsSpoke _e301 = before_1;
-                    vec3 _e302 = normals_flux(_e245, _e301, _e300, half_curved);
-                    vec3 _e303 = normals_centroid(_e302, _e245);
-                    vec3 _e305 = before_1.at_end;
-                    vec2 _e309 = normals_triangle(view_13, _e245, _e303, ((tip_share + _e305) + _e300.at_end), is_fine_3);
-                    NormalsSum _e310 = sum_2;
-                    NormalsSum _e313 = normals_add(view_13, _e310, least_rise_1, _e303, (counts * dot(_e302, sided)), _e309);
-                    sum_2 = _e313;
-                    before_1 = _e300;
+                if (is_fine_1) {
+                    uint _e291 = i_5;
+                    vec3 _e292 = normals_get(half_ends, _e291, many_2);
+                    vec3 _e293 = half_end;
+                    vec3 half_c = (is_closing_1 ? _e293 : _e292);
+                    uint _e295 = i_5;
+                    vec3 _e296 = normals_get(half_curves, _e295, many_2);
+                    vec3 _e297 = half_closing;
+                    vec3 half_curved = (is_closing_1 ? _e297 : _e296);
+                    NormalsSpoke _e299 = normals_spoke(view_14, _e270, _e245, half_c);
+                    NormalsSpoke _e300 = before_1;
+                    vec3 _e301 = normals_flux(_e245, _e300, _e299, half_curved);
+                    vec3 _e302 = normals_centroid(_e301, _e245);
+                    vec3 _e304 = before_1.at_end;
+                    vec2 _e308 = normals_triangle(view_14, _e270, _e245, _e302, ((tip_share + _e304) + _e299.at_end));
+                    NormalsSum _e309 = sum_2;
+                    NormalsSum _e312 = normals_add(view_14, _e309, least_rise_1, _e302, (counts * dot(_e301, sided)), _e308);
+                    sum_2 = _e312;
+                    before_1 = _e299;
                 }
-                uint _e314 = i_5;
-                vec3 _e315 = normals_get(ends, _e314, many_2);
-                vec3 c_6 = (is_closing_1 ? _e37.c : _e315);
-                uint _e318 = i_5;
-                vec3 _e319 = normals_get(curves, _e318, many_2);
-                vec3 _e320 = closing;
-                vec3 curved_2 = (is_closing_1 ? _e320 : _e319);
-                NormalsSpoke _e322 = normals_spoke(view_13, _e245, c_6, is_fine_3);
-                NormalsSpoke _e323 = before_1;
-                vec3 _e324 = normals_flux(_e245, _e323, _e322, curved_2);
-                vec3 _e325 = normals_centroid(_e324, _e245);
-                vec3 _e327 = before_1.at_end;
-                vec2 _e331 = normals_triangle(view_13, _e245, _e325, ((tip_share + _e327) + _e322.at_end), is_fine_3);
-                NormalsSum _e332 = sum_2;
-                NormalsSum _e335 = normals_add(view_13, _e332, least_rise_1, _e325, (counts * dot(_e324, sided)), _e331);
-                sum_2 = _e335;
-                before_1 = _e322;
+                uint _e313 = i_5;
+                vec3 _e314 = normals_get(ends, _e313, many_2);
+                vec3 c_6 = (is_closing_1 ? _e37.c : _e314);
+                uint _e317 = i_5;
+                vec3 _e318 = normals_get(curves, _e317, many_2);
+                vec3 _e319 = closing;
+                vec3 curved_2 = (is_closing_1 ? _e319 : _e318);
+                NormalsSpoke _e321 = normals_spoke(view_14, _e270, _e245, c_6);
+                NormalsSpoke _e322 = before_1;
+                vec3 _e323 = normals_flux(_e245, _e322, _e321, curved_2);
+                vec3 _e324 = normals_centroid(_e323, _e245);
+                vec3 _e326 = before_1.at_end;
+                vec2 _e330 = normals_triangle(view_14, _e270, _e245, _e324, ((tip_share + _e326) + _e321.at_end));
+                NormalsSum _e331 = sum_2;
+                NormalsSum _e334 = normals_add(view_14, _e331, least_rise_1, _e324, (counts * dot(_e323, sided)), _e330);
+                sum_2 = _e334;
+                before_1 = _e321;
             }
         }
-        NormalsSpoke _e339 = setting;
-        before_1 = _e339;
+        NormalsSpoke _e338 = setting;
+        before_1 = _e338;
         bool loop_init_4 = true;
         while(true) {
             if (!loop_init_4) {
-                uint _e392 = part;
-                part = (_e392 + 1u);
+                uint _e391 = part;
+                part = (_e391 + 1u);
             }
             loop_init_4 = false;
-            uint _e342 = part;
-            if ((_e342 < closing_parts)) {
+            uint _e341 = part;
+            if ((_e341 < closing_parts)) {
             } else {
                 break;
             }
             {
-                uint _e344 = part;
-                vec3 _e350 = normals_on_horizon(_e39, ((float(_e344) + 0.5) / float(horizon_parts)));
-                uint _e351 = part;
-                vec3 _e357 = normals_on_horizon(_e39, (float((_e351 + 1u)) / float(horizon_parts)));
-                vec3 _e359 = before_1.c;
-                uint _e360 = part;
-                vec3 _e362 = normals_get(horizon_curves, _e360, false);
-                mat2x3 _e363 = normals_shared(_e359, _e350, _e357, _e362);
-                vec3 _e364 = normals_arc_bend(_e245, _e350);
-                NormalsSpoke half_ = NormalsSpoke(_e350, _e364, vec3(0.0));
-                vec3 _e368 = normals_arc_bend(_e245, _e357);
-                NormalsSpoke to_1 = NormalsSpoke(_e357, _e368, vec3(0.0));
-                NormalsSpoke _e372 = before_1;
-                vec3 _e374 = normals_flux(_e245, _e372, half_, _e363[0]);
-                vec3 _e375 = normals_centroid(_e374, _e245);
-                vec2 _e376 = normals_horizon_triangle(view_13, _e245, _e246, _e375, is_fine_3);
-                NormalsSum _e377 = sum_2;
-                NormalsSum _e381 = normals_add(view_13, _e377, least_rise_1, _e375, (_e8.share * dot(_e374, sided)), _e376);
-                sum_2 = _e381;
-                vec3 _e383 = normals_flux(_e245, half_, to_1, _e363[1]);
-                vec3 _e384 = normals_centroid(_e383, _e245);
-                vec2 _e385 = normals_horizon_triangle(view_13, _e245, _e246, _e384, is_fine_3);
-                NormalsSum _e386 = sum_2;
-                NormalsSum _e390 = normals_add(view_13, _e386, least_rise_1, _e384, (_e8.share * dot(_e383, sided)), _e385);
-                sum_2 = _e390;
+                uint _e343 = part;
+                vec3 _e349 = normals_on_horizon(_e39, ((float(_e343) + 0.5) / float(horizon_parts)));
+                uint _e350 = part;
+                vec3 _e356 = normals_on_horizon(_e39, (float((_e350 + 1u)) / float(horizon_parts)));
+                vec3 _e358 = before_1.c;
+                uint _e359 = part;
+                vec3 _e361 = normals_get(horizon_curves, _e359, false);
+                mat2x3 _e362 = normals_shared(_e358, _e349, _e356, _e361);
+                vec3 _e363 = normals_arc_bend(_e245, _e349);
+                NormalsSpoke half_ = NormalsSpoke(_e349, _e363, vec3(0.0));
+                vec3 _e367 = normals_arc_bend(_e245, _e356);
+                NormalsSpoke to_1 = NormalsSpoke(_e356, _e367, vec3(0.0));
+                NormalsSpoke _e371 = before_1;
+                vec3 _e373 = normals_flux(_e245, _e371, half_, _e362[0]);
+                vec3 _e374 = normals_centroid(_e373, _e245);
+                vec2 _e375 = normals_horizon_triangle(view_14, _e270, _e245, _e246, _e374);
+                NormalsSum _e376 = sum_2;
+                NormalsSum _e380 = normals_add(view_14, _e376, least_rise_1, _e374, (_e8.share * dot(_e373, sided)), _e375);
+                sum_2 = _e380;
+                vec3 _e382 = normals_flux(_e245, half_, to_1, _e362[1]);
+                vec3 _e383 = normals_centroid(_e382, _e245);
+                vec2 _e384 = normals_horizon_triangle(view_14, _e270, _e245, _e246, _e383);
+                NormalsSum _e385 = sum_2;
+                NormalsSum _e389 = normals_add(view_14, _e385, least_rise_1, _e383, (_e8.share * dot(_e382, sided)), _e384);
+                sum_2 = _e389;
                 before_1 = to_1;
             }
         }
-        NormalsSum _e394 = sum_2;
-        vec2 _e396 = normals_total(_e394, (seen_2 * side), _e246);
-        parts = (_e396 * side);
+        NormalsSum _e393 = sum_2;
+        vec2 _e395 = normals_total(_e393, (seen_2 * side), _e246);
+        parts = (_e395 * side);
     }
-    float _e399 = parts.x;
-    float energy = clamp((_e399 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
-    float _e408 = parts.y;
-    return vec2(energy, clamp((_e408 * to_part), 0.0, energy));
+    float _e398 = parts.x;
+    float energy = clamp((_e398 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e407 = parts.y;
+    return vec2(energy, clamp((_e407 * to_part), 0.0, energy));
 }
 
-vec2 normals_rectangle(NormalsView view_14, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
+vec2 normals_rectangle(NormalsView view_15, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
     vec3 vertices_4[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     vertices_4[0] = corners_1[0];
     vertices_4[1] = corners_1[1];
     vertices_4[2] = corners_1[2];
     vertices_4[3] = corners_1[3];
-    vec2 _e14 = normals_polygon(view_14, vertices_4, 4u, two_sided_1, rule_1);
+    vec2 _e14 = normals_polygon(view_15, vertices_4, 4u, two_sided_1, rule_1);
     return _e14;
 }
 
-vec2 normals_disk(NormalsView view_15, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
+vec2 normals_disk(NormalsView view_16, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
     vec3 vertices_5[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     uint i_6 = 0u;
     bool loop_init_5 = true;
@@ -996,6 +1019,6 @@ vec2 normals_disk(NormalsView view_15, vec3 centre, vec3 half_x, vec3 half_y, bo
             vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));
         }
     }
-    vec2 _e33 = normals_polygon(view_15, vertices_5, 8u, two_sided_2, rule_2);
+    vec2 _e33 = normals_polygon(view_16, vertices_5, 8u, two_sided_2, rule_2);
     return _e33;
 }

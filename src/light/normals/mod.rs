@@ -35,7 +35,7 @@ pub(super) use self::{
 use self::{
     edge::{curved_part, shared},
     outline::{Corner, Outline, Parts},
-    weight::{Sample, Shares, View},
+    weight::{Forms, Numbers, Sample, View},
 };
 use crate::fit::{
     Sides,
@@ -65,10 +65,25 @@ impl WeightRule {
         }
     }
 
-    fn shares(self) -> Shares {
+    /// The numbers of the triangles' means; [`Self::Mean`] has no triangles.
+    fn forms(self) -> Forms {
         match self {
-            Self::Mean | Self::Fan => Shares { outer: 0.3, tip: 0.2, corner: 0.08, horizon_rate: 0.155 },
-            Self::Fine => Shares { outer: 0.2, tip: 0.1, corner: 0.04, horizon_rate: 0.145 },
+            Self::Mean | Self::Fan => [
+                [0.492, -0.033, 0.193, -0.188],
+                [0.042, -0.052, 0.044, 0.167],
+                [0.45, 0.114, -0.292, -0.296],
+                [0.103, 0.112, 0.087, -0.011],
+                [0.243, -0.064, 0.076, -0.137],
+                [0.267, -0.205, 0.295, 0.105],
+            ],
+            Self::Fine => [
+                [0.356, 0.037, 0.448, -0.008],
+                [0.062, -0.065, 0.028, 0.165],
+                [0.361, 0.007, -0.325, -0.161],
+                [0.088, 0.107, 0.048, 0.009],
+                [0.282, -0.077, 0.074, -0.129],
+                [0.371, -0.194, 0.269, 0.021],
+            ],
         }
     }
 }
@@ -106,7 +121,7 @@ pub fn reflected<T: Scalar>(
     } else {
         let fan = Fan {
             view: &view,
-            shares: rule.shares(),
+            numbers: Numbers::new(&rule.forms(), &view),
             tip: mean_normal,
             to_part,
             at_tip: view.weight(mean_normal),
@@ -166,7 +181,7 @@ pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Tripl
 /// times the mean of their weights.
 struct Fan<'a, T> {
     view: &'a View<T>,
-    shares: Shares,
+    numbers: Numbers<T>,
     /// The mean normal, where all triangles meet, and its weight.
     tip: Triple<T>,
     at_tip: [T; 2],
@@ -186,9 +201,13 @@ const LEAST_RISE: f64 = 0.125;
 
 impl<T: Scalar> Fan<'_, T> {
     /// The centroid of a triangle, by the integral of its normals, and its part of the visible normals.
+    ///
+    /// A triangle that its edge's image divides into what runs on and what runs back has no centroid: the two cancel each
+    /// other, the integral may be at a right angle to the tip, and the tip stands for it.
     fn centroid(&self, flux: Triple<T>) -> (Triple<T>, T) {
         let m = unit(flux);
-        let m = if dot(m, self.tip) < T::ZERO { scaled(m, -T::ONE) } else { m };
+        let share = (T::of(10.0) * dot(m, self.tip)).min(T::ONE).max(-T::ONE);
+        let m = plus(scaled(m, share), scaled(self.tip, T::ONE - share.abs()));
         (m, self.to_part * dot(flux, self.view.stretched))
     }
 
@@ -236,13 +255,14 @@ impl<T: Scalar> Fan<'_, T> {
             let plane = cross(minus(from.c, tip), minus(to.c, tip));
             let flux = plus(plus(plane, *curved), minus(arc_bend(tip, from.c), arc_bend(tip, to.c)));
             let (m, part) = self.centroid(flux);
-            let shares = self.shares;
-            let on_edge = |start: usize, m| view.over_triangle(shares, tip, m, [at_tip, samples[start], samples[next]]);
+            let numbers = self.numbers;
+            let on_edge =
+                |start: usize, m| view.over_triangle(&numbers, tip, m, [at_tip, samples[start], samples[next]]);
             if !setting.contains(&i) {
                 self.add(m, part, on_edge(i, m));
                 continue;
             }
-            self.add(m, *share * part, view.over_triangle_to_horizon(shares, tip, self.at_tip, m));
+            self.add(m, *share * part, view.over_triangle_to_horizon(&numbers, tip, self.at_tip, m));
             if count == 0 {
                 start = i;
             }

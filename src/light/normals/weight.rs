@@ -13,23 +13,44 @@ pub(super) struct View<T> {
     pub(super) length: T,
 }
 
-/// The outer sample of a triangle is beyond its centroid, seen from the tip, by this part of the way between them; where
-/// the edge is flat, it is that edge's middle.
-const OUTER: f64 = 0.5;
-/// The same way for the sample of a triangle whose outer edge is the horizon, 13/15 of the way from the tip to a flat edge.
-const NEAR_HORIZON: f64 = 0.3;
-/// The tip's part of Schlick's factor in such a triangle.
-const TIP_SHARE: f64 = 0.25;
-
-/// Numbers of a rule, which depend on how large its triangles are. They were chosen for the least error over random lights.
+/// The numbers of a rule for a view.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shares {
-    /// How much the outer sample of a triangle counts beside the centroid, its tip and each of its other corners.
-    pub(super) outer: f64,
-    pub(super) tip: f64,
-    pub(super) corner: f64,
+pub(super) struct Numbers<T> {
+    /// How much the outer sample of a triangle counts beside its centroid.
+    outer: T,
+    /// How much each corner of its outer side does.
+    corner: T,
+    /// The outer sample is beyond the centroid, seen from the tip, by this part of the way between them; where the edge is
+    /// flat, its middle is so by half.
+    beyond: T,
     /// How fast the weight falls towards the horizon: see [`to_horizon`].
-    pub(super) horizon_rate: f64,
+    rate: T,
+    /// How far beyond the centroid the sample of a triangle is whose outer edge is the horizon.
+    near: T,
+    /// The tip's part of Schlick's factor in such a triangle.
+    tip: T,
+}
+
+/// The numbers of a rule for all views, in the order of [`Numbers`]: each is the product of its row and
+/// `(1, mu_o, alpha, alpha mu_o)`, with the larger alpha, but at least zero. They have the least error over random lights.
+pub(super) type Forms = [[f64; 4]; 6];
+
+/// A rate of zero would divide zero by zero.
+const LEAST_RATE: f64 = 0.02;
+/// How much the tip counts beside a centroid: so little that it matters only where all other normals are seen edge-on, where
+/// the mean would jump.
+const TIP: f64 = 0.03;
+
+impl<T: Scalar> Numbers<T> {
+    pub(super) fn new(forms: &Forms, view: &View<T>) -> Self {
+        let (mu, alpha) = (view.wo[2] / view.length, view.alpha[0].max(view.alpha[1]));
+        let at = [T::ONE, mu, alpha, alpha * mu];
+        let [outer, corner, beyond, rate, near, tip] = forms.map(|form| {
+            let [a, b, c, d] = form.map(T::of);
+            (a * at[0] + b * at[1] + c * at[2] + d * at[3]).max(T::ZERO)
+        });
+        Self { outer, corner, beyond, rate: rate.max(T::of(LEAST_RATE)), near, tip }
+    }
 }
 
 /// What a normal adds to a mean: what it counts, that times its weight, and that times Schlick's factor.
@@ -80,15 +101,15 @@ impl<T: Scalar> View<T> {
     /// centroid `m`, a normal beyond it, and its corners, the tip first.
     pub(super) fn over_triangle(
         &self,
-        shares: Shares,
+        numbers: &Numbers<T>,
         tip: Triple<T>,
         m: Triple<T>,
         corners: [Sample<T>; 3],
     ) -> [T; 2] {
         let [at_tip, from, to] = corners.map(|Sample(sample)| sample);
-        let (Sample(at_m), Sample(at_outer)) = (self.sample(m), self.sample(beyond(tip, m, OUTER)));
-        let inner = plus(plus(at_m, scaled(at_outer, T::of(shares.outer))), scaled(at_tip, T::of(shares.tip)));
-        let [seen, energy, fresnel] = plus(inner, scaled(plus(from, to), T::of(shares.corner)));
+        let (Sample(at_m), Sample(at_outer)) = (self.sample(m), self.sample(beyond(tip, m, numbers.beyond)));
+        let inner = plus(plus(at_m, scaled(at_outer, numbers.outer)), scaled(at_tip, T::of(TIP)));
+        let [seen, energy, fresnel] = plus(inner, scaled(plus(from, to), numbers.corner));
         let per_seen = T::ONE / seen.max(T::of(1e-18));
         [energy * per_seen, fresnel * per_seen]
     }
@@ -96,21 +117,20 @@ impl<T: Scalar> View<T> {
     /// The same where the edge is along the horizon, where the weight is zero; `at_tip` is that of the tip.
     pub(super) fn over_triangle_to_horizon(
         &self,
-        shares: Shares,
+        numbers: &Numbers<T>,
         tip: Triple<T>,
         at_tip: [T; 2],
         m: Triple<T>,
     ) -> [T; 2] {
-        let [near, schlick] = self.weight(beyond(tip, m, NEAR_HORIZON));
-        let mean = to_horizon(at_tip[0], near, T::of(shares.horizon_rate));
-        let share = T::of(TIP_SHARE);
-        [mean, mean * (share * at_tip[1] + (T::ONE - share) * schlick)]
+        let [near, schlick] = self.weight(beyond(tip, m, numbers.near));
+        let mean = to_horizon(at_tip[0], near, numbers.rate);
+        [mean, mean * (numbers.tip * at_tip[1] + (T::ONE - numbers.tip) * schlick)]
     }
 }
 
 /// The normal beyond `m` as seen from `tip`, up to length.
-fn beyond<T: Scalar>(tip: Triple<T>, m: Triple<T>, by: f64) -> Triple<T> {
-    plus(m, scaled(minus(m, tip), T::of(by)))
+fn beyond<T: Scalar>(tip: Triple<T>, m: Triple<T>, by: T) -> Triple<T> {
+    plus(m, scaled(minus(m, tip), by))
 }
 
 /// The mean over a triangle of a weight that is `tip` at its tip, zero on its outer edge, and `near` close to that.

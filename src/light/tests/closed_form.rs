@@ -61,9 +61,9 @@ fn errors(seed: u64, count: usize, roughness: Roughness) -> Vec<(WeightRule, [f6
 #[test]
 fn errors_are_those_of_the_weight() {
     let limits = |roughness: Roughness, rule: WeightRule| match (roughness, rule) {
-        (Roughness::All, WeightRule::Fan) => [0.001, 0.006, 0.04],
-        (_, WeightRule::Fan) => [0.0013, 0.008, 0.04],
-        (_, WeightRule::Fine) => [0.0008, 0.005, 0.03],
+        (Roughness::All, WeightRule::Fan) => [0.0006, 0.004, 0.04],
+        (_, WeightRule::Fan) => [0.0009, 0.005, 0.04],
+        (_, WeightRule::Fine) => [0.0006, 0.004, 0.035],
         (_, WeightRule::Mean) => [0.006, 0.04, 0.2],
     };
     for (seed, count, roughness) in [

@@ -42,7 +42,7 @@ fn walls_on_the_surface_are_right() {
             .collect();
         let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
         assert!(mean > 0.1, "lights that lobes miss tell nothing: {mean}");
-        for (rule, limits) in [(WeightRule::Fan, [0.0015, 0.008, 0.05]), (WeightRule::Fine, [0.001, 0.006, 0.04])] {
+        for (rule, limits) in [(WeightRule::Fan, [0.0012, 0.006, 0.05]), (WeightRule::Fine, [0.001, 0.005, 0.04])] {
             let mut errors: Vec<f64> =
                 walls.iter().zip(&wanted).map(|(lit, wanted)| (energy(lit, rule) - wanted).abs()).collect();
             errors.sort_by(f64::total_cmp);
