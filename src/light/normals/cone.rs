@@ -1,87 +1,153 @@
-//! The integral of `c x dc` along an arc of a cone of the second degree, in closed form.
+//! The cone of normals that reflect an edge of a light.
 
-use super::eigen::{Eigenframe, Symmetric, eigenframe};
-use crate::fit::math::{Scalar, Triple, dot, minus, scaled};
+use crate::fit::math::{Scalar, Triple, cross, dot};
 
-/// A cone `c^T K c = 0` with one positive eigenvalue, in its eigenframe.
-pub(in crate::light) struct Cone<T> {
-    /// `l1 > 0 >= l2 >= l3`, and their vectors.
-    values: Triple<T>,
-    vectors: [Triple<T>; 3],
-    /// `l1 - l2`, `l1 - l3` and `l2 - l3`, and their roots.
-    gaps: Triple<T>,
-    roots: Triple<T>,
-}
-
-/// An arc of a cone by its ends and their vector product, in the eigenframe.
-pub(in crate::light) struct ConeArc<T> {
-    pub(in crate::light) from: Triple<T>,
-    pub(in crate::light) to: Triple<T>,
-    pub(in crate::light) normal: Triple<T>,
+/// The cone `c^T K c = 0` with `K = A B A`, `B = wo n^T + n wo^T - k I` and `k = wo . n`, which is not negative.
+///
+/// B has the eigenvalues `|n|`, `-|n|` and `-k`, so one of K's is positive and none of the others is [Sylvester].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cone<T> {
+    alpha: [T; 2],
+    wo: Triple<T>,
+    n: Triple<T>,
+    k: T,
+    /// K's eigenvalues, descending: `l1 > 0 >= l2 >= l3`.
+    pub(super) values: Triple<T>,
 }
 
 impl<T: Scalar> Cone<T> {
-    /// The cone of a symmetric matrix of any length.
-    pub(in crate::light) fn new(k: Symmetric<T>) -> Self {
-        let [xx, yy, zz, xy, xz, yz] = k;
-        let norm2 = xx * xx + yy * yy + zz * zz + T::of(2.0) * (xy * xy + xz * xz + yz * yz);
-        let per_norm = T::ONE / norm2.sqrt().max(T::of(1e-30));
-        let Eigenframe { values, vectors } = eigenframe(k.map(|x| x * per_norm));
-        let l1 = values[0].max(T::of(1e-12));
-        let l2 = values[1].min(T::ZERO);
-        let l3 = values[2].min(l2);
-        let gaps = [l1 - l2, l1 - l3, l2 - l3];
-        Self { values: [l1, l2, l3], vectors, gaps, roots: gaps.map(Scalar::sqrt) }
-    }
+    /// Domain: `wo . n >= 0`, `n` of any length but zero.
+    ///
+    /// With the sum t of the eigenvalues, that of their products m and their product d, the one that is farthest from the others
+    /// is `t / 3 +- 2 p cos(acos(x) / 3)`, `p^2 = t^2 / 9 - m / 3`, where x in [0, 1] is `((t / 3)^3 - t m / 6 + d / 2) / p^3`
+    /// without its sign [Smith 1961]. The product of the others is d over it and their sum m less that product over it, in
+    /// which small numbers do not vanish in large ones. Where it is itself the small one, it is d over their product.
+    pub(super) fn new(alpha: [T; 2], wo: Triple<T>, n: Triple<T>) -> Self {
+        let (half, third, two) = (T::of(0.5), T::of(1.0 / 3.0), T::of(2.0));
+        let k = dot(wo, n);
+        let [x2, y2] = alpha.map(|alpha| alpha * alpha);
+        // Diagonal and principal minors of B.
+        let across = cross(wo, n);
+        let diagonal = [0, 1, 2].map(|i| two * wo[i] * n[i] - k);
+        let minors = [0, 1, 2].map(|i| k * diagonal[i] - across[i] * across[i]);
+        let trace = x2 * diagonal[0] + y2 * diagonal[1] + diagonal[2];
+        let minor = y2 * minors[0] + x2 * (minors[1] + y2 * minors[2]);
+        let determinant = x2 * y2 * (k * dot(n, n));
 
-    /// A vector in the eigenframe.
-    pub(in crate::light) fn seen(&self, v: Triple<T>) -> Triple<T> {
-        self.vectors.map(|axis| dot(v, axis))
-    }
-
-    /// The angle around the cone's axis v1 between the ends of an arc, in [-pi, pi].
-    pub(in crate::light) fn angle(&self, ConeArc { from, to, normal }: &ConeArc<T>) -> T {
-        let ([d2, e2, _], [d, e, _]) = (self.gaps, self.roots);
-        T::atan2(d * e * normal[0], d2 * from[1] * to[1] + e2 * from[2] * to[2])
-    }
-
-    /// Whether two normals are less than a right angle from each other around the axis.
-    pub(in crate::light) fn are_on_one_side(&self, a: Triple<T>, b: Triple<T>) -> bool {
-        self.gaps[0] * a[1] * b[1] + self.gaps[1] * a[2] * b[2] > T::ZERO
-    }
-
-    /// The integral along an arc that runs by the angle `psi` around the axis.
-    pub(in crate::light) fn integral(&self, ConeArc { from, to, normal }: &ConeArc<T>, psi: T) -> Triple<T> {
-        let ([l1, l2, l3], v) = (self.values, self.vectors);
-        let ([d2, e2, g2], [d, e, g]) = (self.gaps, self.roots);
-        let along1 = l1 / (d * e) * psi;
-
-        // artanh(q) / (d g), by its series where q is small: g may be zero.
-        let slope = normal[1] / (d2 * from[0] * to[0] - g2 * from[2] * to[2]);
-        let q = d * g * slope;
-        let q2 = q * q;
-        let along2 = if q2 < T::of(0.0025) {
-            slope * (T::ONE + q2 * (T::of(1.0 / 3.0) + q2 * T::of(0.2)))
+        let mean = trace * third;
+        let spread2 = (mean * mean - minor * third).max(T::of(1e-36));
+        let spread = spread2.sqrt();
+        let cosine = (mean * (mean * mean - half * minor) + half * determinant) / spread / spread2;
+        let is_first = cosine >= T::ZERO;
+        let apart = two * spread * cos_of_third(cosine.abs().min(T::ONE));
+        let rough = if is_first { mean + apart } else { mean - apart };
+        let is_small = is_first && trace < -rough;
+        let (isolated, sum, product) = if is_small {
+            let sum = trace - rough;
+            let product = minor - rough * sum;
+            (determinant / product, sum, product)
         } else {
-            let ratio = ((T::ONE + q) / (T::ONE - q)).max(T::of(1e-30)).min(T::of(1e30));
-            T::of(0.5) * ratio.ln() / (d * g)
+            let product = determinant / rough;
+            (rough, (minor - product) / rough, product)
         };
-
-        // atan2 / (e g), likewise.
-        let bottom = e2 * from[0] * to[0] + g2 * from[1] * to[1];
-        let top = e * g * normal[2];
-        let along3 = if bottom > T::ZERO && top.abs() < T::of(0.03) * bottom {
-            let r2 = top * top / (bottom * bottom);
-            normal[2] / bottom * (T::ONE - r2 * (T::of(1.0 / 3.0) - r2 * T::of(0.2)))
-        } else {
-            T::atan2(top, bottom) / (e * g).max(T::of(1e-30))
+        let radius = (sum * sum * T::of(0.25) - product).max(T::ZERO).sqrt();
+        let is_above = !is_first && sum >= T::ZERO;
+        let larger = half * sum + if is_above { radius } else { -radius };
+        let smaller = if larger == T::ZERO { T::ZERO } else { product / larger };
+        let [first, second, last] = match (is_first, is_above) {
+            (true, _) => [isolated, smaller, larger],
+            (false, true) => [larger, smaller, isolated],
+            (false, false) => [smaller, larger, isolated],
         };
-        let sum = minus(scaled(v[0], along1), scaled(v[1], l2 * along2));
-        minus(sum, scaled(v[2], l3 * along3))
+        let second = second.min(T::ZERO);
+        let values = [first.max(T::of(1e-18)), second, last.min(second).min(-T::of(1e-30))];
+        Self { alpha, wo, n, k, values }
     }
 
-    /// The integral once around the cone, of which two parts vanish. The sign is that of the turn.
-    pub(in crate::light) fn whole(&self, turn: T) -> Triple<T> {
-        scaled(self.vectors[0], self.values[0] / (self.roots[0] * self.roots[1]) * turn * T::TAU)
+    /// The vector of the first eigenvalue, of any length, on the side of the cone's normals.
+    ///
+    /// `K v = l1 v` for `v = A^-1 u` is `(k A^2 + l1 I) u = A^2 (wo s + n t)`, `s = n . u`, `t = wo . u`. With
+    /// `E = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = E (wo s + n t)`, and so `s (1 - wo . E n) = t (n . E n)`. The bracket
+    /// is at least a half: it is `sqrt((wo . E wo) (n . E n))`, which is not less than `wo . E n`.
+    pub(super) fn axis(&self) -> Triple<T> {
+        let Self { alpha: [x, y], wo, n, k, values: [first, ..] } = *self;
+        // A^-1 E and E, times `sum`.
+        let sum = k + first;
+        let [sum_x, sum_y] = [x, y].map(|alpha| k * alpha * alpha + first);
+        let scale = [x * sum / sum_x, y * sum / sum_y, T::ONE];
+        let weighted = [x * scale[0] * n[0], y * scale[1] * n[1], n[2]];
+        let (s, t) = (dot(weighted, n), sum - dot(weighted, wo));
+        [0, 1, 2].map(|i| scale[i] * (wo[i] * s + n[i] * t))
+    }
+
+    /// `K v`.
+    pub(super) fn image(&self, v: Triple<T>) -> Triple<T> {
+        let Self { alpha: [x, y], wo, n, k, .. } = *self;
+        let a = [x, y, T::ONE];
+        let u = [0, 1, 2].map(|i| a[i] * v[i]);
+        let (by_wo, by_n) = (dot(n, u), dot(wo, u));
+        [0, 1, 2].map(|i| a[i] * (wo[i] * by_wo + n[i] * by_n - k * u[i]))
+    }
+
+    /// `(a . K b) det K^-1` for the unit vectors `a` and `b` of normals that reflect to directions `wi` of length one, by their
+    /// lengths before and the distance between the directions: `k (1 - wi . wi') / (lengths) / det K`, where k cancels.
+    pub(super) fn bend(&self, lengths: [T; 2], apart2: T) -> T {
+        let [x, y] = self.alpha;
+        T::of(0.5) * apart2 / (lengths[0] * lengths[1] * dot(self.n, self.n) * (x * x * y * y)).max(T::of(1e-36))
+    }
+}
+
+/// `cos(acos(x) / 3)` for x in [0, 1]: the root in [sqrt(3)/2, 1] of `4 g^3 - 3 g = x`, by a polynomial and steps of Newton's
+/// method.
+fn cos_of_third<T: Scalar>(x: T) -> T {
+    let mut g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
+    for _ in 0..T::NEWTON_STEPS {
+        g = (T::of(8.0) * g * g * g + x) / (T::of(12.0) * g * g - T::of(3.0));
+    }
+    g
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::math::{direction, minus, scaled};
+
+    /// Eigenvalues and axis by what defines them, for mirrors and needles too, and planes through the view.
+    #[test]
+    fn values_and_axis_are_those_of_the_matrix() {
+        let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();
+        let mut checked = 0;
+        for i in 1..=20_000 {
+            let [a, b, c, d, e, f] =
+                [0.754_877_67, 0.569_840_29, 0.438_447_19, 0.309_016_99, 0.221_232_9, 0.672_9].map(|s| fraction(i, s));
+            let alpha = [10_f64.powf(-4.0 * a), 10_f64.powf(-4.0 * b)];
+            let wo = direction(1.57 * c, std::f64::consts::TAU * d).to_array();
+            let n = scaled(direction((1.0 - 2.0 * e).acos(), std::f64::consts::TAU * f).to_array(), 1e-3 + a);
+            let n = if dot(wo, n) < 0.0 { scaled(n, -1.0) } else { n };
+            let cone = Cone::new(alpha, wo, n);
+            let [l1, l2, l3] = cone.values;
+            assert!(l1 > 0.0 && l2 <= 0.0 && l3 <= l2, "{:?}", cone.values);
+            let product = alpha[0].powi(2) * alpha[1].powi(2) * cone.k * dot(n, n);
+            assert!((l1 * l2 * l3 - product).abs() < 1e-9 * product, "{cone:?}");
+            let axis = cone.axis();
+            let off = minus(cone.image(axis), scaled(axis, l1));
+            let size = l1.max(-l3) * dot(axis, axis).sqrt();
+            assert!(dot(off, off).sqrt() < 1e-11 * size, "{cone:?} {axis:?} {off:?}");
+            // Normals are on the axis's side of the cone.
+            let side = [1.0 / alpha[0], 1.0 / alpha[1], 1.0];
+            let w = direction(std::f64::consts::FRAC_PI_2 * b, std::f64::consts::TAU * e).to_array();
+            let w = minus(w, scaled(n, dot(w, n) / dot(n, n)));
+            let length = dot(w, w).sqrt();
+            if length > 1e-3 && w[2] > 0.0 {
+                let normal = [0, 1, 2].map(|i| side[i] * (wo[i] + w[i] / length));
+                assert!(dot(normal, axis) > 0.0, "{cone:?} {w:?}");
+                assert!(
+                    dot(normal, cone.image(normal)).abs() < 1e-9 * l1.max(-l3) * dot(normal, normal),
+                    "{cone:?} {w:?}"
+                );
+                checked += 1;
+            }
+        }
+        assert!(checked > 5000, "{checked}");
     }
 }

@@ -1,9 +1,6 @@
 //! The integral of `c x dc` along the image of a light's edge, in closed form.
 
-use super::{
-    cone::{Cone, ConeArc},
-    outline::Corner,
-};
+use super::{cone::Cone, outline::Corner};
 use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// What the edge from `a` to `b` adds to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
@@ -58,37 +55,96 @@ pub(in crate::light) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Tripl
     scaled(across, bend)
 }
 
-/// The integral of `c x dc` along an edge's image.
+/// The integral of `c x dc` along an edge's image, from `a.c` to `b.c`.
 ///
 /// An edge lies on `w . n = 0`, `n = a x b`. With `w = 2 (h . wo) h - wo` its normals `h` lie on the cone
-/// `h^T (wo n^T + n wo^T - k I) h = 0`, `k = wo . n`, and their images `c` on the cone of `K = A (..) A`. In K's
-/// eigenframe, `l1 > 0 >= l2 >= l3`, the integral is elementary. `docs/normals.md` derives it.
-fn exact<T: Scalar>(
-    [alpha_x, alpha_y]: [T; 2],
-    wo: Triple<T>,
-    a: &Corner<T>,
-    b: &Corner<T>,
-    apart: Triple<T>,
-) -> Triple<T> {
+/// `h^T (wo n^T + n wo^T - k I) h = 0`, `k = wo . n`, and their images `c` on that of [`Cone`]. The integral is
+/// `psi(M) (a.c x b.c)` with `M = (a.c . b.c) I - (a.c . K b.c) K^-1` and `psi` of [`per_sine`]. `docs/normals.md` derives it.
+///
+/// Along K's axis `psi` is the angle around the cone over its sine, and the angle may be more than half of the turn. Its sense
+/// is that of the edge. Where the angle is obtuse, it is half a turn less another, so that nothing is special at a whole half.
+fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, apart: Triple<T>) -> Triple<T> {
     // Not a x b, whose rounding errors are as large as those of a and b themselves.
     let n = cross(a.w, apart);
     let turns = if dot(wo, n) < T::ZERO { -T::ONE } else { T::ONE };
-    let n = scaled(n, turns);
-    let (x, y, z) = (wo[0] * n[0], wo[1] * n[1], wo[2] * n[2]);
-    let k = [
-        alpha_x * alpha_x * (x - y - z),
-        alpha_y * alpha_y * (y - x - z),
-        z - x - y,
-        alpha_x * alpha_y * (wo[0] * n[1] + wo[1] * n[0]),
-        alpha_x * (wo[0] * n[2] + wo[2] * n[0]),
-        alpha_y * (wo[1] * n[2] + wo[2] * n[1]),
-    ];
-    let cone = Cone::new(k);
-    let arc = ConeArc { from: cone.seen(a.c), to: cone.seen(b.c), normal: cone.seen(cross(a.c, b.c)) };
+    let cone = Cone::new(alpha, wo, scaled(n, turns));
+    let [first, second, third] = cone.values;
+    let axis = cone.axis();
+    let per_axis2 = T::ONE / dot(axis, axis).max(T::of(1e-36));
 
-    // The arc runs around v1 in the sense of the edge; atan2 sees only its ends.
-    let sense = if arc.from[0] < T::ZERO { -turns } else { turns };
-    let psi = cone.angle(&arc);
-    let is_wrapped = psi * sense < T::ZERO && (psi.abs() > T::of(0.01) || dot(a.w, b.w) < T::of(0.9));
-    cone.integral(&arc, if is_wrapped { psi + sense * T::TAU } else { psi })
+    // What of a x b is along each of K's vectors.
+    let normal = cross(a.c, b.c);
+    let on_axis = dot(axis, normal);
+    let rest = minus(normal, scaled(axis, on_axis * per_axis2));
+    let shifted = minus(cone.image(rest), scaled(rest, second));
+    let level = minus(shifted, scaled(axis, dot(shifted, axis) * per_axis2));
+    let gap = (second - third).max(-T::UNCERTAINTY * third);
+    let on_third = scaled(level, -T::ONE / gap);
+    let on_second = minus(rest, on_third);
+
+    // M's eigenvalues.
+    let apart2 = dot(apart, apart);
+    let bend = cone.bend([a.length, b.length], apart2);
+    let ends = dot(a.c, b.c);
+    let [cos_first, cos_second, cos_third] = [second * third, first * third, first * second].map(|x| ends - bend * x);
+
+    let turn = first / ((first - second) * (first - third)).sqrt();
+    let per_axis = per_axis2.sqrt();
+    let beside = on_axis * per_axis;
+    let acute = per_sine(cos_first.abs().min(T::ONE));
+    // A short edge does not turn by a tiny angle against its sense, which is a rounding error; a long one may.
+    let is_far = apart2 > T::of(0.2) || beside.abs() > T::of(0.01) * turn;
+    let along_first = if cos_first < T::ZERO {
+        turns * T::of(0.5) * T::TAU * turn - acute * beside
+    } else if beside * turns < T::ZERO && is_far {
+        turns * T::TAU * turn + acute * beside
+    } else {
+        acute * beside
+    };
+    let sharp = per_sine(cos_third.abs().min(T::ONE));
+    let along_third = if cos_third < T::ZERO {
+        let sine2 = (first - third) * gap * dot(on_third, on_third);
+        -T::of(0.5) * T::TAU * third / sine2.max(T::of(1e-36)).sqrt() - sharp
+    } else {
+        sharp
+    };
+    let sum = plus(scaled(axis, along_first * per_axis), scaled(on_second, per_sine(cos_second.max(T::ONE))));
+    plus(sum, scaled(on_third, along_third))
+}
+
+/// `psi(x) = acos(x) / sqrt(1 - x^2)`, an angle over its sine by its cosine; for `x > 1` the same of hyperbolic functions,
+/// `ln(x + sqrt(x^2 - 1)) / sqrt(x^2 - 1)`. Domain: x >= 0.
+///
+/// It has no kink at one, where it is the series of `(n + 1) / (2 n + 3)`, each term that times `1 - x` times the one before.
+fn per_sine<T: Scalar>(x: T) -> T {
+    let v = T::ONE - x;
+    if v.abs() < T::of(0.02) {
+        let next = |sum: T, n: u32| T::ONE + sum * v * T::of(f64::from(n + 1) / f64::from(2 * n + 3));
+        return (0..9).rev().fold(T::ONE, next);
+    }
+    let sine = (v.abs() * (T::ONE + x)).sqrt();
+    if v > T::ZERO { T::atan2(sine, x) / sine } else { (x + sine).ln() / sine }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Inverse functions of the standard library, on either side of one and of the series' ends.
+    #[test]
+    fn an_angle_per_sine_is_that_of_the_standard_library() {
+        for x in [0.0, 0.3, 0.9, 0.97, 0.9801, 0.985, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.015, 1.0199, 1.03, 2.0, 50.0, 1e6]
+        {
+            let expected = match x {
+                1.0 => 1.0,
+                x if x < 1.0 => f64::acos(x) / (1.0 - x * x).sqrt(),
+                x => f64::acosh(x) / (x * x - 1.0).sqrt(),
+            };
+            // The standard library's own digits are few next to one.
+            let tolerance = if (x - 1.0_f64).abs() < 1e-6 { 1e-7 } else { 1e-13 };
+            assert!((per_sine(x) - expected).abs() < tolerance * expected, "{x}: {} {expected}", per_sine(x));
+            let single = f64::from(per_sine(x as f32));
+            assert!((single - expected).abs() < 3e-6 * expected.max(1e-3), "{x}: {single} {expected}");
+        }
+    }
 }

@@ -15,7 +15,7 @@
 //! V = 2 / (cos_o + |A wo|) (A wo) . F,     F = 1/(2 pi) closed integral of c x dc along the outline of C(P)
 //! ```
 //!
-//! The edges of a light become arcs of cones of the second degree, over which the integral is elementary
+//! The edges of a light become arcs of cones of the second degree, over which the integral has a closed form
 //! (`edge.rs`). The weight `G2 / G1`, and Schlick's fifth power, are smooth; they are averaged over the
 //! triangles into which the region falls around its mean normal (`weight.rs`). `docs/normals.md` derives all of it.
 //!
@@ -24,14 +24,10 @@
 
 mod cone;
 mod edge;
-mod eigen;
 mod outline;
 mod weight;
 
-pub(super) use self::{
-    cone::{Cone, ConeArc},
-    edge::arc_bend,
-};
+pub(super) use self::edge::arc_bend;
 use self::{
     edge::{curved_part, shared},
     outline::{Corner, Outline, Parts},

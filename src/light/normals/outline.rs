@@ -12,7 +12,7 @@ pub(super) struct Corner<T> {
     /// Its image: the normal `c = A^-1 (wo + w)` that reflects `wo` to `w`, on the unit sphere.
     pub(super) c: Triple<T>,
     /// The length of `A^-1 (wo + w)`.
-    length: T,
+    pub(super) length: T,
 }
 
 impl<T: Scalar> Corner<T> {

@@ -117,18 +117,30 @@ fn visible_by_quadrature(lit: &Lit) -> f64 {
     sum.dot(stretch * wo) / (std::f64::consts::PI * (wo.z + (stretch * wo).length()))
 }
 
-/// The sum over the edges has the digits of the quadrature that it is compared with; the sharpest lobes lose some.
+/// The sum over the edges has the digits of the quadrature that it is compared with. In f32 it loses those of rounded directions.
 #[test]
 fn the_visible_part_is_exact() {
-    let cases = [(Roughness::All, 21, 1e-9), (Roughness::Anisotropic, 22, 1e-9), (Roughness::Extreme, 23, 2e-7)];
-    for (roughness, seed, bound) in cases {
-        let error = |lit: &Lit| {
+    let cases = [
+        (Roughness::All, 21, [1e-12, 2e-7, 1e-5]),
+        (Roughness::Anisotropic, 22, [1e-12, 2e-7, 1e-5]),
+        (Roughness::Extreme, 23, [2e-7, 1e-6, 1e-4]),
+    ];
+    for (roughness, seed, limits) in cases {
+        let errors = |lit: &Lit| {
+            let wanted = visible_by_quadrature(lit);
             let found = visible(lit.alpha(), lit.wo().to_array(), &triples(&lit.vertices));
-            (found - visible_by_quadrature(lit)).abs()
+            let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
+            let single = visible(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices);
+            [found, f64::from(single)].map(|found| (found - wanted).abs())
         };
-        let most = Draw::many(seed, 4000, roughness).par_iter().map(error).reduce(|| 0.0, f64::max);
-        println!("{roughness:?}: V is off by {most:.1e} at most");
-        assert!(most < bound, "{roughness:?}: {most}");
+        let errors: Vec<[f64; 2]> = Draw::many(seed, 4000, roughness).par_iter().map(errors).collect();
+        let [double, single] = [0, 1].map(|i| spread(errors.iter().map(|errors| errors[i]).collect()));
+        println!(
+            "{roughness:?}: V is off by {:.1e} at most, in f32 by {:.1e}, {:.1e}",
+            double[2], single[0], single[2]
+        );
+        let found = [double[2], single[0], single[2]];
+        assert!(found.iter().zip(limits).all(|(found, limit)| *found < limit), "{roughness:?}: {found:?}");
     }
 }
 
@@ -139,7 +151,7 @@ fn f32_tells_the_same_as_f64() {
     let limits = [
         (Roughness::All, 31, [3e-6, 1.5e-5]),
         (Roughness::Anisotropic, 32, [3e-6, 1.5e-5]),
-        (Roughness::Extreme, 33, [1e-4, 5e-3]),
+        (Roughness::Extreme, 33, [1e-5, 5e-4]),
     ];
     for (roughness, seed, [most, all]) in limits {
         let cases = Draw::many(seed, 20_000, roughness);

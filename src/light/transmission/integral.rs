@@ -2,12 +2,13 @@
 
 use super::{
     arc::{Arc, Extent, Kind},
+    cone::{Cone, ConeArc},
     flat::{flat, is_flat},
     interface::Interface,
 };
 use crate::{
     fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit},
-    light::normals::{Cone, ConeArc, arc_bend},
+    light::normals::arc_bend,
 };
 
 /// An angle about an axis that is negative by less than this is zero, rounded; more is a whole turn less.

@@ -21,6 +21,8 @@
 
 mod arc;
 mod clip;
+mod cone;
+mod eigen;
 mod flat;
 mod integral;
 mod interface;

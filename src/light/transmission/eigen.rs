@@ -3,7 +3,7 @@
 use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
-pub(in crate::light) type Symmetric<T> = [T; 6];
+pub(super) type Symmetric<T> = [T; 6];
 
 /// Eigenvalues in descending order, and a right-handed frame of their vectors.
 pub(super) struct Eigenframe<T> {
