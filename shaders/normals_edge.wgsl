@@ -1,209 +1,220 @@
-// The visible normals of GGX that reflect an edge of a light: its image among them, and the exact integral along it.
-// Needs ltc_math.wgsl.
+// The exact integral along the images of a light's edges among the visible normals of GGX. Needs ltc_math.wgsl and
+// normals_corner.wgsl.
+//
+// Two edges are integrated at a time, component by component in vec2. One integral is a chain of operations that wait for
+// each other; two of them side by side take less than twice as long.
 
-/// A surface seen from a direction.
-struct NormalsView {
-    alpha: vec2<f32>,
-    /// 1 / alpha.
-    per_alpha: vec2<f32>,
-    wo: vec3<f32>,
-    /// A wo with A = diag(alpha, 1), and its length.
-    stretched: vec3<f32>,
-    length: f32,
+/// Two vectors: the first has the components x.x, y.x and z.x.
+struct NormalsPair {
+    x: vec2<f32>,
+    y: vec2<f32>,
+    z: vec2<f32>,
 }
 
-/// A corner of a light's outline.
-struct NormalsCorner {
-    /// Its direction.
-    w: vec3<f32>,
-    /// Its image among the normals, A^-1 (wo + w), at length one.
-    c: vec3<f32>,
-    /// The image's length before.
-    length: f32,
+fn normals_pair(first: vec3<f32>, second: vec3<f32>) -> NormalsPair {
+    return NormalsPair(vec2(first.x, second.x), vec2(first.y, second.y), vec2(first.z, second.z));
 }
 
-/// alpha in (0, 1]; wo of unit length in the tangent frame.
-fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
-    let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
-    let stretched = vec3(alpha * wo.xy, wo.z);
-    return NormalsView(alpha, 1.0 / alpha, wo, stretched, sqrt(dot(stretched, stretched)));
+fn normals_pair_dot(a: NormalsPair, b: NormalsPair) -> vec2<f32> {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// A^-1 h.
-fn normals_unstretched(h: vec3<f32>, view: NormalsView) -> vec3<f32> {
-    return vec3(h.xy * view.per_alpha, h.z);
+fn normals_pair_cross(a: NormalsPair, b: NormalsPair) -> NormalsPair {
+    return NormalsPair(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-fn normals_unit(v: vec3<f32>) -> vec3<f32> {
-    let length2 = dot(v, v);
-    return v * select(0.0, inverseSqrt(max(length2, 1e-36)), length2 > 1e-36);
+fn normals_pair_scaled(a: NormalsPair, by: vec2<f32>) -> NormalsPair {
+    return NormalsPair(a.x * by, a.y * by, a.z * by);
 }
 
-fn normals_corner(v: vec3<f32>, view: NormalsView) -> NormalsCorner {
-    let w = normals_unit(v);
-    let c = normals_unstretched(view.wo + w, view);
-    let length2 = max(dot(c, c), 1e-36);
-    let per_length = inverseSqrt(length2);
-    return NormalsCorner(w, c * per_length, length2 * per_length);
+fn normals_pair_plus(a: NormalsPair, b: NormalsPair) -> NormalsPair {
+    return NormalsPair(a.x + b.x, a.y + b.y, a.z + b.z);
 }
 
-/// The cosine of half the angle between two corners.
-fn normals_half_cosine(a: NormalsCorner, b: NormalsCorner) -> f32 {
-    let sum = a.w + b.w;
-    return max(0.5 * sqrt(dot(sum, sum)), 1e-6);
+fn normals_pair_minus(a: NormalsPair, b: NormalsPair) -> NormalsPair {
+    return NormalsPair(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
-/// The corner at t of the edge from a to b, by the parameter of its image as a rational curve with unit ends.
-fn normals_between(a: NormalsCorner, b: NormalsCorner, t: f32, view: NormalsView) -> NormalsCorner {
-    let x = (1.0 - t) * sqrt(b.length);
-    let y = t * sqrt(a.length);
-    let middle = (a.w + b.w) * (x * y / normals_half_cosine(a, b));
-    return normals_corner(a.w * (x * x) + middle + b.w * (y * y), view);
+/// A v with A = diag(alpha, 1).
+fn normals_pair_stretched(v: NormalsPair, view: NormalsView) -> NormalsPair {
+    return NormalsPair(view.alpha.x * v.x, view.alpha.y * v.y, v.z);
 }
 
-/// a x b (acos(a . b) / |a x b| - 1): what the great circle's arc from a to b adds to a x b.
-fn normals_arc_bend(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
-    let across = cross(a, b);
-    let is_acute = dot(a, b) >= 0.0;
-    let chord = select(a + b, a - b, is_acute);
-    let z = dot(chord, chord) * 0.25;
-    let far = z * (2.271551 + z * (-3.4068607 + z * 3.5164571));
-    let bend = z * (0.66675535 + z * (0.52912637 + z * (0.52405584 + z * (-0.08954556 + far))));
-    let obtuse = 3.14159265 / sqrt(max(dot(across, across), 1e-18)) - bend - 2.0;
-    return across * select(obtuse, bend, is_acute);
+/// An angle in [0, pi / 2] over its sine, by its cosine: a polynomial that is 1e-7 off at most.
+fn normals_per_sine(cosine: vec2<f32>) -> vec2<f32> {
+    let x2 = cosine * cosine;
+    let low = 1.5707962 - 0.99998414 * cosine + x2 * (0.78493574 - 0.6614053 * cosine);
+    let high = 0.55826277 - 0.42721283 * cosine + x2 * (0.2563661 - 0.09989328 * cosine);
+    return low + x2 * x2 * (high + x2 * x2 * 0.018134789);
 }
 
-/// What each of two parts, from a to m and from m to b, adds beyond its plane triangle, of the image of an edge whose whole is
-/// known: the great circle's arc, and of what the arcs leave a share by the cube of the chord. The shares decide only which
-/// part has which weight.
-fn normals_shared(a: vec3<f32>, m: vec3<f32>, b: vec3<f32>, whole: vec3<f32>) -> mat2x3<f32> {
-    let arc = normals_arc_bend(a, m);
-    let next = normals_arc_bend(m, b);
-    let rest = whole - cross(m - a, b - a) - arc - next;
-    let length2 = vec2(dot(m - a, m - a), dot(b - m, b - m));
-    let cubes = length2 * sqrt(length2);
-    let shares = cubes / max(cubes.x + cubes.y, 1e-36);
-    return mat2x3(arc + rest * shares.x, next + rest * shares.y);
+/// A hyperbolic angle over its sine, by its cosine less one.
+fn normals_per_hyperbolic_sine(u: vec2<f32>) -> vec2<f32> {
+    let sine = sqrt(u * (u + 2.0));
+    let e = 1.0 + u + sine;
+    let far = vec2(ltc_log(e.x), ltc_log(e.y)) / max(sine, vec2(1e-30));
+    return select(far, 1.0 + u * (-0.33333333 + u * (0.13333333 - 0.057142857 * u)), u < vec2(0.02));
 }
 
-/// The eigenframe of a symmetric matrix of Frobenius norm one, by its diagonal and xy, xz, yz. Column i of the matrix
-/// belongs to values[i]; they descend.
-struct NormalsEigenframe {
-    values: vec3<f32>,
-    vectors: mat3x3<f32>,
+/// A cone of normals c^T K c = 0, K = A (wo n^T + n wo^T - (wo . n) I) A, by the eigenvalues first > 0 >= second >= third of K.
+struct NormalsCone {
+    /// wo . n.
+    towards: vec2<f32>,
+    /// n . n.
+    normal2: vec2<f32>,
+    first: vec2<f32>,
+    /// The other two with the sign turned.
+    second: vec2<f32>,
+    third: vec2<f32>,
 }
 
-fn normals_eigenframe(diagonal: vec3<f32>, off: vec3<f32>) -> NormalsEigenframe {
-    let m = mat3x3(diagonal.x, off.x, off.y, off.x, diagonal.y, off.z, off.y, off.z, diagonal.z);
-    let mean = (diagonal.x + diagonal.y + diagonal.z) * 0.33333333;
-    let d = diagonal - mean;
-    let p2 = 0.16666667 - 0.5 * mean * mean;
-    let per_p = inverseSqrt(p2);
-    let p = p2 * per_p;
-    let determinant = d.x * (d.y * d.z - off.z * off.z) - off.x * (off.x * d.z - off.z * off.y) +
-        off.y * (off.x * off.z - d.y * off.y);
-    let angle = 0.5 * determinant * (per_p * per_p * per_p);
-    let x = min(abs(angle), 1.0);
-    // cos(acos(x) / 3) by a polynomial and one step of Newton's.
-    let near = 0.8660254 + x * (0.1666667 + x * (-0.0425247 + 0.0098286 * x));
-    let g = (8.0 * near * near * near + x) / (12.0 * near * near - 3.0);
-    let is_largest = !(angle < 0.0);
-    let rough = mean + select(-2.0, 2.0, is_largest) * p * g;
-    let row0 = vec3(diagonal.x - rough, off.x, off.y);
-    let row1 = vec3(off.x, diagonal.y - rough, off.z);
-    let row2 = vec3(off.y, off.z, diagonal.z - rough);
-    var longest = cross(row0, row1);
-    let second = cross(row0, row2);
-    let third = cross(row1, row2);
-    longest = select(longest, second, dot(second, second) > dot(longest, longest));
-    longest = select(longest, third, dot(third, third) > dot(longest, longest));
-    let isolated = longest * inverseSqrt(max(dot(longest, longest), 1e-36));
-    let value = dot(isolated, m * isolated);
-    // One Jacobi rotation in the plane perpendicular to it.
-    let s = select(1.0, -1.0, isolated.z < 0.0);
-    let q = -1.0 / (s + isolated.z);
-    let r = isolated.x * isolated.y * q;
-    let e = vec3(1.0 + s * isolated.x * isolated.x * q, s * r, -s * isolated.x);
-    let f = vec3(r, s + isolated.y * isolated.y * q, -isolated.y);
-    let image_e = m * e;
-    let image_f = m * f;
-    let ee = dot(e, image_e);
-    let ef = dot(e, image_f);
-    let ff = dot(f, image_f);
-    let middle = 0.5 * (ee + ff);
-    let lean = 0.5 * (ee - ff);
-    let radius = sqrt(lean * lean + ef * ef);
-    // Half of the angle whose cosine is lean / radius: along (radius + |lean|, ef).
-    let longer = radius + abs(lean);
-    let per_turn = inverseSqrt(max(longer * longer + ef * ef, 1e-36));
-    let larger = select(1.0, longer * per_turn, longer > 1e-18);
-    let smaller = select(0.0, ef * per_turn, longer > 1e-18);
-    let flip = select(1.0, -1.0, ef < 0.0);
-    let turn = select(vec2(flip * smaller, flip * larger), vec2(larger, smaller), lean >= 0.0);
-    let upper = e * turn.x + f * turn.y;
-    let lower = f * turn.x - e * turn.y;
-    let one = select(upper, isolated, is_largest);
-    let two = select(lower, upper, is_largest);
-    let values = select(vec3(middle + radius, middle - radius, value), vec3(value, middle + radius, middle - radius), is_largest);
-    return NormalsEigenframe(values, mat3x3(one, two, cross(one, two)));
-}
-
-/// The angle of (x, y) from +x, in [-pi, pi].
-fn normals_atan2(y: f32, x: f32) -> f32 {
-    let upper = ltc_atan2(abs(y), x);
-    return select(upper, -upper, y < 0.0);
-}
-
-/// The integral of c x dc along the image of an edge from a to b, in the eigenframe of its cone. The edge is on the plane
-/// through the point with the normal across, of any length. A short edge does not turn by a tiny angle against its sense,
-/// which is a rounding error; a long one may.
-fn normals_exact(view: NormalsView, a: vec3<f32>, b: vec3<f32>, across: vec3<f32>, is_long: bool) -> vec3<f32> {
-    let turns = select(1.0, -1.0, dot(view.wo, across) < 0.0);
-    let n = across * turns;
-    let o = view.wo * n;
-    let ax = view.alpha.x;
-    let ay = view.alpha.y;
-    let diagonal = vec3(ax * ax * (o.x - o.y - o.z), ay * ay * (o.y - o.x - o.z), o.z - o.x - o.y);
-    let off = vec3(
-        ax * ay * (view.wo.x * n.y + view.wo.y * n.x),
-        ax * (view.wo.x * n.z + view.wo.z * n.x),
-        ay * (view.wo.y * n.z + view.wo.z * n.y),
+/// The cone of the edge on the plane with the normal n, of any length, whose towards is not negative.
+///
+/// The eigenvalue farthest from the others is that of Smith's formula, and its quotients with K's minors and determinant are
+/// the others: all terms have forms in which small ones do not vanish in large ones.
+fn normals_cone(view: NormalsView, n: NormalsPair, towards: vec2<f32>) -> NormalsCone {
+    let wo = view.wo;
+    let normal2 = normals_pair_dot(n, n);
+    let squares = view.alpha * view.alpha;
+    // Diagonal and principal minors of wo n^T + n wo^T - (wo . n) I.
+    let diagonal = NormalsPair(2.0 * wo.x * n.x - towards, 2.0 * wo.y * n.y - towards, 2.0 * wo.z * n.z - towards);
+    let across = NormalsPair(wo.y * n.z - wo.z * n.y, wo.z * n.x - wo.x * n.z, wo.x * n.y - wo.y * n.x);
+    let minors = NormalsPair(
+        towards * diagonal.x - across.x * across.x,
+        towards * diagonal.y - across.y * across.y,
+        towards * diagonal.z - across.z * across.z,
     );
-    let per_norm = inverseSqrt(max(dot(diagonal, diagonal) + 2.0 * dot(off, off), 1e-36));
-    let eigen = normals_eigenframe(diagonal * per_norm, off * per_norm);
-    let l1 = max(eigen.values.x, 1e-12);
-    let l2 = min(eigen.values.y, 0.0);
-    let l3 = min(eigen.values.z, l2);
-    let v = transpose(eigen.vectors);
-    let p0 = v * a;
-    let p1 = v * b;
-    let normal = v * cross(a, b);
-    let d2 = l1 - l2;
-    let e2 = l1 - l3;
-    let g2 = l2 - l3;
-    let d = sqrt(d2);
-    let e = sqrt(e2);
-    let g = sqrt(g2);
-    // The arc runs around the first axis in the sense of the edge; atan2 sees only its ends.
-    let sense = select(turns, -turns, p0.x < 0.0);
-    let short = normals_atan2(d * e * normal.x, d2 * p0.y * p1.y + e2 * p0.z * p1.z);
-    let is_wrapped = short * sense < 0.0 && (abs(short) > 0.01 || is_long);
-    let psi = select(short, short + sense * 6.2831853, is_wrapped);
-    let along1 = l1 / (d * e) * psi;
-    // artanh and arctan by their series where the arguments are small: g may be zero.
-    let slope = normal.y / (d2 * p0.x * p1.x - g2 * p0.z * p1.z);
-    let q = d * g * slope;
-    let q2 = q * q;
-    let ratio = clamp((1.0 + q) / (1.0 - q), 1e-30, 1e30);
-    let steep = 0.5 * ltc_log(ratio) / max(d * g, 1e-30);
-    let along2 = select(steep, slope * (1.0 + q2 * (0.33333333 + q2 * 0.2)), q2 < 0.0025);
-    let bottom = e2 * p0.x * p1.x + g2 * p0.y * p1.y;
-    let top = e * g * normal.z;
-    let is_small = bottom > 0.0 && abs(top) < 0.03 * bottom;
-    let per_bottom = 1.0 / bottom;
-    let share = select(0.0, top * per_bottom, is_small);
-    let r2 = share * share;
-    let wide = normals_atan2(top, bottom) / max(e * g, 1e-30);
-    let along3 = select(wide, normal.z * per_bottom * (1.0 - r2 * (0.33333333 - r2 * 0.2)), is_small);
-    return eigen.vectors * vec3(along1, -l2 * along2, -l3 * along3);
+    let trace = squares.x * diagonal.x + squares.y * diagonal.y + diagonal.z;
+    let minor = squares.y * minors.x + squares.x * (minors.y + squares.y * minors.z);
+    let determinant = squares.x * squares.y * (towards * normal2);
+
+    let mean = trace * 0.33333333;
+    let spread2 = max(mean * mean - minor * 0.33333333, vec2(1e-36));
+    let per_spread = inverseSqrt(spread2);
+    let cosine = (mean * (mean * mean - 0.5 * minor) + 0.5 * determinant) * per_spread * per_spread * per_spread;
+    // cos(acos(x) / 3).
+    let x = min(abs(cosine), vec2(1.0));
+    let x2 = x * x;
+    let third = 0.86602547 + x * 0.16665926 + x2 * (-0.047981778 + x * 0.023804546) +
+        x2 * x2 * (-0.012577177 + x * 0.0051134448 - x2 * 0.0010438402);
+    let is_first = cosine >= vec2(0.0);
+    let rough = mean + select(vec2(-2.0), vec2(2.0), is_first) * (spread2 * per_spread) * third;
+    // Sum and product of the other two; where it is small beside them, it is itself the determinant over their product.
+    let is_small = is_first & (trace < -rough);
+    let sum_beside = trace - rough;
+    let product_beside = minor - rough * sum_beside;
+    let per_divisor = 1.0 / select(rough, product_beside, is_small);
+    let quotient = determinant * per_divisor;
+    let isolated = select(rough, quotient, is_small);
+    let product = select(quotient, product_beside, is_small);
+    let sum = select((minor - quotient) * per_divisor, sum_beside, is_small);
+    let radius = sqrt(max(0.25 * sum * sum - product, vec2(0.0)));
+    let is_above = !is_first & (sum >= vec2(0.0));
+    let larger = 0.5 * sum + select(-radius, radius, is_above);
+    let smaller = product / select(larger, vec2(-1e-30), larger == vec2(0.0));
+    let upper = select(smaller, larger, is_above);
+    let lower = select(larger, smaller, is_above);
+    let first = max(select(upper, isolated, is_first), vec2(1e-18));
+    let second = max(-select(lower, smaller, is_first), vec2(0.0));
+    return NormalsCone(towards, normal2, first, second, max(-select(isolated, larger, is_first), max(second, vec2(1e-30))));
+}
+
+/// The vector of a cone's first eigenvalue, of any length: A E (wo (n . E n) + n (1 - wo . E n)), E = A^2 / (towards A^2 + first).
+fn normals_cone_axis(view: NormalsView, n: NormalsPair, cone: NormalsCone) -> NormalsPair {
+    let wo = view.wo;
+    let sum = cone.towards + cone.first;
+    let sum_x = cone.towards * view.alpha.x * view.alpha.x + cone.first;
+    let sum_y = cone.towards * view.alpha.y * view.alpha.y + cone.first;
+    let per_sum = sum / (sum_x * sum_y);
+    let x = view.alpha.x * sum_y * per_sum;
+    let y = view.alpha.y * sum_x * per_sum;
+    let weighted = NormalsPair(view.alpha.x * x * n.x, view.alpha.y * y * n.y, n.z);
+    let of_wo = normals_pair_dot(weighted, n);
+    let of_n = sum - (weighted.x * wo.x + weighted.y * wo.y + weighted.z * wo.z);
+    return NormalsPair(x * (wo.x * of_wo + n.x * of_n), y * (wo.y * of_wo + n.y * of_n), wo.z * of_wo + n.z * of_n);
+}
+
+/// What the images of the edges from a0 to b0 and from a1 to b1 add to the integral of c x dc beyond the plane triangles'
+/// a.c x b.c.
+///
+/// The integral is psi(M) (a.c x b.c) with M = a.c . b.c I - (a.c . K b.c) K^-1 and psi(x) = acos(x) / sqrt(1 - x^2), which for
+/// x > 1 is the same of hyperbolic functions. Along the first axis the arc may take more than half of the turn.
+fn normals_curved(
+    view: NormalsView,
+    a0: NormalsCorner,
+    b0: NormalsCorner,
+    a1: NormalsCorner,
+    b1: NormalsCorner,
+) -> mat2x3<f32> {
+    let wo = view.wo;
+    let a = normals_pair(a0.c, a1.c);
+    let b = normals_pair(b0.c, b1.c);
+    let apart = normals_pair(b0.w - a0.w, b1.w - a1.w);
+    let apart2 = normals_pair_dot(apart, apart);
+    // Not a x b, whose rounding errors are as large as those of a and b themselves.
+    let across = normals_pair_cross(normals_pair(a0.w, a1.w), apart);
+    let towards = wo.x * across.x + wo.y * across.y + wo.z * across.z;
+    let turns = select(vec2(1.0), vec2(-1.0), towards < vec2(0.0));
+    let n = normals_pair_scaled(across, turns);
+    let cone = normals_cone(view, n, towards * turns);
+    let axis = normals_cone_axis(view, n, cone);
+    let per_axis2 = 1.0 / max(normals_pair_dot(axis, axis), vec2(1e-36));
+
+    // What of a x b is along each axis.
+    let normal = normals_pair_cross(a, b);
+    let on_axis = normals_pair_dot(axis, normal);
+    let rest = normals_pair_minus(normal, normals_pair_scaled(axis, on_axis * per_axis2));
+    let h = normals_pair_stretched(rest, view);
+    let by_wo = normals_pair_dot(n, h);
+    let by_n = wo.x * h.x + wo.y * h.y + wo.z * h.z;
+    let image = normals_pair_stretched(
+        NormalsPair(
+            wo.x * by_wo + n.x * by_n - cone.towards * h.x,
+            wo.y * by_wo + n.y * by_n - cone.towards * h.y,
+            wo.z * by_wo + n.z * by_n - cone.towards * h.z,
+        ),
+        view,
+    );
+    let shifted = normals_pair_plus(image, normals_pair_scaled(rest, cone.second));
+    let level = normals_pair_minus(shifted, normals_pair_scaled(axis, normals_pair_dot(shifted, axis) * per_axis2));
+    let gap = max(cone.third - cone.second, 1e-6 * cone.third);
+    let on_third = normals_pair_scaled(level, -1.0 / gap);
+    let on_second = normals_pair_minus(rest, on_third);
+
+    // The eigenvalues of M, of which the second is one at least.
+    let lengths = vec2(a0.length * b0.length, a1.length * b1.length);
+    let squares = view.alpha.x * view.alpha.x * view.alpha.y * view.alpha.y;
+    let bend = 0.5 * apart2 / max(lengths * cone.normal2 * squares, vec2(1e-36));
+    let ends = normals_pair_dot(a, b);
+    let first = ends - bend * (cone.second * cone.third);
+    let second = ends + bend * (cone.first * cone.third);
+    let third = ends + bend * (cone.first * cone.second);
+
+    // The sense of the turn around the first axis is that of the edge. A short edge does not turn by a tiny angle against it,
+    // which is a rounding error; a long one may.
+    let turn = cone.first * inverseSqrt((cone.first + cone.second) * (cone.first + cone.third));
+    let per_axis = sqrt(per_axis2);
+    let beside = on_axis * per_axis;
+    let is_far = (apart2 > vec2(0.2)) | (abs(beside) > 0.01 * turn);
+    let is_wrapped = (beside * turns < vec2(0.0)) & is_far;
+    let is_obtuse = first < vec2(0.0);
+    let begun = select(select(vec2(0.0), vec2(6.2831853), is_wrapped), vec2(3.1415927), is_obtuse);
+    let acute = normals_per_sine(min(abs(first), vec2(1.0)));
+    let along_first = (begun * turns * turn + select(acute, -acute, is_obtuse) * beside) * per_axis;
+    let along_second = normals_per_hyperbolic_sine(max(second - 1.0, vec2(0.0)));
+    let sharp = normals_per_sine(min(abs(third), vec2(1.0)));
+    let sine2 = (cone.first + cone.third) * gap * normals_pair_dot(on_third, on_third);
+    let blunt = 3.1415927 * cone.third * inverseSqrt(max(sine2, vec2(1e-36))) - sharp;
+    let along_third = select(sharp, blunt, third < vec2(0.0));
+
+    let whole = normals_pair_plus(
+        normals_pair_scaled(axis, along_first),
+        normals_pair_plus(normals_pair_scaled(on_second, along_second), normals_pair_scaled(on_third, along_third)),
+    );
+    let curved = normals_pair_minus(whole, normal);
+    let is_edge = apart2 >= vec2(1e-14);
+    return mat2x3(
+        select(vec3(0.0), vec3(curved.x.x, curved.y.x, curved.z.x), is_edge.x),
+        select(vec3(0.0), vec3(curved.x.y, curved.y.y, curved.z.y), is_edge.y),
+    );
 }

@@ -1,4 +1,4 @@
-// The mean of the weight of shadowing over triangles of visible normals. Needs normals_edge.wgsl.
+// The weight of shadowing of a visible normal, and the numbers by which its mean is taken. Needs normals_corner.wgsl.
 
 /// G2 / G1, and Schlick's fifth power, for a normal c of any length.
 fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
@@ -67,14 +67,6 @@ fn normals_to_horizon(tip: f32, near: f32, rate: f32) -> f32 {
     return tip * rest * rest * (1.0 + u * series);
 }
 
-/// A triangle's centroid, by the integral of its normals. Where that is at a right angle to the tip, because what runs on and
-/// what runs back cancel each other, it is the tip.
-fn normals_centroid(flux: vec3<f32>, tip: vec3<f32>) -> vec3<f32> {
-    let m = normals_unit(flux);
-    let share = clamp(10.0 * dot(m, tip), -1.0, 1.0);
-    return share * m + (1.0 - abs(share)) * tip;
-}
-
 /// A normal in a mean: what is seen of it (x), that times its weight, and that times Schlick's factor.
 fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec3<f32> {
     let at = normals_weight(view, c);
@@ -82,87 +74,8 @@ fn normals_sample(view: NormalsView, c: vec3<f32>) -> vec3<f32> {
     return vec3(seen, seen * at.x, seen * at.x * at.y);
 }
 
-/// The great circle's arc from the tip of the triangles to a corner of the outline: where it ends, what it adds beyond the
-/// plane triangle, and what its end adds to the mean of a triangle beside it.
-struct NormalsSpoke {
-    c: vec3<f32>,
-    bend: vec3<f32>,
-    at_end: vec3<f32>,
-}
-
-fn normals_spoke(view: NormalsView, numbers: NormalsNumbers, tip: vec3<f32>, c: vec3<f32>) -> NormalsSpoke {
-    return NormalsSpoke(c, normals_arc_bend(tip, c), numbers.edge.y * normals_sample(view, c));
-}
-
-/// The integral of the normals of the triangle between two spokes, whose outer side adds curved beyond the plane triangle.
-fn normals_flux(tip: vec3<f32>, a: NormalsSpoke, b: NormalsSpoke, curved: vec3<f32>) -> vec3<f32> {
-    return cross(a.c - tip, b.c - tip) + curved + (a.bend - b.bend);
-}
-
-/// The mean weight of a triangle on an edge, and that times Schlick's factor, by its centroid m, a normal beyond it and what
-/// its corners add.
-fn normals_triangle(
-    view: NormalsView,
-    numbers: NormalsNumbers,
-    tip: vec3<f32>,
-    m: vec3<f32>,
-    corners: vec3<f32>,
-) -> vec2<f32> {
-    let outer = normals_sample(view, m + numbers.edge.z * (m - tip));
-    let mean = normals_sample(view, m) + numbers.edge.x * outer + corners;
-    return mean.yz / max(mean.x, 1e-18);
-}
-
-/// What triangles reflect together: their parts of what is seen (x), those times their weights, and those times Schlick's
-/// factor; the same of the positive parts alone; and the part of triangles whose weight is unknown.
-struct NormalsSum {
-    all: vec3<f32>,
-    positive: vec3<f32>,
-    unknown: f32,
-}
-
 /// How far above the surface a normal reflects, times the length of its image squared.
 fn normals_rise(view: NormalsView, c: vec3<f32>) -> f32 {
     let h = vec3(view.alpha * c.xy, c.z);
     return 2.0 * dot(view.wo, h) * h.z - dot(h, h) * view.wo.z;
-}
-
-/// Adds a triangle by its centroid m, its part of what is seen, its mean weight, and that times Schlick's factor. A centroid
-/// that reflects below the surface is none: the image of the edge crosses the triangle's other sides.
-fn normals_add(
-    view: NormalsView,
-    sum: NormalsSum,
-    least_rise: f32,
-    m: vec3<f32>,
-    whole: f32,
-    mean: vec2<f32>,
-) -> NormalsSum {
-    let known = clamp(normals_rise(view, m) / least_rise, 0.0, 1.0);
-    let part = known * whole * vec3(1.0, mean);
-    return NormalsSum(sum.all + part, sum.positive + select(vec3(0.0), part, part.x > 0.0), sum.unknown + whole - part.x);
-}
-
-/// What is reflected of a light whose part is seen. Where the image bends around the mean normal, triangles reach beyond
-/// it, and those that run back take that away again. Their rules may differ by more than what they leave of each other, so
-/// there the mean weight is in part that of the positive triangles alone; so it is in triangles whose own is unknown.
-fn normals_total(sum: NormalsSum, seen: f32, at_tip: vec2<f32>) -> vec2<f32> {
-    let share = clamp((sum.positive.x + sum.unknown - seen) / max(seen, 1e-18), 0.0, 0.5);
-    // The tip counts so little that it matters only where nothing else does.
-    let tip = 1e-6 * max(seen, 1e-18);
-    let per_part = (share * sum.unknown + (1.0 - share) * seen) / (sum.positive.x + tip);
-    return share * sum.all.yz + per_part * (sum.positive.yz + tip * at_tip.x * vec2(1.0, at_tip.y));
-}
-
-/// What a triangle on the horizon reflects, as its mean weight and that times Schlick's factor, by a normal near its outer
-/// edge and at_tip, the weight of its tip.
-fn normals_horizon_triangle(
-    view: NormalsView,
-    numbers: NormalsNumbers,
-    tip: vec3<f32>,
-    at_tip: vec2<f32>,
-    m: vec3<f32>,
-) -> vec2<f32> {
-    let near = normals_weight(view, m + numbers.horizon.y * (m - tip));
-    let energy = normals_to_horizon(at_tip.x, near.x, numbers.horizon.x);
-    return energy * vec2(1.0, mix(near.y, at_tip.y, numbers.horizon.z));
 }

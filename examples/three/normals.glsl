@@ -42,10 +42,60 @@ struct NormalsCorner {
     vec3 w;
     vec3 c;
     float length_;
+    float height;
 };
-struct NormalsEigenframe {
-    vec3 values;
-    mat3x3 vectors;
+struct NormalsPair {
+    vec2 x;
+    vec2 y;
+    vec2 z;
+};
+struct NormalsCone {
+    vec2 towards;
+    vec2 normal2_;
+    vec2 first;
+    vec2 second;
+    vec2 third;
+};
+struct NormalsLight {
+    uint number;
+    float per_height;
+    bool is_cut;
+    NormalsCorner rise;
+    NormalsCorner sink;
+};
+struct NormalsEdge {
+    bool is_there;
+    NormalsCorner begin;
+    NormalsCorner end;
+    vec3 curved;
+    vec3 middle;
+    mat2x3 halves;
+    float near;
+};
+struct NormalsEdges {
+    NormalsEdge first;
+    NormalsEdge second;
+};
+struct NormalsOutline {
+    vec3 origin;
+    vec3 flux;
+    uint nearest;
+    NormalsCorner begin;
+    NormalsCorner end;
+    vec3 curved;
+    float near;
+    float second;
+    float extents;
+};
+struct NormalsSetting {
+    bool is_there;
+    float share;
+    bool is_horizon;
+    vec3 begin;
+    vec3 control;
+    vec3 end;
+    vec3 parts[4];
+    NormalsEdge horizon;
 };
 struct NormalsNumbers {
     vec3 edge;
@@ -53,57 +103,40 @@ struct NormalsNumbers {
 };
 struct NormalsSpoke {
     vec3 c;
+    bool is_up;
     vec3 bend;
     vec3 at_end;
+};
+struct NormalsFan {
+    NormalsNumbers numbers;
+    vec3 tip;
+    vec2 at_tip;
+    vec3 tip_sample;
+    vec3 seen;
+    float per_rise;
+    bool is_split;
+    NormalsSpoke rise;
+    NormalsSpoke sink;
 };
 struct NormalsSum {
     vec3 all_;
     vec3 positive;
     float unknown;
 };
-struct NormalsOutline {
-    uint number;
-    uint start;
-    bool is_cut;
-    uint ups;
-    uint edges;
-    bool is_closed;
-    float share;
-    uint shift;
-    bool many;
-};
-struct NormalsHorizon {
-    vec3 begin;
-    vec3 control;
-    vec3 end;
-    vec3 across;
-};
 const uint NORMALS_FAN = 0u;
 const uint NORMALS_MEAN = 1u;
 const uint NORMALS_FINE = 2u;
 
 
-float normals_ltc_atan2_(float y, float x) {
-    float low = min(y, abs(x));
-    float high = max(y, abs(x));
-    bool is_far = (low > (0.41421357 * high));
-    float t_2 = ((is_far ? (low - high) : low) / max((is_far ? (low + high) : high), 1e-37));
-    float z = (t_2 * t_2);
-    float near_1 = (((((((((0.08053744 * z) - 0.13877685) * z) + 0.1997771) * z) - 0.3333295) * z) * t_2) + t_2);
-    float eighth = (is_far ? (near_1 + 0.7853982) : near_1);
-    float quarter = ((y > abs(x)) ? (1.5707964 - eighth) : eighth);
-    return ((x < 0.0) ? (3.1415927 - quarter) : quarter);
-}
-
 vec2 normals_ltc_sin_cos(float turns) {
     bool local = false;
-    float quarter_1 = floor(((4.0 * turns) + 0.5));
-    float x_3 = ((turns - (0.25 * quarter_1)) * 6.2831855);
-    float z_1 = (x_3 * x_3);
-    float s = (((((((-0.00019515296 * z_1) + 0.008332161) * z_1) - 0.16666655) * z_1) * x_3) + x_3);
-    float c_4 = ((((((((2.4433157e-5 * z_1) - 0.0013887316) * z_1) + 0.041666646) * z_1) * z_1) - (0.5 * z_1)) + 1.0);
-    uint q = (uint(int(quarter_1)) & 3u);
-    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_4, s) : vec2(s, c_4));
+    float quarter = floor(((4.0 * turns) + 0.5));
+    float x_1 = ((turns - (0.25 * quarter)) * 6.2831855);
+    float z = (x_1 * x_1);
+    float s = (((((((-0.00019515296 * z) + 0.008332161) * z) - 0.16666655) * z) * x_1) + x_1);
+    float c_7 = ((((((((2.4433157e-5 * z) - 0.0013887316) * z) + 0.041666646) * z) * z) - (0.5 * z)) + 1.0);
+    uint q = (uint(int(quarter)) & 3u);
+    vec2 swapped = (((q & 1u) == 1u) ? vec2(c_7, s) : vec2(s, c_7));
     if (!((q == 1u))) {
         local = (q == 2u);
     } else {
@@ -113,12 +146,12 @@ vec2 normals_ltc_sin_cos(float turns) {
     return vec2(((q >= 2u) ? -(swapped.x) : swapped.x), (_e64 ? -(swapped.y) : swapped.y));
 }
 
-float normals_ltc_log(float x_1) {
-    int bits = (floatBitsToInt(x_1) - 1060439283);
-    float m_4 = intBitsToFloat(((bits & 8388607) + 1060439283));
-    float s_1 = ((m_4 - 1.0) / (m_4 + 1.0));
-    float z_2 = (s_1 * s_1);
-    float series = (((((((((0.22222222 * z_2) + 0.2857143) * z_2) + 0.4) * z_2) + 0.6666667) * z_2) * s_1) + (2.0 * s_1));
+float normals_ltc_log(float x) {
+    int bits = (floatBitsToInt(x) - 1060439283);
+    float m_2 = intBitsToFloat(((bits & 8388607) + 1060439283));
+    float s_1 = ((m_2 - 1.0) / (m_2 + 1.0));
+    float z_1 = (s_1 * s_1);
+    float series = (((((((((0.22222222 * z_1) + 0.2857143) * z_1) + 0.4) * z_1) + 0.6666667) * z_1) * s_1) + (2.0 * s_1));
     return ((float((bits >> 23u)) * 0.6931472) + series);
 }
 
@@ -142,32 +175,36 @@ NormalsCorner normals_corner(vec3 v_1, NormalsView view_1) {
     vec3 _e5 = normals_unstretched((view_1.wo + _e2), view_1);
     float length2_1 = max(dot(_e5, _e5), 1e-36);
     float per_length = inversesqrt(length2_1);
-    return NormalsCorner(_e2, (_e5 * per_length), (length2_1 * per_length));
+    return NormalsCorner(_e2, (_e5 * per_length), (length2_1 * per_length), v_1.z);
+}
+
+NormalsCorner normals_choose(NormalsCorner first, NormalsCorner second, bool is_second) {
+    return NormalsCorner((is_second ? second.w : first.w), (is_second ? second.c : first.c), (is_second ? second.length_ : first.length_), (is_second ? second.height : first.height));
 }
 
 float normals_half_cosine(NormalsCorner a, NormalsCorner b) {
-    vec3 sum_3 = (a.w + b.w);
-    return max((0.5 * sqrt(dot(sum_3, sum_3))), 1e-6);
+    vec3 sum_8 = (a.w + b.w);
+    return max((0.5 * sqrt(dot(sum_8, sum_8))), 1e-6);
 }
 
 NormalsCorner normals_between(NormalsCorner a_1, NormalsCorner b_1, float t, NormalsView view_2) {
-    float x_4 = ((1.0 - t) * sqrt(b_1.length_));
-    float y_2 = (t * sqrt(a_1.length_));
+    float x_2 = ((1.0 - t) * sqrt(b_1.length_));
+    float y = (t * sqrt(a_1.length_));
     float _e16 = normals_half_cosine(a_1, b_1);
-    vec3 middle = ((a_1.w + b_1.w) * ((x_4 * y_2) / _e16));
-    NormalsCorner _e27 = normals_corner((((a_1.w * (x_4 * x_4)) + middle) + (b_1.w * (y_2 * y_2))), view_2);
+    vec3 middle_1 = ((a_1.w + b_1.w) * ((x_2 * y) / _e16));
+    NormalsCorner _e27 = normals_corner((((a_1.w * (x_2 * x_2)) + middle_1) + (b_1.w * (y * y))), view_2);
     return _e27;
 }
 
 vec3 normals_arc_bend(vec3 a_2, vec3 b_2) {
-    vec3 across_1 = cross(a_2, b_2);
+    vec3 across = cross(a_2, b_2);
     bool is_acute = (dot(a_2, b_2) >= 0.0);
     vec3 chord = (is_acute ? (a_2 - b_2) : (a_2 + b_2));
-    float z_3 = (dot(chord, chord) * 0.25);
-    float far = (z_3 * (2.271551 + (z_3 * (-3.4068606 + (z_3 * 3.516457)))));
-    float bend = (z_3 * (0.6667554 + (z_3 * (0.52912635 + (z_3 * (0.52405584 + (z_3 * (-0.08954556 + far))))))));
-    float obtuse = (((3.1415927 / sqrt(max(dot(across_1, across_1), 1e-18))) - bend) - 2.0);
-    return (across_1 * (is_acute ? bend : obtuse));
+    float z_2 = (dot(chord, chord) * 0.25);
+    float far = (z_2 * (2.271551 + (z_2 * (-3.4068606 + (z_2 * 3.516457)))));
+    float bend = (z_2 * (0.6667554 + (z_2 * (0.52912635 + (z_2 * (0.52405584 + (z_2 * (-0.08954556 + far))))))));
+    float obtuse = (((3.1415927 / sqrt(max(dot(across, across), 1e-18))) - bend) - 2.0);
+    return (across * (is_acute ? bend : obtuse));
 }
 
 mat2x3 normals_shared(vec3 a_3, vec3 m, vec3 b_3, vec3 whole) {
@@ -180,845 +217,839 @@ mat2x3 normals_shared(vec3 a_3, vec3 m, vec3 b_3, vec3 whole) {
     return mat2x3((_e4 + (rest * shares.x)), (_e5 + (rest * shares.y)));
 }
 
-NormalsEigenframe normals_eigenframe(vec3 diagonal, vec3 off) {
-    vec3 longest = vec3(0.0);
-    mat3x3 m_5 = mat3x3(vec3(diagonal.x, off.x, off.y), vec3(off.x, diagonal.y, off.z), vec3(off.y, off.z, diagonal.z));
-    float mean_1 = (((diagonal.x + diagonal.y) + diagonal.z) * 0.33333334);
-    vec3 d = (diagonal - vec3(mean_1));
-    float p2_ = (0.16666667 - ((0.5 * mean_1) * mean_1));
-    float per_p = inversesqrt(p2_);
-    float p = (p2_ * per_p);
-    float determinant_ = (((d.x * ((d.y * d.z) - (off.z * off.z))) - (off.x * ((off.x * d.z) - (off.z * off.y)))) + (off.y * ((off.x * off.z) - (d.y * off.y))));
-    float angle = ((0.5 * determinant_) * ((per_p * per_p) * per_p));
-    float x_5 = min(abs(angle), 1.0);
-    float near_2 = (0.8660254 + (x_5 * (0.1666667 + (x_5 * (-0.0425247 + (0.0098286 * x_5))))));
-    float g = (((((8.0 * near_2) * near_2) * near_2) + x_5) / (((12.0 * near_2) * near_2) - 3.0));
-    bool is_largest = !((angle < 0.0));
-    float rough = (mean_1 + (((is_largest ? 2.0 : -2.0) * p) * g));
-    vec3 row0_ = vec3((diagonal.x - rough), off.x, off.y);
-    vec3 row1_ = vec3(off.x, (diagonal.y - rough), off.z);
-    vec3 row2_ = vec3(off.y, off.z, (diagonal.z - rough));
-    longest = cross(row0_, row1_);
-    vec3 second_1 = cross(row0_, row2_);
-    vec3 third = cross(row1_, row2_);
-    vec3 _e117 = longest;
-    vec3 _e119 = longest;
-    vec3 _e120 = longest;
-    longest = ((dot(second_1, second_1) > dot(_e119, _e120)) ? second_1 : _e117);
-    vec3 _e124 = longest;
-    vec3 _e126 = longest;
-    vec3 _e127 = longest;
-    longest = ((dot(third, third) > dot(_e126, _e127)) ? third : _e124);
-    vec3 _e131 = longest;
-    vec3 _e132 = longest;
-    vec3 _e133 = longest;
-    vec3 isolated = (_e131 * inversesqrt(max(dot(_e132, _e133), 1e-36)));
-    float value = dot(isolated, (m_5 * isolated));
-    float s_2 = ((isolated.z < 0.0) ? -1.0 : 1.0);
-    float q_1 = (-1.0 / (s_2 + isolated.z));
-    float r = ((isolated.x * isolated.y) * q_1);
-    vec3 e = vec3((1.0 + (((s_2 * isolated.x) * isolated.x) * q_1)), (s_2 * r), (-(s_2) * isolated.x));
-    vec3 f = vec3(r, (s_2 + ((isolated.y * isolated.y) * q_1)), -(isolated.y));
-    vec3 image_e = (m_5 * e);
-    vec3 image_f = (m_5 * f);
-    float ee = dot(e, image_e);
-    float ef = dot(e, image_f);
-    float ff = dot(f, image_f);
-    float middle_1 = (0.5 * (ee + ff));
-    float lean = (0.5 * (ee - ff));
-    float radius = sqrt(((lean * lean) + (ef * ef)));
-    float longer = (radius + abs(lean));
-    float per_turn = inversesqrt(max(((longer * longer) + (ef * ef)), 1e-36));
-    float larger = ((longer > 1e-18) ? (longer * per_turn) : 1.0);
-    float smaller = ((longer > 1e-18) ? (ef * per_turn) : 0.0);
-    float flip = ((ef < 0.0) ? -1.0 : 1.0);
-    vec2 turn = ((lean >= 0.0) ? vec2(larger, smaller) : vec2((flip * smaller), (flip * larger)));
-    vec3 upper = ((e * turn.x) + (f * turn.y));
-    vec3 lower = ((f * turn.x) - (e * turn.y));
-    vec3 one = (is_largest ? isolated : upper);
-    vec3 two = (is_largest ? upper : lower);
-    vec3 values = (is_largest ? vec3(value, (middle_1 + radius), (middle_1 - radius)) : vec3((middle_1 + radius), (middle_1 - radius), value));
-    return NormalsEigenframe(values, mat3x3(one, two, cross(one, two)));
+NormalsPair normals_pair(vec3 first_1, vec3 second_1) {
+    return NormalsPair(vec2(first_1.x, second_1.x), vec2(first_1.y, second_1.y), vec2(first_1.z, second_1.z));
 }
 
-float normals_atan2_(float y_1, float x_2) {
-    float _e3 = normals_ltc_atan2_(abs(y_1), x_2);
-    return ((y_1 < 0.0) ? -(_e3) : _e3);
+vec2 normals_pair_dot(NormalsPair a_4, NormalsPair b_4) {
+    return (((a_4.x * b_4.x) + (a_4.y * b_4.y)) + (a_4.z * b_4.z));
 }
 
-vec3 normals_exact(NormalsView view_3, vec3 a_4, vec3 b_4, vec3 across, bool is_long) {
+NormalsPair normals_pair_cross(NormalsPair a_5, NormalsPair b_5) {
+    return NormalsPair(((a_5.y * b_5.z) - (a_5.z * b_5.y)), ((a_5.z * b_5.x) - (a_5.x * b_5.z)), ((a_5.x * b_5.y) - (a_5.y * b_5.x)));
+}
+
+NormalsPair normals_pair_scaled(NormalsPair a_6, vec2 by) {
+    return NormalsPair((a_6.x * by), (a_6.y * by), (a_6.z * by));
+}
+
+NormalsPair normals_pair_plus(NormalsPair a_7, NormalsPair b_6) {
+    return NormalsPair((a_7.x + b_6.x), (a_7.y + b_6.y), (a_7.z + b_6.z));
+}
+
+NormalsPair normals_pair_minus(NormalsPair a_8, NormalsPair b_7) {
+    return NormalsPair((a_8.x - b_7.x), (a_8.y - b_7.y), (a_8.z - b_7.z));
+}
+
+NormalsPair normals_pair_stretched(NormalsPair v_2, NormalsView view_3) {
+    return NormalsPair((view_3.alpha.x * v_2.x), (view_3.alpha.y * v_2.y), v_2.z);
+}
+
+vec2 normals_per_sine(vec2 cosine) {
+    vec2 x2_ = (cosine * cosine);
+    vec2 low = ((vec2(1.5707963) - (0.99998415 * cosine)) + (x2_ * (vec2(0.7849357) - (0.6614053 * cosine))));
+    vec2 high = ((vec2(0.55826277) - (0.42721283 * cosine)) + (x2_ * (vec2(0.2563661) - (0.09989328 * cosine))));
+    return (low + ((x2_ * x2_) * (high + ((x2_ * x2_) * 0.01813479))));
+}
+
+vec2 normals_per_hyperbolic_sine(vec2 u) {
+    vec2 sine = sqrt((u * (u + vec2(2.0))));
+    vec2 e = ((vec2(1.0) + u) + sine);
+    float _e11 = normals_ltc_log(e.x);
+    float _e13 = normals_ltc_log(e.y);
+    vec2 far_1 = (vec2(_e11, _e13) / max(sine, vec2(1e-30)));
+    return mix(far_1, (vec2(1.0) + (u * (vec2(-0.33333334) + (u * (vec2(0.13333333) - (0.057142857 * u)))))), lessThan(u, vec2(0.02)));
+}
+
+NormalsCone normals_cone(NormalsView view_4, NormalsPair n, vec2 towards) {
+    vec3 wo_1 = view_4.wo;
+    vec2 _e4 = normals_pair_dot(n, n);
+    vec2 squares = (view_4.alpha * view_4.alpha);
+    NormalsPair diagonal = NormalsPair((((2.0 * wo_1.x) * n.x) - towards), (((2.0 * wo_1.y) * n.y) - towards), (((2.0 * wo_1.z) * n.z) - towards));
+    NormalsPair across_1 = NormalsPair(((wo_1.y * n.z) - (wo_1.z * n.y)), ((wo_1.z * n.x) - (wo_1.x * n.z)), ((wo_1.x * n.y) - (wo_1.y * n.x)));
+    NormalsPair minors = NormalsPair(((towards * diagonal.x) - (across_1.x * across_1.x)), ((towards * diagonal.y) - (across_1.y * across_1.y)), ((towards * diagonal.z) - (across_1.z * across_1.z)));
+    vec2 trace = (((squares.x * diagonal.x) + (squares.y * diagonal.y)) + diagonal.z);
+    vec2 minor = ((squares.y * minors.x) + (squares.x * (minors.y + (squares.y * minors.z))));
+    vec2 determinant_ = ((squares.x * squares.y) * (towards * _e4));
+    vec2 mean_1 = (trace * 0.33333334);
+    vec2 spread2_ = max(((mean_1 * mean_1) - (minor * 0.33333334)), vec2(1e-36));
+    vec2 per_spread = inversesqrt(spread2_);
+    vec2 cosine_1 = (((((mean_1 * ((mean_1 * mean_1) - (0.5 * minor))) + (0.5 * determinant_)) * per_spread) * per_spread) * per_spread);
+    vec2 x_3 = min(abs(cosine_1), vec2(1.0));
+    vec2 x2_1 = (x_3 * x_3);
+    vec2 third_1 = (((vec2(0.86602545) + (x_3 * 0.16665927)) + (x2_1 * (vec2(-0.047981776) + (x_3 * 0.023804545)))) + ((x2_1 * x2_1) * ((vec2(-0.012577177) + (x_3 * 0.0051134448)) - (x2_1 * 0.0010438402))));
+    bvec2 is_first = greaterThanEqual(cosine_1, vec2(0.0));
+    vec2 rough = (mean_1 + ((mix(vec2(-2.0), vec2(2.0), is_first) * (spread2_ * per_spread)) * third_1));
+    bvec2 is_small = bvec2(is_first.x && lessThan(trace, -(rough)).x, is_first.y && lessThan(trace, -(rough)).y);
+    vec2 sum_beside = (trace - rough);
+    vec2 product_beside = (minor - (rough * sum_beside));
+    vec2 per_divisor = (vec2(1.0) / mix(rough, product_beside, is_small));
+    vec2 quotient = (determinant_ * per_divisor);
+    vec2 isolated = mix(rough, quotient, is_small);
+    vec2 product = mix(quotient, product_beside, is_small);
+    vec2 sum_9 = mix(((minor - quotient) * per_divisor), sum_beside, is_small);
+    vec2 radius = sqrt(max((((0.25 * sum_9) * sum_9) - product), vec2(0.0)));
+    bvec2 is_above = bvec2(not(is_first).x && greaterThanEqual(sum_9, vec2(0.0)).x, not(is_first).y && greaterThanEqual(sum_9, vec2(0.0)).y);
+    vec2 larger = ((0.5 * sum_9) + mix(-(radius), radius, is_above));
+    vec2 smaller = (product / mix(larger, vec2(-1e-30), equal(larger, vec2(0.0))));
+    vec2 upper = mix(smaller, larger, is_above);
+    vec2 lower = mix(larger, smaller, is_above);
+    vec2 first_4 = max(mix(upper, isolated, is_first), vec2(1e-18));
+    vec2 second_4 = max(-(mix(lower, smaller, is_first)), vec2(0.0));
+    return NormalsCone(towards, _e4, first_4, second_4, max(-(mix(isolated, larger, is_first)), max(second_4, vec2(1e-30))));
+}
+
+NormalsPair normals_cone_axis(NormalsView view_5, NormalsPair n_1, NormalsCone cone) {
+    vec3 wo_2 = view_5.wo;
+    vec2 sum_10 = (cone.towards + cone.first);
+    vec2 sum_x = (((cone.towards * view_5.alpha.x) * view_5.alpha.x) + cone.first);
+    vec2 sum_y = (((cone.towards * view_5.alpha.y) * view_5.alpha.y) + cone.first);
+    vec2 per_sum = (sum_10 / (sum_x * sum_y));
+    vec2 x_4 = ((view_5.alpha.x * sum_y) * per_sum);
+    vec2 y_1 = ((view_5.alpha.y * sum_x) * per_sum);
+    NormalsPair weighted = NormalsPair(((view_5.alpha.x * x_4) * n_1.x), ((view_5.alpha.y * y_1) * n_1.y), n_1.z);
+    vec2 _e47 = normals_pair_dot(weighted, n_1);
+    vec2 of_n = (sum_10 - (((weighted.x * wo_2.x) + (weighted.y * wo_2.y)) + (weighted.z * wo_2.z)));
+    return NormalsPair((x_4 * ((wo_2.x * _e47) + (n_1.x * of_n))), (y_1 * ((wo_2.y * _e47) + (n_1.y * of_n))), ((wo_2.z * _e47) + (n_1.z * of_n)));
+}
+
+mat2x3 normals_curved(NormalsView view_6, NormalsCorner a0_, NormalsCorner b0_, NormalsCorner a1_, NormalsCorner b1_) {
+    vec3 wo_3 = view_6.wo;
+    NormalsPair _e8 = normals_pair(a0_.c, a1_.c);
+    NormalsPair _e11 = normals_pair(b0_.c, b1_.c);
+    NormalsPair _e18 = normals_pair((b0_.w - a0_.w), (b1_.w - a1_.w));
+    vec2 _e19 = normals_pair_dot(_e18, _e18);
+    NormalsPair _e22 = normals_pair(a0_.w, a1_.w);
+    NormalsPair _e23 = normals_pair_cross(_e22, _e18);
+    vec2 towards_1 = (((wo_3.x * _e23.x) + (wo_3.y * _e23.y)) + (wo_3.z * _e23.z));
+    vec2 turns_1 = mix(vec2(1.0), vec2(-1.0), lessThan(towards_1, vec2(0.0)));
+    NormalsPair _e43 = normals_pair_scaled(_e23, turns_1);
+    NormalsCone _e45 = normals_cone(view_6, _e43, (towards_1 * turns_1));
+    NormalsPair _e46 = normals_cone_axis(view_6, _e43, _e45);
+    vec2 _e47 = normals_pair_dot(_e46, _e46);
+    vec2 per_axis2_ = (vec2(1.0) / max(_e47, vec2(1e-36)));
+    NormalsPair _e54 = normals_pair_cross(_e8, _e11);
+    vec2 _e55 = normals_pair_dot(_e46, _e54);
+    NormalsPair _e57 = normals_pair_scaled(_e46, (_e55 * per_axis2_));
+    NormalsPair _e58 = normals_pair_minus(_e54, _e57);
+    NormalsPair _e59 = normals_pair_stretched(_e58, view_6);
+    vec2 _e60 = normals_pair_dot(_e43, _e59);
+    vec2 by_n = (((wo_3.x * _e59.x) + (wo_3.y * _e59.y)) + (wo_3.z * _e59.z));
+    NormalsPair _e100 = normals_pair_stretched(NormalsPair((((wo_3.x * _e60) + (_e43.x * by_n)) - (_e45.towards * _e59.x)), (((wo_3.y * _e60) + (_e43.y * by_n)) - (_e45.towards * _e59.y)), (((wo_3.z * _e60) + (_e43.z * by_n)) - (_e45.towards * _e59.z))), view_6);
+    NormalsPair _e102 = normals_pair_scaled(_e58, _e45.second);
+    NormalsPair _e103 = normals_pair_plus(_e100, _e102);
+    vec2 _e104 = normals_pair_dot(_e103, _e46);
+    NormalsPair _e106 = normals_pair_scaled(_e46, (_e104 * per_axis2_));
+    NormalsPair _e107 = normals_pair_minus(_e103, _e106);
+    vec2 gap = max((_e45.third - _e45.second), (1e-6 * _e45.third));
+    NormalsPair _e118 = normals_pair_scaled(_e107, (vec2(-1.0) / gap));
+    NormalsPair _e119 = normals_pair_minus(_e58, _e118);
+    vec2 lengths = vec2((a0_.length_ * b0_.length_), (a1_.length_ * b1_.length_));
+    float squares_1 = (((view_6.alpha.x * view_6.alpha.x) * view_6.alpha.y) * view_6.alpha.y);
+    vec2 bend_1 = ((0.5 * _e19) / max(((lengths * _e45.normal2_) * squares_1), vec2(1e-36)));
+    vec2 _e147 = normals_pair_dot(_e8, _e11);
+    vec2 first_5 = (_e147 - (bend_1 * (_e45.second * _e45.third)));
+    vec2 second_5 = (_e147 + (bend_1 * (_e45.first * _e45.third)));
+    vec2 third_2 = (_e147 + (bend_1 * (_e45.first * _e45.second)));
+    vec2 turn = (_e45.first * inversesqrt(((_e45.first + _e45.second) * (_e45.first + _e45.third))));
+    vec2 per_axis = sqrt(per_axis2_);
+    vec2 beside = (_e55 * per_axis);
+    bvec2 is_far = bvec2(greaterThan(_e19, vec2(0.2)).x || greaterThan(abs(beside), (0.01 * turn)).x, greaterThan(_e19, vec2(0.2)).y || greaterThan(abs(beside), (0.01 * turn)).y);
+    bvec2 is_wrapped = bvec2(lessThan((beside * turns_1), vec2(0.0)).x && is_far.x, lessThan((beside * turns_1), vec2(0.0)).y && is_far.y);
+    bvec2 is_obtuse = lessThan(first_5, vec2(0.0));
+    vec2 begun = mix(mix(vec2(0.0), vec2(6.2831855), is_wrapped), vec2(3.1415927), is_obtuse);
+    vec2 _e203 = normals_per_sine(min(abs(first_5), vec2(1.0)));
+    vec2 along_first = ((((begun * turns_1) * turn) + (mix(_e203, -(_e203), is_obtuse) * beside)) * per_axis);
+    vec2 _e217 = normals_per_hyperbolic_sine(max((second_5 - vec2(1.0)), vec2(0.0)));
+    vec2 _e222 = normals_per_sine(min(abs(third_2), vec2(1.0)));
+    vec2 _e227 = normals_pair_dot(_e118, _e118);
+    vec2 sine2_ = (((_e45.first + _e45.third) * gap) * _e227);
+    vec2 blunt = (((3.1415927 * _e45.third) * inversesqrt(max(sine2_, vec2(1e-36)))) - _e222);
+    vec2 along_third = mix(_e222, blunt, lessThan(third_2, vec2(0.0)));
+    NormalsPair _e242 = normals_pair_scaled(_e46, along_first);
+    NormalsPair _e243 = normals_pair_scaled(_e119, _e217);
+    NormalsPair _e244 = normals_pair_scaled(_e118, along_third);
+    NormalsPair _e245 = normals_pair_plus(_e243, _e244);
+    NormalsPair _e246 = normals_pair_plus(_e242, _e245);
+    NormalsPair _e247 = normals_pair_minus(_e246, _e54);
+    bvec2 is_edge = greaterThanEqual(_e19, vec2(1e-14));
+    return mat2x3((is_edge.x ? vec3(_e247.x.x, _e247.y.x, _e247.z.x) : vec3(0.0)), (is_edge.y ? vec3(_e247.x.y, _e247.y.y, _e247.z.y) : vec3(0.0)));
+}
+
+vec3 normals_crossing(vec3 a_9, vec3 b_8) {
+    return vec3(((a_9.xy * abs(b_8.z)) + (b_8.xy * abs(a_9.z))), 0.0);
+}
+
+mat2x3 normals_cut_by(mat2x3 cut, NormalsCorner a_10, NormalsCorner b_9) {
     bool local_1 = false;
     bool local_2 = false;
-    bool local_3 = false;
-    float turns_1 = ((dot(view_3.wo, across) < 0.0) ? -1.0 : 1.0);
-    vec3 n = (across * turns_1);
-    vec3 o = (view_3.wo * n);
-    float ax = view_3.alpha.x;
-    float ay = view_3.alpha.y;
-    vec3 diagonal_1 = vec3(((ax * ax) * ((o.x - o.y) - o.z)), ((ay * ay) * ((o.y - o.x) - o.z)), ((o.z - o.x) - o.y));
-    vec3 off_1 = vec3(((ax * ay) * ((view_3.wo.x * n.y) + (view_3.wo.y * n.x))), (ax * ((view_3.wo.x * n.z) + (view_3.wo.z * n.x))), (ay * ((view_3.wo.y * n.z) + (view_3.wo.z * n.y))));
-    float per_norm = inversesqrt(max((dot(diagonal_1, diagonal_1) + (2.0 * dot(off_1, off_1))), 1e-36));
-    NormalsEigenframe _e81 = normals_eigenframe((diagonal_1 * per_norm), (off_1 * per_norm));
-    float l1_ = max(_e81.values.x, 1e-12);
-    float l2_ = min(_e81.values.y, 0.0);
-    float l3_ = min(_e81.values.z, l2_);
-    mat3x3 v_3 = transpose(_e81.vectors);
-    vec3 p0_ = (v_3 * a_4);
-    vec3 p1_ = (v_3 * b_4);
-    vec3 normal = (v_3 * cross(a_4, b_4));
-    float d2_ = (l1_ - l2_);
-    float e2_ = (l1_ - l3_);
-    float g2_ = (l2_ - l3_);
-    float d_1 = sqrt(d2_);
-    float e_1 = sqrt(e2_);
-    float g_1 = sqrt(g2_);
-    float sense = ((p0_.x < 0.0) ? -(turns_1) : turns_1);
-    float _e122 = normals_atan2_(((d_1 * e_1) * normal.x), (((d2_ * p0_.y) * p1_.y) + ((e2_ * p0_.z) * p1_.z)));
-    if (((_e122 * sense) < 0.0)) {
-        if (!((abs(_e122) > 0.01))) {
-            local_2 = is_long;
-        } else {
-            local_2 = true;
-        }
-        bool _e135 = local_2;
-        local_1 = _e135;
+    vec3 _e5 = normals_crossing(a_10.w, b_9.w);
+    if ((a_10.height <= 0.0)) {
+        local_1 = (b_9.height > 0.0);
     } else {
         local_1 = false;
     }
-    bool is_wrapped = local_1;
-    float psi = (is_wrapped ? (_e122 + (sense * 6.2831855)) : _e122);
-    float along1_ = ((l1_ / (d_1 * e_1)) * psi);
-    float slope = (normal.y / (((d2_ * p0_.x) * p1_.x) - ((g2_ * p0_.z) * p1_.z)));
-    float q_2 = ((d_1 * g_1) * slope);
-    float q2_ = (q_2 * q_2);
-    float ratio = clamp(((1.0 + q_2) / (1.0 - q_2)), 1e-30, 1e30);
-    float _e167 = normals_ltc_log(ratio);
-    float steep = ((0.5 * _e167) / max((d_1 * g_1), 1e-30));
-    float along2_ = ((q2_ < 0.0025) ? (slope * (1.0 + (q2_ * (0.33333334 + (q2_ * 0.2))))) : steep);
-    float bottom = (((e2_ * p0_.x) * p1_.x) + ((g2_ * p0_.y) * p1_.y));
-    float top = ((e_1 * g_1) * normal.z);
-    if ((bottom > 0.0)) {
-        local_3 = (abs(top) < (0.03 * bottom));
+    bool rises = local_1;
+    if ((a_10.height > 0.0)) {
+        local_2 = (b_9.height <= 0.0);
+    } else {
+        local_2 = false;
+    }
+    bool sinks = local_2;
+    return mat2x3((rises ? _e5 : cut[0]), (sinks ? _e5 : cut[1]));
+}
+
+NormalsEdge normals_edge(NormalsLight light, uint i, NormalsCorner a_11, NormalsCorner b_10) {
+    bool local_3 = false;
+    float top = max(a_11.height, b_10.height);
+    if ((top > 0.0)) {
+        local_3 = (i < light.number);
     } else {
         local_3 = false;
     }
-    bool is_small = local_3;
-    float per_bottom = (1.0 / bottom);
-    float share = (is_small ? (top * per_bottom) : 0.0);
-    float r2_ = (share * share);
-    float _e213 = normals_atan2_(top, bottom);
-    float wide = (_e213 / max((e_1 * g_1), 1e-30));
-    float along3_ = (is_small ? ((normal.z * per_bottom) * (1.0 - (r2_ * (0.33333334 - (r2_ * 0.2))))) : wide);
-    return (_e81.vectors * vec3(along1_, (-(l2_) * along2_), (-(l3_) * along3_)));
+    bool is_there = local_3;
+    NormalsCorner _e19 = normals_choose(light.rise, a_11, (a_11.height > 0.0));
+    NormalsCorner _e24 = normals_choose(light.sink, b_10, (b_10.height > 0.0));
+    NormalsCorner _e25 = normals_choose(_e19, _e24, is_there);
+    float near_1 = (is_there ? max((1.0 - (top * light.per_height)), 0.0) : 0.0);
+    return NormalsEdge(is_there, _e19, _e25, vec3(0.0), _e19.c, mat2x3(vec3(0.0), vec3(0.0)), near_1);
 }
 
-vec2 normals_weight(NormalsView view_4, vec3 c) {
-    vec3 h_1 = vec3((view_4.alpha * c.xy), c.z);
+NormalsEdge normals_split(NormalsView view_7, NormalsEdge edge) {
+    NormalsEdge split = NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0);
+    split = edge;
+    NormalsCorner _e6 = normals_between(edge.begin, edge.end, 0.5, view_7);
+    split.middle = _e6.c;
+    mat2x3 _e12 = normals_curved(view_7, edge.begin, _e6, _e6, edge.end);
+    split.halves = _e12;
+    vec3 _e16 = split.halves[0];
+    vec3 _e19 = split.halves[1];
+    split.curved = ((_e16 + _e19) + cross((_e6.c - edge.begin.c), (edge.end.c - edge.begin.c)));
+    NormalsEdge _e32 = split;
+    return _e32;
+}
+
+NormalsEdges normals_edges(NormalsView view_8, NormalsLight light_1, uint i_1, NormalsCorner a_12, NormalsCorner b_11, NormalsCorner c, bool is_split) {
+    NormalsEdges edges = NormalsEdges(NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0), NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0));
+    NormalsEdge _e7 = normals_edge(light_1, i_1, a_12, b_11);
+    NormalsEdge _e10 = normals_edge(light_1, (i_1 + 1u), b_11, c);
+    edges = NormalsEdges(_e7, _e10);
+    if (is_split) {
+        NormalsEdge _e14 = edges.first;
+        NormalsEdge _e15 = normals_split(view_8, _e14);
+        NormalsEdge _e17 = edges.second;
+        NormalsEdge _e18 = normals_split(view_8, _e17);
+        return NormalsEdges(_e15, _e18);
+    }
+    NormalsCorner _e22 = edges.first.begin;
+    NormalsCorner _e25 = edges.first.end;
+    NormalsCorner _e28 = edges.second.begin;
+    NormalsCorner _e31 = edges.second.end;
+    mat2x3 _e32 = normals_curved(view_8, _e22, _e25, _e28, _e31);
+    edges.first.curved = _e32[0];
+    edges.second.curved = _e32[1];
+    NormalsEdges _e39 = edges;
+    return _e39;
+}
+
+NormalsOutline normals_outline_with(NormalsOutline outline, uint i_2, NormalsEdge edge_1) {
+    NormalsOutline next = NormalsOutline(vec3(0.0), vec3(0.0), 0u, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), 0.0, 0.0, 0.0);
+    next = outline;
+    vec3 _e5 = next.flux;
+    next.flux = (_e5 + (edge_1.curved + cross((edge_1.begin.c - outline.origin), (edge_1.end.c - outline.origin))));
+    bool is_nearer = (edge_1.near > outline.near);
+    NormalsCorner _e24 = normals_choose(outline.begin, edge_1.begin, is_nearer);
+    next.begin = _e24;
+    NormalsCorner _e28 = normals_choose(outline.end, edge_1.end, is_nearer);
+    next.end = _e28;
+    next.curved = (is_nearer ? edge_1.curved : outline.curved);
+    next.nearest = (is_nearer ? i_2 : outline.nearest);
+    next.second = max(outline.second, min(edge_1.near, outline.near));
+    next.near = max(outline.near, edge_1.near);
+    float _e47 = next.extents;
+    next.extents = (_e47 + (edge_1.near * distance(edge_1.begin.w, edge_1.end.w)));
+    NormalsOutline _e56 = next;
+    return _e56;
+}
+
+NormalsOutline normals_outline_with_both(NormalsOutline outline_1, uint i_3, NormalsEdges edges_1) {
+    NormalsOutline _e4 = normals_outline_with(outline_1, i_3, edges_1.first);
+    NormalsOutline _e8 = normals_outline_with(_e4, (i_3 + 1u), edges_1.second);
+    return _e8;
+}
+
+vec3 normals_joined(vec3 first_2, vec3 second_2, vec3 begin, vec3 middle, vec3 end) {
+    return ((first_2 + second_2) + cross((middle - begin), (end - begin)));
+}
+
+NormalsSetting normals_setting(NormalsView view_9, NormalsOutline outline_2, NormalsLight light_2, bool is_near_too, bool is_split_1) {
+    bool local_4 = false;
+    NormalsSetting setting = NormalsSetting(false, 0.0, false, vec3(0.0), vec3(0.0), vec3(0.0), vec3[4](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)), NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0));
+    bool local_5 = false;
+    NormalsCorner before = NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    vec3 joined = vec3(0.0);
+    float near_2 = (is_near_too ? (outline_2.near - outline_2.second) : 0.0);
+    float horizon_1 = distance(light_2.rise.w, light_2.sink.w);
+    float extent = (horizon_1 / max((horizon_1 + (is_near_too ? outline_2.extents : 0.0)), 1e-36));
+    float other = (near_2 * (1.0 - extent));
+    if (light_2.is_cut) {
+        local_4 = (extent >= other);
+    } else {
+        local_4 = false;
+    }
+    bool is_horizon = local_4;
+    if (!(light_2.is_cut)) {
+        local_5 = (near_2 > 0.0);
+    } else {
+        local_5 = true;
+    }
+    bool _e40 = local_5;
+    setting.is_there = _e40;
+    setting.share = (light_2.is_cut ? abs((extent - other)) : near_2);
+    setting.is_horizon = is_horizon;
+    bool _e48 = setting.is_there;
+    if (!(_e48)) {
+        NormalsSetting _e50 = setting;
+        return _e50;
+    }
+    NormalsCorner _e53 = normals_choose(outline_2.begin, light_2.sink, is_horizon);
+    NormalsCorner _e56 = normals_choose(outline_2.end, light_2.rise, is_horizon);
+    vec3 sum_11 = (_e53.w + _e56.w);
+    float _e60 = normals_half_cosine(_e53, _e56);
+    vec3 _e67 = normals_unstretched(((view_9.wo * _e60) + (sum_11 * (0.5 / _e60))), view_9);
+    setting.begin = _e53.c;
+    setting.control = (_e67 * inversesqrt((_e53.length_ * _e56.length_)));
+    setting.end = _e56.c;
+    NormalsCorner _e79 = normals_between(_e53, _e56, 0.5, view_9);
+    before = _e53;
+    if (is_split_1) {
+        NormalsCorner _e85 = normals_between(_e53, _e56, 0.25, view_9);
+        mat2x3 _e86 = normals_curved(view_9, _e53, _e85, _e85, _e79);
+        setting.parts[0] = _e86[0];
+        setting.parts[1] = _e86[1];
+        vec3 _e98 = normals_joined(_e86[0], _e86[1], _e53.c, _e85.c, _e79.c);
+        joined = _e98;
+        before = _e79;
+    }
+    NormalsCorner _e100 = normals_between(_e53, _e56, 0.75, view_9);
+    NormalsCorner _e101 = normals_choose(_e79, _e100, is_split_1);
+    NormalsCorner _e102 = before;
+    NormalsCorner _e104 = normals_choose(light_2.sink, _e101, is_horizon);
+    mat2x3 _e106 = normals_curved(view_9, _e102, _e101, _e104, light_2.rise);
+    vec3 _e108 = joined;
+    vec3 _e113 = normals_joined(_e108, _e106[0], _e53.c, _e79.c, _e101.c);
+    vec3 but_last = (is_split_1 ? _e113 : _e106[0]);
+    vec3 rest_1 = ((outline_2.curved - but_last) - cross((_e101.c - _e53.c), (_e56.c - _e53.c)));
+    vec3 final_part = (is_horizon ? _e106[1] : rest_1);
+    setting.horizon.is_there = light_2.is_cut;
+    setting.horizon.begin = light_2.sink;
+    setting.horizon.end = light_2.rise;
+    vec3 _e142 = normals_joined(but_last, final_part, _e53.c, _e101.c, _e56.c);
+    setting.horizon.curved = (is_horizon ? _e142 : _e106[1]);
+    if (!(is_split_1)) {
+        setting.parts[0] = _e106[0];
+        setting.parts[1] = final_part;
+        NormalsSetting _e150 = setting;
+        return _e150;
+    }
+    setting.parts[2] = _e106[0];
+    setting.parts[3] = final_part;
+    if (is_horizon) {
+        setting.horizon.middle = _e79.c;
+        vec3 _e161 = joined;
+        vec3 _e166 = normals_joined(_e106[0], final_part, _e79.c, _e101.c, _e56.c);
+        setting.horizon.halves = mat2x3(_e161, _e166);
+    } else {
+        NormalsEdge _e170 = setting.horizon;
+        NormalsEdge _e171 = normals_split(view_9, _e170);
+        setting.horizon = _e171;
+    }
+    NormalsSetting _e172 = setting;
+    return _e172;
+}
+
+vec3 normals_on_setting(NormalsSetting setting_1, float t_1) {
+    float u_1 = (1.0 - t_1);
+    vec3 _e17 = normals_unit((((setting_1.begin * (u_1 * u_1)) + (setting_1.control * ((2.0 * u_1) * t_1))) + (setting_1.end * (t_1 * t_1))));
+    return ((t_1 >= 1.0) ? setting_1.end : _e17);
+}
+
+vec2 normals_weight(NormalsView view_10, vec3 c_1) {
+    vec3 h_1 = vec3((view_10.alpha * c_1.xy), c_1.z);
     float length2_3 = max(dot(h_1, h_1), 1e-36);
-    float cosine = dot(view_4.wo, h_1);
-    vec3 wi = ((h_1 * (2.0 * cosine)) - (view_4.wo * length2_3));
+    float cosine_2 = dot(view_10.wo, h_1);
+    vec3 wi = ((h_1 * (2.0 * cosine_2)) - (view_10.wo * length2_3));
     float up = max(wi.z, 0.0);
-    vec2 across_2 = (view_4.alpha * wi.xy);
+    vec2 across_2 = (view_10.alpha * wi.xy);
     float stretched_1 = sqrt((dot(across_2, across_2) + (wi.z * wi.z)));
-    float weight = (((view_4.wo.z + view_4.length_) * up) / max(((view_4.length_ * up) + (view_4.wo.z * stretched_1)), 1e-36));
-    float m_6 = clamp((1.0 - (cosine * inversesqrt(length2_3))), 0.0, 1.0);
-    float m2_ = (m_6 * m_6);
-    return vec2(weight, ((m2_ * m2_) * m_6));
+    float weight = (((view_10.wo.z + view_10.length_) * up) / max(((view_10.length_ * up) + (view_10.wo.z * stretched_1)), 1e-36));
+    float m_3 = clamp((1.0 - (cosine_2 * inversesqrt(length2_3))), 0.0, 1.0);
+    float m2_ = (m_3 * m_3);
+    return vec2(weight, ((m2_ * m2_) * m_3));
 }
 
-NormalsNumbers normals_numbers(NormalsView view_5, bool is_fine) {
-    vec3 edge = vec3(0.0);
+NormalsNumbers normals_numbers(NormalsView view_11, bool is_fine) {
+    vec3 edge_2 = vec3(0.0);
     vec3 horizon = vec3(0.0);
-    float mu = (view_5.wo.z / view_5.length_);
-    float alpha_1 = max(view_5.alpha.x, view_5.alpha.y);
+    float mu = (view_11.wo.z / view_11.length_);
+    float alpha_1 = max(view_11.alpha.x, view_11.alpha.y);
     vec4 at = vec4(1.0, mu, alpha_1, (alpha_1 * mu));
-    edge = (mat4x3(vec3(0.492, 0.042, 0.45), vec3(-0.033, -0.052, 0.114), vec3(0.193, 0.044, -0.292), vec3(-0.188, 0.167, -0.296)) * at);
+    edge_2 = (mat4x3(vec3(0.492, 0.042, 0.45), vec3(-0.033, -0.052, 0.114), vec3(0.193, 0.044, -0.292), vec3(-0.188, 0.167, -0.296)) * at);
     horizon = (mat4x3(vec3(0.103, 0.243, 0.267), vec3(0.112, -0.064, -0.205), vec3(0.087, 0.076, 0.295), vec3(-0.011, -0.137, 0.105)) * at);
     if (is_fine) {
-        edge = (mat4x3(vec3(0.356, 0.062, 0.361), vec3(0.037, -0.065, 0.007), vec3(0.448, 0.028, -0.325), vec3(-0.008, 0.165, -0.161)) * at);
+        edge_2 = (mat4x3(vec3(0.356, 0.062, 0.361), vec3(0.037, -0.065, 0.007), vec3(0.448, 0.028, -0.325), vec3(-0.008, 0.165, -0.161)) * at);
         horizon = (mat4x3(vec3(0.088, 0.282, 0.371), vec3(0.107, -0.077, -0.194), vec3(0.048, 0.074, 0.269), vec3(0.009, -0.129, 0.021)) * at);
     }
-    vec3 _e88 = edge;
+    vec3 _e88 = edge_2;
     vec3 _e92 = horizon;
     return NormalsNumbers(max(_e88, vec3(0.0)), max(_e92, vec3(0.02, 0.0, 0.0)));
 }
 
 float normals_to_horizon(float tip, float near, float rate) {
     float root = sqrt(((rate * near) * max((tip - near), 0.0)));
-    float rest_1 = (near / max((near + root), 1e-36));
-    float u = (1.0 - rest_1);
-    float series_1 = (2.0 + (u * (-7.406265 + (u * (21.07087 + (u * (-31.448433 + (u * 16.743261))))))));
-    return (((tip * rest_1) * rest_1) * (1.0 + (u * series_1)));
+    float rest_2 = (near / max((near + root), 1e-36));
+    float u_2 = (1.0 - rest_2);
+    float series_1 = (2.0 + (u_2 * (-7.406265 + (u_2 * (21.07087 + (u_2 * (-31.448433 + (u_2 * 16.743261))))))));
+    return (((tip * rest_2) * rest_2) * (1.0 + (u_2 * series_1)));
 }
 
-vec3 normals_centroid(vec3 flux, vec3 tip_1) {
-    vec3 _e2 = normals_unit(flux);
-    float share_1 = clamp((10.0 * dot(_e2, tip_1)), -1.0, 1.0);
-    return ((share_1 * _e2) + ((1.0 - abs(share_1)) * tip_1));
-}
-
-vec3 normals_sample(NormalsView view_6, vec3 c_1) {
-    vec2 _e2 = normals_weight(view_6, c_1);
-    float seen_1 = max(dot(c_1, view_6.stretched), 0.0);
+vec3 normals_sample(NormalsView view_12, vec3 c_2) {
+    vec2 _e2 = normals_weight(view_12, c_2);
+    float seen_1 = max(dot(c_2, view_12.stretched), 0.0);
     return vec3(seen_1, (seen_1 * _e2.x), ((seen_1 * _e2.x) * _e2.y));
 }
 
-NormalsSpoke normals_spoke(NormalsView view_7, NormalsNumbers numbers, vec3 tip_2, vec3 c_2) {
-    vec3 _e4 = normals_arc_bend(tip_2, c_2);
-    vec3 _e7 = normals_sample(view_7, c_2);
-    return NormalsSpoke(c_2, _e4, (numbers.edge.y * _e7));
+float normals_rise(NormalsView view_13, vec3 c_3) {
+    vec3 h_2 = vec3((view_13.alpha * c_3.xy), c_3.z);
+    return (((2.0 * dot(view_13.wo, h_2)) * h_2.z) - (dot(h_2, h_2) * view_13.wo.z));
 }
 
-vec3 normals_flux(vec3 tip_3, NormalsSpoke a_5, NormalsSpoke b_5, vec3 curved) {
-    return ((cross((a_5.c - tip_3), (b_5.c - tip_3)) + curved) + (a_5.bend - b_5.bend));
+NormalsFan normals_fan(NormalsView view_14, vec3 tip_1, vec2 at_tip, float side, bool is_split_2) {
+    vec3 _e5 = normals_sample(view_14, tip_1);
+    vec3 tip_sample = (0.03 * _e5);
+    float _e8 = normals_rise(view_14, tip_1);
+    float per_rise = (1.0 / max((0.125 * _e8), 1e-36));
+    NormalsSpoke none = NormalsSpoke(tip_1, false, vec3(0.0), vec3(0.0));
+    NormalsNumbers _e21 = normals_numbers(view_14, is_split_2);
+    return NormalsFan(_e21, tip_1, at_tip, tip_sample, (side * view_14.stretched), per_rise, is_split_2, none, none);
 }
 
-vec2 normals_triangle(NormalsView view_8, NormalsNumbers numbers_1, vec3 tip_4, vec3 m_1, vec3 corners) {
-    vec3 _e10 = normals_sample(view_8, (m_1 + (numbers_1.edge.z * (m_1 - tip_4))));
-    vec3 _e11 = normals_sample(view_8, m_1);
-    vec3 mean_2 = ((_e11 + (numbers_1.edge.x * _e10)) + corners);
-    return (mean_2.yz / vec2(max(mean_2.x, 1e-18)));
+NormalsSpoke normals_spoke(NormalsView view_15, NormalsFan fan, vec3 c_4, bool is_up) {
+    vec3 _e5 = normals_arc_bend(fan.tip, c_4);
+    vec3 _e9 = normals_sample(view_15, c_4);
+    return NormalsSpoke(c_4, is_up, _e5, (fan.numbers.edge.y * _e9));
 }
 
-float normals_rise(NormalsView view_9, vec3 c_3) {
-    vec3 h_2 = vec3((view_9.alpha * c_3.xy), c_3.z);
-    return (((2.0 * dot(view_9.wo, h_2)) * h_2.z) - (dot(h_2, h_2) * view_9.wo.z));
+NormalsSpoke normals_spoke_to_setting(NormalsFan fan_1, vec3 c_5) {
+    vec3 _e4 = normals_arc_bend(fan_1.tip, c_5);
+    return NormalsSpoke(c_5, true, _e4, vec3(0.0));
 }
 
-NormalsSum normals_add(NormalsView view_10, NormalsSum sum, float least_rise, vec3 m_2, float whole_1, vec2 mean) {
-    float _e6 = normals_rise(view_10, m_2);
-    float known = clamp((_e6 / least_rise), 0.0, 1.0);
+NormalsSpoke normals_choose_spoke(NormalsSpoke first_3, NormalsSpoke second_3, bool is_second_1) {
+    return NormalsSpoke((is_second_1 ? second_3.c : first_3.c), (is_second_1 ? second_3.is_up : first_3.is_up), (is_second_1 ? second_3.bend : first_3.bend), (is_second_1 ? second_3.at_end : first_3.at_end));
+}
+
+vec3 normals_flux(NormalsFan fan_2, NormalsSpoke a_13, NormalsSpoke b_12, vec3 curved) {
+    return ((cross((a_13.c - fan_2.tip), (b_12.c - fan_2.tip)) + curved) + (a_13.bend - b_12.bend));
+}
+
+vec3 normals_centroid(NormalsFan fan_3, vec3 flux) {
+    vec3 _e2 = normals_unit(flux);
+    float share_3 = clamp((10.0 * dot(_e2, fan_3.tip)), -1.0, 1.0);
+    return ((share_3 * _e2) + ((1.0 - abs(share_3)) * fan_3.tip));
+}
+
+NormalsSum normals_add(NormalsView view_16, NormalsFan fan_4, NormalsSum sum, vec3 m_1, float whole_1, vec2 mean) {
+    float _e6 = normals_rise(view_16, m_1);
+    float known = clamp((_e6 * fan_4.per_rise), 0.0, 1.0);
     vec3 part_1 = ((known * whole_1) * vec3(1.0, mean));
     return NormalsSum((sum.all_ + part_1), (sum.positive + ((part_1.x > 0.0) ? part_1 : vec3(0.0))), ((sum.unknown + whole_1) - part_1.x));
 }
 
-vec2 normals_total(NormalsSum sum_1, float seen, vec2 at_tip) {
-    float share_2 = clamp((((sum_1.positive.x + sum_1.unknown) - seen) / max(seen, 1e-18)), 0.0, 0.5);
-    float tip_6 = (1e-6 * max(seen, 1e-18));
-    float per_part = (((share_2 * sum_1.unknown) + ((1.0 - share_2) * seen)) / (sum_1.positive.x + tip_6));
-    return ((share_2 * sum_1.all_.yz) + (per_part * (sum_1.positive.yz + ((tip_6 * at_tip.x) * vec2(1.0, at_tip.y)))));
+NormalsSum normals_add_triangle(NormalsView view_17, NormalsFan fan_5, NormalsSum sum_1, NormalsSpoke a_14, NormalsSpoke b_13, vec3 curved_1, float share) {
+    vec3 _e7 = normals_flux(fan_5, a_14, b_13, curved_1);
+    vec3 _e8 = normals_centroid(fan_5, _e7);
+    vec3 _e16 = normals_sample(view_17, (_e8 + (fan_5.numbers.edge.z * (_e8 - fan_5.tip))));
+    vec3 corners_1 = ((fan_5.tip_sample + a_14.at_end) + b_13.at_end);
+    vec3 _e22 = normals_sample(view_17, _e8);
+    vec3 mean_2 = ((_e22 + (fan_5.numbers.edge.x * _e16)) + corners_1);
+    NormalsSum _e38 = normals_add(view_17, fan_5, sum_1, _e8, (share * dot(_e7, fan_5.seen)), (mean_2.yz / vec2(max(mean_2.x, 1e-18))));
+    return _e38;
 }
 
-vec2 normals_horizon_triangle(NormalsView view_11, NormalsNumbers numbers_2, vec3 tip_5, vec2 at_tip_1, vec3 m_3) {
-    vec2 _e10 = normals_weight(view_11, (m_3 + (numbers_2.horizon.y * (m_3 - tip_5))));
-    float _e15 = normals_to_horizon(at_tip_1.x, _e10.x, numbers_2.horizon.x);
-    return (_e15 * vec2(1.0, mix(_e10.y, at_tip_1.y, numbers_2.horizon.z)));
+NormalsSum normals_add_edge(NormalsView view_18, NormalsFan fan_6, NormalsSum sum_2, NormalsEdge edge_3, NormalsSpoke a_15, NormalsSpoke b_14, float share_1) {
+    float counts = (edge_3.is_there ? share_1 : 0.0);
+    NormalsSpoke _e12 = normals_choose_spoke(fan_6.rise, a_15, a_15.is_up);
+    NormalsSpoke _e15 = normals_choose_spoke(fan_6.sink, b_14, b_14.is_up);
+    if (fan_6.is_split) {
+        NormalsSpoke _e19 = normals_spoke(view_18, fan_6, edge_3.middle, true);
+        NormalsSum _e22 = normals_add_triangle(view_18, fan_6, sum_2, _e12, _e19, edge_3.halves[0], counts);
+        NormalsSum _e25 = normals_add_triangle(view_18, fan_6, _e22, _e19, _e15, edge_3.halves[1], counts);
+        return _e25;
+    }
+    NormalsSum _e27 = normals_add_triangle(view_18, fan_6, sum_2, _e12, _e15, edge_3.curved, counts);
+    return _e27;
 }
 
-vec3 normals_get(inout vec3 list[8], uint i, bool many) {
-    bool local_4 = false;
-    vec3 _e4 = list[0];
-    vec3 _e6 = list[1];
-    vec3 _e11 = list[2];
-    vec3 _e13 = list[3];
-    vec3 low_1 = ((i >= 2u) ? ((i == 3u) ? _e13 : _e11) : ((i == 1u) ? _e6 : _e4));
-    vec3 _e21 = list[4];
-    vec3 _e23 = list[5];
-    vec3 _e28 = list[6];
-    vec3 _e30 = list[7];
-    vec3 high_1 = ((i >= 6u) ? ((i == 7u) ? _e30 : _e28) : ((i == 5u) ? _e23 : _e21));
-    if (many) {
-        local_4 = (i >= 4u);
-    } else {
-        local_4 = false;
-    }
-    bool _e42 = local_4;
-    return (_e42 ? high_1 : low_1);
+NormalsSum normals_add_edges(NormalsView view_19, NormalsFan fan_7, NormalsSum sum_3, uint i_4, NormalsEdges edges_2, NormalsSpoke a_16, NormalsSpoke b_15, NormalsSpoke c_6, uint one, float less) {
+    NormalsSum _e14 = normals_add_edge(view_19, fan_7, sum_3, edges_2.first, a_16, b_15, ((i_4 == one) ? less : 1.0));
+    NormalsSum _e21 = normals_add_edge(view_19, fan_7, _e14, edges_2.second, b_15, c_6, (((i_4 + 1u) == one) ? less : 1.0));
+    return _e21;
 }
 
-void normals_put(inout vec3 list_1[8], uint i_1, vec3 v_2, bool many_1) {
-    bool local_5 = false;
-    bool local_6 = false;
-    bool local_7 = false;
-    bool local_8 = false;
-    vec3 _e6 = list_1[0];
-    list_1[0] = ((i_1 == 0u) ? v_2 : _e6);
-    vec3 _e12 = list_1[1];
-    list_1[1] = ((i_1 == 1u) ? v_2 : _e12);
-    vec3 _e18 = list_1[2];
-    list_1[2] = ((i_1 == 2u) ? v_2 : _e18);
-    vec3 _e24 = list_1[3];
-    list_1[3] = ((i_1 == 3u) ? v_2 : _e24);
-    vec3 _e30 = list_1[4];
-    if (many_1) {
-        local_5 = (i_1 == 4u);
-    } else {
-        local_5 = false;
-    }
-    bool _e36 = local_5;
-    list_1[4] = (_e36 ? v_2 : _e30);
-    vec3 _e40 = list_1[5];
-    if (many_1) {
-        local_6 = (i_1 == 5u);
-    } else {
-        local_6 = false;
-    }
-    bool _e46 = local_6;
-    list_1[5] = (_e46 ? v_2 : _e40);
-    vec3 _e50 = list_1[6];
-    if (many_1) {
-        local_7 = (i_1 == 6u);
-    } else {
-        local_7 = false;
-    }
-    bool _e56 = local_7;
-    list_1[6] = (_e56 ? v_2 : _e50);
-    vec3 _e60 = list_1[7];
-    if (many_1) {
-        local_8 = (i_1 == 7u);
-    } else {
-        local_8 = false;
-    }
-    bool _e66 = local_8;
-    list_1[7] = (_e66 ? v_2 : _e60);
-    return;
+NormalsSum normals_add_on_setting(NormalsView view_20, NormalsFan fan_8, NormalsSum sum_4, NormalsSpoke a_17, NormalsSpoke b_16, vec3 curved_2, float share_2) {
+    vec3 _e7 = normals_flux(fan_8, a_17, b_16, curved_2);
+    vec3 _e8 = normals_centroid(fan_8, _e7);
+    vec2 _e16 = normals_weight(view_20, (_e8 + (fan_8.numbers.horizon.y * (_e8 - fan_8.tip))));
+    float _e23 = normals_to_horizon(fan_8.at_tip.x, _e16.x, fan_8.numbers.horizon.x);
+    vec2 mean_3 = (_e23 * vec2(1.0, mix(_e16.y, fan_8.at_tip.y, fan_8.numbers.horizon.z)));
+    NormalsSum _e37 = normals_add(view_20, fan_8, sum_4, _e8, (share_2 * dot(_e7, fan_8.seen)), mean_3);
+    return _e37;
 }
 
-vec3 normals_crossing(vec3 a_6, vec3 b_6) {
-    return vec3(((a_6.xy * abs(b_6.z)) + (b_6.xy * abs(a_6.z))), 0.0);
-}
-
-NormalsOutline normals_outline(inout vec3 vertices_1[8], uint number) {
-    NormalsOutline outline = NormalsOutline(0u, 0u, false, 0u, 0u, false, 0.0, 0u, false);
-    vec3 before = vec3(0.0);
-    float height = 0.0;
-    vec3 rise = vec3(0.0);
-    vec3 sink = vec3(0.0);
-    uint i_2 = 0u;
-    bool local_9 = false;
-    bool local_10 = false;
-    uint nearest = 0u;
-    float nearness = 0.0;
-    float second = 0.0;
-    float extents = 0.0;
-    uint i_3 = 0u;
-    bool local_11 = false;
-    outline = NormalsOutline(number, 0u, false, 0u, number, false, 0.0, 0u, (number > 4u));
-    bool _e15 = outline.many;
-    vec3 _e16 = normals_get(vertices_1, (number - 1u), _e15);
-    before = _e16;
+NormalsSum normals_add_setting(NormalsView view_21, NormalsFan fan_9, NormalsSum sum_5, NormalsSetting setting_2) {
+    NormalsSum added = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
+    NormalsSpoke before_1 = NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0));
+    uint part = 0u;
+    added = sum_5;
+    NormalsSpoke _e6 = normals_spoke_to_setting(fan_9, setting_2.begin);
+    before_1 = _e6;
+    float step_ = (fan_9.is_split ? 0.25 : 0.5);
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e70 = i_2;
-            i_2 = (_e70 + 1u);
+            uint _e67 = part;
+            part = (_e67 + 1u);
         }
         loop_init = false;
-        uint _e28 = i_2;
-        if ((_e28 < number)) {
+        uint _e14 = part;
+        if ((_e14 < (fan_9.is_split ? 4u : 2u))) {
         } else {
             break;
         }
         {
-            uint _e30 = i_2;
-            bool _e32 = outline.many;
-            vec3 _e33 = normals_get(vertices_1, _e30, _e32);
-            bool is_up = (_e33.z > 0.0);
-            vec3 _e37 = before;
-            vec3 _e38 = normals_crossing(_e37, _e33);
-            float _e39 = height;
-            height = max(_e39, _e33.z);
-            if (is_up) {
-                float _e45 = before.z;
-                local_9 = (_e45 <= 0.0);
-            } else {
-                local_9 = false;
-            }
-            bool _e49 = local_9;
-            if (_e49) {
-                uint _e51 = i_2;
-                outline.start = _e51;
-                outline.is_cut = true;
-                rise = _e38;
-            }
-            if (!(is_up)) {
-                float _e58 = before.z;
-                local_10 = (_e58 > 0.0);
-            } else {
-                local_10 = false;
-            }
-            bool _e62 = local_10;
-            if (_e62) {
-                sink = _e38;
-            }
-            uint _e64 = outline.ups;
-            outline.ups = (_e64 + (is_up ? 1u : 0u));
-            before = _e33;
+            uint _e20 = part;
+            vec3 _e25 = normals_on_setting(setting_2, ((float(_e20) + 0.5) * step_));
+            uint _e26 = part;
+            vec3 _e31 = normals_on_setting(setting_2, (float((_e26 + 1u)) * step_));
+            uint _e36 = part;
+            vec3 low_1 = ((_e36 == 1u) ? setting_2.parts[1] : setting_2.parts[0]);
+            uint _e44 = part;
+            vec3 high_1 = ((_e44 == 3u) ? setting_2.parts[3] : setting_2.parts[2]);
+            vec3 _e49 = before_1.c;
+            uint _e50 = part;
+            mat2x3 _e54 = normals_shared(_e49, _e25, _e31, ((_e50 >= 2u) ? high_1 : low_1));
+            NormalsSpoke _e55 = normals_spoke_to_setting(fan_9, _e25);
+            NormalsSpoke _e56 = normals_spoke_to_setting(fan_9, _e31);
+            NormalsSum _e57 = added;
+            NormalsSpoke _e58 = before_1;
+            NormalsSum _e61 = normals_add_on_setting(view_21, fan_9, _e57, _e58, _e55, _e54[0], setting_2.share);
+            added = _e61;
+            NormalsSum _e62 = added;
+            NormalsSum _e65 = normals_add_on_setting(view_21, fan_9, _e62, _e55, _e56, _e54[1], setting_2.share);
+            added = _e65;
+            before_1 = _e56;
         }
     }
-    before = _e16;
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e148 = i_3;
-            i_3 = (_e148 + 1u);
-        }
-        loop_init_1 = false;
-        uint _e82 = i_3;
-        if ((_e82 < number)) {
-        } else {
-            break;
-        }
-        {
-            uint _e84 = i_3;
-            bool _e86 = outline.many;
-            vec3 _e87 = normals_get(vertices_1, _e84, _e86);
-            float _e89 = before.z;
-            float top_1 = max(_e89, _e87.z);
-            float _e92 = height;
-            float near_3 = ((top_1 > 0.0) ? (1.0 - (top_1 / max((0.25 * _e92), 1e-36))) : 0.0);
-            if ((near_3 > 0.0)) {
-                vec3 _e106 = before;
-                vec3 _e107 = normals_crossing(_e106, _e87);
-                vec3 _e108 = before;
-                float _e110 = before.z;
-                vec3 begin_1 = ((_e110 > 0.0) ? _e108 : _e107);
-                vec3 end_1 = ((_e87.z > 0.0) ? _e87 : _e107);
-                float _e118 = extents;
-                vec3 _e119 = normals_unit(begin_1);
-                vec3 _e120 = normals_unit(end_1);
-                extents = (_e118 + (near_3 * distance(_e119, _e120)));
-                float _e124 = second;
-                float _e125 = nearness;
-                second = max(_e124, min(near_3, _e125));
-                uint _e128 = i_3;
-                uint _e131 = outline.start;
-                bool _e137 = outline.is_cut;
-                uint edge_2 = (((_e128 + number) - _e131) + (_e137 ? 0u : (number - 1u)));
-                uint _e140 = nearest;
-                float _e142 = nearness;
-                nearest = ((near_3 > _e142) ? (edge_2 % number) : _e140);
-                float _e145 = nearness;
-                nearness = max(_e145, near_3);
-            }
-            before = _e87;
-        }
-    }
-    float _e151 = nearness;
-    float _e152 = second;
-    outline.share = (_e151 - _e152);
-    bool _e156 = outline.is_cut;
-    if (!(_e156)) {
-        float _e161 = outline.share;
-        local_11 = (_e161 > 0.0);
-    } else {
-        local_11 = true;
-    }
-    bool _e165 = local_11;
-    outline.is_closed = _e165;
-    bool _e167 = outline.is_cut;
-    if (_e167) {
-        uint _e170 = outline.ups;
-        outline.edges = (_e170 + 2u);
-        vec3 _e173 = rise;
-        vec3 _e174 = normals_unit(_e173);
-        vec3 _e175 = sink;
-        vec3 _e176 = normals_unit(_e175);
-        float horizon_2 = distance(_e174, _e176);
-        float _e178 = extents;
-        float extent = (horizon_2 / max((horizon_2 + _e178), 1e-36));
-        float _e184 = outline.share;
-        float other = (_e184 * (1.0 - extent));
-        outline.share = abs((extent - other));
-        uint _e191 = nearest;
-        uint _e193 = outline.ups;
-        nearest = ((extent >= other) ? (_e193 + 1u) : _e191);
-    }
-    uint _e200 = nearest;
-    uint _e204 = outline.edges;
-    bool _e207 = outline.is_closed;
-    outline.shift = (_e207 ? ((_e200 + 1u) % _e204) : 0u);
-    NormalsOutline _e209 = outline;
-    return _e209;
+    NormalsSum _e69 = added;
+    return _e69;
 }
 
-NormalsCorner normals_outline_corner(NormalsView view_12, NormalsOutline outline_1, inout vec3 vertices_2[8], uint i_4) {
-    bool local_12 = false;
-    bool local_13 = false;
-    bool local_14 = false;
-    uint turned = (i_4 + outline_1.shift);
-    uint k = ((turned >= outline_1.edges) ? (turned - outline_1.edges) : turned);
-    if (outline_1.is_cut) {
-        if (!((k == 0u))) {
-            local_13 = (k == (outline_1.ups + 1u));
-        } else {
-            local_13 = true;
-        }
-        bool _e24 = local_13;
-        local_12 = _e24;
-    } else {
-        local_12 = false;
-    }
-    bool is_crossing = local_12;
-    if (outline_1.is_cut) {
-        local_14 = (k > 0u);
-    } else {
-        local_14 = false;
-    }
-    bool _e37 = local_14;
-    uint at_1 = ((outline_1.start + k) - (_e37 ? 1u : 0u));
-    uint before_2 = ((at_1 == 0u) ? (outline_1.number - 1u) : (at_1 - 1u));
-    vec3 _e54 = normals_get(vertices_2, ((at_1 >= outline_1.number) ? (at_1 - outline_1.number) : at_1), outline_1.many);
-    vec3 _e61 = normals_get(vertices_2, ((before_2 >= outline_1.number) ? (before_2 - outline_1.number) : before_2), outline_1.many);
-    vec3 _e62 = normals_crossing(_e61, _e54);
-    NormalsCorner _e64 = normals_corner((is_crossing ? _e62 : _e54), view_12);
-    return _e64;
+vec2 normals_total(NormalsFan fan_10, NormalsSum sum_6, float seen) {
+    float share_4 = clamp((((sum_6.positive.x + sum_6.unknown) - seen) / max(seen, 1e-18)), 0.0, 0.5);
+    float tip_2 = (1e-6 * max(seen, 1e-18));
+    float per_part = (((share_4 * sum_6.unknown) + ((1.0 - share_4) * seen)) / (sum_6.positive.x + tip_2));
+    return ((share_4 * sum_6.all_.yz) + (per_part * (sum_6.positive.yz + ((tip_2 * fan_10.at_tip.x) * vec2(1.0, fan_10.at_tip.y)))));
 }
 
-NormalsHorizon normals_horizon(NormalsView view_13, NormalsCorner begin, NormalsCorner end) {
-    bool local_15 = false;
-    vec3 sum_4 = (begin.w + end.w);
-    float _e6 = normals_half_cosine(begin, end);
-    vec3 _e13 = normals_unstretched(((view_13.wo * _e6) + (sum_4 * (0.5 / _e6))), view_13);
-    vec3 turn_1 = cross(begin.w, (end.w - begin.w));
-    if ((begin.w.z == 0.0)) {
-        local_15 = (end.w.z == 0.0);
-    } else {
-        local_15 = false;
-    }
-    bool is_level = local_15;
-    vec3 across_3 = (is_level ? vec3(0.0, 0.0, ((turn_1.z < 0.0) ? -1.0 : 1.0)) : turn_1);
-    return NormalsHorizon(begin.c, (_e13 * inversesqrt((begin.length_ * end.length_))), end.c, across_3);
-}
-
-vec3 normals_on_horizon(NormalsHorizon horizon_1, float t_1) {
-    float u_1 = (1.0 - t_1);
-    vec3 _e17 = normals_unit((((horizon_1.begin * (u_1 * u_1)) + (horizon_1.control * ((2.0 * u_1) * t_1))) + (horizon_1.end * (t_1 * t_1))));
-    return ((t_1 >= 1.0) ? horizon_1.end : _e17);
-}
-
-vec2 normals_polygon(NormalsView view_14, inout vec3 vertices_3[8], uint count, bool two_sided, uint rule) {
-    vec3 ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vec3 curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vec3 half_ends[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vec3 half_curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vec3 horizon_curves[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vec3 closing = vec3(0.0);
-    vec3 half_closing = vec3(0.0);
-    vec3 half_end = vec3(0.0);
-    vec3 arc_start = vec3(0.0);
+vec2 normals_polygon(NormalsView view_22, inout vec3 vertices_1[8], uint count, bool two_sided, uint rule) {
+    NormalsCorner c4_ = NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    NormalsCorner c5_ = NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    NormalsCorner c6_ = NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    NormalsCorner c7_ = NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0);
+    NormalsLight light_3 = NormalsLight(0u, 0.0, false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0));
+    mat2x3 cut_1 = mat2x3(0.0);
+    NormalsOutline outline_3 = NormalsOutline(vec3(0.0), vec3(0.0), 0u, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), 0.0, 0.0, 0.0);
+    NormalsEdges third = NormalsEdges(NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0), NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0));
+    NormalsEdges fourth = NormalsEdges(NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0), NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0));
     vec3 flux_1 = vec3(0.0);
-    NormalsCorner last = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
-    uint edge_1 = 0u;
-    bool is_second = false;
-    uint step_ = 0u;
-    bool local_16 = false;
-    bool local_17 = false;
-    NormalsCorner to = NormalsCorner(vec3(0.0), vec3(0.0), 0.0);
-    bool local_18 = false;
-    bool local_19 = false;
-    bool local_20 = false;
-    bool local_21 = false;
-    bool local_22 = false;
+    bool local_6 = false;
     vec2 parts = vec2(0.0);
-    NormalsSum sum_2 = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
-    NormalsSpoke before_1 = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
-    NormalsSpoke setting = NormalsSpoke(vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i_5 = 0u;
-    uint part = 0u;
-    NormalsOutline _e8 = normals_outline(vertices_3, min(max(count, 3u), 8u));
-    if ((_e8.ups == 0u)) {
-        return vec2(0.0);
-    }
-    bool many_2 = _e8.many;
+    NormalsFan fan_11 = NormalsFan(NormalsNumbers(vec3(0.0), vec3(0.0)), vec3(0.0), vec2(0.0), vec3(0.0), vec3(0.0), 0.0, false, NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0)), NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0)));
+    NormalsSpoke s4_ = NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0));
+    NormalsSum sum_7 = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
+    bool local_7 = false;
+    uint number = min(max(count, 3u), 8u);
     bool is_fine_1 = (rule == NORMALS_FINE);
-    uint edge_parts = (is_fine_1 ? 2u : 1u);
-    uint horizon_parts = ((rule == NORMALS_MEAN) ? 1u : (is_fine_1 ? 4u : 2u));
-    uint edges = (_e8.edges - (_e8.is_closed ? 1u : 0u));
-    uint closing_parts = (_e8.is_closed ? horizon_parts : 0u);
-    NormalsCorner _e37 = normals_outline_corner(view_14, _e8, vertices_3, 0u);
-    NormalsCorner _e38 = normals_outline_corner(view_14, _e8, vertices_3, edges);
-    NormalsHorizon _e39 = normals_horizon(view_14, _e38, _e37);
-    arc_start = _e37.c;
-    last = _e37;
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e217 = step_;
-            step_ = (_e217 + 1u);
-        }
-        loop_init_2 = false;
-        uint _e66 = step_;
-        if ((_e66 < ((edges * edge_parts) + closing_parts))) {
-        } else {
-            break;
-        }
-        {
-            uint _e70 = edge_1;
-            bool is_closing = (_e70 >= edges);
-            if (is_fine_1) {
-                bool _e74 = is_second;
-                local_16 = !(_e74);
-            } else {
-                local_16 = false;
-            }
-            bool _e77 = local_16;
-            if (_e77) {
-                local_17 = !(is_closing);
-            } else {
-                local_17 = false;
-            }
-            bool is_half = local_17;
-            uint _e83 = edge_1;
-            NormalsCorner _e86 = normals_outline_corner(view_14, _e8, vertices_3, (_e83 + 1u));
-            to = _e86;
-            if (is_half) {
-                NormalsCorner _e88 = last;
-                NormalsCorner _e89 = to;
-                NormalsCorner _e91 = normals_between(_e88, _e89, 0.5, view_14);
-                to = _e91;
-            }
-            uint _e92 = edge_1;
-            float t_3 = (float(((_e92 + 1u) - edges)) / float(horizon_parts));
-            vec3 _e100 = to.c;
-            vec3 _e101 = normals_on_horizon(_e39, t_3);
-            vec3 c_5 = (is_closing ? _e101 : _e100);
-            vec3 _e104 = to.w;
-            vec3 _e106 = last.w;
-            vec3 apart = (_e104 - _e106);
-            vec3 _e109 = last.w;
-            vec3 across_4 = (is_closing ? _e39.across : cross(_e109, apart));
-            vec3 _e114 = last.c;
-            if (!(is_closing)) {
-                vec3 _e119 = last.w;
-                vec3 _e121 = to.w;
-                local_18 = (dot(_e119, _e121) < 0.9);
-            } else {
-                local_18 = true;
-            }
-            bool _e126 = local_18;
-            vec3 _e127 = normals_exact(view_14, _e114, c_5, across_4, _e126);
-            bool is_edge = ((is_closing ? dot(across_4, across_4) : dot(apart, apart)) >= 1e-14);
-            vec3 _e134 = last.c;
-            vec3 curved_1 = (is_edge ? (_e127 - cross(_e134, c_5)) : vec3(0.0));
-            vec3 _e140 = flux_1;
-            vec3 _e142 = last.c;
-            flux_1 = (_e140 + (curved_1 + cross((_e142 - _e37.c), (c_5 - _e37.c))));
-            if (is_fine_1) {
-                uint _e151 = edge_1;
-                normals_put(half_ends, (is_half ? _e151 : 8u), c_5, many_2);
-                uint _e154 = edge_1;
-                normals_put(half_curves, (is_half ? _e154 : 8u), curved_1, many_2);
-            }
-            uint _e156 = edge_1;
-            if (!(is_half)) {
-                local_19 = is_closing;
-            } else {
-                local_19 = true;
-            }
-            bool _e162 = local_19;
-            normals_put(ends, (_e162 ? 8u : _e156), c_5, many_2);
-            uint _e164 = edge_1;
-            if (!(is_half)) {
-                local_20 = is_closing;
-            } else {
-                local_20 = true;
-            }
-            bool _e170 = local_20;
-            normals_put(curves, (_e170 ? 8u : _e164), curved_1, many_2);
-            uint _e173 = edge_1;
-            normals_put(horizon_curves, (is_closing ? (_e173 - edges) : 8u), curved_1, false);
-            vec3 _e177 = arc_start;
-            arc_start = (is_closing ? _e177 : c_5);
-            vec3 _e179 = closing;
-            vec3 _e181 = last.c;
-            vec3 _e182 = arc_start;
-            vec3 _e184 = arc_start;
-            closing = (_e179 + (is_closing ? (curved_1 + cross((_e181 - _e182), (c_5 - _e184))) : vec3(0.0)));
-            if (is_fine_1) {
-                uint _e194 = edge_1;
-                local_21 = ((_e194 + 1u) == (edges + (horizon_parts / 2u)));
-            } else {
-                local_21 = false;
-            }
-            bool _e202 = local_21;
-            if (_e202) {
-                vec3 _e203 = closing;
-                half_closing = _e203;
-                half_end = c_5;
-                closing = vec3(0.0);
-                arc_start = c_5;
-            }
-            vec3 _e207 = to.w;
-            float _e209 = to.length_;
-            last = NormalsCorner(_e207, c_5, _e209);
-            uint _e211 = edge_1;
-            edge_1 = (_e211 + (is_half ? 0u : 1u));
-            is_second = is_half;
-        }
+    vec3 v0_ = vertices_1[0];
+    NormalsCorner _e12 = normals_corner(v0_, view_22);
+    vec3 _e14 = vertices_1[1];
+    NormalsCorner _e15 = normals_corner(_e14, view_22);
+    vec3 _e17 = vertices_1[2];
+    NormalsCorner _e18 = normals_corner(_e17, view_22);
+    vec3 _e20 = vertices_1[3];
+    NormalsCorner _e24 = normals_corner(((number > 3u) ? _e20 : v0_), view_22);
+    c4_ = _e12;
+    c5_ = _e12;
+    c6_ = _e12;
+    c7_ = _e12;
+    bool many = (number > 4u);
+    if (many) {
+        vec3 _e32 = vertices_1[4];
+        NormalsCorner _e33 = normals_corner(_e32, view_22);
+        c4_ = _e33;
+        vec3 _e35 = vertices_1[5];
+        NormalsCorner _e39 = normals_corner(((number > 5u) ? _e35 : v0_), view_22);
+        c5_ = _e39;
+        vec3 _e41 = vertices_1[6];
+        NormalsCorner _e45 = normals_corner(((number > 6u) ? _e41 : v0_), view_22);
+        c6_ = _e45;
+        vec3 _e47 = vertices_1[7];
+        NormalsCorner _e51 = normals_corner(((number > 7u) ? _e47 : v0_), view_22);
+        c7_ = _e51;
     }
-    vec3 _e219 = flux_1;
-    float seen_2 = dot(_e219, view_14.stretched);
-    float side = ((seen_2 < 0.0) ? -1.0 : 1.0);
-    if ((side < 0.0)) {
-        local_22 = !(two_sided);
-    } else {
-        local_22 = false;
-    }
-    bool _e233 = local_22;
-    if (_e233) {
+    vec4 heights = vec4(_e12.height, _e15.height, _e18.height, _e24.height);
+    float _e58 = c4_.height;
+    float _e60 = c5_.height;
+    float _e62 = c6_.height;
+    float _e64 = c7_.height;
+    vec4 more = vec4(_e58, _e60, _e62, _e64);
+    vec4 high_2 = max(heights, more);
+    vec4 low_2 = min(heights, more);
+    float highest = max(max(high_2.x, high_2.y), max(high_2.z, high_2.w));
+    float lowest = min(min(low_2.x, low_2.y), min(low_2.z, low_2.w));
+    if (!((highest > 0.0))) {
         return vec2(0.0);
     }
-    float to_part = ((side * 0.3183099) / (view_14.wo.z + view_14.length_));
-    vec3 _e243 = flux_1;
-    vec3 _e245 = normals_unit((_e243 * side));
-    vec2 _e246 = normals_weight(view_14, _e245);
-    parts = (vec2(_e246.x, (_e246.x * _e246.y)) * seen_2);
-    if ((rule != NORMALS_MEAN)) {
-        float _e263 = normals_rise(view_14, _e245);
-        float least_rise_1 = max((0.125 * _e263), 1e-36);
-        vec3 sided = (side * view_14.stretched);
-        NormalsNumbers _e270 = normals_numbers(view_14, is_fine_1);
-        vec3 _e271 = normals_sample(view_14, _e245);
-        vec3 tip_share = (0.03 * _e271);
-        NormalsSpoke _e275 = normals_spoke(view_14, _e270, _e245, _e37.c);
-        before_1 = _e275;
-        setting = _e275;
-        bool loop_init_3 = true;
-        while(true) {
-            if (!loop_init_3) {
-                uint _e336 = i_5;
-                i_5 = (_e336 + 1u);
-            }
-            loop_init_3 = false;
-            uint _e280 = i_5;
-            if ((_e280 < _e8.edges)) {
-            } else {
-                break;
-            }
-            {
-                uint _e283 = i_5;
-                bool is_closing_1 = (_e283 == edges);
-                if (is_closing_1) {
-                    NormalsSpoke _e285 = before_1;
-                    setting = _e285;
-                }
-                float counts = (is_closing_1 ? (1.0 - _e8.share) : 1.0);
-                if (is_fine_1) {
-                    uint _e291 = i_5;
-                    vec3 _e292 = normals_get(half_ends, _e291, many_2);
-                    vec3 _e293 = half_end;
-                    vec3 half_c = (is_closing_1 ? _e293 : _e292);
-                    uint _e295 = i_5;
-                    vec3 _e296 = normals_get(half_curves, _e295, many_2);
-                    vec3 _e297 = half_closing;
-                    vec3 half_curved = (is_closing_1 ? _e297 : _e296);
-                    NormalsSpoke _e299 = normals_spoke(view_14, _e270, _e245, half_c);
-                    NormalsSpoke _e300 = before_1;
-                    vec3 _e301 = normals_flux(_e245, _e300, _e299, half_curved);
-                    vec3 _e302 = normals_centroid(_e301, _e245);
-                    vec3 _e304 = before_1.at_end;
-                    vec2 _e308 = normals_triangle(view_14, _e270, _e245, _e302, ((tip_share + _e304) + _e299.at_end));
-                    NormalsSum _e309 = sum_2;
-                    NormalsSum _e312 = normals_add(view_14, _e309, least_rise_1, _e302, (counts * dot(_e301, sided)), _e308);
-                    sum_2 = _e312;
-                    before_1 = _e299;
-                }
-                uint _e313 = i_5;
-                vec3 _e314 = normals_get(ends, _e313, many_2);
-                vec3 c_6 = (is_closing_1 ? _e37.c : _e314);
-                uint _e317 = i_5;
-                vec3 _e318 = normals_get(curves, _e317, many_2);
-                vec3 _e319 = closing;
-                vec3 curved_2 = (is_closing_1 ? _e319 : _e318);
-                NormalsSpoke _e321 = normals_spoke(view_14, _e270, _e245, c_6);
-                NormalsSpoke _e322 = before_1;
-                vec3 _e323 = normals_flux(_e245, _e322, _e321, curved_2);
-                vec3 _e324 = normals_centroid(_e323, _e245);
-                vec3 _e326 = before_1.at_end;
-                vec2 _e330 = normals_triangle(view_14, _e270, _e245, _e324, ((tip_share + _e326) + _e321.at_end));
-                NormalsSum _e331 = sum_2;
-                NormalsSum _e334 = normals_add(view_14, _e331, least_rise_1, _e324, (counts * dot(_e323, sided)), _e330);
-                sum_2 = _e334;
-                before_1 = _e321;
-            }
+    light_3 = NormalsLight(number, (4.0 / max(highest, 1e-36)), (lowest <= 0.0), _e12, _e12);
+    bool _e96 = light_3.is_cut;
+    if (_e96) {
+        mat2x3 _e102 = normals_cut_by(mat2x3(vec3(0.0), vec3(0.0)), _e12, _e15);
+        cut_1 = _e102;
+        mat2x3 _e104 = cut_1;
+        mat2x3 _e105 = normals_cut_by(_e104, _e15, _e18);
+        mat2x3 _e106 = normals_cut_by(_e105, _e18, _e24);
+        NormalsCorner _e107 = c4_;
+        mat2x3 _e108 = normals_cut_by(_e106, _e24, _e107);
+        cut_1 = _e108;
+        if (many) {
+            mat2x3 _e109 = cut_1;
+            NormalsCorner _e110 = c4_;
+            NormalsCorner _e111 = c5_;
+            mat2x3 _e112 = normals_cut_by(_e109, _e110, _e111);
+            NormalsCorner _e113 = c5_;
+            NormalsCorner _e114 = c6_;
+            mat2x3 _e115 = normals_cut_by(_e112, _e113, _e114);
+            cut_1 = _e115;
+            mat2x3 _e116 = cut_1;
+            NormalsCorner _e117 = c6_;
+            NormalsCorner _e118 = c7_;
+            mat2x3 _e119 = normals_cut_by(_e116, _e117, _e118);
+            NormalsCorner _e120 = c7_;
+            mat2x3 _e121 = normals_cut_by(_e119, _e120, _e12);
+            cut_1 = _e121;
         }
-        NormalsSpoke _e338 = setting;
-        before_1 = _e338;
-        bool loop_init_4 = true;
-        while(true) {
-            if (!loop_init_4) {
-                uint _e391 = part;
-                part = (_e391 + 1u);
-            }
-            loop_init_4 = false;
-            uint _e341 = part;
-            if ((_e341 < closing_parts)) {
-            } else {
-                break;
-            }
-            {
-                uint _e343 = part;
-                vec3 _e349 = normals_on_horizon(_e39, ((float(_e343) + 0.5) / float(horizon_parts)));
-                uint _e350 = part;
-                vec3 _e356 = normals_on_horizon(_e39, (float((_e350 + 1u)) / float(horizon_parts)));
-                vec3 _e358 = before_1.c;
-                uint _e359 = part;
-                vec3 _e361 = normals_get(horizon_curves, _e359, false);
-                mat2x3 _e362 = normals_shared(_e358, _e349, _e356, _e361);
-                vec3 _e363 = normals_arc_bend(_e245, _e349);
-                NormalsSpoke half_ = NormalsSpoke(_e349, _e363, vec3(0.0));
-                vec3 _e367 = normals_arc_bend(_e245, _e356);
-                NormalsSpoke to_1 = NormalsSpoke(_e356, _e367, vec3(0.0));
-                NormalsSpoke _e371 = before_1;
-                vec3 _e373 = normals_flux(_e245, _e371, half_, _e362[0]);
-                vec3 _e374 = normals_centroid(_e373, _e245);
-                vec2 _e375 = normals_horizon_triangle(view_14, _e270, _e245, _e246, _e374);
-                NormalsSum _e376 = sum_2;
-                NormalsSum _e380 = normals_add(view_14, _e376, least_rise_1, _e374, (_e8.share * dot(_e373, sided)), _e375);
-                sum_2 = _e380;
-                vec3 _e382 = normals_flux(_e245, half_, to_1, _e362[1]);
-                vec3 _e383 = normals_centroid(_e382, _e245);
-                vec2 _e384 = normals_horizon_triangle(view_14, _e270, _e245, _e246, _e383);
-                NormalsSum _e385 = sum_2;
-                NormalsSum _e389 = normals_add(view_14, _e385, least_rise_1, _e383, (_e8.share * dot(_e382, sided)), _e384);
-                sum_2 = _e389;
-                before_1 = to_1;
-            }
-        }
-        NormalsSum _e393 = sum_2;
-        vec2 _e395 = normals_total(_e393, (seen_2 * side), _e246);
-        parts = (_e395 * side);
+        vec3 _e124 = cut_1[0];
+        NormalsCorner _e125 = normals_corner(_e124, view_22);
+        light_3.rise = _e125;
+        vec3 _e128 = cut_1[1];
+        NormalsCorner _e129 = normals_corner(_e128, view_22);
+        light_3.sink = _e129;
     }
-    float _e398 = parts.x;
-    float energy = clamp((_e398 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
-    float _e407 = parts.y;
-    return vec2(energy, clamp((_e407 * to_part), 0.0, energy));
+    NormalsLight _e130 = light_3;
+    NormalsEdges _e132 = normals_edges(view_22, _e130, 0u, _e12, _e15, _e18, is_fine_1);
+    NormalsLight _e133 = light_3;
+    NormalsCorner _e135 = c4_;
+    NormalsEdges _e136 = normals_edges(view_22, _e133, 2u, _e18, _e24, _e135, is_fine_1);
+    NormalsCorner origin = _e132.first.begin;
+    outline_3 = NormalsOutline(origin.c, vec3(0.0), 0u, origin, origin, vec3(0.0), 0.0, 0.0, 0.0);
+    NormalsOutline _e150 = outline_3;
+    NormalsOutline _e152 = normals_outline_with_both(_e150, 0u, _e132);
+    NormalsOutline _e154 = normals_outline_with_both(_e152, 2u, _e136);
+    outline_3 = _e154;
+    third = _e136;
+    fourth = _e136;
+    if (many) {
+        NormalsLight _e157 = light_3;
+        NormalsCorner _e159 = c4_;
+        NormalsCorner _e160 = c5_;
+        NormalsCorner _e161 = c6_;
+        NormalsEdges _e162 = normals_edges(view_22, _e157, 4u, _e159, _e160, _e161, is_fine_1);
+        third = _e162;
+        NormalsLight _e163 = light_3;
+        NormalsCorner _e165 = c6_;
+        NormalsCorner _e166 = c7_;
+        NormalsEdges _e167 = normals_edges(view_22, _e163, 6u, _e165, _e166, _e12, is_fine_1);
+        fourth = _e167;
+        NormalsOutline _e168 = outline_3;
+        NormalsEdges _e170 = third;
+        NormalsOutline _e171 = normals_outline_with_both(_e168, 4u, _e170);
+        NormalsEdges _e173 = fourth;
+        NormalsOutline _e174 = normals_outline_with_both(_e171, 6u, _e173);
+        outline_3 = _e174;
+    }
+    NormalsOutline _e175 = outline_3;
+    NormalsLight _e176 = light_3;
+    NormalsSetting _e179 = normals_setting(view_22, _e175, _e176, (rule != NORMALS_MEAN), is_fine_1);
+    vec3 _e181 = outline_3.flux;
+    flux_1 = _e181;
+    bool _e184 = light_3.is_cut;
+    if (_e184) {
+        vec3 _e185 = flux_1;
+        vec3 _e190 = light_3.sink.c;
+        vec3 _e195 = light_3.rise.c;
+        flux_1 = (_e185 + (_e179.horizon.curved + cross((_e190 - origin.c), (_e195 - origin.c))));
+    }
+    vec3 _e201 = flux_1;
+    float seen_2 = dot(_e201, view_22.stretched);
+    float side_1 = ((seen_2 < 0.0) ? -1.0 : 1.0);
+    if ((side_1 < 0.0)) {
+        local_6 = !(two_sided);
+    } else {
+        local_6 = false;
+    }
+    bool _e215 = local_6;
+    if (_e215) {
+        return vec2(0.0);
+    }
+    float to_part = ((side_1 * 0.3183099) / (view_22.wo.z + view_22.length_));
+    vec3 _e225 = flux_1;
+    vec3 _e227 = normals_unit((_e225 * side_1));
+    vec2 _e228 = normals_weight(view_22, _e227);
+    parts = (vec2(_e228.x, (_e228.x * _e228.y)) * seen_2);
+    if ((rule != NORMALS_MEAN)) {
+        NormalsFan _e238 = normals_fan(view_22, _e227, _e228, side_1, is_fine_1);
+        fan_11 = _e238;
+        bool _e241 = light_3.is_cut;
+        if (_e241) {
+            NormalsFan _e243 = fan_11;
+            vec3 _e246 = light_3.rise.c;
+            NormalsSpoke _e248 = normals_spoke(view_22, _e243, _e246, true);
+            fan_11.rise = _e248;
+            NormalsFan _e250 = fan_11;
+            vec3 _e253 = light_3.sink.c;
+            NormalsSpoke _e255 = normals_spoke(view_22, _e250, _e253, true);
+            fan_11.sink = _e255;
+        }
+        float less_1 = (1.0 - _e179.share);
+        uint _e260 = outline_3.nearest;
+        uint one_1 = (_e179.is_horizon ? 8u : _e260);
+        NormalsFan _e264 = fan_11;
+        NormalsSpoke _e269 = normals_spoke(view_22, _e264, _e12.c, (_e12.height > 0.0));
+        NormalsFan _e270 = fan_11;
+        NormalsSpoke _e275 = normals_spoke(view_22, _e270, _e15.c, (_e15.height > 0.0));
+        NormalsFan _e276 = fan_11;
+        NormalsSpoke _e281 = normals_spoke(view_22, _e276, _e18.c, (_e18.height > 0.0));
+        NormalsFan _e282 = fan_11;
+        NormalsSpoke _e287 = normals_spoke(view_22, _e282, _e24.c, (_e24.height > 0.0));
+        s4_ = _e269;
+        if (many) {
+            NormalsFan _e289 = fan_11;
+            vec3 _e291 = c4_.c;
+            float _e293 = c4_.height;
+            NormalsSpoke _e296 = normals_spoke(view_22, _e289, _e291, (_e293 > 0.0));
+            s4_ = _e296;
+        }
+        NormalsFan _e304 = fan_11;
+        NormalsSum _e305 = sum_7;
+        NormalsSum _e307 = normals_add_edges(view_22, _e304, _e305, 0u, _e132, _e269, _e275, _e281, one_1, less_1);
+        sum_7 = _e307;
+        NormalsFan _e308 = fan_11;
+        NormalsSum _e309 = sum_7;
+        NormalsSpoke _e311 = s4_;
+        NormalsSum _e312 = normals_add_edges(view_22, _e308, _e309, 2u, _e136, _e281, _e287, _e311, one_1, less_1);
+        sum_7 = _e312;
+        if (many) {
+            NormalsFan _e313 = fan_11;
+            vec3 _e315 = c5_.c;
+            float _e317 = c5_.height;
+            NormalsSpoke _e320 = normals_spoke(view_22, _e313, _e315, (_e317 > 0.0));
+            NormalsFan _e321 = fan_11;
+            vec3 _e323 = c6_.c;
+            float _e325 = c6_.height;
+            NormalsSpoke _e328 = normals_spoke(view_22, _e321, _e323, (_e325 > 0.0));
+            NormalsFan _e329 = fan_11;
+            vec3 _e331 = c7_.c;
+            float _e333 = c7_.height;
+            NormalsSpoke _e336 = normals_spoke(view_22, _e329, _e331, (_e333 > 0.0));
+            NormalsFan _e337 = fan_11;
+            NormalsSum _e338 = sum_7;
+            NormalsEdges _e340 = third;
+            NormalsSpoke _e341 = s4_;
+            NormalsSum _e342 = normals_add_edges(view_22, _e337, _e338, 4u, _e340, _e341, _e320, _e328, one_1, less_1);
+            sum_7 = _e342;
+            NormalsFan _e343 = fan_11;
+            NormalsSum _e344 = sum_7;
+            NormalsEdges _e346 = fourth;
+            NormalsSum _e347 = normals_add_edges(view_22, _e343, _e344, 6u, _e346, _e328, _e336, _e269, one_1, less_1);
+            sum_7 = _e347;
+        }
+        float horizon_2 = (_e179.is_horizon ? less_1 : 1.0);
+        bool _e352 = light_3.is_cut;
+        if (_e352) {
+            local_7 = (horizon_2 > 0.0);
+        } else {
+            local_7 = false;
+        }
+        bool _e358 = local_7;
+        if (_e358) {
+            NormalsFan _e359 = fan_11;
+            NormalsSum _e360 = sum_7;
+            NormalsSpoke _e363 = fan_11.sink;
+            NormalsSpoke _e365 = fan_11.rise;
+            NormalsSum _e366 = normals_add_edge(view_22, _e359, _e360, _e179.horizon, _e363, _e365, horizon_2);
+            sum_7 = _e366;
+        }
+        if ((_e179.share > 0.0)) {
+            NormalsFan _e370 = fan_11;
+            NormalsSum _e371 = sum_7;
+            NormalsSum _e372 = normals_add_setting(view_22, _e370, _e371, _e179);
+            sum_7 = _e372;
+        }
+        NormalsFan _e373 = fan_11;
+        NormalsSum _e374 = sum_7;
+        vec2 _e376 = normals_total(_e373, _e374, (seen_2 * side_1));
+        parts = (_e376 * side_1);
+    }
+    float _e379 = parts.x;
+    float energy = clamp((_e379 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e388 = parts.y;
+    return vec2(energy, clamp((_e388 * to_part), 0.0, energy));
 }
 
-vec2 normals_rectangle(NormalsView view_15, vec3 corners_1[4], bool two_sided_1, uint rule_1) {
-    vec3 vertices_4[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    vertices_4[0] = corners_1[0];
-    vertices_4[1] = corners_1[1];
-    vertices_4[2] = corners_1[2];
-    vertices_4[3] = corners_1[3];
-    vec2 _e14 = normals_polygon(view_15, vertices_4, 4u, two_sided_1, rule_1);
+vec2 normals_rectangle(NormalsView view_23, vec3 corners[4], bool two_sided_1, uint rule_1) {
+    vec3 vertices_2[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    vertices_2[0] = corners[0];
+    vertices_2[1] = corners[1];
+    vertices_2[2] = corners[2];
+    vertices_2[3] = corners[3];
+    vec2 _e14 = normals_polygon(view_23, vertices_2, 4u, two_sided_1, rule_1);
     return _e14;
 }
 
-vec2 normals_disk(NormalsView view_16, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
-    vec3 vertices_5[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i_6 = 0u;
-    bool loop_init_5 = true;
+vec2 normals_disk(NormalsView view_24, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
+    vec3 vertices_3[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    uint i_5 = 0u;
+    bool loop_init_1 = true;
     while(true) {
-        if (!loop_init_5) {
-            uint _e30 = i_6;
-            i_6 = (_e30 + 1u);
+        if (!loop_init_1) {
+            uint _e30 = i_5;
+            i_5 = (_e30 + 1u);
         }
-        loop_init_5 = false;
-        uint _e9 = i_6;
+        loop_init_1 = false;
+        uint _e9 = i_5;
         if ((_e9 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e12 = i_6;
+            uint _e12 = i_5;
             vec2 _e18 = normals_ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
-            vec2 turn_2 = (_e18 * 1.0539074);
-            uint _e21 = i_6;
-            vertices_5[_e21] = ((centre + (half_x * turn_2.y)) + (half_y * turn_2.x));
+            vec2 turn_1 = (_e18 * 1.0539074);
+            uint _e21 = i_5;
+            vertices_3[_e21] = ((centre + (half_x * turn_1.y)) + (half_y * turn_1.x));
         }
     }
-    vec2 _e33 = normals_polygon(view_16, vertices_5, 8u, two_sided_2, rule_2);
+    vec2 _e33 = normals_polygon(view_24, vertices_3, 8u, two_sided_2, rule_2);
     return _e33;
 }

@@ -46,4 +46,4 @@ pub use port::{PortError, port};
 pub(in crate::view) use sources::preview_module;
 pub use sources::{SHADERS, Shader};
 #[cfg(all(test, feature = "render"))]
-pub(in crate::view) use sources::{joined, table_reader};
+pub(in crate::view) use sources::{joined, normals_functions, table_reader};

@@ -17,7 +17,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 23] = [
+pub const SHADERS: [Shader; 26] = [
     Shader { name: "ltc_math", source: include_str!("../../../shaders/ltc_math.wgsl") },
     Shader { name: "nodes_storage", source: include_str!("../../../shaders/nodes_storage.wgsl") },
     Shader { name: "nodes_uniform", source: include_str!("../../../shaders/nodes_uniform.wgsl") },
@@ -29,8 +29,11 @@ pub const SHADERS: [Shader; 23] = [
     Shader { name: "ltc_table", source: include_str!("../../../shaders/ltc_table.wgsl") },
     Shader { name: "ltc_light", source: include_str!("../../../shaders/ltc_light.wgsl") },
     Shader { name: "ltc_shapes", source: include_str!("../../../shaders/ltc_shapes.wgsl") },
+    Shader { name: "normals_corner", source: include_str!("../../../shaders/normals_corner.wgsl") },
     Shader { name: "normals_edge", source: include_str!("../../../shaders/normals_edge.wgsl") },
+    Shader { name: "normals_outline", source: include_str!("../../../shaders/normals_outline.wgsl") },
     Shader { name: "normals_weight", source: include_str!("../../../shaders/normals_weight.wgsl") },
+    Shader { name: "normals_fan", source: include_str!("../../../shaders/normals_fan.wgsl") },
     Shader { name: "normals_light", source: include_str!("../../../shaders/normals_light.wgsl") },
     Shader { name: "gaussians_light", source: include_str!("../../../shaders/gaussians_light.wgsl") },
     Shader { name: "gaussians_table", source: include_str!("../../../shaders/gaussians_table.wgsl") },
@@ -46,7 +49,16 @@ pub const SHADERS: [Shader; 23] = [
 /// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
 const PORTED: [&str; 7] =
     ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light", "ltc_shapes", "ltc_example"];
-const PORTED_NORMALS: [&str; 5] = ["ltc_math", "normals_edge", "normals_weight", "normals_light", "normals_example"];
+const PORTED_NORMALS: [&str; 8] = [
+    "ltc_math",
+    "normals_corner",
+    "normals_edge",
+    "normals_outline",
+    "normals_weight",
+    "normals_fan",
+    "normals_light",
+    "normals_example",
+];
 const PORTED_GAUSSIANS: [&str; 3] = ["ltc_math", "gaussians_light", "gaussians_example"];
 const PORTED_GAUSSIANS_TABLE: [&str; 7] = [
     "ltc_math",
@@ -59,15 +71,18 @@ const PORTED_GAUSSIANS_TABLE: [&str; 7] = [
 ];
 #[cfg(feature = "render")]
 /// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 14] = [
+const PREVIEWED: [&str; 17] = [
     "ltc_math",
     "nodes_storage",
     "texels_volumes",
     "ltc_table",
     "ltc_light",
     "ltc_shapes",
+    "normals_corner",
     "normals_edge",
+    "normals_outline",
     "normals_weight",
+    "normals_fan",
     "normals_light",
     "gaussians_light",
     "gaussians_table",
@@ -75,6 +90,12 @@ const PREVIEWED: [&str; 14] = [
     "reference_solids",
     "sphere",
 ];
+
+/// The functions that light a surface without a table: all that a renderer takes but the example.
+#[cfg(any(feature = "shaders", all(test, feature = "render")))]
+pub(in crate::view) fn normals_functions() -> &'static [&'static str] {
+    &PORTED_NORMALS[..PORTED_NORMALS.len() - 1]
+}
 
 /// The named shaders as one text, in the order of [`SHADERS`].
 pub(in crate::view) fn joined(names: &[&str]) -> String {
@@ -164,7 +185,7 @@ pub(super) fn functions(lit_by: LitBy, bound: Bound, lights: Lights, has_storage
             let table = ["ltc_math", nodes, texels(bound), "ltc_table"];
             module(&[&table[..], lights_by_table(lights)].concat(), &[layout])
         }
-        LitBy::Normals => joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]),
+        LitBy::Normals => joined(normals_functions()),
         LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
         LitBy::GaussianTable(_, layout) => {
             module(&["ltc_math", nodes, texels(bound), "ltc_table", "gaussians_light", "gaussians_table"], &[layout])
@@ -224,7 +245,7 @@ mod tests {
         validate(&["ltc_math", "nodes_uniform", "texels_array", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
         validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
-        validate(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]);
+        validate(normals_functions());
         validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light"]);
         validate(&PORTED);
         validate(&PORTED_NORMALS);

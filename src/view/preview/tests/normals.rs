@@ -14,7 +14,7 @@ use crate::{
             TexelFormat,
             gpu::{GpuFailure, example},
         },
-        shaders::{Bound, joined},
+        shaders::{Bound, joined, normals_functions},
     },
 };
 
@@ -87,7 +87,7 @@ impl Single {
 
 #[test]
 fn the_shader_gives_what_f64_does_for_any_light() {
-    let source = joined(&["ltc_math", "normals_edge", "normals_weight", "normals_light"]) + ENTRY;
+    let source = joined(normals_functions()) + ENTRY;
     let table = shader_table(TexelFormat::F32);
     for (roughness, limits) in
         [(Roughness::All, [2e-6, 2e-5]), (Roughness::Anisotropic, [2e-6, 2e-5]), (Roughness::Extreme, [1e-5, 1e-3])]
