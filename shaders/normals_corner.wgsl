@@ -1,5 +1,4 @@
 // The visible normals of GGX that reflect the corners of a light: their images, and arcs between them.
-// Needs ltc_math.wgsl.
 
 /// A surface seen from a direction.
 struct NormalsView {

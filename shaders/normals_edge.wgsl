@@ -56,37 +56,36 @@ fn normals_per_hyperbolic_sine(u: vec2<f32>) -> vec2<f32> {
     return select(far, 1.0 + u * (-0.33333333 + u * (0.13333333 - 0.057142857 * u)), u < vec2(0.02));
 }
 
-/// A cone of normals c^T K c = 0, K = A (wo n^T + n wo^T - (wo . n) I) A, by the eigenvalues first > 0 >= second >= third of K.
+/// A cone of normals c^T K c = 0, K = A (wo n^T + n wo^T - (wo . n) I) A, by the eigenvalues l1 > 0 >= -p >= -q of K.
 struct NormalsCone {
     /// wo . n.
-    towards: vec2<f32>,
+    k: vec2<f32>,
     /// n . n.
-    normal2: vec2<f32>,
-    first: vec2<f32>,
-    /// The other two with the sign turned.
-    second: vec2<f32>,
-    third: vec2<f32>,
+    n2: vec2<f32>,
+    l1: vec2<f32>,
+    p: vec2<f32>,
+    q: vec2<f32>,
 }
 
-/// The cone of the edge on the plane with the normal n, of any length, whose towards is not negative.
+/// The cone of the edge on the plane with the normal n, of any length, where k = wo . n is not negative.
 ///
-/// The eigenvalue farthest from the others is that of Smith's formula, and its quotients with K's minors and determinant are
-/// the others: all terms have forms in which small ones do not vanish in large ones.
-fn normals_cone(view: NormalsView, n: NormalsPair, towards: vec2<f32>) -> NormalsCone {
+/// The eigenvalue that is farthest from the others comes from Smith's formula. The product of the others is K's determinant over
+/// it, and their sum comes from K's minors: so they keep their digits where they are small beside it.
+fn normals_cone(view: NormalsView, n: NormalsPair, k: vec2<f32>) -> NormalsCone {
     let wo = view.wo;
-    let normal2 = normals_pair_dot(n, n);
+    let n2 = normals_pair_dot(n, n);
     let squares = view.alpha * view.alpha;
     // Diagonal and principal minors of wo n^T + n wo^T - (wo . n) I.
-    let diagonal = NormalsPair(2.0 * wo.x * n.x - towards, 2.0 * wo.y * n.y - towards, 2.0 * wo.z * n.z - towards);
+    let diagonal = NormalsPair(2.0 * wo.x * n.x - k, 2.0 * wo.y * n.y - k, 2.0 * wo.z * n.z - k);
     let across = NormalsPair(wo.y * n.z - wo.z * n.y, wo.z * n.x - wo.x * n.z, wo.x * n.y - wo.y * n.x);
     let minors = NormalsPair(
-        towards * diagonal.x - across.x * across.x,
-        towards * diagonal.y - across.y * across.y,
-        towards * diagonal.z - across.z * across.z,
+        k * diagonal.x - across.x * across.x,
+        k * diagonal.y - across.y * across.y,
+        k * diagonal.z - across.z * across.z,
     );
     let trace = squares.x * diagonal.x + squares.y * diagonal.y + diagonal.z;
     let minor = squares.y * minors.x + squares.x * (minors.y + squares.y * minors.z);
-    let determinant = squares.x * squares.y * (towards * normal2);
+    let determinant = squares.x * squares.y * (k * n2);
 
     let mean = trace * 0.33333333;
     let spread2 = max(mean * mean - minor * 0.33333333, vec2(1e-36));
@@ -95,10 +94,10 @@ fn normals_cone(view: NormalsView, n: NormalsPair, towards: vec2<f32>) -> Normal
     // cos(acos(x) / 3).
     let x = min(abs(cosine), vec2(1.0));
     let x2 = x * x;
-    let third = 0.86602547 + x * 0.16665926 + x2 * (-0.047981778 + x * 0.023804546) +
+    let of_third = 0.86602547 + x * 0.16665926 + x2 * (-0.047981778 + x * 0.023804546) +
         x2 * x2 * (-0.012577177 + x * 0.0051134448 - x2 * 0.0010438402);
     let is_first = cosine >= vec2(0.0);
-    let rough = mean + select(vec2(-2.0), vec2(2.0), is_first) * (spread2 * per_spread) * third;
+    let rough = mean + select(vec2(-2.0), vec2(2.0), is_first) * (spread2 * per_spread) * of_third;
     // Sum and product of the other two; where it is small beside them, it is itself the determinant over their product.
     let is_small = is_first & (trace < -rough);
     let sum_beside = trace - rough;
@@ -114,17 +113,18 @@ fn normals_cone(view: NormalsView, n: NormalsPair, towards: vec2<f32>) -> Normal
     let smaller = product / select(larger, vec2(-1e-30), larger == vec2(0.0));
     let upper = select(smaller, larger, is_above);
     let lower = select(larger, smaller, is_above);
-    let first = max(select(upper, isolated, is_first), vec2(1e-18));
-    let second = max(-select(lower, smaller, is_first), vec2(0.0));
-    return NormalsCone(towards, normal2, first, second, max(-select(isolated, larger, is_first), max(second, vec2(1e-30))));
+    let l1 = max(select(upper, isolated, is_first), vec2(1e-18));
+    let p = max(-select(lower, smaller, is_first), vec2(0.0));
+    let q = max(-select(isolated, larger, is_first), max(p, vec2(1e-30)));
+    return NormalsCone(k, n2, l1, p, q);
 }
 
-/// The vector of a cone's first eigenvalue, of any length: A E (wo (n . E n) + n (1 - wo . E n)), E = A^2 / (towards A^2 + first).
+/// The vector of a cone's first eigenvalue, of any length: A^-1 W (wo (n . W n) + n (1 - wo . W n)), W = A^2 / (k A^2 + l1).
 fn normals_cone_axis(view: NormalsView, n: NormalsPair, cone: NormalsCone) -> NormalsPair {
     let wo = view.wo;
-    let sum = cone.towards + cone.first;
-    let sum_x = cone.towards * view.alpha.x * view.alpha.x + cone.first;
-    let sum_y = cone.towards * view.alpha.y * view.alpha.y + cone.first;
+    let sum = cone.k + cone.l1;
+    let sum_x = cone.k * view.alpha.x * view.alpha.x + cone.l1;
+    let sum_y = cone.k * view.alpha.y * view.alpha.y + cone.l1;
     let per_sum = sum / (sum_x * sum_y);
     let x = view.alpha.x * sum_y * per_sum;
     let y = view.alpha.y * sum_x * per_sum;
@@ -154,9 +154,9 @@ fn normals_curved(
     // Not a x b, whose rounding errors are as large as those of a and b themselves.
     let across = normals_pair_cross(normals_pair(a0.w, a1.w), apart);
     let towards = wo.x * across.x + wo.y * across.y + wo.z * across.z;
-    let turns = select(vec2(1.0), vec2(-1.0), towards < vec2(0.0));
-    let n = normals_pair_scaled(across, turns);
-    let cone = normals_cone(view, n, towards * turns);
+    let sense = select(vec2(1.0), vec2(-1.0), towards < vec2(0.0));
+    let n = normals_pair_scaled(across, sense);
+    let cone = normals_cone(view, n, towards * sense);
     let axis = normals_cone_axis(view, n, cone);
     let per_axis2 = 1.0 / max(normals_pair_dot(axis, axis), vec2(1e-36));
 
@@ -169,43 +169,43 @@ fn normals_curved(
     let by_n = wo.x * h.x + wo.y * h.y + wo.z * h.z;
     let image = normals_pair_stretched(
         NormalsPair(
-            wo.x * by_wo + n.x * by_n - cone.towards * h.x,
-            wo.y * by_wo + n.y * by_n - cone.towards * h.y,
-            wo.z * by_wo + n.z * by_n - cone.towards * h.z,
+            wo.x * by_wo + n.x * by_n - cone.k * h.x,
+            wo.y * by_wo + n.y * by_n - cone.k * h.y,
+            wo.z * by_wo + n.z * by_n - cone.k * h.z,
         ),
         view,
     );
-    let shifted = normals_pair_plus(image, normals_pair_scaled(rest, cone.second));
+    let shifted = normals_pair_plus(image, normals_pair_scaled(rest, cone.p));
     let level = normals_pair_minus(shifted, normals_pair_scaled(axis, normals_pair_dot(shifted, axis) * per_axis2));
-    let gap = max(cone.third - cone.second, 1e-6 * cone.third);
+    let gap = max(cone.q - cone.p, 1e-6 * cone.q);
     let on_third = normals_pair_scaled(level, -1.0 / gap);
     let on_second = normals_pair_minus(rest, on_third);
 
     // The eigenvalues of M, of which the second is one at least.
     let lengths = vec2(a0.length * b0.length, a1.length * b1.length);
     let squares = view.alpha.x * view.alpha.x * view.alpha.y * view.alpha.y;
-    let bend = 0.5 * apart2 / max(lengths * cone.normal2 * squares, vec2(1e-36));
+    let bend = 0.5 * apart2 / max(lengths * cone.n2 * squares, vec2(1e-36));
     let ends = normals_pair_dot(a, b);
-    let first = ends - bend * (cone.second * cone.third);
-    let second = ends + bend * (cone.first * cone.third);
-    let third = ends + bend * (cone.first * cone.second);
+    let m1 = ends - bend * (cone.p * cone.q);
+    let m2 = ends + bend * (cone.l1 * cone.q);
+    let m3 = ends + bend * (cone.l1 * cone.p);
 
-    // The sense of the turn around the first axis is that of the edge. A short edge does not turn by a tiny angle against it,
-    // which is a rounding error; a long one may.
-    let turn = cone.first * inverseSqrt((cone.first + cone.second) * (cone.first + cone.third));
+    // The sense of the turn around the first axis is that of the edge. No short edge runs nearly all around the axis: an angle
+    // against its sense is a rounding error.
+    let by_angle = cone.l1 * inverseSqrt((cone.l1 + cone.p) * (cone.l1 + cone.q));
     let per_axis = sqrt(per_axis2);
     let beside = on_axis * per_axis;
-    let is_far = (apart2 > vec2(0.2)) | (abs(beside) > 0.01 * turn);
-    let is_wrapped = (beside * turns < vec2(0.0)) & is_far;
-    let is_obtuse = first < vec2(0.0);
+    let is_far = (apart2 > vec2(0.2)) | ((apart2 >= vec2(1e-9)) & (abs(beside) > 0.01 * by_angle));
+    let is_wrapped = (beside * sense < vec2(0.0)) & is_far;
+    let is_obtuse = m1 < vec2(0.0);
     let begun = select(select(vec2(0.0), vec2(6.2831853), is_wrapped), vec2(3.1415927), is_obtuse);
-    let acute = normals_per_sine(min(abs(first), vec2(1.0)));
-    let along_first = (begun * turns * turn + select(acute, -acute, is_obtuse) * beside) * per_axis;
-    let along_second = normals_per_hyperbolic_sine(max(second - 1.0, vec2(0.0)));
-    let sharp = normals_per_sine(min(abs(third), vec2(1.0)));
-    let sine2 = (cone.first + cone.third) * gap * normals_pair_dot(on_third, on_third);
-    let blunt = 3.1415927 * cone.third * inverseSqrt(max(sine2, vec2(1e-36))) - sharp;
-    let along_third = select(sharp, blunt, third < vec2(0.0));
+    let acute = normals_per_sine(min(abs(m1), vec2(1.0)));
+    let along_first = (begun * sense * by_angle + select(acute, -acute, is_obtuse) * beside) * per_axis;
+    let along_second = normals_per_hyperbolic_sine(max(m2 - 1.0, vec2(0.0)));
+    let sharp = normals_per_sine(min(abs(m3), vec2(1.0)));
+    let sine2 = (cone.l1 + cone.q) * gap * normals_pair_dot(on_third, on_third);
+    let blunt = 3.1415927 * cone.q * inverseSqrt(max(sine2, vec2(1e-36))) - sharp;
+    let along_third = select(sharp, blunt, m3 < vec2(0.0));
 
     let whole = normals_pair_plus(
         normals_pair_scaled(axis, along_first),

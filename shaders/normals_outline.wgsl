@@ -65,7 +65,7 @@ fn normals_cut_by(cut: mat2x3<f32>, a: NormalsCorner, b: NormalsCorner) -> mat2x
 }
 
 /// Edge i of a light, from a to b, without its integral.
-fn normals_edge(light: NormalsLight, i: u32, a: NormalsCorner, b: NormalsCorner) -> NormalsEdge {
+fn normals_edge_of(light: NormalsLight, i: u32, a: NormalsCorner, b: NormalsCorner) -> NormalsEdge {
     let top = max(a.height, b.height);
     let is_there = top > 0.0 && i < light.number;
     let begin = normals_choose(light.rise, a, a.height > 0.0);
@@ -95,7 +95,7 @@ fn normals_edges(
     c: NormalsCorner,
     is_split: bool,
 ) -> NormalsEdges {
-    var edges = NormalsEdges(normals_edge(light, i, a, b), normals_edge(light, i + 1u, b, c));
+    var edges = NormalsEdges(normals_edge_of(light, i, a, b), normals_edge_of(light, i + 1u, b, c));
     if (is_split) {
         return NormalsEdges(normals_split(view, edges.first), normals_split(view, edges.second));
     }
@@ -178,8 +178,8 @@ fn normals_setting(
     setting.begin = begin.c;
     setting.control = control * inverseSqrt(begin.length * end.length);
     setting.end = end.c;
-    // Two integrals come at a time. Beside the first of all parts but the last there is the last, if this is the horizon; else
-    // there is the horizon, and the last part is what the others leave of the edge's integral.
+    // Integrals come in pairs. With that of the last part but one comes that of the last part, if this is the horizon. If it is not,
+    // that of the whole horizon comes in its place, and the last part is what the others leave of the edge's own integral.
     let middle = normals_between(begin, end, 0.5, view);
     var before = begin;
     var joined = vec3(0.0);

@@ -50,11 +50,11 @@ struct NormalsPair {
     vec2 z;
 };
 struct NormalsCone {
-    vec2 towards;
-    vec2 normal2_;
-    vec2 first;
-    vec2 second;
-    vec2 third;
+    vec2 k;
+    vec2 n2_;
+    vec2 l1_;
+    vec2 p;
+    vec2 q;
 };
 struct NormalsLight {
     uint number;
@@ -261,25 +261,25 @@ vec2 normals_per_hyperbolic_sine(vec2 u) {
     return mix(far_1, (vec2(1.0) + (u * (vec2(-0.33333334) + (u * (vec2(0.13333333) - (0.057142857 * u)))))), lessThan(u, vec2(0.02)));
 }
 
-NormalsCone normals_cone(NormalsView view_4, NormalsPair n, vec2 towards) {
+NormalsCone normals_cone(NormalsView view_4, NormalsPair n, vec2 k) {
     vec3 wo_1 = view_4.wo;
     vec2 _e4 = normals_pair_dot(n, n);
     vec2 squares = (view_4.alpha * view_4.alpha);
-    NormalsPair diagonal = NormalsPair((((2.0 * wo_1.x) * n.x) - towards), (((2.0 * wo_1.y) * n.y) - towards), (((2.0 * wo_1.z) * n.z) - towards));
+    NormalsPair diagonal = NormalsPair((((2.0 * wo_1.x) * n.x) - k), (((2.0 * wo_1.y) * n.y) - k), (((2.0 * wo_1.z) * n.z) - k));
     NormalsPair across_1 = NormalsPair(((wo_1.y * n.z) - (wo_1.z * n.y)), ((wo_1.z * n.x) - (wo_1.x * n.z)), ((wo_1.x * n.y) - (wo_1.y * n.x)));
-    NormalsPair minors = NormalsPair(((towards * diagonal.x) - (across_1.x * across_1.x)), ((towards * diagonal.y) - (across_1.y * across_1.y)), ((towards * diagonal.z) - (across_1.z * across_1.z)));
+    NormalsPair minors = NormalsPair(((k * diagonal.x) - (across_1.x * across_1.x)), ((k * diagonal.y) - (across_1.y * across_1.y)), ((k * diagonal.z) - (across_1.z * across_1.z)));
     vec2 trace = (((squares.x * diagonal.x) + (squares.y * diagonal.y)) + diagonal.z);
     vec2 minor = ((squares.y * minors.x) + (squares.x * (minors.y + (squares.y * minors.z))));
-    vec2 determinant_ = ((squares.x * squares.y) * (towards * _e4));
+    vec2 determinant_ = ((squares.x * squares.y) * (k * _e4));
     vec2 mean_1 = (trace * 0.33333334);
     vec2 spread2_ = max(((mean_1 * mean_1) - (minor * 0.33333334)), vec2(1e-36));
     vec2 per_spread = inversesqrt(spread2_);
     vec2 cosine_1 = (((((mean_1 * ((mean_1 * mean_1) - (0.5 * minor))) + (0.5 * determinant_)) * per_spread) * per_spread) * per_spread);
     vec2 x_3 = min(abs(cosine_1), vec2(1.0));
     vec2 x2_1 = (x_3 * x_3);
-    vec2 third_1 = (((vec2(0.86602545) + (x_3 * 0.16665927)) + (x2_1 * (vec2(-0.047981776) + (x_3 * 0.023804545)))) + ((x2_1 * x2_1) * ((vec2(-0.012577177) + (x_3 * 0.0051134448)) - (x2_1 * 0.0010438402))));
+    vec2 of_third = (((vec2(0.86602545) + (x_3 * 0.16665927)) + (x2_1 * (vec2(-0.047981776) + (x_3 * 0.023804545)))) + ((x2_1 * x2_1) * ((vec2(-0.012577177) + (x_3 * 0.0051134448)) - (x2_1 * 0.0010438402))));
     bvec2 is_first = greaterThanEqual(cosine_1, vec2(0.0));
-    vec2 rough = (mean_1 + ((mix(vec2(-2.0), vec2(2.0), is_first) * (spread2_ * per_spread)) * third_1));
+    vec2 rough = (mean_1 + ((mix(vec2(-2.0), vec2(2.0), is_first) * (spread2_ * per_spread)) * of_third));
     bvec2 is_small = bvec2(is_first.x && lessThan(trace, -(rough)).x, is_first.y && lessThan(trace, -(rough)).y);
     vec2 sum_beside = (trace - rough);
     vec2 product_beside = (minor - (rough * sum_beside));
@@ -294,16 +294,17 @@ NormalsCone normals_cone(NormalsView view_4, NormalsPair n, vec2 towards) {
     vec2 smaller = (product / mix(larger, vec2(-1e-30), equal(larger, vec2(0.0))));
     vec2 upper = mix(smaller, larger, is_above);
     vec2 lower = mix(larger, smaller, is_above);
-    vec2 first_4 = max(mix(upper, isolated, is_first), vec2(1e-18));
-    vec2 second_4 = max(-(mix(lower, smaller, is_first)), vec2(0.0));
-    return NormalsCone(towards, _e4, first_4, second_4, max(-(mix(isolated, larger, is_first)), max(second_4, vec2(1e-30))));
+    vec2 l1_ = max(mix(upper, isolated, is_first), vec2(1e-18));
+    vec2 p = max(-(mix(lower, smaller, is_first)), vec2(0.0));
+    vec2 q_1 = max(-(mix(isolated, larger, is_first)), max(p, vec2(1e-30)));
+    return NormalsCone(k, _e4, l1_, p, q_1);
 }
 
 NormalsPair normals_cone_axis(NormalsView view_5, NormalsPair n_1, NormalsCone cone) {
     vec3 wo_2 = view_5.wo;
-    vec2 sum_10 = (cone.towards + cone.first);
-    vec2 sum_x = (((cone.towards * view_5.alpha.x) * view_5.alpha.x) + cone.first);
-    vec2 sum_y = (((cone.towards * view_5.alpha.y) * view_5.alpha.y) + cone.first);
+    vec2 sum_10 = (cone.k + cone.l1_);
+    vec2 sum_x = (((cone.k * view_5.alpha.x) * view_5.alpha.x) + cone.l1_);
+    vec2 sum_y = (((cone.k * view_5.alpha.y) * view_5.alpha.y) + cone.l1_);
     vec2 per_sum = (sum_10 / (sum_x * sum_y));
     vec2 x_4 = ((view_5.alpha.x * sum_y) * per_sum);
     vec2 y_1 = ((view_5.alpha.y * sum_x) * per_sum);
@@ -321,10 +322,10 @@ mat2x3 normals_curved(NormalsView view_6, NormalsCorner a0_, NormalsCorner b0_, 
     vec2 _e19 = normals_pair_dot(_e18, _e18);
     NormalsPair _e22 = normals_pair(a0_.w, a1_.w);
     NormalsPair _e23 = normals_pair_cross(_e22, _e18);
-    vec2 towards_1 = (((wo_3.x * _e23.x) + (wo_3.y * _e23.y)) + (wo_3.z * _e23.z));
-    vec2 turns_1 = mix(vec2(1.0), vec2(-1.0), lessThan(towards_1, vec2(0.0)));
-    NormalsPair _e43 = normals_pair_scaled(_e23, turns_1);
-    NormalsCone _e45 = normals_cone(view_6, _e43, (towards_1 * turns_1));
+    vec2 towards = (((wo_3.x * _e23.x) + (wo_3.y * _e23.y)) + (wo_3.z * _e23.z));
+    vec2 sense = mix(vec2(1.0), vec2(-1.0), lessThan(towards, vec2(0.0)));
+    NormalsPair _e43 = normals_pair_scaled(_e23, sense);
+    NormalsCone _e45 = normals_cone(view_6, _e43, (towards * sense));
     NormalsPair _e46 = normals_cone_axis(view_6, _e43, _e45);
     vec2 _e47 = normals_pair_dot(_e46, _e46);
     vec2 per_axis2_ = (vec2(1.0) / max(_e47, vec2(1e-36)));
@@ -335,45 +336,45 @@ mat2x3 normals_curved(NormalsView view_6, NormalsCorner a0_, NormalsCorner b0_, 
     NormalsPair _e59 = normals_pair_stretched(_e58, view_6);
     vec2 _e60 = normals_pair_dot(_e43, _e59);
     vec2 by_n = (((wo_3.x * _e59.x) + (wo_3.y * _e59.y)) + (wo_3.z * _e59.z));
-    NormalsPair _e100 = normals_pair_stretched(NormalsPair((((wo_3.x * _e60) + (_e43.x * by_n)) - (_e45.towards * _e59.x)), (((wo_3.y * _e60) + (_e43.y * by_n)) - (_e45.towards * _e59.y)), (((wo_3.z * _e60) + (_e43.z * by_n)) - (_e45.towards * _e59.z))), view_6);
-    NormalsPair _e102 = normals_pair_scaled(_e58, _e45.second);
+    NormalsPair _e100 = normals_pair_stretched(NormalsPair((((wo_3.x * _e60) + (_e43.x * by_n)) - (_e45.k * _e59.x)), (((wo_3.y * _e60) + (_e43.y * by_n)) - (_e45.k * _e59.y)), (((wo_3.z * _e60) + (_e43.z * by_n)) - (_e45.k * _e59.z))), view_6);
+    NormalsPair _e102 = normals_pair_scaled(_e58, _e45.p);
     NormalsPair _e103 = normals_pair_plus(_e100, _e102);
     vec2 _e104 = normals_pair_dot(_e103, _e46);
     NormalsPair _e106 = normals_pair_scaled(_e46, (_e104 * per_axis2_));
     NormalsPair _e107 = normals_pair_minus(_e103, _e106);
-    vec2 gap = max((_e45.third - _e45.second), (1e-6 * _e45.third));
+    vec2 gap = max((_e45.q - _e45.p), (1e-6 * _e45.q));
     NormalsPair _e118 = normals_pair_scaled(_e107, (vec2(-1.0) / gap));
     NormalsPair _e119 = normals_pair_minus(_e58, _e118);
     vec2 lengths = vec2((a0_.length_ * b0_.length_), (a1_.length_ * b1_.length_));
     float squares_1 = (((view_6.alpha.x * view_6.alpha.x) * view_6.alpha.y) * view_6.alpha.y);
-    vec2 bend_1 = ((0.5 * _e19) / max(((lengths * _e45.normal2_) * squares_1), vec2(1e-36)));
+    vec2 bend_1 = ((0.5 * _e19) / max(((lengths * _e45.n2_) * squares_1), vec2(1e-36)));
     vec2 _e147 = normals_pair_dot(_e8, _e11);
-    vec2 first_5 = (_e147 - (bend_1 * (_e45.second * _e45.third)));
-    vec2 second_5 = (_e147 + (bend_1 * (_e45.first * _e45.third)));
-    vec2 third_2 = (_e147 + (bend_1 * (_e45.first * _e45.second)));
-    vec2 turn = (_e45.first * inversesqrt(((_e45.first + _e45.second) * (_e45.first + _e45.third))));
+    vec2 m1_ = (_e147 - (bend_1 * (_e45.p * _e45.q)));
+    vec2 m2_ = (_e147 + (bend_1 * (_e45.l1_ * _e45.q)));
+    vec2 m3_ = (_e147 + (bend_1 * (_e45.l1_ * _e45.p)));
+    vec2 by_angle = (_e45.l1_ * inversesqrt(((_e45.l1_ + _e45.p) * (_e45.l1_ + _e45.q))));
     vec2 per_axis = sqrt(per_axis2_);
     vec2 beside = (_e55 * per_axis);
-    bvec2 is_far = bvec2(greaterThan(_e19, vec2(0.2)).x || greaterThan(abs(beside), (0.01 * turn)).x, greaterThan(_e19, vec2(0.2)).y || greaterThan(abs(beside), (0.01 * turn)).y);
-    bvec2 is_wrapped = bvec2(lessThan((beside * turns_1), vec2(0.0)).x && is_far.x, lessThan((beside * turns_1), vec2(0.0)).y && is_far.y);
-    bvec2 is_obtuse = lessThan(first_5, vec2(0.0));
+    bvec2 is_far = bvec2(greaterThan(_e19, vec2(0.2)).x || bvec2(greaterThanEqual(_e19, vec2(1e-9)).x && greaterThan(abs(beside), (0.01 * by_angle)).x, greaterThanEqual(_e19, vec2(1e-9)).y && greaterThan(abs(beside), (0.01 * by_angle)).y).x, greaterThan(_e19, vec2(0.2)).y || bvec2(greaterThanEqual(_e19, vec2(1e-9)).x && greaterThan(abs(beside), (0.01 * by_angle)).x, greaterThanEqual(_e19, vec2(1e-9)).y && greaterThan(abs(beside), (0.01 * by_angle)).y).y);
+    bvec2 is_wrapped = bvec2(lessThan((beside * sense), vec2(0.0)).x && is_far.x, lessThan((beside * sense), vec2(0.0)).y && is_far.y);
+    bvec2 is_obtuse = lessThan(m1_, vec2(0.0));
     vec2 begun = mix(mix(vec2(0.0), vec2(6.2831855), is_wrapped), vec2(3.1415927), is_obtuse);
-    vec2 _e203 = normals_per_sine(min(abs(first_5), vec2(1.0)));
-    vec2 along_first = ((((begun * turns_1) * turn) + (mix(_e203, -(_e203), is_obtuse) * beside)) * per_axis);
-    vec2 _e217 = normals_per_hyperbolic_sine(max((second_5 - vec2(1.0)), vec2(0.0)));
-    vec2 _e222 = normals_per_sine(min(abs(third_2), vec2(1.0)));
-    vec2 _e227 = normals_pair_dot(_e118, _e118);
-    vec2 sine2_ = (((_e45.first + _e45.third) * gap) * _e227);
-    vec2 blunt = (((3.1415927 * _e45.third) * inversesqrt(max(sine2_, vec2(1e-36)))) - _e222);
-    vec2 along_third = mix(_e222, blunt, lessThan(third_2, vec2(0.0)));
-    NormalsPair _e242 = normals_pair_scaled(_e46, along_first);
-    NormalsPair _e243 = normals_pair_scaled(_e119, _e217);
-    NormalsPair _e244 = normals_pair_scaled(_e118, along_third);
-    NormalsPair _e245 = normals_pair_plus(_e243, _e244);
-    NormalsPair _e246 = normals_pair_plus(_e242, _e245);
-    NormalsPair _e247 = normals_pair_minus(_e246, _e54);
+    vec2 _e207 = normals_per_sine(min(abs(m1_), vec2(1.0)));
+    vec2 along_first = ((((begun * sense) * by_angle) + (mix(_e207, -(_e207), is_obtuse) * beside)) * per_axis);
+    vec2 _e221 = normals_per_hyperbolic_sine(max((m2_ - vec2(1.0)), vec2(0.0)));
+    vec2 _e226 = normals_per_sine(min(abs(m3_), vec2(1.0)));
+    vec2 _e231 = normals_pair_dot(_e118, _e118);
+    vec2 sine2_ = (((_e45.l1_ + _e45.q) * gap) * _e231);
+    vec2 blunt = (((3.1415927 * _e45.q) * inversesqrt(max(sine2_, vec2(1e-36)))) - _e226);
+    vec2 along_third = mix(_e226, blunt, lessThan(m3_, vec2(0.0)));
+    NormalsPair _e246 = normals_pair_scaled(_e46, along_first);
+    NormalsPair _e247 = normals_pair_scaled(_e119, _e221);
+    NormalsPair _e248 = normals_pair_scaled(_e118, along_third);
+    NormalsPair _e249 = normals_pair_plus(_e247, _e248);
+    NormalsPair _e250 = normals_pair_plus(_e246, _e249);
+    NormalsPair _e251 = normals_pair_minus(_e250, _e54);
     bvec2 is_edge = greaterThanEqual(_e19, vec2(1e-14));
-    return mat2x3((is_edge.x ? vec3(_e247.x.x, _e247.y.x, _e247.z.x) : vec3(0.0)), (is_edge.y ? vec3(_e247.x.y, _e247.y.y, _e247.z.y) : vec3(0.0)));
+    return mat2x3((is_edge.x ? vec3(_e251.x.x, _e251.y.x, _e251.z.x) : vec3(0.0)), (is_edge.y ? vec3(_e251.x.y, _e251.y.y, _e251.z.y) : vec3(0.0)));
 }
 
 vec3 normals_crossing(vec3 a_9, vec3 b_8) {
@@ -399,7 +400,7 @@ mat2x3 normals_cut_by(mat2x3 cut, NormalsCorner a_10, NormalsCorner b_9) {
     return mat2x3((rises ? _e5 : cut[0]), (sinks ? _e5 : cut[1]));
 }
 
-NormalsEdge normals_edge(NormalsLight light, uint i, NormalsCorner a_11, NormalsCorner b_10) {
+NormalsEdge normals_edge_of(NormalsLight light, uint i, NormalsCorner a_11, NormalsCorner b_10) {
     bool local_3 = false;
     float top = max(a_11.height, b_10.height);
     if ((top > 0.0)) {
@@ -431,8 +432,8 @@ NormalsEdge normals_split(NormalsView view_7, NormalsEdge edge) {
 
 NormalsEdges normals_edges(NormalsView view_8, NormalsLight light_1, uint i_1, NormalsCorner a_12, NormalsCorner b_11, NormalsCorner c, bool is_split) {
     NormalsEdges edges = NormalsEdges(NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0), NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0));
-    NormalsEdge _e7 = normals_edge(light_1, i_1, a_12, b_11);
-    NormalsEdge _e10 = normals_edge(light_1, (i_1 + 1u), b_11, c);
+    NormalsEdge _e7 = normals_edge_of(light_1, i_1, a_12, b_11);
+    NormalsEdge _e10 = normals_edge_of(light_1, (i_1 + 1u), b_11, c);
     edges = NormalsEdges(_e7, _e10);
     if (is_split) {
         NormalsEdge _e14 = edges.first;
@@ -584,8 +585,8 @@ vec2 normals_weight(NormalsView view_10, vec3 c_1) {
     float stretched_1 = sqrt((dot(across_2, across_2) + (wi.z * wi.z)));
     float weight = (((view_10.wo.z + view_10.length_) * up) / max(((view_10.length_ * up) + (view_10.wo.z * stretched_1)), 1e-36));
     float m_3 = clamp((1.0 - (cosine_2 * inversesqrt(length2_3))), 0.0, 1.0);
-    float m2_ = (m_3 * m_3);
-    return vec2(weight, ((m2_ * m2_) * m_3));
+    float m2_1 = (m_3 * m_3);
+    return vec2(weight, ((m2_1 * m2_1) * m_3));
 }
 
 NormalsNumbers normals_numbers(NormalsView view_11, bool is_fine) {
@@ -1045,9 +1046,9 @@ vec2 normals_disk(NormalsView view_24, vec3 centre, vec3 half_x, vec3 half_y, bo
         {
             uint _e12 = i_5;
             vec2 _e18 = normals_ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
-            vec2 turn_1 = (_e18 * 1.0539074);
+            vec2 turn = (_e18 * 1.0539074);
             uint _e21 = i_5;
-            vertices_3[_e21] = ((centre + (half_x * turn_1.y)) + (half_y * turn_1.x));
+            vertices_3[_e21] = ((centre + (half_x * turn.y)) + (half_y * turn.x));
         }
     }
     vec2 _e33 = normals_polygon(view_24, vertices_3, 8u, two_sided_2, rule_2);

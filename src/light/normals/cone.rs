@@ -4,9 +4,9 @@ use crate::fit::math::{Scalar, Triple, cross, dot};
 
 /// The cone `c^T K c = 0` with `K = A B A`, `B = wo n^T + n wo^T - k I` and `k = wo . n`, which is not negative.
 ///
-/// B has the eigenvalues `|n|`, `-|n|` and `-k`, so one of K's is positive and none of the others is [Sylvester].
+/// B has the eigenvalues `|n|`, `-|n|` and `-k`, so by Sylvester's law one of K's is positive and none of the others is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cone<T> {
+pub(super) struct EdgeCone<T> {
     alpha: [T; 2],
     wo: Triple<T>,
     n: Triple<T>,
@@ -15,13 +15,13 @@ pub(super) struct Cone<T> {
     pub(super) values: Triple<T>,
 }
 
-impl<T: Scalar> Cone<T> {
+impl<T: Scalar> EdgeCone<T> {
     /// Domain: `wo . n >= 0`, `n` of any length but zero.
     ///
     /// With the sum t of the eigenvalues, that of their products m and their product d, the one that is farthest from the others
     /// is `t / 3 +- 2 p cos(acos(x) / 3)`, `p^2 = t^2 / 9 - m / 3`, where x in [0, 1] is `((t / 3)^3 - t m / 6 + d / 2) / p^3`
-    /// without its sign [Smith 1961]. The product of the others is d over it and their sum m less that product over it, in
-    /// which small numbers do not vanish in large ones. Where it is itself the small one, it is d over their product.
+    /// without its sign [Smith 1961]. The product of the others is d over it, and their sum is m less that product over it: so
+    /// they keep their digits where they are small beside it. Where it is itself the small one, it is d over their product.
     pub(super) fn new(alpha: [T; 2], wo: Triple<T>, n: Triple<T>) -> Self {
         let (half, third, two) = (T::of(0.5), T::of(1.0 / 3.0), T::of(2.0));
         let k = dot(wo, n);
@@ -67,11 +67,11 @@ impl<T: Scalar> Cone<T> {
     /// The vector of the first eigenvalue, of any length, on the side of the cone's normals.
     ///
     /// `K v = l1 v` for `v = A^-1 u` is `(k A^2 + l1 I) u = A^2 (wo s + n t)`, `s = n . u`, `t = wo . u`. With
-    /// `E = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = E (wo s + n t)`, and so `s (1 - wo . E n) = t (n . E n)`. The bracket
-    /// is at least a half: it is `sqrt((wo . E wo) (n . E n))`, which is not less than `wo . E n`.
+    /// `W = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = W (wo s + n t)`, and so `s (1 - wo . W n) = t (n . W n)`. The bracket
+    /// is at least a half: it is `sqrt((wo . W wo) (n . W n))`, which is not less than `wo . W n`.
     pub(super) fn axis(&self) -> Triple<T> {
         let Self { alpha: [x, y], wo, n, k, values: [first, ..] } = *self;
-        // A^-1 E and E, times `sum`.
+        // A^-1 W and W, times `sum`.
         let sum = k + first;
         let [sum_x, sum_y] = [x, y].map(|alpha| k * alpha * alpha + first);
         let scale = [x * sum / sum_x, y * sum / sum_y, T::ONE];
@@ -99,7 +99,7 @@ impl<T: Scalar> Cone<T> {
 
 /// `cos(acos(x) / 3)` for x in [0, 1]: the root in [sqrt(3)/2, 1] of `4 g^3 - 3 g = x`, by a polynomial and steps of Newton's
 /// method.
-fn cos_of_third<T: Scalar>(x: T) -> T {
+pub(in crate::light) fn cos_of_third<T: Scalar>(x: T) -> T {
     let mut g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
     for _ in 0..T::NEWTON_STEPS {
         g = (T::of(8.0) * g * g * g + x) / (T::of(12.0) * g * g - T::of(3.0));
@@ -124,7 +124,7 @@ mod tests {
             let wo = direction(1.57 * c, std::f64::consts::TAU * d).to_array();
             let n = scaled(direction((1.0 - 2.0 * e).acos(), std::f64::consts::TAU * f).to_array(), 1e-3 + a);
             let n = if dot(wo, n) < 0.0 { scaled(n, -1.0) } else { n };
-            let cone = Cone::new(alpha, wo, n);
+            let cone = EdgeCone::new(alpha, wo, n);
             let [l1, l2, l3] = cone.values;
             assert!(l1 > 0.0 && l2 <= 0.0 && l3 <= l2, "{:?}", cone.values);
             let product = alpha[0].powi(2) * alpha[1].powi(2) * cone.k * dot(n, n);

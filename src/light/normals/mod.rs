@@ -27,7 +27,7 @@ mod edge;
 mod outline;
 mod weight;
 
-pub(super) use self::edge::arc_bend;
+pub(super) use self::{cone::cos_of_third, edge::arc_bend};
 use self::{
     edge::{curved_part, shared},
     outline::{Corner, Outline, Parts},

@@ -17,7 +17,7 @@ pub(super) struct Corner<T> {
 
 impl<T: Scalar> Corner<T> {
     /// The corner in the direction of `v`.
-    fn new(v: Triple<T>, alpha: [T; 2], wo: Triple<T>) -> Self {
+    pub(super) fn new(v: Triple<T>, alpha: [T; 2], wo: Triple<T>) -> Self {
         let w = unit(v);
         let c = unstretched(plus(wo, w), alpha);
         let length = dot(c, c).sqrt().max(T::SHORTEST);

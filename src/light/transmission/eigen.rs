@@ -1,6 +1,9 @@
 //! The eigenframe of a symmetric 3 x 3 matrix, without trigonometric functions.
 
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
+use crate::{
+    fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled},
+    light::normals::cos_of_third,
+};
 
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
 pub(super) type Symmetric<T> = [T; 6];
@@ -28,10 +31,7 @@ pub(super) fn eigenframe<T: Scalar>([xx, yy, zz, xy, xz, yz]: Symmetric<T>) -> E
     let determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz);
     let d = determinant / (two * p * p2);
     let x = d.abs().min(one);
-    let mut g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
-    for _ in 0..T::NEWTON_STEPS {
-        g = (T::of(8.0) * g * g * g + x) / (T::of(12.0) * g * g - three);
-    }
+    let g = cos_of_third(x);
     let is_largest = d >= T::ZERO;
     let apart = two * p * g;
     let value = if is_largest { mean + apart } else { mean - apart };
