@@ -67,8 +67,8 @@ impl<T: Scalar> EdgeCone<T> {
     /// The vector of the first eigenvalue, of any length, on the side of the cone's normals.
     ///
     /// `K v = l1 v` for `v = A^-1 u` is `(k A^2 + l1 I) u = A^2 (wo s + n t)`, `s = n . u`, `t = wo . u`. With
-    /// `W = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = W (wo s + n t)`, and so `s (1 - wo . W n) = t (n . W n)`. The bracket
-    /// is at least a half: it is `sqrt((wo . W wo) (n . W n))`, which is not less than `wo . W n`.
+    /// `W = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = W (wo s + n t)`, and so `s (1 - wo . W n) = t (n . W n)`. The
+    /// difference is at least a half: it is `sqrt((wo . W wo) (n . W n))`, which is not less than `wo . W n`.
     pub(super) fn axis(&self) -> Triple<T> {
         let Self { alpha: [x, y], wo, n, k, values: [first, ..] } = *self;
         // A^-1 W and W, times `sum`.
