@@ -86,12 +86,15 @@ fn normals_arc_bend(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
 
 /// What each of two parts, from a to m and from m to b, adds beyond its plane triangle, of the image of an edge whose whole is
 /// known: the great circle's arc, and of what the arcs leave a share by the cube of the chord. The shares decide only which
-/// part has which weight.
+/// part has which weight. Beyond a right angle the polynomial falls short of the arc, and what it lacks is in the rest.
 fn normals_shared(a: vec3<f32>, m: vec3<f32>, b: vec3<f32>, whole: vec3<f32>) -> mat2x3<f32> {
-    let arc = normals_arc_bend(a, m);
-    let next = normals_arc_bend(m, b);
-    let rest = whole - cross(m - a, b - a) - arc - next;
     let length2 = vec2(dot(m - a, m - a), dot(b - m, b - m));
+    let z = length2 * 0.25;
+    let far = z * (2.271551 + z * (-3.4068607 + z * 3.5164571));
+    let bend = z * (0.66675535 + z * (0.52912637 + z * (0.52405584 + z * (-0.08954556 + far))));
+    let arc = cross(a, m) * bend.x;
+    let next = cross(m, b) * bend.y;
+    let rest = whole - cross(m - a, b - a) - arc - next;
     let cubes = length2 * sqrt(length2);
     let shares = cubes / max(cubes.x + cubes.y, 1e-36);
     return mat2x3(arc + rest * shares.x, next + rest * shares.y);

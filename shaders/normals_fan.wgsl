@@ -36,12 +36,19 @@ struct NormalsSum {
 }
 
 /// side: 1, or -1 where the light is seen from behind. Without the spokes.
-fn normals_fan(view: NormalsView, tip: vec3<f32>, at_tip: vec2<f32>, side: f32, is_split: bool) -> NormalsFan {
+fn normals_fan(
+    view: NormalsView,
+    tip: vec3<f32>,
+    at_tip: vec2<f32>,
+    side: f32,
+    wide: f32,
+    is_split: bool,
+) -> NormalsFan {
     // So little that it matters only where all other normals are seen edge-on, where the mean would jump.
     let tip_sample = 0.03 * normals_sample(view, tip);
     let per_rise = 1.0 / max(0.125 * normals_rise(view, tip), 1e-36);
     let none = NormalsSpoke(tip, false, vec3(0.0), vec3(0.0));
-    let numbers = normals_numbers(view, is_split);
+    let numbers = normals_numbers(view, wide, is_split);
     return NormalsFan(numbers, tip, at_tip, tip_sample, side * view.stretched, per_rise, is_split, none, none);
 }
 
@@ -149,7 +156,8 @@ fn normals_add_edges(
     return normals_add_edge(view, fan, first, edges.second, b, c, select(1.0, less, i + 1u == one));
 }
 
-/// Adds a triangle on the edge with the horizon's rule, between normals a and b: by a normal near its outer side.
+/// Adds a triangle on the edge with the horizon's rule, between normals a and b: by a normal near its outer side, and a second
+/// one where the edge is wide.
 fn normals_add_on_setting(
     view: NormalsView,
     fan: NormalsFan,
@@ -162,26 +170,45 @@ fn normals_add_on_setting(
     let flux = normals_flux(fan, a, b, curved);
     let m = normals_centroid(fan, flux);
     let near = normals_weight(view, m + fan.numbers.horizon.y * (m - fan.tip));
-    let energy = normals_to_horizon(fan.at_tip.x, near.x, fan.numbers.horizon.x);
+    var energy = normals_to_horizon(fan.at_tip.x, near.x, fan.numbers.horizon.x);
+    if (fan.numbers.inner.x > 0.0) {
+        let within = normals_weight(view, m + fan.numbers.inner.y * (m - fan.tip));
+        energy = mix(energy, within.x, fan.numbers.inner.x);
+    }
     let mean = energy * vec2(1.0, mix(near.y, fan.at_tip.y, fan.numbers.horizon.z));
     return normals_add(view, fan, sum, m, share * dot(flux, fan.seen), mean);
 }
 
-/// Adds the triangles on the edge with the horizon's rule: two on each of its parts.
+/// Adds the triangles on the edge with the horizon's rule, two at a time: those of an integral, or of half of one where it is wide.
+/// The corner within a half starts at the middle of the whole where the edge begins to be wide, and moves to the half's own middle as
+/// it gets wider, so that nothing jumps.
 fn normals_add_setting(view: NormalsView, fan: NormalsFan, sum: NormalsSum, setting: NormalsSetting) -> NormalsSum {
+    let is_wide = setting.wide > 0.0;
+    let parts = select(2u, 4u, fan.is_split);
+    let pairs = select(parts, 2u * parts, is_wide);
+    let step = 1.0 / f32(pairs);
+    let to_middle = 0.5 * select(1.0, setting.wide, is_wide);
     var added = sum;
     var before = normals_spoke_to_setting(fan, setting.begin);
-    let step = select(0.5, 0.25, fan.is_split);
-    for (var part = 0u; part < select(2u, 4u, fan.is_split); part++) {
-        let half_c = normals_on_setting(setting, (f32(part) + 0.5) * step);
-        let end_c = normals_on_setting(setting, f32(part + 1u) * step);
+    var second = vec3(0.0);
+    for (var i = 0u; i < pairs; i++) {
+        let part = select(i, i / 2u, is_wide);
         let low = select(setting.parts[0], setting.parts[1], part == 1u);
         let high = select(setting.parts[2], setting.parts[3], part == 3u);
-        let curved = normals_shared(before.c, half_c, end_c, select(low, high, part >= 2u));
-        let half = normals_spoke_to_setting(fan, half_c);
+        let whole = select(low, high, part >= 2u);
+        let is_second = i % 2u == 1u;
+        let t = f32(i);
+        let middle_c = normals_on_setting(setting, step * (t + select(1.0 - to_middle, to_middle, is_second)));
+        let end_c = normals_on_setting(setting, step * (t + 1.0));
+        let last_c = normals_on_setting(setting, step * (t + 2.0));
+        let halves = normals_shared(before.c, end_c, last_c, whole);
+        let half = select(halves[0], second, is_second);
+        second = halves[1];
+        let curved = normals_shared(before.c, middle_c, end_c, select(whole, half, is_wide));
+        let middle = normals_spoke_to_setting(fan, middle_c);
         let end = normals_spoke_to_setting(fan, end_c);
-        added = normals_add_on_setting(view, fan, added, before, half, curved[0], setting.share);
-        added = normals_add_on_setting(view, fan, added, half, end, curved[1], setting.share);
+        added = normals_add_on_setting(view, fan, added, before, middle, curved[0], setting.share);
+        added = normals_add_on_setting(view, fan, added, middle, end, curved[1], setting.share);
         before = end;
     }
     return added;

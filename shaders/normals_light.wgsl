@@ -5,7 +5,8 @@
 // they run clockwise. The outline has to be convex; a disk is lit as a polygon of its area.
 
 /// How the weight is averaged: over triangles between the mean normal and each edge, the one on or near the horizon in four
-/// parts; the weight of the mean normal; triangles of edges split in two, and of that on or near the horizon in eight.
+/// parts, or eight where it is wide; the weight of the mean normal; triangles of edges split in two, and of that on or near the
+/// horizon in eight or sixteen.
 const NORMALS_FAN: u32 = 0u;
 const NORMALS_MEAN: u32 = 1u;
 const NORMALS_FINE: u32 = 2u;
@@ -90,7 +91,7 @@ fn normals_polygon(
     var parts = vec2(at_tip.x, at_tip.x * at_tip.y) * seen;
     if (rule != NORMALS_MEAN) {
         // The exact integral of each triangle, and its weight.
-        var fan = normals_fan(view, tip, at_tip, side, is_fine);
+        var fan = normals_fan(view, tip, at_tip, side, setting.wide, is_fine);
         if (light.is_cut) {
             fan.rise = normals_spoke(view, fan, light.rise.c, true);
             fan.sink = normals_spoke(view, fan, light.sink.c, true);

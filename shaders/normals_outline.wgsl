@@ -45,10 +45,10 @@ struct NormalsOutline {
     begin: NormalsCorner,
     end: NormalsCorner,
     curved: vec3<f32>,
-    /// Its nearness and that of the second, and the extents of all edges, each times its nearness.
-    near: f32,
-    second: f32,
+    /// The extents of all edges, each times its nearness, and the same times the nearness again of that edge and of the second.
     extents: f32,
+    most: f32,
+    second: f32,
 }
 
 /// The direction in which the edge between corners on either side of the horizon meets it.
@@ -109,14 +109,16 @@ fn normals_edges(
 fn normals_outline_with(outline: NormalsOutline, i: u32, edge: NormalsEdge) -> NormalsOutline {
     var next = outline;
     next.flux += edge.curved + cross(edge.begin.c - outline.origin, edge.end.c - outline.origin);
-    let is_nearer = edge.near > outline.near;
+    let extent = edge.near * distance(edge.begin.w, edge.end.w);
+    let by_extent = edge.near * extent;
+    let is_nearer = by_extent > outline.most;
     next.begin = normals_choose(outline.begin, edge.begin, is_nearer);
     next.end = normals_choose(outline.end, edge.end, is_nearer);
     next.curved = select(outline.curved, edge.curved, is_nearer);
     next.nearest = select(outline.nearest, i, is_nearer);
-    next.second = max(outline.second, min(edge.near, outline.near));
-    next.near = max(outline.near, edge.near);
-    next.extents += edge.near * distance(edge.begin.w, edge.end.w);
+    next.second = max(outline.second, min(by_extent, outline.most));
+    next.most = max(outline.most, by_extent);
+    next.extents += extent;
     return next;
 }
 
@@ -128,13 +130,15 @@ fn normals_outline_with_both(outline: NormalsOutline, i: u32, edges: NormalsEdge
 /// The edge that has the horizon's rule, and the horizon.
 ///
 /// The weight is zero on the horizon, so an edge there has a rule of its own and more parts, and so has one that is near: whose
-/// higher end is lower than a quarter of the light's height, as far as it is lower than all others. If the light is cut,
-/// the horizon's extent among those of all edges near it decides between the two. So nothing jumps where an edge sets.
+/// higher end is lower than a quarter of the light's height. It is the edge with the largest nearness^2 times extent, the horizon's
+/// nearness being one, by how much that exceeds the second largest, over the sum of nearness times extent. So nothing jumps.
 struct NormalsSetting {
     /// Whether there is such an edge, by which share it counts as the horizon, and whether it is the horizon.
     is_there: bool,
     share: f32,
     is_horizon: bool,
+    /// How wide it is, from 0 to 1: above zero each of its triangles is two.
+    wide: f32,
     /// Its image as a rational curve: the ends at length one and the control point between them.
     begin: vec3<f32>,
     control: vec3<f32>,
@@ -158,20 +162,21 @@ fn normals_setting(
     is_near_too: bool,
     is_split: bool,
 ) -> NormalsSetting {
-    let near = select(0.0, outline.near - outline.second, is_near_too);
+    // None where nothing is cut.
     let horizon = distance(light.rise.w, light.sink.w);
-    let extent = horizon / max(horizon + select(0.0, outline.extents, is_near_too), 1e-36);
-    let other = near * (1.0 - extent);
-    let is_horizon = light.is_cut && extent >= other;
+    let own = select(vec3(0.0), vec3(outline.most, outline.second, outline.extents), is_near_too);
+    let second = max(own.y, min(own.x, horizon));
+    let is_horizon = light.is_cut && horizon >= own.x;
     var setting: NormalsSetting;
-    setting.is_there = light.is_cut || near > 0.0;
-    setting.share = select(near, abs(extent - other), light.is_cut);
+    setting.is_there = light.is_cut || own.x > 0.0;
+    setting.share = (max(own.x, horizon) - second) / max(own.z + horizon, 1e-36);
     setting.is_horizon = is_horizon;
     if (!setting.is_there) {
         return setting;
     }
     let begin = normals_choose(outline.begin, light.sink, is_horizon);
     let end = normals_choose(outline.end, light.rise, is_horizon);
+    setting.wide = setting.share * smoothstep(1.2, 1.8, distance(begin.w, end.w));
     let sum = begin.w + end.w;
     let half = normals_half_cosine(begin, end);
     let control = normals_unstretched(view.wo * half + sum * (0.5 / half), view);

@@ -17,44 +17,107 @@ fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
 
 /// The numbers of a rule for a view: of a triangle on an edge how much its outer sample (x) and each corner of its outer side
 /// (y) count beside its centroid, and how far the outer sample is beyond that (z); of one on the horizon how fast the weight
-/// falls (x), how far its sample is beyond the centroid (y), and the tip's part of Schlick's factor (z).
+/// falls (x), how far its sample is beyond the centroid (y), and the tip's part of Schlick's factor (z); and, where that is wide,
+/// by how much a second sample counts in place of that fall's mean (x), and how far beyond the centroid it is (y), towards the tip
+/// if negative.
 struct NormalsNumbers {
     edge: vec3<f32>,
     horizon: vec3<f32>,
+    inner: vec2<f32>,
 }
 
-/// Each is linear in the view's mu and in the larger alpha, with the least error over random lights.
-fn normals_numbers(view: NormalsView, is_fine: bool) -> NormalsNumbers {
+/// Each is a sum of 1, the view's mu, the larger alpha and alpha mu, where the edge on or near the horizon is wide also of the
+/// ratio of the alphas and ratio alpha, with the least error over random lights.
+fn normals_numbers(view: NormalsView, wide: f32, is_fine: bool) -> NormalsNumbers {
     let mu = view.wo.z / view.length;
     let alpha = max(view.alpha.x, view.alpha.y);
     let at = vec4(1.0, mu, alpha, alpha * mu);
+    let by_ratio = vec2(1.0, alpha) * (min(view.alpha.x, view.alpha.y) / alpha);
     var edge = mat4x3(
-        0.492, 0.042, 0.45,
-        -0.033, -0.052, 0.114,
-        0.193, 0.044, -0.292,
-        -0.188, 0.167, -0.296,
+        0.01, 0.091, 0.643,
+        0.494, -0.105, -0.07,
+        0.326, -0.051, -0.335,
+        -0.194, 0.253, -0.279,
     ) * at;
     var horizon = mat4x3(
-        0.103, 0.243, 0.267,
-        0.112, -0.064, -0.205,
-        0.087, 0.076, 0.295,
-        -0.011, -0.137, 0.105,
+        0.069, 0.272, 0.32,
+        0.187, -0.173, -0.352,
+        0.02, 0.133, 0.276,
+        -0.022, -0.086, 0.206,
     ) * at;
+    var wide_edge = mat4x3(
+        -0.303, -0.001, 1.146,
+        0.484, 0.01, -0.263,
+        1.059, -0.078, -0.744,
+        -0.565, 0.059, 0.218,
+    ) * at + mat2x3(
+        -0.076, -0.017, -0.263,
+        0.531, 0.23, -0.369,
+    ) * by_ratio;
+    var wide_horizon = mat4x3(
+        0.03, 0.484, 0.698,
+        0.155, -0.201, -0.541,
+        0.259, -0.096, -0.123,
+        -0.116, 0.125, 0.685,
+    ) * at + mat2x3(
+        0.01, -0.012, 0.103,
+        -0.164, -0.06, -0.169,
+    ) * by_ratio;
+    var inner = mat4x2(
+        0.078, -0.863,
+        -0.025, -0.268,
+        0.422, 0.688,
+        -0.025, 0.266,
+    ) * at + mat2x2(
+        0.051, 1.221,
+        -0.225, -0.86,
+    ) * by_ratio;
     if (is_fine) {
         edge = mat4x3(
-            0.356, 0.062, 0.361,
-            0.037, -0.065, 0.007,
-            0.448, 0.028, -0.325,
-            -0.008, 0.165, -0.161,
+            0.952, 0.077, 0.129,
+            -0.667, -0.076, 0.436,
+            -1.181, -0.007, 0.083,
+            1.403, 0.141, -0.708,
         ) * at;
         horizon = mat4x3(
-            0.088, 0.282, 0.371,
-            0.107, -0.077, -0.194,
-            0.048, 0.074, 0.269,
-            0.009, -0.129, 0.021,
+            0.074, 0.303, 0.297,
+            0.198, -0.249, -0.32,
+            0.0, 0.105, 0.311,
+            -0.14, 0.162, 0.402,
         ) * at;
+        wide_edge = mat4x3(
+            0.061, -0.007, 0.653,
+            0.135, 0.017, 0.23,
+            0.495, -0.052, -0.327,
+            -0.396, -0.014, -0.132,
+        ) * at + mat2x3(
+            -0.247, 0.002, -0.295,
+            1.007, 0.246, -0.367,
+        ) * by_ratio;
+        wide_horizon = mat4x3(
+            0.098, 0.413, 0.521,
+            0.13, -0.148, -0.351,
+            0.148, -0.007, 0.097,
+            -0.114, 0.102, 0.526,
+        ) * at + mat2x3(
+            -0.042, 0.074, 0.202,
+            -0.109, -0.133, -0.225,
+        ) * by_ratio;
+        inner = mat4x2(
+            0.179, -0.736,
+            -0.041, -0.213,
+            0.263, 0.534,
+            0.041, 0.183,
+        ) * at + mat2x2(
+            0.157, 0.869,
+            -0.296, -0.469,
+        ) * by_ratio;
     }
-    return NormalsNumbers(max(edge, vec3(0.0)), max(horizon, vec3(0.02, 0.0, 0.0)));
+    return NormalsNumbers(
+        max(mix(edge, wide_edge, wide), vec3(0.0)),
+        max(mix(horizon, wide_horizon, wide), vec3(0.02, 0.0, 0.0)),
+        vec2(wide * max(inner.x, 0.0), inner.y),
+    );
 }
 
 /// The mean over a triangle of a weight that is tip at its tip, zero on its outer edge, which is on the horizon, and near

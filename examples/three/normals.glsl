@@ -21,11 +21,11 @@
 //   The parts of the one-sided rectangle (-1 -1 1) (1 -1 1) (1 1.5 -0.5) (-1 1.5 -0.5),
 //   by rules 0 | 1 | 2. A port in 32 bits comes within 0.00002 of each number.
 //   alpha_x 0.3 alpha_y 0.15 wo (0.36 0.48 0.8)
-//     parts 0.702866 0.000223 | 0.710371 0.000052 | 0.704465 0.000247
+//     parts 0.703713 0.000227 | 0.710371 0.000052 | 0.704264 0.000264
 //   alpha_x 0.2 alpha_y 0.6 wo (-0.64 0.48 0.6)
-//     parts 0.550205 0.001271 | 0.599484 0.000332 | 0.553721 0.001490
+//     parts 0.555524 0.001326 | 0.599484 0.000332 | 0.554540 0.001579
 //   alpha_x 0.05 alpha_y 0.02 wo (0.576 -0.768 0.28)
-//     parts 0.989657 0.185364 | 0.991922 0.187098 | 0.989585 0.185611
+//     parts 0.989424 0.186035 | 0.991922 0.187098 | 0.989324 0.186352
 
 
 precision highp float;
@@ -83,14 +83,15 @@ struct NormalsOutline {
     NormalsCorner begin;
     NormalsCorner end;
     vec3 curved;
-    float near;
-    float second;
     float extents;
+    float most;
+    float second;
 };
 struct NormalsSetting {
     bool is_there;
     float share;
     bool is_horizon;
+    float wide;
     vec3 begin;
     vec3 control;
     vec3 end;
@@ -100,6 +101,7 @@ struct NormalsSetting {
 struct NormalsNumbers {
     vec3 edge;
     vec3 horizon;
+    vec2 inner;
 };
 struct NormalsSpoke {
     vec3 c;
@@ -208,13 +210,16 @@ vec3 normals_arc_bend(vec3 a_2, vec3 b_2) {
 }
 
 mat2x3 normals_shared(vec3 a_3, vec3 m, vec3 b_3, vec3 whole) {
-    vec3 _e4 = normals_arc_bend(a_3, m);
-    vec3 _e5 = normals_arc_bend(m, b_3);
-    vec3 rest = (((whole - cross((m - a_3), (b_3 - a_3))) - _e4) - _e5);
     vec2 length2_2 = vec2(dot((m - a_3), (m - a_3)), dot((b_3 - m), (b_3 - m)));
+    vec2 z_3 = (length2_2 * 0.25);
+    vec2 far_1 = (z_3 * (vec2(2.271551) + (z_3 * (vec2(-3.4068606) + (z_3 * 3.516457)))));
+    vec2 bend_1 = (z_3 * (vec2(0.6667554) + (z_3 * (vec2(0.52912635) + (z_3 * (vec2(0.52405584) + (z_3 * (vec2(-0.08954556) + far_1))))))));
+    vec3 arc = (cross(a_3, m) * bend_1.x);
+    vec3 next_1 = (cross(m, b_3) * bend_1.y);
+    vec3 rest = (((whole - cross((m - a_3), (b_3 - a_3))) - arc) - next_1);
     vec2 cubes = (length2_2 * sqrt(length2_2));
     vec2 shares = (cubes / vec2(max((cubes.x + cubes.y), 1e-36)));
-    return mat2x3((_e4 + (rest * shares.x)), (_e5 + (rest * shares.y)));
+    return mat2x3((arc + (rest * shares.x)), (next_1 + (rest * shares.y)));
 }
 
 NormalsPair normals_pair(vec3 first_1, vec3 second_1) {
@@ -257,8 +262,8 @@ vec2 normals_per_hyperbolic_sine(vec2 u) {
     vec2 e = ((vec2(1.0) + u) + sine);
     float _e11 = normals_ltc_log(e.x);
     float _e13 = normals_ltc_log(e.y);
-    vec2 far_1 = (vec2(_e11, _e13) / max(sine, vec2(1e-30)));
-    return mix(far_1, (vec2(1.0) + (u * (vec2(-0.33333334) + (u * (vec2(0.13333333) - (0.057142857 * u)))))), lessThan(u, vec2(0.02)));
+    vec2 far_2 = (vec2(_e11, _e13) / max(sine, vec2(1e-30)));
+    return mix(far_2, (vec2(1.0) + (u * (vec2(-0.33333334) + (u * (vec2(0.13333333) - (0.057142857 * u)))))), lessThan(u, vec2(0.02)));
 }
 
 NormalsCone normals_cone(NormalsView view_4, NormalsPair n, vec2 k) {
@@ -347,11 +352,11 @@ mat2x3 normals_curved(NormalsView view_6, NormalsCorner a0_, NormalsCorner b0_, 
     NormalsPair _e119 = normals_pair_minus(_e58, _e118);
     vec2 lengths = vec2((a0_.length_ * b0_.length_), (a1_.length_ * b1_.length_));
     float squares_1 = (((view_6.alpha.x * view_6.alpha.x) * view_6.alpha.y) * view_6.alpha.y);
-    vec2 bend_1 = ((0.5 * _e19) / max(((lengths * _e45.n2_) * squares_1), vec2(1e-36)));
+    vec2 bend_2 = ((0.5 * _e19) / max(((lengths * _e45.n2_) * squares_1), vec2(1e-36)));
     vec2 _e147 = normals_pair_dot(_e8, _e11);
-    vec2 m1_ = (_e147 - (bend_1 * (_e45.p * _e45.q)));
-    vec2 m2_ = (_e147 + (bend_1 * (_e45.l1_ * _e45.q)));
-    vec2 m3_ = (_e147 + (bend_1 * (_e45.l1_ * _e45.p)));
+    vec2 m1_ = (_e147 - (bend_2 * (_e45.p * _e45.q)));
+    vec2 m2_ = (_e147 + (bend_2 * (_e45.l1_ * _e45.q)));
+    vec2 m3_ = (_e147 + (bend_2 * (_e45.l1_ * _e45.p)));
     vec2 by_angle = (_e45.l1_ * inversesqrt(((_e45.l1_ + _e45.p) * (_e45.l1_ + _e45.q))));
     vec2 per_axis = sqrt(per_axis2_);
     vec2 beside = (_e55 * per_axis);
@@ -458,19 +463,21 @@ NormalsOutline normals_outline_with(NormalsOutline outline, uint i_2, NormalsEdg
     next = outline;
     vec3 _e5 = next.flux;
     next.flux = (_e5 + (edge_1.curved + cross((edge_1.begin.c - outline.origin), (edge_1.end.c - outline.origin))));
-    bool is_nearer = (edge_1.near > outline.near);
-    NormalsCorner _e24 = normals_choose(outline.begin, edge_1.begin, is_nearer);
-    next.begin = _e24;
-    NormalsCorner _e28 = normals_choose(outline.end, edge_1.end, is_nearer);
-    next.end = _e28;
+    float extent = (edge_1.near * distance(edge_1.begin.w, edge_1.end.w));
+    float by_extent = (edge_1.near * extent);
+    bool is_nearer = (by_extent > outline.most);
+    NormalsCorner _e32 = normals_choose(outline.begin, edge_1.begin, is_nearer);
+    next.begin = _e32;
+    NormalsCorner _e36 = normals_choose(outline.end, edge_1.end, is_nearer);
+    next.end = _e36;
     next.curved = (is_nearer ? edge_1.curved : outline.curved);
     next.nearest = (is_nearer ? i_2 : outline.nearest);
-    next.second = max(outline.second, min(edge_1.near, outline.near));
-    next.near = max(outline.near, edge_1.near);
-    float _e47 = next.extents;
-    next.extents = (_e47 + (edge_1.near * distance(edge_1.begin.w, edge_1.end.w)));
-    NormalsOutline _e56 = next;
-    return _e56;
+    next.second = max(outline.second, min(by_extent, outline.most));
+    next.most = max(outline.most, by_extent);
+    float _e53 = next.extents;
+    next.extents = (_e53 + extent);
+    NormalsOutline _e55 = next;
+    return _e55;
 }
 
 NormalsOutline normals_outline_with_both(NormalsOutline outline_1, uint i_3, NormalsEdges edges_1) {
@@ -485,88 +492,89 @@ vec3 normals_joined(vec3 first_2, vec3 second_2, vec3 begin, vec3 middle, vec3 e
 
 NormalsSetting normals_setting(NormalsView view_9, NormalsOutline outline_2, NormalsLight light_2, bool is_near_too, bool is_split_1) {
     bool local_4 = false;
-    NormalsSetting setting = NormalsSetting(false, 0.0, false, vec3(0.0), vec3(0.0), vec3(0.0), vec3[4](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)), NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0));
+    NormalsSetting setting = NormalsSetting(false, 0.0, false, 0.0, vec3(0.0), vec3(0.0), vec3(0.0), vec3[4](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0)), NormalsEdge(false, NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0), vec3(0.0), vec3(0.0), mat2x3(0.0), 0.0));
     bool local_5 = false;
     NormalsCorner before = NormalsCorner(vec3(0.0), vec3(0.0), 0.0, 0.0);
     vec3 joined = vec3(0.0);
-    float near_2 = (is_near_too ? (outline_2.near - outline_2.second) : 0.0);
     float horizon_1 = distance(light_2.rise.w, light_2.sink.w);
-    float extent = (horizon_1 / max((horizon_1 + (is_near_too ? outline_2.extents : 0.0)), 1e-36));
-    float other = (near_2 * (1.0 - extent));
+    vec3 own = (is_near_too ? vec3(outline_2.most, outline_2.second, outline_2.extents) : vec3(0.0));
+    float second_5 = max(own.y, min(own.x, horizon_1));
     if (light_2.is_cut) {
-        local_4 = (extent >= other);
+        local_4 = (horizon_1 >= own.x);
     } else {
         local_4 = false;
     }
     bool is_horizon = local_4;
     if (!(light_2.is_cut)) {
-        local_5 = (near_2 > 0.0);
+        local_5 = (own.x > 0.0);
     } else {
         local_5 = true;
     }
-    bool _e40 = local_5;
-    setting.is_there = _e40;
-    setting.share = (light_2.is_cut ? abs((extent - other)) : near_2);
+    bool _e38 = local_5;
+    setting.is_there = _e38;
+    setting.share = ((max(own.x, horizon_1) - second_5) / max((own.z + horizon_1), 1e-36));
     setting.is_horizon = is_horizon;
-    bool _e48 = setting.is_there;
-    if (!(_e48)) {
-        NormalsSetting _e50 = setting;
-        return _e50;
+    bool _e50 = setting.is_there;
+    if (!(_e50)) {
+        NormalsSetting _e52 = setting;
+        return _e52;
     }
-    NormalsCorner _e53 = normals_choose(outline_2.begin, light_2.sink, is_horizon);
-    NormalsCorner _e56 = normals_choose(outline_2.end, light_2.rise, is_horizon);
-    vec3 sum_11 = (_e53.w + _e56.w);
-    float _e60 = normals_half_cosine(_e53, _e56);
-    vec3 _e67 = normals_unstretched(((view_9.wo * _e60) + (sum_11 * (0.5 / _e60))), view_9);
-    setting.begin = _e53.c;
-    setting.control = (_e67 * inversesqrt((_e53.length_ * _e56.length_)));
-    setting.end = _e56.c;
-    NormalsCorner _e79 = normals_between(_e53, _e56, 0.5, view_9);
-    before = _e53;
+    NormalsCorner _e55 = normals_choose(outline_2.begin, light_2.sink, is_horizon);
+    NormalsCorner _e58 = normals_choose(outline_2.end, light_2.rise, is_horizon);
+    float _e61 = setting.share;
+    setting.wide = (_e61 * smoothstep(1.2, 1.8, distance(_e55.w, _e58.w)));
+    vec3 sum_11 = (_e55.w + _e58.w);
+    float _e72 = normals_half_cosine(_e55, _e58);
+    vec3 _e79 = normals_unstretched(((view_9.wo * _e72) + (sum_11 * (0.5 / _e72))), view_9);
+    setting.begin = _e55.c;
+    setting.control = (_e79 * inversesqrt((_e55.length_ * _e58.length_)));
+    setting.end = _e58.c;
+    NormalsCorner _e91 = normals_between(_e55, _e58, 0.5, view_9);
+    before = _e55;
     if (is_split_1) {
-        NormalsCorner _e85 = normals_between(_e53, _e56, 0.25, view_9);
-        mat2x3 _e86 = normals_curved(view_9, _e53, _e85, _e85, _e79);
-        setting.parts[0] = _e86[0];
-        setting.parts[1] = _e86[1];
-        vec3 _e98 = normals_joined(_e86[0], _e86[1], _e53.c, _e85.c, _e79.c);
-        joined = _e98;
-        before = _e79;
+        NormalsCorner _e97 = normals_between(_e55, _e58, 0.25, view_9);
+        mat2x3 _e98 = normals_curved(view_9, _e55, _e97, _e97, _e91);
+        setting.parts[0] = _e98[0];
+        setting.parts[1] = _e98[1];
+        vec3 _e110 = normals_joined(_e98[0], _e98[1], _e55.c, _e97.c, _e91.c);
+        joined = _e110;
+        before = _e91;
     }
-    NormalsCorner _e100 = normals_between(_e53, _e56, 0.75, view_9);
-    NormalsCorner _e101 = normals_choose(_e79, _e100, is_split_1);
-    NormalsCorner _e102 = before;
-    NormalsCorner _e104 = normals_choose(light_2.sink, _e101, is_horizon);
-    mat2x3 _e106 = normals_curved(view_9, _e102, _e101, _e104, light_2.rise);
-    vec3 _e108 = joined;
-    vec3 _e113 = normals_joined(_e108, _e106[0], _e53.c, _e79.c, _e101.c);
-    vec3 but_last = (is_split_1 ? _e113 : _e106[0]);
-    vec3 rest_1 = ((outline_2.curved - but_last) - cross((_e101.c - _e53.c), (_e56.c - _e53.c)));
-    vec3 final_part = (is_horizon ? _e106[1] : rest_1);
+    NormalsCorner _e112 = normals_between(_e55, _e58, 0.75, view_9);
+    NormalsCorner _e113 = normals_choose(_e91, _e112, is_split_1);
+    NormalsCorner _e114 = before;
+    NormalsCorner _e116 = normals_choose(light_2.sink, _e113, is_horizon);
+    mat2x3 _e118 = normals_curved(view_9, _e114, _e113, _e116, light_2.rise);
+    vec3 _e120 = joined;
+    vec3 _e125 = normals_joined(_e120, _e118[0], _e55.c, _e91.c, _e113.c);
+    vec3 but_last = (is_split_1 ? _e125 : _e118[0]);
+    vec3 rest_1 = ((outline_2.curved - but_last) - cross((_e113.c - _e55.c), (_e58.c - _e55.c)));
+    vec3 final_part = (is_horizon ? _e118[1] : rest_1);
     setting.horizon.is_there = light_2.is_cut;
     setting.horizon.begin = light_2.sink;
     setting.horizon.end = light_2.rise;
-    vec3 _e142 = normals_joined(but_last, final_part, _e53.c, _e101.c, _e56.c);
-    setting.horizon.curved = (is_horizon ? _e142 : _e106[1]);
+    vec3 _e154 = normals_joined(but_last, final_part, _e55.c, _e113.c, _e58.c);
+    setting.horizon.curved = (is_horizon ? _e154 : _e118[1]);
     if (!(is_split_1)) {
-        setting.parts[0] = _e106[0];
+        setting.parts[0] = _e118[0];
         setting.parts[1] = final_part;
-        NormalsSetting _e150 = setting;
-        return _e150;
+        NormalsSetting _e162 = setting;
+        return _e162;
     }
-    setting.parts[2] = _e106[0];
+    setting.parts[2] = _e118[0];
     setting.parts[3] = final_part;
     if (is_horizon) {
-        setting.horizon.middle = _e79.c;
-        vec3 _e161 = joined;
-        vec3 _e166 = normals_joined(_e106[0], final_part, _e79.c, _e101.c, _e56.c);
-        setting.horizon.halves = mat2x3(_e161, _e166);
+        setting.horizon.middle = _e91.c;
+        vec3 _e173 = joined;
+        vec3 _e178 = normals_joined(_e118[0], final_part, _e91.c, _e113.c, _e58.c);
+        setting.horizon.halves = mat2x3(_e173, _e178);
     } else {
-        NormalsEdge _e170 = setting.horizon;
-        NormalsEdge _e171 = normals_split(view_9, _e170);
-        setting.horizon = _e171;
+        NormalsEdge _e182 = setting.horizon;
+        NormalsEdge _e183 = normals_split(view_9, _e182);
+        setting.horizon = _e183;
     }
-    NormalsSetting _e172 = setting;
-    return _e172;
+    NormalsSetting _e184 = setting;
+    return _e184;
 }
 
 vec3 normals_on_setting(NormalsSetting setting_1, float t_1) {
@@ -589,21 +597,35 @@ vec2 normals_weight(NormalsView view_10, vec3 c_1) {
     return vec2(weight, ((m2_1 * m2_1) * m_3));
 }
 
-NormalsNumbers normals_numbers(NormalsView view_11, bool is_fine) {
+NormalsNumbers normals_numbers(NormalsView view_11, float wide, bool is_fine) {
     vec3 edge_2 = vec3(0.0);
     vec3 horizon = vec3(0.0);
+    vec3 wide_edge = vec3(0.0);
+    vec3 wide_horizon = vec3(0.0);
+    vec2 inner = vec2(0.0);
     float mu = (view_11.wo.z / view_11.length_);
     float alpha_1 = max(view_11.alpha.x, view_11.alpha.y);
     vec4 at = vec4(1.0, mu, alpha_1, (alpha_1 * mu));
-    edge_2 = (mat4x3(vec3(0.492, 0.042, 0.45), vec3(-0.033, -0.052, 0.114), vec3(0.193, 0.044, -0.292), vec3(-0.188, 0.167, -0.296)) * at);
-    horizon = (mat4x3(vec3(0.103, 0.243, 0.267), vec3(0.112, -0.064, -0.205), vec3(0.087, 0.076, 0.295), vec3(-0.011, -0.137, 0.105)) * at);
+    vec2 by_ratio = (vec2(1.0, alpha_1) * (min(view_11.alpha.x, view_11.alpha.y) / alpha_1));
+    edge_2 = (mat4x3(vec3(0.01, 0.091, 0.643), vec3(0.494, -0.105, -0.07), vec3(0.326, -0.051, -0.335), vec3(-0.194, 0.253, -0.279)) * at);
+    horizon = (mat4x3(vec3(0.069, 0.272, 0.32), vec3(0.187, -0.173, -0.352), vec3(0.02, 0.133, 0.276), vec3(-0.022, -0.086, 0.206)) * at);
+    wide_edge = ((mat4x3(vec3(-0.303, -0.001, 1.146), vec3(0.484, 0.01, -0.263), vec3(1.059, -0.078, -0.744), vec3(-0.565, 0.059, 0.218)) * at) + (mat2x3(vec3(-0.076, -0.017, -0.263), vec3(0.531, 0.23, -0.369)) * by_ratio));
+    wide_horizon = ((mat4x3(vec3(0.03, 0.484, 0.698), vec3(0.155, -0.201, -0.541), vec3(0.259, -0.096, -0.123), vec3(-0.116, 0.125, 0.685)) * at) + (mat2x3(vec3(0.01, -0.012, 0.103), vec3(-0.164, -0.06, -0.169)) * by_ratio));
+    inner = ((mat4x2(vec2(0.078, -0.863), vec2(-0.025, -0.268), vec2(0.422, 0.688), vec2(-0.025, 0.266)) * at) + (mat2x2(vec2(0.051, 1.221), vec2(-0.225, -0.86)) * by_ratio));
     if (is_fine) {
-        edge_2 = (mat4x3(vec3(0.356, 0.062, 0.361), vec3(0.037, -0.065, 0.007), vec3(0.448, 0.028, -0.325), vec3(-0.008, 0.165, -0.161)) * at);
-        horizon = (mat4x3(vec3(0.088, 0.282, 0.371), vec3(0.107, -0.077, -0.194), vec3(0.048, 0.074, 0.269), vec3(0.009, -0.129, 0.021)) * at);
+        edge_2 = (mat4x3(vec3(0.952, 0.077, 0.129), vec3(-0.667, -0.076, 0.436), vec3(-1.181, -0.007, 0.083), vec3(1.403, 0.141, -0.708)) * at);
+        horizon = (mat4x3(vec3(0.074, 0.303, 0.297), vec3(0.198, -0.249, -0.32), vec3(0.0, 0.105, 0.311), vec3(-0.14, 0.162, 0.402)) * at);
+        wide_edge = ((mat4x3(vec3(0.061, -0.007, 0.653), vec3(0.135, 0.017, 0.23), vec3(0.495, -0.052, -0.327), vec3(-0.396, -0.014, -0.132)) * at) + (mat2x3(vec3(-0.247, 0.002, -0.295), vec3(1.007, 0.246, -0.367)) * by_ratio));
+        wide_horizon = ((mat4x3(vec3(0.098, 0.413, 0.521), vec3(0.13, -0.148, -0.351), vec3(0.148, -0.007, 0.097), vec3(-0.114, 0.102, 0.526)) * at) + (mat2x3(vec3(-0.042, 0.074, 0.202), vec3(-0.109, -0.133, -0.225)) * by_ratio));
+        inner = ((mat4x2(vec2(0.179, -0.736), vec2(-0.041, -0.213), vec2(0.263, 0.534), vec2(0.041, 0.183)) * at) + (mat2x2(vec2(0.157, 0.869), vec2(-0.296, -0.469)) * by_ratio));
     }
-    vec3 _e88 = edge_2;
-    vec3 _e92 = horizon;
-    return NormalsNumbers(max(_e88, vec3(0.0)), max(_e92, vec3(0.02, 0.0, 0.0)));
+    vec3 _e263 = edge_2;
+    vec3 _e264 = wide_edge;
+    vec3 _e269 = horizon;
+    vec3 _e270 = wide_horizon;
+    float _e278 = inner.x;
+    float _e283 = inner.y;
+    return NormalsNumbers(max(mix(_e263, _e264, wide), vec3(0.0)), max(mix(_e269, _e270, wide), vec3(0.02, 0.0, 0.0)), vec2((wide * max(_e278, 0.0)), _e283));
 }
 
 float normals_to_horizon(float tip, float near, float rate) {
@@ -625,14 +647,14 @@ float normals_rise(NormalsView view_13, vec3 c_3) {
     return (((2.0 * dot(view_13.wo, h_2)) * h_2.z) - (dot(h_2, h_2) * view_13.wo.z));
 }
 
-NormalsFan normals_fan(NormalsView view_14, vec3 tip_1, vec2 at_tip, float side, bool is_split_2) {
-    vec3 _e5 = normals_sample(view_14, tip_1);
-    vec3 tip_sample = (0.03 * _e5);
-    float _e8 = normals_rise(view_14, tip_1);
-    float per_rise = (1.0 / max((0.125 * _e8), 1e-36));
+NormalsFan normals_fan(NormalsView view_14, vec3 tip_1, vec2 at_tip, float side, float wide_1, bool is_split_2) {
+    vec3 _e6 = normals_sample(view_14, tip_1);
+    vec3 tip_sample = (0.03 * _e6);
+    float _e9 = normals_rise(view_14, tip_1);
+    float per_rise = (1.0 / max((0.125 * _e9), 1e-36));
     NormalsSpoke none = NormalsSpoke(tip_1, false, vec3(0.0), vec3(0.0));
-    NormalsNumbers _e21 = normals_numbers(view_14, is_split_2);
-    return NormalsFan(_e21, tip_1, at_tip, tip_sample, (side * view_14.stretched), per_rise, is_split_2, none, none);
+    NormalsNumbers _e22 = normals_numbers(view_14, wide_1, is_split_2);
+    return NormalsFan(_e22, tip_1, at_tip, tip_sample, (side * view_14.stretched), per_rise, is_split_2, none, none);
 }
 
 NormalsSpoke normals_spoke(NormalsView view_15, NormalsFan fan, vec3 c_4, bool is_up) {
@@ -663,8 +685,8 @@ vec3 normals_centroid(NormalsFan fan_3, vec3 flux) {
 NormalsSum normals_add(NormalsView view_16, NormalsFan fan_4, NormalsSum sum, vec3 m_1, float whole_1, vec2 mean) {
     float _e6 = normals_rise(view_16, m_1);
     float known = clamp((_e6 * fan_4.per_rise), 0.0, 1.0);
-    vec3 part_1 = ((known * whole_1) * vec3(1.0, mean));
-    return NormalsSum((sum.all_ + part_1), (sum.positive + ((part_1.x > 0.0) ? part_1 : vec3(0.0))), ((sum.unknown + whole_1) - part_1.x));
+    vec3 part = ((known * whole_1) * vec3(1.0, mean));
+    return NormalsSum((sum.all_ + part), (sum.positive + ((part.x > 0.0) ? part : vec3(0.0))), ((sum.unknown + whole_1) - part.x));
 }
 
 NormalsSum normals_add_triangle(NormalsView view_17, NormalsFan fan_5, NormalsSum sum_1, NormalsSpoke a_14, NormalsSpoke b_13, vec3 curved_1, float share) {
@@ -699,61 +721,83 @@ NormalsSum normals_add_edges(NormalsView view_19, NormalsFan fan_7, NormalsSum s
 }
 
 NormalsSum normals_add_on_setting(NormalsView view_20, NormalsFan fan_8, NormalsSum sum_4, NormalsSpoke a_17, NormalsSpoke b_16, vec3 curved_2, float share_2) {
+    float energy = 0.0;
     vec3 _e7 = normals_flux(fan_8, a_17, b_16, curved_2);
     vec3 _e8 = normals_centroid(fan_8, _e7);
     vec2 _e16 = normals_weight(view_20, (_e8 + (fan_8.numbers.horizon.y * (_e8 - fan_8.tip))));
     float _e23 = normals_to_horizon(fan_8.at_tip.x, _e16.x, fan_8.numbers.horizon.x);
-    vec2 mean_3 = (_e23 * vec2(1.0, mix(_e16.y, fan_8.at_tip.y, fan_8.numbers.horizon.z)));
-    NormalsSum _e37 = normals_add(view_20, fan_8, sum_4, _e8, (share_2 * dot(_e7, fan_8.seen)), mean_3);
-    return _e37;
+    energy = _e23;
+    if ((fan_8.numbers.inner.x > 0.0)) {
+        vec2 _e37 = normals_weight(view_20, (_e8 + (fan_8.numbers.inner.y * (_e8 - fan_8.tip))));
+        float _e38 = energy;
+        energy = mix(_e38, _e37.x, fan_8.numbers.inner.x);
+    }
+    float _e44 = energy;
+    vec2 mean_3 = (_e44 * vec2(1.0, mix(_e16.y, fan_8.at_tip.y, fan_8.numbers.horizon.z)));
+    NormalsSum _e58 = normals_add(view_20, fan_8, sum_4, _e8, (share_2 * dot(_e7, fan_8.seen)), mean_3);
+    return _e58;
 }
 
 NormalsSum normals_add_setting(NormalsView view_21, NormalsFan fan_9, NormalsSum sum_5, NormalsSetting setting_2) {
     NormalsSum added = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
     NormalsSpoke before_1 = NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0));
-    uint part = 0u;
+    vec3 second_4 = vec3(0.0);
+    uint i_5 = 0u;
+    bool is_wide = (setting_2.wide > 0.0);
+    uint parts_1 = (fan_9.is_split ? 4u : 2u);
+    uint pairs = (is_wide ? (2u * parts_1) : parts_1);
+    float step_ = (1.0 / float(pairs));
+    float to_middle = (0.5 * (is_wide ? setting_2.wide : 1.0));
     added = sum_5;
-    NormalsSpoke _e6 = normals_spoke_to_setting(fan_9, setting_2.begin);
-    before_1 = _e6;
-    float step_ = (fan_9.is_split ? 0.25 : 0.5);
+    NormalsSpoke _e24 = normals_spoke_to_setting(fan_9, setting_2.begin);
+    before_1 = _e24;
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e67 = part;
-            part = (_e67 + 1u);
+            uint _e99 = i_5;
+            i_5 = (_e99 + 1u);
         }
         loop_init = false;
-        uint _e14 = part;
-        if ((_e14 < (fan_9.is_split ? 4u : 2u))) {
+        uint _e31 = i_5;
+        if ((_e31 < pairs)) {
         } else {
             break;
         }
         {
-            uint _e20 = part;
-            vec3 _e25 = normals_on_setting(setting_2, ((float(_e20) + 0.5) * step_));
-            uint _e26 = part;
-            vec3 _e31 = normals_on_setting(setting_2, (float((_e26 + 1u)) * step_));
-            uint _e36 = part;
-            vec3 low_1 = ((_e36 == 1u) ? setting_2.parts[1] : setting_2.parts[0]);
-            uint _e44 = part;
-            vec3 high_1 = ((_e44 == 3u) ? setting_2.parts[3] : setting_2.parts[2]);
-            vec3 _e49 = before_1.c;
-            uint _e50 = part;
-            mat2x3 _e54 = normals_shared(_e49, _e25, _e31, ((_e50 >= 2u) ? high_1 : low_1));
-            NormalsSpoke _e55 = normals_spoke_to_setting(fan_9, _e25);
-            NormalsSpoke _e56 = normals_spoke_to_setting(fan_9, _e31);
-            NormalsSum _e57 = added;
-            NormalsSpoke _e58 = before_1;
-            NormalsSum _e61 = normals_add_on_setting(view_21, fan_9, _e57, _e58, _e55, _e54[0], setting_2.share);
-            added = _e61;
-            NormalsSum _e62 = added;
-            NormalsSum _e65 = normals_add_on_setting(view_21, fan_9, _e62, _e55, _e56, _e54[1], setting_2.share);
-            added = _e65;
-            before_1 = _e56;
+            uint _e33 = i_5;
+            uint _e34 = i_5;
+            uint part_1 = (is_wide ? (_e34 / 2u) : _e33);
+            vec3 low_1 = ((part_1 == 1u) ? setting_2.parts[1] : setting_2.parts[0]);
+            vec3 high_1 = ((part_1 == 3u) ? setting_2.parts[3] : setting_2.parts[2]);
+            vec3 whole_2 = ((part_1 >= 2u) ? high_1 : low_1);
+            uint _e55 = i_5;
+            bool is_second_2 = ((_e55 % 2u) == 1u);
+            uint _e60 = i_5;
+            float t_2 = float(_e60);
+            vec3 _e67 = normals_on_setting(setting_2, (step_ * (t_2 + (is_second_2 ? to_middle : (1.0 - to_middle)))));
+            vec3 _e71 = normals_on_setting(setting_2, (step_ * (t_2 + 1.0)));
+            vec3 _e75 = normals_on_setting(setting_2, (step_ * (t_2 + 2.0)));
+            vec3 _e77 = before_1.c;
+            mat2x3 _e78 = normals_shared(_e77, _e71, _e75, whole_2);
+            vec3 _e80 = second_4;
+            vec3 half_ = (is_second_2 ? _e80 : _e78[0]);
+            second_4 = _e78[1];
+            vec3 _e84 = before_1.c;
+            mat2x3 _e86 = normals_shared(_e84, _e67, _e71, (is_wide ? half_ : whole_2));
+            NormalsSpoke _e87 = normals_spoke_to_setting(fan_9, _e67);
+            NormalsSpoke _e88 = normals_spoke_to_setting(fan_9, _e71);
+            NormalsSum _e89 = added;
+            NormalsSpoke _e90 = before_1;
+            NormalsSum _e93 = normals_add_on_setting(view_21, fan_9, _e89, _e90, _e87, _e86[0], setting_2.share);
+            added = _e93;
+            NormalsSum _e94 = added;
+            NormalsSum _e97 = normals_add_on_setting(view_21, fan_9, _e94, _e87, _e88, _e86[1], setting_2.share);
+            added = _e97;
+            before_1 = _e88;
         }
     }
-    NormalsSum _e69 = added;
-    return _e69;
+    NormalsSum _e101 = added;
+    return _e101;
 }
 
 vec2 normals_total(NormalsFan fan_10, NormalsSum sum_6, float seen) {
@@ -776,7 +820,7 @@ vec2 normals_polygon(NormalsView view_22, inout vec3 vertices_1[8], uint count, 
     vec3 flux_1 = vec3(0.0);
     bool local_6 = false;
     vec2 parts = vec2(0.0);
-    NormalsFan fan_11 = NormalsFan(NormalsNumbers(vec3(0.0), vec3(0.0)), vec3(0.0), vec2(0.0), vec3(0.0), vec3(0.0), 0.0, false, NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0)), NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0)));
+    NormalsFan fan_11 = NormalsFan(NormalsNumbers(vec3(0.0), vec3(0.0), vec2(0.0)), vec3(0.0), vec2(0.0), vec3(0.0), vec3(0.0), 0.0, false, NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0)), NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0)));
     NormalsSpoke s4_ = NormalsSpoke(vec3(0.0), false, vec3(0.0), vec3(0.0));
     NormalsSum sum_7 = NormalsSum(vec3(0.0), vec3(0.0), 0.0);
     bool local_7 = false;
@@ -919,103 +963,103 @@ vec2 normals_polygon(NormalsView view_22, inout vec3 vertices_1[8], uint count, 
     vec2 _e228 = normals_weight(view_22, _e227);
     parts = (vec2(_e228.x, (_e228.x * _e228.y)) * seen_2);
     if ((rule != NORMALS_MEAN)) {
-        NormalsFan _e238 = normals_fan(view_22, _e227, _e228, side_1, is_fine_1);
-        fan_11 = _e238;
-        bool _e241 = light_3.is_cut;
-        if (_e241) {
-            NormalsFan _e243 = fan_11;
-            vec3 _e246 = light_3.rise.c;
-            NormalsSpoke _e248 = normals_spoke(view_22, _e243, _e246, true);
-            fan_11.rise = _e248;
-            NormalsFan _e250 = fan_11;
-            vec3 _e253 = light_3.sink.c;
-            NormalsSpoke _e255 = normals_spoke(view_22, _e250, _e253, true);
-            fan_11.sink = _e255;
+        NormalsFan _e239 = normals_fan(view_22, _e227, _e228, side_1, _e179.wide, is_fine_1);
+        fan_11 = _e239;
+        bool _e242 = light_3.is_cut;
+        if (_e242) {
+            NormalsFan _e244 = fan_11;
+            vec3 _e247 = light_3.rise.c;
+            NormalsSpoke _e249 = normals_spoke(view_22, _e244, _e247, true);
+            fan_11.rise = _e249;
+            NormalsFan _e251 = fan_11;
+            vec3 _e254 = light_3.sink.c;
+            NormalsSpoke _e256 = normals_spoke(view_22, _e251, _e254, true);
+            fan_11.sink = _e256;
         }
         float less_1 = (1.0 - _e179.share);
-        uint _e260 = outline_3.nearest;
-        uint one_1 = (_e179.is_horizon ? 8u : _e260);
-        NormalsFan _e264 = fan_11;
-        NormalsSpoke _e269 = normals_spoke(view_22, _e264, _e12.c, (_e12.height > 0.0));
-        NormalsFan _e270 = fan_11;
-        NormalsSpoke _e275 = normals_spoke(view_22, _e270, _e15.c, (_e15.height > 0.0));
-        NormalsFan _e276 = fan_11;
-        NormalsSpoke _e281 = normals_spoke(view_22, _e276, _e18.c, (_e18.height > 0.0));
-        NormalsFan _e282 = fan_11;
-        NormalsSpoke _e287 = normals_spoke(view_22, _e282, _e24.c, (_e24.height > 0.0));
-        s4_ = _e269;
+        uint _e261 = outline_3.nearest;
+        uint one_1 = (_e179.is_horizon ? 8u : _e261);
+        NormalsFan _e265 = fan_11;
+        NormalsSpoke _e270 = normals_spoke(view_22, _e265, _e12.c, (_e12.height > 0.0));
+        NormalsFan _e271 = fan_11;
+        NormalsSpoke _e276 = normals_spoke(view_22, _e271, _e15.c, (_e15.height > 0.0));
+        NormalsFan _e277 = fan_11;
+        NormalsSpoke _e282 = normals_spoke(view_22, _e277, _e18.c, (_e18.height > 0.0));
+        NormalsFan _e283 = fan_11;
+        NormalsSpoke _e288 = normals_spoke(view_22, _e283, _e24.c, (_e24.height > 0.0));
+        s4_ = _e270;
         if (many) {
-            NormalsFan _e289 = fan_11;
-            vec3 _e291 = c4_.c;
-            float _e293 = c4_.height;
-            NormalsSpoke _e296 = normals_spoke(view_22, _e289, _e291, (_e293 > 0.0));
-            s4_ = _e296;
+            NormalsFan _e290 = fan_11;
+            vec3 _e292 = c4_.c;
+            float _e294 = c4_.height;
+            NormalsSpoke _e297 = normals_spoke(view_22, _e290, _e292, (_e294 > 0.0));
+            s4_ = _e297;
         }
-        NormalsFan _e304 = fan_11;
-        NormalsSum _e305 = sum_7;
-        NormalsSum _e307 = normals_add_edges(view_22, _e304, _e305, 0u, _e132, _e269, _e275, _e281, one_1, less_1);
-        sum_7 = _e307;
-        NormalsFan _e308 = fan_11;
-        NormalsSum _e309 = sum_7;
-        NormalsSpoke _e311 = s4_;
-        NormalsSum _e312 = normals_add_edges(view_22, _e308, _e309, 2u, _e136, _e281, _e287, _e311, one_1, less_1);
-        sum_7 = _e312;
+        NormalsFan _e305 = fan_11;
+        NormalsSum _e306 = sum_7;
+        NormalsSum _e308 = normals_add_edges(view_22, _e305, _e306, 0u, _e132, _e270, _e276, _e282, one_1, less_1);
+        sum_7 = _e308;
+        NormalsFan _e309 = fan_11;
+        NormalsSum _e310 = sum_7;
+        NormalsSpoke _e312 = s4_;
+        NormalsSum _e313 = normals_add_edges(view_22, _e309, _e310, 2u, _e136, _e282, _e288, _e312, one_1, less_1);
+        sum_7 = _e313;
         if (many) {
-            NormalsFan _e313 = fan_11;
-            vec3 _e315 = c5_.c;
-            float _e317 = c5_.height;
-            NormalsSpoke _e320 = normals_spoke(view_22, _e313, _e315, (_e317 > 0.0));
-            NormalsFan _e321 = fan_11;
-            vec3 _e323 = c6_.c;
-            float _e325 = c6_.height;
-            NormalsSpoke _e328 = normals_spoke(view_22, _e321, _e323, (_e325 > 0.0));
-            NormalsFan _e329 = fan_11;
-            vec3 _e331 = c7_.c;
-            float _e333 = c7_.height;
-            NormalsSpoke _e336 = normals_spoke(view_22, _e329, _e331, (_e333 > 0.0));
-            NormalsFan _e337 = fan_11;
-            NormalsSum _e338 = sum_7;
-            NormalsEdges _e340 = third;
-            NormalsSpoke _e341 = s4_;
-            NormalsSum _e342 = normals_add_edges(view_22, _e337, _e338, 4u, _e340, _e341, _e320, _e328, one_1, less_1);
-            sum_7 = _e342;
-            NormalsFan _e343 = fan_11;
-            NormalsSum _e344 = sum_7;
-            NormalsEdges _e346 = fourth;
-            NormalsSum _e347 = normals_add_edges(view_22, _e343, _e344, 6u, _e346, _e328, _e336, _e269, one_1, less_1);
-            sum_7 = _e347;
+            NormalsFan _e314 = fan_11;
+            vec3 _e316 = c5_.c;
+            float _e318 = c5_.height;
+            NormalsSpoke _e321 = normals_spoke(view_22, _e314, _e316, (_e318 > 0.0));
+            NormalsFan _e322 = fan_11;
+            vec3 _e324 = c6_.c;
+            float _e326 = c6_.height;
+            NormalsSpoke _e329 = normals_spoke(view_22, _e322, _e324, (_e326 > 0.0));
+            NormalsFan _e330 = fan_11;
+            vec3 _e332 = c7_.c;
+            float _e334 = c7_.height;
+            NormalsSpoke _e337 = normals_spoke(view_22, _e330, _e332, (_e334 > 0.0));
+            NormalsFan _e338 = fan_11;
+            NormalsSum _e339 = sum_7;
+            NormalsEdges _e341 = third;
+            NormalsSpoke _e342 = s4_;
+            NormalsSum _e343 = normals_add_edges(view_22, _e338, _e339, 4u, _e341, _e342, _e321, _e329, one_1, less_1);
+            sum_7 = _e343;
+            NormalsFan _e344 = fan_11;
+            NormalsSum _e345 = sum_7;
+            NormalsEdges _e347 = fourth;
+            NormalsSum _e348 = normals_add_edges(view_22, _e344, _e345, 6u, _e347, _e329, _e337, _e270, one_1, less_1);
+            sum_7 = _e348;
         }
         float horizon_2 = (_e179.is_horizon ? less_1 : 1.0);
-        bool _e352 = light_3.is_cut;
-        if (_e352) {
+        bool _e353 = light_3.is_cut;
+        if (_e353) {
             local_7 = (horizon_2 > 0.0);
         } else {
             local_7 = false;
         }
-        bool _e358 = local_7;
-        if (_e358) {
-            NormalsFan _e359 = fan_11;
-            NormalsSum _e360 = sum_7;
-            NormalsSpoke _e363 = fan_11.sink;
-            NormalsSpoke _e365 = fan_11.rise;
-            NormalsSum _e366 = normals_add_edge(view_22, _e359, _e360, _e179.horizon, _e363, _e365, horizon_2);
-            sum_7 = _e366;
+        bool _e359 = local_7;
+        if (_e359) {
+            NormalsFan _e360 = fan_11;
+            NormalsSum _e361 = sum_7;
+            NormalsSpoke _e364 = fan_11.sink;
+            NormalsSpoke _e366 = fan_11.rise;
+            NormalsSum _e367 = normals_add_edge(view_22, _e360, _e361, _e179.horizon, _e364, _e366, horizon_2);
+            sum_7 = _e367;
         }
         if ((_e179.share > 0.0)) {
-            NormalsFan _e370 = fan_11;
-            NormalsSum _e371 = sum_7;
-            NormalsSum _e372 = normals_add_setting(view_22, _e370, _e371, _e179);
-            sum_7 = _e372;
+            NormalsFan _e371 = fan_11;
+            NormalsSum _e372 = sum_7;
+            NormalsSum _e373 = normals_add_setting(view_22, _e371, _e372, _e179);
+            sum_7 = _e373;
         }
-        NormalsFan _e373 = fan_11;
-        NormalsSum _e374 = sum_7;
-        vec2 _e376 = normals_total(_e373, _e374, (seen_2 * side_1));
-        parts = (_e376 * side_1);
+        NormalsFan _e374 = fan_11;
+        NormalsSum _e375 = sum_7;
+        vec2 _e377 = normals_total(_e374, _e375, (seen_2 * side_1));
+        parts = (_e377 * side_1);
     }
-    float _e379 = parts.x;
-    float energy = clamp((_e379 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
-    float _e388 = parts.y;
-    return vec2(energy, clamp((_e388 * to_part), 0.0, energy));
+    float _e380 = parts.x;
+    float energy_1 = clamp((_e380 * to_part), 0.0, clamp((seen_2 * to_part), 0.0, 1.0));
+    float _e389 = parts.y;
+    return vec2(energy_1, clamp((_e389 * to_part), 0.0, energy_1));
 }
 
 vec2 normals_rectangle(NormalsView view_23, vec3 corners[4], bool two_sided_1, uint rule_1) {
@@ -1030,24 +1074,24 @@ vec2 normals_rectangle(NormalsView view_23, vec3 corners[4], bool two_sided_1, u
 
 vec2 normals_disk(NormalsView view_24, vec3 centre, vec3 half_x, vec3 half_y, bool two_sided_2, uint rule_2) {
     vec3 vertices_3[8] = vec3[8](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    uint i_5 = 0u;
+    uint i_6 = 0u;
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e30 = i_5;
-            i_5 = (_e30 + 1u);
+            uint _e30 = i_6;
+            i_6 = (_e30 + 1u);
         }
         loop_init_1 = false;
-        uint _e9 = i_5;
+        uint _e9 = i_6;
         if ((_e9 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e12 = i_5;
+            uint _e12 = i_6;
             vec2 _e18 = normals_ltc_sin_cos(((0.5 - float(_e12)) * 0.125));
             vec2 turn = (_e18 * 1.0539074);
-            uint _e21 = i_5;
+            uint _e21 = i_6;
             vertices_3[_e21] = ((centre + (half_x * turn.y)) + (half_y * turn.x));
         }
     }

@@ -19,9 +19,14 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
 /// known.
 ///
 /// A part is the arc of the great circle between its ends, and of what the two arcs leave of the whole it has a share by the cube
-/// of its chord, as lies between an arc and a chord of any curve. The shares decide only which part has which weight.
+/// of its chord, as lies between an arc and a chord of any curve. The shares decide only which part has which weight. So beyond a
+/// right angle, where [`acute_bend`] falls short, it stands for the arc too: what it lacks is in the rest.
 pub(super) fn shared<T: Scalar>([a, m, b]: [Triple<T>; 3], whole: Triple<T>) -> [Triple<T>; 2] {
-    let arcs = [arc_bend(a, m), arc_bend(m, b)];
+    let arc = |from: Triple<T>, to: Triple<T>| {
+        let chord = minus(to, from);
+        scaled(cross(from, to), acute_bend(dot(chord, chord)))
+    };
+    let arcs = [arc(a, m), arc(m, b)];
     // a x b less a x m and m x b.
     let plane = scaled(cross(minus(m, a), minus(b, a)), -T::ONE);
     let rest = minus(plus(whole, plane), plus(arcs[0], arcs[1]));
@@ -35,17 +40,12 @@ pub(super) fn shared<T: Scalar>([a, m, b]: [Triple<T>; 3], whole: Triple<T>) -> 
 
 /// `a x b (acos(a . b) / |a x b| - 1)`: what the arc of a great circle from `a` to `b` adds to `a x b`.
 ///
-/// With `z = |a - b|^2 / 4`, half of the versed sine of the angle, the bracket is `asin(sqrt z) / sqrt(z (1 - z)) - 1 =
-/// 2/3 z + 8/15 z^2 + ...`; here a polynomial that is 6e-7 off at most. Beyond a right angle the supplement is used.
+/// Beyond a right angle it is computed from the supplement.
 pub(in crate::light) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let across = cross(a, b);
     let is_acute = dot(a, b) >= T::ZERO;
     let chord = if is_acute { minus(a, b) } else { plus(a, b) };
-    let z = dot(chord, chord) * T::of(0.25);
-    let series = [0.524_055_84, -0.089_545_56, 2.271_551, -3.406_860_7, 3.516_457_1];
-    let [c2, c3, c4, c5, c6] = series.map(T::of);
-    let bend =
-        z * (T::of(0.666_755_35) + z * (T::of(0.529_126_37) + z * (c2 + z * (c3 + z * (c4 + z * (c5 + z * c6))))));
+    let bend = acute_bend(dot(chord, chord));
     let bend = if is_acute {
         bend
     } else {
@@ -53,6 +53,17 @@ pub(in crate::light) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Tripl
         T::TAU * T::of(0.5) / dot(across, across).max(T::of(1e-18)).sqrt() - bend - T::of(2.0)
     };
     scaled(across, bend)
+}
+
+/// An angle over its sine, less one, by the square of its chord, for up to a right angle: [0, 2].
+///
+/// With `z` a quarter of that, half of the versed sine, it is `asin(sqrt z) / sqrt(z (1 - z)) - 1 = 2/3 z + 8/15 z^2 + ...`; here
+/// a polynomial that is 6e-7 off at most. It is finite beyond, but too small: by 2 % of itself at 120 degrees.
+fn acute_bend<T: Scalar>(chord2: T) -> T {
+    let z = chord2 * T::of(0.25);
+    let series = [0.529_126_37, 0.524_055_84, -0.089_545_56, 2.271_551, -3.406_860_7, 3.516_457_1];
+    let [c1, c2, c3, c4, c5, c6] = series.map(T::of);
+    z * (T::of(0.666_755_35) + z * (c1 + z * (c2 + z * (c3 + z * (c4 + z * (c5 + z * c6))))))
 }
 
 /// The integral of `c x dc` along an edge's image, from `a.c` to `b.c`.

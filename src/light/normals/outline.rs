@@ -53,7 +53,7 @@ fn unstretched<T: Scalar>(h: Triple<T>, [alpha_x, alpha_y]: [T; 2]) -> Triple<T>
 pub(super) struct Parts {
     /// An edge of the light.
     pub(super) edge: u32,
-    /// The edge that is on the horizon or nearest to it.
+    /// The edge that is on the horizon or nearest to it; twice as many where it is wide.
     pub(super) horizon: u32,
 }
 
@@ -71,11 +71,18 @@ pub(super) struct Outline<T> {
     pub(super) setting: Range<usize>,
     /// By how much it counts as the horizon, in [0, 1].
     pub(super) share: T,
+    /// How wide it is, in [0, 1]: above zero each of its parts is split in two.
+    pub(super) wide: T,
+    /// How many of its parts share an integral.
+    pub(super) parts_per_integral: usize,
 }
 
 /// An edge is near the horizon where its higher end is lower than this part of the light's height above the surface, and the
 /// nearer the lower that is.
 const NEAR: f64 = 0.25;
+/// An edge on or near the horizon is wide from the first of these distances between the directions of its ends, and in full from
+/// the second: 74 and 128 degrees.
+const WIDE: [f64; 2] = [1.2, 1.8];
 
 impl<T: Scalar> Outline<T> {
     /// The part of a convex polygon that is above the surface, `z > 0`.
@@ -83,14 +90,21 @@ impl<T: Scalar> Outline<T> {
         let (ends, is_cut) = above(vertices);
         let (at, share) = setting(&ends, is_cut);
         let corner = |v: &Triple<T>| Corner::new(*v, alpha, wo);
-        let mut outline = Self { corners: Vec::with_capacity(ends.len() + 8), setting: 0..0, share };
+        let corners = Vec::with_capacity(ends.len() + 16);
+        let mut outline = Self { corners, setting: 0..0, share, wide: T::ZERO, parts_per_integral: 1 };
         for (i, (from, to)) in ends.iter().zip(ends.iter().cycle().skip(1)).enumerate() {
-            let (start, count) = (outline.corners.len(), if Some(i) == at { parts.horizon } else { parts.edge });
+            let start = outline.corners.len();
             let (from, to) = (corner(from), corner(to));
             outline.corners.push(from);
-            split(&mut outline.corners, &from, &to, count, alpha, wo);
             if Some(i) == at {
+                if parts.horizon > 1 {
+                    outline.wide = share * width(&from, &to);
+                    outline.parts_per_integral = if outline.wide > T::ZERO { 4 } else { 2 };
+                }
+                split(&mut outline.corners, &from, &to, parts.horizon, outline.wide, alpha, wo);
                 outline.setting = start..outline.corners.len();
+            } else {
+                split(&mut outline.corners, &from, &to, parts.edge, T::ZERO, alpha, wo);
             }
         }
         outline
@@ -117,50 +131,60 @@ fn above<T: Scalar>(vertices: &[Triple<T>]) -> (Vec<Triple<T>>, bool) {
 /// Which edge has the horizon's rule, and by how much. `ends` are the corners of an outline; if it `is_cut`, its last edge is
 /// along the horizon.
 ///
-/// Of the other edges, the one that is nearest to the horizon may have it, as far as it is nearer than all others. If the
-/// light is cut, the horizon's extent r among those of all edges near it, each by its nearness, decides between the two:
-/// where an edge sets corner after corner, r grows from 0 to 1.
+/// With an edge's nearness n, 1 for the horizon, and its extent e, the distance of its ends' directions, it is the edge with the
+/// largest `n^2 e`, by the share `(largest - second) / sum of n e`. So an edge that begins where a corner rises does not have the
+/// rule at once, and one that sets corner after corner hands it over to the horizon.
 fn setting<T: Scalar>(ends: &[Triple<T>], is_cut: bool) -> (Option<usize>, T) {
     let height = ends.iter().fold(T::ZERO, |most, v| most.max(v[2]));
-    let extent = |i: usize| {
-        let apart = minus(unit(ends[(i + 1) % ends.len()]), unit(ends[i]));
-        dot(apart, apart).sqrt()
-    };
-    let (mut nearest, mut nearness, mut second, mut extents) = (None, T::ZERO, T::ZERO, T::ZERO);
-    for i in 0..ends.len() - usize::from(is_cut) {
-        let top = ends[i][2].max(ends[(i + 1) % ends.len()][2]);
-        let near = T::ONE - top / (T::of(NEAR) * height).max(T::of(1e-36));
-        if near <= T::ZERO {
-            continue;
-        }
-        extents = extents + near * extent(i);
-        if near > nearness {
-            (nearest, second, nearness) = (Some(i), nearness, near);
+    let (mut nearest, mut most, mut second, mut extents) = (None, T::ZERO, T::ZERO, T::ZERO);
+    for i in 0..ends.len() {
+        let (from, to) = (ends[i], ends[(i + 1) % ends.len()]);
+        let is_horizon = is_cut && i + 1 == ends.len();
+        let lowness = T::ONE - from[2].max(to[2]) / (T::of(NEAR) * height).max(T::of(1e-36));
+        let near = if is_horizon { T::ONE } else { lowness.max(T::ZERO) };
+        let apart = minus(unit(to), unit(from));
+        let near_extent = near * dot(apart, apart).sqrt();
+        let by_extent = near * near_extent;
+        extents = extents + near_extent;
+        if by_extent > most {
+            (nearest, second, most) = (Some(i), most, by_extent);
         } else {
-            second = second.max(near);
+            second = second.max(by_extent);
         }
     }
-    let share = nearness - second;
-    if !is_cut {
-        return (nearest, share);
-    }
-    let horizon = extent(ends.len() - 1);
-    let r = horizon / (horizon + extents).max(T::of(1e-36));
-    let other = share * (T::ONE - r);
-    if r > other { (Some(ends.len() - 1), r - other) } else { (nearest, other - r) }
+    (nearest, (most - second) / extents.max(T::of(1e-36)))
 }
 
-/// Adds the corners within an edge that split it into `parts`.
+/// How wide an edge is, from 0 to 1, without a kink.
+fn width<T: Scalar>(from: &Corner<T>, to: &Corner<T>) -> T {
+    let [least, most] = WIDE.map(T::of);
+    let apart = minus(to.w, from.w);
+    let t = ((dot(apart, apart).sqrt() - least) / (most - least)).max(T::ZERO).min(T::ONE);
+    t * t * (T::of(3.0) - T::of(2.0) * t)
+}
+
+/// Adds the corners within an edge that split it into `parts`; if it is at all `wide`, also one within each part. Where the edge
+/// begins to be wide, that starts at the corner between two parts, and it moves to the middle of its own as the edge gets wider,
+/// so that nothing jumps.
 fn split<T: Scalar>(
     corners: &mut Vec<Corner<T>>,
     from: &Corner<T>,
     to: &Corner<T>,
     parts: u32,
+    wide: T,
     alpha: [T; 2],
     wo: Triple<T>,
 ) {
-    for part in 1..parts {
-        corners.push(from.towards(to, T::of(f64::from(part) / f64::from(parts)), alpha, wo));
+    let at = |part: T| from.towards(to, part / T::of(f64::from(parts)), alpha, wo);
+    for part in 0..parts {
+        let begin = T::of(f64::from(part));
+        if part > 0 {
+            corners.push(at(begin));
+        }
+        if wide > T::ZERO {
+            let half = T::of(0.5) * wide;
+            corners.push(at(if part % 2 > 0 { begin + half } else { begin + (T::ONE - half) }));
+        }
     }
 }
 

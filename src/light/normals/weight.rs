@@ -29,11 +29,24 @@ pub(super) struct Numbers<T> {
     near: T,
     /// The tip's part of Schlick's factor in such a triangle.
     tip: T,
+    /// Where the edge is wide, by how much a second normal's weight counts in place of the mean of [`to_horizon`], and how far
+    /// beyond the centroid that normal is; if negative, towards the tip.
+    inner: T,
+    within: T,
 }
 
-/// The numbers of a rule for all views, in the order of [`Numbers`]: each is the product of its row and
-/// `(1, mu_o, alpha, alpha mu_o)`, with the larger alpha, but at least zero. They have the least error over random lights.
-pub(super) type Forms = [[f64; 4]; 6];
+/// The numbers of a rule for all views: each is the product of its row and `(1, mu_o, alpha, alpha mu_o, r, r alpha)`, or its
+/// first four, with the larger alpha and the ratio r of the smaller to it; all but `within` at least zero. They have the least
+/// error over random lights.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Forms {
+    /// `outer` to `tip` of [`Numbers`].
+    pub(super) usual: [[f64; 4]; 6],
+    /// The same where the edge on or near the horizon is wide.
+    pub(super) wide: [[f64; 6]; 6],
+    /// `inner`, zero where no edge is wide, and `within`.
+    pub(super) inner: [[f64; 6]; 2],
+}
 
 /// A rate of zero would divide zero by zero.
 const LEAST_RATE: f64 = 0.02;
@@ -42,14 +55,19 @@ const LEAST_RATE: f64 = 0.02;
 const TIP: f64 = 0.03;
 
 impl<T: Scalar> Numbers<T> {
-    pub(super) fn new(forms: &Forms, view: &View<T>) -> Self {
+    /// `wide`: by how much the edge on or near the horizon is wide.
+    pub(super) fn new(forms: &Forms, view: &View<T>, wide: T) -> Self {
         let (mu, alpha) = (view.wo[2] / view.length, view.alpha[0].max(view.alpha[1]));
-        let at = [T::ONE, mu, alpha, alpha * mu];
-        let [outer, corner, beyond, rate, near, tip] = forms.map(|form| {
-            let [a, b, c, d] = form.map(T::of);
-            (a * at[0] + b * at[1] + c * at[2] + d * at[3]).max(T::ZERO)
+        let ratio = view.alpha[0].min(view.alpha[1]) / alpha;
+        let at = [T::ONE, mu, alpha, alpha * mu, ratio, ratio * alpha];
+        let number = |row: &[f64]| row.iter().zip(at).fold(T::ZERO, |sum, (x, at)| sum + T::of(*x) * at);
+        let [outer, corner, beyond, rate, near, tip] = [0, 1, 2, 3, 4, 5].map(|i| {
+            let (usual, widest) = (number(&forms.usual[i]), number(&forms.wide[i]));
+            (usual + wide * (widest - usual)).max(T::ZERO)
         });
-        Self { outer, corner, beyond, rate: rate.max(T::of(LEAST_RATE)), near, tip }
+        let [inner, within] = forms.inner.map(|row| number(&row));
+        let inner = wide * inner.max(T::ZERO);
+        Self { outer, corner, beyond, rate: rate.max(T::of(LEAST_RATE)), near, tip, inner, within }
     }
 }
 
@@ -124,6 +142,12 @@ impl<T: Scalar> View<T> {
     ) -> [T; 2] {
         let [near, schlick] = self.weight(beyond(tip, m, numbers.near));
         let mean = to_horizon(at_tip[0], near, numbers.rate);
+        let mean = if numbers.inner > T::ZERO {
+            let [within, _] = self.weight(beyond(tip, m, numbers.within));
+            mean + numbers.inner * (within - mean)
+        } else {
+            mean
+        };
         [mean, mean * (numbers.tip * at_tip[1] + (T::ONE - numbers.tip) * schlick)]
     }
 }

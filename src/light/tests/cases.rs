@@ -100,7 +100,7 @@ impl Draw {
     }
 
     /// The same for another range of half widths.
-    pub(super) fn lit_by(&mut self, roughness: Roughness, [least, most]: [f64; 2]) -> Lit {
+    pub(crate) fn lit_by(&mut self, roughness: Roughness, [least, most]: [f64; 2]) -> Lit {
         loop {
             let at = self.configuration(roughness);
             let wo = direction(at.theta, at.phi);

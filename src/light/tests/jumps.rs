@@ -37,7 +37,7 @@ fn nothing_jumps_along_random_paths() {
         for rule in WeightRule::ALL {
             let most = |seed: u64| {
                 let mut draw = Draw::new(2000 + seed);
-                let lit = draw.lit(roughness);
+                let lit = draw.lit_by(roughness, [0.05, 50.0]);
                 let axis = draw.vector().normalize();
                 let [angle, phi] = [0.0, 0.0].map(|_: f64| draw.within(-1.0, 1.0));
                 let theta = draw.within(0.0, 1.5);

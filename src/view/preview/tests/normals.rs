@@ -65,6 +65,7 @@ fn lights(roughness: Roughness) -> Vec<Lit> {
         let (foot, tilt) = (draw.within(-0.2, 0.3), draw.within(-0.05, 0.05));
         lights.extend([draw.wall(roughness, foot, tilt), draw.wall(roughness, 0.0, 0.0)]);
     }
+    lights.extend((0..2 * 256).map(|_| draw.lit_by(roughness, [50.0, 50.0])));
     lights
 }
 
