@@ -72,26 +72,29 @@ fn normals_between(a: NormalsCorner, b: NormalsCorner, t: f32, view: NormalsView
     return normals_corner(a.w * (x * x) + middle + b.w * (y * y), view);
 }
 
+/// Angles over their sines, less one, by the squares of their chords, for up to a right angle. Finite beyond, but too small.
+fn normals_acute_bend(chord2: vec2<f32>) -> vec2<f32> {
+    let z = chord2 * 0.25;
+    let far = z * (2.271551 + z * (-3.4068607 + z * 3.5164571));
+    return z * (0.66675535 + z * (0.52912637 + z * (0.52405584 + z * (-0.08954556 + far))));
+}
+
 /// a x b (acos(a . b) / |a x b| - 1): what the great circle's arc from a to b adds to a x b.
 fn normals_arc_bend(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     let across = cross(a, b);
     let is_acute = dot(a, b) >= 0.0;
     let chord = select(a + b, a - b, is_acute);
-    let z = dot(chord, chord) * 0.25;
-    let far = z * (2.271551 + z * (-3.4068607 + z * 3.5164571));
-    let bend = z * (0.66675535 + z * (0.52912637 + z * (0.52405584 + z * (-0.08954556 + far))));
+    let bend = normals_acute_bend(vec2(dot(chord, chord))).x;
     let obtuse = 3.14159265 / sqrt(max(dot(across, across), 1e-18)) - bend - 2.0;
     return across * select(obtuse, bend, is_acute);
 }
 
 /// What each of two parts, from a to m and from m to b, adds beyond its plane triangle, of the image of an edge whose whole is
 /// known: the great circle's arc, and of what the arcs leave a share by the cube of the chord. The shares decide only which
-/// part has which weight. Beyond a right angle the polynomial falls short of the arc, and what it lacks is in the rest.
+/// part has which weight: what the bend lacks beyond a right angle is in the rest.
 fn normals_shared(a: vec3<f32>, m: vec3<f32>, b: vec3<f32>, whole: vec3<f32>) -> mat2x3<f32> {
     let length2 = vec2(dot(m - a, m - a), dot(b - m, b - m));
-    let z = length2 * 0.25;
-    let far = z * (2.271551 + z * (-3.4068607 + z * 3.5164571));
-    let bend = z * (0.66675535 + z * (0.52912637 + z * (0.52405584 + z * (-0.08954556 + far))));
+    let bend = normals_acute_bend(length2);
     let arc = cross(a, m) * bend.x;
     let next = cross(m, b) * bend.y;
     let rest = whole - cross(m - a, b - a) - arc - next;

@@ -45,7 +45,7 @@ struct NormalsOutline {
     begin: NormalsCorner,
     end: NormalsCorner,
     curved: vec3<f32>,
-    /// The extents of all edges, each times its nearness, and the same times the nearness again of that edge and of the second.
+    /// The sum of nearness times extent over all edges; and nearness squared times extent, the largest and the second.
     extents: f32,
     most: f32,
     second: f32,

@@ -131,9 +131,9 @@ fn above<T: Scalar>(vertices: &[Triple<T>]) -> (Vec<Triple<T>>, bool) {
 /// Which edge has the horizon's rule, and by how much. `ends` are the corners of an outline; if it `is_cut`, its last edge is
 /// along the horizon.
 ///
-/// With an edge's nearness n, 1 for the horizon, and its extent e, the distance of its ends' directions, it is the edge with the
-/// largest `n^2 e`, by the share `(largest - second) / sum of n e`. So an edge that begins where a corner rises does not have the
-/// rule at once, and one that sets corner after corner hands it over to the horizon.
+/// With an edge's nearness nu, 1 for the horizon, and its extent e, the distance of its ends' directions, it is the edge with the
+/// largest `nu^2 e`, by the share `(largest - second largest) / sum of nu e`. So an edge that has just begun to rise at a corner
+/// has no share, and one that sets loses its share to the horizon little by little.
 fn setting<T: Scalar>(ends: &[Triple<T>], is_cut: bool) -> (Option<usize>, T) {
     let height = ends.iter().fold(T::ZERO, |most, v| most.max(v[2]));
     let (mut nearest, mut most, mut second, mut extents) = (None, T::ZERO, T::ZERO, T::ZERO);

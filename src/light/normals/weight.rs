@@ -141,13 +141,9 @@ impl<T: Scalar> View<T> {
         m: Triple<T>,
     ) -> [T; 2] {
         let [near, schlick] = self.weight(beyond(tip, m, numbers.near));
-        let mean = to_horizon(at_tip[0], near, numbers.rate);
-        let mean = if numbers.inner > T::ZERO {
-            let [within, _] = self.weight(beyond(tip, m, numbers.within));
-            mean + numbers.inner * (within - mean)
-        } else {
-            mean
-        };
+        let fallen = to_horizon(at_tip[0], near, numbers.rate);
+        let [within, _] = self.weight(beyond(tip, m, numbers.within));
+        let mean = fallen + numbers.inner * (within - fallen);
         [mean, mean * (numbers.tip * at_tip[1] + (T::ONE - numbers.tip) * schlick)]
     }
 }

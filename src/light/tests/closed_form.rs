@@ -191,7 +191,7 @@ fn lights_of_any_size_are_right() {
         [WeightRule::Fan, WeightRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())
     };
     let errors: Vec<[f64; 2]> = cases.par_iter().map(error).collect();
-    for (i, limits) in [[0.002, 0.012, 0.08], [0.0015, 0.01, 0.06]].into_iter().enumerate() {
+    for (i, limits) in [[0.0004, 0.002, 0.06], [0.0003, 0.0018, 0.04]].into_iter().enumerate() {
         let found = spread(errors.iter().map(|errors| errors[i]).collect());
         println!("any size, {}: {found:.5?}", [WeightRule::Fan, WeightRule::Fine][i]);
         assert!(found.iter().zip(limits).all(|(found, limit)| *found < limit), "{i}: {found:?}");
