@@ -5,14 +5,12 @@ use std::{collections::BTreeMap, path::PathBuf};
 use serde_json::{Map, Value, json};
 
 use super::Error;
-use crate::{
-    files::{
-        digest::Digest,
-        recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse_with},
-        tabulated::locate,
-    },
-    fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start},
+use ltcforge_files::{
+    digest::Digest,
+    recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse_with},
+    tabulated::locate,
 };
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start};
 
 /// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
 ///
@@ -25,29 +23,40 @@ pub struct RecipeBuilder {
     entry_limit: u64,
 }
 
-impl Recipe {
+/// A recipe and its documents.
+pub trait RecipeDocument: Sized {
     /// A builder, preset `standard`.
-    pub fn builder() -> RecipeBuilder {
-        RecipeBuilder { fields: Map::new(), nested: BTreeMap::new(), entry_limit: DEFAULT_ENTRY_LIMIT }
-    }
+    fn builder() -> RecipeBuilder;
 
     /// Reads a recipe document. The file of a tabulated BRDF is found from the working folder.
     ///
     /// # Errors
     /// [`Error::Recipe`] with every fault of the document.
-    pub fn from_json(json: &[u8]) -> Result<Self, Error> {
-        read(json, DEFAULT_ENTRY_LIMIT)
-    }
+    fn from_json(json: &[u8]) -> Result<Self, Error>;
 
     /// The canonical JSON (RFC 8785), all defaults filled in.
     #[must_use]
-    pub fn to_json(&self) -> String {
-        canonical_json(self)
-    }
+    fn to_json(&self) -> String;
 
     /// SHA-256 of the canonical JSON: equal for recipes that give equal bytes.
     #[must_use]
-    pub fn digest(&self) -> Digest {
+    fn digest(&self) -> Digest;
+}
+
+impl RecipeDocument for Recipe {
+    fn builder() -> RecipeBuilder {
+        RecipeBuilder { fields: Map::new(), nested: BTreeMap::new(), entry_limit: DEFAULT_ENTRY_LIMIT }
+    }
+
+    fn from_json(json: &[u8]) -> Result<Self, Error> {
+        read(json, DEFAULT_ENTRY_LIMIT)
+    }
+
+    fn to_json(&self) -> String {
+        canonical_json(self)
+    }
+
+    fn digest(&self) -> Digest {
         digest(self)
     }
 }
@@ -182,7 +191,7 @@ impl RecipeBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::recipe_document::RecipeError;
+    use ltcforge_files::recipe_document::RecipeError;
 
     #[test]
     fn a_built_recipe_is_that_of_its_document() {

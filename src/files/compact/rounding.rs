@@ -4,7 +4,7 @@
 //! grows by less than 1 %. For tables where it grows by more, steps become finer.
 
 use super::header::{CHANNELS, TERMS};
-use crate::fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
+use ltcforge_fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
 
 /// How many times finer each channel is rounded: by how much of its width the lobe moves with the number, for the terms
 /// by how small their own errors are.
@@ -40,7 +40,7 @@ pub(super) struct Rounding {
 impl Rounding {
     pub(super) fn of(table: &Table) -> Self {
         let lengths = table.axes().lengths();
-        let is_chosen = table.layout().rules().free_numbers().is_some()
+        let is_chosen = table.layout().free_numbers().is_some()
             && lengths.alpha > MIRROR_ROWS
             && lengths.theta > 1
             && lengths.ratio * lengths.phi == 1;

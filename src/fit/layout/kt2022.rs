@@ -10,7 +10,7 @@ use super::{
     rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
 };
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::align,
@@ -74,11 +74,6 @@ impl LayoutRules for Rules {
     }
 
     fn shader(&self) -> LayoutShader {
-        LayoutShader {
-            source: include_str!("../../../shaders/layout_kt2022.wgsl"),
-            restore: "ltc_restore_kt2022",
-            even: None,
-            number: 0,
-        }
+        LayoutShader { source: ltcforge_wgsl::LAYOUT_KT2022, restore: "ltc_restore_kt2022", even: None, number: 0 }
     }
 }

@@ -12,7 +12,7 @@ use super::{
     rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
 };
-use crate::fit::{
+use crate::{
     axes::{LEAST_ALPHA, PerAxis},
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::align_to,
@@ -100,7 +100,7 @@ impl LayoutRules for Rules {
 
     fn shader(&self) -> LayoutShader {
         LayoutShader {
-            source: include_str!("../../../shaders/layout_reflected.wgsl"),
+            source: ltcforge_wgsl::LAYOUT_REFLECTED,
             restore: "ltc_restore_reflected",
             even: None,
             number: 1,

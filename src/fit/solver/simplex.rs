@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fit::named_list::named_list;
+use crate::named_list;
 
 named_list! {
     /// Which number of the matrix skews a lobe in its plane of incidence, in the frame of the lobe's mean direction.
@@ -29,9 +29,11 @@ named_list! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Simplex {
     /// Which number skews a lobe.
-    pub(crate) shear: Shear,
+    #[doc(hidden)]
+    pub shear: Shear,
     /// Where a search starts.
-    pub(crate) start: Start,
+    #[doc(hidden)]
+    pub start: Start,
 }
 
 impl Default for Simplex {

@@ -16,7 +16,7 @@
 //! to the truth than a fine table of layout `reflected`.
 
 use super::{Configuration, LookedUp, Table};
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::BrdfKind,
     layout::{ALPHA_FLOOR, Layout, LobeNumbers, SMOOTH_NUMBERS, THETA_CEILING},
@@ -316,5 +316,7 @@ fn solved(factor: &Square, mut y: [f64; FUNCTION_SIDE]) -> [f64; FUNCTION_SIDE] 
     y
 }
 
+#[cfg(any(test, feature = "testing"))]
+pub(crate) mod planted;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

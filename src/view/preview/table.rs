@@ -3,10 +3,8 @@
 use half::f16;
 
 use super::{Mode, Scene};
-use crate::{
-    fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table},
-    view::picture::short_digest,
-};
+use crate::picture::short_digest;
+use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table};
 
 /// How wide the numbers of a texel are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,14 +123,14 @@ impl ShaderTable {
 
     /// The number by which shaders know the layout.
     pub(super) fn layout_code(&self) -> u32 {
-        self.layout.rules().shader().number
+        self.layout.shader().number
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::preview::tests::planted;
+    use crate::preview::tests::planted;
 
     #[test]
     fn sixteen_bits_round_to_nearest_and_keep_the_smallest_roughness() {

@@ -1,7 +1,7 @@
 //! The shape of a Gaussian: where it is and how wide.
 
 use super::Gaussian;
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
+use crate::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
 
 /// The least height of an axis that a matrix gives: a Gaussian has its middle above the surface.
 const LEAST_HEIGHT: f64 = 1e-6;
@@ -14,7 +14,7 @@ pub struct SphericalGaussian<T> {
     /// The middle, of length one.
     pub axis: Triple<T>,
     /// The vectors whose products with a direction, projected, are x and y; perpendicular to the axis.
-    pub(crate) rows: [Triple<T>; 2],
+    pub rows: [Triple<T>; 2],
 }
 
 impl<T: Scalar> SphericalGaussian<T> {

@@ -1,6 +1,6 @@
 //! The renderer on a GPU, or on lavapipe, a software rasteriser that Vulkan lists as one.
 
-#[cfg(all(test, feature = "textures"))]
+#[cfg(test)]
 pub(super) mod decoder;
 mod device;
 #[cfg(test)]
@@ -13,7 +13,7 @@ mod task;
 mod tiles;
 mod variant;
 
-pub(in crate::view) use failure::GpuFailure;
+pub(crate) use failure::GpuFailure;
 pub(super) use session::Gpu;
 pub(super) use task::RenderTask;
 pub use variant::{Variant, Weights};

@@ -1,0 +1,130 @@
+//! What a file says of itself.
+
+use ltcforge_files::{digest::Digest, manifest::MeanError, recipe_document};
+use ltcforge_fit::{BrdfKind, Recipe};
+
+/// The licence of the numbers: tables are facts about a BRDF, and whoever ships them should not have to ask.
+const LICENCE: &str = "licence of the numbers: CC0-1.0";
+
+/// The papers that a layout's numbers come from.
+const PAPERS: [&str; 2] = [
+    "Heitz, Dupuy, Hill, Neubelt: Real-Time Polygonal-Light Shading with Linearly Transformed Cosines, 2016",
+    "KT, Heitz, Dupuy, Narayanan: Bringing Linearly Transformed Cosines to Anisotropic GGX, 2022",
+];
+
+/// Digits of a digest that tell tables apart in names.
+const DIGITS: usize = 8;
+
+/// Lines for people that each file carries where its format has a place for them. A line holds no control characters.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct About {
+    lines: Vec<String>,
+    table: Option<Digest>,
+    layout: Option<&'static str>,
+}
+
+impl About {
+    /// These lines; a line break within one begins another, and other control characters become spaces.
+    pub fn new(lines: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
+        let mut clean = Vec::new();
+        for line in lines {
+            clean.extend(line.as_ref().lines().map(|line| {
+                line.chars()
+                    .map(|c| if c.is_control() || is_break(c) { ' ' } else { c })
+                    .collect::<String>()
+                    .trim_end()
+                    .to_owned()
+            }));
+        }
+        Self { lines: clean, table: None, layout: None }
+    }
+
+    /// What is known of a table: its digest and its recipe's, its mean error between nodes (`report.between` of its
+    /// manifest), licence and papers.
+    #[must_use]
+    pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<MeanError>) -> Self {
+        let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
+        lines.extend(recipe.map(|recipe| {
+            let document = recipe_document::canonical_json(recipe);
+            format!("recipe {}", Digest::of(document.as_bytes()))
+        }));
+        // Files of GGX keep the bytes that they have had.
+        let brdf = recipe.map(Recipe::brdf).filter(|brdf| *brdf != BrdfKind::Ggx);
+        lines.extend(brdf.map(|brdf| format!("brdf {brdf}")));
+        lines.extend(error.map(|MeanError { width, places }| {
+            format!("mean error between nodes: {width:.4} of the lobe's width, at {places} places")
+        }));
+        lines.push(LICENCE.to_owned());
+        lines.extend(PAPERS.map(str::to_owned));
+        Self { table: Some(table), ..Self::new(lines) }
+    }
+
+    /// The same of textures of this layout.
+    #[must_use]
+    pub fn of_layout(self, layout: &'static str) -> Self {
+        Self { layout: Some(layout), ..self }
+    }
+
+    /// What tells this table's names in code from those of others: the layout and the first digits of the table's digest,
+    /// as far as they are known, each behind an underscore. ASCII letters, digits and underscores.
+    pub(super) fn suffix(&self) -> String {
+        let digits = self.table.map(|table| table.hex()[..DIGITS].to_owned());
+        let parts = self.layout.map(|layout| layout.replace('-', "_")).into_iter().chain(digits);
+        parts.flat_map(|part| ["_".to_owned(), part]).collect()
+    }
+
+    /// The same, and more lines.
+    #[must_use]
+    pub fn and(mut self, lines: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
+        self.lines.extend(Self::new(lines).lines);
+        self
+    }
+
+    /// The lines.
+    #[must_use]
+    pub fn lines(&self) -> &[String] {
+        &self.lines
+    }
+
+    /// The lines as a comment of code, each behind `//`.
+    #[must_use]
+    pub(super) fn comment(&self) -> String {
+        // A backslash at the end would make the next line a part of the comment in C.
+        self.lines.iter().map(|line| format!("// {line}").trim_end_matches(['\\', ' ']).to_owned() + "\n").collect()
+    }
+}
+
+/// Characters that are no control characters, but end a line, and with it a comment, in some languages.
+fn is_break(c: char) -> bool {
+    matches!(c, '\u{2028}' | '\u{2029}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_in_code_tell_layouts_and_tables_apart() {
+        let of = |bytes: &[u8], layout| About::of_table(Digest::of(bytes), None, None).of_layout(layout).and(["more"]);
+        assert_eq!(of(b"abc", "reflected-array").suffix(), "_reflected_array_ba7816bf");
+        assert_ne!(of(b"abc", "ltc2017").suffix(), of(b"abd", "ltc2017").suffix());
+        assert_eq!(About::new(["a line"]).suffix(), "");
+    }
+
+    /// The mean of a few places may be twice that of many.
+    #[test]
+    fn the_error_is_told_with_the_places_where_it_was_measured() {
+        let about = About::of_table(Digest::of(b""), None, Some(MeanError { width: 0.046_98, places: 512 }));
+        let line = "mean error between nodes: 0.0470 of the lobe's width, at 512 places";
+        assert!(about.lines().iter().any(|own| own == line), "{about:?}");
+    }
+
+    #[test]
+    fn no_line_ends_a_comment() {
+        let about = About::new(["one\ntwo", "a\u{2028}b\u{7}c\r", "\\"]);
+        assert_eq!(about.lines(), ["one", "two", "a b c", "\\"]);
+        let comment = about.comment();
+        assert_eq!(comment.lines().count(), 4);
+        assert!(comment.lines().all(|line| line.starts_with("//") && !line.ends_with('\\')), "{comment}");
+    }
+}

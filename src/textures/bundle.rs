@@ -1,0 +1,31 @@
+//! Files that belong together, and one more that tells what they are.
+
+use serde_json::json;
+
+use super::{about::About, file::TextureFile, rounding::RoundingError};
+use ltcforge_files::digest::Digest;
+
+/// What the file beside the others is called.
+const MANIFEST: &str = "ltcforge.json";
+
+/// The files of an export.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bundle {
+    /// The files; the last tells what the others are.
+    pub files: Vec<TextureFile>,
+    /// What to do with them, a sentence each.
+    pub steps: Vec<String>,
+}
+
+impl Bundle {
+    /// The same files and a manifest of them, `ltcforge.json`: what they are by `key` and `name`, such as `for` and an
+    /// engine, what is known of the table, the steps, and each file's size in bytes, SHA-256 and what rounding changed.
+    pub(super) fn with_manifest(mut self, key: &str, name: &str, about: &About) -> Self {
+        let entry = |file: &TextureFile| json!({ "path": file.path, "bytes": file.bytes.len(), "sha256": Digest::of(&file.bytes).hex(), "rounding": file.rounding });
+        let files: Vec<_> = self.files.iter().map(entry).collect();
+        let document = json!({ key: name, "about": about.lines(), "files": files, "steps": self.steps });
+        let bytes = format!("{document:#}\n").into_bytes();
+        self.files.push(TextureFile { path: MANIFEST.to_owned(), bytes, rounding: RoundingError::default() });
+        self
+    }
+}

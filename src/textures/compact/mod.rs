@@ -1,0 +1,170 @@
+//! A table in its compact form: the bytes alone, or with a decoder in JavaScript, Rust or WGSL.
+
+#[cfg(test)]
+#[allow(unreachable_pub, clippy::pedantic, reason = "a module that stands alone in other crates")]
+mod decoder;
+mod wgsl;
+
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+
+use super::{about::About, file::TextureFile, recipe::recipe_like, rounding::RoundingError};
+use ltcforge_files::compact::{CompactError, LAYOUTS, check_lobes, encode};
+use ltcforge_fit::{Layout, Table, named_list};
+
+named_list! {
+    /// A file that holds a table's compact form.
+    pub enum CompactContainer {
+        /// The bytes, as [`ltcforge_files::compact`] describes them.
+        Bytes = "compact",
+        /// An ES module: the bytes in base64, and what makes textures of them.
+        JavaScript = "compact-js",
+        /// The bytes, and a module of Rust that decodes them, without a crate.
+        Rust = "compact-rust",
+        /// The bytes, and a module of WGSL that decodes them on the GPU.
+        Wgsl = "compact-wgsl",
+    }
+}
+
+/// Why a table has no such files.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CompactFileError {
+    /// No compact form has its layout, or this decoder makes no textures of it.
+    #[error(
+        "{container} is for tables of layouts {allowed}, and this one has {layout}; this recipe gives a table that serves: \
+         {recipe}"
+    )]
+    Layout {
+        /// The container's name.
+        container: &'static str,
+        /// The layouts that it has.
+        allowed: String,
+        /// The table's layout.
+        layout: Layout,
+        /// A recipe that serves.
+        recipe: String,
+    },
+    /// Its numbers have no compact form.
+    #[error(transparent)]
+    Form(#[from] CompactError),
+}
+
+/// What decodes the bytes, in JavaScript.
+const DECODER: &str = include_str!("decoder.js");
+
+/// What decodes the bytes, in Rust.
+const RUST_DECODER: &str = include_str!("decoder.rs");
+
+/// The module's own functions.
+const MODULE: &str = "
+// The textures of this module's table, and the table itself.
+export function createTextures() {
+
+	return texturesOf( createTable() );
+
+}
+
+export function createTable() {
+
+	return decodeTable( Uint8Array.from( atob( DATA ), c => c.charCodeAt( 0 ) ) );
+
+}
+
+";
+
+impl CompactContainer {
+    /// The layouts whose tables it holds.
+    fn layouts(self) -> &'static [Layout] {
+        match self {
+            Self::Bytes | Self::JavaScript => &LAYOUTS,
+            Self::Rust | Self::Wgsl => &[Layout::Reflected, Layout::Ltc2017],
+        }
+    }
+
+    /// Whether a table has a layout that this container holds.
+    pub(super) fn check(self, table: &Table) -> Result<(), CompactFileError> {
+        let (layout, layouts) = (table.layout(), self.layouts());
+        check_lobes(table)?;
+        if layouts.contains(&layout) {
+            return Ok(());
+        }
+        let usual = if layout.only_ranges().is_some() {
+            (Layout::Ltc2017, r#"{"layout": "ltc2017"}"#)
+        } else {
+            (Layout::Reflected, r#"{"layout": "reflected"}"#)
+        };
+        Err(CompactFileError::Layout {
+            container: self.name(),
+            allowed: layouts.iter().map(|layout| layout.name()).collect::<Vec<_>>().join(", "),
+            layout,
+            recipe: recipe_like(usual.1, usual.0, table),
+        })
+    }
+
+    /// The files, whose names begin with `stem`.
+    ///
+    /// # Errors
+    /// When the table has no such form.
+    pub fn files(self, stem: &str, table: &Table, about: &About) -> Result<Vec<TextureFile>, CompactFileError> {
+        self.check(table)?;
+        self.files_of(stem, encode(table)?, about)
+    }
+
+    /// The files of a compact form that this container holds.
+    pub(super) fn files_of(
+        self,
+        stem: &str,
+        bytes: Vec<u8>,
+        about: &About,
+    ) -> Result<Vec<TextureFile>, CompactFileError> {
+        let file = |ending: &str, bytes: Vec<u8>| TextureFile {
+            path: format!("{stem}.{ending}"),
+            bytes,
+            rounding: RoundingError::default(),
+        };
+        Ok(match self {
+            Self::Bytes => vec![file("compact", bytes)],
+            Self::JavaScript => {
+                let data = BASE64_STANDARD.encode(bytes);
+                let text = format!("{}\nconst DATA = '{data}';\n{MODULE}{DECODER}", about.comment());
+                vec![file("compact.js", text.into_bytes())]
+            }
+            Self::Rust => {
+                let text = format!(
+                    "{}\n/// The textures of this module's table.\n///\n/// # Errors\n/// Damaged bytes.\n\
+                     pub fn textures() -> Result<Vec<Texture>, &'static str> {{\n    \
+                     decode(include_bytes!(\"{stem}.compact\"))\n}}\n\n{RUST_DECODER}",
+                    about.comment()
+                );
+                vec![file("compact", bytes), file("compact.rs", text.into_bytes())]
+            }
+            Self::Wgsl => {
+                let module = wgsl::module(&bytes, about)?;
+                vec![file("compact", bytes), file("compact.wgsl", module.into_bytes())]
+            }
+        })
+    }
+
+    /// What to do with the files, a sentence each.
+    #[must_use]
+    pub fn steps(self, stem: &str) -> Vec<String> {
+        match self {
+            Self::Bytes => vec![format!(
+                "Read {stem}.compact with ltcforge::files::compact::decode, or with a decoder of compact-js, compact-rust or \
+                 compact-wgsl."
+            )],
+            Self::JavaScript => vec![format!(
+                "import {{ createTextures }} from './{stem}.compact.js'; each texture has name, width, height, depth and RGBA \
+                 data in 32 bits."
+            )],
+            Self::Rust => vec![format!(
+                "Include {stem}.compact.rs by #[path = \"{stem}.compact.rs\"] mod ltc; and call ltc::textures() once at load."
+            )],
+            Self::Wgsl => vec![format!(
+                "Bind {stem}.compact as {stem}.compact.wgsl says, and run its two passes once: its texels are the textures."
+            )],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

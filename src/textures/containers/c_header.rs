@@ -1,0 +1,71 @@
+//! A header for C99 and C++.
+
+use std::fmt::Write as _;
+
+use super::rules::{ContainerRules, Stored, Written, one_of_all};
+use crate::{about::About, digits::shortest, file::TextureFileError};
+use ltcforge_fit::Precision;
+
+/// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halfs.
+///
+/// The guard and the arrays have names of their own for each table and layout, so that headers of several can be included
+/// together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
+pub(super) struct Rules;
+
+impl ContainerRules for Rules {
+    fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
+        let suffix = about.suffix();
+        let guard = format!("ltcforge_{stem}{suffix}_h").to_ascii_uppercase();
+        let guard = guard.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+        let mut text = format!("{}#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n", about.comment());
+        let mut short = String::new();
+        for stored in textures {
+            let (name, count) = (&stored.texture.name, stored.rounded.numbers.len());
+            let upper = name.to_ascii_uppercase();
+            let number_type = match stored.rounded.precision {
+                Precision::F32 => "float",
+                Precision::F16 => "uint16_t",
+            };
+            // Writing to a String cannot fail.
+            let _ = write!(text, "\n// {}\n", stored.described());
+            for (side, value) in sides(stored) {
+                let _ = writeln!(text, "#define {upper}{suffix}_{side} {value}");
+                let _ = writeln!(short, "#define {upper}_{side} {upper}{suffix}_{side}");
+            }
+            let _ =
+                write!(text, "static const {number_type} {name}{suffix}[{count}] = {{\n{}}};\n", numbers(stored, "f"));
+            let _ = writeln!(short, "#define {name} {name}{suffix}");
+        }
+        if !suffix.is_empty() {
+            text += "\n// Define LTCFORGE_LONG_NAMES before headers of several tables are included.\n";
+            let _ = write!(text, "#ifndef LTCFORGE_LONG_NAMES\n{short}#endif\n");
+        }
+        text += "\n#endif\n";
+        Ok(one_of_all(stem, "h", text.into_bytes(), textures))
+    }
+}
+
+/// The constants that tell a texture's sizes.
+pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
+    let texture = stored.texture;
+    let [width, height, depth, layers] =
+        [texture.width, texture.height, texture.depth, texture.layers].map(|n| n as usize);
+    [("WIDTH", width), ("HEIGHT", height), ("DEPTH", depth), ("LAYERS", layers), ("CHANNELS", texture.channels.len())]
+}
+
+/// The numbers as code has them: floats with `suffix`, halfs as their bits.
+pub(super) fn numbers(stored: &Stored<'_>, suffix: &str) -> String {
+    match stored.rounded.precision {
+        Precision::F32 => stored.rows(|i| float(stored.rounded.numbers[i]) + suffix),
+        Precision::F16 => {
+            let bits: Vec<u16> = stored.rounded.half_bits().collect();
+            stored.rows(|i| bits[i].to_string())
+        }
+    }
+}
+
+/// A number that is a float in every language: with a point or an exponent.
+fn float(x: f32) -> String {
+    let text = shortest(x, Precision::F32);
+    if text.contains(['.', 'e']) { text } else { text + ".0" }
+}

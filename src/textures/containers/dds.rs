@@ -1,0 +1,135 @@
+//! `DirectDraw` Surface [Microsoft, DDS programming guide].
+//!
+//! The header of Direct3D 9 is 128 bytes long and names the format by a `FourCC`, as the published tables of 2017 have it;
+//! it holds 2D and 3D textures of 1, 2 and 4 channels. That of Direct3D 10 is 148 bytes long and also holds arrays and 3
+//! channels of 32 bits. The format has no place for what a file says of itself.
+
+use ddsfile::{
+    AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, Dds, DxgiFormat, FourCC, NewD3dParams, NewDxgiParams,
+    PixelFormat, PixelFormatFlags,
+};
+
+use super::rules::{ContainerRules, Stored, Written, one_each};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_fit::Precision;
+
+/// The name in errors.
+const NAME: &str = "DDS";
+
+/// DDS with either header.
+pub(super) struct Rules {
+    pub(super) always_dx10: bool,
+}
+
+impl ContainerRules for Rules {
+    fn files(&self, _stem: &str, textures: &[Stored<'_>], _about: &About) -> Result<Vec<Written>, TextureFileError> {
+        one_each(textures, "dds", |texture| match legacy_format(texture) {
+            Some(format) if !self.always_dx10 => legacy(texture, format),
+            _ => dx10(texture),
+        })
+    }
+}
+
+/// The format of Direct3D 9, where there is one.
+fn legacy_format(stored: &Stored<'_>) -> Option<D3DFormat> {
+    match (stored.rounded.precision, stored.texture.channels.len()) {
+        _ if stored.texture.layers > 1 => None,
+        (Precision::F16, 1) => Some(D3DFormat::R16F),
+        (Precision::F16, 2) => Some(D3DFormat::G16R16F),
+        (Precision::F16, 4) => Some(D3DFormat::A16B16G16R16F),
+        (Precision::F32, 1) => Some(D3DFormat::R32F),
+        (Precision::F32, 2) => Some(D3DFormat::G32R32F),
+        (Precision::F32, 4) => Some(D3DFormat::A32B32G32R32F),
+        _ => None,
+    }
+}
+
+/// `None` where the texture has no depth.
+fn depth(stored: &Stored<'_>) -> (Option<u32>, Option<Caps2>) {
+    match stored.texture.depth {
+        1 => (None, None),
+        depth => (Some(depth), Some(Caps2::VOLUME)),
+    }
+}
+
+fn legacy(stored: &Stored<'_>, format: D3DFormat) -> Result<Vec<u8>, TextureFileError> {
+    small_enough(stored)?;
+    let (depth, caps2) = depth(stored);
+    let (width, height) = (stored.texture.width, stored.texture.height);
+    let dds = Dds::new_d3d(NewD3dParams { height, width, depth, format, mipmap_levels: None, caps2 });
+    written(dds, fourcc(format), stored)
+}
+
+/// The number of a format of Direct3D 9.
+fn fourcc(format: D3DFormat) -> u32 {
+    match format {
+        D3DFormat::R16F => FourCC::R16F,
+        D3DFormat::G16R16F => FourCC::G16R16F,
+        D3DFormat::A16B16G16R16F => FourCC::A16B16G16R16F,
+        D3DFormat::R32F => FourCC::R32F,
+        D3DFormat::G32R32F => FourCC::G32R32F,
+        _ => FourCC::A32B32G32R32F,
+    }
+}
+
+/// The file of one texture with the header of Direct3D 10.
+pub(crate) fn dx10(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
+    let texture = stored.texture;
+    stored.at_most_four(NAME)?;
+    small_enough(stored)?;
+    if texture.depth > 1 && texture.layers > 1 {
+        return Err(stored.unsupported(NAME, "layers", texture.layers.to_string(), "1 where depth is more than 1"));
+    }
+    let format = match (stored.rounded.precision, texture.channels.len()) {
+        (Precision::F16, 1) => DxgiFormat::R16_Float,
+        (Precision::F16, 2) => DxgiFormat::R16G16_Float,
+        (Precision::F16, 4) => DxgiFormat::R16G16B16A16_Float,
+        (Precision::F32, 1) => DxgiFormat::R32_Float,
+        (Precision::F32, 2) => DxgiFormat::R32G32_Float,
+        (Precision::F32, 3) => DxgiFormat::R32G32B32_Float,
+        (Precision::F32, 4) => DxgiFormat::R32G32B32A32_Float,
+        (_, channels) => {
+            return Err(stored.unsupported(NAME, "channels", channels.to_string(), "1, 2 and 4 of 16 bits"));
+        }
+    };
+    let (depth, caps2) = depth(stored);
+    let dds = Dds::new_dxgi(NewDxgiParams {
+        height: texture.height,
+        width: texture.width,
+        depth,
+        format,
+        mipmap_levels: None,
+        array_layers: (texture.layers > 1).then_some(texture.layers),
+        caps2,
+        is_cubemap: false,
+        resource_dimension: match depth {
+            None => D3D10ResourceDimension::Texture2D,
+            Some(_) => D3D10ResourceDimension::Texture3D,
+        },
+        // The fourth channel is a number like the others.
+        alpha_mode: AlphaMode::Custom,
+    });
+    written(dds, FourCC::DX10, stored)
+}
+
+/// The crate counts bytes in 32 bits.
+fn small_enough(stored: &Stored<'_>) -> Result<(), TextureFileError> {
+    let bytes = stored.rounded.numbers.len() as u64 * stored.rounded.number_bytes() as u64;
+    if u32::try_from(bytes).is_ok() {
+        return Ok(());
+    }
+    Err(stored.unsupported(NAME, "texels", format!("{bytes} bytes"), "less than 4 GiB"))
+}
+
+/// The bytes of a file with this `FourCC`. The crate marks formats of a known width as plain colours with masks, which they
+/// are not: 113 is told by its `FourCC` alone.
+fn written(dds: Result<Dds, ddsfile::Error>, fourcc: u32, stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
+    let refused = |error: ddsfile::Error| TextureFileError::Refused { container: NAME, reason: error.to_string() };
+    let mut dds = dds.map_err(refused)?;
+    dds.header.spf =
+        PixelFormat { flags: PixelFormatFlags::FOURCC, fourcc: Some(FourCC(fourcc)), ..PixelFormat::default() };
+    dds.data = stored.rounded.little_endian();
+    let mut file = Vec::new();
+    dds.write(&mut file).map_err(refused)?;
+    Ok(file)
+}

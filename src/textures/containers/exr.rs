@@ -1,0 +1,59 @@
+//! `OpenEXR`: a picture with named channels.
+//!
+//! A part for each slice of a 3D texture or an array, in order, named after the texture and its place. Lines are not
+//! compressed, so that the bytes do not depend on a compressor's version. What the file says of itself is the attribute
+//! `comments` of each part.
+
+use std::io::Cursor;
+
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes,
+    Text, Vec2, WritableImage as _,
+};
+use half::f16;
+
+use super::rules::{ContainerRules, Stored, Written, one_each};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_fit::Precision;
+
+/// `OpenEXR`.
+pub(super) struct Rules;
+
+impl ContainerRules for Rules {
+    fn files(&self, _stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
+        one_each(textures, "exr", |texture| encode(texture, about))
+    }
+}
+
+fn encode(stored: &Stored<'_>, about: &About) -> Result<Vec<u8>, TextureFileError> {
+    let texture = stored.texture;
+    let size = Vec2(texture.width as usize, texture.height as usize);
+    let slice_numbers = size.0 * size.1 * texture.channels.len();
+    // UTF-8, as OpenEXR's own library has it; the crate's checked constructors know Latin-1 alone.
+    let comments = Text::from_slice_unchecked(about.lines().join("\n").as_bytes());
+    let mut layers: Vec<Layer<AnyChannels<FlatSamples>>> = Vec::new();
+    for (place, slice) in stored.rounded.numbers.chunks_exact(slice_numbers).enumerate() {
+        let name =
+            if texture.slices().len() == 1 { texture.name.clone() } else { format!("{}.{place:05}", texture.name) };
+        let channels = texture.channels.iter().enumerate().map(|(i, channel)| {
+            let numbers = slice.iter().copied().skip(i).step_by(texture.channels.len());
+            let samples = match stored.rounded.precision {
+                Precision::F32 => FlatSamples::F32(numbers.collect()),
+                Precision::F16 => FlatSamples::F16(numbers.map(f16::from_f32_const).collect()),
+            };
+            AnyChannel::new(channel.as_str(), samples)
+        });
+        let attributes = LayerAttributes { comments: Some(comments.clone()), ..LayerAttributes::named(name.as_str()) };
+        let channels = AnyChannels::sort(channels.collect());
+        layers.push(Layer::new(size, attributes, Encoding::UNCOMPRESSED, channels));
+    }
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+    let image = Image::from_layers(attributes, layers);
+    let mut file = Cursor::new(Vec::new());
+    image
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .map_err(|error| TextureFileError::Refused { container: "EXR", reason: error.to_string() })?;
+    Ok(file.into_inner())
+}

@@ -1,0 +1,40 @@
+//! `NumPy`'s `.npy` format, version 1.0: C order, little-endian.
+
+use super::rules::{ContainerRules, Stored, Written, one_each};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_files::container::NPY_MAGIC;
+use ltcforge_fit::Precision;
+
+/// The data begins at a multiple of this.
+const ALIGNMENT: usize = 64;
+
+/// An array a file, of the shape that [`crate::Texture::shape`] tells. The format has no place for what
+/// a file says of itself.
+pub(super) struct Rules;
+
+impl ContainerRules for Rules {
+    fn files(&self, _stem: &str, textures: &[Stored<'_>], _about: &About) -> Result<Vec<Written>, TextureFileError> {
+        one_each(textures, "npy", |texture| Ok(encode(texture)))
+    }
+}
+
+/// The file of one texture.
+pub(super) fn encode(stored: &Stored<'_>) -> Vec<u8> {
+    let descr = match stored.rounded.precision {
+        Precision::F32 => "<f4",
+        Precision::F16 => "<f2",
+    };
+    let shape: Vec<String> = stored.texture.shape().iter().map(usize::to_string).collect();
+    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}", shape.join(", "));
+    // Magic, version, the header's length, the header with a line break at its end.
+    let before = NPY_MAGIC.len() + 2 + 2;
+    let length = (before + header.len() + 1).next_multiple_of(ALIGNMENT) - before;
+    header = format!("{header:<width$}\n", width = length - 1);
+    let mut file = NPY_MAGIC.to_vec();
+    file.extend([1, 0]);
+    // A shape of five numbers and the words around them are less than 128 bytes.
+    file.extend((length as u16).to_le_bytes());
+    file.extend(header.into_bytes());
+    file.extend(stored.rounded.little_endian());
+    file
+}

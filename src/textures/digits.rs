@@ -1,0 +1,121 @@
+//! Numbers as text: the shortest digits from which the stored number comes back.
+
+use half::f16;
+
+use ltcforge_fit::Precision;
+
+/// The shortest decimal that is read back as `x`, which is a number of the precision: for 32 bits as an f32, for 16 bits
+/// as a half, whether it is read directly, as an f32 that is then rounded, or as an f64. A valid number in JSON,
+/// JavaScript, and with a decimal point also in C, C# and Rust.
+pub(super) fn shortest(x: f32, precision: Precision) -> String {
+    let exponential = match precision {
+        Precision::F32 => format!("{x:e}"),
+        Precision::F16 => shortest_half(x),
+    };
+    plain(&exponential)
+}
+
+/// At most five digits tell halfs apart. Of the decimals with so many digits the nearest to `x` is tried.
+fn shortest_half(x: f32) -> String {
+    (0..=4)
+        .map(|decimals| format!("{x:.decimals$e}"))
+        .find(|text| reads_as(text, x))
+        .unwrap_or_else(|| format!("{x:e}"))
+}
+
+/// Whether a half is read from this text in every way. It must not be at the border of two halfs: engines round ties in
+/// either direction.
+fn reads_as(text: &str, x: f32) -> bool {
+    let (Ok(single), Ok(double)) = (text.parse::<f32>(), text.parse::<f64>()) else { return false };
+    let bits = f16::from_f32_const(x).to_bits();
+    let around = [double * (1.0 - 1e-5), double, double * (1.0 + 1e-5)];
+    f16::from_f32_const(single).to_bits() == bits && around.iter().all(|y| f16::from_f64_const(*y).to_bits() == bits)
+}
+
+/// `1.25e-1` as `0.125` where that is not longer by much, without an exponent's `+`.
+fn plain(exponential: &str) -> String {
+    let Some((mantissa, exponent)) = exponential.split_once('e') else { return exponential.to_owned() };
+    let Ok(exponent) = exponent.parse::<i32>() else { return exponential.to_owned() };
+    let (sign, mantissa) = mantissa.strip_prefix('-').map_or(("", mantissa), |rest| ("-", rest));
+    let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
+    let digits = digits.trim_end_matches('0');
+    let digits = if digits.is_empty() { "0" } else { digits };
+    let count = i32::try_from(digits.len()).unwrap_or(i32::MAX);
+    match exponent {
+        // All digits before the point.
+        _ if (count - 1..6).contains(&exponent) => {
+            format!("{sign}{digits}{}", "0".repeat((exponent + 1 - count) as usize))
+        }
+        0..6 => {
+            let (whole, part) = digits.split_at(exponent as usize + 1);
+            format!("{sign}{whole}.{part}")
+        }
+        -4..0 => format!("{sign}0.{}{digits}", "0".repeat((-exponent - 1) as usize)),
+        _ if count == 1 => format!("{sign}{digits}e{exponent}"),
+        _ => format!("{sign}{}.{}e{exponent}", &digits[..1], &digits[1..]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn every_half_comes_back_from_five_digits() {
+        let mut lengths = [0_usize; 12];
+        for bits in 0..=u16::MAX {
+            let half = f16::from_bits(bits);
+            if !half.is_finite() {
+                continue;
+            }
+            let text = shortest(half.to_f32_const(), Precision::F16);
+            let single: f32 = text.parse().unwrap_or_else(|_| panic!("{text}"));
+            let double: f64 = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{text} is no JSON"));
+            assert_eq!(f16::from_f32_const(single).to_bits(), bits, "{text}");
+            assert_eq!(f16::from_f64_const(double).to_bits(), bits, "{text}");
+            // Strictly nearer than to the next halfs: some engines round ties away from zero.
+            for neighbour in [bits ^ 0x8000, bits.wrapping_add(1), bits.wrapping_sub(1)].map(f16::from_bits) {
+                let (here, there) = ((double - half.to_f64_const()).abs(), (double - neighbour.to_f64_const()).abs());
+                assert!(neighbour.is_nan() || half == neighbour || here < there, "{text} is no nearer to {half}");
+            }
+            let digits = text.split('e').next().unwrap_or_default().trim_start_matches(['-', '0', '.']);
+            lengths[digits.chars().filter(char::is_ascii_digit).count()] += 1;
+        }
+        assert_eq!(lengths[6..].iter().sum::<usize>(), 0, "more than five digits: {lengths:?}");
+        assert!(lengths[5] < 40_000, "most halfs need fewer than five: {lengths:?}");
+    }
+
+    #[test]
+    fn numbers_are_written_as_people_do() {
+        for (x, single, half) in [
+            (0.0, "0", "0"),
+            (1.0, "1", "1"),
+            (-0.5, "-0.5", "-0.5"),
+            (65504.0, "65504", "65500"),
+            (1234.0, "1234", "1234"),
+            (0.1, "0.1", "0.1"),
+            (1e-7, "1e-7", "1e-7"),
+            (-1.5e-9, "-1.5e-9", "-0"),
+            (1e20, "1e20", ""),
+            (0.000_123_4, "0.0001234", "0.0001234"),
+        ] {
+            assert_eq!(shortest(x, Precision::F32), single);
+            if !half.is_empty() {
+                let stored = f16::from_f32_const(x).to_f32_const();
+                assert_eq!(shortest(stored, Precision::F16), half);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_f32_comes_back(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL | prop::num::f32::ZERO) {
+            let text = shortest(x, Precision::F32);
+            prop_assert_eq!(text.parse::<f32>().map(f32::to_bits), Ok(x.to_bits()), "{}", text);
+            let double: f64 = serde_json::from_str(&text).expect("JSON");
+            prop_assert_eq!((double as f32).to_bits(), x.to_bits(), "{}", text);
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! Babylon.js, as of `@babylonjs/core` 9.34.0 (npm).
+//!
+//! `Lights/LTC/ltcTextureTool` loads `areaLights/areaLightsLTC.bin` below the folder of core assets, which
+//! `Tools.AssetBaseUrl` replaces, and reads 16-bit words as the page's processor orders them, which is little-endian: eight
+//! halfs a texel, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at roughness and
+//! sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
+
+use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use crate::{bundle::Bundle, file::TextureFileError};
+use ltcforge_fit::Precision;
+
+/// Babylon.js.
+pub(super) struct Rules;
+
+impl EngineRules for Rules {
+    fn layout(&self) -> Option<&'static str> {
+        Some("ltc2017")
+    }
+
+    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+        let first = source.square(FIRST, SIZE, Precision::F16)?;
+        let second = source.square(SECOND, SIZE, Precision::F16)?;
+        let [one, two] = [&first, &second].map(|stored| stored.rounded.half_bits().collect::<Vec<u16>>());
+        let texels = one.chunks_exact(4).zip(two.chunks_exact(4));
+        let bytes = texels.flat_map(|(one, two)| one.iter().chain(two)).flat_map(|half| half.to_le_bytes()).collect();
+        let steps = [
+            "Serve this folder, and before the first area light set Tools.AssetBaseUrl to its URL (checked with 9.34).",
+            "AssetBaseUrl stands for https://assets.babylonjs.com/core: what else a page takes from there has to lie here too.",
+        ];
+        let path = "areaLights/areaLightsLTC.bin";
+        Ok(Bundle { files: vec![file(path, bytes, &[&first, &second])], steps: steps.map(str::to_owned).into() })
+    }
+}

@@ -1,0 +1,65 @@
+//! What engines load, one file each: which layout, which files under which names, and where they go.
+//!
+//! What an engine expects was read in its sources, in the version that its file names; a new version may differ. A new
+//! engine needs a file and a line in [`Engine`].
+
+mod babylon;
+mod bevy;
+mod godot;
+mod hdrp;
+mod o3de;
+mod playcanvas;
+mod rules;
+mod three;
+mod wgpu;
+
+pub(crate) use self::rules::{EngineRules, Source};
+use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
+use ltcforge_fit::{PerAxis, named_list};
+
+named_list! {
+    /// A renderer that has area lights by LTC tables, or that takes ours.
+    pub enum Engine: EngineRules {
+        /// three.js.
+        Three = "three" => three::Rules,
+        /// Babylon.js.
+        Babylon = "babylon" => babylon::Rules,
+        /// `PlayCanvas`.
+        PlayCanvas = "playcanvas" => playcanvas::Rules,
+        /// Bevy.
+        Bevy = "bevy" => bevy::Rules,
+        /// Godot.
+        Godot = "godot" => godot::Rules,
+        /// Open 3D Engine.
+        O3de = "o3de" => o3de::Rules,
+        /// Unity's High Definition Render Pipeline.
+        Hdrp = "hdrp" => hdrp::Rules,
+        /// A renderer of one's own with the shader that `ltcforge shader` writes.
+        Wgpu = "wgpu" => wgpu::Rules,
+    }
+}
+
+impl Engine {
+    /// The layout of its textures; `None` for that of the table.
+    #[must_use]
+    pub fn layout(self) -> Option<&'static str> {
+        self.rules().layout()
+    }
+
+    /// The files that this engine loads, made of textures of its layout, and their manifest.
+    ///
+    /// # Errors
+    /// When a texture is missing, or its size or channels are not those of the engine.
+    pub fn bundle(
+        self,
+        textures: &[Texture],
+        axes: &PerAxis<Vec<f64>>,
+        about: &About,
+    ) -> Result<Bundle, TextureFileError> {
+        let bundle = self.rules().bundle(&Source { engine: self.name(), textures, axes, about })?;
+        Ok(bundle.with_manifest("for", self.name(), about))
+    }
+}
+
+#[cfg(test)]
+mod tests;

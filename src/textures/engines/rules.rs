@@ -1,0 +1,84 @@
+//! What an engine's bundle is made of, and what it is.
+
+use crate::{
+    about::About,
+    bundle::Bundle,
+    containers::{Stored, stored},
+    file::{TextureFile, TextureFileError},
+    rounding::RoundingError,
+    texture::Texture,
+};
+use ltcforge_fit::{PerAxis, Precision};
+
+/// The two textures that most engines have.
+pub(super) const FIRST: &str = "LTC_1";
+pub(super) const SECOND: &str = "LTC_2";
+/// Texels along each side of their textures.
+pub(super) const SIZE: u32 = 64;
+
+/// What a bundle is made of.
+pub(crate) struct Source<'a> {
+    pub(super) engine: &'static str,
+    pub(super) textures: &'a [Texture],
+    /// The nodes of the table.
+    pub(super) axes: &'a PerAxis<Vec<f64>>,
+    pub(super) about: &'a About,
+}
+
+/// An engine as an item of [`super::Engine`].
+pub(crate) trait EngineRules: Sync {
+    /// The layout of its textures; `None` for the table's own.
+    fn layout(&self) -> Option<&'static str>;
+
+    /// Its files, and what to do with them.
+    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError>;
+}
+
+impl Source<'_> {
+    /// A square 2D texture with four channels, rounded.
+    pub(super) fn square(
+        &self,
+        name: &'static str,
+        size: u32,
+        precision: Precision,
+    ) -> Result<Stored<'_>, TextureFileError> {
+        let wanted = || format!("{size} x {size} texels and 4 channels");
+        let found = self.named(name, wanted)?;
+        let fits = [found.width, found.height, found.depth, found.layers] == [size, size, 1, 1];
+        if fits && found.channels.len() == 4 {
+            return self.stored(found, precision);
+        }
+        let Texture { width, height, depth, layers, channels, .. } = found;
+        let found = format!("{width} x {height} x {depth} texels, {layers} layers and {} channels", channels.len());
+        Err(TextureFileError::Missing { engine: self.engine, name, wanted: wanted(), found })
+    }
+
+    /// The texture of a name.
+    pub(super) fn named(
+        &self,
+        name: &'static str,
+        wanted: impl FnOnce() -> String,
+    ) -> Result<&Texture, TextureFileError> {
+        self.textures.iter().find(|texture| texture.name == name).ok_or_else(|| {
+            let names: Vec<&str> = self.textures.iter().map(|texture| texture.name.as_str()).collect();
+            let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            TextureFileError::Missing { engine: self.engine, name, wanted: wanted(), found }
+        })
+    }
+
+    #[allow(clippy::unused_self, reason = "reads as a sentence beside its neighbours")]
+    pub(super) fn stored<'t>(
+        &self,
+        texture: &'t Texture,
+        precision: Precision,
+    ) -> Result<Stored<'t>, TextureFileError> {
+        let mut all = stored(std::slice::from_ref(texture), precision)?;
+        all.pop().ok_or(TextureFileError::Empty)
+    }
+}
+
+/// A file of text whose numbers were rounded.
+pub(super) fn file(path: &str, bytes: Vec<u8>, stored: &[&Stored<'_>]) -> TextureFile {
+    let rounding = stored.iter().fold(RoundingError::default(), |all, one| all.and(one.rounded.error));
+    TextureFile { path: path.to_owned(), bytes, rounding }
+}

@@ -1,0 +1,78 @@
+//! three.js, as of 0.187.0 (npm).
+//!
+//! `WebGLLights` reads `UniformsLib.LTC_FLOAT_1` and `_2`, or `LTC_HALF_1` and `_2` where the device does not filter 32-bit
+//! textures; `RectAreaLightNode.setLTC` takes an object with the same four. Both sample at roughness and
+//! sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
+//!
+//! The module has the 32-bit numbers once, and a bit for each that tells which of the two halfs around it to take.
+
+use base64::{Engine as _, prelude::BASE64_STANDARD};
+use half::f16;
+
+use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
+use crate::{bundle::Bundle, containers::Stored, file::TextureFileError};
+use ltcforge_fit::Precision;
+
+/// three.js.
+pub(super) struct Rules;
+
+/// Makes the four textures with the classes of the page's own three.js.
+const FUNCTION: &str = include_str!("create_ltc.js");
+
+impl EngineRules for Rules {
+    fn layout(&self) -> Option<&'static str> {
+        Some("ltc2017")
+    }
+
+    fn bundle(&self, source: &Source<'_>) -> Result<Bundle, TextureFileError> {
+        let both = |precision| -> Result<[Stored<'_>; 2], TextureFileError> {
+            Ok([source.square(FIRST, SIZE, precision)?, source.square(SECOND, SIZE, precision)?])
+        };
+        let (floats, halfs) = (both(Precision::F32)?, both(Precision::F16)?);
+        let [numbers, farther] = [sorted_bytes(&floats), farther_bits(&floats, &halfs)];
+        let [numbers, farther] = [numbers, farther].map(|bytes| BASE64_STANDARD.encode(bytes));
+        let about = source.about.comment();
+        let text = format!(
+            "{about}\nconst SIZE = {SIZE};\nconst NUMBERS = '{numbers}';\nconst FARTHER = '{farther}';\n\n{FUNCTION}"
+        );
+        let all: Vec<_> = floats.iter().chain(&halfs).collect();
+        let steps = [
+            "Import createLTC from ltc.js beside three.js (checked with 0.187).",
+            "WebGLRenderer: after RectAreaLightUniformsLib.init(), Object.assign( THREE.UniformsLib, createLTC( THREE ) ).",
+            "WebGPURenderer: import { RectAreaLightNode } from 'three/webgpu', and RectAreaLightNode.setLTC( createLTC( THREE ) ).",
+        ];
+        Ok(Bundle { files: vec![file("ltc.js", text.into_bytes(), &all)], steps: steps.map(str::to_owned).into() })
+    }
+}
+
+/// Bytes of all numbers, the lowest of each first, and for each byte one channel after another.
+fn sorted_bytes(textures: &[Stored<'_>]) -> Vec<u8> {
+    let mut sorted = Vec::new();
+    for byte in 0..4 {
+        for stored in textures {
+            for channel in 0..4 {
+                let numbers = stored.rounded.numbers.iter().skip(channel).step_by(4);
+                sorted.extend(numbers.map(|x| x.to_le_bytes()[byte]));
+            }
+        }
+    }
+    sorted
+}
+
+/// A bit for each number, the first the lowest of its byte: whether its half is the one farther from zero of the two around
+/// it.
+fn farther_bits(floats: &[Stored<'_>], halfs: &[Stored<'_>]) -> Vec<u8> {
+    let pairs = floats.iter().zip(halfs).flat_map(|(floats, halfs)| {
+        floats.rounded.numbers.iter().zip(halfs.rounded.half_bits()).map(|(x, half)| half != half_nearer_to_zero(*x))
+    });
+    let bits: Vec<bool> = pairs.collect();
+    let byte = |bits: &[bool]| bits.iter().enumerate().fold(0, |byte, (i, bit)| byte | u8::from(*bit) << i);
+    bits.chunks(8).map(byte).collect()
+}
+
+/// The bits of the largest half that is no larger than a number, by magnitude.
+fn half_nearer_to_zero(x: f32) -> u16 {
+    let nearest = f16::from_f32_const(x);
+    // Bits grow with the magnitude, and those of infinity follow those of 65504.
+    nearest.to_bits() - u16::from(nearest.to_f32_const().abs() > x.abs())
+}

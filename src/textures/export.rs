@@ -1,0 +1,225 @@
+//! Exports of a table: which files, by one name.
+
+use std::{fmt, str::FromStr};
+
+use super::{
+    About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFileError,
+    TextureLayout, recipe::recipe_like, sampling_of,
+};
+use ltcforge_files::compact::encode;
+use ltcforge_fit::{BrdfKind, Precision, Table};
+
+/// What files that hold all textures are called.
+const STEM: &str = "ltc";
+/// Under what the manifest of files that are no engine's has the export's name.
+const MANIFEST_KEY: &str = "export";
+
+/// Files that can be made of a table. Its name is that of an engine, layout, format and numbers with dots between, or that
+/// of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Export {
+    /// The files of an engine, under its names.
+    Engine(Engine),
+    /// Textures of a layout in a format of one's own choice.
+    Textures {
+        /// What axes, texels and channels are.
+        layout: TextureLayout,
+        /// The files' format.
+        container: TextureContainer,
+        /// Bits of a number.
+        precision: Precision,
+    },
+    /// The table in its compact form.
+    Compact(CompactContainer),
+}
+
+/// Why there is no export of a name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "«{}» is no export: an export is an engine ({}), a compact form ({}), or layout.container.precision, such as \
+    ltc2017.ktx2.f16, of the layouts {}, the containers {} and the precisions {}", .0.escape_debug(), names(Engine::ALL),
+    names(CompactContainer::ALL), names(TextureLayout::ALL), names(TextureContainer::ALL), names(Precision::ALL)
+)]
+pub struct UnknownExport(pub String);
+
+fn names<T: fmt::Display>(all: &[T]) -> String {
+    all.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Why a table has no such files.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ExportError {
+    /// It has no such textures.
+    #[error(transparent)]
+    Textures(#[from] NoTextures),
+    /// It has, of other sizes than the engine takes.
+    #[error("{source}; this recipe gives a table that has them: {recipe}")]
+    Sizes {
+        /// What the engine takes, and what there is.
+        source: Box<TextureFileError>,
+        /// A recipe that serves.
+        recipe: String,
+    },
+    /// The format cannot hold them.
+    #[error(transparent)]
+    Files(TextureFileError),
+    /// It has matrices that no shader can invert.
+    #[error(
+        "{count} entries have matrices without an inverse, which make no light; the first is entry {entry}, {place}"
+    )]
+    Singular {
+        /// How many.
+        count: usize,
+        /// The index of the first.
+        entry: usize,
+        /// Where it is.
+        place: String,
+    },
+    /// It has no such compact form.
+    #[error(transparent)]
+    Compact(#[from] CompactFileError),
+}
+
+impl ExportError {
+    /// A recipe whose table has these files, if another one would help.
+    #[must_use]
+    pub fn recipe(&self) -> Option<&str> {
+        match self {
+            Self::Textures(NoTextures::OtherLayout { recipe, .. } | NoTextures::Lacking { recipe, .. })
+            | Self::Sizes { recipe, .. }
+            | Self::Compact(CompactFileError::Layout { recipe, .. }) => Some(recipe),
+            Self::Textures(_) | Self::Files(_) | Self::Singular { .. } | Self::Compact(_) => None,
+        }
+    }
+}
+
+impl Export {
+    /// Every export that there is: of engines first, then textures, then compact forms.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let textures = TextureLayout::ALL.iter().flat_map(|&layout| {
+            TextureContainer::ALL.iter().flat_map(move |&container| {
+                Precision::ALL.iter().map(move |&precision| Self::Textures { layout, container, precision })
+            })
+        });
+        let compact = CompactContainer::ALL.iter().map(|&container| Self::Compact(container));
+        Engine::ALL.iter().map(|&engine| Self::Engine(engine)).chain(textures).chain(compact)
+    }
+
+    /// The name of the layout that the files have, and whether the table has it. Sizes are not looked at.
+    ///
+    /// # Errors
+    /// When it has not; the error names a recipe whose table has it. When one of its matrices has no inverse.
+    pub fn layout(self, table: &Table) -> Result<&'static str, ExportError> {
+        check_inverses(table)?;
+        match self {
+            Self::Engine(engine) => Ok(engine_textures(engine, table)?.name()),
+            Self::Textures { layout, .. } => {
+                layout.check(table)?;
+                Ok(layout.name())
+            }
+            Self::Compact(container) => {
+                container.check(table)?;
+                Ok(table.layout.name())
+            }
+        }
+    }
+
+    /// The files, their manifest, and what to do with them. They follow from the arguments and this program alone. `about` says what the
+    /// table is; how its textures are sampled is added.
+    ///
+    /// # Errors
+    /// When the table has no such files.
+    pub fn bundle(self, table: &Table, about: About) -> Result<Bundle, ExportError> {
+        check_inverses(table)?;
+        match self {
+            Self::Engine(engine) => {
+                let layout = engine_textures(engine, table)?;
+                let textures = layout.textures(table)?;
+                let made = engine.bundle(&textures, &table.axes, &about.and(sampling_of(table, layout)));
+                made.map_err(|source| match source {
+                    TextureFileError::Missing { .. } => {
+                        let recipe = recipe_like(layout.sampling().recipe, table.layout(), table);
+                        ExportError::Sizes { source: Box::new(source), recipe }
+                    }
+                    other => ExportError::Files(other),
+                })
+            }
+            Self::Textures { layout, container, precision } => {
+                let textures = layout.textures(table)?;
+                let about = about.of_layout(layout.name()).and(sampling_of(table, layout));
+                let files = container.files(STEM, &textures, precision, &about).map_err(ExportError::Files)?;
+                Ok(Bundle { files, steps: vec![] }.with_manifest(MANIFEST_KEY, &self.to_string(), &about))
+            }
+            Self::Compact(container) => {
+                container.check(table)?;
+                Self::compact_bundle(container, encode(table).map_err(CompactFileError::Form)?, &about)
+            }
+        }
+    }
+
+    /// [`Self::bundle`] of a table whose compact form is there already.
+    ///
+    /// # Errors
+    /// When the bytes are no compact form.
+    pub fn compact_bundle(container: CompactContainer, bytes: Vec<u8>, about: &About) -> Result<Bundle, ExportError> {
+        let bundle = Bundle { files: container.files_of(STEM, bytes, about)?, steps: container.steps(STEM) };
+        Ok(bundle.with_manifest(MANIFEST_KEY, container.name(), about))
+    }
+}
+
+/// Refuses matrices without an inverse.
+fn check_inverses(table: &Table) -> Result<(), ExportError> {
+    let mut singular = table.determinants().enumerate().filter(|(_, x)| *x == 0.0 || !x.is_finite());
+    let Some((entry, _)) = singular.next() else { return Ok(()) };
+    Err(ExportError::Singular { count: 1 + singular.count(), entry, place: table.place_of(entry) })
+}
+
+/// The layout of the textures that an engine takes of a table.
+fn engine_textures(engine: Engine, table: &Table) -> Result<TextureLayout, NoTextures> {
+    let layout = match (engine.layout(), table.layout) {
+        (Some(name), _) => TextureLayout::named(name)?,
+        (None, layout) => TextureLayout::of_shader(layout),
+    };
+    layout.check(table)?;
+    if table.lobe.gaussian().is_some() {
+        return Err(NoTextures::OtherLobe { engine: engine.name(), lobe: table.lobe, layout: layout.name() });
+    }
+    match engine.layout() {
+        Some(name) if table.brdf != BrdfKind::Ggx => {
+            Err(NoTextures::OtherBrdf { engine: engine.name(), brdf: table.brdf(), layout: name })
+        }
+        _ => Ok(layout),
+    }
+}
+
+impl fmt::Display for Export {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Engine(engine) => f.write_str(engine.name()),
+            Self::Textures { layout, container, precision } => {
+                write!(f, "{}.{}.{}", layout.name(), container.name(), precision.name())
+            }
+            Self::Compact(container) => f.write_str(container.name()),
+        }
+    }
+}
+
+impl FromStr for Export {
+    type Err = UnknownExport;
+
+    fn from_str(text: &str) -> Result<Self, UnknownExport> {
+        let textures = || {
+            let mut parts = text.split('.');
+            let layout = TextureLayout::from_name(parts.next()?)?;
+            let container = TextureContainer::from_name(parts.next()?)?;
+            let precision = Precision::from_name(parts.next()?)?;
+            parts.next().is_none().then_some(Self::Textures { layout, container, precision })
+        };
+        let engine = Engine::from_name(text).map(Self::Engine);
+        let compact = || CompactContainer::from_name(text).map(Self::Compact);
+        engine.or_else(compact).or_else(textures).ok_or_else(|| UnknownExport(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests;

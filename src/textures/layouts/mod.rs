@@ -1,0 +1,152 @@
+//! Layouts of textures: what the axes, texels and channels of a table's textures are.
+//!
+//! Each layout is described in one place, from which its textures follow. A new one needs a file and a line in
+//! [`TextureLayout`].
+
+mod error;
+mod isotropic;
+mod published;
+mod rules;
+mod volumes;
+
+use ltcforge_fit::{Layout, Precision, Table, named_list};
+
+use super::{
+    halfs::{Halfs, halved},
+    recipe::recipe_like,
+    rounding::round,
+    texture::Texture,
+};
+
+pub use error::NoTextures;
+pub(crate) use rules::TextureRules;
+pub use rules::{TextureAxis, TextureSampling, TexturesOf};
+
+named_list! {
+    /// How a table is put into textures.
+    pub enum TextureLayout: TextureRules {
+        /// Three 3D textures of a table of layout `reflected`, as the shader of `ltcforge shader` reads them.
+        Reflected = "reflected" => volumes::REFLECTED,
+        /// The same of layout `kt2022`.
+        Kt2022 = "kt2022" => volumes::KT2022,
+        /// The three textures of layout `reflected` as one 2D array.
+        ReflectedArray = "reflected-array" => volumes::REFLECTED_ARRAY,
+        /// The three textures of layout `kt2022` as one 2D array.
+        Kt2022Array = "kt2022-array" => volumes::KT2022_ARRAY,
+        /// The 3D texture of KT et al. 2022's demo.
+        Kt2022Volume = "kt2022-volume" => published::Rules,
+        /// Two 2D textures of layout `ltc2017`.
+        Ltc2017 = "ltc2017" => isotropic::LTC2017,
+        /// Two 2D textures of layout `ltc2016`.
+        Ltc2016 = "ltc2016" => isotropic::LTC2016,
+        /// Two 2D textures of layout `godot`.
+        Godot = "godot" => isotropic::GODOT,
+        /// One 2D texture of layout `hdrp`.
+        Hdrp = "hdrp" => isotropic::HDRP,
+        /// Three 3D textures of a table of layout `ltc2017`, as the shader of `ltcforge shader` reads them.
+        Ltc2017In3d = "ltc2017-3d" => volumes::LTC2017,
+        /// The same of layout `ltc2016`.
+        Ltc2016In3d = "ltc2016-3d" => volumes::LTC2016,
+        /// The same of layout `godot`.
+        GodotIn3d = "godot-3d" => volumes::GODOT,
+        /// The same of layout `hdrp`.
+        HdrpIn3d = "hdrp-3d" => volumes::HDRP,
+        /// The same of layout `inverse`, which has no other textures.
+        InverseIn3d = "inverse-3d" => volumes::INVERSE,
+        /// The same of layout `matrix33`, which has no other textures.
+        Matrix33In3d = "matrix33-3d" => volumes::MATRIX33,
+    }
+}
+
+impl TextureLayout {
+    /// The layout of this name.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn named(name: &str) -> Result<Self, NoTextures> {
+        Self::from_name(name)
+            .ok_or_else(|| NoTextures::UnknownLayout { name: name.to_owned(), known: layout_names().join(", ") })
+    }
+
+    /// The axes, channels and scale of its textures.
+    #[must_use]
+    pub fn sampling(self) -> TextureSampling {
+        self.rules().sampling()
+    }
+
+    /// The three 3D textures of tables of a layout, as our own shader reads them.
+    #[must_use]
+    pub fn of_shader(layout: Layout) -> Self {
+        match layout {
+            Layout::Reflected => Self::Reflected,
+            Layout::Kt2022 => Self::Kt2022,
+            Layout::Ltc2017 => Self::Ltc2017In3d,
+            Layout::Ltc2016 => Self::Ltc2016In3d,
+            Layout::Godot => Self::GodotIn3d,
+            Layout::Hdrp => Self::HdrpIn3d,
+            Layout::Inverse => Self::InverseIn3d,
+            Layout::Matrix33 => Self::Matrix33In3d,
+        }
+    }
+
+    /// The textures of a table. The numbers of a matrix have halfs that were chosen together.
+    ///
+    /// # Errors
+    /// When the table has another layout, or lacks what these textures need; the error names a recipe that has it.
+    pub fn textures(self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
+        self.check(table)?;
+        let mut textures = self.rules().textures(table)?;
+        let (halved, displacement) = halved(table);
+        for (texture, halved) in textures.iter_mut().zip(self.rules().textures(&halved)?) {
+            let numbers = round(&halved.texels, Precision::F16).numbers;
+            texture.halfs = Some(Halfs { numbers, displacement });
+        }
+        Ok(textures)
+    }
+
+    /// Whether the table has these textures.
+    pub(super) fn check(self, table: &Table) -> Result<(), NoTextures> {
+        let TextureSampling { table: needed, recipe, .. } = self.sampling();
+        if table.layout != needed {
+            let recipe = recipe_like(recipe, needed, table);
+            return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe });
+        }
+        let lacking = self.rules().lacks(table);
+        lacking.map_or(Ok(()), |lacking| {
+            let recipe = recipe_like(recipe, needed, table);
+            Err(NoTextures::Lacking { asked: self.name(), lacking, recipe })
+        })
+    }
+}
+
+/// The layouts that [`textures_of`] knows.
+#[must_use]
+pub fn layout_names() -> Vec<&'static str> {
+    TextureLayout::ALL.iter().map(|layout| layout.name()).collect()
+}
+
+/// The textures of a table in the layout of this name.
+///
+/// # Errors
+/// When there is no such layout; otherwise see [`TextureLayout::textures`].
+pub fn textures_of(table: &Table, layout: &str) -> Result<Vec<Texture>, NoTextures> {
+    TextureLayout::named(layout)?.textures(table)
+}
+
+/// How a shader reads these textures, for people: what axes and channels are, and, where they are not evenly spaced, the
+/// nodes.
+#[must_use]
+pub fn sampling_of(table: &Table, layout: TextureLayout) -> Vec<String> {
+    let TextureSampling { axes, textures, normalisation, .. } = layout.sampling();
+    let mut lines = vec![format!("layout {layout}: {normalisation}")];
+    lines.extend(axes.iter().map(|axis| format!("{}: {}", axis.axis, axis.coordinate)));
+    lines.extend(textures.iter().map(|of| format!("{}: {}: {}", of.name, of.channels.join(" "), of.meaning)));
+    if table.layout.only_ranges().is_none() {
+        let nodes = |nodes: &[f64]| nodes.iter().map(|x| (*x as f32).to_string()).collect::<Vec<_>>().join(" ");
+        lines.extend(table.axes.named().map(|(name, axis)| format!("nodes of {name}: {}", nodes(axis))));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests;

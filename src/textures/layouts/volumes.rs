@@ -1,0 +1,118 @@
+//! The textures that our own shader reads, of each layout of tables.
+//!
+//! Nodes need not be evenly spaced, so that a shader finds the place along each axis among the nodes and samples between
+//! texel centres, or weighs the texels itself.
+
+use super::{
+    error::NoTextures,
+    isotropic,
+    rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
+};
+use crate::texture::Texture;
+use ltcforge_fit::{Layout, Table};
+
+/// The order in which a file stores its entries.
+const VOLUME: &[TextureAxis] = &[
+    TextureAxis { axis: "x", coordinate: "node of phi" },
+    TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
+    TextureAxis { axis: "z", coordinate: "node of alpha" },
+];
+const ARRAY: &[TextureAxis] = &[
+    TextureAxis { axis: "x", coordinate: "node of phi" },
+    TextureAxis { axis: "y", coordinate: "node of ratio times how many theta has, plus node of theta" },
+    TextureAxis {
+        axis: "layer",
+        coordinate: "node of alpha; first those of matrix_a, then of matrix_b, then of terms",
+    },
+];
+const PARTS: &[TexturesOf] = &[
+    TexturesOf {
+        name: "ltc_matrix_a",
+        channels: &["m00", "m01", "m02", "m10"],
+        meaning: "the stored matrix by row and column",
+    },
+    TexturesOf { name: "ltc_matrix_b", channels: &["m11", "m12", "m20", "m21"], meaning: "likewise" },
+    TexturesOf {
+        name: "ltc_terms",
+        channels: &["m22", "amplitude", "fresnel", "unused"],
+        meaning: "the last number of the matrix, and the stored terms; 1 and 0 for a table without terms",
+    },
+];
+const TOGETHER: &[TexturesOf] = &[TexturesOf {
+    name: "ltc",
+    channels: &["x", "y", "z", "w"],
+    meaning: "m00 m01 m02 m10, in the layers after these m11 m12 m20 m21, then m22 amplitude fresnel and 0",
+}];
+const COLUMN: &str = "the stored matrix, its third column of unit length";
+
+pub(super) const REFLECTED: Rules =
+    Rules { table: Layout::Reflected, is_array: false, normalisation: COLUMN, recipe: r#"{"layout": "reflected"}"# };
+pub(super) const KT2022: Rules = Rules { table: Layout::Kt2022, recipe: r#"{"layout": "kt2022"}"#, ..REFLECTED };
+pub(super) const LTC2017: Rules = of(&isotropic::LTC2017);
+pub(super) const LTC2016: Rules = of(&isotropic::LTC2016);
+pub(super) const GODOT: Rules = of(&isotropic::GODOT);
+pub(super) const HDRP: Rules = of(&isotropic::HDRP);
+pub(super) const INVERSE: Rules = Rules {
+    table: Layout::Inverse,
+    normalisation: "the stored matrix, the inverse of the one with a third column of unit length",
+    recipe: r#"{"layout": "inverse"}"#,
+    ..REFLECTED
+};
+pub(super) const MATRIX33: Rules = Rules {
+    table: Layout::Matrix33,
+    normalisation: "the stored matrix over its last element",
+    recipe: r#"{"layout": "matrix33"}"#,
+    ..REFLECTED
+};
+pub(super) const REFLECTED_ARRAY: Rules = Rules { is_array: true, ..REFLECTED };
+pub(super) const KT2022_ARRAY: Rules = Rules { is_array: true, ..KT2022 };
+
+/// Of the tables whose 2D textures these are.
+const fn of(engines: &isotropic::Rules) -> Rules {
+    let TextureSampling { table, normalisation, recipe, .. } = engines.sampling;
+    Rules { table, is_array: false, normalisation, recipe }
+}
+
+/// One of the layouts.
+pub(super) struct Rules {
+    table: Layout,
+    is_array: bool,
+    normalisation: &'static str,
+    recipe: &'static str,
+}
+
+impl TextureRules for Rules {
+    fn sampling(&self) -> TextureSampling {
+        let (axes, textures) = if self.is_array { (ARRAY, TOGETHER) } else { (VOLUME, PARTS) };
+        TextureSampling { table: self.table, axes, textures, normalisation: self.normalisation, recipe: self.recipe }
+    }
+
+    fn lacks(&self, _: &Table) -> Option<String> {
+        None
+    }
+
+    fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {
+        let counts = table.axes.lengths();
+        let (width, height) = (counts.phi, counts.ratio.saturating_mul(counts.theta));
+        let parts = [0, 1, 2].map(|part| texels(table, part));
+        if self.is_array {
+            return Ok(vec![made(&TOGETHER[0], [width, height, 1], 3 * counts.alpha, parts.concat())?]);
+        }
+        let part = |(of, texels)| Ok(made(of, [width, height, counts.alpha], 1, texels)?);
+        PARTS.iter().zip(parts).map(part).collect()
+    }
+}
+
+/// The texels of a part, in the order of the entries.
+fn texels(table: &Table, part: usize) -> Vec<f32> {
+    let terms = |i: usize| table.terms.as_ref().map_or([1.0, 0.0], |t| [t.amplitude()[i], t.fresnel()[i]]);
+    let texel = |(i, m): (usize, &[f32; 9])| match part {
+        0 => [m[0], m[1], m[2], m[3]],
+        1 => [m[4], m[5], m[6], m[7]],
+        _ => {
+            let [amplitude, fresnel] = terms(i);
+            [m[8], amplitude, fresnel, 0.0]
+        }
+    };
+    table.matrix.iter().enumerate().flat_map(texel).collect()
+}

@@ -1,0 +1,203 @@
+//! Rounding to the numbers that a file stores.
+
+use half::f16;
+use serde::Serialize;
+
+use super::{
+    halfs::{Displacement, neighbours},
+    texture::Texture,
+};
+use ltcforge_fit::Precision;
+
+/// Numbers of a precision, as 32-bit numbers that hold them exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rounded {
+    /// What they are stored as.
+    pub precision: Precision,
+    /// The numbers.
+    pub numbers: Vec<f32>,
+    /// How far they are from what was rounded.
+    pub error: RoundingError,
+}
+
+/// How far rounded numbers are from the originals; all zero for 32 bits.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct RoundingError {
+    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halfs have 11 bits. Unless numbers
+    /// were clamped it is at most 2^-11 = 4.9e-4, and where they were chosen together 2^-10.
+    pub relative: f64,
+    /// The largest |rounded - x| of smaller numbers, between which halfs are 2^-24 = 6.0e-8 apart.
+    pub absolute_of_small: f64,
+    /// Numbers beyond 65504, the largest half, which became that.
+    pub clamped: u64,
+    /// Numbers nearer to zero than to any half, which became the smallest half of their sign.
+    pub raised: u64,
+    /// How far the lobes of the table moved, where the texture is one of a table's and has 16 bits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Displacement>,
+}
+
+impl RoundingError {
+    /// Counts a number that became another.
+    fn add(&mut self, x: f32, rounded: f32) {
+        let (exact, apart) = (f64::from(x).abs(), (f64::from(rounded) - f64::from(x)).abs());
+        if x.abs() >= f16::MIN_POSITIVE.to_f32_const() {
+            self.relative = self.relative.max(apart / exact);
+        } else {
+            self.absolute_of_small = self.absolute_of_small.max(apart);
+        }
+    }
+
+    /// That of two sets of numbers together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            relative: self.relative.max(other.relative),
+            absolute_of_small: self.absolute_of_small.max(other.absolute_of_small),
+            clamped: self.clamped + other.clamped,
+            raised: self.raised + other.raised,
+            // Textures of one table tell the same.
+            displacement: match (self.displacement, other.displacement) {
+                (Some(one), Some(other)) => {
+                    Some(Displacement { mean: one.mean.max(other.mean), max: one.max.max(other.max) })
+                }
+                (one, other) => one.or(other),
+            },
+        }
+    }
+}
+
+/// Rounds finite numbers to the nearest of a precision, ties to even. With halfs, a number beyond the largest half becomes
+/// that, and none but zero becomes zero: where a table has a divisor or a determinant that is small, it stays positive.
+#[must_use]
+pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
+    let mut error = RoundingError::default();
+    let rounded = match precision {
+        Precision::F32 => numbers.to_vec(),
+        Precision::F16 => numbers.iter().map(|x| round_to_half(*x, &mut error)).collect(),
+    };
+    Rounded { precision, numbers: rounded, error }
+}
+
+/// Rounds the numbers of a texture. With halfs, numbers that were chosen together are taken as they are, if they are
+/// next to what the texture holds.
+#[must_use]
+pub(super) fn round_texture(texture: &Texture, precision: Precision) -> Rounded {
+    let chosen = texture.halfs.as_ref().filter(|_| precision == Precision::F16);
+    let Some(chosen) = chosen else { return round(&texture.texels, precision) };
+    let mut error = RoundingError { displacement: Some(chosen.displacement), ..RoundingError::default() };
+    let pairs = texture.texels.iter().zip(&chosen.numbers);
+    let numbers = pairs.map(|(x, half)| take_half(*x, *half, &mut error)).collect();
+    Rounded { precision, numbers, error }
+}
+
+/// The half that was chosen for a number, or the nearest where that is not one of its two neighbours.
+fn take_half(x: f32, half: f32, error: &mut RoundingError) -> f32 {
+    if neighbours(x).1 != Some(half) {
+        return round_to_half(x, error);
+    }
+    error.add(x, half);
+    half
+}
+
+fn round_to_half(x: f32, error: &mut RoundingError) -> f32 {
+    let nearest = f16::from_f32_const(x);
+    let rounded = if nearest.is_infinite() {
+        error.clamped += 1;
+        f16::MAX.to_f32_const().copysign(x)
+    } else if x != 0.0 && nearest.to_f32_const() == 0.0 {
+        error.raised += 1;
+        f16::MIN_POSITIVE_SUBNORMAL.to_f32_const().copysign(x)
+    } else {
+        nearest.to_f32_const()
+    };
+    error.add(x, rounded);
+    rounded
+}
+
+impl Rounded {
+    /// Bytes of one number.
+    #[must_use]
+    pub fn number_bytes(&self) -> usize {
+        match self.precision {
+            Precision::F32 => 4,
+            Precision::F16 => 2,
+        }
+    }
+
+    /// The numbers as files and graphics interfaces have them.
+    #[must_use]
+    pub fn little_endian(&self) -> Vec<u8> {
+        match self.precision {
+            Precision::F32 => self.numbers.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Precision::F16 => self.half_bits().flat_map(u16::to_le_bytes).collect(),
+        }
+    }
+
+    /// The bits of each number as a half: exact where the precision is 16 bits.
+    pub fn half_bits(&self) -> impl Iterator<Item = u16> {
+        self.numbers.iter().map(|x| f16::from_f32_const(*x).to_bits())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn rounded(x: f32) -> (f32, RoundingError) {
+        let Rounded { numbers, error, .. } = round(&[x], Precision::F16);
+        (numbers[0], error)
+    }
+
+    #[test]
+    fn nothing_overflows_or_vanishes() {
+        let smallest = 2.0_f32.powi(-24);
+        for (x, expected) in [
+            (1e9, 65504.0),
+            (-70000.0, -65504.0),
+            (65519.0, 65504.0),
+            (65520.0, 65504.0),
+            (1e-30, smallest),
+            (-1e-9, -smallest),
+            (f32::MIN_POSITIVE / 4.0, smallest),
+            (0.0, 0.0),
+            (1.0, 1.0),
+            (2049.0, 2048.0),
+            (2051.0, 2052.0),
+        ] {
+            assert_eq!(rounded(x).0, expected, "{x}");
+        }
+        let error = round(&[1e9, 1e-30, 1.0], Precision::F16).error;
+        assert_eq!([error.clamped, error.raised], [1, 1]);
+        assert!(error.relative > 0.99, "a clamped number shows in the error: {error:?}");
+        assert_eq!(round(&[1e9, 1e-30], Precision::F32).error, RoundingError::default());
+    }
+
+    proptest! {
+        #[test]
+        fn the_error_is_what_eleven_bits_leave(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL) {
+            let (half, error) = rounded(x);
+            prop_assert!(half.is_finite() && half != 0.0 && half.signum() == x.signum());
+            prop_assert_eq!(f16::from_f32_const(half).to_f32_const(), half, "not a half");
+            if x.abs() < 65504.0 {
+                prop_assert!(error.relative <= 2.0_f64.powi(-11), "{:?}", error);
+                prop_assert!(error.absolute_of_small <= 2.0_f64.powi(-24), "{:?}", error);
+            }
+        }
+
+        #[test]
+        fn in_range_the_nearest_is_taken(x in -60000.0_f32..60000.0) {
+            let (half, _) = rounded(x);
+            for neighbour in [half.next_up(), half.next_down()] {
+                // Both neighbouring halfs: one bit of a half away.
+                let bits = f16::from_f32_const(half).to_bits();
+                for bits in [bits.wrapping_add(1), bits.wrapping_sub(1)] {
+                    let other = f16::from_bits(bits).to_f32_const();
+                    prop_assert!(other.is_nan() || (other - x).abs() >= (half - x).abs() || half == neighbour);
+                }
+            }
+        }
+    }
+}
