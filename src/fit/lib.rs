@@ -43,7 +43,7 @@ pub use layout::{
     ALPHA_FLOOR, FreeNumbers, Layout, LayoutShader, Precision, RATIO_FLOOR, Reflection, ShaderNumbers, THETA_CEILING,
 };
 pub use lobe::LobeModel;
-pub use lobe::ltc::{Clip, Cone, CosineSpace, Ltc, MAX_VERTICES, Sides, cheap_form_factor, clipped_form_factor};
+pub use lobe::ltc::{Clip, Ltc, MAX_VERTICES, Sides, cheap_form_factor, clipped_form_factor};
 pub use measure::{
     Accuracy, Corner, Difference, ErrorMap, Extent, Floors, Gap, GoOn, MOST_POINTS, Matrices, Moved, POOR_WIDTH, Poor,
     REPORT_VERSION, Report, ReportPoints, Spread, TermError, Worst, difference, error_map, error_map_while, extremes,

@@ -54,7 +54,10 @@ pub enum LightError {
     #[error("the table has no amplitude and no Fresnel term")]
     NoTerms,
     /// A closed form is of another scattering model than what it is compared with.
-    #[error("models normals, sg and asg are of brdf ggx, not of brdf {0}, which is lit by a table: choose --model ltc")]
+    #[error(
+        "models {models} are of brdf ggx, not of brdf {0}, which is lit by a table: choose --model ltc",
+        models = crate::LightModel::names_without_table()
+    )]
     OtherBrdf(BrdfKind),
     /// A table stands for another scattering model than the lights that it is measured by.
     #[error(

@@ -4,6 +4,7 @@
 //! Invariant: `light` fits nothing and reads no file.
 
 pub mod gaussians;
+pub mod ltc;
 pub mod normals;
 pub mod transmission;
 
@@ -16,19 +17,18 @@ mod polygon;
 mod refracted;
 mod shaped;
 mod shapes;
-mod table;
 #[cfg(test)]
 mod tests;
 mod truth;
 
 pub use error::LightError;
-pub use gaussians::Gaussian;
-pub use measure::{EVERYWHERE, LightMap, Lighting, RandomLights, light_error, light_map};
-pub use model::{LightModel, Reflected, by_gaussian, by_normals};
-pub use normals::WeightRule;
+pub use gaussians::{Gaussian, by_gaussian};
+pub use ltc::{CosineSpace, CoversShapes, by_table};
+pub use measure::{EVERYWHERE, LightMap, RandomLights, light_error, light_error_by, light_map};
+pub use model::{ClosedForm, LightModel, Lighting, Lit, Reflected};
+pub use normals::{WeightRule, by_normals};
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;
 pub use shaped::{AreaLight, LightShape, ShapedLight};
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
-pub use table::by_table;
 pub use truth::{TRUTH_TOLERANCE, truth, truth_of, truth_within};

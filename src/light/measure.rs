@@ -7,12 +7,9 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::{
-    Gaussian, LightError, PolygonLight, Reflected, WeightRule, by_gaussian, by_normals, by_table, gaussians::Warp,
-    model::by_warp, truth_of,
-};
+use super::{LightError, Lighting, PolygonLight, Reflected, truth_of};
 use ltcforge_fit::{
-    BrdfKind, BrdfModel, Configuration, PerAxis, Sides, Spread, Table,
+    BrdfModel, Configuration, PerAxis, Sides, Spread, Table,
     math::{cos, direction, ln, pow},
     terms_of,
 };
@@ -32,19 +29,6 @@ const SEED: u64 = 1;
 /// Every surface and view for which errors are told.
 pub const EVERYWHERE: PerAxis<[f64; 2]> =
     PerAxis { alpha: [LEAST_ALPHA, 1.0], ratio: [0.0, 1.0], theta: [0.0, STEEPEST], phi: [0.0, 0.25 * TAU] };
-
-/// A model and what it reads.
-#[derive(Debug, Clone, Copy)]
-pub enum Lighting<'a> {
-    /// A table. One of Linearly Transformed Cosines without terms gets its scattering model's own.
-    Ltc(&'a Table),
-    /// The closed form in the space of normals, of GGX.
-    Normals(WeightRule),
-    /// One Gaussian, of GGX.
-    Gaussian(Gaussian),
-    /// One Gaussian, warped around the surface's own normal as in the articles.
-    AroundSurface(Gaussian),
-}
 
 /// A surface, a view of it, and a light.
 #[derive(Debug, Clone)]
@@ -104,12 +88,21 @@ impl RandomLights {
 /// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherLights`] for one of another scattering model than the
 /// lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
-    Ok(spread(errors(model.with_terms(&lights.brdf)?.borrowed(), lights)?))
+    let model = with_terms(model, &lights.brdf)?;
+    light_error_by(|at, light| model.borrowed().reflected(at, light), lights)
 }
 
-fn errors(model: Lighting<'_>, lights: &RandomLights) -> Result<Vec<f64>, LightError> {
+/// The same of what `reflected` says of a surface and a light.
+///
+/// # Errors
+/// Those of `reflected`.
+pub fn light_error_by(
+    reflected: impl Fn(&Configuration, &PolygonLight) -> Result<Reflected, LightError>,
+    lights: &RandomLights,
+) -> Result<Spread, LightError> {
     let pairs = lights.lit.iter().zip(&lights.energy);
-    pairs.map(|(lit, energy)| Ok((model.reflected(lit)?.energy - energy).abs())).collect()
+    let error = |(Lit { at, light }, energy): (&Lit, &f64)| Ok((reflected(at, light)?.energy - energy).abs());
+    pairs.map(error).collect::<Result<_, _>>().map(spread)
 }
 
 /// Errors of light over a square of surfaces and views, for some models: those of the same lights.
@@ -137,7 +130,7 @@ pub fn light_map(
     cells: usize,
     count: usize,
 ) -> Result<LightMap, LightError> {
-    let models: Vec<Owned<'_>> = models.iter().map(|model| model.with_terms(brdf)).collect::<Result<_, _>>()?;
+    let models: Vec<Owned<'_>> = models.iter().map(|model| with_terms(*model, brdf)).collect::<Result<_, _>>()?;
     let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_ALPHA, 1.0).sqrt());
     let theta = range.theta.map(|theta| theta.min(STEEPEST));
     let part = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / cells as f64;
@@ -145,7 +138,7 @@ pub fn light_map(
     let cell = |index: usize| -> Result<Vec<f64>, LightError> {
         let alpha = both(roughness, index / cells).map(|root| root * root);
         let lights = RandomLights::draw(brdf, &PerAxis { alpha, theta: both(theta, index % cells), ..*range }, count)?;
-        models.iter().map(|model| Ok(spread(errors(model.borrowed(), &lights)?).mean)).collect()
+        models.iter().map(|model| Ok(light_error(model.borrowed(), &lights)?.mean)).collect()
     };
     let by_cell: Vec<Vec<f64>> = (0..cells * cells).into_par_iter().map(cell).collect::<Result<_, _>>()?;
     let of_model = |model: usize| by_cell.iter().map(|errors| errors[model]).collect();
@@ -162,7 +155,7 @@ impl Owned<'_> {
     fn borrowed(&self) -> Lighting<'_> {
         match self {
             Self::Given(model) => *model,
-            Self::WithTerms(table) => Lighting::Ltc(table),
+            Self::WithTerms(table) => Lighting::Table(table),
         }
     }
 }
@@ -174,34 +167,16 @@ fn spread(mut errors: Vec<f64>) -> Spread {
     Spread { mean, p95: errors[count * 95 / 100], max: errors[count - 1] }
 }
 
-impl<'a> Lighting<'a> {
-    /// A table without terms with its scattering model's own. Every model is measured by the truth of what it stands for.
-    fn with_terms(self, brdf: &BrdfModel) -> Result<Owned<'a>, LightError> {
-        Ok(match self {
-            Self::Ltc(table) if table.brdf != *brdf => {
-                return Err(LightError::OtherLights { lights: brdf.kind(), table: table.brdf() });
-            }
-            Self::Normals(_) | Self::Gaussian(_) | Self::AroundSurface(_) if *brdf != BrdfKind::Ggx => {
-                return Err(LightError::OtherBrdf(brdf.kind()));
-            }
-            Self::Ltc(table) if table.terms.is_none() && table.lobe.gaussian().is_some() => {
-                return Err(LightError::NoTerms);
-            }
-            Self::Ltc(table) if table.terms.is_none() => {
-                let terms = Some(terms_of(brdf, table.layout, &table.axes));
-                Owned::WithTerms(Box::new(Table { terms, ..table.clone() }))
-            }
-            given => Owned::Given(given),
-        })
-    }
-
-    fn reflected(self, lit: &Lit) -> Result<Reflected, LightError> {
-        match self {
-            Self::Ltc(table) => by_table(table, &lit.at, &lit.light),
-            Self::Normals(rule) => by_normals(&lit.at, &lit.light, rule),
-            Self::Gaussian(gaussian) => by_gaussian(&lit.at, &lit.light, gaussian),
-            Self::AroundSurface(gaussian) => by_warp(&lit.at, &lit.light, gaussian, Warp::Surface),
+/// A table without terms with its scattering model's own. Every model is measured by the truth of what it stands for.
+fn with_terms<'a>(model: Lighting<'a>, brdf: &BrdfModel) -> Result<Owned<'a>, LightError> {
+    model.check_brdf(brdf)?;
+    match model {
+        Lighting::Table(table) if table.terms.is_none() && table.lobe.gaussian().is_some() => Err(LightError::NoTerms),
+        Lighting::Table(table) if table.terms.is_none() => {
+            let terms = Some(terms_of(brdf, table.layout, &table.axes));
+            Ok(Owned::WithTerms(Box::new(Table { terms, ..table.clone() })))
         }
+        given => Ok(Owned::Given(given)),
     }
 }
 
@@ -257,7 +232,12 @@ mod tests {
 
     use super::*;
     use crate::cases::cosine;
+    use crate::{LightModel, WeightRule};
     use ltcforge_fit::BrdfKind;
+
+    fn normals(rule: WeightRule) -> Lighting<'static> {
+        Lighting::ClosedForm(LightModel::Normals.closed_form(Some(rule)).expect("a formula"))
+    }
 
     const RANGE: PerAxis<[f64; 2]> =
         PerAxis { alpha: [1e-4, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
@@ -288,9 +268,8 @@ mod tests {
     #[test]
     fn a_map_tells_where_a_model_is_off() {
         let (wrong, rules) = (cosine(BrdfKind::Ggx.into()), WeightRule::Fan);
-        let map =
-            light_map(&[Lighting::Ltc(&wrong), Lighting::Normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
-                .expect("a surface");
+        let map = light_map(&[Lighting::Table(&wrong), normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
+            .expect("a surface");
         assert_eq!((map.errors.len(), map.errors[0].len()), (2, 9));
         // The cosine is the lobe of nothing sharp.
         let [ltc, normals] = [&map.errors[0], &map.errors[1]];
@@ -298,20 +277,20 @@ mod tests {
         let corner = PerAxis { alpha: [0.01, 0.16], theta: [0.0, STEEPEST / 3.0], ..EVERYWHERE };
         let alpha = [map.roughness[0], map.roughness[0] + (map.roughness[1] - map.roughness[0]) / 3.0];
         let lights = lights(&PerAxis { alpha: alpha.map(|x| x * x), ..corner }, 12);
-        let alone = light_error(Lighting::Ltc(&wrong), &lights).expect("a lobe").mean;
+        let alone = light_error(Lighting::Table(&wrong), &lights).expect("a lobe").mean;
         assert!((alone - ltc[0]).abs() < 1e-12, "{alone} {ltc:?}");
     }
 
     #[test]
     fn more_normals_are_nearer_and_a_wrong_model_is_found_out() {
         let lights = lights(&RANGE, 400);
-        let error = |rule| light_error(Lighting::Normals(rule), &lights).expect("a surface").mean;
+        let error = |rule| light_error(normals(rule), &lights).expect("a surface").mean;
         let [mean, fan, fine] = [WeightRule::Mean, WeightRule::Fan, WeightRule::Fine].map(error);
         assert!(10.0 * TOLERANCE < fine && fine < fan && 2.0 * fan < mean && mean < 0.01, "{fine} {fan} {mean}");
-        let wrong = light_error(Lighting::Ltc(&cosine(BrdfKind::Ggx.into())), &lights).expect("a lobe");
+        let wrong = light_error(Lighting::Table(&cosine(BrdfKind::Ggx.into())), &lights).expect("a lobe");
         assert!(wrong.mean > 0.05 && wrong.max > 0.5, "{wrong:?}");
         assert!(wrong.mean < wrong.p95 && wrong.p95 <= wrong.max, "{wrong:?}");
         let flat = Table { matrix: vec![[0.0; 9]], ..cosine(BrdfKind::Ggx.into()) };
-        assert_eq!(light_error(Lighting::Ltc(&flat), &lights).err(), Some(LightError::Singular));
+        assert_eq!(light_error(Lighting::Table(&flat), &lights).err(), Some(LightError::Singular));
     }
 }

@@ -1,47 +1,223 @@
-//! The models of reflection, and their common answer.
+//! The models of light: one folder each, and a line in [`LightModel`].
 
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use super::{
-    AreaLight, LightError,
-    gaussians::{self, Gaussian, Warp},
-    normals::{WeightRule, reflected},
+use super::{AreaLight, LightError, gaussians, ltc, normals, normals::WeightRule};
+use ltcforge_fit::{
+    BrdfKind, Configuration, LEAST_ALPHA, LobeModel, Sides, Table,
+    math::{Triple, direction},
+    named_list,
 };
-use ltcforge_fit::{Configuration, LEAST_ALPHA, math::direction, named_list};
 
 named_list! {
     /// How the light that a surface reflects is found.
-    pub enum LightModel {
+    pub enum LightModel: ModelOfLight {
         /// The closed form in the space of normals, without a table.
-        Normals = "normals",
+        Normals = "normals" => normals::Rules,
         /// A table of LTCs.
-        Ltc = "ltc",
-        /// A spherical Gaussian, without a table.
-        Sg = "sg",
-        /// An anisotropic spherical Gaussian, without a table.
-        Asg = "asg",
+        Ltc = "ltc" => ltc::Rules,
+        /// A spherical Gaussian, without a table or by one.
+        Sg = "sg" => gaussians::SG,
+        /// An anisotropic spherical Gaussian, without a table or by one.
+        Asg = "asg" => gaussians::ASG,
     }
+}
+
+/// What a model of light is: a formula, a table of lobes, or either.
+pub(crate) trait ModelOfLight: Sync {
+    /// The light of GGX without a table; `None` for a model that has tables alone.
+    fn formula(&self) -> Option<&dyn Formula>;
+
+    /// The light by a table; `None` for a model that reads none.
+    fn table(&self) -> Option<TableLight>;
+}
+
+/// The light of GGX in closed form.
+pub(crate) trait Formula: Sync {
+    /// The rules among which option `--weight` chooses, the default first; empty for a formula without the option.
+    fn weights(&self) -> &'static [WeightRule] {
+        &[]
+    }
+
+    /// The cost of a pixel, in samples of the preview's reference.
+    fn cost(&self) -> u32;
+
+    /// What is reflected of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
+    /// `(1 - wo . h)^5`.
+    fn reflected(&self, lit: &Lit<'_, f64>, rule: WeightRule) -> [f64; 2];
+
+    /// The same in the numbers of a shader.
+    fn reflected_f32(&self, lit: &Lit<'_, f32>, rule: WeightRule) -> [f32; 2];
+}
+
+/// The light by a table.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TableLight {
+    /// What stands for a lobe in its tables.
+    pub(crate) lobe: LobeModel,
+    /// The cost of a pixel, in samples of the preview's reference.
+    pub(crate) cost: u32,
+}
+
+/// A surface, a view of it, and the vertices of a light around the shaded point, in its tangent frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Lit<'a, T> {
+    /// Roughness along x and y.
+    pub alpha: [T; 2],
+    /// The direction of the viewer, of length one.
+    pub wo: Triple<T>,
+    /// Of a convex polygon.
+    pub vertices: &'a [Triple<T>],
+    /// From where it is lit.
+    pub sides: Sides,
+}
+
+/// A model of light without a table, and its rule of the weight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ClosedForm {
+    model: LightModel,
+    rule: WeightRule,
+}
+
+/// A model of light and what it reads.
+#[derive(Debug, Clone, Copy)]
+pub enum Lighting<'a> {
+    /// A formula, of GGX.
+    ClosedForm(ClosedForm),
+    /// A table, of any scattering model.
+    Table(&'a Table),
 }
 
 impl LightModel {
-    /// The Gaussian that a model lights by; `None` for the others.
+    /// The model that lights by tables of a lobe.
     #[must_use]
-    pub fn gaussian(self) -> Option<Gaussian> {
-        match self {
-            Self::Sg => Some(Gaussian::Sg),
-            Self::Asg => Some(Gaussian::Asg),
-            Self::Normals | Self::Ltc => None,
-        }
+    pub fn of_lobe(lobe: LobeModel) -> Self {
+        Self::ALL.iter().copied().find(|model| model.lobe() == Some(lobe)).unwrap_or(Self::Ltc)
+    }
+
+    /// What stands for a lobe in the model's tables; `None` for a model that reads none.
+    #[must_use]
+    pub fn lobe(self) -> Option<LobeModel> {
+        self.rules().table().map(|table| table.lobe)
+    }
+
+    /// Whether there is no light by it without a table.
+    #[must_use]
+    pub fn needs_table(self) -> bool {
+        self.rules().formula().is_none()
+    }
+
+    /// The rules among which option `--weight` chooses, the default first; empty for a model without the option.
+    #[must_use]
+    pub fn weights(self) -> &'static [WeightRule] {
+        self.rules().formula().map_or(&[], Formula::weights)
+    }
+
+    /// The model without a table; `None` where it needs one. The rule is the default where none is chosen, and where the
+    /// model has no choice.
+    #[must_use]
+    pub fn closed_form(self, rule: Option<WeightRule>) -> Option<ClosedForm> {
+        let usual = WeightRule::ALL[0];
+        let rule = if self.weights().is_empty() { usual } else { rule.unwrap_or(usual) };
+        (!self.needs_table()).then_some(ClosedForm { model: self, rule })
+    }
+
+    /// The model without a table, under each of its rules; none where it needs one.
+    pub fn closed_forms(self) -> impl Iterator<Item = ClosedForm> {
+        let rules = if self.weights().is_empty() { &WeightRule::ALL[..1] } else { self.weights() };
+        rules.iter().filter_map(move |rule| self.closed_form(Some(*rule)))
+    }
+
+    /// The cost of a pixel of a preview by a formula, in samples of its reference; by a table where the model needs one.
+    #[must_use]
+    pub fn cost(self) -> u32 {
+        self.rules().formula().map_or_else(|| self.table_cost(), Formula::cost)
+    }
+
+    /// The same by a table.
+    #[must_use]
+    pub fn table_cost(self) -> u32 {
+        self.rules().table().map_or(0, |table| table.cost)
+    }
+
+    /// The names of the models that have a formula, as a sentence lists them: `normals, sg and asg`.
+    #[must_use]
+    pub fn names_without_table() -> String {
+        let names: Vec<&str> =
+            Self::ALL.iter().filter(|model| !model.needs_table()).map(|model| model.name()).collect();
+        listed(&names)
     }
 }
 
-impl From<Gaussian> for LightModel {
-    fn from(gaussian: Gaussian) -> Self {
-        match gaussian {
-            Gaussian::Sg => Self::Sg,
-            Gaussian::Asg => Self::Asg,
+/// Names as a sentence lists them: `a, b and c`.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+impl ClosedForm {
+    /// The model.
+    #[must_use]
+    pub fn model(self) -> LightModel {
+        self.model
+    }
+
+    /// The rule of the weight; the default where the model has no choice.
+    #[must_use]
+    pub fn rule(self) -> WeightRule {
+        self.rule
+    }
+
+    /// The rule of the weight; `None` where the model has no choice.
+    #[must_use]
+    pub fn weight(self) -> Option<WeightRule> {
+        (!self.model.weights().is_empty()).then_some(self.rule)
+    }
+
+    /// What a surface reflects of a light. Shapes are lit as the polygons that
+    /// [`ShapedLight::outline`](super::ShapedLight::outline) tells.
+    ///
+    /// # Errors
+    /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the outline.
+    pub fn reflected<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, LightError> {
+        let formula = self.model.rules().formula();
+        lit(at, light.into(), |lit| formula.map_or([0.0; 2], |formula| formula.reflected(lit, self.rule)))
+    }
+
+    /// The same in the numbers of a shader: for a Fresnel factor of one, and its part weighed by Schlick's factor.
+    #[must_use]
+    pub fn reflected_f32(self, lit: &Lit<'_, f32>) -> [f32; 2] {
+        self.model.rules().formula().map_or([0.0; 2], |formula| formula.reflected_f32(lit, self.rule))
+    }
+}
+
+impl Lighting<'_> {
+    /// What a surface reflects of a light.
+    ///
+    /// # Errors
+    /// Those of [`ClosedForm::reflected`] and [`by_table`](super::by_table).
+    pub fn reflected<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, LightError> {
+        match self {
+            Self::ClosedForm(form) => form.reflected(at, light),
+            Self::Table(table) => super::by_table(table, at, light),
+        }
+    }
+
+    /// Whether it is light of a scattering model.
+    ///
+    /// # Errors
+    /// [`LightError::OtherLights`] for a table of another, [`LightError::OtherBrdf`] for a formula where it is not GGX.
+    pub(super) fn check_brdf(self, brdf: &ltcforge_fit::BrdfModel) -> Result<(), LightError> {
+        match self {
+            Self::Table(table) if table.brdf != *brdf => {
+                Err(LightError::OtherLights { lights: brdf.kind(), table: table.brdf() })
+            }
+            Self::ClosedForm(_) if *brdf != BrdfKind::Ggx => Err(LightError::OtherBrdf(brdf.kind())),
+            _ => Ok(()),
         }
     }
 }
@@ -84,44 +260,15 @@ pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), 
     Ok(([at.alpha_x.max(LEAST_ALPHA), at.alpha_y.max(LEAST_ALPHA)], direction(at.theta, at.phi)))
 }
 
-/// What a surface reflects of a light by the closed form in the space of normals, in f64. Shapes are lit as the
-/// polygons that [`ShapedLight::outline`](super::ShapedLight::outline) tells.
-///
-/// # Errors
-/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the outline.
-pub fn by_normals<'a>(
+/// What `of` says of a surface, a view and a light that are checked.
+pub(super) fn lit(
     at: &Configuration,
-    light: impl Into<AreaLight<'a>>,
-    rule: WeightRule,
+    light: AreaLight<'_>,
+    of: impl FnOnce(&Lit<'_, f64>) -> [f64; 2],
 ) -> Result<Reflected, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
-    let (vertices, sides) = light.into().polygon()?;
-    let [energy, fresnel] = reflected(alpha, wo.to_array(), &vertices, sides, rule);
-    Ok(Reflected { energy, fresnel })
-}
-
-/// What a surface reflects of a light by a Gaussian, in f64. Shapes are lit as by [`by_normals`].
-///
-/// # Errors
-/// As [`by_normals`].
-pub fn by_gaussian<'a>(
-    at: &Configuration,
-    light: impl Into<AreaLight<'a>>,
-    gaussian: Gaussian,
-) -> Result<Reflected, LightError> {
-    by_warp(at, light, gaussian, Warp::Visible)
-}
-
-/// As [`by_gaussian`], by the Gaussian of a warp.
-pub(super) fn by_warp<'a>(
-    at: &Configuration,
-    light: impl Into<AreaLight<'a>>,
-    gaussian: Gaussian,
-    warp: Warp,
-) -> Result<Reflected, LightError> {
-    let (alpha, wo) = surface_and_view(at)?;
-    let (vertices, sides) = light.into().polygon()?;
-    let [energy, fresnel] = gaussians::reflected_around(warp, gaussian, (alpha, wo.to_array()), &vertices, sides);
+    let (vertices, sides) = light.polygon()?;
+    let [energy, fresnel] = of(&Lit { alpha, wo: wo.to_array(), vertices: &vertices, sides });
     Ok(Reflected { energy, fresnel })
 }
 
@@ -135,6 +282,15 @@ mod tests {
         assert_eq!(parts.schlick(1.0, 1.0), 0.5);
         assert_eq!(parts.schlick(0.0, 1.0), 0.125);
         assert_eq!(parts.schlick(1.0, 0.0), 0.375);
+    }
+
+    #[test]
+    fn models_are_listed_as_sentences_do() {
+        assert_eq!(LightModel::names_without_table(), "normals, sg and asg");
+        assert_eq!([listed(&[]), listed(&["a"]), listed(&["a", "b"])], ["", "a", "a and b"]);
+        for lobe in LobeModel::ALL {
+            assert_eq!(LightModel::of_lobe(*lobe).lobe(), Some(*lobe));
+        }
     }
 
     #[test]

@@ -4,9 +4,32 @@ use super::{
     Language,
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
+    model_shader::{Comment, ModelShader},
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::gaussians::{Gaussian, SgLight, reflected, reflected_sg};
+
+/// The light of a Gaussian.
+pub(super) const SHADER: ModelShader = ModelShader {
+    prefix: "gaussians",
+    functions: |_| &["gaussians_light"],
+    example: "gaussians_example",
+    caller: |_| CALLED.to_owned(),
+    comment: Comment::Formula { program: gaussians_header, included: gaussians_include_header },
+};
+
+/// The fragment shader that reaches every function.
+pub(super) const CALLED: &str = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let view = gaussians_view(1u, 0.5, 0.5, vec3(0.0, 0.0, 1.0));
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let disk = gaussians_disk(view, vertices[0], vertices[1], vertices[2], true);
+    let polygon = gaussians_polygon(view, vertices, 4u, true) + gaussians_sg(view, vertices[0], 1.0, 1.0);
+    return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
+}
+";
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\
@@ -63,12 +86,12 @@ fn bindings(language: Language) -> &'static str {
 }
 
 /// The comment of the program, in lines that begin with `//`.
-pub(super) fn gaussians_header(language: Language) -> String {
+fn gaussians_header(language: Language) -> String {
     commented(&format!("{}{EXAMPLE}{}\n\n{}", about(), bindings(language), check()))
 }
 
 /// The comment of the text to include.
-pub fn gaussians_include_header() -> String {
+fn gaussians_include_header() -> String {
     commented(&format!("{}{USE}\n{}", about(), check()))
 }
 

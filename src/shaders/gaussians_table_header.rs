@@ -2,16 +2,26 @@
 
 use super::{
     Bound, Language,
-    gaussians_header::LIGHTS,
+    gaussians_header::{CALLED, LIGHTS},
     golden::{CASES, CORNERS, Case},
     header::{NODES_IN_STORAGE, bindings, bound_table, checked_table, commented, fixed, listed},
 };
 use super::{
-    Place, Reading,
+    Lights, Place, Reading,
     header::{included_bindings, nodes_of_include},
+    model_shader::{Comment, ModelShader},
 };
 use ltcforge_fit::Layout;
 use ltcforge_light::Gaussian;
+
+/// The light of a table of Gaussians.
+pub(super) const SHADER: ModelShader = ModelShader {
+    prefix: "gaussians",
+    functions: |_| &["gaussians_light", "gaussians_table"],
+    example: "gaussians_table_example",
+    caller: |_| CALLED.replace("gaussians_view(", "gaussians_lookup("),
+    comment: Comment::Table { program: gaussians_table_header, included: gaussians_table_include_header },
+};
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\
@@ -48,13 +58,19 @@ fn about(layout: Layout) -> String {
 }
 
 /// The comment of the program, in lines that begin with `//`.
-pub(super) fn gaussians_table_header(language: Language, layout: Layout) -> String {
+fn gaussians_table_header(language: Language, layout: Layout) -> String {
     let (table, bindings) = (bound_table(Bound::Volumes, NODES_IN_STORAGE), bindings(language));
     commented(&format!("{}\n{table}  {bindings}\n\n{EXAMPLE}\n{}", about(layout), check(layout)))
 }
 
 /// The comment of the text to include.
-pub fn gaussians_table_include_header(language: Language, layout: Layout, reading: Reading, place: &Place) -> String {
+fn gaussians_table_include_header(
+    language: Language,
+    layout: Layout,
+    reading: Reading,
+    _: Lights,
+    place: &Place,
+) -> String {
     let (table, bindings) =
         (bound_table(reading.bound, nodes_of_include(language)), included_bindings(language, reading, place));
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))

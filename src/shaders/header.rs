@@ -1,11 +1,64 @@
 //! The comment at the top of a translation.
 
+use super::model_shader::{Comment, ModelShader};
 use super::{
     Bound, Language, Lights,
     golden::{CASES, CORNERS, Case, Golden, table},
 };
 use super::{Filter, Place, Reading};
 use ltcforge_fit::{Layout, PerAxis};
+
+/// The light of a table of LTCs.
+pub(super) const SHADER: ModelShader = ModelShader {
+    prefix: "ltc",
+    functions: light_files,
+    example: "ltc_example",
+    caller: |lights| table_caller(lights).to_owned(),
+    comment: Comment::Table { program: header, included: table_include_header },
+};
+
+/// The files that integrate an LTC over lights.
+pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
+    match lights {
+        Lights::All => &["ltc_light", "ltc_shapes"],
+        Lights::Polygons => &["ltc_light"],
+    }
+}
+
+/// The fragment shader that reaches every function of a table's light.
+pub fn table_caller(lights: Lights) -> &'static str {
+    match lights {
+        Lights::All => ALL_CALLED,
+        Lights::Polygons => POLYGONS_CALLED,
+    }
+}
+
+const ALL_CALLED: &str = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));
+    let inverse = ltc_inverse(lobe.m);
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let disk = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], true);
+    let sphere = ltc_sphere(inverse, vertices[0], 1.0);
+    let long = ltc_tube(inverse, vertices[0], vertices[1], 1.0) + ltc_line(inverse, vertices[0], vertices[1], 1.0);
+    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
+    return vec4(polygon, disk + sphere, long, lobe.fresnel);
+}
+";
+
+const POLYGONS_CALLED: &str = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));
+    let inverse = ltc_inverse(lobe.m);
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
+    return vec4(polygon, 0.0, 0.0, lobe.fresnel);
+}
+";
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\
@@ -238,7 +291,7 @@ pub(super) fn bound_table(bound: Bound, nodes: &str) -> String {
 pub(super) const NODES_IN_STORAGE: &str = "storage buffer of f32";
 
 /// The comment of the shader for `layout`, in lines that begin with `//`.
-pub(super) fn header(language: Language, layout: Layout) -> String {
+fn header(language: Language, layout: Layout) -> String {
     let table = bound_table(Bound::Volumes, NODES_IN_STORAGE);
     let text = format!(
         "{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}",
@@ -250,13 +303,7 @@ pub(super) fn header(language: Language, layout: Layout) -> String {
 }
 
 /// The comment of a text to include that reads tables of `layout`.
-pub fn table_include_header(
-    language: Language,
-    layout: Layout,
-    reading: Reading,
-    lights: Lights,
-    place: &Place,
-) -> String {
+fn table_include_header(language: Language, layout: Layout, reading: Reading, lights: Lights, place: &Place) -> String {
     let table = bound_table(reading.bound, nodes_of_include(language));
     let bindings = included_bindings(language, reading, place);
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout, lights), check(layout)))

@@ -13,20 +13,18 @@ mod golden;
 mod header;
 mod language;
 mod lit_by;
+mod model_shader;
 mod normals_header;
 mod place;
 mod sources;
 mod text;
 
-pub use gaussians_header::{SG_LIGHT, gaussians_include_header};
-pub use gaussians_table_header::gaussians_table_include_header;
+pub use gaussians_header::SG_LIGHT;
 pub use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
-pub use header::{commented, functions_of, table_include_header};
+pub use header::{commented, functions_of, table_caller};
 pub use language::Language;
-pub use lit_by::{Bound, Filter, Lights, LitBy, Reading};
-pub use normals_header::normals_include_header;
+pub use lit_by::{Bound, Filter, Lights, LitBy, LitByError, Reading};
+pub use model_shader::ModelShader;
 pub use place::{BadPrefix, Place, Prefix};
-pub use sources::{
-    SHADERS, Shader, functions, joined, normals_functions, ported, preview_module, table_reader, without_textures,
-};
-pub use text::{comment, wgsl};
+pub use sources::{SHADERS, Shader, functions, joined, ported, preview_module, table_reader, without_textures};
+pub use text::wgsl;

@@ -1,49 +1,68 @@
 //! What a shader lights by.
 
 use ltcforge_fit::{Layout, named_list};
-use ltcforge_light::{Gaussian, LightModel};
+use ltcforge_light::LightModel;
 
-/// What a shader for other renderers lights by.
+/// What a shader for other renderers lights by: a model, and the layout of the tables that it reads, if it reads any. The
+/// text of models `sg` and `asg` is the same: which one is an argument of its functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LitBy {
-    /// Tables of LTCs in this layout.
-    Table(Layout),
-    /// The closed form in the space of normals, without a table.
-    Normals,
-    /// A Gaussian, without a table. The text has both, and which one is an argument of its functions.
-    Gaussian(Gaussian),
-    /// Tables of Gaussians in this layout. The text lights by both, and which one is an argument of its functions.
-    GaussianTable(Gaussian, Layout),
+pub struct LitBy {
+    model: LightModel,
+    layout: Option<Layout>,
+}
+
+/// Why a model has no shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum LitByError {
+    /// It lights by tables alone.
+    #[error("model {0} needs --layout, or --without-textures and a table")]
+    NeedsLayout(LightModel),
+    /// It reads no table.
+    #[error("model {0} reads no table: leave out --layout")]
+    NoTable(LightModel),
+    /// A layout does not store its lobes.
+    #[error(
+        "layout {layout} has tables of LTCs only: model {model} has those of {layouts}",
+        layouts = layouts_of(*model).join(" and ")
+    )]
+    NotStored {
+        /// The model.
+        model: LightModel,
+        /// The layout.
+        layout: Layout,
+    },
+}
+
+/// The layouts of a model's tables.
+fn layouts_of(model: LightModel) -> Vec<&'static str> {
+    let stores = |layout: &&Layout| model.lobe().is_some_and(|lobe| layout.stores(lobe));
+    Layout::ALL.iter().filter(stores).map(|layout| layout.name()).collect()
 }
 
 impl LitBy {
+    /// A model and the layout of its tables; without one its formula.
+    ///
+    /// # Errors
+    /// [`LitByError`] for a model that does not light so.
+    pub fn new(model: LightModel, layout: Option<Layout>) -> Result<Self, LitByError> {
+        match (model.lobe(), layout) {
+            (_, None) if model.needs_table() => Err(LitByError::NeedsLayout(model)),
+            (None, Some(_)) => Err(LitByError::NoTable(model)),
+            (Some(lobe), Some(layout)) if !layout.stores(lobe) => Err(LitByError::NotStored { model, layout }),
+            _ => Ok(Self { model, layout }),
+        }
+    }
+
     /// The model.
     #[must_use]
     pub fn model(self) -> LightModel {
-        match self {
-            Self::Table(_) => LightModel::Ltc,
-            Self::Normals => LightModel::Normals,
-            Self::Gaussian(gaussian) | Self::GaussianTable(gaussian, _) => gaussian.into(),
-        }
+        self.model
     }
 
     /// The layout of its tables.
     #[must_use]
     pub fn layout(self) -> Option<Layout> {
-        match self {
-            Self::Table(layout) | Self::GaussianTable(_, layout) => Some(layout),
-            Self::Normals | Self::Gaussian(_) => None,
-        }
-    }
-
-    /// The name of the entry point that shows how to call the shader.
-    pub fn entry_point(self) -> &'static str {
-        match self {
-            Self::Table(_) => "ltc_example",
-            Self::Normals => "normals_example",
-            Self::Gaussian(_) => "gaussians_example",
-            Self::GaussianTable(..) => "gaussians_table_example",
-        }
+        self.layout
     }
 }
 
@@ -103,6 +122,6 @@ pub enum Filter {
 
 impl From<Layout> for LitBy {
     fn from(layout: Layout) -> Self {
-        Self::Table(layout)
+        Self { model: LightModel::Ltc, layout: Some(layout) }
     }
 }

@@ -4,9 +4,33 @@ use super::{
     Language,
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
+    model_shader::{Comment, ModelShader},
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::normals::{WeightRule, reflected};
+
+/// The light in the space of normals.
+pub(super) const SHADER: ModelShader = ModelShader {
+    prefix: "normals",
+    functions: |_| {
+        &["normals_corner", "normals_edge", "normals_outline", "normals_weight", "normals_fan", "normals_light"]
+    },
+    example: "normals_example",
+    caller: |_| CALLED.to_owned(),
+    comment: Comment::Formula { program: normals_header, included: normals_include_header },
+};
+
+/// The fragment shader that reaches every function.
+const CALLED: &str = "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {
+    let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    let disk = normals_disk(view, vertices[0], vertices[1], vertices[2], true, 0u);
+    return vec4(normals_rectangle(view, corners, true, 0u) + normals_polygon(view, &vertices, 4u, true, 0u), disk);
+}
+";
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\
@@ -54,12 +78,12 @@ fn bindings(language: Language) -> &'static str {
 }
 
 /// The comment of the program, in lines that begin with `//`.
-pub(super) fn normals_header(language: Language) -> String {
+fn normals_header(language: Language) -> String {
     commented(&format!("{}{EXAMPLE}{}\n\n{}", about(), bindings(language), check()))
 }
 
 /// The comment of the text to include.
-pub fn normals_include_header() -> String {
+fn normals_include_header() -> String {
     commented(&format!("{}{USE}\n{}", about(), check()))
 }
 

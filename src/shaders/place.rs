@@ -46,11 +46,7 @@ impl Place {
     /// `text` in `language`, with the names that it has here: those of the light's own code, those of the arithmetic that all
     /// lights share, and those that naga adds to a translation.
     pub fn named(&self, text: &str, language: Language, lit_by: LitBy) -> String {
-        let own = match lit_by {
-            LitBy::Table(_) => "ltc",
-            LitBy::Normals => "normals",
-            LitBy::Gaussian(_) | LitBy::GaussianTable(..) => "gaussians",
-        };
+        let own = lit_by.shader().prefix;
         let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
         identifiers(text, |name, rest| {
             // The files of `shaders/`, which comments speak of.
@@ -61,7 +57,7 @@ impl Place {
             // Shared arithmetic; a table's own names are in the first arm.
             let is_shared = name.starts_with("ltc_");
             // A table of Gaussians is read by the code of tables of LTCs, which may stand beside it.
-            if matches!(lit_by, LitBy::GaussianTable(..)) && is_ours {
+            if lit_by.layout().is_some() && own != "ltc" && is_ours {
                 if name.starts_with("Ltc") {
                     return Some(format!("{}{name}", capital(prefix)));
                 }
@@ -158,6 +154,7 @@ fn identifiers(text: &str, of: impl Fn(&str, &str) -> Option<String>) -> String 
 mod tests {
     use super::*;
     use ltcforge_fit::Layout;
+    use ltcforge_light::LightModel;
 
     #[test]
     fn whole_names_get_a_prefix_and_their_parts_do_not() {
@@ -171,7 +168,8 @@ mod tests {
             "a1_x(A1Y, A1_Z, my_ltc_x, ltcforge, Ltcx, 0ltc_, a1_naga_div, a1_ZeroValueLtcY, a1_naga, type_, a1_type_1)"
         );
         assert_eq!(hlsl("", "ltc_x naga_div ltc_math.wgsl"), "ltc_x ltc_naga_div ltc_math.wgsl");
-        let normals = |text: &str| Place::default().named(text, Language::Msl, LitBy::Normals);
+        let normals = LitBy::new(LightModel::Normals, None).expect("a formula");
+        let normals = |text: &str| Place::default().named(text, Language::Msl, normals);
         assert_eq!(normals("normals_x NormalsY ltc_log normals"), "normals_x NormalsY normals_ltc_log normals");
     }
 

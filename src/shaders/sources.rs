@@ -3,7 +3,9 @@
 use super::Bound;
 use super::Lights;
 use super::LitBy;
+use super::header::light_files;
 use ltcforge_fit::{Layout, LayoutShader};
+use ltcforge_light::LightModel;
 
 /// A file of `shaders/`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,54 +46,8 @@ pub const SHADERS: [Shader; 26] = [
     Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
 ];
 
-/// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
-const PORTED: [&str; 7] =
-    ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light", "ltc_shapes", "ltc_example"];
-const PORTED_NORMALS: [&str; 8] = [
-    "ltc_math",
-    "normals_corner",
-    "normals_edge",
-    "normals_outline",
-    "normals_weight",
-    "normals_fan",
-    "normals_light",
-    "normals_example",
-];
-const PORTED_GAUSSIANS: [&str; 3] = ["ltc_math", "gaussians_light", "gaussians_example"];
-const PORTED_GAUSSIANS_TABLE: [&str; 7] = [
-    "ltc_math",
-    "nodes_storage",
-    "texels_volumes",
-    "ltc_table",
-    "gaussians_light",
-    "gaussians_table",
-    "gaussians_table_example",
-];
-/// What the preview takes: its own entry points in place of the example.
-const PREVIEWED: [&str; 17] = [
-    "ltc_math",
-    "nodes_storage",
-    "texels_volumes",
-    "ltc_table",
-    "ltc_light",
-    "ltc_shapes",
-    "normals_corner",
-    "normals_edge",
-    "normals_outline",
-    "normals_weight",
-    "normals_fan",
-    "normals_light",
-    "gaussians_light",
-    "gaussians_table",
-    "ggx_reference",
-    "reference_solids",
-    "sphere",
-];
-
-/// The functions that light a surface without a table: all that a renderer takes but the example.
-pub fn normals_functions() -> &'static [&'static str] {
-    &PORTED_NORMALS[..PORTED_NORMALS.len() - 1]
-}
+/// What reads a table whose nodes are in storage and whose entries are in volumes.
+const TABLE: [&str; 4] = ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
 pub fn joined(names: &[&str]) -> String {
@@ -141,9 +97,17 @@ fn body(layouts: &[Layout], default: &str, of: impl Fn(&Layout) -> String) -> St
     format!("    switch ltc_table.reading.x {{\n{cases}        default: {{ {default} }}\n    }}\n")
 }
 
+/// The shaders of the preview: all models, and its own entry points in place of their examples.
+fn previewed() -> Vec<&'static str> {
+    let layouts = [None, Some(Layout::ALL[0])];
+    let models = layouts.iter().flat_map(|layout| LightModel::ALL.iter().map(|model| LitBy::new(*model, *layout)));
+    let lights = models.flatten().flat_map(|lit_by| (lit_by.shader().functions)(Lights::All));
+    TABLE.iter().chain(lights).chain(&["ggx_reference", "reference_solids", "sphere"]).copied().collect()
+}
+
 /// The module of the preview, which reads tables of every layout.
 pub fn preview_module() -> String {
-    module(&PREVIEWED, Layout::ALL)
+    module(&previewed(), Layout::ALL)
 }
 
 /// What reads tables of every layout, without an entry point.
@@ -153,11 +117,15 @@ pub fn table_reader(bound: Bound) -> String {
 
 /// The module that other renderers take.
 pub fn ported(lit_by: LitBy) -> String {
-    match lit_by {
-        LitBy::Table(layout) => module(&PORTED, &[layout]),
-        LitBy::Normals => joined(&PORTED_NORMALS),
-        LitBy::Gaussian(_) => joined(&PORTED_GAUSSIANS),
-        LitBy::GaussianTable(_, layout) => module(&PORTED_GAUSSIANS_TABLE, &[layout]),
+    assembled(lit_by, TABLE, Lights::All, &[lit_by.shader().example])
+}
+
+/// The shaders of a model's light, what reads its tables if it has any, and others.
+fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) -> String {
+    let functions = (lit_by.shader().functions)(lights);
+    match lit_by.layout() {
+        Some(layout) => module(&[&reader, functions, others].concat(), &[layout]),
+        None => joined(&[&reader[..1], functions, others].concat()),
     }
 }
 
@@ -172,32 +140,14 @@ fn texels(bound: Bound) -> &'static str {
 /// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
 pub fn functions(lit_by: LitBy, bound: Bound, lights: Lights, has_storage: bool) -> String {
     let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
-    match lit_by {
-        LitBy::Table(layout) => {
-            let table = ["ltc_math", nodes, texels(bound), "ltc_table"];
-            module(&[&table[..], lights_by_table(lights)].concat(), &[layout])
-        }
-        LitBy::Normals => joined(normals_functions()),
-        LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
-        LitBy::GaussianTable(_, layout) => {
-            module(&["ltc_math", nodes, texels(bound), "ltc_table", "gaussians_light", "gaussians_table"], &[layout])
-        }
-    }
-}
-
-/// What integrates an LTC over lights.
-fn lights_by_table(lights: Lights) -> &'static [&'static str] {
-    match lights {
-        Lights::All => &["ltc_light", "ltc_shapes"],
-        Lights::Polygons => &["ltc_light"],
-    }
+    assembled(lit_by, ["ltc_math", nodes, texels(bound), "ltc_table"], lights, &[])
 }
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
 pub fn without_textures(smooth_at: &str, lights: Lights) -> String {
     let LayoutShader { source, .. } = Layout::Reflected.shader();
     let parts = ["ltc_math", "ltc_smooth", "ltc_function"];
-    format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], lights_by_table(lights)].concat()))
+    format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], light_files(lights)].concat()))
 }
 
 #[cfg(test)]
@@ -235,15 +185,18 @@ mod tests {
         validate(&["ltc_math", "nodes_uniform", "texels_array", "ltc_table"]);
         validate(&["ltc_math", "ltc_light"]);
         validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
-        validate(normals_functions());
         validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light"]);
-        validate(&PORTED);
-        validate(&PORTED_NORMALS);
-        validate(&["ltc_math", "gaussians_light"]);
-        validate(&PORTED_GAUSSIANS);
-        validate(&PORTED_GAUSSIANS_TABLE);
+        let layouts = [None, Some(Layout::Reflected)];
+        for lit_by in
+            layouts.iter().flat_map(|of| LightModel::ALL.iter().map(|model| LitBy::new(*model, *of))).flatten()
+        {
+            let reader = if lit_by.layout().is_some() { &TABLE[..] } else { &TABLE[..1] };
+            let functions = [reader, (lit_by.shader().functions)(Lights::All)].concat();
+            validate(&functions);
+            validate(&[&functions[..], &[lit_by.shader().example]].concat());
+        }
         validate(&["ltc_math", "ltc_light", "ggx_reference", "reference_solids"]);
-        validate(&PREVIEWED);
+        validate(&previewed());
     }
 
     #[test]

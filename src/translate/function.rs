@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 
 use super::{
     PortError,
-    include::table_entry,
     translation::{Included, translate_functions},
 };
 use ltcforge_fit::{IsotropicFunction, Layout};
-use ltcforge_shaders::{Language, Lights, Place, commented, functions_of, without_textures};
+use ltcforge_shaders::{Language, Lights, Place, commented, functions_of, table_caller, without_textures};
 
 /// What the text is, and how to call it.
 const ABOUT: &str = "\
@@ -38,7 +37,7 @@ pub fn include_function(
     lights: Lights,
     place: &Place,
 ) -> Result<String, PortError> {
-    let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_entry(lights));
+    let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_caller(lights));
     let included = Included { source: &source, entry: "ltc_included", reading: None };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
     let lines = about.join("\n  ");

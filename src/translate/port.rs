@@ -1,6 +1,6 @@
 //! A shader for other renderers, in their language.
 
-use ltcforge_shaders::{Language, LitBy, comment, ported, wgsl};
+use ltcforge_shaders::{Language, LitBy, ported, wgsl};
 
 use super::translation::translate;
 
@@ -26,7 +26,7 @@ pub fn port(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Por
     if language == Language::Wgsl {
         return Ok(wgsl(lit_by).into_bytes());
     }
-    let header = comment(language, lit_by);
+    let header = lit_by.comment(language);
     let source = format!("{header}\n{}", ported(lit_by));
     let body = translate(language, lit_by, &source).map_err(|reason| PortError { language, reason })?;
     let (version, code) = body.split_at(version_line(language, &body));

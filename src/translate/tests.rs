@@ -2,11 +2,15 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::*;
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
-use ltcforge_light::Gaussian;
-use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Place, Reading, SHADERS, comment, wgsl};
+use ltcforge_light::LightModel;
+use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Place, Reading, SHADERS, wgsl};
+
+pub(super) fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
+    LitBy::new(model, layout).expect("a model that lights so")
+}
 
 fn header(language: Language, layout: Layout) -> String {
-    comment(language, layout.into())
+    LitBy::from(layout).comment(language)
 }
 
 fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
@@ -67,8 +71,8 @@ fn every_language_has_header_and_functions_of_either_layout() {
 /// What lights without a table, with its comment and its functions.
 fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static str]); 2] {
     [
-        (LitBy::Normals, comment(language, LitBy::Normals), &NORMALS_FUNCTIONS),
-        (LitBy::Gaussian(Gaussian::Asg), comment(language, LitBy::Gaussian(Gaussian::Asg)), &GAUSSIANS_FUNCTIONS),
+        (lit_by(LightModel::Normals, None), lit_by(LightModel::Normals, None).comment(language), &NORMALS_FUNCTIONS),
+        (lit_by(LightModel::Asg, None), lit_by(LightModel::Asg, None).comment(language), &GAUSSIANS_FUNCTIONS),
     ]
 }
 
@@ -84,10 +88,10 @@ const GAUSSIANS_TABLE_FUNCTIONS: [&str; 5] =
 #[test]
 fn every_language_has_the_shader_of_a_table_of_gaussians() {
     for layout in [Layout::Reflected, Layout::Kt2022] {
-        let lit_by = LitBy::GaussianTable(Gaussian::Asg, layout);
+        let lit_by = lit_by(LightModel::Asg, Some(layout));
         for language in programs().filter(|language| *language != Language::Spirv) {
             let (text, name) = (text(language, lit_by), language.name());
-            let header = comment(language, lit_by);
+            let header = lit_by.comment(language);
             assert!(header.is_ascii() && header.lines().all(|l| l.starts_with("//") && l.len() <= 124), "{name}");
             assert!(after_version(&text).starts_with(&header) && header.contains(layout.name()), "{name}");
             let code = code(&text);
@@ -138,7 +142,7 @@ fn languages_look_like_themselves() {
 #[test]
 fn the_version_of_glsl_stands_before_the_comment() {
     for (language, version) in [(Language::Glsl, "#version 450"), (Language::GlslEs, "#version 310 es")] {
-        assert!(text(language, LitBy::Normals).starts_with(version), "{}", language.name());
+        assert!(text(language, lit_by(LightModel::Normals, None)).starts_with(version), "{}", language.name());
     }
 }
 
@@ -248,13 +252,13 @@ fn the_cases_try_every_fold_and_the_light_matters_in_each() {
 
 /// Every text to include, by language and what it lights by.
 fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
-    let gaussian = LitBy::Gaussian(Gaussian::Sg);
-    let gaussian_table = LitBy::GaussianTable(Gaussian::Asg, Layout::Reflected);
-    let lit_by =
-        [LitBy::Table(Layout::Reflected), LitBy::Table(Layout::Kt2022), LitBy::Normals, gaussian, gaussian_table];
+    let gaussian = lit_by(LightModel::Sg, None);
+    let gaussian_table = lit_by(LightModel::Asg, Some(Layout::Reflected));
+    let lights =
+        [Layout::Reflected.into(), Layout::Kt2022.into(), lit_by(LightModel::Normals, None), gaussian, gaussian_table];
     let languages = Language::ALL.into_iter().filter(|language| language.has_includes());
     languages.flat_map(move |language| {
-        lit_by.into_iter().flat_map(move |lit_by| {
+        lights.into_iter().flat_map(move |lit_by| {
             Reading::ALL.into_iter().map(move |reading| {
                 let text = include(language, lit_by, reading, Lights::All, &Place::default())
                     .unwrap_or_else(|error| panic!("{lit_by:?}: {error}"));
@@ -286,11 +290,11 @@ fn what_is_included_has_functions_and_no_program() {
         ] {
             assert!(!code.contains(word), "{name}: {word}");
         }
-        let functions: &[&str] = match lit_by {
-            LitBy::Table(_) => &TABLE_FUNCTIONS,
-            LitBy::Normals => &NORMALS_FUNCTIONS,
-            LitBy::Gaussian(_) => &GAUSSIANS_FUNCTIONS,
-            LitBy::GaussianTable(..) => &GAUSSIANS_TABLE_FUNCTIONS,
+        let functions: &[&str] = match (lit_by.model(), lit_by.layout()) {
+            (LightModel::Ltc, _) => &TABLE_FUNCTIONS,
+            (LightModel::Normals, _) => &NORMALS_FUNCTIONS,
+            (LightModel::Sg | LightModel::Asg, None) => &GAUSSIANS_FUNCTIONS,
+            (LightModel::Sg | LightModel::Asg, Some(_)) => &GAUSSIANS_TABLE_FUNCTIONS,
         };
         for function in functions {
             assert!(code.contains(&format!("{function}(")), "{name}: {function}");
@@ -321,8 +325,9 @@ fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
             println!("{name}: {} bytes, {} for polygons", all.len(), polygons.len());
             assert!(polygons.len() + 10_000 < all.len(), "{name}: {} {}", polygons.len(), all.len());
         }
-        let normals = [Lights::All, Lights::Polygons]
-            .map(|lights| include(language, LitBy::Normals, Reading::default(), lights, &Place::default()));
+        let normals = [Lights::All, Lights::Polygons].map(|lights| {
+            include(language, lit_by(LightModel::Normals, None), Reading::default(), lights, &Place::default())
+        });
         assert_eq!(normals[0].as_ref().ok(), normals[1].as_ref().ok(), "{name}");
     }
 }
@@ -372,5 +377,10 @@ fn what_is_included_binds_what_its_comment_says() {
     let refused = include(Language::Spirv, Layout::Reflected, Reading::default(), Lights::All, &Place::default())
         .expect_err("no text");
     assert!(refused.to_string().contains("include"), "{refused}");
-    assert!(port(Language::Glsl330, LitBy::Normals).expect_err("no program").to_string().contains("compute"));
+    assert!(
+        port(Language::Glsl330, lit_by(LightModel::Normals, None))
+            .expect_err("no program")
+            .to_string()
+            .contains("compute")
+    );
 }

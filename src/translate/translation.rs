@@ -75,11 +75,11 @@ struct Entry<'a> {
 
 /// The WGSL program `source` in `language`, as UTF-8 or as the words of SPIR-V; the error is naga's.
 pub(super) fn translate(language: Language, lit_by: LitBy, source: &str) -> Result<Vec<u8>, String> {
-    let (slots, filter): (&[Slot], _) = match lit_by {
-        LitBy::Table(_) | LitBy::GaussianTable(..) => (&TABLE_SLOTS, Some(Filter::Exact)),
-        LitBy::Normals | LitBy::Gaussian(_) => (&TABLELESS_SLOTS, None),
+    let (slots, filter): (&[Slot], _) = match lit_by.layout() {
+        Some(_) => (&TABLE_SLOTS, Some(Filter::Exact)),
+        None => (&TABLELESS_SLOTS, None),
     };
-    let entry = Entry { stage: ShaderStage::Compute, name: lit_by.entry_point(), slots };
+    let entry = Entry { stage: ShaderStage::Compute, name: lit_by.shader().example, slots };
     let (module, info) = prepared(source, &entry, filter)?;
     match language {
         Language::Wgsl => Ok(source.into()),

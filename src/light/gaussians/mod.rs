@@ -16,11 +16,14 @@
 //! it and has the errors.
 
 mod lobe;
+mod model;
 mod sg_light;
 #[cfg(test)]
 mod tests;
 
 pub use lobe::{Lobe, Warp};
+pub(crate) use model::{ASG, SG};
+pub use model::{by_gaussian, by_warp};
 pub use sg_light::{SgLight, reflected_sg, reflected_sg_by};
 
 pub use ltcforge_fit::lobe::gaussian::{Gaussian, SphericalGaussian};

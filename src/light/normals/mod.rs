@@ -24,10 +24,12 @@
 
 mod cone;
 mod edge;
+mod model;
 mod outline;
 mod weight;
 
-pub(super) use self::{cone::cos_of_third, edge::arc_bend};
+pub use self::model::by_normals;
+pub(super) use self::{cone::cos_of_third, edge::arc_bend, model::Rules};
 use self::{
     edge::{curved_part, shared},
     outline::{Corner, Outline, Parts},

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use super::shaped_lights::{Case, cases};
 use crate::cases::{Draw, Lit, Roughness, cosine, over_area_of};
 use crate::{
-    Gaussian, LightError, Lighting, PolygonLight, RandomLights, Reflected, WeightRule, light_error, light_map,
-    rectangle, truth_of,
+    LightError, LightModel, Lighting, PolygonLight, RandomLights, Reflected, light_error, light_map, rectangle,
+    truth_of,
 };
 use ltcforge_fit::{
     BrdfKind, BrdfModel, Configuration, PerAxis, Sides, TabulatedAxes, TabulatedBrdf, TabulatedFile,
@@ -210,7 +210,7 @@ fn lambert() -> BrdfModel {
 fn a_table_is_measured_by_what_it_stands_for() {
     let error = |brdf: &BrdfModel| {
         let lights = RandomLights::draw(brdf, &RANGE, 60).expect("ranges of a table");
-        (light_error(Lighting::Ltc(&cosine(brdf.clone())), &lights).expect("a lobe"), lights.mean_energy())
+        (light_error(Lighting::Table(&cosine(brdf.clone())), &lights).expect("a lobe"), lights.mean_energy())
     };
     let (exact, energy) = error(&lambert());
     assert!(exact.max < 1e-4 && (0.05..0.8).contains(&energy), "{exact:?} {energy}");
@@ -222,16 +222,17 @@ fn a_table_is_measured_by_what_it_stands_for() {
 #[test]
 fn what_stands_for_another_model_is_refused() {
     let lights = RandomLights::draw(&BrdfKind::OrenNayar.into(), &RANGE, 2).expect("ranges of a table");
-    for model in
-        [Lighting::Normals(WeightRule::Fan), Lighting::Gaussian(Gaussian::Asg), Lighting::AroundSurface(Gaussian::Sg)]
-    {
-        assert_eq!(light_error(model, &lights).err(), Some(LightError::OtherBrdf(BrdfKind::OrenNayar)));
+    for form in LightModel::ALL.iter().flat_map(|model| model.closed_forms()) {
+        assert_eq!(
+            light_error(Lighting::ClosedForm(form), &lights).err(),
+            Some(LightError::OtherBrdf(BrdfKind::OrenNayar))
+        );
     }
     let burley = cosine(BrdfKind::BurleyDiffuse.into());
     let refused = LightError::OtherLights { lights: BrdfKind::OrenNayar, table: BrdfKind::BurleyDiffuse };
-    assert_eq!(light_error(Lighting::Ltc(&burley), &lights).err(), Some(refused.clone()));
-    let map = light_map(&[Lighting::Ltc(&burley)], &BrdfKind::OrenNayar.into(), &RANGE, 1, 1);
+    assert_eq!(light_error(Lighting::Table(&burley), &lights).err(), Some(refused.clone()));
+    let map = light_map(&[Lighting::Table(&burley)], &BrdfKind::OrenNayar.into(), &RANGE, 1, 1);
     assert_eq!(map.err(), Some(refused));
-    let map = light_map(&[Lighting::Ltc(&burley)], &BrdfKind::BurleyDiffuse.into(), &RANGE, 2, 3).expect("a table");
+    let map = light_map(&[Lighting::Table(&burley)], &BrdfKind::BurleyDiffuse.into(), &RANGE, 2, 3).expect("a table");
     assert!(map.errors[0].len() == 4 && map.errors[0].iter().all(|error| *error < 0.2), "{map:?}");
 }

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Roughness};
 use crate::{
-    Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals, by_table, truth,
-    truth_within,
+    CoversShapes as _, Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals,
+    by_table, truth, truth_within,
 };
 use ltcforge_fit::{
     BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,

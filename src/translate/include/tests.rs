@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::*;
-use crate::include_function;
+use crate::{include_function, tests::lit_by};
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
-use ltcforge_light::Gaussian;
+use ltcforge_light::LightModel;
 use ltcforge_shaders::{Bound, Filter, Lights, Place};
 
 fn place(prefix: &str, first_binding: u16) -> Place {
@@ -24,9 +24,9 @@ fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
     [
         (text(Layout::Reflected.into(), &Place::default()), "ltc"),
         (text(Layout::Ltc2017.into(), &place("iso2", 6)), "iso2"),
-        (text(LitBy::Normals, &Place::default()), "normals"),
-        (text(LitBy::Gaussian(Gaussian::Sg), &Place::default()), "gaussians"),
-        (text(LitBy::GaussianTable(Gaussian::Asg, Layout::Reflected), &place("fitted", 12)), "fitted"),
+        (text(lit_by(LightModel::Normals, None), &Place::default()), "normals"),
+        (text(lit_by(LightModel::Sg, None), &Place::default()), "gaussians"),
+        (text(lit_by(LightModel::Asg, Some(Layout::Reflected)), &place("fitted", 12)), "fitted"),
         (function, "smooth"),
     ]
 }

@@ -13,9 +13,9 @@ use ltcforge_fit::{
     math::{cos, direction, exp, sin_cos},
 };
 use ltcforge_light::{
-    Gaussian, LightError, Lighting, RandomLights,
-    gaussians::{Lobe, Warp},
-    light_error,
+    Gaussian, LightError, RandomLights,
+    gaussians::{Lobe, Warp, by_warp},
+    light_error_by,
 };
 
 /// A row of panels each.
@@ -151,13 +151,8 @@ fn errors(alpha: f64, count: usize) -> Result<Picture, LightError> {
         let theta = [degrees.to_radians(); 2];
         let range = PerAxis { alpha: [alpha; 2], ratio: [0.0, 1.0], theta, phi: [0.0, FRAC_PI_2] };
         let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &range, count)?;
-        let error = |(gaussian, warp, _)| {
-            let model = match warp {
-                Warp::Visible => Lighting::Gaussian(gaussian),
-                Warp::Surface => Lighting::AroundSurface(gaussian),
-            };
-            Ok(light_error(model, &lights)?.mean)
-        };
+        let error =
+            |(gaussian, warp, _)| Ok(light_error_by(|at, light| by_warp(at, light, gaussian, warp), &lights)?.mean);
         GAUSSIANS.into_iter().map(error).collect()
     };
     let found: Vec<Vec<f64>> = thetas.par_iter().map(at).collect::<Result<_, _>>()?;

@@ -3,7 +3,7 @@
 use super::chart::Chart;
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, short_digest};
 use ltcforge_fit::{BrdfKind, BrdfModel, PerAxis, Table};
-use ltcforge_light::{EVERYWHERE, LightError, Lighting, WeightRule, light_map};
+use ltcforge_light::{EVERYWHERE, LightError, LightModel, Lighting, WeightRule, light_map};
 
 /// Cells a side.
 const CELLS: usize = 25;
@@ -29,9 +29,9 @@ pub struct NamedTable<'a> {
 pub fn light_errors(table: Option<NamedTable<'_>>, rule: WeightRule, count: usize) -> Result<Picture, LightError> {
     let ggx = BrdfModel::from(BrdfKind::Ggx);
     let brdf = table.map_or(&ggx, |named| named.table.model());
-    let closed = (*brdf == BrdfKind::Ggx).then_some(rule);
+    let closed = LightModel::Normals.closed_form(Some(rule)).filter(|_| *brdf == BrdfKind::Ggx);
     let models: Vec<Lighting<'_>> =
-        table.iter().map(|named| Lighting::Ltc(named.table)).chain(closed.map(Lighting::Normals)).collect();
+        table.iter().map(|named| Lighting::Table(named.table)).chain(closed.map(Lighting::ClosedForm)).collect();
     let range = table.map_or(EVERYWHERE, |named| *named.range);
     let map = light_map(&models, brdf, &range, CELLS, count)?;
     let nodes = table.map_or([&[][..], &[][..]], |NamedTable { table, .. }| [&table.axes.alpha, &table.axes.theta]);
@@ -39,7 +39,7 @@ pub fn light_errors(table: Option<NamedTable<'_>>, rule: WeightRule, count: usiz
     let titles = table
         .iter()
         .map(|named| format!("LTC, table {}", short_digest(named.digest)))
-        .chain(closed.map(|rule| format!("model normals, weight {rule}")));
+        .chain(closed.map(|_| format!("model normals, weight {rule}")));
     let titles: Vec<String> = titles
         .zip(&map.errors)
         .map(|(title, errors)| format!("{title}: mean {:.5}", errors.iter().sum::<f64>() / errors.len() as f64))

@@ -198,14 +198,11 @@ fn mean_tags(error: &PanelError, material: &Material) -> Vec<String> {
 
 /// What stands above a picture by a model.
 fn model_title(model: LightModel, table: &ShaderTable, width: u32) -> String {
-    match model {
-        LightModel::Ltc => table_title(table, width),
-        LightModel::Normals => fitting(&["normals, no table", "normals"], width).to_owned(),
-        LightModel::Sg | LightModel::Asg => {
-            let short = short_title(model, table);
-            fitting(&[&format!("{short}, no table"), &short], width).to_owned()
-        }
+    if model.needs_table() {
+        return table_title(table, width);
     }
+    let short = short_title(model, table);
+    fitting(&[&format!("{short}, no table"), &short], width).to_owned()
 }
 
 fn reference_title(table: &ShaderTable, width: u32) -> String {

@@ -1,38 +1,28 @@
 //! How much work a picture is.
 
-use super::scene::{Mode, Scene};
+use super::scene::{COMPARED, Mode, Scene};
 use ltcforge_light::LightModel;
 
-/// The cost of light by the table, in samples of the reference.
-pub(super) const TABLE_COST: u32 = 8;
-/// The cost of light by the closed form in the space of normals.
-pub(super) const NORMALS_COST: u32 = 10;
-/// The cost of light by a Gaussian in closed form, and by one of a table.
-pub(super) const GAUSSIAN_COST: u32 = 6;
-pub(super) const GAUSSIAN_TABLE_COST: u32 = 10;
+/// The most that a pixel of light by a model costs, in samples of the reference.
+pub(super) fn most_cost() -> u32 {
+    LightModel::ALL.iter().map(|model| model.cost().max(model.table_cost())).max().unwrap_or(1)
+}
 
 impl Scene {
     /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the
-    /// reference, plus pixels times eight where it shows the table, ten the closed form and six a Gaussian. A lobe costs as
-    /// much as light by the table. The pixels are those of the whole panel: the background, which costs little, is not left
-    /// out.
+    /// reference, plus pixels times the cost of each model that it shows. A lobe costs as much as light by the table. The
+    /// pixels are those of the whole panel: the background, which costs little, is not left out.
     #[must_use]
     pub fn cost(&self) -> f64 {
-        let (table, reference) = (f64::from(TABLE_COST), f64::from(self.spp));
-        let normals = f64::from(NORMALS_COST);
-        let model = match self.model {
-            LightModel::Ltc => table,
-            LightModel::Normals => normals,
-            LightModel::Sg | LightModel::Asg => f64::from(GAUSSIAN_COST),
-        };
+        let (reference, model) = (self.spp, self.model.cost());
         let of_a_pixel = match self.mode {
             Mode::Ltc => model,
-            Mode::Models => table + normals + reference,
+            Mode::Models => COMPARED.map(LightModel::cost).iter().sum::<u32>() + reference,
             Mode::Reference => reference,
             Mode::Difference | Mode::Strip => model + reference,
-            Mode::Lobe => 2.0 * table,
+            Mode::Lobe => 2 * LightModel::Ltc.cost(),
         };
-        f64::from(self.size) * f64::from(self.size) * of_a_pixel
+        f64::from(self.size) * f64::from(self.size) * f64::from(of_a_pixel)
     }
 }
 

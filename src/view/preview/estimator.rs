@@ -1,7 +1,8 @@
 //! What a renderer is asked for.
 
 use super::ShaderTable;
-use ltcforge_light::{Gaussian, LightModel};
+use ltcforge_fit::LobeModel;
+use ltcforge_light::{ClosedForm, LightModel, WeightRule};
 
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
@@ -9,14 +10,10 @@ pub type Stop<'a> = &'a dyn Fn() -> bool;
 /// What is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimator {
-    /// Radiance by the table.
-    Table,
-    /// Radiance by a table of Gaussians.
-    GaussianTable(Gaussian),
-    /// Radiance by the closed form in the space of normals.
-    Normals,
-    /// Radiance by a Gaussian.
-    Gaussian(Gaussian),
+    /// Radiance by a model without a table.
+    ClosedForm(ClosedForm),
+    /// Radiance by a table of these lobes.
+    Table(LobeModel),
     /// Radiance by Monte Carlo integration.
     Reference,
     /// The table's lobe.
@@ -27,26 +24,34 @@ pub enum Estimator {
 
 impl Estimator {
     /// Every estimator.
-    pub const ALL: [Self; 9] = [
-        Self::Table,
-        Self::GaussianTable(Gaussian::Sg),
-        Self::GaussianTable(Gaussian::Asg),
-        Self::Normals,
-        Self::Gaussian(Gaussian::Sg),
-        Self::Gaussian(Gaussian::Asg),
-        Self::Reference,
-        Self::TableLobe,
-        Self::ReferenceLobe,
-    ];
+    pub fn all() -> impl Iterator<Item = Self> {
+        let tables = LobeModel::ALL.iter().map(|lobe| Self::Table(*lobe));
+        let formulas = LightModel::ALL.iter().flat_map(|model| model.closed_forms()).map(Self::ClosedForm);
+        tables.chain(formulas).chain([Self::Reference, Self::TableLobe, Self::ReferenceLobe])
+    }
 
-    /// That of light by a model; by a table as by its lobes.
+    /// That of light by a model, under a rule of the weight where it has several; by a table as by its lobes.
     #[must_use]
-    pub fn of(model: LightModel, table: &ShaderTable) -> Self {
-        match model {
-            LightModel::Ltc => table.lobe.gaussian().map_or(Self::Table, Self::GaussianTable),
-            LightModel::Normals => Self::Normals,
-            LightModel::Sg => Self::Gaussian(Gaussian::Sg),
-            LightModel::Asg => Self::Gaussian(Gaussian::Asg),
+    pub fn of(model: LightModel, weight: WeightRule, table: &ShaderTable) -> Self {
+        model.closed_form(Some(weight)).map_or(Self::Table(table.lobe), Self::ClosedForm)
+    }
+
+    /// The work of a pixel, in samples of the reference, which takes `spp` of them.
+    pub(super) fn cost(self, spp: u32) -> u32 {
+        match self {
+            Self::Reference => spp,
+            Self::ClosedForm(form) => form.model().cost(),
+            Self::Table(lobe) => LightModel::of_lobe(lobe).table_cost(),
+            Self::TableLobe | Self::ReferenceLobe => LightModel::Ltc.table_cost(),
+        }
+    }
+
+    /// Whether it lights by polygons alone: one stands for each other shape.
+    pub(super) fn is_of_polygons(self) -> bool {
+        match self {
+            Self::ClosedForm(_) => true,
+            Self::Table(lobe) => lobe.gaussian().is_some(),
+            Self::Reference | Self::TableLobe | Self::ReferenceLobe => false,
         }
     }
 

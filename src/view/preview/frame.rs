@@ -8,7 +8,6 @@ use super::{
     scene::MAX_MATERIALS,
 };
 use ltcforge_fit::{MAX_VERTICES, math::sin_cos};
-use ltcforge_light::normals::WeightRule;
 
 /// Radiance of what is not covered.
 const BACKGROUND: f32 = 0.02;
@@ -39,7 +38,6 @@ pub(super) struct Frame {
     /// Cells a side.
     pub(super) cells: u32,
     pub(super) spp: u32,
-    pub(super) weight: WeightRule,
     pub(super) light: FrameLight,
 }
 
@@ -162,7 +160,6 @@ impl Frame {
             size: scene.size,
             cells,
             spp: scene.spp,
-            weight: scene.weight,
             light: FrameLight {
                 vertices: vertices.into_iter().map(DVec3::as_vec3).collect(),
                 area_up_to: area_up_to.into_iter().map(|share| share as f32).collect(),

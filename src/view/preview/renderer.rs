@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use super::{
-    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose,
-    cost::{GAUSSIAN_COST, GAUSSIAN_TABLE_COST, NORMALS_COST, TABLE_COST},
-    cpu,
+    Material, Mode, PreviewError, Radiances, Scene, ShaderTable, compose, cpu,
     estimator::{Estimator, Stop},
     frame::Frame,
     gpu::{Gpu, GpuFailure, RenderTask, Variant},
     panel_error::{PanelError, panel_errors},
+    scene::COMPARED,
     tone,
 };
 use crate::picture::Picture;
@@ -116,7 +115,7 @@ impl Preview {
 
     /// Nothing of a picture is rendered yet; one whose reference shaders do not know is the CPU's.
     fn begin(&mut self, table: &ShaderTable, scene: &Scene) -> Result<(), PreviewError> {
-        let is_of_ggx = LightModel::ALL.iter().any(|model| *model != LightModel::Ltc && scene.shows(*model));
+        let is_of_ggx = LightModel::ALL.iter().any(|model| !model.needs_table() && scene.shows(*model));
         if table.brdf != BrdfKind::Ggx && is_of_ggx {
             return Err(PreviewError::OtherBrdf(table.brdf.kind()));
         }
@@ -149,12 +148,12 @@ impl Preview {
         let mut errors = Vec::new();
         let picture = match scene.mode {
             Mode::Ltc => {
-                let picture = self.picture(table, &frame, Estimator::of(scene.model, table), stop)?;
+                let picture = self.picture(table, &frame, Estimator::of(scene.model, scene.weight, table), stop)?;
                 compose::warned(picture, scene, &outside)
             }
             Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
             Mode::Difference | Mode::Strip => {
-                let lit = self.radiances(table, &frame, Estimator::of(scene.model, table), stop)?;
+                let lit = self.radiances(table, &frame, Estimator::of(scene.model, scene.weight, table), stop)?;
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
                 compose::compared(scene, table, &outside, [&lit, &reference], &errors)
@@ -162,8 +161,8 @@ impl Preview {
             Mode::Models => {
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 let mut lit = Vec::new();
-                for model in [LightModel::Ltc, LightModel::Normals] {
-                    let radiances = self.radiances(table, &frame, Estimator::of(model, table), stop)?;
+                for model in COMPARED {
+                    let radiances = self.radiances(table, &frame, Estimator::of(model, scene.weight, table), stop)?;
                     errors.extend(panel_errors(scene, &frame, model, &radiances, &reference));
                     lit.push((model, radiances));
                 }
@@ -300,7 +299,7 @@ impl Preview {
 /// The shown materials whose roughness lies outside the table's nodes.
 fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
     let shown = match scene.mode {
-        _ if !scene.shows(LightModel::Ltc) => 0,
+        _ if !scene.needs_table() => 0,
         Mode::Lobe => 1,
         _ => scene.materials.len(),
     };
@@ -311,24 +310,13 @@ fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
 /// A whole frame, as radiance, on the CPU.
 fn on_cpu(table: &ShaderTable, frame: &Frame, estimator: Estimator, stop: Stop<'_>) -> Result<Radiances, PreviewError> {
     let mut pixels = Vec::with_capacity((frame.size * frame.size) as usize);
-    for (corner, extent) in cpu_parts(frame.size, samples_of_a_pixel(frame, estimator)) {
+    for (corner, extent) in cpu_parts(frame.size, estimator.cost(frame.spp)) {
         if stop() {
             return Err(PreviewError::Stopped);
         }
         pixels.extend(cpu::render(frame, table, estimator, corner, extent).pixels);
     }
     Ok(Radiances { width: frame.size, pixels })
-}
-
-/// The work of a pixel in samples of the reference.
-fn samples_of_a_pixel(frame: &Frame, estimator: Estimator) -> u32 {
-    match estimator {
-        Estimator::Reference => frame.spp,
-        Estimator::Normals => NORMALS_COST,
-        Estimator::Gaussian(_) => GAUSSIAN_COST,
-        Estimator::GaussianTable(_) => GAUSSIAN_TABLE_COST,
-        Estimator::Table | Estimator::TableLobe | Estimator::ReferenceLobe => TABLE_COST,
-    }
 }
 
 /// The parts of a frame that the CPU renders one after another, as corner and extent: some whole rows, or a part of one

@@ -7,6 +7,9 @@ use ltcforge_light::{LightModel, normals::WeightRule};
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;
 
+/// The models that mode `models` shows side by side.
+pub(super) const COMPARED: [LightModel; 2] = [LightModel::Ltc, LightModel::Normals];
+
 /// What a preview shows. Lengths are in radii of the sphere, angles in radians, y points up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -199,7 +202,7 @@ impl Scene {
     pub fn shows(&self, model: LightModel) -> bool {
         match self.mode {
             Mode::Ltc | Mode::Difference | Mode::Strip => self.model == model,
-            Mode::Models => matches!(model, LightModel::Ltc | LightModel::Normals),
+            Mode::Models => COMPARED.contains(&model),
             Mode::Lobe => model == LightModel::Ltc,
             Mode::Reference => false,
         }

@@ -11,6 +11,7 @@ use super::{
     number::{bytes, rounded},
 };
 use ltcforge_fit::{Layout, Precision};
+use ltcforge_light::LightModel;
 
 /// Height of all panels with their titles.
 pub(super) const HEIGHT: f64 = 692.0;
@@ -165,19 +166,23 @@ fn write_names(
 /// A mark of a model; `classes` begin with a space.
 fn model_mark(out: &mut String, [x, y]: [f64; 2], row: &ModelRow, classes: &str) -> std::fmt::Result {
     let d = MARK + 1.0;
-    if row.model.gaussian().is_some() {
-        // A triangle, standing for the closed form and upside down for a table; a diamond for the other closed form.
-        let down = if row.layout.is_some() { -1.0 } else { 1.0 };
-        let (x, y) = (x - d, y + down * 0.8 * d);
-        let (width, height) = (2.0 * d, down * 2.0 * d);
-        return writeln!(out, r#"<path class="gaussian{classes}" d="M{x:.1} {y:.1}h{width}l-{d} {}z"/>"#, -height);
+    match row.model {
+        LightModel::Normals => {
+            let y = y - d;
+            writeln!(out, r#"<path class="normals{classes}" d="M{x:.1} {y:.1}l{d} {d}l-{d} {d}l-{d} -{d}z"/>"#)
+        }
+        // A triangle, upside down for a table.
+        LightModel::Sg | LightModel::Asg => {
+            let down = if row.layout.is_some() { -1.0 } else { 1.0 };
+            let (x, y) = (x - d, y + down * 0.8 * d);
+            let (width, height) = (2.0 * d, down * 2.0 * d);
+            writeln!(out, r#"<path class="gaussian{classes}" d="M{x:.1} {y:.1}h{width}l-{d} {}z"/>"#, -height)
+        }
+        LightModel::Ltc => {
+            let number = Layout::ALL.iter().position(|known| Some(*known) == row.layout).unwrap_or(0);
+            writeln!(out, r#"<circle class="layout{number}{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#)
+        }
     }
-    let Some(layout) = row.layout else {
-        let y = y - d;
-        return writeln!(out, r#"<path class="normals{classes}" d="M{x:.1} {y:.1}l{d} {d}l-{d} {d}l-{d} -{d}z"/>"#);
-    };
-    let number = Layout::ALL.iter().position(|known| *known == layout).unwrap_or(0);
-    writeln!(out, r#"<circle class="layout{number}{classes}" cx="{x:.1}" cy="{y:.1}" r="{MARK}"/>"#)
 }
 
 #[cfg(test)]

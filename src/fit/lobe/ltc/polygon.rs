@@ -15,10 +15,7 @@
 
 use glam::DVec3;
 
-use super::{
-    Ltc,
-    cone::{Cone, Horizon, Turn},
-};
+use super::Ltc;
 use crate::math::{Scalar, cross, dot, minus, unit};
 
 /// Most vertices of a light in the shaders. A light that is cut at the horizon has one more.
@@ -73,47 +70,34 @@ impl<T: Scalar> Clip<T> {
         (self.previous, self.previous_unit) = (b, b_unit);
     }
 
-    /// Adds the part above the horizon of a cone's border, anticlockwise from the place of the last vertex to that of the next.
-    pub(super) fn border_to(&mut self, cone: &Cone<T>, vertex: [T; 3]) {
-        let (from, to) = (cone.turn_of(self.previous), cone.turn_of(vertex));
-        let (from_is_up, to_is_up) = (self.previous[2] > T::ZERO, vertex[2] > T::ZERO);
-        match cone.horizon() {
-            Horizon::Cuts { top, half_arc: [cos, sin] } => {
-                let rise = [top[0] * cos + top[1] * sin, top[1] * cos - top[0] * sin];
-                let dip = [top[0] * cos - top[1] * sin, top[1] * cos + top[0] * sin];
-                let reaches = |crossing| round(from, crossing) < round(from, to);
-                let (leaves, enters) = match (from_is_up, to_is_up) {
-                    (true, true) | (false, false) => (reaches(dip), reaches(rise)),
-                    (true, false) => (true, false),
-                    (false, true) => (false, true),
-                };
-                // A border that does both begins above and dips, or rises and dips again.
-                if leaves {
-                    self.leaves = unit(cone.direction(dip));
-                }
-                if enters {
-                    self.enters = unit(cone.direction(rise));
-                }
-                match (leaves, enters) {
-                    (false, false) if !from_is_up => {}
-                    (true, true) if from_is_up => {
-                        self.border(cone, from, dip);
-                        self.border(cone, rise, to);
-                    }
-                    _ => self.border(cone, if enters { rise } else { from }, if leaves { dip } else { to }),
-                }
-            }
-            Horizon::Above => self.border(cone, from, to),
-            Horizon::Below => {}
-        }
+    /// The last vertex.
+    #[must_use]
+    pub fn previous(&self) -> [T; 3] {
+        self.previous
+    }
+
+    /// Goes on at a vertex; the border up to it is added by [`Clip::border`].
+    pub fn go_to(&mut self, vertex: [T; 3]) {
         (self.previous, self.previous_unit) = (vertex, unit(vertex));
     }
 
-    /// Adds a part of a cone's border, in place of the chord between its ends: with `o` as in [`Clip::arc`].
-    fn border(&mut self, cone: &Cone<T>, from: Turn<T>, to: Turn<T>) {
-        let [p, q] = [from, to].map(|turn| unit(cone.direction(turn)));
+    /// The direction on the horizon where the outline dips below it.
+    pub fn leave(&mut self, direction: [T; 3]) {
+        self.leaves = unit(direction);
+    }
+
+    /// The direction on the horizon where the outline rises above it.
+    pub fn enter(&mut self, direction: [T; 3]) {
+        self.enters = unit(direction);
+    }
+
+    /// Adds a curved border between two directions, all of it above the horizon: `integral` is that of `(p x dp)_z / |p|^2`
+    /// along it.
+    pub fn border(&mut self, ends: [[T; 3]; 2], integral: T) {
+        // In place of the chord between the ends, with `o` as in `arc`.
+        let [p, q] = ends.map(unit);
         let moved = cross(minus(p, self.origin), minus(q, self.origin))[2] - cross(p, q)[2];
-        self.sum = self.sum + cone.border(from, to) + moved;
+        self.sum = self.sum + integral + moved;
     }
 
     /// The integral, in [-1, 1]; negative when the vertices, seen from the origin, run anticlockwise.
@@ -133,13 +117,6 @@ impl<T: Scalar> Clip<T> {
         let bend = if sin > T::SHORTEST { T::atan2_upper(sin, dot(a, b)) / sin - T::ONE } else { T::ZERO };
         cross(minus(a, self.origin), minus(b, self.origin))[2] + c[2] * bend
     }
-}
-
-/// A number that grows with the angle from one turn anticlockwise to another, from 0 to 4.
-fn round<T: Scalar>(from: Turn<T>, to: Turn<T>) -> T {
-    let cos = from[0] * to[0] + from[1] * to[1];
-    let sin = from[0] * to[1] - from[1] * to[0];
-    if sin < T::ZERO { T::of(3.0) + cos } else { T::ONE - cos }
 }
 
 impl Ltc {

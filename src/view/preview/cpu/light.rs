@@ -3,7 +3,8 @@
 use glam::{Mat3, Vec3};
 
 use crate::preview::frame::{FrameLight, FrameShape};
-use ltcforge_fit::{Clip, CosineSpace, Sides};
+use ltcforge_fit::{Clip, Sides};
+use ltcforge_light::CosineSpace;
 
 pub(super) struct Inverse {
     pub(super) m: Mat3,

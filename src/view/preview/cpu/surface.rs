@@ -17,9 +17,8 @@ use crate::preview::{
 };
 use ltcforge_fit::{BrdfKind, Sides};
 use ltcforge_light::{
-    Gaussian,
+    ClosedForm, Gaussian, Lit,
     gaussians::{self, SphericalGaussian},
-    normals,
 };
 
 const POLE: f32 = 1e-4;
@@ -28,12 +27,11 @@ const LOWEST_EYE: f32 = 1e-3;
 pub(super) fn pixel(frame: &Frame, table: &ShaderTable, estimator: Estimator, at: [u32; 2]) -> [f32; 3] {
     let (place, cell) = place_of(frame, at);
     match estimator {
-        Estimator::Table => surface(frame, place, cell, |at| by_table(frame, table, at)),
-        Estimator::GaussianTable(gaussian) => {
-            surface(frame, place, cell, |at| by_gaussian_table(frame, table, gaussian, at))
-        }
-        Estimator::Normals => surface(frame, place, cell, |at| by_normals(frame, at)),
-        Estimator::Gaussian(gaussian) => surface(frame, place, cell, |at| by_gaussian(frame, gaussian, at)),
+        Estimator::ClosedForm(form) => surface(frame, place, cell, |at| by_closed_form(frame, form, at)),
+        Estimator::Table(lobe) => surface(frame, place, cell, |at| match lobe.gaussian() {
+            None => by_table(frame, table, at),
+            Some(gaussian) => by_gaussian_table(frame, table, gaussian, at),
+        }),
         Estimator::Reference => surface(frame, place, cell, |shaded| {
             let key = at[1] * frame.size + at[0];
             let parts = match table.brdf.kind() {
@@ -129,10 +127,10 @@ fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
     (vertices, if light.is_two_sided() { Sides::Two } else { Sides::One })
 }
 
-fn by_gaussian(frame: &Frame, gaussian: Gaussian, at: &Shaded) -> Vec3 {
+fn by_closed_form(frame: &Frame, form: ClosedForm, at: &Shaded) -> Vec3 {
     let (vertices, sides) = around(frame, at);
-    let parts = gaussians::reflected(gaussian, at.alpha.to_array(), at.wo.to_array(), &vertices, sides);
-    reflected(frame, Vec2::from(parts))
+    let lit = Lit { alpha: at.alpha.to_array(), wo: at.wo.to_array(), vertices: &vertices, sides };
+    reflected(frame, Vec2::from(form.reflected_f32(&lit)))
 }
 
 fn by_gaussian_table(frame: &Frame, table: &ShaderTable, gaussian: Gaussian, at: &Shaded) -> Vec3 {
@@ -154,12 +152,6 @@ pub(super) fn lit_by_gaussian(
     let columns = [lobe.matrix.x_axis, lobe.matrix.y_axis, lobe.matrix.z_axis].map(|column| column.to_array());
     let shape = SphericalGaussian::of_columns(gaussian, columns);
     gaussians::reflected_by(&shape, [lobe.amplitude, lobe.fresnel], vertices, sides)
-}
-
-fn by_normals(frame: &Frame, at: &Shaded) -> Vec3 {
-    let (vertices, sides) = around(frame, at);
-    let parts = normals::reflected(at.alpha.to_array(), at.wo.to_array(), &vertices, sides, frame.weight);
-    reflected(frame, Vec2::from(parts))
 }
 
 fn reflected(frame: &Frame, parts: Vec2) -> Vec3 {
@@ -205,7 +197,7 @@ mod tests {
     use super::*;
     use crate::preview::NamedScene;
     use ltcforge_fit::Configuration;
-    use ltcforge_light::{PolygonLight, truth_within};
+    use ltcforge_light::{PolygonLight, WeightRule, normals, truth_within};
 
     /// Mean over the pixels of what the closed form's light is off, for white metal under a light of radiance one.
     fn error(scene: NamedScene) -> f64 {
@@ -219,7 +211,7 @@ mod tests {
             let vertices: Vec<Vec3> = frame.light.vertices.iter().map(|v| to_local * (*v - at.position)).collect();
             let sides = if frame.light.two_sided { Sides::Two } else { Sides::One };
             let arrays: Vec<[f32; 3]> = vertices.iter().map(Vec3::to_array).collect();
-            let [found, _] = normals::reflected(at.alpha.to_array(), at.wo.to_array(), &arrays, sides, frame.weight);
+            let [found, _] = normals::reflected(at.alpha.to_array(), at.wo.to_array(), &arrays, sides, WeightRule::Fan);
             let wo = at.wo.as_dvec3().normalize();
             let [alpha_x, alpha_y] = at.alpha.to_array().map(f64::from);
             let seen = Configuration { alpha_x, alpha_y, theta: wo.z.acos(), phi: wo.y.atan2(wo.x) };

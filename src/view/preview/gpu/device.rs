@@ -7,7 +7,7 @@ use crate::preview::{
     estimator::Estimator,
     frame::{Frame, FrameShape},
 };
-use ltcforge_light::{Gaussian, WeightRule};
+use ltcforge_light::{Gaussian, LightModel};
 use ltcforge_shaders::{Bound, preview_module};
 
 /// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
@@ -33,8 +33,6 @@ struct Kind {
     estimator: Estimator,
     /// What the light is; see `LIGHT_` in `ggx_reference.wgsl`.
     shape: u32,
-    /// How model `normals` averages its weight.
-    rule: WeightRule,
     /// The light of closed forms and Gaussians is a polygon of other than four vertices.
     is_polygon: bool,
 }
@@ -42,19 +40,13 @@ struct Kind {
 impl Kind {
     /// What does not matter to the estimator is the same for all frames.
     fn new(estimator: Estimator, frame: &Frame) -> Self {
-        let is_normals = estimator == Estimator::Normals;
-        let is_gaussian = matches!(estimator, Estimator::Gaussian(_) | Estimator::GaussianTable(_));
+        let is_of_polygons = estimator.is_of_polygons();
         // A polygon stands for an ellipse there.
         let is_flat = matches!(frame.light.shape, FrameShape::Polygon | FrameShape::Ellipse(_));
         Self {
             estimator,
-            shape: if estimator.is_lobe() || (is_flat && (is_normals || is_gaussian)) {
-                0
-            } else {
-                frame.light.shape.number()
-            },
-            rule: if is_normals { frame.weight } else { WeightRule::Fan },
-            is_polygon: (is_normals || is_gaussian) && frame.light.outline_vertices() != 4,
+            shape: if estimator.is_lobe() || (is_flat && is_of_polygons) { 0 } else { frame.light.shape.number() },
+            is_polygon: is_of_polygons && frame.light.outline_vertices() != 4,
         }
     }
 }
@@ -143,25 +135,22 @@ impl Device {
         if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == kind) {
             return pipeline.clone();
         }
-        let gaussian = match estimator {
-            Estimator::Gaussian(gaussian) | Estimator::GaussianTable(gaussian) => gaussian,
-            _ => Gaussian::ALL[0],
-        };
+        let Program { entry_point, gaussian, rule } = Program::of(estimator);
         let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
             ("lookup_is_constant", flag(self.lookup_is_constant)),
             ("light_shape", f64::from(kind.shape)),
             ("light_is_polygon", flag(kind.is_polygon)),
-            ("normals_rule", f64::from(kind.rule as u32)),
+            ("normals_rule", f64::from(rule)),
             ("gaussian", f64::from(gaussian as u32)),
-            ("gaussian_is_fitted", flag(matches!(estimator, Estimator::GaussianTable(_)))),
+            ("gaussian_is_fitted", flag(matches!(estimator, Estimator::Table(_)))),
         ];
         let pipeline = self.wgpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(entry_point(estimator)),
+            label: Some(entry_point),
             layout: Some(&self.pipeline_layout),
             module: &self.module,
-            entry_point: Some(entry_point(estimator)),
+            entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
@@ -178,14 +167,34 @@ impl Device {
     }
 }
 
-fn entry_point(estimator: Estimator) -> &'static str {
-    match estimator {
-        Estimator::Table => "surface_by_table",
-        Estimator::Normals => "surface_by_normals",
-        Estimator::Gaussian(_) | Estimator::GaussianTable(_) => "surface_by_gaussian",
-        Estimator::Reference => "surface_by_reference",
-        Estimator::TableLobe => "lobe_by_table",
-        Estimator::ReferenceLobe => "lobe_by_reference",
+/// What of `sphere.wgsl` an estimator is.
+struct Program {
+    entry_point: &'static str,
+    /// By which it lights, if it lights by one.
+    gaussian: Gaussian,
+    /// The number of the rule by which model `normals` averages its weight.
+    rule: u32,
+}
+
+impl Program {
+    fn of(estimator: Estimator) -> Self {
+        let (model, rule) = match estimator {
+            Estimator::ClosedForm(form) => (form.model(), form.rule() as u32),
+            Estimator::Table(lobe) => (LightModel::of_lobe(lobe), 0),
+            Estimator::Reference => return Self::new("surface_by_reference"),
+            Estimator::TableLobe => return Self::new("lobe_by_table"),
+            Estimator::ReferenceLobe => return Self::new("lobe_by_reference"),
+        };
+        match model {
+            LightModel::Ltc => Self::new("surface_by_table"),
+            LightModel::Normals => Self { rule, ..Self::new("surface_by_normals") },
+            LightModel::Sg => Self::new("surface_by_gaussian"),
+            LightModel::Asg => Self { gaussian: Gaussian::Asg, ..Self::new("surface_by_gaussian") },
+        }
+    }
+
+    fn new(entry_point: &'static str) -> Self {
+        Self { entry_point, gaussian: Gaussian::Sg, rule: 0 }
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::tiles;
 use crate::preview::{
-    cost::NORMALS_COST,
+    cost::most_cost,
     estimator::Estimator,
     frame::{Frame, Part},
 };
@@ -48,7 +48,7 @@ impl<'a> RenderTask<'a> {
     pub(super) fn parts(&self, tiles: u32) -> Parts {
         let is_sampled = self.estimator == Estimator::Reference;
         let samples = if is_sampled { self.frame.spp } else { 1 };
-        let cost = if is_sampled { samples.min(SAMPLES_A_PASS) } else { NORMALS_COST };
+        let cost = if is_sampled { samples.min(SAMPLES_A_PASS) } else { most_cost() };
         let most = (SAMPLES_A_PART / cost / (tiles::SIDE * tiles::SIDE)).min(TILES_A_PART);
         Parts { tiles, samples, as_bytes: self.as_bytes, most, now: most, first_tile: 0, first_sample: 0 }
     }

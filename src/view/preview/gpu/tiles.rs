@@ -70,7 +70,7 @@ mod tests {
         let frame = Frame::new(scene, false);
         let pixels = (0..frame.size).flat_map(|y| (0..frame.size).map(move |x| [x, y]));
         let covered = pixels.filter(|pixel| cpu::covering(&frame, *pixel).is_some()).collect();
-        (Tiles::of(&frame, Estimator::Table, [0; 2], [frame.size; 2]), covered)
+        (Tiles::of(&frame, Estimator::Reference, [0; 2], [frame.size; 2]), covered)
     }
 
     #[test]

@@ -12,7 +12,7 @@ use ltcforge_light::{
     cases::{Draw, Lit, Roughness},
     normals::{WeightRule, reflected},
 };
-use ltcforge_shaders::{Bound, joined, normals_functions};
+use ltcforge_shaders::{Bound, Lights, LitBy, functions};
 
 /// The integral alone, of a surface and a rectangle or another polygon that a case gives, by each rule.
 const ENTRY: &str = "
@@ -124,7 +124,8 @@ fn the_shader_gives_what_f64_does_for_any_light() {
 
 /// Holds what an entry point gives for lights to f64: 999 of 1000 numbers within the first limit, all within the second.
 fn check(entry: &str, lights: &[Lit], limits: [f64; 2]) {
-    let source = joined(normals_functions()) + ENTRY;
+    let normals = LitBy::new(LightModel::Normals, None).expect("a formula");
+    let source = functions(normals, Bound::Volumes, Lights::All, true) + ENTRY;
     let table = shader_table(TexelFormat::F32);
     let lights: Vec<Single> = lights.iter().map(Single::of).collect();
     let words: Vec<[f32; 40]> = lights.iter().map(Single::words).collect();

@@ -14,12 +14,16 @@ use ltcforge_fit::{
     math::{from_row_major, sin_cos},
 };
 use ltcforge_light::{
-    Gaussian,
+    CoversShapes as _, Gaussian, LightModel,
     gaussians::{self, SgLight},
     normals::{WeightRule, reflected},
 };
 use ltcforge_shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table};
 use ltcforge_translate::port;
+
+fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
+    LitBy::new(model, layout).expect("a model that lights so")
+}
 
 #[test]
 fn the_shaders_twin_gives_the_printed_values() {
@@ -145,7 +149,8 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
 /// The file without a table, on the GPU: each rule, each kind of light, from one side and from both.
 #[test]
 fn the_shader_without_a_table_gives_what_f64_does() {
-    let wgsl = String::from_utf8(port(Language::Wgsl, LitBy::Normals).expect("WGSL")).expect("UTF-8");
+    let wgsl =
+        String::from_utf8(port(Language::Wgsl, lit_by(LightModel::Normals, None)).expect("WGSL")).expect("UTF-8");
     let lights = example_lights();
     let mut tried = Vec::new();
     for case in CASES {
@@ -197,7 +202,7 @@ fn sg_light() -> ExampleLight {
 /// The file that lights by a Gaussian, on the GPU: both Gaussians, each kind of light, from one side and from both.
 #[test]
 fn the_shader_of_a_gaussian_gives_what_f64_does() {
-    let wgsl = port(Language::Wgsl, LitBy::Gaussian(Gaussian::Asg)).expect("WGSL");
+    let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, None)).expect("WGSL");
     let wgsl = String::from_utf8(wgsl).expect("UTF-8");
     let mut lights = example_lights();
     lights.push(sg_light());
@@ -245,7 +250,7 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
 fn the_shader_of_a_table_of_gaussians_gives_what_f64_does() {
     let layout = Layout::Reflected;
     let table = ShaderTable::new(&golden_table(layout), TexelFormat::F32);
-    let wgsl = port(Language::Wgsl, LitBy::GaussianTable(Gaussian::Asg, layout)).expect("WGSL");
+    let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, Some(layout))).expect("WGSL");
     let wgsl = String::from_utf8(wgsl).expect("UTF-8");
     let corners = CORNERS.map(DVec3::from_array);
     let lights = [ExampleLight { count: 4, given: corners.into(), outline: corners.into(), size: 0.0 }, sg_light()];

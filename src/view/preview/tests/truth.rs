@@ -298,7 +298,7 @@ fn a_missing_file_is_told_where_the_reference_is_asked_for() {
 fn a_planted_diffuse_table_is_lit_as_a_diffuse_surface() {
     let table = Arc::new(ShaderTable::new(&diffuse(), TexelFormat::F32));
     for kinds in [FLAT, ROUND] {
-        assert_true(renderers(), &table, (Estimator::Table, kinds), 1.0, |scene, point| {
+        assert_true(renderers(), &table, (Estimator::Table(LobeModel::Ltc), kinds), 1.0, |scene, point| {
             expected(scene, point, |_, wi| (wi.z.max(0.0) / PI, 0.0))
         });
     }

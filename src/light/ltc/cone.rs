@@ -25,7 +25,10 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
-use crate::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
+use ltcforge_fit::{
+    Clip,
+    math::{Scalar, Triple, cross, dot, minus, plus, scaled},
+};
 
 /// Steps of Newton's method beyond those that the number of digits asks for: from its start to three digits.
 const FIRST_STEPS: u32 = 3;
@@ -138,7 +141,7 @@ impl<T: Scalar> Cone<T> {
     }
 
     /// The length of the cone's vector form factor without a horizon, and the cosine between it and the normal: what stands for
-    /// a light where [`crate::clipped_form_factor`] cuts it at the horizon as if it were a sphere.
+    /// a light where [`ltcforge_fit::clipped_form_factor`] cuts it at the horizon as if it were a sphere.
     #[must_use]
     pub fn form_factor(&self) -> (T, T) {
         (self.whole(), self.axes[2][2])
@@ -214,6 +217,55 @@ impl<T: Scalar> Cone<T> {
         let turned = if turned < T::ZERO { turned + T::TAU } else { turned };
         n3 * (a / a_g) * (b / b_g) * turned - n1 * (b * g / a_g) * sines + n2 * (a * g / b_g) * cosines
     }
+}
+
+impl<T: Scalar> Cone<T> {
+    /// Adds the part of the border that is above the horizon to a clipped outline, anticlockwise from the place of its last
+    /// vertex to that of the next.
+    pub(super) fn add_border(&self, clip: &mut Clip<T>, vertex: Triple<T>) {
+        let (from, to) = (self.turn_of(clip.previous()), self.turn_of(vertex));
+        let (from_is_up, to_is_up) = (clip.previous()[2] > T::ZERO, vertex[2] > T::ZERO);
+        let add = |clip: &mut Clip<T>, from: Turn<T>, to: Turn<T>| {
+            clip.border([from, to].map(|turn| self.direction(turn)), self.border(from, to));
+        };
+        match self.horizon() {
+            Horizon::Cuts { top, half_arc: [cos, sin] } => {
+                let rise = [top[0] * cos + top[1] * sin, top[1] * cos - top[0] * sin];
+                let dip = [top[0] * cos - top[1] * sin, top[1] * cos + top[0] * sin];
+                let reaches = |crossing| round(from, crossing) < round(from, to);
+                let (leaves, enters) = match (from_is_up, to_is_up) {
+                    (true, true) | (false, false) => (reaches(dip), reaches(rise)),
+                    (true, false) => (true, false),
+                    (false, true) => (false, true),
+                };
+                // A border that does both begins above and dips, or rises and dips again.
+                if leaves {
+                    clip.leave(self.direction(dip));
+                }
+                if enters {
+                    clip.enter(self.direction(rise));
+                }
+                match (leaves, enters) {
+                    (false, false) if !from_is_up => {}
+                    (true, true) if from_is_up => {
+                        add(clip, from, dip);
+                        add(clip, rise, to);
+                    }
+                    _ => add(clip, if enters { rise } else { from }, if leaves { dip } else { to }),
+                }
+            }
+            Horizon::Above => add(clip, from, to),
+            Horizon::Below => {}
+        }
+        clip.go_to(vertex);
+    }
+}
+
+/// A number that grows with the angle from one turn anticlockwise to another, from 0 to 4.
+fn round<T: Scalar>(from: Turn<T>, to: Turn<T>) -> T {
+    let cos = from[0] * to[0] + from[1] * to[1];
+    let sin = from[0] * to[1] - from[1] * to[0];
+    if sin < T::ZERO { T::of(3.0) + cos } else { T::ONE - cos }
 }
 
 /// The root above zero of `l^3 + trace l^2 + minors l - last`, whose other roots are real and not above zero.

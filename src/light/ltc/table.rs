@@ -1,6 +1,7 @@
 //! What a surface reflects of a light by a table.
 
-use super::{
+use super::CoversShapes as _;
+use crate::{
     AreaLight, LightError, Reflected,
     gaussians::{SphericalGaussian, reflected_by},
     model::surface_and_view,
@@ -11,7 +12,7 @@ use ltcforge_fit::{Configuration, Ltc, Table, math::from_row_major};
 /// The part that the light covers of the LTC or of the Gaussian that stands for the lobe, times the table's amplitude and
 /// its Fresnel term.
 ///
-/// An LTC is integrated over every shape itself, a Gaussian over the polygon that [`ShapedLight::outline`](super::ShapedLight::outline)
+/// An LTC is integrated over every shape itself, a Gaussian over the polygon that [`ShapedLight::outline`](crate::ShapedLight::outline)
 /// tells. Fresnel's weight is taken to be the same in every direction of the lobe, as in the shaders.
 ///
 /// # Errors

@@ -8,8 +8,11 @@
 
 use glam::DVec3;
 
-use super::{Clip, Cone, Ltc, Sides};
-use crate::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
+use super::cone::Cone;
+use ltcforge_fit::{
+    Clip, Ltc, Sides,
+    math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
+};
 
 /// The linear map to the space in which a distribution is the clamped cosine.
 #[derive(Debug, Clone, Copy)]
@@ -138,9 +141,9 @@ impl<T: Scalar> CosineSpace<T> {
         let (left, right) = (plus(towards, sideways), minus(towards, sideways));
         let mut clip = Clip::begin(touched(ends[0], right));
         clip.edge_to(touched(ends[1], right));
-        clip.border_to(&second, touched(ends[1], left));
+        second.add_border(&mut clip, touched(ends[1], left));
         clip.edge_to(touched(ends[0], left));
-        clip.border_to(&first, touched(ends[0], right));
+        first.add_border(&mut clip, touched(ends[0], right));
         clip.finish().max(T::ZERO).min(T::ONE)
     }
 }
@@ -160,38 +163,43 @@ fn basis<T: Scalar>(n: Triple<T>) -> (Triple<T>, Triple<T>) {
     (x, cross(n, x))
 }
 
-impl Ltc {
+/// The parts of a distribution that lights cover.
+pub trait CoversShapes {
     /// Its map to the space of the clamped cosine.
     #[must_use]
-    pub fn cosine_space(&self) -> CosineSpace<f64> {
-        CosineSpace::new(self.inverse().transpose().to_cols_array_2d())
-    }
+    fn cosine_space(&self) -> CosineSpace<f64>;
 
     /// The part of the distribution that an ellipse covers, or a disk: `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two
     /// half axes. Its lit side is that of their vector product. Exact, see [`Cone`]. Domain: finite vectors.
     #[must_use]
-    pub fn ellipse(&self, centre: DVec3, half_axes: [DVec3; 2], sides: Sides) -> f64 {
+    fn ellipse(&self, centre: DVec3, half_axes: [DVec3; 2], sides: Sides) -> f64 {
         self.cosine_space().ellipse(centre.to_array(), half_axes.map(|axis| axis.to_array()), sides)
     }
 
     /// The part of the distribution that a sphere covers; one from inside it. Exact. Domain: a finite centre, `radius >= 0`.
     #[must_use]
-    pub fn sphere(&self, centre: DVec3, radius: f64) -> f64 {
+    fn sphere(&self, centre: DVec3, radius: f64) -> f64 {
         self.cosine_space().sphere(centre.to_array(), radius)
     }
 
     /// The part of the distribution that a line of a small width covers, which faces the origin everywhere: the limit of a thin
     /// tube, whose diameter is the width. See [`CosineSpace::line`]. Domain: finite ends, `width >= 0`.
     #[must_use]
-    pub fn line(&self, ends: [DVec3; 2], width: f64) -> f64 {
+    fn line(&self, ends: [DVec3; 2], width: f64) -> f64 {
         self.cosine_space().line(ends.map(|end| end.to_array()), width)
     }
 
     /// The part of the distribution that a tube with round ends covers, a sphere where the ends are one; one from inside it.
     /// Exact. Domain: finite ends, `radius >= 0`.
     #[must_use]
-    pub fn tube(&self, ends: [DVec3; 2], radius: f64) -> f64 {
+    fn tube(&self, ends: [DVec3; 2], radius: f64) -> f64 {
         self.cosine_space().tube(ends.map(|end| end.to_array()), radius)
+    }
+}
+
+impl CoversShapes for Ltc {
+    fn cosine_space(&self) -> CosineSpace<f64> {
+        CosineSpace::new(self.inverse().transpose().to_cols_array_2d())
     }
 }
 

@@ -1,0 +1,69 @@
+//! The Gaussians as models of light.
+
+use super::{Gaussian, Warp, reflected, reflected_around};
+use crate::{
+    AreaLight, LightError, Reflected, WeightRule,
+    model::{Formula, Lit, ModelOfLight, TableLight, lit},
+};
+use ltcforge_fit::{Configuration, LobeModel};
+
+/// A model as an item of [`crate::LightModel`].
+pub(crate) struct Rules(Gaussian);
+
+/// The round one.
+pub(crate) const SG: Rules = Rules(Gaussian::Sg);
+/// The stretched one.
+pub(crate) const ASG: Rules = Rules(Gaussian::Asg);
+
+impl ModelOfLight for Rules {
+    fn formula(&self) -> Option<&dyn Formula> {
+        Some(self)
+    }
+
+    fn table(&self) -> Option<TableLight> {
+        let lobe = match self.0 {
+            Gaussian::Sg => LobeModel::Sg,
+            Gaussian::Asg => LobeModel::Asg,
+        };
+        Some(TableLight { lobe, cost: 10 })
+    }
+}
+
+impl Formula for Rules {
+    fn cost(&self) -> u32 {
+        6
+    }
+
+    fn reflected(&self, lit: &Lit<'_, f64>, _: WeightRule) -> [f64; 2] {
+        reflected(self.0, lit.alpha, lit.wo, lit.vertices, lit.sides)
+    }
+
+    fn reflected_f32(&self, lit: &Lit<'_, f32>, _: WeightRule) -> [f32; 2] {
+        reflected(self.0, lit.alpha, lit.wo, lit.vertices, lit.sides)
+    }
+}
+
+/// What a surface reflects of a light by a Gaussian, in f64. Shapes are lit as by [`by_normals`](crate::by_normals).
+///
+/// # Errors
+/// As [`by_normals`](crate::by_normals).
+pub fn by_gaussian<'a>(
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    gaussian: Gaussian,
+) -> Result<Reflected, LightError> {
+    by_warp(at, light, gaussian, Warp::Visible)
+}
+
+/// As [`by_gaussian`], by the Gaussian of a warp.
+///
+/// # Errors
+/// As [`by_gaussian`].
+pub fn by_warp<'a>(
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    gaussian: Gaussian,
+    warp: Warp,
+) -> Result<Reflected, LightError> {
+    lit(at, light.into(), |lit| reflected_around(warp, gaussian, (lit.alpha, lit.wo), lit.vertices, lit.sides))
+}

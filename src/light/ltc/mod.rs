@@ -1,0 +1,25 @@
+//! The light of a table of Linearly Transformed Cosines: exact for the lobe that stands for the BRDF's.
+
+mod cone;
+mod shapes;
+mod table;
+
+pub use cone::Cone;
+pub use shapes::{CosineSpace, CoversShapes};
+pub use table::by_table;
+
+use super::model::{Formula, ModelOfLight, TableLight};
+use ltcforge_fit::LobeModel;
+
+/// The model as an item of [`crate::LightModel`].
+pub(super) struct Rules;
+
+impl ModelOfLight for Rules {
+    fn formula(&self) -> Option<&dyn Formula> {
+        None
+    }
+
+    fn table(&self) -> Option<TableLight> {
+        Some(TableLight { lobe: LobeModel::Ltc, cost: 8 })
+    }
+}

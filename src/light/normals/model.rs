@@ -1,0 +1,52 @@
+//! The closed form as a model of light.
+
+use super::{WeightRule, reflected};
+use crate::{
+    AreaLight, LightError, LightModel, Reflected,
+    model::{Formula, Lit, ModelOfLight, TableLight},
+};
+use ltcforge_fit::Configuration;
+
+/// The model as an item of [`LightModel`].
+pub(crate) struct Rules;
+
+impl ModelOfLight for Rules {
+    fn formula(&self) -> Option<&dyn Formula> {
+        Some(self)
+    }
+
+    fn table(&self) -> Option<TableLight> {
+        None
+    }
+}
+
+impl Formula for Rules {
+    fn weights(&self) -> &'static [WeightRule] {
+        WeightRule::ALL
+    }
+
+    fn cost(&self) -> u32 {
+        10
+    }
+
+    fn reflected(&self, lit: &Lit<'_, f64>, rule: WeightRule) -> [f64; 2] {
+        reflected(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
+    }
+
+    fn reflected_f32(&self, lit: &Lit<'_, f32>, rule: WeightRule) -> [f32; 2] {
+        reflected(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
+    }
+}
+
+/// What a surface reflects of a light by the closed form in the space of normals, in f64. Shapes are lit as the
+/// polygons that [`ShapedLight::outline`](crate::ShapedLight::outline) tells.
+///
+/// # Errors
+/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the outline.
+pub fn by_normals<'a>(
+    at: &Configuration,
+    light: impl Into<AreaLight<'a>>,
+    rule: WeightRule,
+) -> Result<Reflected, LightError> {
+    LightModel::Normals.closed_form(Some(rule)).ok_or(LightError::NoTerms)?.reflected(at, light)
+}
