@@ -56,7 +56,8 @@ impl Service {
             EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), clock)
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
-        store.checks.add(check);
+        // Nobody has set another.
+        let _ = store.reopen_check.set(Box::new(check));
         Self::start(config, Parts { queue: Box::new(queue), store, engine, works: true })
     }
 

@@ -52,10 +52,6 @@ pub(super) fn reconcile(
         catalogue.forget(*digest)?;
         done.lost.push(*digest);
     }
-    let dangling = catalogue.dangling()?;
-    if !dangling.is_empty() {
-        rows.commit(&dangling)?;
-    }
     if !done.added.is_empty() {
         tracing::warn!(
             tables = done.added.len(),

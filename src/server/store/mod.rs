@@ -5,30 +5,30 @@
 //! ```text
 //! DIR/lock                  locked by the process that has opened the folder
 //! DIR/blobs/ab/ab12...      tables, named by their digest
-//! DIR/db/                   sled: jobs, shards and their results until the table is stored, the catalogue
-//! DIR/jobs.log              the journal of jobs, from which those that sled lost or reverted are restored
+//! DIR/jobs.log              the journal of jobs
+//! DIR/db/                   sled: shards and their results until the table is stored, the catalogue of the tables
 //! DIR/quarantine/           damaged files
 //! ```
+//!
+//! Tables and the journal are the truth. Without its database, a store makes the catalogue again from the tables, and fits
+//! again the shards of unfinished jobs.
 
 mod blob;
 mod catalogue;
-mod checks;
+mod damage;
+mod dry_run;
 mod error;
 mod files;
-mod findings;
 mod journal;
+mod local_rows;
 #[cfg(test)]
 pub(crate) mod memory;
 mod migrations;
-mod numbered;
 #[cfg(feature = "cluster")]
 mod objects;
 mod open;
 #[cfg(feature = "cluster")]
 mod postgres;
-mod rehearsal;
-#[cfg(test)]
-mod reverted_test;
 mod rows;
 mod sled_rows;
 mod tree;
@@ -38,19 +38,18 @@ pub(crate) use files::copy_folder;
 
 pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
-pub use checks::Checks;
+pub use damage::Damage;
+pub use dry_run::DryRun;
 pub use error::StoreError;
-pub use findings::Findings;
 #[cfg(feature = "cluster")]
 pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
-pub use open::{Store, StoreOpenError};
+pub use open::{ReopenCheck, Store, StoreOpenError};
 #[cfg(feature = "cluster")]
 pub(crate) use postgres::apply;
 #[cfg(feature = "cluster")]
 pub use postgres::{Database, DatabaseOpenError, PostgresRows};
 #[cfg(all(test, feature = "cluster"))]
 pub(crate) use postgres::{test_database, throwaway};
-pub use rehearsal::Rehearsal;
 pub use rows::{Batch, Row, Rows, Staged};
 pub use sled_rows::SledRows;
 pub use tree::Tree;

@@ -1,23 +1,21 @@
-//! The queue of one process, with its jobs in [`crate::server::store::Rows`].
+//! The queue of one process.
+//!
+//! Its jobs are in memory, and a change of one is durable before it can be seen. The rows of [`crate::server::store::Rows`]
+//! are read when the queue is opened, but for the results of shards.
 //!
 //! Invariant: leases are not durable; they end with the process.
 
 mod active;
 mod deliver;
-mod export;
+mod failing;
 mod forget;
-mod jobs;
 mod lease;
-mod lookup;
 mod queue;
-mod reconcile;
 mod record;
-mod remains;
-mod remove;
 mod resume;
+mod state;
 mod submit;
 mod task;
 
-pub use export::{StoredJob, stored_jobs, stored_results};
-pub use jobs::{Clock, EmbeddedQueue};
-pub use reconcile::{ReconciledJobs, reconcile};
+pub use record::{StoredJob, stored_jobs, stored_results};
+pub use state::{Clock, EmbeddedQueue};
