@@ -16,11 +16,12 @@ use std::{
     fs::{self, File, OpenOptions},
     io::{self, Write as _},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use sha2::{Digest as _, Sha256};
 
-use super::{Batch, Damage, Row, StoreError, files};
+use super::{Batch, Damage, Row, StoreError, files, sled_rows::SyncFn};
 use crate::files::hex::{from_hex, to_hex};
 
 /// Bytes that are appended before the journal is written anew.
@@ -30,11 +31,11 @@ const MOST_APPENDED: u64 = 64 << 20;
 type Change = (Vec<u8>, Option<Vec<u8>>);
 
 /// The open journal.
-#[derive(Debug)]
 pub(super) struct Journal {
     path: PathBuf,
     quarantine: PathBuf,
     file: File,
+    sync: SyncFn,
     /// Its length without a line that could not be written whole.
     length: u64,
     /// The length beyond which it is written anew.
@@ -80,7 +81,8 @@ impl Journal {
         let opened = OpenOptions::new().append(true).open(path);
         let file = opened.map_err(|source| StoreError::of_io(path, source))?;
         let (path, quarantine, length) = (path.to_owned(), quarantine.to_owned(), text.len() as u64);
-        Ok(Self { path, quarantine, file, length, most: length + MOST_APPENDED, is_torn: false })
+        let (sync, most) = (Arc::new(File::sync_data), length + MOST_APPENDED);
+        Ok(Self { path, quarantine, file, sync, length, most, is_torn: false })
     }
 
     /// Appends the changes of `batch`, which concern jobs alone; `durably` waits for the disk.
@@ -100,7 +102,7 @@ impl Journal {
         let changes = batch.changes.iter().map(|(_, key, value)| words(key, value.as_deref()));
         let line = line(&changes.collect::<String>());
         let written = self.file.write_all(line.as_bytes());
-        let written = written.and_then(|()| if durably { self.file.sync_data() } else { Ok(()) });
+        let written = written.and_then(|()| if durably { (self.sync)(&self.file) } else { Ok(()) });
         self.is_torn = written.is_err();
         written.map_err(|source| StoreError::of_io(&self.path, source))?;
         self.length += line.len() as u64;

@@ -5,10 +5,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::{Batch, Row, Rows, SledRows, Staged, StoreError, Tree, journal::Journal};
 
 /// Rows of a data folder.
-#[derive(Debug)]
 pub(super) struct LocalRows {
     pub(super) sled: SledRows,
     journal: Mutex<Journal>,
+}
+
+impl std::fmt::Debug for LocalRows {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LocalRows").field("sled", &self.sled).finish_non_exhaustive()
+    }
 }
 
 impl LocalRows {

@@ -75,6 +75,33 @@ fn a_journal_that_has_grown_too_long_is_written_anew() {
     assert_eq!(jobs(&open(dir.path()).0).len(), 4);
 }
 
+/// Only the state at the last fsync survives.
+#[test]
+fn a_power_cut_loses_nothing_acknowledged() {
+    let dir = tempfile::tempdir().unwrap();
+    let (path, disk) = (dir.path().join("jobs.log"), dir.path().join("disk"));
+    fs::create_dir(&disk).unwrap();
+    let mut journal = four(dir.path());
+    let to = disk.join("jobs.log");
+    journal.sync = Arc::new(move |_: &File| fs::copy(&path, &to).map(drop));
+    journal.append(&batch(&[("e", "e queued")]), false).unwrap();
+    assert!(!disk.join("jobs.log").exists(), "nobody waited for the disk");
+    journal.append(&batch(&[("f", "f queued")]), true).unwrap();
+    journal.append(&batch(&[("f", "f running")]), false).unwrap();
+    assert_eq!(jobs(&open(&disk).0)[3..], ["e queued", "f queued"]);
+}
+
+#[test]
+fn a_change_whose_fsync_fails_is_not_acknowledged_and_the_next_one_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut journal = four(dir.path());
+    journal.sync = Arc::new(|_: &File| Err(io::ErrorKind::StorageFull.into()));
+    assert!(matches!(journal.append(&batch(&[("e", "e queued")]), true), Err(StoreError::DiskFull)));
+    journal.sync = Arc::new(File::sync_data);
+    journal.append(&batch(&[("f", "f queued")]), true).unwrap();
+    assert_eq!(jobs(&open(dir.path()).0)[3..], ["f queued"]);
+}
+
 /// A line that could not be written, or not whole, was not acknowledged.
 #[test]
 fn after_a_failed_append_nothing_of_it_is_left() {
