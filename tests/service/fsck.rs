@@ -67,7 +67,11 @@ fn flip_at(path: &Path, at: impl Fn(&[u8]) -> usize) {
 
 /// Changes the row of a table without its hash.
 fn spoil_row(data: &Path, digest: &str) {
-    let pairs = digest.trim_start_matches("sha256:").as_bytes().chunks(2).map(|pair| std::str::from_utf8(pair).expect("digits"));
+    let pairs = digest
+        .trim_start_matches("sha256:")
+        .as_bytes()
+        .chunks(2)
+        .map(|pair| std::str::from_utf8(pair).expect("digits"));
     let key: Vec<u8> = pairs.map(|pair| u8::from_str_radix(pair, 16).expect("digits")).collect();
     let database = sled::open(data.join("db")).expect("a database");
     database.open_tree("tables").and_then(|rows| rows.insert(key, b"12345678another")).expect("a row");
@@ -108,7 +112,7 @@ fn every_damage_is_named_and_mended_by_the_next_start() {
                 move |data| spoil_row(data, &digest)
             }),
             vec![
-                "1 rows of the database do not match their seal".to_owned(),
+                "1 rows of the database do not match their hash".to_owned(),
                 of_table("it is missing in the catalogue"),
             ],
         ),

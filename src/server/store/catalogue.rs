@@ -130,19 +130,12 @@ impl Catalogue {
     /// # Errors
     /// When the database fails.
     pub fn complete(&self) -> Result<BTreeSet<Digest>, StoreError> {
-        let listed: BTreeSet<Vec<u8>> = self
-            .rows
-            .scan(Tree::TablesByAge, &[])?
-            .into_iter()
-            .filter(|row| row.value.is_some())
-            .map(|row| row.key)
-            .collect();
         let mut complete = BTreeSet::new();
         for row in self.rows.scan(Tree::Tables, &[])? {
-            let Some(row) = row.value.and_then(|value| serde_json::from_slice::<TableRow>(&value).ok()) else {
-                continue;
-            };
-            if listed.contains(&age_key(&row)) && self.recipe(row.recipe_digest)?.is_some() {
+            let row = row.value.and_then(|value| serde_json::from_slice::<TableRow>(&value).ok());
+            let Some(row) = row else { continue };
+            let is_listed = matches!(self.rows.get(Tree::TablesByAge, &age_key(&row)), Ok(Some(_)));
+            if is_listed && self.recipe(row.recipe_digest)?.is_some() {
                 complete.insert(row.digest);
             }
         }

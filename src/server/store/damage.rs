@@ -20,30 +20,40 @@ pub struct Damage {
 }
 
 impl Damage {
-    /// Logs all of it.
-    pub(super) fn log(&self) {
+    /// A sentence for each kind.
+    #[must_use]
+    pub fn messages(&self) -> Vec<String> {
+        let Self { damaged_rows: rows, damaged_journal_entries: entries, .. } = self;
+        let mut messages = Vec::new();
         if self.database_was_replaced {
-            tracing::error!(
-                "the database was replaced; the catalogue is made again from the tables, and shards are fitted again"
+            messages.push(
+                "the database is damaged or missing: the catalogue is made again from the tables, and shards of \
+                 unfinished jobs are fitted again"
+                    .to_owned(),
             );
         }
-        if self.damaged_rows > 0 {
-            tracing::error!(rows = self.damaged_rows, "rows of the database are damaged; they count as absent");
+        if *rows > 0 {
+            messages.push(format!("{rows} rows of the database do not match their hash and count as absent"));
         }
-        if self.damaged_journal_entries > 0 {
-            tracing::error!(
-                entries = self.damaged_journal_entries,
-                "entries of the journal of jobs are damaged; a crash may have cut the last one off before it was acknowledged"
-            );
+        if *entries > 0 {
+            messages.push(format!(
+                "{entries} entries of the journal of jobs are damaged and left out; a crash may have cut off the last one \
+                 before it was acknowledged"
+            ));
         }
         if self.journal_is_incomplete {
-            tracing::error!("the journal of jobs is missing, empty or cut short; the jobs that it had are lost");
+            messages.push("the journal of jobs is missing, empty or cut short: jobs are lost".to_owned());
         }
         if !self.lost_jobs.is_empty() {
-            tracing::error!(
-                jobs = listed(&self.lost_jobs),
-                "the last change of these jobs is lost; those that are missing can be submitted again"
-            );
+            messages.push(format!("jobs whose last change is lost: {}", listed(&self.lost_jobs)));
+        }
+        messages
+    }
+
+    /// Logs all of it.
+    pub(super) fn log(&self) {
+        for message in self.messages() {
+            tracing::error!("{message}");
         }
     }
 }

@@ -93,7 +93,9 @@ impl Store {
         damage.journal_is_incomplete = was_journalled && !had_journal;
         let earlier = jobs_of_earlier_versions(&sled)?;
         let mut removal = Batch::default();
-        earlier.iter().for_each(|row| removal.remove(Tree::Jobs, row.key.as_slice()));
+        for row in &earlier {
+            removal.remove(Tree::Jobs, row.key.as_slice());
+        }
         let journal = Journal::open(&journal, &quarantine, earlier, &mut damage)?;
         if !removal.is_empty() {
             sled.commit(&removal)?;

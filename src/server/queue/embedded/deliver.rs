@@ -76,7 +76,7 @@ impl EmbeddedQueue {
         }
         for shard in lost {
             let mut batch = Batch::default();
-            record::remove_task(&mut batch, &record::task_key(id, shard));
+            record::remove_tasks(&mut batch, [record::task_key(id, shard)]);
             self.commit(&mut state, batch)?;
             self.set(&mut state, &Lease { task: shard, ..*lease }, Task::default());
         }

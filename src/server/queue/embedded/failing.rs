@@ -53,7 +53,7 @@ impl EmbeddedQueue {
     }
 
     /// Has a task wait again, or fails its job for a `reason`.
-    fn put_back(&self, state: &mut QueueState, lease: &Lease, task: Task, reason: Option<String>) {
+    pub(super) fn put_back(&self, state: &mut QueueState, lease: &Lease, task: Task, reason: Option<String>) {
         let Some(active) = state.active.get(&lease.submission) else { return };
         let (id, is_assembly) = (active.record.job.id, lease.task == active.assembly());
         let waiting = Task { state: TaskState::Waiting, ..task };
@@ -66,7 +66,7 @@ impl EmbeddedQueue {
         let mut batch = Batch::default();
         let stored = record::put_task(&mut batch, id, lease.task, &waiting).and_then(|()| self.rows.stage(&batch));
         if let Err(error) = stored {
-            tracing::warn!(job = %id, task = lease.task, %error, "the failure could not be recorded");
+            tracing::warn!(job = %id, task = lease.task, %error, "the end of the lease could not be recorded");
         }
     }
 

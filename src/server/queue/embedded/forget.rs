@@ -52,7 +52,9 @@ impl EmbeddedQueue {
         let old: Vec<JobId> = old.map(|record| record.job.id).collect();
         for ids in old.chunks(JOBS_AT_ONCE) {
             let mut batch = Batch::default();
-            ids.iter().for_each(|id| batch.remove(Tree::Jobs, *id.as_bytes()));
+            for id in ids {
+                batch.remove(Tree::Jobs, *id.as_bytes());
+            }
             self.commit(state, batch)?;
             for id in ids {
                 // The others have removed their rows.
@@ -72,7 +74,7 @@ impl EmbeddedQueue {
         let Some((job, tasks)) = state.leftovers.front_mut() else { return false };
         let some = tasks.start..tasks.end.min(tasks.start.saturating_add(TASKS_AT_ONCE as u32));
         let mut batch = Batch::default();
-        some.clone().for_each(|task| record::remove_task(&mut batch, &record::task_key(*job, task)));
+        record::remove_tasks(&mut batch, some.clone().map(|task| record::task_key(*job, task)));
         // A removal that a power cut undoes is done again at the next start.
         if let Err(error) = self.rows.stage(&batch) {
             tracing::warn!(%job, %error, "rows of an ended job could not be removed yet");
@@ -96,7 +98,7 @@ impl EmbeddedQueue {
         keys.retain(|key| !key.get(..16).and_then(JobId::from_slice).is_some_and(is_kept));
         for some in keys.chunks(TASKS_AT_ONCE) {
             let mut batch = Batch::default();
-            some.iter().for_each(|key| record::remove_task(&mut batch, key));
+            record::remove_tasks(&mut batch, some);
             self.rows.stage(&batch)?;
         }
         Ok(())

@@ -89,20 +89,6 @@ impl EmbeddedQueue {
         Ok(())
     }
 
-    pub(super) fn give_task_back(&self, lease: &Lease) -> Result<(), StaleLease> {
-        let mut state = self.lock();
-        let (active, task) = state.current(lease)?;
-        let waiting = Task { state: TaskState::Waiting, ..task };
-        let mut batch = Batch::default();
-        let id = active.record.job.id;
-        let stored = record::put_task(&mut batch, id, lease.task, &waiting).and_then(|()| self.rows.stage(&batch));
-        if let Err(error) = stored {
-            tracing::warn!(job = %id, task = lease.task, %error, "giving the lease back could not be recorded");
-        }
-        self.set(&mut state, lease, waiting);
-        Ok(())
-    }
-
     pub(super) fn expiry(&self, now: Timestamp) -> Timestamp {
         now.checked_add(self.limits.lease_ttl).unwrap_or(Timestamp::MAX)
     }

@@ -17,5 +17,5 @@ mod state;
 mod submit;
 mod task;
 
-pub use record::{StoredJob, stored_jobs, stored_results};
+pub use record::{JobRecord, stored_jobs, stored_results};
 pub use state::{Clock, EmbeddedQueue};

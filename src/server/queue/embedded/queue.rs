@@ -27,10 +27,10 @@ impl Queue for EmbeddedQueue {
 
     fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError> {
         let mut state = self.lock();
-        match state.active_job(id).map(|active| active.record.submission) {
-            Some(submission) => self.conclude(&mut state, submission, JobState::Cancelled, Batch::default()).map(Some),
-            None => Ok(state.job(id)),
-        }
+        let Some(active) = state.active_job(id) else { return Ok(state.job(id)) };
+        let record = active.concluded(JobState::Cancelled, self.now());
+        self.conclude(&mut state, record, Batch::default())?;
+        Ok(state.job(id))
     }
 
     fn lease(&self, _worker: u32, demand: Demand, most: NonZeroUsize) -> Offer {
@@ -55,12 +55,15 @@ impl Queue for EmbeddedQueue {
         if lease.task != active.assembly() {
             return Err(StaleLease.into());
         }
-        self.conclude(&mut state, lease.submission, JobState::Done { table }, with)?;
-        Ok(())
+        let record = active.concluded(JobState::Done { table }, self.now());
+        Ok(self.conclude(&mut state, record, with)?)
     }
 
     fn give_back(&self, lease: &Lease) -> Result<(), StaleLease> {
-        self.give_task_back(lease)
+        let mut state = self.lock();
+        let (_, task) = state.current(lease)?;
+        self.put_back(&mut state, lease, task, None);
+        Ok(())
     }
 
     fn fail(&self, lease: &Lease, error: &str) -> Result<(), StaleLease> {

@@ -15,44 +15,20 @@ use crate::{
 
 /// A job's row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct JobRecord {
+pub struct JobRecord {
     /// Number of the submission. It orders the queue and distinguishes the leases of different submissions of a job.
     pub(super) submission: u64,
     /// Entries of each shard.
-    pub(super) shard_entries: Vec<u32>,
-    /// The job.
-    pub(super) job: Job,
-}
-
-/// A job with its shards, for another queue to take over.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StoredJob {
+    pub shard_entries: Vec<u32>,
     /// The job.
     pub job: Job,
-    /// Entries of each shard.
-    pub shard_entries: Vec<u32>,
 }
 
 /// All jobs, first submitted first.
 ///
 /// # Errors
 /// When the database fails.
-pub fn stored_jobs(rows: &dyn Rows) -> Result<Vec<StoredJob>, StoreError> {
-    let records = stored_records(rows)?.into_iter();
-    Ok(records.map(|JobRecord { job, shard_entries, .. }| StoredJob { job, shard_entries }).collect())
-}
-
-/// The finished shards of a job with their results, in order.
-///
-/// # Errors
-/// When the database fails. Results that cannot be read are left out; their shards are fitted again.
-pub fn stored_results(rows: &dyn Rows, job: JobId) -> Result<Vec<(u32, Vec<u8>)>, StoreError> {
-    let results = rows.scan(Tree::Results, job.as_bytes())?.into_iter();
-    Ok(results.filter_map(|row| Some((task_of_key(&row.key)?, row.value?))).collect())
-}
-
-/// The rows of all jobs, first submitted first.
-pub(super) fn stored_records(rows: &dyn Rows) -> Result<Vec<JobRecord>, StoreError> {
+pub fn stored_jobs(rows: &dyn Rows) -> Result<Vec<JobRecord>, StoreError> {
     let mut records = Vec::new();
     for row in rows.scan(Tree::Jobs, &[])? {
         match serde_json::from_slice::<JobRecord>(&row.value.unwrap_or_default()) {
@@ -62,6 +38,15 @@ pub(super) fn stored_records(rows: &dyn Rows) -> Result<Vec<JobRecord>, StoreErr
     }
     records.sort_by_key(|record| record.submission);
     Ok(records)
+}
+
+/// The finished shards of a job with their results, in order.
+///
+/// # Errors
+/// When the database fails. Results that cannot be read are left out; their shards are fitted again.
+pub fn stored_results(rows: &dyn Rows, job: JobId) -> Result<Vec<(u32, Vec<u8>)>, StoreError> {
+    let results = rows.scan(Tree::Results, job.as_bytes())?.into_iter();
+    Ok(results.filter_map(|row| Some((task_of_key(&row.key)?, row.value?))).collect())
 }
 
 /// The stored tasks of a job; `None` for a damaged row.
@@ -96,10 +81,12 @@ pub(super) fn put_task(batch: &mut Batch, job: JobId, number: u32, task: &Task) 
     Ok(())
 }
 
-/// Removes the row of a task and its result.
-pub(super) fn remove_task(batch: &mut Batch, key: &[u8]) {
-    batch.remove(Tree::Shards, key);
-    batch.remove(Tree::Results, key);
+/// Removes the rows of tasks and their results.
+pub(super) fn remove_tasks(batch: &mut Batch, keys: impl IntoIterator<Item = impl AsRef<[u8]>>) {
+    for key in keys {
+        batch.remove(Tree::Shards, key.as_ref());
+        batch.remove(Tree::Results, key.as_ref());
+    }
 }
 
 impl JobRecord {

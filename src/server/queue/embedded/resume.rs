@@ -30,7 +30,7 @@ impl EmbeddedQueue {
         let queue = Self { rows, limits, clock, state: Mutex::new(QueueState::default()), changed: Condvar::new() };
         {
             let mut state = queue.lock();
-            for mut record in record::stored_records(queue.rows.as_ref())? {
+            for mut record in record::stored_jobs(queue.rows.as_ref())? {
                 // No two have one number, even if a damaged journal says so.
                 record.submission = record.submission.max(state.next_submission);
                 state.next_submission = record.submission + 1;
@@ -180,7 +180,7 @@ mod tests {
         let rows = Arc::new(MemoryRows::default());
         let queue = after_kill(&rows);
         let ids = ["a", "b", "c"].map(|name| submit_one(&queue, name));
-        let mut records = record::stored_records(rows.as_ref()).unwrap();
+        let mut records = record::stored_jobs(rows.as_ref()).unwrap();
         let mut batch = Batch::default();
         records[1].submission = 0;
         record::put_job(&mut batch, &records[1]).unwrap();

@@ -91,22 +91,13 @@ impl EmbeddedQueue {
         Ok(())
     }
 
-    /// Ends a job and commits this together with `batch`. Returns the job as it is then.
-    pub(super) fn conclude(
-        &self,
-        state: &mut QueueState,
-        submission: u64,
-        end: JobState,
-        mut batch: Batch,
-    ) -> Result<Job, StoreError> {
-        let active =
-            state.active.get(&submission).ok_or_else(|| StoreError::Database("the job has ended".to_owned()))?;
-        let record = active.concluded(end, (self.clock)());
+    /// Commits the end of a job together with `batch`.
+    pub(super) fn conclude(&self, state: &mut QueueState, record: JobRecord, batch: Batch) -> Result<(), StoreError> {
+        let mut batch = batch;
         record::put_job(&mut batch, &record)?;
         self.commit(state, batch)?;
-        let job = record.job.clone();
         self.end(state, record);
-        Ok(job)
+        Ok(())
     }
 
     /// Moves a job to those that have ended, and begins to remove the rows of its tasks.

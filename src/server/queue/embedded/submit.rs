@@ -81,7 +81,7 @@ impl EmbeddedQueue {
             let is_finished = stored.is_some_and(|task| task.state == TaskState::Finished);
             match tasks.get_mut(number as usize) {
                 Some(slot) if has_same_shards && is_finished => slot.state = TaskState::Finished,
-                _ => record::remove_task(batch, &record::task_key(record.job.id, number)),
+                _ => record::remove_tasks(batch, [record::task_key(record.job.id, number)]),
             }
         }
         Ok(())
