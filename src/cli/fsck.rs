@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit, args::FsckArgs, config_file::ServeSection, print, service_settings::DEFAULT_DATA,
 };
-use crate::server::service::{CheckReport, check};
+use ltcforge_server::service::{CheckReport, check};
 
 /// Checks the folder, changes nothing in it, and tells what is wrong and what the next start does about it.
 pub(super) fn run(

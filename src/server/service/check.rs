@@ -5,10 +5,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{OpenError, Reconciled, engine::FitEngine, reconcile::reconcile};
-use crate::{
-    files::{digest::Digest, tabulated},
-    server::store::{Damage, DryRun, Store, StoreError},
-};
+use crate::store::{Damage, DryRun, Store, StoreError};
+use ltcforge_files::{digest::Digest, tabulated};
 
 /// What [`check`] found in a data folder.
 #[derive(Debug, Serialize)]

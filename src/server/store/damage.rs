@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::files::job::listed;
+use ltcforge_files::job::listed;
 
 /// Damage that was found when a store was opened.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]

@@ -22,7 +22,7 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{Batch, Damage, Row, StoreError, files, sled_rows::SyncFn};
-use crate::files::hex::{from_hex, to_hex};
+use ltcforge_files::hex::{from_hex, to_hex};
 
 /// Bytes that are appended before the journal is written anew.
 const MOST_APPENDED: u64 = 64 << 20;

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::rows;
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
 pub(super) const ALL: &[&str] = &[
@@ -136,7 +136,7 @@ fn number_rows(db: &sled::Db, from: &str, to: &str) -> Result<(), sled::Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::store::{Tree, sled_rows::open_sled};
+    use crate::store::{Tree, sled_rows::open_sled};
 
     const CREATE: &str = r#"{"about": "one", "steps": [{"create": "old"}, {"create": "useless"}]}"#;
     const NUMBER: &str =

@@ -24,10 +24,8 @@ mod local_rows;
 #[cfg(test)]
 pub(crate) mod memory;
 mod migrations;
-#[cfg(feature = "cluster")]
 mod objects;
 mod open;
-#[cfg(feature = "cluster")]
 mod postgres;
 mod rows;
 mod sled_rows;
@@ -41,14 +39,11 @@ pub use catalogue::{Catalogue, ManifestRow, TableRow};
 pub use damage::Damage;
 pub use dry_run::DryRun;
 pub use error::StoreError;
-#[cfg(feature = "cluster")]
 pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
 pub use open::{ReopenCheck, Store, StoreOpenError};
-#[cfg(feature = "cluster")]
 pub(crate) use postgres::apply;
-#[cfg(feature = "cluster")]
 pub use postgres::{Database, DatabaseOpenError, PostgresRows};
-#[cfg(all(test, feature = "cluster"))]
+#[cfg(test)]
 pub(crate) use postgres::{test_database, throwaway};
 pub use rows::{Batch, Row, Rows, Staged};
 pub use sled_rows::SledRows;

@@ -114,7 +114,6 @@ fn jobs_of_earlier_versions(sled: &SledRows) -> Result<Vec<Row>, StoreError> {
     Ok(rows.map(|Row { key, value }| Row { key, value: value.and_then(without_revision) }).collect())
 }
 
-#[cfg(feature = "cluster")]
 impl Store {
     /// A store that any number of processes share.
     #[must_use]
@@ -170,10 +169,8 @@ fn refusal(error: SledOpenError) -> StoreOpenError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        files::{digest::Digest, hex::to_hex},
-        server::store::{rows, sled_rows::open_sled},
-    };
+    use crate::store::{rows, sled_rows::open_sled};
+    use ltcforge_files::{digest::Digest, hex::to_hex};
 
     fn one_job(store: &Store) {
         let mut batch = Batch::default();

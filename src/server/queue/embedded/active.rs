@@ -8,7 +8,7 @@ use super::{
     record::JobRecord,
     task::{Task, TaskState},
 };
-use crate::server::queue::{Job, JobState, Lease};
+use crate::queue::{Job, JobState, Lease};
 
 /// A job with its tasks. Task `n` fits shard `n`; the last task assembles the table, and can be leased only once every
 /// shard is finished.

@@ -7,7 +7,7 @@ use super::{
     state::EmbeddedQueue,
     task::{Task, TaskState},
 };
-use crate::server::{
+use crate::{
     queue::{Lease, LeaseError, StaleLease},
     store::{Batch, StoreError, Tree},
 };
@@ -99,15 +99,13 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue as _, Submitted, TaskKind},
-            store::{
-                Rows,
-                memory::{Meanwhile, MemoryRows},
-            },
+        queue::{Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue as _, Submitted, TaskKind},
+        store::{
+            Rows,
+            memory::{Meanwhile, MemoryRows},
         },
     };
+    use ltcforge_files::digest::Digest;
 
     const LEASE_SECONDS: i64 = 60;
 

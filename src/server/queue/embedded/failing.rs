@@ -5,7 +5,7 @@ use super::{
     state::{EmbeddedQueue, QueueState},
     task::{Task, TaskState},
 };
-use crate::server::{
+use crate::{
     queue::{Failure, FailureKind, JobState, Lease, MOST_DEATHS, StaleLease},
     store::Batch,
 };
@@ -98,12 +98,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue as _},
-            store::memory::MemoryRows,
-        },
+        queue::{Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue as _},
+        store::memory::MemoryRows,
     };
+    use ltcforge_files::digest::Digest;
 
     fn lease(queue: &EmbeddedQueue) -> LeasedTask {
         match queue.lease(0, Demand::Any, NonZeroUsize::MIN) {

@@ -11,7 +11,7 @@ use super::{
     record,
     state::{EmbeddedQueue, QueueState},
 };
-use crate::server::{
+use crate::{
     queue::{JobId, JobState},
     store::{Batch, StoreError, Tree},
 };
@@ -117,12 +117,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{Demand, Job, Lease, Limits, NewJob, Offer, Queue as _, Submitted},
-            store::{Rows, memory::MemoryRows},
-        },
+        queue::{Demand, Job, Lease, Limits, NewJob, Offer, Queue as _, Submitted},
+        store::{Rows, memory::MemoryRows},
     };
+    use ltcforge_files::digest::Digest;
 
     /// Shards of a job, several times [`TASKS_AT_ONCE`].
     const SHARDS: usize = 4 * TASKS_AT_ONCE;

@@ -10,7 +10,7 @@ use super::{
     state::{EmbeddedQueue, QueueState},
     task::{Task, TaskState},
 };
-use crate::server::{
+use crate::{
     queue::{Demand, JobState, Lease, LeasedTask, Offer, StaleLease, TaskKind},
     store::Batch,
 };

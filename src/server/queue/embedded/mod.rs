@@ -1,6 +1,6 @@
 //! The queue of one process.
 //!
-//! Its jobs are in memory, and a change of one is durable before it can be seen. The rows of [`crate::server::store::Rows`]
+//! Its jobs are in memory, and a change of one is durable before it can be seen. The rows of [`crate::store::Rows`]
 //! are read when the queue is opened, but for the results of shards.
 //!
 //! Invariant: leases are not durable; they end with the process.

@@ -6,12 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::task::Task;
 use crate::{
-    files::hex::to_hex,
-    server::{
-        queue::{Job, JobId},
-        store::{Batch, Rows, StoreError, Tree},
-    },
+    queue::{Job, JobId},
+    store::{Batch, Rows, StoreError, Tree},
 };
+use ltcforge_files::hex::to_hex;
 
 /// A job's row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -110,10 +108,8 @@ mod tests {
     use jiff::Timestamp;
 
     use super::*;
-    use crate::{
-        files::digest::Digest,
-        server::queue::{Failure, FailureKind, JobState},
-    };
+    use crate::queue::{Failure, FailureKind, JobState};
+    use ltcforge_files::digest::Digest;
 
     #[test]
     fn rows_come_back_as_they_were() {

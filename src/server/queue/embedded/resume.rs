@@ -11,7 +11,7 @@ use super::{
     state::{Clock, EmbeddedQueue, QueueState},
     task::{Task, TaskState},
 };
-use crate::server::{
+use crate::{
     queue::Limits,
     store::{Rows, StoreError},
 };
@@ -82,14 +82,12 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{
-                Demand, JobId, JobState, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind,
-            },
-            store::{Batch, Store, copy_folder, memory::MemoryRows},
+        queue::{
+            Demand, JobId, JobState, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind,
         },
+        store::{Batch, Store, copy_folder, memory::MemoryRows},
     };
+    use ltcforge_files::digest::Digest;
 
     fn open(dir: &Path, max_attempts: u32) -> (EmbeddedQueue, Store) {
         let store = Store::open(dir).unwrap();
@@ -184,7 +182,7 @@ mod tests {
         let mut batch = Batch::default();
         records[1].submission = 0;
         record::put_job(&mut batch, &records[1]).unwrap();
-        batch.put(crate::server::store::Tree::Jobs, [9; 16], "no job");
+        batch.put(crate::store::Tree::Jobs, [9; 16], "no job");
         rows.commit(&batch).unwrap();
         let queue = after_kill(&rows);
         assert!(ids.iter().all(|id| queue.job(*id).unwrap().is_some()));

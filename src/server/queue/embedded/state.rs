@@ -15,7 +15,7 @@ use super::{
     record::{self, JobRecord},
     task::{Task, TaskState},
 };
-use crate::server::{
+use crate::{
     queue::{Job, JobId, JobState, Lease, Limits, StaleLease},
     store::{Batch, Rows, StoreError},
 };

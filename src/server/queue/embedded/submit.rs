@@ -7,12 +7,10 @@ use super::{
     task::{Task, TaskState},
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
-        store::{Batch, StoreError},
-    },
+    queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
+    store::{Batch, StoreError},
 };
+use ltcforge_files::digest::Digest;
 
 impl EmbeddedQueue {
     pub(super) fn submit_job(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {

@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::server::queue::SUSPECT_DEATHS;
+use crate::queue::SUSPECT_DEATHS;
 
 /// A task and what became of its leases. Failures and deaths are limited.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

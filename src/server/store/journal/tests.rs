@@ -1,5 +1,5 @@
 use super::*;
-use crate::server::store::Tree;
+use crate::store::Tree;
 
 fn open(dir: &Path) -> (Journal, Damage) {
     open_with(dir, vec![])
