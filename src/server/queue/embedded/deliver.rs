@@ -11,7 +11,6 @@ use crate::{
     queue::{Lease, LeaseError, StaleLease},
     store::{Batch, StoreError, Tree},
 };
-use ltcforge_files::digest::Digest;
 
 impl EmbeddedQueue {
     /// The lock is not held while the disk is waited for, so that others lease and report meanwhile. Until then the tasks
