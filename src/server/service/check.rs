@@ -8,7 +8,7 @@ use super::{OpenError, Reconciled, engine::FitEngine, reconcile::reconcile};
 use crate::store::{Damage, DryRun, Store, StoreError};
 use ltcforge_files::{digest::Digest, tabulated};
 
-/// What [`check`] found in a data folder.
+/// The findings of [`check`] in a data folder.
 #[derive(Debug, Serialize)]
 pub struct CheckReport {
     /// Damage of the database and the journal.

@@ -12,7 +12,7 @@ use super::{TableRow, engine::Engine};
 use crate::store::{Blobs, Catalogue, Rows, StoreError};
 use ltcforge_files::digest::Digest;
 
-/// What was done to make the catalogue and the blobs agree.
+/// The changes that made the catalogue agree with the blobs.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Reconciled {
     /// Blobs that are tables and were missing in the catalogue, or in its list or its recipes.

@@ -37,8 +37,8 @@ impl Damage {
         }
         if *entries > 0 {
             messages.push(format!(
-                "{entries} entries of the journal of jobs are damaged and left out; a crash may have cut off the last one \
-                 before it was acknowledged"
+                "{entries} entries of the journal of jobs are damaged and left out; a crash may have cut off the last \
+                 one before it was acknowledged"
             ));
         }
         if self.journal_is_incomplete {

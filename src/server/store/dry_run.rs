@@ -11,8 +11,8 @@ use super::{StoreError, StoreOpenError, files, open::lock};
 /// The folder of the copy, in the data folder: there is room for it, and tables can be linked instead of copied.
 const NAME: &str = "fsck";
 
-/// A copy of a data folder, removed when dropped. The folder itself stays as it is, and other processes are locked out of
-/// it.
+/// A copy of a data folder, removed when dropped. The folder itself stays as it is, and other processes are locked
+/// out of it.
 #[derive(Debug)]
 pub struct DryRun {
     folder: PathBuf,

@@ -7,9 +7,9 @@
 //! HASH jobs KEY VALUE ...
 //! ```
 //!
-//! The hash is the beginning of the words' SHA-256. Hash, keys and values are hexadecimal; the value `-` removes a job. Later
-//! lines win. A line break begins a line and another ends it, so that a damaged line hides no other. Earlier versions put a
-//! revision in front of the changes, and had a tree `job_order`; both are skipped.
+//! The hash is the beginning of the words' SHA-256. Hash, keys and values are hexadecimal; the value `-` removes a
+//! job. Later lines win. A line break begins a line and another ends it, so that a damaged line hides no other.
+//! Earlier versions put a revision in front of the changes, and had a tree `job_order`; both are skipped.
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -29,7 +29,7 @@ pub(crate) struct MemoryRows {
     pub(crate) while_settling: Mutex<Option<Meanwhile>>,
 }
 
-/// What a test does while a disk is waited for.
+/// Runs while a test's disk is waited for.
 pub(crate) struct Meanwhile(pub(crate) Box<dyn FnOnce() + Send>);
 
 impl std::fmt::Debug for Meanwhile {

@@ -1,4 +1,4 @@
-//! What is stored on disk: blobs by digest, small rows, the catalogue of tables, and the migrations of the schema.
+//! The data on disk: blobs by digest, small rows, the catalogue of tables, and the migrations of the schema.
 //!
 //! Invariant: `store` knows neither HTTP nor LTC; blobs and recipes are opaque bytes here.
 //!
@@ -10,8 +10,8 @@
 //! DIR/quarantine/           damaged files
 //! ```
 //!
-//! Tables and the journal are the truth. Without its database, a store makes the catalogue again from the tables, and fits
-//! again the shards of unfinished jobs.
+//! Tables and the journal are the truth. Without its database, a store makes the catalogue again from the tables, and
+//! fits again the shards of unfinished jobs.
 
 mod blob;
 mod catalogue;

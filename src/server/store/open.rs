@@ -70,9 +70,9 @@ impl From<StoreError> for StoreOpenError {
 impl Store {
     /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
     ///
-    /// Every row of the database and every line of the journal is read. A database that does not open or cannot be read is
-    /// copied to `quarantine/db-N` and replaced by an empty one. A damaged journal is copied to `quarantine/jobs.log-N` and
-    /// written anew without the damaged lines.
+    /// Every row of the database and every line of the journal is read. A database that does not open or cannot be
+    /// read is copied to `quarantine/db-N` and replaced by an empty one. A damaged journal is copied to
+    /// `quarantine/jobs.log-N` and written anew without the damaged lines.
     ///
     /// # Errors
     /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
@@ -139,8 +139,8 @@ pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
     }
 }
 
-/// Opens the database of `folder`. One that does not open or cannot be read is copied to `quarantine` and replaced by an
-/// empty one.
+/// Opens the database of `folder`. One that does not open or cannot be read is copied to `quarantine` and replaced by
+/// an empty one.
 fn open_database(folder: &Path, quarantine: &Path, damage: &mut Damage) -> Result<SledRows, StoreOpenError> {
     let open = || SledRows::open(folder, Arc::new(File::sync_all));
     files::make_folder(folder)?;
@@ -209,7 +209,7 @@ mod tests {
         assert!(!dir.path().join("quarantine").exists());
     }
 
-    /// What is done to a file.
+    /// A damage of a file, at a byte.
     type Change = fn(&mut Vec<u8>, usize);
 
     /// Bits flipped, pages zeroed and ends cut off all over sled's file, after a clean close and in the state that
@@ -366,7 +366,8 @@ mod tests {
             let dir = tempfile::tempdir().unwrap();
             let db = open_sled(&dir.path().join("db")).unwrap();
             migrations::apply(&db, &migrations::ALL[..schema]).unwrap();
-            // The database has a job whose line a crash came before, an older state, and a job that was forgotten since.
+            // The database has a job whose line a crash came before, an older state, and a job that was forgotten
+            // since.
             let in_database = [("a", "cancelled"), ("b", "running"), ("c", "done"), ("d", "queued")];
             let in_database = in_database.map(|(key, state)| (key, format!("{revision}{state}")));
             put_earlier(&db, tree, &in_database.each_ref().map(|(key, value)| (*key, value.as_str())));

@@ -101,8 +101,8 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// Waits until what was staged, and all that was before it, is durable. Others may stage and read meanwhile.
     ///
     /// # Errors
-    /// The database's error, or that it was closed since by the error of another write: the changes may be stored or not, but
-    /// never in part.
+    /// The database's error, or that it was closed since by the error of another write: the changes may be stored or
+    /// not, but never in part.
     fn settle(&self, staged: Staged) -> Result<(), StoreError>;
 }
 

@@ -13,9 +13,9 @@ use crate::{
 };
 
 impl EmbeddedQueue {
-    /// The lock is not held while the disk is waited for, so that others lease and report meanwhile. Until then the tasks
-    /// count as leased: nothing is assembled of results that a power cut may undo, and what takes a lease back in between
-    /// writes its rows after these.
+    /// The lock is not held while the disk is waited for, so that others lease and report meanwhile. Until then the
+    /// tasks count as leased: nothing is assembled of results that a power cut may undo, and what takes a lease back
+    /// in between writes its rows after these.
     pub(super) fn complete_shards(&self, done: &[(Lease, &[u8])]) -> Result<Vec<Result<(), StaleLease>>, StoreError> {
         let mut state = self.lock();
         let mut batch = Batch::default();
@@ -144,7 +144,7 @@ mod tests {
             })));
         }
 
-        /// What is answered to a result, which was on its way as [`Self::meanwhile`] says.
+        /// The answer to a result that was on its way as [`Self::meanwhile`] says.
         fn complete(&self, task: &LeasedTask) -> Result<(), StaleLease> {
             let answers = self.queue.complete(&[(task.lease, b"result")]).unwrap();
             assert!(self.rows.while_settling.lock().unwrap().is_none(), "it was not waited for the disk");

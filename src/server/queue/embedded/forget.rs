@@ -1,9 +1,9 @@
 //! Removing jobs that ended long ago, and the rows of tasks that no job needs any more.
 //!
-//! A job of a million entries leaves tens of thousands of rows with its results. One transaction that removes them all
-//! needs memory for each, and every worker waits for it. The end of a job removes the first ones; the workers remove the
-//! others, some with each lease and the rest when there is nothing else to do. Rows that a process leaves are removed at the
-//! next start.
+//! A job of a million entries leaves tens of thousands of rows with its results. One transaction that removes them
+//! all needs memory for each, and every worker waits for it. The end of a job removes the first ones; the workers
+//! remove the others, some with each lease and the rest when there is nothing else to do. Rows that a process leaves
+//! are removed at the next start.
 
 use jiff::{SignedDuration, Timestamp};
 
@@ -27,8 +27,8 @@ const JOBS_AT_ONCE: usize = 256;
 const TASKS_AT_ONCE: usize = 64;
 
 impl EmbeddedQueue {
-    /// Forgets jobs that ended longer ago than the limit, once an hour at most. A failure is logged: the caller does not
-    /// depend on it.
+    /// Forgets jobs that ended longer ago than the limit, once an hour at most. A failure is logged: the caller does
+    /// not depend on it.
     pub(super) fn forget_old(&self, state: &mut QueueState) {
         let now = (self.clock)();
         let Some(keep) = self.limits.keep_ended.and_then(|keep| SignedDuration::try_from(keep).ok()) else { return };
@@ -68,8 +68,8 @@ impl EmbeddedQueue {
         Ok(old.len())
     }
 
-    /// Removes some of the rows that ended jobs left; returns whether there are more. A failure is logged, and the next call
-    /// tries again.
+    /// Removes some of the rows that ended jobs left; returns whether there are more. A failure is logged, and the
+    /// next call tries again.
     pub(super) fn remove_leftovers(&self, state: &mut QueueState) -> bool {
         let Some((job, tasks)) = state.leftovers.front_mut() else { return false };
         let some = tasks.start..tasks.end.min(tasks.start.saturating_add(TASKS_AT_ONCE as u32));
@@ -87,8 +87,8 @@ impl EmbeddedQueue {
         !state.leftovers.is_empty()
     }
 
-    /// Removes the rows of tasks of all jobs but those that are unfinished or have failed: the end of the last process, or a
-    /// full disk, came first.
+    /// Removes the rows of tasks of all jobs but those that are unfinished or have failed: the end of the last
+    /// process, or a full disk, came first.
     pub(super) fn sweep(&self, state: &QueueState) -> Result<(), StoreError> {
         let is_kept = |id: JobId| {
             let failed = state.ended_job(id).is_some_and(|record| matches!(record.job.state, JobState::Failed { .. }));

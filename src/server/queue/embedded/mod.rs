@@ -1,7 +1,7 @@
 //! The queue of one process.
 //!
-//! Its jobs are in memory, and a change of one is durable before it can be seen. The rows of [`crate::store::Rows`]
-//! are read when the queue is opened, but for the results of shards.
+//! All jobs are in memory. [`crate::store::Rows`] has them on the disk, with the states and results of tasks; a
+//! change of a job is durable before it can be seen.
 //!
 //! Invariant: leases are not durable; they end with the process.
 

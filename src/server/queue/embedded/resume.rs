@@ -21,8 +21,8 @@ use crate::{
 const CAREFUL: Duration = Duration::from_secs(10);
 
 impl EmbeddedQueue {
-    /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and are counted, apart from
-    /// failures; finished shards stay finished.
+    /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and are counted,
+    /// apart from failures; finished shards stay finished.
     ///
     /// # Errors
     /// When the database fails.

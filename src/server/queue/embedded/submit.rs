@@ -65,8 +65,8 @@ impl EmbeddedQueue {
         JobRecord { submission, shard_entries: new.shard_entries, job }
     }
 
-    /// Keeps the finished shards of an earlier submission, if its shards were the same, and removes the rows of all other
-    /// tasks.
+    /// Keeps the finished shards of an earlier submission, if its shards were the same, and removes the rows of all
+    /// other tasks.
     fn keep_finished(
         &self,
         batch: &mut Batch,

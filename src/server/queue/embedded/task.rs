@@ -8,8 +8,8 @@ use crate::queue::SUSPECT_DEATHS;
 /// A task and what became of its leases. Failures and deaths are limited.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Task {
-    /// Leases so far, the current one included. It never decreases within one submission, so that a result can be matched
-    /// with its lease.
+    /// Leases so far, the current one included. It never decreases within one submission, so that a result can be
+    /// matched with its lease.
     pub(super) attempt: u32,
     /// How many of them ended in an error or an expiry.
     #[serde(default)]
