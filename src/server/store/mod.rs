@@ -21,14 +21,14 @@ mod error;
 mod files;
 mod journal;
 mod local_rows;
-#[cfg(test)]
-pub(crate) mod memory;
 mod migrations;
 mod objects;
 mod open;
 mod postgres;
 mod rows;
 mod sled_rows;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 #[cfg(test)]
@@ -47,4 +47,6 @@ pub use postgres::{Database, DatabaseOpenError, PostgresRows};
 pub(crate) use postgres::{test_database, throwaway};
 pub use rows::{Batch, Row, Rows, Staged};
 pub use sled_rows::SledRows;
+#[cfg(test)]
+pub(crate) use tests::memory;
 pub use tree::Tree;

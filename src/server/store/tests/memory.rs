@@ -8,7 +8,7 @@ use std::{
     },
 };
 
-use super::{Batch, Row, Rows, Staged, StoreError, Tree};
+use crate::store::{Batch, Row, Rows, Staged, StoreError, Tree};
 
 type Map = BTreeMap<(Tree, Vec<u8>), Vec<u8>>;
 
