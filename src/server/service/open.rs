@@ -56,7 +56,8 @@ impl Service {
             EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), clock)
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
-        store.checks.add(check);
+        // It is set here alone, so this cannot fail.
+        let _ = store.reopen_check.set(Box::new(check));
         Self::start(config, Parts { queue: Box::new(queue), store, engine, works: true })
     }
 
@@ -103,7 +104,7 @@ impl Service {
     }
 }
 
-/// What a service is made of.
+/// The parts of a service.
 pub(super) struct Parts {
     pub(super) queue: Box<dyn Queue>,
     pub(super) store: Store,

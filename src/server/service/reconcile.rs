@@ -12,7 +12,7 @@ use super::{TableRow, engine::Engine};
 use crate::store::{Blobs, Catalogue, Rows, StoreError};
 use ltcforge_files::digest::Digest;
 
-/// What was done to make the catalogue and the blobs agree.
+/// The changes that made the catalogue agree with the blobs.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Reconciled {
     /// Blobs that are tables and were missing in the catalogue, or in its list or its recipes.
@@ -49,10 +49,6 @@ pub(super) fn reconcile(
         tracing::error!(table = %digest, "the file of a table is missing; it is taken out of the catalogue");
         catalogue.forget(*digest)?;
         done.lost.push(*digest);
-    }
-    let dangling = catalogue.dangling()?;
-    if !dangling.is_empty() {
-        rows.commit(&dangling)?;
     }
     if !done.added.is_empty() {
         tracing::warn!(

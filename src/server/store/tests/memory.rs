@@ -8,7 +8,7 @@ use std::{
     },
 };
 
-use super::{Batch, Row, Rows, Staged, StoreError, Tree};
+use crate::store::{Batch, Row, Rows, Staged, StoreError, Tree};
 
 type Map = BTreeMap<(Tree, Vec<u8>), Vec<u8>>;
 
@@ -29,7 +29,7 @@ pub(crate) struct MemoryRows {
     pub(crate) while_settling: Mutex<Option<Meanwhile>>,
 }
 
-/// What a test does while a disk is waited for.
+/// Runs while a test's disk is waited for.
 pub(crate) struct Meanwhile(pub(crate) Box<dyn FnOnce() + Send>);
 
 impl std::fmt::Debug for Meanwhile {

@@ -1,4 +1,4 @@
-//! A copy of a data folder, on which a start can be rehearsed.
+//! A copy of a data folder, to try a start on.
 
 use std::{
     fs::{self, File},
@@ -11,15 +11,15 @@ use super::{StoreError, StoreOpenError, files, open::lock};
 /// The folder of the copy, in the data folder: there is room for it, and tables can be linked instead of copied.
 const NAME: &str = "fsck";
 
-/// A copy of a data folder, removed when dropped. The folder itself stays as it is, and other processes are locked out of
-/// it.
+/// A copy of a data folder, removed when dropped. The folder itself stays as it is, and other processes are locked
+/// out of it.
 #[derive(Debug)]
-pub struct Rehearsal {
+pub struct DryRun {
     folder: PathBuf,
     _lock: File,
 }
 
-impl Rehearsal {
+impl DryRun {
     /// Copies the data folder `dir`; `None` if it has no store.
     ///
     /// # Errors
@@ -48,37 +48,24 @@ impl Rehearsal {
             fs::remove_dir_all(&self.folder)?;
         }
         fs::create_dir(&self.folder)?;
-        for name in ["db", "jobs.log", "blobs"] {
-            let (from, to) = (dir.join(name), self.folder.join(name));
-            match name {
-                "blobs" if from.is_dir() => link_folder(&from, &to)?,
-                _ if from.is_dir() => files::copy_folder(&from, &to)?,
-                _ if from.is_file() => drop(fs::copy(from, to)?),
-                _ => {}
-            }
+        if dir.join("jobs.log").is_file() {
+            fs::copy(dir.join("jobs.log"), self.folder.join("jobs.log"))?;
+        }
+        if dir.join("db").is_dir() {
+            files::copy_folder(&dir.join("db"), &self.folder.join("db"))?;
+        }
+        if dir.join("blobs").is_dir() {
+            // Tables are never changed in place.
+            let link = |from: &Path, to: &Path| fs::hard_link(from, to).or_else(|_| fs::copy(from, to).map(drop));
+            files::copy_folder_by(&dir.join("blobs"), &self.folder.join("blobs"), &link)?;
         }
         Ok(())
     }
 }
 
-impl Drop for Rehearsal {
+impl Drop for DryRun {
     fn drop(&mut self) {
-        // What stays is removed by the next one.
+        // A folder that cannot be removed now is removed by the next run.
         let _ = fs::remove_dir_all(&self.folder);
     }
-}
-
-/// Copies a folder whose files are never changed in place: as links where the file system has them.
-fn link_folder(from: &Path, to: &Path) -> io::Result<()> {
-    fs::create_dir(to)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        let (path, target) = (entry.path(), to.join(entry.file_name()));
-        if path.is_dir() {
-            link_folder(&path, &target)?;
-        } else if fs::hard_link(&path, &target).is_err() {
-            fs::copy(path, target)?;
-        }
-    }
-    Ok(())
 }
