@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{OpenError, Reconciled, engine::FitEngine, reconcile::reconcile};
+use super::{OpenError, Reconciled, backend::FitBackend, reconcile::reconcile};
 use crate::{
     files::{digest::Digest, tabulated},
     server::{
@@ -69,7 +69,7 @@ pub fn check(folder: &Path) -> Result<CheckReport, OpenError> {
         }
     }
     let jobs = embedded::reconcile(store.rows.as_ref()).map_err(of)?;
-    let mut catalogue = reconcile(&store.rows, store.blobs.as_ref(), &FitEngine::default()).map_err(of)?;
+    let mut catalogue = reconcile(&store.rows, store.blobs.as_ref(), &FitBackend::new(None)).map_err(of)?;
     // Their file is there.
     catalogue.lost.retain(|digest| !damaged_tables.contains(digest));
     Ok(CheckReport { store: store.found, jobs, catalogue, tables, damaged_tables })

@@ -2,13 +2,15 @@
 
 use std::{
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicU64, AtomicUsize, Ordering},
     },
     time::Duration,
 };
 
-use super::{ServiceError, cache::Cache};
+use quick_cache::{Weighter, sync::Cache};
+
+use super::ServiceError;
 use crate::files::{
     digest::Digest,
     textures::{Bundle, ExportError, RoundingError, TextureFile},
@@ -81,17 +83,31 @@ pub enum ExportFailure {
     Store(#[from] ServiceError),
 }
 
-/// The exports made so far, and whose turn it is to make one.
+/// The exports made last, and the requests for others.
 #[derive(Debug)]
 pub(super) struct Exports {
-    kept: Mutex<Cache<Arc<MadeExport>>>,
+    kept: Cache<Digest, Arc<MadeExport>, FileBytes>,
     /// Held while an export is made.
-    turn: Mutex<()>,
+    making: Mutex<()>,
     waiting: AtomicUsize,
     made: AtomicU64,
 }
 
-/// A request that waits for its turn, or has it.
+/// How many exports the cache expects. It must not divide its bytes among several parts, as it does for more than 63: a large
+/// export would not fit into one.
+const EXPECTED: usize = 63;
+
+/// Counts the bytes of an export's files.
+#[derive(Debug, Clone)]
+struct FileBytes;
+
+impl Weighter<Digest, Arc<MadeExport>> for FileBytes {
+    fn weight(&self, _key: &Digest, export: &Arc<MadeExport>) -> u64 {
+        export.files.iter().map(|file| file.bytes.len() as u64).sum()
+    }
+}
+
+/// A request for an export that waits or is being made.
 struct Waiting<'a>(&'a AtomicUsize);
 
 impl Drop for Waiting<'_> {
@@ -103,8 +119,8 @@ impl Drop for Waiting<'_> {
 impl Exports {
     /// Keeps up to `limit_bytes` of files.
     pub(super) fn new(limit_bytes: usize) -> Self {
-        let kept = Mutex::new(Cache::new(limit_bytes));
-        Self { kept, turn: Mutex::new(()), waiting: AtomicUsize::new(0), made: AtomicU64::new(0) }
+        let kept = Cache::with_weighter(EXPECTED, limit_bytes as u64, FileBytes);
+        Self { kept, making: Mutex::new(()), waiting: AtomicUsize::new(0), made: AtomicU64::new(0) }
     }
 
     /// How many were made.
@@ -112,14 +128,10 @@ impl Exports {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// How many requests wait, or have their turn.
+    /// How many requests wait or are being answered.
     #[cfg(test)]
     pub(super) fn waiting(&self) -> usize {
         self.waiting.load(Ordering::SeqCst)
-    }
-
-    fn kept(&self) -> MutexGuard<'_, Cache<Arc<MadeExport>>> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The export of `key`, from memory or as `make` makes it, one at a time. `None` is not remembered.
@@ -128,23 +140,22 @@ impl Exports {
         key: Digest,
         make: impl FnOnce() -> Result<Option<MadeExport>, ExportFailure>,
     ) -> Result<Option<Arc<MadeExport>>, ExportFailure> {
-        if let Some(kept) = self.kept().get(key) {
+        if let Some(kept) = self.kept.get(&key) {
             return Ok(Some(kept));
         }
         let _waiting = Waiting(&self.waiting);
         if self.waiting.fetch_add(1, Ordering::SeqCst) >= LIMIT {
             return Err(ExportFailure::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
         }
-        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-        // An equal request may have had its turn before.
-        if let Some(kept) = self.kept().get(key) {
+        let _making = self.making.lock().unwrap_or_else(PoisonError::into_inner);
+        // An equal request may have been answered before.
+        if let Some(kept) = self.kept.get(&key) {
             return Ok(Some(kept));
         }
         let made = make()?.map(Arc::new);
         if let Some(export) = &made {
             self.made.fetch_add(1, Ordering::Relaxed);
-            let bytes = export.files.iter().map(|file| file.bytes.len()).sum();
-            self.kept().keep(key, bytes, Arc::clone(export));
+            self.kept.insert(key, Arc::clone(export));
         }
         Ok(made)
     }

@@ -28,9 +28,10 @@ impl Service {
         if self.state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
-        let new = self.state.engine.plan(document, self.state.config.entry_limit)?;
+        let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
         let file = self.state.old_file(&new.recipe)?;
         let submission = self.state.submit(new);
+        self.state.scheduler.wake();
         self.state.publish_changes();
         let reply = submission?;
         if let Some(file) = file {
@@ -39,10 +40,10 @@ impl Service {
         Ok(reply)
     }
 
-    /// The forecast for a stored recipe; `None` for a recipe of another fitter.
+    /// The forecast for a job; `None` for a recipe of another fitter.
     #[must_use]
-    pub fn expected(&self, recipe: &str) -> Option<Expected> {
-        self.state.forecast.of(recipe)
+    pub fn expected(&self, job: &Job) -> Option<Expected> {
+        self.state.forecast.of(job.into())
     }
 
     /// A job by its id, with its forecasts.
@@ -107,7 +108,7 @@ impl ServiceState {
                 _ => SubmitReply::InFlight { job, joined: true },
             });
         }
-        let predicted = self.forecast.of(&new.recipe).map_or(0.0, |expected| expected.seconds);
+        let predicted = self.forecast.of((&new).into()).map_or(0.0, |expected| expected.seconds);
         let limit = self.config.job_seconds;
         if predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&digest)).map_err(ServiceError::from)? {
             return Err(SubmitError::TooExpensive { predicted, limit });

@@ -131,7 +131,7 @@ impl Inner {
             self.paces.remove(&job.id);
             None
         };
-        let expected = forecast.of(&job.recipe);
+        let expected = forecast.of((&job).into());
         JobSnapshot { sequence: self.sequence(&job, now), job, seconds_left, expected }
     }
 
