@@ -38,7 +38,8 @@ pub(super) trait Backend: Send + Sync {
     /// The canonical recipe of a canonical file, and its digest; `None` for any other bytes.
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)>;
 
-    /// The manifest of a canonical file; `None` as soon as `go_on` says no. Measures the table on the current rayon pool.
+    /// The manifest of a canonical file; `None` as soon as `go_on` says no. Measures the table on the current rayon
+    /// pool.
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError>;
 
     /// The exports for which the table of a canonical file has the layout.
@@ -75,8 +76,8 @@ impl<'a> From<&'a LeasedTask> for StoredRecipe<'a> {
 
 /// A plan that is ready to be fitted.
 pub(super) trait PlannedFit: Send + Sync {
-    /// Fits one shard. `on_progress` is called with the number of entries done and may stop the fit, whose result is then
-    /// `None`.
+    /// Fits one shard. `on_progress` is called with the number of entries done and may stop the fit, whose result is
+    /// then `None`.
     fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<u8>>;
 
     /// Begins to put the table together.

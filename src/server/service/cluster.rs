@@ -151,7 +151,8 @@ fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Dig
     }
 }
 
-/// Removes the blobs that no table of the catalogue has, that no recipe in use names, and that are older than a day. Returns how many.
+/// Removes the blobs that no table of the catalogue has, that no recipe in use names, and that are older than a day.
+/// Returns how many.
 ///
 /// # Errors
 /// When the database or the store of blobs cannot be used.

@@ -28,8 +28,8 @@ impl Service {
         self.state.tables.read(digest)
     }
 
-    /// The manifest of a table (see [`crate::files::manifest::manifest_json`]) as JSON. It is made with the table. If it is of another
-    /// version, or was lost with the catalogue, it is made and stored now.
+    /// The manifest of a table (see [`crate::files::manifest::manifest_json`]) as JSON. It is made with the table. If
+    /// it is of another version, or was lost with the catalogue, it is made and stored now.
     ///
     /// # Errors
     /// As [`Self::table`]: the manifest of a damaged table is not served.
@@ -47,8 +47,8 @@ impl Service {
         Ok(Some(manifest.text))
     }
 
-    /// A URL under which a client can fetch a table from the store of blobs for some minutes; `None` where there is none,
-    /// or no such table.
+    /// A URL under which a client can fetch a table from the store of blobs for some minutes; `None` if the store makes
+    /// no URLs or there is no such table.
     ///
     /// # Errors
     /// When the store fails.
@@ -89,8 +89,9 @@ impl Service {
         self.table(table)?.map(|file| self.state.backend.exports(&file)).transpose()
     }
 
-    /// An export of a table, made at the first request and then kept, unless others push it out. Its files follow from the
-    /// table, the export and this program. How good the table is comes from its manifest, so that no export measures it.
+    /// An export of a table, made at the first request and then kept, unless others push it out. Its files follow from
+    /// the table, the export and this program. The table's error comes from its manifest, so that no export measures
+    /// it.
     ///
     /// # Errors
     /// See [`ExportFailure`].
@@ -107,8 +108,8 @@ impl Service {
         })
     }
 
-    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one. `is_known`
-    /// tells whether the caller has the picture of a tag.
+    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one.
+    /// `is_known` tells whether the caller has the picture of a tag.
     ///
     /// # Errors
     /// See [`PictureError`].

@@ -16,10 +16,10 @@ use crate::files::{
     textures::{Bundle, ExportError, RoundingError, TextureFile},
 };
 
-/// Requests for exports that may wait at the same time: one export is made at a time, so that memory holds the numbers of
-/// one.
+/// Requests for exports that may wait at the same time. One export is made at a time, so that memory holds the numbers
+/// of one table.
 const LIMIT: usize = 16;
-/// When to try again if as many wait. Most exports take less than a second.
+/// When to try again if that many wait. Most exports take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
 
 /// A file of an export.
@@ -31,7 +31,7 @@ pub struct ExportedFile {
     pub bytes: Arc<Vec<u8>>,
     /// Their digest.
     pub digest: Digest,
-    /// What rounding changed.
+    /// How far rounding moved its numbers.
     pub rounding: RoundingError,
 }
 
@@ -40,7 +40,7 @@ pub struct ExportedFile {
 pub struct MadeExport {
     /// Its files.
     pub files: Vec<ExportedFile>,
-    /// What to do with them, a sentence each.
+    /// How to use them, a sentence each.
     pub steps: Vec<String>,
 }
 
@@ -62,7 +62,7 @@ pub enum ExportFailure {
     Refused(#[from] ExportError),
     /// The table has more entries than are exported.
     #[error(
-        "the table has {entries} entries, and of at most {limit} the service makes exports; `ltcforge export` makes any"
+        "the table has {entries} entries, and the service exports at most {limit}; `ltcforge export` exports any table"
     )]
     TooLarge {
         /// Its entries.
@@ -93,9 +93,9 @@ pub(super) struct Exports {
     made: AtomicU64,
 }
 
-/// How many exports the cache expects. It must not divide its bytes among several parts, as it does for more than 63: a large
-/// export would not fit into one.
-const EXPECTED: usize = 63;
+/// How many exports the cache expects. For more than 62 it would divide its bytes among several parts, and a large
+/// export would fit into none.
+const EXPECTED: usize = 32;
 
 /// Counts the bytes of an export's files.
 #[derive(Debug, Clone)]

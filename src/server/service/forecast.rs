@@ -13,7 +13,7 @@ use crate::fit::Solver;
 pub(super) struct Forecast {
     backend: Arc<dyn Backend>,
     workers: NonZeroUsize,
-    /// The speed of each solver: they do different work, which machines differ in.
+    /// The speed of each solver: how fast a machine is depends on the work that it does.
     speeds: Vec<(Solver, Speed)>,
 }
 

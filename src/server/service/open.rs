@@ -91,7 +91,8 @@ impl Service {
         Ok(Arc::new(service))
     }
 
-    /// Starts the workers, the threads for jobs that arrive while all workers are busy, and what stores results and keeps leases.
+    /// Starts the workers, the threads for jobs that arrive while all workers are busy, and what stores results and
+    /// keeps leases.
     fn start_workers(&self) -> io::Result<()> {
         let config = &self.state.config;
         let threads = config.workers.get().saturating_add(config.queue_limit.clamp(1, MOST_WAITING));

@@ -1,8 +1,8 @@
 //! Which tasks are under way, and which come next.
 //!
-//! As many tasks are under way as there are workers. Beside them, a job that no worker serves gets a thread of its own, since a
-//! shard may take minutes; the operating system shares the cores. While shards are short, several are leased at once, because
-//! a lease of a remote database takes milliseconds.
+//! As many tasks are under way as there are workers. A shard may take minutes, so while all workers are in the middle
+//! of long tasks, a job that no worker serves gets a thread beside them, and the operating system shares the cores.
+//! While shards are short, several are leased at once, because a lease of a remote database takes milliseconds.
 
 use std::{
     collections::{HashMap, VecDeque},
@@ -19,8 +19,9 @@ const AHEAD: Duration = Duration::from_millis(200);
 /// Tasks leased at once, at most, where there are fewer workers.
 const MOST_AHEAD: usize = 64;
 
-/// How often a thread looks for jobs without a worker while all workers are busy: other processes submit jobs too.
-const LOOK: Duration = Duration::from_millis(500);
+/// A task that takes at least this is a long one. While all workers are busy, a thread looks this often whether they
+/// are with long tasks, and for jobs without a worker: other processes submit jobs too.
+const LONG: Duration = Duration::from_millis(500);
 
 /// The tasks that this process has leased.
 #[derive(Debug)]
@@ -52,8 +53,8 @@ impl Scheduler {
         Self { workers: workers.get(), state, changed, leasing }
     }
 
-    /// The next task for a thread, which calls [`Self::end`] after it; waits until there is one. `None` when the queue is
-    /// closed.
+    /// The next task for a thread, which calls [`Self::end`] after it; waits until there is one. `None` when the queue
+    /// is closed.
     pub(super) fn next(&self, thread: u32, queue: &dyn Queue) -> Option<LeasedTask> {
         if let Some(task) = self.lock().begin_ahead(self.workers) {
             return Some(task);
@@ -65,7 +66,10 @@ impl Scheduler {
                 return Some(task);
             }
             state.has_changed = false;
-            let (demand, most) = state.demand(self.workers);
+            let Some((demand, most)) = state.demand(self.workers) else {
+                self.wait(state);
+                continue;
+            };
             drop(state);
             match queue.lease(thread, demand, most) {
                 Offer::Tasks(tasks) => {
@@ -78,10 +82,7 @@ impl Scheduler {
                     }
                 }
                 Offer::Nothing { seen } if demand == Demand::Any => queue.wait(seen),
-                Offer::Nothing { .. } => {
-                    let waited = self.changed.wait_timeout_while(self.lock(), LOOK, |state| !state.has_changed);
-                    drop(waited.unwrap_or_else(PoisonError::into_inner));
-                }
+                Offer::Nothing { .. } => self.wait(self.lock()),
                 Offer::Closed => return None,
             }
         }
@@ -106,7 +107,8 @@ impl Scheduler {
         (self.workers as f64 / self.lock().running.len().max(1) as f64).min(1.0)
     }
 
-    /// Takes out the tasks that have waited for a worker for at least `time`: the shards before them are longer than predicted.
+    /// Takes out the tasks that have waited for a worker for at least `time`: the shards before them are longer than
+    /// predicted.
     pub(super) fn overdue(&self, time: Duration) -> Vec<LeasedTask> {
         let mut state = self.lock();
         let overdue = state.ahead.iter().take_while(|(_, since)| since.elapsed() >= time).count();
@@ -128,6 +130,11 @@ impl Scheduler {
         self.lock().storing.iter().map(|(lease, entries)| (*lease, *entries)).collect()
     }
 
+    fn wait(&self, state: MutexGuard<'_, State>) {
+        let waited = self.changed.wait_timeout_while(state, LONG, |state| !state.has_changed);
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    }
+
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -145,15 +152,16 @@ impl State {
         Some(self.begin(task))
     }
 
-    /// Which tasks to lease next, and how many.
-    fn demand(&self, workers: usize) -> (Demand, NonZeroUsize) {
+    /// Which tasks to lease next, and how many; `None` if none.
+    fn demand(&self, workers: usize) -> Option<(Demand, NonZeroUsize)> {
         let Some(free) = NonZeroUsize::new(workers.saturating_sub(self.running.len())) else {
-            return (Demand::Unserved, NonZeroUsize::MIN);
+            let long = self.running.values().filter(|since| since.elapsed() >= LONG).count();
+            return (long >= workers).then_some((Demand::Unserved, NonZeroUsize::MIN));
         };
         let slowest = self.running.values().map(Instant::elapsed).chain(self.last).max();
         let rounds = slowest.map_or(0.0, |slowest| AHEAD.as_secs_f64() / slowest.as_secs_f64()) as usize;
         let ahead = NonZeroUsize::new(rounds.saturating_mul(workers).min(MOST_AHEAD));
-        (Demand::Any, ahead.map_or(free, |ahead| ahead.max(free)))
+        Some((Demand::Any, ahead.map_or(free, |ahead| ahead.max(free))))
     }
 }
 
@@ -196,7 +204,7 @@ mod tests {
 
     #[test]
     fn short_tasks_are_leased_ahead_and_long_ones_are_not() {
-        let any = |most| (Demand::Any, NonZeroUsize::new(most).unwrap());
+        let any = |most| Some((Demand::Any, NonZeroUsize::new(most).unwrap()));
         let leased_after = |millis, workers| after(millis).demand(workers);
         assert_eq!(State::default().demand(2), any(2), "nothing is known of the tasks");
         assert_eq!((leased_after(50, 2), leased_after(50, 3)), (any(8), any(12)));
@@ -204,16 +212,25 @@ mod tests {
         assert_eq!((leased_after(201, 1), leased_after(201, 5)), (any(1), any(5)));
         let (scheduler, queue) = (Scheduler::new(TWO), queue(&[("a", 9)]));
         scheduler.next(0, &queue).unwrap();
-        let mut state = scheduler.lock();
-        state.last = Some(Duration::from_millis(50));
-        state.running.values_mut().for_each(|since| *since -= Duration::from_secs(1));
-        assert_eq!(state.demand(2), any(1), "another one takes long");
+        scheduler.lock().last = Some(Duration::from_millis(50));
+        scheduler.have_run(Duration::from_secs(1));
+        assert_eq!(scheduler.lock().demand(2), any(1), "another one takes long");
+    }
+
+    impl Scheduler {
+        /// Lets the tasks under way have begun that much earlier.
+        fn have_run(&self, time: Duration) {
+            self.lock().running.values_mut().for_each(|since| *since -= time);
+        }
     }
 
     #[test]
-    fn a_job_without_a_worker_is_begun_beside_the_others() {
+    fn a_job_without_a_worker_is_begun_beside_long_tasks() {
         let (scheduler, queue) = (Scheduler::new(TWO), queue(&[("a", 9), ("b", 9), ("c", 9), ("d", 9)]));
-        let begun: Vec<_> = (0..4).map(|thread| scheduler.next(thread, &queue).unwrap()).collect();
+        let mut begun: Vec<_> = (0..2).map(|thread| scheduler.next(thread, &queue).unwrap()).collect();
+        assert_eq!(scheduler.lock().demand(2), None, "they may soon end");
+        scheduler.have_run(LONG);
+        begun.extend((2..4).map(|thread| scheduler.next(thread, &queue).unwrap()));
         let recipes: Vec<_> = begun.iter().map(|task| task.recipe.as_str()).collect();
         assert_eq!((recipes, scheduler.share()), (vec!["a", "b", "c", "d"], 0.5));
         // It waits until a job without a worker has a task again.

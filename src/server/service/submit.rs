@@ -89,8 +89,8 @@ impl Service {
 }
 
 impl ServiceState {
-    /// The file that a recipe names, to be put again once its job is known: where others remove files that no recipe names,
-    /// they may be about to remove it.
+    /// The file of a tabulated BRDF that a recipe names, on a store that other processes share. It is stored again once
+    /// the job is known: one of them may be about to remove files that no recipe names.
     fn old_file(&self, recipe: &str) -> Result<Option<Vec<u8>>, ServiceError> {
         if self.queue.is_local() {
             return Ok(None);
@@ -123,7 +123,7 @@ impl ServiceState {
         }
     }
 
-    /// A done job for a table that is stored although its job was lost.
+    /// The done job of a stored table whose own job was lost.
     fn done(&self, new: NewJob, table: Digest) -> Job {
         let stored_at =
             self.tables.catalogue.table(table).ok().flatten().map_or_else(|| self.queue.now(), |row| row.created_at);

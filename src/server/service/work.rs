@@ -95,8 +95,8 @@ impl ServiceState {
         }
     }
 
-    /// Keeps the leases of tasks that no thread works on until the service is stopping: tasks that wait too long for a worker
-    /// are given back, and leases whose results are being stored are renewed.
+    /// Keeps the leases of tasks that no thread works on until the service is stopping: tasks that wait too long for a
+    /// worker are given back, and leases whose results are being stored are renewed.
     pub(super) fn keep_leases(&self) {
         let every = KEEP.min(self.config.lease_ttl / 4);
         while !self.is_stopping() {
@@ -195,8 +195,8 @@ impl ServiceState {
         }
     }
 
-    /// Stores a result that could not be stored with others: one of them may have been the reason. An error that passes is
-    /// waited out, because the shard may have taken minutes.
+    /// Stores a result that could not be stored with others: one of them may have been the reason. An error that passes
+    /// is waited out, because the shard may have taken minutes.
     fn store_alone(&self, result: &ShardResult) {
         let ShardResult { task, bytes } = result;
         if self.is_stopping() && !self.queue.is_reachable() {

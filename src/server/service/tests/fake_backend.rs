@@ -44,7 +44,8 @@ pub(super) struct Behaviour {
     pub(super) panics: u32,
     /// While set, each fit pauses after its first entry.
     pub(super) held: bool,
-    /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop, [`MOST_ASKED`] times.
+    /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop, [`MOST_ASKED`]
+    /// times.
     pub(super) endless: Option<String>,
     /// Measuring the table of this recipe does not end.
     pub(super) endless_measure: Option<String>,
