@@ -3,15 +3,15 @@
 /// Each layer, a folder or file of `src`, and those that it may use, upper layers last.
 pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
     ("fit::named_list", &[]),
-    ("fit::pulse", &[]),
+    ("fit::stop_check", &[]),
     ("fit::math", &[]),
     ("fit::axes", &["fit::math"]),
     ("fit::brdf", &["fit::named_list", "fit::axes", "fit::math"]),
     ("fit::lobe", &["fit::named_list", "fit::brdf", "fit::math"]),
     ("fit::layout", &["fit::named_list", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
     ("fit::table", &["fit::layout", "fit::lobe", "fit::brdf", "fit::axes", "fit::math"]),
-    ("fit::metric", &["fit::named_list", "fit::pulse", "fit::lobe", "fit::brdf", "fit::math"]),
-    ("fit::solver", &["fit::named_list", "fit::pulse", "fit::metric", "fit::lobe", "fit::brdf", "fit::math"]),
+    ("fit::metric", &["fit::named_list", "fit::stop_check", "fit::lobe", "fit::brdf", "fit::math"]),
+    ("fit::solver", &["fit::named_list", "fit::stop_check", "fit::metric", "fit::lobe", "fit::brdf", "fit::math"]),
     (
         "fit",
         &[
@@ -24,7 +24,7 @@ pub(crate) const ALLOWED: &[(&str, &[&str])] = &[
             "fit::axes",
             "fit::math",
             "fit::named_list",
-            "fit::pulse",
+            "fit::stop_check",
         ],
     ),
     // The judge: it knows what a table and a recipe are, and nothing of what the fit minimised.
@@ -156,7 +156,7 @@ pub(crate) const ABSENT: &[(&[&str], &[&str])] = &[
         &[
             "fit",
             "fit::named_list",
-            "fit::pulse",
+            "fit::stop_check",
             "fit::math",
             "fit::axes",
             "fit::brdf",
