@@ -11,10 +11,8 @@ use std::{
 use quick_cache::{Weighter, sync::Cache};
 
 use super::ServiceError;
-use crate::files::{
-    digest::Digest,
-    textures::{Bundle, ExportError, RoundingError, TextureFile},
-};
+use ltcforge_files::digest::Digest;
+use ltcforge_textures::{Bundle, ExportError, RoundingError, TextureFile};
 
 /// Requests for exports that may wait at the same time. One export is made at a time, so that memory holds the numbers
 /// of one table.

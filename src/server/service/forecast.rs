@@ -7,7 +7,7 @@ use super::{
     backend::{Backend, StoredRecipe},
     speed::Speed,
 };
-use crate::fit::Solver;
+use ltcforge_fit::Solver;
 
 /// Forecasts by the backend's model, corrected by the measured speed of this service.
 pub(super) struct Forecast {
@@ -47,7 +47,8 @@ impl Forecast {
 #[cfg(test)]
 mod tests {
     use super::{super::backend::FitBackend, *};
-    use crate::{files::digest::Digest, server::queue::NewJob};
+    use crate::queue::NewJob;
+    use ltcforge_files::digest::Digest;
 
     #[test]
     fn a_measurement_changes_the_forecast() {

@@ -25,7 +25,7 @@ use super::{
     watch::Hub,
     work::MOST_RESULTS,
 };
-use crate::server::{
+use crate::{
     queue::{
         Limits, Queue,
         embedded::{Clock, EmbeddedQueue},

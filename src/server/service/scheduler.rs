@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::server::queue::{Demand, Lease, LeasedTask, Offer, Queue};
+use crate::queue::{Demand, Lease, LeasedTask, Offer, Queue};
 
 /// How long the tasks that are leased at once take all workers, as predicted by the slowest recent task.
 const AHEAD: Duration = Duration::from_millis(200);
@@ -171,12 +171,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{Limits, NewJob, TaskKind, embedded::EmbeddedQueue},
-            store::memory::MemoryRows,
-        },
+        queue::{Limits, NewJob, TaskKind, embedded::EmbeddedQueue},
+        store::memory::MemoryRows,
     };
+    use ltcforge_files::digest::Digest;
 
     const TWO: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
 

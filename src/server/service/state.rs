@@ -13,7 +13,7 @@ use super::{
     Config, Metrics, ServiceError, backend::Backend, exports::Exports, forecast::Forecast, pictures::Pictures,
     scheduler::Scheduler, tables::Tables, watch::Hub,
 };
-use crate::server::{
+use crate::{
     queue::{JobId, Queue},
     store::Batch,
 };

@@ -14,7 +14,7 @@ use std::{
 };
 
 use super::{TableRow, backend::PlanError, state::ServiceState};
-use crate::server::{
+use crate::{
     queue::{Failure, FailureKind, Lease, LeaseError, LeasedTask, StaleLease, TaskKind},
     store::{Catalogue, StoreError},
 };

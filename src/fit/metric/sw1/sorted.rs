@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::fit::{metric::distance::Draws, stop_check::StopCheck};
+use crate::{metric::distance::Draws, stop_check::StopCheck};
 
 /// Work of a step for each sample and direction, in projections: two sorts.
 const SORTING: usize = 16;

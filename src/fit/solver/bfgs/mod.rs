@@ -29,7 +29,7 @@ use self::{
     search::{AREA_COST, COARSE_DECREASE, free_variables},
 };
 use super::objective::{Effort, Objective, SolverRules};
-use crate::fit::{
+use crate::{
     brdf::Mirrors,
     lobe::LobeModel,
     math::ln,
@@ -177,7 +177,7 @@ fn refine(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{
+    use crate::{
         lobe::ltc::align,
         metric::{Lobe, Metric, PlantedBrdf, Samples, planted},
         stop_check::unstopped,

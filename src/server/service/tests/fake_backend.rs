@@ -10,18 +10,12 @@ use std::{
 
 use super::super::backend::{Assembly, Backend, PlanError, PlannedFit, StoredRecipe};
 use crate::{
-    files::{
-        container::TableFileError,
-        digest::Digest,
-        recipe_document::RecipeError,
-        textures::{Bundle, Engine, Export, RoundingError, TextureFile},
-    },
-    fit::{Expectation, GoOn, Solver},
-    server::{
-        queue::NewJob,
-        service::{ExportFailure, SubmitError},
-    },
+    queue::NewJob,
+    service::{ExportFailure, SubmitError},
 };
+use ltcforge_files::{container::TableFileError, digest::Digest, recipe_document::RecipeError};
+use ltcforge_fit::{Expectation, GoOn, Solver};
+use ltcforge_textures::{Bundle, Engine, Export, RoundingError, TextureFile};
 
 /// Entries of a shard.
 const ENTRIES: u32 = 4;
