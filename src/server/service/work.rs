@@ -18,6 +18,7 @@ use crate::{
     queue::{Failure, FailureKind, Lease, LeaseError, LeasedTask, StaleLease, TaskKind},
     store::{Catalogue, StoreError},
 };
+use ltcforge_files::digest::Digest;
 
 /// Why a task was not delivered.
 #[derive(Debug, thiserror::Error)]
