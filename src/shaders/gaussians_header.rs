@@ -68,6 +68,7 @@ pub(super) fn gaussians_header(language: Language) -> String {
 }
 
 /// The comment of the text to include.
+#[must_use]
 pub fn gaussians_include_header() -> String {
     commented(&format!("{}{USE}\n{}", about(), check()))
 }

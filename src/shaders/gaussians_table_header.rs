@@ -54,6 +54,7 @@ pub(super) fn gaussians_table_header(language: Language, layout: Layout) -> Stri
 }
 
 /// The comment of the text to include.
+#[must_use]
 pub fn gaussians_table_include_header(language: Language, layout: Layout, reading: Reading, place: &Place) -> String {
     let (table, bindings) =
         (bound_table(reading.bound, nodes_of_include(language)), included_bindings(language, reading, place));

@@ -20,6 +20,7 @@ FUNCTIONS
 {lights}";
 
 /// What both kinds of tables light by.
+#[must_use]
 pub fn functions_of(lights: Lights) -> &'static str {
     match lights {
         Lights::All => LIGHTS,
@@ -250,6 +251,7 @@ pub(super) fn header(language: Language, layout: Layout) -> String {
 }
 
 /// The comment of a text to include that reads tables of `layout`.
+#[must_use]
 pub fn table_include_header(
     language: Language,
     layout: Layout,
@@ -269,6 +271,7 @@ pub(super) fn nodes_of_include(language: Language) -> &'static str {
 }
 
 /// The text in lines that begin with `//`.
+#[must_use]
 pub fn commented(text: &str) -> String {
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }

@@ -37,6 +37,7 @@ impl LitBy {
     }
 
     /// The name of the entry point that shows how to call the shader.
+    #[must_use]
     pub fn entry_point(self) -> &'static str {
         match self {
             Self::Table(_) => "ltc_example",

@@ -59,6 +59,7 @@ pub(super) fn normals_header(language: Language) -> String {
 }
 
 /// The comment of the text to include.
+#[must_use]
 pub fn normals_include_header() -> String {
     commented(&format!("{}{USE}\n{}", about(), check()))
 }

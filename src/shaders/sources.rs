@@ -89,11 +89,13 @@ const PREVIEWED: [&str; 17] = [
 ];
 
 /// The functions that light a surface without a table: all that a renderer takes but the example.
+#[must_use]
 pub fn normals_functions() -> &'static [&'static str] {
     &PORTED_NORMALS[..PORTED_NORMALS.len() - 1]
 }
 
 /// The named shaders as one text, in the order of [`SHADERS`].
+#[must_use]
 pub fn joined(names: &[&str]) -> String {
     let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();
     sources.join("\n")
@@ -142,16 +144,19 @@ fn body(layouts: &[Layout], default: &str, of: impl Fn(&Layout) -> String) -> St
 }
 
 /// The module of the preview, which reads tables of every layout.
+#[must_use]
 pub fn preview_module() -> String {
     module(&PREVIEWED, Layout::ALL)
 }
 
 /// What reads tables of every layout, without an entry point.
+#[must_use]
 pub fn table_reader(bound: Bound) -> String {
     module(&["ltc_math", "nodes_storage", texels(bound), "ltc_table"], Layout::ALL)
 }
 
 /// The module that other renderers take.
+#[must_use]
 pub fn ported(lit_by: LitBy) -> String {
     match lit_by {
         LitBy::Table(layout) => module(&PORTED, &[layout]),
@@ -170,6 +175,7 @@ fn texels(bound: Bound) -> &'static str {
 }
 
 /// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
+#[must_use]
 pub fn functions(lit_by: LitBy, bound: Bound, lights: Lights, has_storage: bool) -> String {
     let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
     match lit_by {
@@ -194,6 +200,7 @@ fn lights_by_table(lights: Lights) -> &'static [&'static str] {
 }
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
+#[must_use]
 pub fn without_textures(smooth_at: &str, lights: Lights) -> String {
     let LayoutShader { source, .. } = Layout::Reflected.shader();
     let parts = ["ltc_math", "ltc_smooth", "ltc_function"];

@@ -3,7 +3,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::*;
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_light::Gaussian;
-use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Place, Reading, SHADERS, comment, wgsl};
+use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Place, Reading, comment};
 
 fn header(language: Language, layout: Layout) -> String {
     comment(language, layout.into())
