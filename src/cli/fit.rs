@@ -13,11 +13,11 @@ use super::{
 use ltcforge_files::{
     container::{self, TableFileError},
     digest::Digest,
-    manifest::manifest_json_with,
+    manifest::{manifest_of, table_report},
     replace::{PairError, replace_file, replace_pair},
     tabulated::kept_name,
 };
-use ltcforge_fit::{Plan, Table, TabulatedFile, fit_plan};
+use ltcforge_fit::{Plan, Report, Table, fit_plan};
 
 /// So much of a digest names a table among many thousands: `sha256:` and 12 digits.
 const SHORT_DIGEST: usize = "sha256:".len() + 12;
@@ -39,8 +39,8 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let failed = |error: TableFileError| CommandFailure::new(Exit::Failed, error.to_string());
     let file = container::encode(&recipe, &table).map_err(failed)?;
     let digest = Digest::of(&file);
-    let find = |_: &str| Ok(recipe.model().file().cloned().unwrap_or_else(|| TabulatedFile::unread([0; 32])));
-    let manifest = pool.install(|| manifest_json_with(&file, &find)).map_err(failed)?;
+    let report = pool.install(|| table_report(&table, &recipe));
+    let manifest = manifest_of(&file, &table, &recipe, &report).map_err(failed)?;
 
     // What the table is measured with stays beside it.
     if let (Some(of), Some(bytes)) = (recipe.model().file(), &brdf_file) {
@@ -54,7 +54,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
         .map_err(|PairError { path, source }| file_failure(&path, &source))?;
 
     let seconds = started.elapsed().as_secs_f64();
-    let error = headline(&manifest);
+    let error = Headline::of(&report);
     let name =
         if finds_digests_in(&args.out) { digest.to_string()[..SHORT_DIGEST].to_owned() } else { shown(&table_path) };
     let next = [format!("ltcforge preview {name} -o sphere.png"), format!("ltcforge report {name}")];
@@ -66,12 +66,10 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     if !json {
         let entries = recipe.entries();
         eprintln!("{entries} entries in {seconds:.1} s: {fit_seconds:.1} s to fit, the rest to measure the error");
-        if let Some(Headline { mean, p95 }) = error {
-            let (mean, p95) = (100.0 * mean, 100.0 * p95);
-            eprintln!(
-                "error between the nodes, in widths of the lobe: {mean:.1} % on average, {p95:.1} % at the 95th percentile"
-            );
-        }
+        let (mean, p95) = (100.0 * error.mean, 100.0 * error.p95);
+        eprintln!(
+            "error between the nodes, in widths of the lobe: {mean:.1} % on average, {p95:.1} % at the 95th percentile"
+        );
         let data = recipe.model().file().and_then(|file| file.data());
         if let Some(asymmetry) = data.and_then(|data| data.asymmetry()) {
             eprintln!("{}", asymmetry_line(&asymmetry));
@@ -88,11 +86,11 @@ struct Headline {
     p95: f64,
 }
 
-/// The headline of the report in a manifest.
-fn headline(manifest: &str) -> Option<Headline> {
-    let manifest: serde_json::Value = serde_json::from_str(manifest).ok()?;
-    let width = manifest.pointer("/report/between/width")?;
-    Some(Headline { mean: width["mean"].as_f64()?, p95: width["p95"].as_f64()? })
+impl Headline {
+    fn of(report: &Report) -> Self {
+        let width = &report.between.width;
+        Self { mean: width.mean, p95: width.p95 }
+    }
 }
 
 /// Whether a digest alone finds the tables in `folder`.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{OpenError, Reconciled, engine::FitEngine, reconcile::reconcile};
+use super::{OpenError, Reconciled, backend::FitBackend, reconcile::reconcile};
 use crate::store::{Damage, DryRun, Store, StoreError};
 use ltcforge_files::{digest::Digest, tabulated};
 
@@ -49,7 +49,7 @@ pub fn check(folder: &Path) -> Result<CheckReport, OpenError> {
             Err(error) => return Err(of(error)),
         }
     }
-    let mut catalogue = reconcile(&store.rows, store.blobs.as_ref(), &FitEngine::default()).map_err(of)?;
+    let mut catalogue = reconcile(&store.rows, store.blobs.as_ref(), &FitBackend::new(None)).map_err(of)?;
     // The files of damaged tables are not missing.
     catalogue.lost.retain(|digest| !damaged_tables.contains(digest));
     Ok(CheckReport { store: store.damage, catalogue, tables, damaged_tables })

@@ -8,7 +8,7 @@ use std::{
 use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{TableRow, engine::Engine};
+use super::{TableRow, backend::Backend};
 use crate::store::{Blobs, Catalogue, Rows, StoreError};
 use ltcforge_files::digest::Digest;
 
@@ -25,7 +25,7 @@ pub struct Reconciled {
 pub(super) fn reconcile(
     rows: &Arc<dyn Rows>,
     blobs: &dyn Blobs,
-    engine: &dyn Engine,
+    backend: &dyn Backend,
 ) -> Result<Reconciled, StoreError> {
     let catalogue = Catalogue::new(Arc::clone(rows));
     let stored: BTreeMap<Digest, Timestamp> =
@@ -39,7 +39,7 @@ pub(super) fn reconcile(
             Ok(None) | Err(StoreError::Corrupt { .. }) => continue,
             Err(error) => return Err(error),
         };
-        let Some((recipe, recipe_digest)) = engine.recognise(&bytes) else { continue };
+        let Some((recipe, recipe_digest)) = backend.recognise(&bytes) else { continue };
         let created_at = catalogue.table(*digest)?.map_or(*stored_at, |row| row.created_at);
         let row = TableRow { digest: *digest, recipe_digest, bytes: bytes.len() as u64, created_at };
         rows.commit(&Catalogue::entry(&row, &recipe)?)?;

@@ -1,28 +1,29 @@
-//! A fake engine: it counts fits, and stops or fails as a test asks.
+//! A fake backend: it counts fits, and stops or fails as a test asks.
 
 use std::{
     collections::HashMap,
     ops::ControlFlow,
     sync::{Arc, Condvar, Mutex},
+    thread,
     time::Duration,
 };
 
-use super::super::engine::{Assembly, Engine};
+use super::super::backend::{Assembly, Backend, PlanError, PlannedFit, StoredRecipe};
 use crate::{
     queue::NewJob,
     service::{ExportFailure, SubmitError},
 };
 use ltcforge_files::{container::TableFileError, digest::Digest, recipe_document::RecipeError};
 use ltcforge_fit::{Expectation, GoOn, Solver};
-use ltcforge_textures::{Bundle, Engine as Engine3d, Export, RoundingError, TextureFile};
+use ltcforge_textures::{Bundle, Engine, Export, RoundingError, TextureFile};
 
 /// Entries of a shard.
 const ENTRIES: u32 = 4;
 
-/// How often an endless fit asks, which takes seconds: nobody turned to another task meanwhile.
+/// How often an endless fit asks, which takes many seconds: nobody began another task meanwhile.
 const MOST_ASKED: u32 = 20_000_000;
 
-/// How the fake engine behaves, and what it has done.
+/// How the fake backend behaves, and what it has done.
 #[derive(Debug, Default)]
 pub(super) struct Behaviour {
     /// Fits begun, by recipe and shard.
@@ -37,7 +38,8 @@ pub(super) struct Behaviour {
     pub(super) panics: u32,
     /// While set, each fit pauses after its first entry.
     pub(super) held: bool,
-    /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop, [`MOST_ASKED`] times.
+    /// Fits of this recipe do not get beyond their first entry; they go on asking whether to stop, [`MOST_ASKED`]
+    /// times.
     pub(super) endless: Option<String>,
     /// Measuring the table of this recipe does not end.
     pub(super) endless_measure: Option<String>,
@@ -78,7 +80,12 @@ impl Shared {
 }
 
 /// A recipe is `NAME SHARDS`; its table is `TABLE NAME SHARDS` and its shards' names.
-pub(super) struct FakeEngine(pub(super) Arc<Shared>);
+pub(super) struct FakeBackend(pub(super) Arc<Shared>);
+
+struct FakePlan {
+    recipe: String,
+    shared: Arc<Shared>,
+}
 
 struct FakeAssembly(Vec<u8>);
 
@@ -92,7 +99,46 @@ impl Assembly for FakeAssembly {
     }
 }
 
-impl Engine for FakeEngine {
+impl PlannedFit for FakePlan {
+    fn fit_shard(&self, shard: u32, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<u8>> {
+        let Self { recipe, shared } = self;
+        let panics = {
+            let mut behaviour = shared.behaviour.lock().unwrap();
+            behaviour.order.push(recipe.clone());
+            let begun = behaviour.begun.entry((recipe.clone(), shard)).or_default();
+            *begun += 1;
+            *begun <= behaviour.panics
+        };
+        shared.changed.notify_all();
+        assert!(!panics, "the lobe fell over");
+        let mut asked = 0;
+        while shared.behaviour.lock().unwrap().endless.as_deref().is_some_and(|endless| recipe.starts_with(endless)) {
+            if on_progress(1).is_break() {
+                return None;
+            }
+            asked += 1;
+            if asked == MOST_ASKED {
+                shared.behaviour.lock().unwrap().gave_up += 1;
+                break;
+            }
+            thread::yield_now();
+        }
+        for done in 1..=u64::from(ENTRIES) {
+            if on_progress(done).is_break() {
+                return None;
+            }
+            let behaviour = shared.behaviour.lock().unwrap();
+            drop(shared.changed.wait_while(behaviour, |b| b.held).unwrap());
+        }
+        Some(format!(" {shard}").into_bytes())
+    }
+
+    fn assembly(&self) -> Box<dyn Assembly + '_> {
+        Box::new(FakeAssembly(format!("TABLE {}", self.recipe).into_bytes()))
+    }
+}
+
+impl Backend for FakeBackend {
     fn plan(&self, document: &[u8], _entry_limit: u64) -> Result<NewJob, SubmitError> {
         let refuse = || RecipeError::Json("NAME SHARDS".to_owned());
         let recipe = String::from_utf8(document.to_vec()).map_err(|_| refuse())?;
@@ -100,48 +146,12 @@ impl Engine for FakeEngine {
         Ok(NewJob { recipe_digest: Digest::of(document), recipe, shard_entries: vec![ENTRIES; shards] })
     }
 
-    fn expect(&self, _recipe: &str) -> Option<(Solver, Expectation)> {
+    fn expect(&self, _recipe: StoredRecipe<'_>) -> Option<(Solver, Expectation)> {
         Some((Solver::Bfgs, Expectation { seconds: 8.0, error: 0.25 }))
     }
 
-    fn fit_shard(
-        &self,
-        recipe: &str,
-        shard: u32,
-        on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
-    ) -> Result<Option<Vec<u8>>, String> {
-        let panics = {
-            let mut behaviour = self.0.behaviour.lock().unwrap();
-            behaviour.order.push(recipe.to_owned());
-            let begun = behaviour.begun.entry((recipe.to_owned(), shard)).or_default();
-            *begun += 1;
-            *begun <= behaviour.panics
-        };
-        self.0.changed.notify_all();
-        assert!(!panics, "the lobe fell over");
-        let mut asked = 0;
-        while self.0.behaviour.lock().unwrap().endless.as_deref().is_some_and(|endless| recipe.starts_with(endless)) {
-            if on_progress(1).is_break() {
-                return Ok(None);
-            }
-            asked += 1;
-            if asked == MOST_ASKED {
-                self.0.behaviour.lock().unwrap().gave_up += 1;
-                break;
-            }
-        }
-        for done in 1..=u64::from(ENTRIES) {
-            if on_progress(done).is_break() {
-                return Ok(None);
-            }
-            let behaviour = self.0.behaviour.lock().unwrap();
-            drop(self.0.changed.wait_while(behaviour, |b| b.held).unwrap());
-        }
-        Ok(Some(format!(" {shard}").into_bytes()))
-    }
-
-    fn assembly(&self, recipe: &str) -> Result<Box<dyn Assembly>, String> {
-        Ok(Box::new(FakeAssembly(format!("TABLE {recipe}").into_bytes())))
+    fn load(&self, recipe: StoredRecipe<'_>) -> Result<Arc<dyn PlannedFit>, PlanError> {
+        Ok(Arc::new(FakePlan { recipe: recipe.text.to_owned(), shared: Arc::clone(&self.0) }))
     }
 
     fn recognise(&self, file: &[u8]) -> Option<(String, Digest)> {
@@ -153,7 +163,7 @@ impl Engine for FakeEngine {
     }
 
     fn exports(&self, _file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
-        Ok(vec![Export::Engine(Engine3d::Three)])
+        Ok(vec![Export::Engine(Engine::Three)])
     }
 
     /// A file of a hundred bytes at most; of Godot none, and Bevy's ends in a panic.
@@ -162,8 +172,8 @@ impl Engine for FakeEngine {
         self.0.changed.notify_all();
         let behaviour = self.0.behaviour.lock().unwrap();
         drop(self.0.changed.wait_while(behaviour, |b| b.held).unwrap());
-        assert_ne!(export, Export::Engine(Engine3d::Bevy), "the export fell over");
-        if export == Export::Engine(Engine3d::Godot) {
+        assert_ne!(export, Export::Engine(Engine::Bevy), "the export fell over");
+        if export == Export::Engine(Engine::Godot) {
             return Err(ExportFailure::TooLarge { entries: 2, limit: 1 });
         }
         let bytes = format!("{export} of {}, {manifest}", String::from_utf8_lossy(file)).into_bytes();
