@@ -15,7 +15,7 @@ use super::{
     out_of_range::{Clamped, OutOfRangeCount, clamped},
     points::{self, COLUMNS, Point},
 };
-use crate::fit::LookedUp;
+use ltcforge_fit::LookedUp;
 
 /// Prints a matrix for each point as soon as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use crate::fit::{Configuration, PerAxis, Table};
+use ltcforge_fit::{Configuration, PerAxis, Table};
 
 /// How far outside a range a value may lie and still count as inside, absolute below 1 and relative above: the rounding
 /// of a value's decimal or f32 digits.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::fit::Configuration;
+use ltcforge_fit::Configuration;
 
 /// How far above pi/2 a polar angle may lie and still count as pi/2. The nearest f32 lies 4.4e-8 above it.
 const THETA_ROUNDING: f64 = 1e-7;

@@ -9,7 +9,7 @@ use super::{
     answer::{self, CopyError, SizeLimit},
     limits::SizeOrigin,
 };
-use crate::files::digest::{Digest, Hasher};
+use ltcforge_files::digest::{Digest, Hasher};
 
 /// The answer to a request for a table. Its body is not read yet.
 #[derive(Debug)]

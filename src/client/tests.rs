@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{Client, ClientError, DownloadError, Limits, job::tests::document};
-use crate::files::{digest::Digest, job::StateName};
+use ltcforge_files::{digest::Digest, job::StateName};
 
 /// A server that reads the head of each request and hands the connection to the next of `answers`. Returns its URL and
 /// the requests.

@@ -8,7 +8,7 @@ use clap::{
 };
 
 use super::{ExportChoice, TableLimit, Threads};
-use crate::client::Source;
+use ltcforge_client::Source;
 
 /// The sources of pinned tables.
 #[derive(Debug, Args)]

@@ -9,15 +9,13 @@ use super::{
     render_loop::{HUNG_AFTER, run},
     renderer::Renderer,
 };
-use crate::{
-    files::digest::Digest,
-    server::service::{PictureCounts, PictureLimits, ServiceError, tables::Tables},
-    view::preview::Adapter,
-};
+use crate::service::{PictureCounts, PictureLimits, ServiceError, tables::Tables};
+use ltcforge_files::digest::Digest;
+use ltcforge_view::preview::Adapter;
 
 /// The pictures of the stored tables.
 #[derive(Debug)]
-pub(in crate::server::service) struct Pictures {
+pub(in crate::service) struct Pictures {
     tables: Arc<Tables>,
     queue: Arc<PictureQueue>,
     ranking: Ranking,
@@ -42,14 +40,14 @@ pub enum PictureReply {
 
 impl Pictures {
     /// Pictures that `adapter` renders within limits. No adapter is opened yet.
-    pub(in crate::server::service) fn new(tables: Arc<Tables>, adapter: Adapter, limits: PictureLimits) -> Self {
+    pub(in crate::service) fn new(tables: Arc<Tables>, adapter: Adapter, limits: PictureLimits) -> Self {
         let queue = Arc::new(PictureQueue::new(adapter, limits));
         Self { tables, queue, ranking: Ranking::default(), adapter }
     }
 
     /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one.
     /// `is_known` tells whether the caller has the picture of a tag.
-    pub(in crate::server::service) fn get(
+    pub(in crate::service) fn get(
         &self,
         table: Option<Digest>,
         subject: Subject,
@@ -92,12 +90,12 @@ impl Pictures {
     }
 
     /// How many pictures ended in which way.
-    pub(in crate::server::service) fn counts(&self) -> PictureCounts {
+    pub(in crate::service) fn counts(&self) -> PictureCounts {
         self.queue.state().counts
     }
 
     /// Accepts no more requests, drops the waiting ones and ends the render thread.
-    pub(in crate::server::service) fn close(&self) {
+    pub(in crate::service) fn close(&self) {
         self.queue.close();
     }
 }

@@ -10,11 +10,9 @@ use quick_cache::{Weighter, sync::Cache};
 use tokio::sync::watch;
 
 use super::picture::{CPU, PictureError, PictureFile, Subject, no_thread};
-use crate::{
-    files::digest::Digest,
-    server::service::{PictureCounts, PictureLimits},
-    view::preview::Adapter,
-};
+use crate::service::{PictureCounts, PictureLimits};
+use ltcforge_files::digest::Digest;
+use ltcforge_view::preview::Adapter;
 
 /// When to try again if the queue is full: most pictures take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);

@@ -13,7 +13,7 @@ use super::{
     picture::{PictureError, no_thread},
     queue::{Outcome, PictureQueue, PictureRequest},
 };
-use crate::view::preview::Adapter;
+use ltcforge_view::preview::Adapter;
 
 /// How long past its deadline a picture may be rendered before its renderer counts as hung. The renderer itself gives up
 /// a hanging GPU, and falls back to the CPU, after half of this time.

@@ -16,14 +16,12 @@ use super::{
     render_loop::{Render, Task, run},
     *,
 };
-use crate::{
-    files::{container, digest::Digest, recipe_document},
-    fit::{Plan, assemble, fit_shard},
-    server::service::{Config, PictureCounts, PictureLimits, Service, ServiceError},
-    view::{
-        plots::Plot,
-        preview::{Adapter, Mode, Scene},
-    },
+use crate::service::{Config, PictureCounts, PictureLimits, Service, ServiceError};
+use ltcforge_files::{container, digest::Digest, recipe_document};
+use ltcforge_fit::{Plan, assemble, fit_shard};
+use ltcforge_view::{
+    plots::Plot,
+    preview::{Adapter, Mode, Scene},
 };
 
 const SECOND: Duration = Duration::from_secs(1);
