@@ -126,8 +126,7 @@ impl Command {
     #[must_use]
     pub fn log_level(&self) -> &'static str {
         match self {
-            Self::Serve(_) => "info",
-            Self::Work(_) => "info",
+            Self::Serve(_) | Self::Work(_) => "info",
             // It does a dry run of a start, and prints itself what a start would log.
             Self::Fsck(_) => "off",
             _ => "warn",
@@ -138,11 +137,11 @@ impl Command {
     #[must_use]
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
-            Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
-            Self::Work(_) => OnInterrupt::Finishes,
-            Self::Gc(_) | Self::Migrate(_) => OnInterrupt::Ends,
+            Self::Serve(_) | Self::Work(_) | Self::Fsck(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
-            Self::Lookup(_)
+            Self::Gc(_)
+            | Self::Migrate(_)
+            | Self::Lookup(_)
             | Self::Light(_)
             | Self::Report(_)
             | Self::Preview(_)
