@@ -143,7 +143,7 @@ impl PictureError {
 }
 
 /// The error of a thread that did not start.
-pub(super) fn no_thread(error: io::Error) -> PictureError {
+pub(super) fn no_thread(error: &io::Error) -> PictureError {
     ServiceError::Lacking(format!("the render thread did not start: {error}")).into()
 }
 

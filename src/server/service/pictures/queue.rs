@@ -167,7 +167,7 @@ impl PictureQueue {
             return Err(PictureError::QueueFull { limit, retry_after: RETRY_FULL });
         }
         if !state.thread_runs {
-            start_thread().map_err(no_thread)?;
+            start_thread().map_err(|error| no_thread(&error))?;
             state.thread_runs = true;
         }
         let pending = PendingPicture(request.outcome.subscribe());

@@ -61,7 +61,7 @@ pub(super) fn run<R: Render>(
         });
         let lost = match spawned {
             Ok(_) => PictureError::Failed("the renderer panicked".to_owned()),
-            Err(error) => no_thread(error),
+            Err(error) => no_thread(&error),
         };
         let mut ended = receiver.recv_timeout(limit);
         if matches!(ended, Err(RecvTimeoutError::Timeout)) {
