@@ -19,7 +19,7 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Plan, Report, Table, fit_plan};
 
-/// So much of a digest names a table among many thousands: `sha256:` and 12 digits.
+/// The length of a digest's beginning that tells a table from many thousands: `sha256:` and 12 digits.
 const SHORT_DIGEST: usize = "sha256:".len() + 12;
 
 /// Fits a recipe and writes the table and its manifest.
@@ -42,12 +42,12 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let report = pool.install(|| table_report(&table, &recipe));
     let manifest = manifest_of(&file, &table, &recipe, &report).map_err(failed)?;
 
-    // What the table is measured with stays beside it.
+    // The file of a tabulated BRDF is kept beside the table, because measuring the table needs it.
     if let (Some(of), Some(bytes)) = (recipe.model().file(), &brdf_file) {
         let path = args.out.join(kept_name(of.digest()));
         replace_file(&path, bytes).map_err(|error| file_failure(&path, &error))?;
     }
-    // The table is written first, so that there is never a manifest without its table, whenever the process ends.
+    // The table is written first: if the process ends in between, there is no manifest without its table.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));
     let table_path = args.out.join(format!("{}.safetensors", digest.hex()));
     replace_pair((&table_path, &file), (&manifest_path, manifest.as_bytes()))
@@ -79,7 +79,7 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     Ok(Exit::Ok)
 }
 
-/// A table's error in one line: how far its lobes between the nodes are from the BRDF's, as a part of the lobe's width.
+/// A table's error in one line: how far its lobes between the nodes are from the BRDF's, in widths of the lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct Headline {
     mean: f64,
@@ -101,7 +101,7 @@ fn finds_digests_in(folder: &Path) -> bool {
 /// The table of a plan, or `None` when the user stops the fit.
 pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
     fit_plan(plan, &|done| {
-        // Threads overtake each other on the way here; the bar never goes back.
+        // Threads may report out of order. The bar never goes back.
         bar.update(|bar| bar.set_pos(bar.pos().max(done)));
         if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })

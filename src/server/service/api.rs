@@ -46,7 +46,7 @@ pub struct Config {
 /// The limits of pictures. The defaults fit one machine and a team.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PictureLimits {
-    /// How long one may take, as predicted and from when it starts to be rendered.
+    /// How long one may take, from when it starts to be rendered. The limit of its samples follows from it.
     pub time: Duration,
     /// How many may wait or be rendered at the same time.
     pub queue: NonZeroUsize,
@@ -257,7 +257,7 @@ pub struct PictureCounts {
     pub failed: u64,
     /// The callers withdrew, or the time ran out.
     pub given_up: u64,
-    /// The queue was full, or the picture would have taken too long.
+    /// The queue was full, or the picture had too many samples.
     pub refused: u64,
 }
 

@@ -1,24 +1,24 @@
-//! Which points lie outside a table's range, and what was looked up instead.
+//! Points outside a table's range, and the values that are looked up instead.
 
 use std::{collections::BTreeMap, fmt};
 
 use ltcforge_fit::{Configuration, PerAxis, Table};
 
-/// How far outside its range a point may lie and still be inside, absolute below 1 and as a part of greater values: what a
-/// point's decimal or f32 digits round off.
+/// How far outside a range a value may lie and still count as inside, absolute below 1 and relative above: the rounding
+/// of a value's decimal or f32 digits.
 const ROUNDING: f64 = 1e-6;
 
 /// A value that was replaced because it lies outside the range of its axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Clamped {
     pub(super) axis: &'static str,
-    /// The end of the range that is used.
+    /// The end of the range, which is used instead.
     pub(super) to: f64,
     /// Whether the value lay below the range.
     is_below: bool,
 }
 
-/// What of a configuration lies outside the range of a table.
+/// The values of a configuration that lie outside the range of a table.
 pub(super) fn clamped(configuration: &Configuration, table: &Table, range: &PerAxis<[f64; 2]>) -> Vec<Clamped> {
     let folded = configuration.folded();
     // A table of isotropic surfaces with one phi serves every phi.
@@ -39,15 +39,15 @@ pub(super) fn clamped(configuration: &Configuration, table: &Table, range: &PerA
     outside.collect()
 }
 
-/// How many points lay outside, by axis and side.
+/// The number of points out of range, by axis and side.
 #[derive(Debug, Default)]
-pub(super) struct Outside {
+pub(super) struct OutOfRangeCount {
     points: u64,
     clamped: u64,
     ends: BTreeMap<(&'static str, bool), (u64, f64)>,
 }
 
-impl Outside {
+impl OutOfRangeCount {
     /// Counts a point.
     pub(super) fn count(&mut self, clamped: &[Clamped]) {
         self.points += 1;
@@ -57,13 +57,13 @@ impl Outside {
         }
     }
 
-    /// Whether no point lay outside.
+    /// Whether no point was out of range.
     pub(super) fn is_empty(&self) -> bool {
         self.clamped == 0
     }
 }
 
-impl fmt::Display for Outside {
+impl fmt::Display for OutOfRangeCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, clamped, ends } = self;
         write!(f, "{clamped} of {points} points lie outside the table's range and were moved to its nearest end:")?;

@@ -1,4 +1,4 @@
-//! Lamps: CSV lines of a surface, a view direction and a light.
+//! Light cases: CSV lines of a surface, a view direction and a light.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -9,11 +9,11 @@ use ltcforge_light::{AreaLight, LightError, LightShape, PolygonLight, ShapedLigh
 
 /// The names of the columns before the light.
 const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
-const LEAST_VERTICES: usize = 3;
+const MIN_VERTICES: usize = 3;
 
-/// What a line describes.
+/// A surface, a view direction and a light, which a line describes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Lamp {
+pub(super) struct LightCase {
     pub(super) at: Configuration,
     light: AnyLight,
 }
@@ -25,7 +25,7 @@ enum AnyLight {
     Shaped(ShapedLight),
 }
 
-impl Lamp {
+impl LightCase {
     pub(super) fn light(&self) -> AreaLight<'_> {
         match &self.light {
             AnyLight::Polygon(light) => light.into(),
@@ -34,7 +34,8 @@ impl Lamp {
     }
 }
 
-/// The names of a light's columns, after those of the surface and the view; of a polygon those before the vertices.
+/// The names of a light's columns, after those of the surface and the view. A polygon has further ones for its
+/// vertices.
 fn columns_of(shape: LightShape) -> &'static [&'static str] {
     match shape {
         LightShape::Polygon => &["sides"],
@@ -45,7 +46,7 @@ fn columns_of(shape: LightShape) -> &'static [&'static str] {
     }
 }
 
-/// The name of a column: of a polygon `x0`, `y0`, `z0`, `x1` ... after the first five. `None` beyond the last.
+/// The name of a column. After the first five, a polygon has `x0`, `y0`, `z0`, `x1` ... `None` beyond the last column.
 fn column(shape: LightShape, index: usize) -> Option<String> {
     let own = columns_of(shape);
     if let Some(name) = COLUMNS.iter().chain(own).nth(index) {
@@ -55,16 +56,16 @@ fn column(shape: LightShape, index: usize) -> Option<String> {
     (shape == LightShape::Polygon).then(|| format!("{}{}", ["x", "y", "z"][number % 3], number / 3))
 }
 
-/// The columns that a line of a shape has, as told where it has others.
+/// The columns that a line of a shape should have, for the message to a line that has others.
 fn expected(shape: LightShape) -> String {
     let names = [&COLUMNS, columns_of(shape)].concat().join(",");
     match shape {
-        LightShape::Polygon => format!("{names} and then x,y,z of {LEAST_VERTICES} to {MAX_VERTICES} vertices"),
+        LightShape::Polygon => format!("{names} and then x,y,z of {MIN_VERTICES} to {MAX_VERTICES} vertices"),
         _ => names,
     }
 }
 
-/// The fields of a line, and what is wrong with them.
+/// The fields of a line, and their faults.
 struct Fields<'a> {
     shape: LightShape,
     texts: Vec<&'a str>,
@@ -77,7 +78,7 @@ impl Fields<'_> {
         self.faults.push(format!("{name} is «{}»; {allowed}", self.texts[index]));
     }
 
-    /// The number of a field. One that is wrong is noted, and NaN.
+    /// The number of a field. If it is wrong, a fault is added, and the number is NaN.
     fn number(&mut self, index: usize, is_allowed: impl Fn(f64) -> bool, allowed: &str) -> f64 {
         match self.texts[index].parse::<f64>() {
             Ok(value) if value.is_finite() && is_allowed(value) => value,
@@ -123,7 +124,7 @@ impl Fields<'_> {
         self.number(index, |x| x > 0.0, allowed)
     }
 
-    /// The light; its own faults are told where its fields have none.
+    /// The light, or its fault; `None` if a field has one.
     fn light(&mut self) -> Option<Result<AnyLight, LightError>> {
         let first = COLUMNS.len();
         match self.shape {
@@ -160,11 +161,11 @@ impl Fields<'_> {
     }
 }
 
-/// Reads a line of a shape; `None` for an empty one.
+/// Reads a line for a shape; `None` for an empty line.
 ///
 /// # Errors
-/// Every field that is wrong, and what is allowed; of a light whose fields are right, what is wrong with it.
-pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<Lamp>, String> {
+/// Every field that is wrong and the values that it may have, or the fault of a light whose fields are right.
+pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<LightCase>, String> {
     if line.trim().is_empty() {
         return Ok(None);
     }
@@ -172,7 +173,7 @@ pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<Lamp>, Strin
     let more = fields.len().checked_sub(COLUMNS.len() + columns_of(shape).len());
     let is_whole = match shape {
         LightShape::Polygon => {
-            more.is_some_and(|more| more.is_multiple_of(3) && (LEAST_VERTICES..=MAX_VERTICES).contains(&(more / 3)))
+            more.is_some_and(|more| more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3)))
         }
         _ => more == Some(0),
     };
@@ -182,7 +183,7 @@ pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<Lamp>, Strin
     let mut fields = Fields { shape, texts: fields, faults: Vec::new() };
     let at = fields.surface_and_view();
     match fields.light() {
-        Some(light) => Ok(Some(Lamp { at, light: light.map_err(|error| error.to_string())? })),
+        Some(light) => Ok(Some(LightCase { at, light: light.map_err(|error| error.to_string())? })),
         None => Err(fields.faults.join("; ")),
     }
 }
@@ -194,13 +195,12 @@ fn kind(shape: LightShape) -> &'static str {
     }
 }
 
-/// Whether a line is a header of a shape's columns, for polygons of any number of vertices.
+/// Whether a line is a header of a shape's columns. Those of polygons have any number of vertices.
 pub(super) fn is_header(shape: LightShape, line: &str) -> bool {
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    let least = COLUMNS.len() + columns_of(shape).len();
-    let least = if shape == LightShape::Polygon { least + 1 } else { least };
-    fields.len() >= least
-        && fields.iter().enumerate().all(|(index, name)| column(shape, index).as_deref() == Some(*name))
+    let min = COLUMNS.len() + columns_of(shape).len();
+    let min = if shape == LightShape::Polygon { min + 1 } else { min };
+    fields.len() >= min && fields.iter().enumerate().all(|(index, name)| column(shape, index).as_deref() == Some(*name))
 }
 
 #[cfg(test)]
@@ -209,22 +209,23 @@ mod tests {
 
     const SQUARE: &str = "0.5,0.25,0.7,-7e1,1,-1,-1,2,1,-1,2,1,1,2,-1,1,2";
 
-    fn polygon(lamp: &Lamp) -> &PolygonLight {
-        let AnyLight::Polygon(light) = &lamp.light else { panic!("{lamp:?}") };
+    fn polygon(case: &LightCase) -> &PolygonLight {
+        let AnyLight::Polygon(light) = &case.light else { panic!("{case:?}") };
         light
     }
 
     #[test]
     fn a_line_is_a_surface_a_view_and_a_light() {
-        let lamp = parse(Polygon, &format!(" {} \r", SQUARE.replace(',', " , "))).expect("a lamp").expect("not empty");
-        assert_eq!(lamp.at, Configuration { alpha_x: 0.5, alpha_y: 0.25, theta: 0.7, phi: -70.0 });
-        assert_eq!((polygon(&lamp).vertices().len(), polygon(&lamp).sides()), (4, Sides::One));
+        let case =
+            parse(Polygon, &format!(" {} \r", SQUARE.replace(',', " , "))).expect("a light case").expect("not empty");
+        assert_eq!(case.at, Configuration { alpha_x: 0.5, alpha_y: 0.25, theta: 0.7, phi: -70.0 });
+        assert_eq!((polygon(&case).vertices().len(), polygon(&case).sides()), (4, Sides::One));
         assert_eq!(parse(Polygon, "  \r"), Ok(None));
         let eight: String = [(4, 1), (3, 3), (1, 4), (-1, 4), (-3, 3), (-4, 1), (-4, -1), (0, -4)]
             .map(|(x, y)| format!(",{x},{y},2"))
             .concat();
-        let lamp = parse(Polygon, &format!("1,1,0,0,2{eight}")).expect("a lamp").expect("not empty");
-        assert_eq!((polygon(&lamp).vertices().len(), polygon(&lamp).sides()), (8, Sides::Two));
+        let case = parse(Polygon, &format!("1,1,0,0,2{eight}")).expect("a light case").expect("not empty");
+        assert_eq!((polygon(&case).vertices().len(), polygon(&case).sides()), (8, Sides::Two));
         assert!(parse(Polygon, &format!("1,1,0,0,2{eight},2,-3,2")).expect_err("nine vertices").contains("32 fields"));
     }
 
@@ -267,7 +268,7 @@ mod tests {
         assert!(!is_header(Polygon, SQUARE));
     }
 
-    /// A line of each shape but polygons, with the light that it describes.
+    /// A line of each shape except polygons, with the light that it describes.
     fn shaped() -> [(LightShape, &'static str, ShapedLight); 4] {
         let (a, b) = (DVec3::new(-1.0, 0.5, 2.0), DVec3::new(1.0, 0.0, 1.5));
         let (x, y) = (DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.0, 0.2, 0.1));
@@ -283,9 +284,10 @@ mod tests {
     #[test]
     fn every_shape_has_its_columns_and_a_header_of_its_own() {
         for (shape, light, wanted) in shaped() {
-            let lamp = parse(shape, &format!("0.5,0.25,0.7,-7e1, {light}\r")).expect("a lamp").expect("not empty");
-            assert_eq!(lamp.light, AnyLight::Shaped(wanted), "{shape}");
-            assert_eq!((lamp.at.phi, wanted.shape()), (-70.0, shape));
+            let case =
+                parse(shape, &format!("0.5,0.25,0.7,-7e1, {light}\r")).expect("a light case").expect("not empty");
+            assert_eq!(case.light, AnyLight::Shaped(wanted), "{shape}");
+            assert_eq!((case.at.phi, wanted.shape()), (-70.0, shape));
             assert_eq!(parse(shape, " "), Ok(None));
             let header = expected(shape);
             assert!(is_header(shape, &format!("{header}\r")) && !is_header(shape, &format!("{header},x0")), "{header}");
