@@ -18,7 +18,12 @@ use super::{
 };
 use crate::{
     client::{self, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError},
-    files::{bounded::read_file, container::TableFile, digest::Digest, replace::PairError, staged::Staged},
+    files::{
+        bounded::read_file,
+        container::TableFile,
+        digest::Digest,
+        replace::{PairError, Staged},
+    },
 };
 
 /// What was done with a file.

@@ -9,8 +9,6 @@ pub mod job;
 pub mod manifest;
 pub mod recipe_document;
 pub mod replace;
-#[cfg(feature = "client")]
-pub mod staged;
 pub mod tabulated;
 mod tensor;
 #[cfg(feature = "textures")]
