@@ -7,7 +7,6 @@ mod args;
 #[cfg(feature = "cluster")]
 mod cluster;
 mod config_file;
-mod connections;
 mod context;
 mod csv;
 mod diff;
@@ -36,7 +35,7 @@ mod report;
 mod report_models;
 mod run;
 mod serve;
-mod service_settings;
+mod settings;
 mod shader;
 mod sources;
 mod table_file;

@@ -1,7 +1,7 @@
 //! Files that are written whole or not at all.
 //!
-//! A file is written under a temporary name in its folder, brought to the disk with fsync and renamed. After a crash, on a
-//! full disk, and for concurrent readers, its path has the old file or the new one, never a part.
+//! A file is written under a temporary name in its folder, brought to the disk with fsync and renamed. After a crash,
+//! on a full disk, and for concurrent readers, its path has the old file or the new one, never a part.
 
 use std::{
     fs::{self, File},
@@ -34,8 +34,8 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     staged.place().map_err(|error| error.source)
 }
 
-/// Like [`replace_file`], in a folder that is there and without fsync: after a power cut the file may be empty or cut off. It
-/// is for caches, whose readers check what they read.
+/// Like [`replace_file`], in a folder that is there and without fsync: after a power cut the file may be empty or cut
+/// off. It is for caches, whose readers check what they read.
 ///
 /// # Errors
 /// When the file cannot be written; no temporary file is left then.
@@ -67,8 +67,8 @@ pub fn replace_pair(first: (&Path, &[u8]), second: (&Path, &[u8])) -> Result<(),
     })
 }
 
-/// Files that were written beside their places and are not in them yet. Those that are not placed are removed again, with
-/// the folders that were made for them.
+/// Files that were written beside their places and are not in them yet. Those that are not placed are removed again,
+/// with the folders that were made for them.
 #[derive(Debug, Default)]
 pub struct Staged {
     /// Temporary files, which are deleted when they are dropped, and their places.
@@ -78,8 +78,8 @@ pub struct Staged {
 }
 
 impl Staged {
-    /// Has `write` fill a temporary file for `place`, in that folder, which is made if it is missing. A file that was staged
-    /// for this place before is dropped. A file that will be replaced passes on its permissions.
+    /// Has `write` fill a temporary file for `place`, in that folder, which is made if it is missing. A file that was
+    /// staged for this place before is dropped. A file that will be replaced passes on its permissions.
     ///
     /// # Errors
     /// That of `write`, or the system's; then nothing is staged for this place.
@@ -118,8 +118,8 @@ impl Staged {
         self.files.is_empty()
     }
 
-    /// Puts every file in its place. Each place has the old file or the new one at any time, never a part; a crash in between
-    /// leaves new files in some places and old ones in others. The file that was staged last is placed first.
+    /// Puts every file in its place. Each place has the old file or the new one at any time, never a part; a crash in
+    /// between leaves new files in some places and old ones in others. The file that was staged last is placed first.
     ///
     /// # Errors
     /// The first file that cannot be placed; those placed before it stay, the others are dropped.
@@ -152,8 +152,8 @@ impl Drop for Staged {
     }
 }
 
-/// Whether a new file can be made in `folder`, or, while it is missing, in the folder that it would be made in. Finds out
-/// by making one and removing it again.
+/// Whether a new file can be made in `folder`, or, while it is missing, in the folder that it would be made in. Finds
+/// out by making one and removing it again.
 ///
 /// # Errors
 /// Why no file can be made there.
@@ -192,7 +192,8 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A new file in `folder`. It gets the permissions of any new file, where those of `tempfile` let only its owner read it.
+/// A new file in `folder`. It gets the permissions of any new file, where those of `tempfile` let only its owner read
+/// it.
 fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX).suffix(".part");
