@@ -11,10 +11,8 @@ use super::{
     serve::failed,
     settings::ServeSettings,
 };
-use crate::{
-    server::service::{self, Config, DatabaseUrl, Service, Shared},
-    view::preview::Adapter,
-};
+use ltcforge_server::service::{self, Config, DatabaseUrl, Service, Shared};
+use ltcforge_view::preview::Adapter;
 
 /// Megabytes of tables that are kept on disk by default.
 const DEFAULT_CACHE_MB: u64 = 4096;

@@ -28,7 +28,8 @@ use std::{io, path::Path};
 use serde::Deserialize;
 
 use super::{CommandFailure, Exit, settings::ServeSettings};
-use crate::{client::Source, files::bounded::read_file};
+use ltcforge_client::Source;
+use ltcforge_files::bounded::read_file;
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -77,7 +78,8 @@ mod tests {
     use std::net::SocketAddr;
 
     use super::*;
-    use crate::{cli::preview_names::AdapterName, view::preview::Adapter};
+    use crate::preview_names::AdapterName;
+    use ltcforge_view::preview::Adapter;
 
     #[test]
     fn settings_are_read_and_unknown_ones_refused() {

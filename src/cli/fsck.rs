@@ -5,10 +5,8 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::FsckArgs, print, settings::ServeSettings};
-use crate::{
-    files::job::listed,
-    server::service::{CheckReport, check},
-};
+use ltcforge_files::job::listed;
+use ltcforge_server::service::{CheckReport, check};
 
 /// Checks the folder, changes nothing in it, and tells what is wrong and what the next start does about it.
 pub(super) fn run(

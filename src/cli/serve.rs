@@ -9,12 +9,11 @@ use super::{
     CommandFailure, Context, Exit, print,
     settings::{ServeSettings, raise_descriptor_limit},
 };
-use crate::server::{http, service::Service};
+use ltcforge_server::{http, service::Service};
 
 /// Runs the service until it is interrupted.
 pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (listen, config, options) = (settings.listen, settings.config(), settings.http(raise_descriptor_limit()));
-    #[cfg(feature = "cluster")]
     let open = {
         let replica = &settings.replica;
         let (shared, works, seconds) = (super::cluster::replica(replica), !replica.no_workers, replica.lease_seconds);

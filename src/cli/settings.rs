@@ -20,14 +20,12 @@ use super::{
     args::{ThreadCount, WaitSeconds, cores},
     preview_names::AdapterName,
 };
-use crate::{
-    files::recipe_document::DEFAULT_ENTRY_LIMIT,
-    server::{
-        http::{self, AllowedHost, AllowedOrigin, ConnectionLimits, OriginPolicy},
-        service::{Config, PictureLimits},
-    },
-    view::preview::Adapter,
+use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
+use ltcforge_server::{
+    http::{self, AllowedHost, AllowedOrigin, ConnectionLimits, OriginPolicy},
+    service::{Config, PictureLimits},
 };
+use ltcforge_view::preview::Adapter;
 
 /// How long a lease lasts. A worker renews it several times a second.
 const LEASE_TTL: Duration = Duration::from_secs(60);
@@ -94,7 +92,6 @@ pub(super) struct ServeSettings {
     #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
     pub client_seconds: WaitSeconds,
     /// The database and the store that it shares, which the file does not have
-    #[cfg(feature = "cluster")]
     #[command(flatten)]
     #[serde(skip)]
     pub replica: super::args::ReplicaArgs,
@@ -121,7 +118,6 @@ impl Default for ServeSettings {
             connections: None,
             connections_per_address: None,
             client_seconds: WaitSeconds::clamped(connections.client.as_secs()),
-            #[cfg(feature = "cluster")]
             replica: super::args::ReplicaArgs::default(),
         }
     }
@@ -209,7 +205,6 @@ impl ServeSettings {
         http::Options {
             limits: ConnectionLimits { per_address: per_address.min(connections), ..limits },
             origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
-            #[cfg(feature = "cluster")]
             redirects: self.replica.redirect,
             #[cfg(not(feature = "cluster"))]
             redirects: false,
@@ -236,7 +231,7 @@ mod tests {
     use clap::Parser as _;
 
     use super::*;
-    use crate::cli::{Cli, Command as CliCommand};
+    use crate::{Cli, Command as CliCommand};
 
     /// The settings of a file and of flags.
     fn settings(file: &str, flags: &[&str]) -> ServeSettings {

@@ -10,7 +10,7 @@ use super::{
     pin::{ExportPin, FilePin, Pin},
     source::{Access, Exported, Source, SourcesError, Wanted, from_first},
 };
-use crate::files::{
+use ltcforge_files::{
     digest::Digest,
     replace::{Staged, folder_of},
 };
@@ -180,7 +180,8 @@ mod tests {
     use std::{fs, os::unix::fs::symlink};
 
     use super::*;
-    use crate::{client::Limits, files::replace::replace_file};
+    use crate::Limits;
+    use ltcforge_files::replace::replace_file;
 
     const OFFLINE: Access<'static> = Access { limits: Limits::USUAL, offline: true, should_stop: &|| false };
 

@@ -5,7 +5,7 @@ use std::{num::NonZeroU64, path::PathBuf};
 use clap::Args;
 
 use super::threads::ThreadCount;
-use crate::server::service::DatabaseUrl;
+use ltcforge_server::service::DatabaseUrl;
 
 /// `gc`, and what `work` has of it: the database, the store of tables and the folder of its cache.
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub struct SharedArgs {
 
 /// Flags that make `serve` one of several processes.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Args)]
-pub(in crate::cli) struct ReplicaArgs {
+pub(crate) struct ReplicaArgs {
     /// PostgreSQL database of the queue and the catalogue, which any number of processes share
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
     pub database: Option<DatabaseUrl>,

@@ -17,7 +17,7 @@ pub struct Threads {
 
 impl Threads {
     /// The number of threads.
-    pub(in crate::cli) fn count(self) -> NonZeroUsize {
+    pub(crate) fn count(self) -> NonZeroUsize {
         self.threads.map_or_else(cores, ThreadCount::count)
     }
 
@@ -25,7 +25,7 @@ impl Threads {
     ///
     /// # Errors
     /// When the system has no more threads.
-    pub(in crate::cli) fn pool(self) -> Result<rayon::ThreadPool, CommandFailure> {
+    pub(crate) fn pool(self) -> Result<rayon::ThreadPool, CommandFailure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.count().get()).build();
         pool.map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
     }
@@ -37,14 +37,14 @@ impl Threads {
 pub struct UpTo<const MOST: u64>(u64);
 
 /// Threads of a command: more only slow each other down, and thousands can make a machine unusable.
-pub(in crate::cli) type ThreadCount = UpTo<512>;
+pub(crate) type ThreadCount = UpTo<512>;
 
 /// Seconds that the service waits for a client or a picture, at most a day.
-pub(in crate::cli) type WaitSeconds = UpTo<86_400>;
+pub(crate) type WaitSeconds = UpTo<86_400>;
 
 impl<const MOST: u64> UpTo<MOST> {
     /// `number`, or the nearest that is allowed.
-    pub(in crate::cli) fn clamped(number: u64) -> Self {
+    pub(crate) fn clamped(number: u64) -> Self {
         Self(number.clamp(1, MOST))
     }
 }
@@ -68,19 +68,19 @@ impl<const MOST: u64> FromStr for UpTo<MOST> {
 
 impl ThreadCount {
     /// As a count.
-    pub(in crate::cli) fn count(self) -> NonZeroUsize {
+    pub(crate) fn count(self) -> NonZeroUsize {
         NonZeroUsize::new(self.0 as usize).unwrap_or(NonZeroUsize::MIN)
     }
 }
 
 impl WaitSeconds {
     /// As a time.
-    pub(in crate::cli) fn duration(self) -> Duration {
+    pub(crate) fn duration(self) -> Duration {
         Duration::from_secs(self.0)
     }
 }
 
 /// Cores that the process may use.
-pub(in crate::cli) fn cores() -> NonZeroUsize {
+pub(crate) fn cores() -> NonZeroUsize {
     thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
 }

@@ -7,7 +7,7 @@ use super::{
     light::light_error,
     lobe::Lobe,
 };
-use crate::fit::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table, lobe::LobeDistribution, math::direction};
+use crate::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table, lobe::LobeDistribution, math::direction};
 
 /// Asked whether a measurement is to go on. Several threads ask.
 pub type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;

@@ -11,7 +11,7 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
 use super::{conditional::EntityTag, kind::ProblemKind, problem::Problem};
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// The bytes never change under their address, because the address has their digest or that of all they follow from.
 pub(super) const FOREVER: &str = "public, max-age=31536000, immutable";

@@ -85,7 +85,7 @@ impl IntoResponse for Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::recipe_document::Fault;
+    use ltcforge_files::recipe_document::Fault;
 
     #[test]
     fn a_problem_carries_its_faults_and_when_to_retry() {

@@ -19,7 +19,7 @@ use super::{
     origin_policy::{self, OriginPolicy},
     routes,
 };
-use crate::server::service::Service;
+use crate::service::Service;
 
 /// Settings of the HTTP interface.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

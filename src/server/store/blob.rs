@@ -9,7 +9,7 @@ use std::{
 use jiff::Timestamp;
 
 use super::{StoreError, files};
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// One blob in a list.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,8 +6,8 @@ use std::{
 };
 
 use super::StoreError;
-pub(super) use crate::files::replace::sync_folder;
-use crate::files::replace::{TEMPORARY_PREFIX, replace_file};
+pub(super) use ltcforge_files::replace::sync_folder;
+use ltcforge_files::replace::{TEMPORARY_PREFIX, replace_file};
 
 /// Writes `bytes` to `path` so that a power cut leaves all of them or none.
 ///

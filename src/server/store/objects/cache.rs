@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::super::files::is_temporary;
-use crate::files::{digest::Digest, replace::replace_cached_file};
+use ltcforge_files::{digest::Digest, replace::replace_cached_file};
 
 /// Blobs as files of a folder, the ones used last. Several processes may share the folder; each keeps its own account.
 #[derive(Debug)]
