@@ -13,7 +13,7 @@ use std::{
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ltcforge::glam::DVec3;
 use ltcforge::{
-    Recipe,
+    Recipe, RecipeDocument as _,
     files::recipe_document::Preset,
     fit::{FitSettings, Fitter, Pulse, Solver, brdf::Ggx, math::sin_cos},
 };

@@ -13,7 +13,7 @@ use std::{
 
 use ltcforge::glam::DMat3;
 use ltcforge::{
-    Preset, Recipe, RecipeBuilder,
+    Preset, Recipe, RecipeBuilder, RecipeDocument as _,
     fit::{
         FitSettings, Fitter, Pulse, Solver,
         brdf::Ggx,

@@ -11,7 +11,7 @@
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use ltcforge::{Configuration, Layout, Preset, Recipe};
+//! use ltcforge::{Configuration, Layout, Preset, Recipe, RecipeDocument as _};
 //!
 //! // A recipe decides every byte of a table. One with faults is an error that lists them all.
 //! let recipe = Recipe::builder()
@@ -87,17 +87,24 @@
 //! containers. [`view`] shows tables, and holds the shaders. `server`, `client` and `cli` are built on them. Vectors
 //! and matrices in signatures are those of [`glam`].
 
-#[cfg(feature = "cli")]
-pub mod cli;
-#[cfg(feature = "client")]
-pub mod client;
-pub mod files;
-pub mod fit;
 mod library;
-pub mod light;
+
+#[cfg(feature = "cli")]
+pub use ltcforge_cli as cli;
+#[cfg(feature = "client")]
+pub use ltcforge_client as client;
+pub use ltcforge_files as files;
+pub use ltcforge_fit as fit;
+pub use ltcforge_light as light;
 #[cfg(feature = "server")]
-pub mod server;
-pub mod view;
+pub use ltcforge_server as server;
+pub use ltcforge_shaders as shaders;
+#[cfg(feature = "textures")]
+pub use ltcforge_textures as textures;
+#[cfg(feature = "shaders")]
+pub use ltcforge_translate as translate;
+#[cfg(feature = "render")]
+pub use ltcforge_view as view;
 
 pub use files::{
     container::{TableFile, TableFileError},
@@ -111,8 +118,6 @@ pub use fit::{
 pub use glam;
 #[cfg(feature = "shaders")]
 pub use library::shader;
-pub use library::{Error, Fit, RecipeBuilder, cached, fit, light, light_by_table, write_table};
+pub use library::{Error, Fit, RecipeBuilder, RecipeDocument, cached, fit, light, light_by_table, write_table};
 pub use light::{LightError, LightModel, PolygonLight, Reflected};
-#[cfg(feature = "shaders")]
-pub use view::shaders::Language;
-pub use view::shaders::{LitBy, wgsl};
+pub use shaders::{Language, LitBy, wgsl};

@@ -10,7 +10,7 @@ use std::{
 };
 
 use clap::Parser as _;
-use ltcforge::cli::{self, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt};
+use ltcforge_cli::{self as cli, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt};
 use tokio::{
     signal::unix::{Signal, SignalKind, signal},
     sync::watch,

@@ -22,8 +22,6 @@ pub(super) fn run(settings: &ServeSettings, json: bool, context: &mut Context<'_
             None => Service::open(config),
         }
     };
-    #[cfg(not(feature = "cluster"))]
-    let open = Service::open;
     let runtime = context.runtime.clone();
     runtime.block_on(async {
         let listener = TcpListener::bind(listen).await.map_err(|error| cannot_listen(listen, &error))?;

@@ -206,8 +206,6 @@ impl ServeSettings {
             limits: ConnectionLimits { per_address: per_address.min(connections), ..limits },
             origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
             redirects: self.replica.redirect,
-            #[cfg(not(feature = "cluster"))]
-            redirects: false,
         }
     }
 }

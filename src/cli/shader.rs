@@ -13,7 +13,8 @@ use super::{
 };
 use ltcforge_fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report};
 use ltcforge_light::{Gaussian, LightModel};
-use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Place, Reading};
+use ltcforge_shaders::Place;
+use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Reading};
 use ltcforge_textures::About;
 use ltcforge_translate::{include, include_function, port};
 

@@ -14,7 +14,8 @@ use super::{
 };
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, WeightRule};
-use ltcforge_shaders::{Lights, Prefix};
+use ltcforge_shaders::Lights;
+use ltcforge_shaders::Prefix;
 use ltcforge_view::{
     figures::Figure,
     plots::{Azimuth, IsotropicFigure, Ratio},

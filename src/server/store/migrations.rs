@@ -10,10 +10,10 @@ use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
 pub(super) const ALL: &[&str] = &[
-    include_str!("../../../migrations/0001_initial.json"),
-    include_str!("../../../migrations/0002_manifests.json"),
-    include_str!("../../../migrations/0003_journal.json"),
-    include_str!("../../../migrations/0004_revisions.json"),
+    include_str!("../migrations/0001_initial.json"),
+    include_str!("../migrations/0002_manifests.json"),
+    include_str!("../migrations/0003_journal.json"),
+    include_str!("../migrations/0004_revisions.json"),
 ];
 
 /// The migration from which on jobs have a journal beside the database.
