@@ -125,9 +125,8 @@ impl Command {
     #[must_use]
     pub fn log_level(&self) -> &'static str {
         match self {
-            Self::Serve(_) => "info",
-            Self::Work(_) => "info",
-            // It rehearses a start, and tells itself what a start would log.
+            Self::Serve(_) | Self::Work(_) => "info",
+            // It prints itself what a start would log.
             Self::Fsck(_) => "off",
             _ => "warn",
         }
@@ -137,8 +136,7 @@ impl Command {
     #[must_use]
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
-            Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
-            Self::Work(_) => OnInterrupt::Finishes,
+            Self::Serve(_) | Self::Work(_) | Self::Fsck(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
             _ => OnInterrupt::Ends,
         }

@@ -65,7 +65,7 @@ impl From<StoreBrdfError> for Problem {
             StoreBrdfError::Faults(TabulatedError(faults)) => {
                 let detail = format!("{} in the file", count(faults.len()));
                 let faults = faults.into_iter().map(|detail| Fault { pointer: String::new(), detail });
-                Self::new(ProblemKind::BadBrdf, detail).with_errors(faults.collect())
+                Self::new(ProblemKind::BadBrdf, detail).with_errors(faults)
             }
             StoreBrdfError::Store(error) => error.into(),
         }

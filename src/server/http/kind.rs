@@ -9,12 +9,10 @@ pub(super) struct KindRow {
     /// A reference relative to the service, stable for the life of the interface.
     r#type: &'static str,
     title: &'static str,
-    #[serde(serialize_with = "number")]
+    #[serde(rename = "status")]
+    number: u16,
+    #[serde(skip)]
     pub(super) status: StatusCode,
-}
-
-fn number<S: Serializer>(status: &StatusCode, to: S) -> Result<S::Ok, S::Error> {
-    to.serialize_u16(status.as_u16())
 }
 
 impl Serialize for ProblemKind {
@@ -39,6 +37,7 @@ macro_rules! problem_kinds {
                     $(Self::$name => KindRow {
                         r#type: concat!("/problems/", $slug),
                         title: $title,
+                        number: StatusCode::$status.as_u16(),
                         status: StatusCode::$status,
                     },)*
                 }

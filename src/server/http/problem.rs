@@ -39,12 +39,16 @@ impl Problem {
     }
 
     /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
-    pub(super) fn with_errors<F: Serialize>(self, errors: Vec<F>) -> Self {
+    pub(super) fn with_errors<I>(self, errors: I) -> Self
+    where
+        I: IntoIterator<Item: Serialize, IntoIter: ExactSizeIterator>,
+    {
+        let errors = errors.into_iter();
         let detail = match errors.len().checked_sub(MOST_FAULTS) {
             Some(more @ 1..) => format!("{}; the first {MOST_FAULTS} are listed, {more} more are not", self.detail),
             _ => self.detail,
         };
-        let listed = errors.iter().take(MOST_FAULTS).filter_map(|fault| serde_json::to_value(fault).ok());
+        let listed = errors.take(MOST_FAULTS).filter_map(|fault| serde_json::to_value(fault).ok());
         Self { detail, errors: listed.collect(), ..self }
     }
 
@@ -90,7 +94,7 @@ mod tests {
     #[test]
     fn a_problem_carries_its_faults_and_when_to_retry() {
         let fault = Fault { pointer: "/fit/samples".into(), detail: "0 is below 1".into() };
-        let problem = Problem::new(ProblemKind::BadRecipe, "1 fault").with_errors(vec![fault]);
+        let problem = Problem::new(ProblemKind::BadRecipe, "1 fault").with_errors([fault]);
         let view = serde_json::to_value(problem).expect("a problem serialises");
         let expected = serde_json::json!({
             "type": "/problems/bad-recipe", "title": "The recipe has faults", "status": 422, "detail": "1 fault",

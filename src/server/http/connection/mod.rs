@@ -198,7 +198,7 @@ async fn close(tcp: TcpStream, ended: hyper::Result<()>, has_begun_head: bool, l
 /// Answers a connection that is not served, or no longer.
 async fn tell(mut tcp: TcpStream, problem: Problem) {
     let told = timeout(LINGER, async {
-        tcp.write_all(&raw::answer(problem)).await?;
+        tcp.write_all(&raw::answer(&problem)).await?;
         tcp.shutdown().await
     });
     if let Ok(Ok(())) = told.await {

@@ -8,11 +8,11 @@ use super::super::{kind::ProblemKind, problem::Problem};
 const LONGEST_BARE: usize = 256;
 
 /// A whole answer with the problem's document, after which the connection is closed.
-pub(super) fn answer(problem: Problem) -> Vec<u8> {
+pub(super) fn answer(problem: &Problem) -> Vec<u8> {
     let retry_after = problem.retry_after_seconds();
     let status = problem.status();
     // A document of texts and numbers is always JSON.
-    let body = serde_json::to_vec(&problem).unwrap_or_default();
+    let body = serde_json::to_vec(problem).unwrap_or_default();
     let mut head = format!(
         "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncontent-length: {}\r\nconnection: close\r\n",
         body.len()
@@ -42,7 +42,7 @@ pub(super) fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
         "431" => (ProblemKind::HeadTooLarge, "the head of a request takes at most 131072 bytes and 100 fields"),
         _ => return None,
     };
-    Some(answer(Problem::new(kind, detail)))
+    Some(answer(&Problem::new(kind, detail)))
 }
 
 #[cfg(test)]
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn an_answer_is_as_long_as_it_says() {
         let problem = Problem::new(ProblemKind::TooManyConnections, "x").with_retry_after(Duration::from_secs(2));
-        let text = String::from_utf8(answer(problem)).expect("UTF-8");
+        let text = String::from_utf8(answer(&problem)).expect("UTF-8");
         let (head, body) = text.split_once("\r\n\r\n").expect("a head");
         assert!(head.contains(&format!("content-length: {}", body.len())), "{head}");
         assert!(head.contains("retry-after: ") && head.starts_with("HTTP/1.1 503 Service Unavailable\r\n"), "{head}");
