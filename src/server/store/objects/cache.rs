@@ -4,16 +4,11 @@ use std::{
     collections::{BTreeMap, HashMap},
     fs, io,
     path::{Path, PathBuf},
-    sync::{
-        Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
-    },
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use ltcforge_files::digest::Digest;
-
-/// Prefix of files that are being written.
-const TEMPORARY: &str = ".tmp-";
+use super::super::files::is_temporary;
+use ltcforge_files::{digest::Digest, replace::replace_cached_file};
 
 /// Blobs as files of a folder, the ones used last. Several processes may share the folder; each keeps its own account.
 #[derive(Debug)]
@@ -21,7 +16,6 @@ pub(super) struct BlobCache {
     folder: PathBuf,
     limit_bytes: u64,
     account: Mutex<Account>,
-    writes: AtomicU64,
 }
 
 #[derive(Debug, Default)]
@@ -69,12 +63,11 @@ impl BlobCache {
             match name.parse() {
                 Ok(digest) => account.add(digest, entry.metadata()?.len()),
                 // One that a process was writing when it was killed. Should another be writing it, it does without.
-                Err(_) if name.starts_with(TEMPORARY) => drop(fs::remove_file(entry.path())),
+                Err(_) if is_temporary(&name) => drop(fs::remove_file(entry.path())),
                 Err(_) => {}
             }
         }
-        let cache =
-            Self { folder: folder.to_owned(), limit_bytes, account: Mutex::new(account), writes: AtomicU64::new(0) };
+        let cache = Self { folder: folder.to_owned(), limit_bytes, account: Mutex::new(account) };
         cache.shrink();
         Ok(cache)
     }
@@ -105,14 +98,9 @@ impl BlobCache {
         if bytes.len() as u64 > self.limit_bytes {
             return;
         }
-        let number = self.writes.fetch_add(1, Ordering::Relaxed);
-        let temporary = self.folder.join(format!("{TEMPORARY}{}-{number}", std::process::id()));
-        match fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, self.path(digest))) {
+        match replace_cached_file(&self.path(digest), bytes) {
             Ok(()) => self.account().add(digest, bytes.len() as u64),
-            Err(error) => {
-                tracing::warn!(%digest, %error, "a blob could not be kept in the cache");
-                let _ = fs::remove_file(temporary);
-            }
+            Err(error) => tracing::warn!(%digest, %error, "a blob could not be kept in the cache"),
         }
         self.shrink();
     }
@@ -145,7 +133,7 @@ mod tests {
         cache.put(Digest::of(&[0; 21]), &[0; 21]);
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
         drop(cache);
-        fs::write(dir.path().join(".tmp-1-1"), "half").unwrap();
+        fs::write(dir.path().join(".ltcforge.x.part"), "half").unwrap();
         let cache = BlobCache::open(dir.path(), 10).unwrap();
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1, "the next one keeps as many as it may");
         assert_eq!(usize::from(cache.get(a).is_some()) + usize::from(cache.get(c).is_some()), 1);
