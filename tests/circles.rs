@@ -165,7 +165,8 @@ fn files_use_each_other_in_no_circle() {
             assert_eq!(circles(&modules), Vec::<Vec<String>>::new(), "{}", folder.display());
             for path in modules.keys() {
                 let Some((name, parent)) = path.split_last() else { continue };
-                let is_declared = modules.get(parent).is_some_and(|module| module.text.contains(&format!("mod {name};")));
+                let is_declared =
+                    modules.get(parent).is_some_and(|module| module.text.contains(&format!("mod {name};")));
                 assert!(is_declared, "{}: no `mod` reaches {}", folder.display(), path.join("::"));
             }
         }
