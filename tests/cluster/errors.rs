@@ -23,7 +23,7 @@ fn a_database_that_cannot_be_used_is_named_without_its_password() {
     let line = of("postgres://me:hunter2@127.0.0.1:1/tables");
     assert!(line.contains("tables on 127.0.0.1:1 cannot be reached"), "{line}");
     let line = of("mysql://me:hunter2@host/tables");
-    assert!(line.contains("cannot be read"), "{line}");
+    assert!(line.contains("the database URL is invalid"), "{line}");
     for password in ["pw@hunter2", "hunter2@more", "hun/hunter2", "a?hunter2", "hunter2#b@c"] {
         let line = of(&format!("postgres://me:{password}@127.0.0.1:1/tables"));
         assert!(line.contains("%40") || line.contains("cannot be reached"), "{line}");
