@@ -8,7 +8,7 @@ use std::{
 
 use crate::queue::JobId;
 
-/// How long a worker waits for a notification before it asks all the same.
+/// How long a worker waits for a notification before it asks anyway.
 const POLL: Duration = Duration::from_secs(1);
 
 /// Changes of the queue, by this process or by others as far as it was notified.
@@ -69,7 +69,7 @@ impl Changes {
     }
 }
 
-/// Something that a process does now and then.
+/// Work that a process does periodically.
 #[derive(Debug)]
 pub(super) struct Periodic {
     every: Duration,

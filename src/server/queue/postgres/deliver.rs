@@ -20,7 +20,7 @@ const PAGE: i32 = 256;
 /// Bytes of the hash in front of a stored result.
 const SEAL_BYTES: usize = 8;
 
-/// A lease that is named twice has its first result.
+/// If a lease is there twice, its first result counts.
 pub(super) const COMPLETE: &str = "
     WITH done AS (
         UPDATE ltcforge.tasks AS t
@@ -69,7 +69,9 @@ impl PostgresQueue {
                 *answer = Ok(());
             }
         }
-        done.iter().for_each(|(lease, _)| self.held.remove(lease));
+        for (lease, _) in done {
+            self.held.remove(lease);
+        }
         // An assembly may be available now.
         self.changes.note(None);
         Ok(answers)

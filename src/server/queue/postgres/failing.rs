@@ -38,15 +38,15 @@ const TAKE_BACK: &str = "
     WHERE t.submission = e.submission AND t.task = e.task
     RETURNING t.submission, t.task, t.is_assembly, t.deaths";
 
-/// The failure of a job one of whose tasks has failed, or lost its worker, too often.
+/// The failure of a job whose task has failed, or lost its worker, too often.
 fn too_often(task: i32, is_assembly: bool, detail: &str) -> Failure {
     let name = if is_assembly { "the assembly".to_owned() } else { format!("shard {task}") };
     Failure { kind: FailureKind::Attempts, detail: format!("{name} {detail}") }
 }
 
 impl PostgresQueue {
-    /// Puts a leased task back. With an error it counts as failed, and the job fails if that was once too often. The
-    /// results of the shards `lost` are gone, which are queued again.
+    /// Puts a leased task back. With an `error` the task has failed, and its job fails if that was too often. The
+    /// shards `lost`, whose results are lost or damaged, are queued again.
     pub(super) fn put_back(&self, lease: &Lease, error: Option<&str>, lost: &[i32]) -> Result<(), LeaseError> {
         let (submission, task, attempt) = fence(lease);
         // PostgreSQL's texts have no NUL.
@@ -111,7 +111,7 @@ impl PostgresQueue {
         self.changes.note(Some(job));
     }
 
-    /// Takes back the leases that have expired, and fails jobs for which that is one death too many.
+    /// Takes back the leases that have expired, and fails the jobs whose task has lost too many workers.
     pub(super) fn take_back_expired(&self) -> Result<(), StoreError> {
         let rows = self
             .database

@@ -9,7 +9,7 @@ pub(super) fn fence(lease: &Lease) -> (i64, i32, i32) {
     (lease.submission.cast_signed(), lease.task.cast_signed(), lease.attempt.cast_signed())
 }
 
-/// Whether a lease is current: `$1` submission, `$2` task, `$3` attempt. Tells whether it is of the assembly.
+/// Whether a lease is current: `$1` submission, `$2` task, `$3` attempt. Selects whether it is the assembly's.
 pub(super) const IS_CURRENT: &str = "
     SELECT is_assembly FROM ltcforge.tasks
     WHERE submission = $1 AND task = $2 AND attempt = $3 AND lease_until > (SELECT ltcforge.clock())";

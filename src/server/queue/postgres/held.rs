@@ -12,8 +12,7 @@ use crate::{
     store::{Database, StoreError},
 };
 
-/// Leases are renewed this often, or eight times within their duration if that is more often. Most shards take less
-/// time.
+/// The interval of renewals, unless an eighth of a lease's duration is shorter. Most shards take less time.
 const RENEWAL: Duration = Duration::from_secs(2);
 
 pub(super) const RENEW: &str = "

@@ -1,4 +1,4 @@
-//! Taking over the jobs of another queue.
+//! Importing the jobs of another queue.
 
 use std::collections::HashSet;
 
@@ -14,8 +14,8 @@ const INSERT_FINISHED: &str = "
     FROM unnest($2::integer[], $3::integer[], $4::bytea[]) AS g (task, entries, result)";
 
 impl PostgresQueue {
-    /// Takes a job of a version of the fitter over with its finished shards, in one transaction. Returns whether it was
-    /// not known before. The limit of jobs does not count.
+    /// Imports a job for the workers of a fitter version, with its finished shards, in one transaction. Returns whether
+    /// the job is new. The limit of jobs does not apply.
     ///
     /// # Errors
     /// When the database fails.
@@ -29,7 +29,7 @@ impl PostgresQueue {
         let mut job = job.clone();
         let is_open = !job.state.name().is_final();
         if is_open {
-            // Nobody works on it here.
+            // No worker has it here.
             (job.state, job.started_at) = (JobState::Queued, None);
         }
         let keeps_tasks = is_open || matches!(job.state, JobState::Failed { .. });

@@ -100,7 +100,9 @@ pub(super) fn job(row: &Row) -> Result<Job, StoreError> {
 }
 
 /// A state as columns: its name, the digest of its table, and its failure.
-fn columns(state: &JobState) -> Result<(&'static str, Option<&[u8]>, Option<String>), StoreError> {
+type StateColumns<'a> = (&'static str, Option<&'a [u8]>, Option<String>);
+
+fn columns(state: &JobState) -> Result<StateColumns<'_>, StoreError> {
     Ok(match state {
         JobState::Done { table } => (state.name().text(), Some(table.as_bytes().as_slice()), None),
         JobState::Failed { error } => {
@@ -125,7 +127,7 @@ pub(super) async fn insert(
     shard_entries: &[u32],
 ) -> Result<Option<i64>, StoreError> {
     let (state, table, failure) = columns(&job.state)?;
-    // They follow from the tasks until the job ends.
+    // Until the job ends, they are computed from its tasks.
     let has_ended = job.state.name().is_final();
     let entries_done = has_ended.then_some(job.entries_done.cast_signed());
     let attempts = has_ended.then_some(job.attempts.cast_signed());

@@ -24,19 +24,19 @@ use crate::{
 /// Tasks leased in one statement, at most.
 const AT_ONCE: usize = 256;
 
-/// If other leases have locked all tasks, a lease looks again after a pause, up to so many times.
+/// If other leases have locked all tasks, a lease looks again after a pause, so many times at most.
 const LOOKS: u32 = 20;
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// `$1` the fitter, `$2` tasks at most, `$3` seconds, `$4` the worker, `$5` whether only jobs that nobody works for
-/// count, `$6` expired leases that make a task suspect.
+/// `$1` the fitter, `$2` tasks at most, `$3` seconds, `$4` the worker, `$5` whether only jobs without leased
+/// tasks count, `$6` expired leases that make a task suspect.
 ///
-/// `jobs` are the jobs with the fewest leased tasks that have tasks to lease; of equals, the one served longest ago comes
-/// first. `shares` gives out the tasks one by one, each to the job that has the fewest by then. `taken` locks so many rows
-/// of each job, and skips those that another lease has locked. Of the suspect tasks one is leased at a time.
+/// `jobs` are the jobs with the fewest leased tasks that have tasks to lease; of equals, the one served longest ago
+/// comes first. `shares` gives out the tasks one by one, each to the job that has the fewest by then. `taken` locks so
+/// many rows of each job, and skips those that another lease has locked. Of the suspect tasks one is leased at a time.
 ///
-/// The answer has no row if there is no such job, and one row of NULLs if other leases have locked all tasks. Concurrent
-/// leases choose the same jobs and take different tasks of them; the next leases even this out.
+/// The answer has no row if there is no such job, and one row of NULLs if other leases have locked all tasks.
+/// Concurrent leases choose the same jobs and take different tasks of them; the next leases even this out.
 pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| {
     let lease = "
     WITH suspect AS MATERIALIZED (
@@ -87,8 +87,8 @@ pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| {
     lease.replace("is_ready", READY)
 });
 
-/// Whether a task `t` can be leased: the assembly when nothing else of its job is left. A subquery with LIMIT 1 is
-/// asked for each row by an index, where NOT EXISTS may be joined to all leased tasks.
+/// Whether a task `t` can be leased: the assembly when nothing else of its job is left. A subquery with LIMIT 1
+/// uses an index for each row; the planner may make NOT EXISTS a join with all leased tasks.
 const READY: &str = "t.state = 'waiting' AND (t.deaths < $6 OR NOT (SELECT is_leased FROM suspect)) AND (
         NOT t.is_assembly OR (
             SELECT true FROM ltcforge.tasks AS u
@@ -122,7 +122,7 @@ impl PostgresQueue {
             self.take_back_expired()?;
             self.database.run(async |client| Ok(make_rows(client).await?))?;
         }
-        // No other lease has this name, of whatever process.
+        // Unique among the leases of all processes.
         let worker = format!("{}/{worker}/{}", self.process.name, self.leases_asked.fetch_add(1, Ordering::Relaxed));
         for _ in 0..LOOKS {
             let rows = self.lease_rows(&worker, demand == Demand::Unserved, most.get().min(AT_ONCE))?;

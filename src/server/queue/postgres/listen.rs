@@ -7,10 +7,11 @@ use tokio_postgres::AsyncMessage;
 use super::{changes::Changes, held::Held};
 use crate::store::Database;
 
-/// How long until a lost connection is made again.
+/// The pause before a lost connection is made again.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// Listens for notifications while the queue is open. Without a connection none arrives, and the callers ask now and then.
+/// Listens for notifications while the queue is open. Without a connection none arrives, and the callers ask now and
+/// then.
 pub(super) async fn listen(database: &Database, held: &Arc<Held>, changes: &Arc<Changes>) {
     loop {
         let on_message = |message| {
@@ -21,14 +22,14 @@ pub(super) async fn listen(database: &Database, held: &Arc<Held>, changes: &Arc<
         if let Err(error) = database.listen("LISTEN ltcforge", on_message).await {
             tracing::debug!(%error, "the connection for notifications was lost");
         }
-        // Something may have been missed.
+        // Notifications may have been missed.
         changes.note(None);
         tokio::time::sleep(PAUSE).await;
     }
 }
 
-/// The payload is `work` when there may be a task, `begin JOB` for a new job, and `end JOB SUBMISSION` for a job that has
-/// ended, whose leases are void. Later versions may send others.
+/// The payload is `work` when there may be a task, `begin JOB` for a new job, and `end JOB SUBMISSION` for a job that
+/// has ended, whose leases are void. Later versions may send others.
 fn hear(payload: &str, held: &Held, changes: &Changes) {
     let mut words = payload.split(' ').skip(1);
     let job = words.next().and_then(|id| id.parse().ok());

@@ -36,7 +36,7 @@ const HOUSEKEEPING: Duration = Duration::from_secs(600);
 /// How often expired leases are looked for, and jobs with few rows, at most.
 const SWEEP: Duration = Duration::from_secs(1);
 
-/// Who uses a queue.
+/// A process that uses the queue.
 #[derive(Debug, Clone)]
 pub struct Process {
     /// Its name in the database, which no other process has.
@@ -90,8 +90,7 @@ impl PostgresQueue {
         Ok(queue)
     }
 
-    /// As [`Self::open`], for a database whose clock a test sets: all is done at each call that is else done now and
-    /// then.
+    /// As [`Self::open`], for a database whose clock a test sets: periodic work is done at each call.
     #[cfg(test)]
     pub(in crate::queue) fn open_eager(database: Arc<Database>, limits: Limits) -> Self {
         let process = Process { name: "test".to_owned(), fitter: 1 };
@@ -122,8 +121,8 @@ impl PostgresQueue {
         self.leases_expired.fetch_add(expired, Ordering::Relaxed);
     }
 
-    /// Removes the rows of jobs that ended longer ago than the limit, now and then. A failure is logged: the caller
-    /// does not depend on it.
+    /// Removes jobs that ended longer ago than the limit, now and then. A failure is logged: callers do not depend on
+    /// it.
     pub(super) fn forget_old_jobs(&self) {
         let Some(keep) = self.limits.keep_ended.filter(|_| self.housekeeping.is_due()) else { return };
         let forget = "
@@ -147,7 +146,7 @@ impl PostgresQueue {
         }
     }
 
-    /// The rows of [`COLUMNS`] that the end of a statement selects.
+    /// The rows of [`COLUMNS`] that `which`, the rest of the statement, selects.
     fn rows(&self, which: &str, parameters: &[&(dyn ToSql + Sync)]) -> Result<Vec<Row>, StoreError> {
         self.database.run(async |client| {
             let statement = client.prepare_cached(&format!("{COLUMNS} {which}")).await?;

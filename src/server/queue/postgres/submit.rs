@@ -38,14 +38,6 @@ const KEEP: &str = "
         AND t.submission = $1 AND t.state = 'finished' AND NOT t.is_assembly
     RETURNING t.task";
 
-/// The outcome of a transaction.
-enum Outcome {
-    Submitted(Submitted),
-    Full,
-    /// Meanwhile another process has made the job's table.
-    Done,
-}
-
 /// Inserts the tasks of an unfinished job, all but its `finished` ones, and tells all processes.
 pub(super) async fn insert_tasks(
     client: &Transaction<'_>,
@@ -89,40 +81,37 @@ impl PostgresQueue {
                 }
                 without_table = Some(table);
             }
-            let outcome = self.database.run(async |client| {
+            let submitted = self.database.run(async |client| {
                 let transaction = client.transaction().await?;
-                let outcome = self.submit_in(&transaction, id, new, without_table).await?;
+                let submitted = self.submit_in(&transaction, id, new, without_table).await?;
                 transaction.commit().await?;
-                Ok(outcome)
+                Ok(submitted)
             })?;
-            match outcome {
-                Outcome::Submitted(submitted) => {
-                    if matches!(submitted, Submitted::Queued(_)) {
-                        self.changes.note(Some(id));
-                    }
-                    return Ok(submitted);
+            if let Some(submitted) = submitted {
+                if let Ok(Submitted::Queued(_)) = submitted {
+                    self.changes.note(Some(id));
                 }
-                Outcome::Full => return Err(QueueError::Full { limit: self.limits.jobs }),
-                Outcome::Done => {}
+                return submitted;
             }
         }
     }
 
+    /// `None` if another process has made the job's table meanwhile.
     async fn submit_in(
         &self,
         transaction: &Transaction<'_>,
         id: JobId,
         new: &NewJob,
         without_table: Option<Digest>,
-    ) -> Result<Outcome, StoreError> {
+    ) -> Result<Option<Result<Submitted, QueueError>>, StoreError> {
         lock_submissions(transaction).await?;
         let former = lock(transaction, id).await?;
         match &former {
             Some((_, job)) if !job.state.name().is_final() => {
-                return Ok(Outcome::Submitted(Submitted::Joined(job.clone())));
+                return Ok(Some(Ok(Submitted::Joined(job.clone()))));
             }
             Some((_, Job { state: JobState::Done { table }, .. })) if without_table != Some(*table) => {
-                return Ok(Outcome::Done);
+                return Ok(None);
             }
             _ => {}
         }
@@ -130,7 +119,7 @@ impl PostgresQueue {
             "SELECT count(*), (SELECT ltcforge.clock()) FROM ltcforge.jobs WHERE state IN ('queued', 'running')";
         let now = transaction.query_one(count, &[]).await?;
         if usize::try_from(now.get::<_, i64>(0)).is_ok_and(|open| self.limits.jobs <= open) {
-            return Ok(Outcome::Full);
+            return Ok(Some(Err(QueueError::Full { limit: self.limits.jobs })));
         }
         let job = Job {
             id,
@@ -159,7 +148,7 @@ impl PostgresQueue {
             jobs::remove_tasks(transaction, before, false).await?;
         }
         insert_tasks(transaction, submission, id, &new.shard_entries, &finished).await?;
-        Ok(Outcome::Submitted(Submitted::Queued(read(transaction, submission).await?)))
+        Ok(Some(Ok(Submitted::Queued(read(transaction, submission).await?))))
     }
 
     pub(super) fn adopt_job(&self, done: &Job) -> Result<Job, StoreError> {

@@ -133,14 +133,6 @@ fn another_fitter_leaves_the_job_alone() {
     assert!(lease(&old).is_some());
 }
 
-/// Each has waited before, so that it has a row.
-fn give_all_back(queue: &PostgresQueue) {
-    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
-    for task in &tasks {
-        queue.give_back(&task.lease).unwrap();
-    }
-}
-
 fn execute(queue: &PostgresQueue, statement: &str) {
     queue.database.run(async |client| Ok(client.batch_execute(statement).await?)).unwrap();
 }
@@ -150,7 +142,6 @@ fn suspect_shards_run_one_at_a_time_beside_all_others() {
     let Some(queues) = queues(1, Duration::from_secs(60)) else { return };
     let queue = &queues[0];
     queue.submit(new("a", 3), &|_| false).unwrap();
-    give_all_back(queue);
     execute(queue, "UPDATE ltcforge.tasks SET deaths = 3 WHERE task < 2");
     let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
     assert_eq!(tasks.iter().map(|task| task.kind).collect::<Vec<_>>(), [TaskKind::Shard(0), TaskKind::Shard(2)]);
@@ -166,7 +157,6 @@ fn a_shard_that_ends_its_worker_each_time_fails_its_job_in_the_end() {
     let Some(queues) = queues(1, Duration::from_secs(1)) else { return };
     let queue = &queues[0];
     queue.submit(new("a", 2), &|_| false).unwrap();
-    give_all_back(queue);
     execute(queue, "UPDATE ltcforge.tasks SET deaths = 19 WHERE task = 1");
     lease(queue).unwrap();
     let deadly = lease(queue).unwrap();
@@ -309,7 +299,7 @@ fn connections_that_are_cut_cost_no_job() {
         scope.spawn(|| {
             let database: &Arc<Database> = &queues[0].database;
             while !ended.load(Ordering::Relaxed) {
-                // The oldest connection but this one's own.
+                // The oldest of the other connections.
                 let done = database.run(async |client| {
                     let one =
                         "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database()

@@ -171,6 +171,7 @@ impl Database {
     ///
     /// # Errors
     /// [`StoreError::Unavailable`] if it may succeed later, or the database's error.
+    #[expect(clippy::needless_pass_by_value, reason = "callers pass closures")]
     pub(crate) fn run<T>(&self, work: impl AsyncFn(&mut Client) -> Result<T, StoreError>) -> Result<T, StoreError> {
         self.block_on(async {
             let until = Instant::now() + RETRY;
