@@ -21,7 +21,7 @@ fn shared(database: DatabaseUrl, blobs: String, cache_mb: Option<NonZeroU64>) ->
     Shared { database, blobs, cache_bytes: cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20) }
 }
 
-/// What a replica shares; `None` for a service on a folder of its own.
+/// The database and store that a replica shares; `None` for a service on a folder of its own.
 pub(super) fn replica(args: &ReplicaArgs) -> Option<Shared> {
     Some(shared(args.database.clone()?, args.blobs.clone()?, args.cache_mb))
 }

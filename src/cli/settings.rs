@@ -61,10 +61,10 @@ pub(super) struct ServeSettings {
     /// Bytes of exports that are kept in memory, so that they are not made again; 0 keeps none [default: 268435456]
     #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
     pub export_bytes: usize,
-    /// What renders previews [default: any]
+    /// The renderer of previews [default: any]
     #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
     pub adapter: AdapterName,
-    /// Seconds that a picture may take, as predicted and while it is rendered, 1 to 86400 [default: 30]
+    /// Seconds that a picture may take, which also limit its samples, 1 to 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_PICTURE_SECONDS", value_name = "N")]
     pub picture_seconds: WaitSeconds,
     /// Pictures that may wait or be rendered at the same time [default: 9]

@@ -1,4 +1,4 @@
-//! What processes share: `serve`, `work`, `gc` and `migrate`.
+//! The arguments of processes that share a database: `serve`, `work`, `gc` and `migrate`.
 
 use std::{num::NonZeroU64, path::PathBuf};
 

@@ -51,8 +51,8 @@ impl Subject {
         }
     }
 
-    /// Refuses a scene of more samples than `adapter` may render within `time`. An unknown adapter counts as a GPU. A plot
-    /// is always accepted, because it takes seconds at most.
+    /// Refuses a scene of more samples than `adapter` may render within `time`. An unknown adapter counts as a GPU. A
+    /// plot is always accepted, because it takes seconds at most.
     pub(super) fn check_cost(&self, adapter: Option<&str>, time: Duration) -> Result<(), PictureError> {
         // The adapter of lavapipe, which renders on the CPU too, is called llvmpipe.
         let is_cpu = adapter.is_some_and(|name| name == CPU || name.starts_with("llvmpipe"));

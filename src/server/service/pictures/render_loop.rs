@@ -15,8 +15,8 @@ use super::{
 };
 use ltcforge_view::preview::Adapter;
 
-/// How long past its deadline a picture may be rendered before its renderer counts as hung. The renderer itself gives up
-/// a hanging GPU, and falls back to the CPU, after half of this time.
+/// How long past its deadline a picture may be rendered before its renderer counts as hung. The renderer itself gives
+/// up a hanging GPU, and falls back to the CPU, after half of this time.
 pub(super) const HUNG_AFTER: Duration = Duration::from_secs(20);
 
 /// Renders pictures, one after another.
