@@ -73,19 +73,18 @@
 //! | feature | adds |
 //! |---|---|
 //! | none | recipes, fits, tables, reports, files, the shader in WGSL |
-//! | `shaders` | the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
-//! | `render` | pictures: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
-//! | `server` | the HTTP service with its queue and store (axum, tokio, sled) |
-//! | `cluster` | the service on PostgreSQL and an object store (`tokio-postgres`, `object_store`); by default with the command |
-//! | `textures` | textures as files, for engines (ddsfile, exr, rawzip, ruzstd); with `render` also the figures of docs/figures.md |
-//! | `client` | calls of a service, and the lock file (ureq) |
+//! | `shaders` | [`translate`]: the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
+//! | `textures` | [`textures`]: tables as files for engines (ddsfile, exr, rawzip, ruzstd) |
+//! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
+//! | `client` | [`client`]: calls of a service, and the lock file (ureq) |
+//! | `server` | [`server`]: the HTTP service with its queue and store, embedded or on PostgreSQL and an object store (axum, tokio, sled) |
 //! | `cli`, the default | the command `ltcforge`, with all of the above |
 //!
-//! # Worlds
+//! # Crates
 //!
-//! [`mod@fit`] is the core: equal arguments give equal bytes on every machine. [`mod@light`] tells what is reflected of lights. [`files`] has its documents and
-//! containers. [`view`] shows tables, and holds the shaders. `server`, `client` and `cli` are built on them. Vectors
-//! and matrices in signatures are those of [`glam`].
+//! Each module of this list is a crate of its own, `ltcforge-fit` and so on. [`mod@fit`] is the core: equal arguments give equal
+//! bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] documents and containers, [`shaders`]
+//! the WGSL. The others are built on them. Vectors and matrices in signatures are those of [`glam`].
 
 mod library;
 

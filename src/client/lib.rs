@@ -1,7 +1,7 @@
 //! The REST client, and the lock file by which a project pins its tables.
 //!
 //! Invariant: `client` fits nothing and opens no store, and uses a download only after checking its hash. It reads no
-//! answer beyond a limit of bytes and time, and writes nothing outside of the lock file's folder.
+//! answer beyond a limit of bytes and time, and writes nothing outside the lock file's folder.
 
 mod answer;
 mod download;

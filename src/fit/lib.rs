@@ -20,11 +20,11 @@ mod layout;
 mod measure;
 mod metric;
 mod named_list;
-mod pulse;
 mod recipe;
 mod run;
 mod shard;
 mod solver;
+mod stop_check;
 mod table;
 mod terms;
 #[cfg(any(test, feature = "testing"))]
@@ -50,10 +50,10 @@ pub use measure::{
     report, report_points, report_while, width_between,
 };
 pub use metric::Metric;
-pub use pulse::Pulse;
 pub use recipe::{FITTER_VERSION, FitSettings, Recipe};
 pub use run::{Progress, fit_entries, fit_plan};
 pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
 pub use solver::{Shear, Simplex, Solver, Start};
+pub use stop_check::StopCheck;
 pub use table::{Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms};
 pub use terms::{ggx_terms, terms_of};

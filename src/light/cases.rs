@@ -16,25 +16,37 @@ use ltcforge_fit::{
 /// A surface, a view of it, and the vertices of a light.
 #[derive(Debug, Clone)]
 pub struct Lit {
+    /// The surface, and from where it is seen.
     pub at: Configuration,
+    /// The corners of the light.
     pub vertices: Vec<DVec3>,
 }
 
 impl Lit {
+    /// The light.
+    ///
+    /// # Panics
+    /// For corners that are not those of a convex polygon.
+    #[must_use]
     pub fn light(&self, sides: Sides) -> PolygonLight {
         PolygonLight::new(self.vertices.clone(), sides).expect("convex")
     }
 
+    /// GGX roughness along x and y.
+    #[must_use]
     pub fn alpha(&self) -> [f64; 2] {
         [self.at.alpha_x, self.at.alpha_y]
     }
 
+    /// The view direction.
+    #[must_use]
     pub fn wo(&self) -> DVec3 {
         direction(self.at.theta, self.at.phi)
     }
 }
 
 /// A table with the clamped cosine in place of every lobe of a model.
+#[must_use]
 pub fn cosine(brdf: BrdfModel) -> Table {
     Table {
         brdf,
@@ -58,13 +70,18 @@ pub enum Roughness {
     Extreme,
 }
 
+/// Draws surfaces and lights.
+#[derive(Debug)]
 pub struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
+    /// The same draws in every run.
+    #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
+    /// A number between two.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
     }
@@ -73,12 +90,13 @@ impl Draw {
         (-2.0 * (1.0 - self.within(0.0, 1.0)).ln()).sqrt() * self.within(0.0, TAU).cos()
     }
 
+    /// A vector of independent normal components.
     pub fn vector(&mut self) -> DVec3 {
         DVec3::new(self.normal(), self.normal(), self.normal())
     }
 
     /// A random surface seen from above 88 degrees.
-    pub(super) fn configuration(&mut self, roughness: Roughness) -> Configuration {
+    pub fn configuration(&mut self, roughness: Roughness) -> Configuration {
         let [alpha, ratio] = match roughness {
             Roughness::All => [self.within(0.0, 1.0).powi(2).max(0.01), self.within(0.0, 1.0)],
             Roughness::Anisotropic => [self.within(0.1, 0.6), self.within(0.03, 0.23)],
@@ -129,6 +147,8 @@ impl Draw {
         Lit { at, vertices: vec![low - x, low + x, low + x + top, low - x + top] }
     }
 
+    /// Several rectangles.
+    #[must_use]
     pub fn many(seed: u64, count: usize, roughness: Roughness) -> Vec<Lit> {
         let mut draw = Self::new(seed);
         (0..count).map(|_| draw.lit(roughness)).collect()
@@ -136,12 +156,14 @@ impl Draw {
 }
 
 /// What GGX reflects of a parallelogram of radiance one, by [`over_area_of`].
+#[cfg(test)]
 pub(super) fn over_area(lit: &Lit, n: u32) -> [f64; 2] {
     over_area_of(&Ggx { alpha_x: lit.at.alpha_x, alpha_y: lit.at.alpha_y }, lit, n)
 }
 
 /// What is reflected of a parallelogram of radiance one, by the midpoint rule on its area with `n` by `n` cells and the
 /// BRDF itself: for a Fresnel factor of one, and weighed by Schlick's fifth power.
+#[cfg(test)]
 pub(super) fn over_area_of(brdf: &dyn Brdf, lit: &Lit, n: u32) -> [f64; 2] {
     let wo = lit.wo();
     let [corner, next, _, last] = lit.vertices[..] else { panic!("four vertices") };

@@ -14,12 +14,15 @@ use ltcforge_light::{
 /// A surface and a view direction to look up. The cases try every fold, and a place outside the table.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
+    /// Roughness along x.
     pub alpha_x: f64,
+    /// Roughness along y.
     pub alpha_y: f64,
     /// Of unit length, in decimals too.
     pub wo: [f64; 3],
 }
 
+/// The cases.
 pub const CASES: [Case; 3] = [
     Case { alpha_x: 0.3, alpha_y: 0.15, wo: [0.36, 0.48, 0.8] },
     Case { alpha_x: 0.2, alpha_y: 0.6, wo: [-0.64, 0.48, 0.6] },
@@ -34,7 +37,9 @@ pub const CORNERS: [[f64; 3]; 4] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1
 pub struct Golden {
     /// `M`, row-major.
     pub matrix: [f64; 9],
+    /// Directional albedo for a Fresnel factor of one.
     pub amplitude: f64,
+    /// The same weighted by Schlick's fifth power.
     pub fresnel: f64,
     /// The part of the lobe that the rectangle covers.
     pub covered: f64,
@@ -48,6 +53,7 @@ const STEP: f64 = 1.0 / 1024.0;
 
 /// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
 /// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi.
+#[must_use]
 pub fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
     let is_isotropic = layout.only_ranges().is_some_and(|ranges| ranges.ratio == [1.0; 2]);
@@ -91,12 +97,14 @@ impl Case {
 
     /// What the table, taken for one of Gaussians, reflects of the rectangle: for a Fresnel factor of one, and its part
     /// weighed by Schlick's, in f64.
+    #[must_use]
     pub fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
         let (shape, parts) = self.gaussian(layout, gaussian);
         gaussians::reflected_by(&shape, parts, &CORNERS, Sides::One)
     }
 
     /// What the table, taken for one of Gaussians, has: the Gaussian, and its two parts.
+    #[must_use]
     pub fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
         let found = table(layout).lookup(&self.configuration());
         let parts = [found.amplitude.unwrap_or(1.0), found.fresnel.unwrap_or(0.0)];

@@ -73,6 +73,7 @@ FUNCTIONS
 {lights}";
 
 /// What both kinds of tables light by.
+#[must_use]
 pub fn functions_of(lights: Lights) -> &'static str {
     match lights {
         Lights::All => LIGHTS,
@@ -316,6 +317,7 @@ pub(super) fn nodes_of_include(language: Language) -> &'static str {
 }
 
 /// The text in lines that begin with `//`.
+#[must_use]
 pub fn commented(text: &str) -> String {
     text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
 }

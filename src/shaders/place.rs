@@ -45,6 +45,7 @@ impl FromStr for Prefix {
 impl Place {
     /// `text` in `language`, with the names that it has here: those of the light's own code, those of the arithmetic that all
     /// lights share, and those that naga adds to a translation.
+    #[must_use]
     pub fn named(&self, text: &str, language: Language, lit_by: LitBy) -> String {
         let own = lit_by.shader().prefix;
         let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
@@ -74,6 +75,7 @@ impl Place {
     }
 
     /// The code with its bindings counted from the first, in its group. Group 0 is written in WGSL alone.
+    #[must_use]
     pub fn bound(&self, code: &str, language: Language) -> String {
         let group = self.group;
         let written = |text: String| if group == 0 { String::new() } else { text };

@@ -50,6 +50,7 @@ pub const SHADERS: [Shader; 26] = [
 const TABLE: [&str; 4] = ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
+#[must_use]
 pub fn joined(names: &[&str]) -> String {
     let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();
     sources.join("\n")
@@ -106,16 +107,19 @@ fn previewed() -> Vec<&'static str> {
 }
 
 /// The module of the preview, which reads tables of every layout.
+#[must_use]
 pub fn preview_module() -> String {
     module(&previewed(), Layout::ALL)
 }
 
 /// What reads tables of every layout, without an entry point.
+#[must_use]
 pub fn table_reader(bound: Bound) -> String {
     module(&["ltc_math", "nodes_storage", texels(bound), "ltc_table"], Layout::ALL)
 }
 
 /// The module that other renderers take.
+#[must_use]
 pub fn ported(lit_by: LitBy) -> String {
     assembled(lit_by, TABLE, Lights::All, &[lit_by.shader().example])
 }
@@ -138,12 +142,14 @@ fn texels(bound: Bound) -> &'static str {
 }
 
 /// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
+#[must_use]
 pub fn functions(lit_by: LitBy, bound: Bound, lights: Lights, has_storage: bool) -> String {
     let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
     assembled(lit_by, ["ltc_math", nodes, texels(bound), "ltc_table"], lights, &[])
 }
 
 /// The functions of a table's light that read no table: `smooth_at` has the coefficients.
+#[must_use]
 pub fn without_textures(smooth_at: &str, lights: Lights) -> String {
     let LayoutShader { source, .. } = Layout::Reflected.shader();
     let parts = ["ltc_math", "ltc_smooth", "ltc_function"];
@@ -201,10 +207,14 @@ mod tests {
 
     #[test]
     fn every_file_of_the_folder_is_listed() {
-        let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders")).expect("the folder");
+        let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders")).expect("the folder");
+        let texts = folder.filter(|entry| {
+            let path = entry.as_ref().expect("an entry").path();
+            path.extension().is_some_and(|extension| extension == "wgsl")
+        });
         let mut parts: Vec<&str> = Layout::ALL.iter().map(|layout| layout.shader().source).collect();
         parts.sort_unstable();
         parts.dedup();
-        assert_eq!(SHADERS.len() + parts.len(), folder.count());
+        assert_eq!(SHADERS.len() + parts.len(), texts.count());
     }
 }

@@ -48,7 +48,7 @@ pub fn include_function(
 
 /// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in multiples of
 /// a step.
-pub fn smooth_at(function: &IsotropicFunction) -> String {
+pub(crate) fn smooth_at(function: &IsotropicFunction) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = write_smooth_at(&mut out, function);

@@ -3,7 +3,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::*;
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Place, Reading, SHADERS, wgsl};
+use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Place, Reading};
 
 pub(super) fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
     LitBy::new(model, layout).expect("a model that lights so")

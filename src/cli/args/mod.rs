@@ -1,7 +1,6 @@
 //! The arguments of the command line. A flag goes before its environment variable, that before the configuration
 //! file, that before the default.
 
-mod connections;
 mod export;
 mod fitting;
 mod jobs;
@@ -19,17 +18,17 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
-pub(super) use connections::{ConnectionArgs, WaitSeconds};
+use super::settings::ServeArgs;
 pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
-pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, TradeoffArgs};
+pub(super) use fitting::{FitArgs, FsckArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{FiguresArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
-pub(super) use shared::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
+pub(super) use shared::{MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 pub(super) use tabulate::TabulateArgs;
-pub(super) use threads::{Threads, cores};
+pub(super) use threads::{ThreadCount, Threads, WaitSeconds, cores};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
@@ -44,7 +43,7 @@ pub struct Cli {
     /// Print JSON, one document a line
     #[arg(long, global = true)]
     pub json: bool,
-    /// What to do
+    /// The command
     #[command(subcommand)]
     pub command: Command,
 }
@@ -60,7 +59,7 @@ pub enum Command {
     /// Fit what the queue of a shared database has, without HTTP
     Work(WorkArgs),
     /// Remove tables from a shared store that no job has made known for a day
-    Gc(GcArgs),
+    Gc(SharedArgs),
     /// Take the tables and jobs of a data folder along into a shared database and store
     Migrate(MigrateArgs),
     /// Check the data folder of a service that is not running, and tell what its next start would mend
@@ -104,14 +103,14 @@ pub enum Command {
     },
 }
 
-/// What an interrupt does to a command.
+/// The effect of an interrupt on a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OnInterrupt {
     /// The process ends at once.
     Ends,
-    /// The command is told, and has two seconds to clean up.
+    /// The command is notified, and has two seconds to clean up.
     Told,
-    /// The command is told and takes as long as it needs.
+    /// The command is notified, and takes as long as it needs.
     Finishes,
 }
 
@@ -122,39 +121,24 @@ impl Command {
         matches!(self, Self::Preview(_) | Self::Figures(_) | Self::Serve(_))
     }
 
-    /// The level of the log if nothing else is asked for.
+    /// The default level of the log.
     #[must_use]
     pub fn log_level(&self) -> &'static str {
         match self {
-            Self::Serve(_) => "info",
-            Self::Work(_) => "info",
-            // It rehearses a start, and tells itself what a start would log.
+            Self::Serve(_) | Self::Work(_) => "info",
+            // It does a dry run of a start, and prints itself what a start would log.
             Self::Fsck(_) => "off",
             _ => "warn",
         }
     }
 
-    /// What an interrupt does to this command.
+    /// The effect of an interrupt on this command.
     #[must_use]
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
-            Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
-            Self::Work(_) => OnInterrupt::Finishes,
-            Self::Gc(_) | Self::Migrate(_) => OnInterrupt::Ends,
+            Self::Serve(_) | Self::Work(_) | Self::Fsck(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
-            Self::Lookup(_)
-            | Self::Light(_)
-            | Self::Report(_)
-            | Self::Preview(_)
-            | Self::Plot(_)
-            | Self::Figures(_)
-            | Self::Shader(_)
-            | Self::Export(_)
-            | Self::Tabulate(_)
-            | Self::Jobs(_)
-            | Self::Verify(_)
-            | Self::Diff(_)
-            | Self::Completions { .. } => OnInterrupt::Ends,
+            _ => OnInterrupt::Ends,
         }
     }
 }

@@ -96,6 +96,9 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
 
 /// Refuses lobes that are not LTCs, as its decoders take them for, and those that do not follow the reflection that
 /// [`Table::smooth_numbers`] are relative to.
+///
+/// # Errors
+/// [`CompactError::Lobe`] and [`CompactError::Reflection`].
 pub fn check_lobes(table: &Table) -> Result<(), CompactError> {
     let (brdf, lobe) = (table.brdf(), table.lobe());
     if lobe.gaussian().is_some() {

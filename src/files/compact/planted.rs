@@ -1,6 +1,6 @@
 //! Tables of known numbers, and their bytes.
 
-use super::*;
+use super::{CHANNELS, Rounding, Table, encode_rounded, header_of};
 use crate::recipe_document;
 use ltcforge_fit::{Layout, Recipe};
 

@@ -13,6 +13,7 @@ pub struct Mirrors {
 
 impl Mirrors {
     /// The symmetries of the lobe of an anisotropic, axis-aligned surface seen from `wo`.
+    #[must_use]
     pub fn of(wo: DVec3) -> Self {
         Self { x: wo.x == 0.0, y: wo.y == 0.0 }
     }

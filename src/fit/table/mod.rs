@@ -100,6 +100,7 @@ impl Table {
     }
 
     /// The place of an entry in words, for messages.
+    #[must_use]
     pub fn place_of(&self, entry: usize) -> String {
         self.axes.node(entry).named().map(|(axis, x)| format!("{axis} {x:.4}")).join(", ")
     }

@@ -11,6 +11,7 @@ use crate::{
 
 impl Table {
     /// The [`SMOOTH_NUMBERS`] of each entry, the two of its terms zero in a table without terms.
+    #[must_use]
     pub fn smooth_numbers(&self) -> Vec<[f64; SMOOTH_NUMBERS]> {
         let entry = |(index, matrix): (usize, &[f32; 9])| {
             let terms = self.terms.as_ref().map(|terms| (terms.amplitude[index], terms.fresnel[index]));
@@ -27,6 +28,7 @@ impl Table {
     }
 
     /// The table of these numbers, one row for each entry. What they do not tell, `node_error`, is NaN throughout.
+    #[must_use]
     pub fn of_smooth_numbers(
         (brdf, lobe, layout): (BrdfKind, LobeModel, Layout),
         axes: PerAxis<Vec<f64>>,

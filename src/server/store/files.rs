@@ -1,45 +1,25 @@
-//! Files that are complete or absent after a power cut.
+//! The store's files and folders, and its quarantine.
 
 use std::{
-    fs::{self, File},
-    io::{self, Write as _},
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use super::StoreError;
+pub(super) use ltcforge_files::replace::sync_folder;
+use ltcforge_files::replace::{TEMPORARY_PREFIX, replace_file};
 
-/// Prefix of the names of files that are being written.
-pub(super) const TEMPORARY: &str = ".tmp-";
-
-/// Writes `bytes` to `path` so that a power cut leaves all of them or none: temporary file in the same folder, fsync,
-/// rename, fsync of the folder.
+/// Writes `bytes` to `path` so that a power cut leaves all of them or none.
 ///
 /// # Errors
 /// When the disk is full or a system call fails; no temporary file is left then.
 pub(super) fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let Some((folder, name)) = path.parent().zip(path.file_name()) else {
-        return Err(StoreError::of_io(path, io::ErrorKind::InvalidFilename.into()));
-    };
-    // Two threads may write the same file at once, each through its own temporary file.
-    let thread = format!("{:?}", std::thread::current().id()).replace(|c: char| !c.is_ascii_alphanumeric(), "");
-    let temporary = folder.join(format!("{TEMPORARY}{thread}-{}", name.to_string_lossy()));
-    let written = (|| {
-        let mut file = File::create(&temporary)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&temporary, path)?;
-        sync_folder(folder)
-    })();
-    written.map_err(|source| {
-        // The first error is reported. If this fails too, the next start removes the file.
-        let _ = fs::remove_file(&temporary);
-        StoreError::of_io(path, source)
-    })
+    replace_file(path, bytes).map_err(|source| StoreError::of_io(path, source))
 }
 
-/// Makes the names in `folder` durable.
-pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
-    File::open(folder)?.sync_all()
+/// Whether a file has the name of one that was being written when the process ended. Older versions began it otherwise.
+pub(super) fn is_temporary(name: &str) -> bool {
+    name.starts_with(TEMPORARY_PREFIX) || name.starts_with(".tmp-")
 }
 
 /// Creates `folder` and its parents, with durable names.
@@ -94,36 +74,18 @@ fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
 
 /// Copies a folder with its contents.
 pub(crate) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+    copy_folder_by(from, to, &|from, to| fs::copy(from, to).map(drop))
+}
+
+/// As [`copy_folder`]; `copy` copies a file.
+pub(super) fn copy_folder_by(from: &Path, to: &Path, copy: &dyn Fn(&Path, &Path) -> io::Result<()>) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
         let entry = entry?;
-        let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            copy_folder(&entry.path(), &target)?;
-        } else {
-            fs::copy(entry.path(), target)?;
-        }
+        let (path, target) = (entry.path(), to.join(entry.file_name()));
+        if entry.file_type()?.is_dir() { copy_folder_by(&path, &target, copy)? } else { copy(&path, &target)? }
     }
     Ok(())
-}
-
-/// Removes every file of `folder` whose name begins with `prefix`. Returns how many there were.
-///
-/// # Errors
-/// When the folder cannot be listed or a file cannot be removed.
-pub(super) fn remove_matching(folder: &Path, prefix: &str) -> Result<usize, StoreError> {
-    let removed = (|| {
-        let mut removed = 0;
-        for entry in fs::read_dir(folder)? {
-            let entry = entry?;
-            if entry.file_name().to_string_lossy().starts_with(prefix) {
-                fs::remove_file(entry.path())?;
-                removed += 1;
-            }
-        }
-        Ok(removed)
-    })();
-    removed.map_err(|source| StoreError::of_io(folder, source))
 }
 
 /// Bytes that may still be written below `folder`.

@@ -5,7 +5,7 @@ use std::{
 
 use super::*;
 use crate::{
-    brdf::{BrdfKind, BrdfModel, TabulatedFile},
+    brdf::BrdfKind,
     math::{Lattice, direction},
 };
 

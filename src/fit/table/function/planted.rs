@@ -1,6 +1,6 @@
 //! A table of known polynomials.
 
-use super::*;
+use super::{BrdfKind, Layout, PerAxis, SMOOTH_NUMBERS, THETA_CEILING, Table, roughness_of, view_of};
 use crate::lobe::LobeModel;
 
 /// Numbers that are polynomials of low degree in the function's own variables.

@@ -9,6 +9,7 @@ use crate::preview::{
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::{
+    LightModel,
     cases::{Draw, Lit, Roughness},
     normals::{WeightRule, reflected},
 };

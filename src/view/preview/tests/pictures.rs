@@ -8,6 +8,7 @@ use crate::{
     picture::Picture,
     preview::{Choices, Estimator, Material, Mode, NamedScene, Scene},
 };
+use ltcforge_fit::LobeModel;
 
 #[test]
 fn twice_the_same_picture_is_the_same_bytes() {

@@ -12,6 +12,7 @@ use crate::preview::{
     gpu::{GpuFailure, example},
 };
 use ltcforge_fit::{Ltc, Sides, testing::mirror_like};
+use ltcforge_light::CoversShapes as _;
 use ltcforge_shaders::{Bound, joined};
 
 /// Each kind of light of a matrix and three vectors that a case gives.

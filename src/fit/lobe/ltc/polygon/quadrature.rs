@@ -72,7 +72,6 @@ pub fn polygon(centre: DVec3, axes: [DVec3; 2], mut angles: Vec<f64>) -> Vec<DVe
 
 /// `count` cases, the same in every run. Each is a convex polygon of 3 to 8 vertices and a matrix; every other matrix
 /// is like that of a lobe.
-#[must_use]
 pub fn random_cases(count: usize) -> impl Iterator<Item = (Vec<DVec3>, DMat3)> {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(4));
     (0..count).map(move |i| (draw.polygon(), draw.matrix(i)))
