@@ -11,32 +11,16 @@ use super::{
     input::AnyTable,
     light_case, tabulated,
 };
-use ltcforge_fit::{BrdfKind, BrdfModel, Table};
-use ltcforge_light::{
-    Gaussian, LightError, LightModel, Reflected, TRUTH_TOLERANCE, WeightRule, by_gaussian, by_normals, by_table,
-    truth_of,
-};
-
-/// The model that the light is computed with.
-enum Found {
-    Normals(WeightRule),
-    Gaussian(Gaussian),
-    Ltc(Box<Table>),
-}
-
-impl Found {
-    /// The scattering model of a table. Closed forms are of GGX.
-    fn brdf(&self) -> Option<&BrdfModel> {
-        match self {
-            Self::Ltc(table) => Some(table.model()),
-            Self::Normals(_) | Self::Gaussian(_) => None,
-        }
-    }
-}
+use ltcforge_fit::{BrdfKind, Table};
+use ltcforge_light::{LightError, LightModel, Lighting, Reflected, TRUTH_TOLERANCE, truth_of};
 
 /// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let (found, ggx) = (choose(args)?, BrdfModel::from(BrdfKind::Ggx));
+    let table = choose(args)?;
+    let lighting = table.as_ref().map(Lighting::Table);
+    let formula = args.model.closed_form(args.weight).map(Lighting::ClosedForm);
+    let lighting = lighting.or(formula).ok_or_else(|| needs_table(args.model))?;
+    let brdf = table.as_ref().map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let lines = CsvLines::open(&args.cases, "lights")?;
     let mut out = BufWriter::new(&mut *context.stdout);
     if !json {
@@ -46,19 +30,11 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     let is_header = |line: &str| light_case::is_header(args.light, line);
     lines.each(is_header, |line| {
         let Some(case) = light_case::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
-        let (at, light) = (case.at, case.light());
+        let (at, light) = (case.at, &case.light);
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
-        let reflected = match &found {
-            Found::Normals(rule) => by_normals(&at, light, *rule),
-            Found::Gaussian(gaussian) => by_gaussian(&at, light, *gaussian),
-            Found::Ltc(table) => by_table(table, &at, light),
-        };
-        let reflected = reflected.map_err(refuse)?;
-        let true_light = if args.truth {
-            Some(truth_of(found.brdf().unwrap_or(&ggx), TRUTH_TOLERANCE, &at, light).map_err(refuse)?)
-        } else {
-            None
-        };
+        let reflected = lighting.reflected(&at, light).map_err(refuse)?;
+        let true_light =
+            if args.truth { Some(truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?) } else { None };
         let written = if json {
             write_json(&mut out, &reflected, true_light.as_ref())
         } else {
@@ -70,34 +46,37 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     Ok(Exit::Ok)
 }
 
-fn choose(args: &LightArgs) -> Result<Found, CommandFailure> {
-    let usage = |message: &str| Err(CommandFailure::new(Exit::Usage, message));
-    match (args.model, &args.table, args.weight) {
-        (LightModel::Normals, None, rule) => Ok(Found::Normals(rule.unwrap_or(WeightRule::ALL[0]))),
-        (LightModel::Sg, None, None) => Ok(Found::Gaussian(Gaussian::Sg)),
-        (LightModel::Asg, None, None) => Ok(Found::Gaussian(Gaussian::Asg)),
-        (LightModel::Sg | LightModel::Asg, _, Some(_)) => {
-            usage("--weight is of model normals; models sg and asg have one rule")
-        }
-        (LightModel::Normals, Some(_), _) => usage("--table is of model ltc; add --model ltc, or leave it out"),
-        (LightModel::Ltc, None, _) => usage("model ltc needs a table: --table TABLE"),
-        (LightModel::Ltc, Some(_), Some(_)) => usage("--weight is of model normals; model ltc has one rule"),
-        (model, Some(name), None) => {
-            let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;
-            if table.lobe.name() != model.name() {
-                let (path, lobe) = (path.display(), table.lobe);
-                return usage(&format!("{path}: the table has lobe {lobe}, not {model}: choose --model {lobe}"));
-            }
-            if args.truth {
-                tabulated::check_complete(&table, &path)?;
-            }
-            if table.terms.is_none() {
-                let message = format!("{}: {}", path.display(), LightError::NoTerms);
-                return Err(CommandFailure::new(Exit::Failed, message));
-            }
-            Ok(Found::Ltc(Box::new(table)))
-        }
+fn needs_table(model: LightModel) -> CommandFailure {
+    CommandFailure::new(Exit::Usage, format!("model {model} needs a table: --table TABLE"))
+}
+
+/// The table that the model lights by; `None` for a model without one.
+fn choose(args: &LightArgs) -> Result<Option<Table>, CommandFailure> {
+    let usage = |message: String| Err(CommandFailure::new(Exit::Usage, message));
+    let model = args.model;
+    if args.table.is_some() && model.lobe().is_none() {
+        return usage("--table is of model ltc; add --model ltc, or leave it out".to_owned());
     }
+    if args.table.is_none() && model.needs_table() {
+        return Err(needs_table(model));
+    }
+    if args.weight.is_some() && model.weights().is_empty() {
+        return usage(format!("--weight is of model {}; model {model} has one rule", LightModel::names_with_weights()));
+    }
+    let Some(name) = &args.table else { return Ok(None) };
+    let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;
+    if Some(table.lobe) != model.lobe() {
+        let (path, lobe) = (path.display(), table.lobe);
+        return usage(format!("{path}: the table has lobe {lobe}, not {model}: choose --model {lobe}"));
+    }
+    if args.truth {
+        tabulated::check_complete(&table, &path)?;
+    }
+    if table.terms.is_none() {
+        let message = format!("{}: {}", path.display(), LightError::NoTerms);
+        return Err(CommandFailure::new(Exit::Failed, message));
+    }
+    Ok(Some(table))
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.

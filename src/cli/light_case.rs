@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
-use ltcforge_light::{AreaLight, LightError, LightShape, PolygonLight, ShapedLight};
+use ltcforge_light::{AnyLight, LightError, LightShape, ShapeParameter};
 
 /// The names of the columns before the light.
 const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
@@ -15,54 +15,42 @@ const MIN_VERTICES: usize = 3;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LightCase {
     pub(super) at: Configuration,
-    light: AnyLight,
-}
-
-/// A light of the shape that lines are read for.
-#[derive(Debug, Clone, PartialEq)]
-enum AnyLight {
-    Polygon(PolygonLight),
-    Shaped(ShapedLight),
-}
-
-impl LightCase {
-    pub(super) fn light(&self) -> AreaLight<'_> {
-        match &self.light {
-            AnyLight::Polygon(light) => light.into(),
-            AnyLight::Shaped(light) => light.into(),
-        }
-    }
+    pub(super) light: AnyLight,
 }
 
 /// The names of a light's columns, after those of the surface and the view. A polygon has further ones for its
 /// vertices.
-fn columns_of(shape: LightShape) -> &'static [&'static str] {
-    match shape {
-        LightShape::Polygon => &["sides"],
-        LightShape::Disk => &["sides", "cx", "cy", "cz", "ux", "uy", "uz", "vx", "vy", "vz"],
-        LightShape::Sphere => &["x", "y", "z", "radius"],
-        LightShape::Tube => &["ax", "ay", "az", "bx", "by", "bz", "radius"],
-        LightShape::Line => &["ax", "ay", "az", "bx", "by", "bz", "width"],
-    }
+fn columns_of(shape: LightShape) -> Vec<&'static str> {
+    let names = |parameter: &'static ShapeParameter| match parameter {
+        ShapeParameter::Sides => &["sides"][..],
+        ShapeParameter::Point(names) => names,
+        ShapeParameter::Length(name) => std::slice::from_ref(name),
+        ShapeParameter::Vertices => &[],
+    };
+    shape.parameters().iter().flat_map(names).copied().collect()
 }
 
-/// The name of a column. After the first five, a polygon has `x0`, `y0`, `z0`, `x1` ... `None` beyond the last column.
+fn has_vertices(shape: LightShape) -> bool {
+    shape.parameters().contains(&ShapeParameter::Vertices)
+}
+
+/// The name of a column. After its own, a polygon has `x0`, `y0`, `z0`, `x1` ... `None` beyond the last column.
 fn column(shape: LightShape, index: usize) -> Option<String> {
     let own = columns_of(shape);
-    if let Some(name) = COLUMNS.iter().chain(own).nth(index) {
+    if let Some(name) = COLUMNS.iter().chain(&own).nth(index) {
         return Some((*name).to_owned());
     }
     let number = index - COLUMNS.len() - own.len();
-    (shape == LightShape::Polygon).then(|| format!("{}{}", ["x", "y", "z"][number % 3], number / 3))
+    has_vertices(shape).then(|| format!("{}{}", ["x", "y", "z"][number % 3], number / 3))
 }
 
 /// The columns that a line of a shape should have, for the message to a line that has others.
 fn expected(shape: LightShape) -> String {
-    let names = [&COLUMNS, columns_of(shape)].concat().join(",");
-    match shape {
-        LightShape::Polygon => format!("{names} and then x,y,z of {MIN_VERTICES} to {MAX_VERTICES} vertices"),
-        _ => names,
+    let names = [&COLUMNS[..], &columns_of(shape)].concat().join(",");
+    if has_vertices(shape) {
+        return format!("{names} and then x,y,z of {MIN_VERTICES} to {MAX_VERTICES} vertices");
     }
+    names
 }
 
 /// The fields of a line, and their faults.
@@ -120,44 +108,34 @@ impl Fields<'_> {
         DVec3::new(x, y, z)
     }
 
-    fn size(&mut self, index: usize, allowed: &str) -> f64 {
-        self.number(index, |x| x > 0.0, allowed)
+    fn length(&mut self, index: usize, name: &str) -> f64 {
+        self.number(index, |x| x > 0.0, &format!("a {name} is a number above 0"))
     }
 
     /// The light, or its fault; `None` if a field has one.
     fn light(&mut self) -> Option<Result<AnyLight, LightError>> {
-        let first = COLUMNS.len();
-        match self.shape {
-            LightShape::Polygon => {
-                let sides = self.sides(first);
-                let vertices: Vec<DVec3> =
-                    (first + 1..self.texts.len()).step_by(3).map(|index| self.point(index)).collect();
-                self.build(|| PolygonLight::new(vertices, sides).map(AnyLight::Polygon))
-            }
-            LightShape::Disk => {
-                let sides = self.sides(first);
-                let [centre, x, y] = [1, 4, 7].map(|index| self.point(first + index));
-                self.build(|| ShapedLight::ellipse(centre, [x, y], sides).map(AnyLight::Shaped))
-            }
-            LightShape::Sphere => {
-                let (centre, radius) = (self.point(first), self.size(first + 3, "a radius is a number above 0"));
-                self.build(|| ShapedLight::sphere(centre, radius).map(AnyLight::Shaped))
-            }
-            LightShape::Tube => {
-                let ends = [0, 3].map(|index| self.point(first + index));
-                let radius = self.size(first + 6, "a radius is a number above 0");
-                self.build(|| ShapedLight::tube(ends, radius).map(AnyLight::Shaped))
-            }
-            LightShape::Line => {
-                let ends = [0, 3].map(|index| self.point(first + index));
-                let width = self.size(first + 6, "a width is a number above 0");
-                self.build(|| ShapedLight::line(ends, width).map(AnyLight::Shaped))
+        let (mut sides, mut points, mut length) = (Sides::Two, Vec::new(), f64::NAN);
+        let mut index = COLUMNS.len();
+        for parameter in self.shape.parameters() {
+            match parameter {
+                ShapeParameter::Sides => {
+                    sides = self.sides(index);
+                    index += 1;
+                }
+                ShapeParameter::Point(_) => {
+                    points.push(self.point(index));
+                    index += 3;
+                }
+                ShapeParameter::Length(name) => {
+                    length = self.length(index, name);
+                    index += 1;
+                }
+                ShapeParameter::Vertices => {
+                    points.extend((index..self.texts.len()).step_by(3).map(|index| self.point(index)));
+                }
             }
         }
-    }
-
-    fn build(&self, light: impl FnOnce() -> Result<AnyLight, LightError>) -> Option<Result<AnyLight, LightError>> {
-        self.faults.is_empty().then(light)
+        self.faults.is_empty().then(|| self.shape.light(sides, &points, length))
     }
 }
 
@@ -171,12 +149,10 @@ pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<LightCase>, 
     }
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     let more = fields.len().checked_sub(COLUMNS.len() + columns_of(shape).len());
-    let is_whole = match shape {
-        LightShape::Polygon => {
-            more.is_some_and(|more| more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3)))
-        }
-        _ => more == Some(0),
-    };
+    let is_whole = more.is_some_and(|more| match has_vertices(shape) {
+        true => more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3)),
+        false => more == 0,
+    });
     if !is_whole {
         return Err(format!("{} fields; a {} has {}", fields.len(), kind(shape), expected(shape)));
     }
@@ -189,23 +165,21 @@ pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<LightCase>, 
 }
 
 fn kind(shape: LightShape) -> &'static str {
-    match shape {
-        LightShape::Polygon => "light",
-        shape => shape.name(),
-    }
+    if has_vertices(shape) { "light" } else { shape.name() }
 }
 
 /// Whether a line is a header of a shape's columns. Those of polygons have any number of vertices.
 pub(super) fn is_header(shape: LightShape, line: &str) -> bool {
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     let min = COLUMNS.len() + columns_of(shape).len();
-    let min = if shape == LightShape::Polygon { min + 1 } else { min };
+    let min = min + usize::from(has_vertices(shape));
     fields.len() >= min && fields.iter().enumerate().all(|(index, name)| column(shape, index).as_deref() == Some(*name))
 }
 
 #[cfg(test)]
 mod tests {
     use super::{LightShape::Polygon, *};
+    use ltcforge_light::{PolygonLight, ShapedLight};
 
     const SQUARE: &str = "0.5,0.25,0.7,-7e1,1,-1,-1,2,1,-1,2,1,1,2,-1,1,2";
 

@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
 use ltcforge_fit::{BrdfKind, ggx_terms};
+use ltcforge_light::{LightError, LightModel};
 use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable};
 
 /// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
@@ -15,7 +16,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
     let scene = args.scene.0.clone().into_scene();
     let read = args.table.as_deref().map(|name| AnyTable::named(name, &args.folder)).transpose()?;
     if read.is_none() && scene.needs_table() {
-        let needs = "model ltc lights by a table: name one, or choose --model normals";
+        let needs = LightError::NeedsTable(LightModel::Ltc).to_string();
         return Err(CommandFailure::new(Exit::Usage, needs));
     }
     if let Some(any) = &read

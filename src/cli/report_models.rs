@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print, tabulated};
 use ltcforge_fit::{BrdfKind, BrdfModel, Spread};
-use ltcforge_light::{EVERYWHERE, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error};
+use ltcforge_light::{ClosedForm, EVERYWHERE, LightError, LightModel, Lighting, RandomLights, light_error};
 
 /// The default number of random rectangles.
 const LIGHTS: u32 = 2000;
@@ -27,18 +27,17 @@ pub(super) fn run(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let usage = |what: &str| Err(CommandFailure::new(Exit::Usage, what));
-    match (model, read) {
-        (LightModel::Ltc, None) => return usage("model ltc lights by a table: name one, or choose --model normals"),
-        (LightModel::Ltc | LightModel::Sg | LightModel::Asg, _) if args.weight.is_some() => {
-            return usage("--weight belongs to model normals");
-        }
-        (LightModel::Normals | LightModel::Sg | LightModel::Asg, Some(any)) if any.table.brdf != BrdfKind::Ggx => {
-            return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf())));
-        }
-        _ if args.points.is_some() || args.extremes => {
-            return usage("--points and --extremes belong to the lobes of a table, without --model");
-        }
-        _ => {}
+    if model.needs_table() && read.is_none() {
+        return usage(&LightError::NeedsTable(model).to_string());
+    }
+    if args.weight.is_some() && model.weights().is_empty() {
+        return usage(&format!("--weight belongs to model {}", LightModel::names_with_weights()));
+    }
+    if let Some(any) = read.filter(|any| !model.needs_table() && any.table.brdf != BrdfKind::Ggx) {
+        return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf())));
+    }
+    if args.points.is_some() || args.extremes {
+        return usage("--points and --extremes belong to the lobes of a table, without --model");
     }
     if let Some(any) = read {
         tabulated::check_complete(&any.table, &any.path)?;
@@ -53,17 +52,14 @@ pub(super) fn run(
         let mut rows = Vec::new();
         if let Some(any) = read {
             let name = format!("{}, table {}", any.table.lobe, &any.digest.hex()[..12]);
-            let error = light_error(Lighting::Ltc(&any.table), &lights).map_err(failed)?;
+            let error = light_error(Lighting::Table(&any.table), &lights).map_err(failed)?;
             rows.push(Row { name, model: LightModel::Ltc, error });
         }
-        let rules = WeightRule::ALL.iter().filter(|rule| args.weight.is_none_or(|asked| asked == **rule));
-        for rule in rules.filter(|_| model == LightModel::Normals) {
-            let error = light_error(Lighting::Normals(*rule), &lights).map_err(failed)?;
-            rows.push(Row { name: format!("normals, weight {rule}"), model: LightModel::Normals, error });
-        }
-        if let Some(gaussian) = model.gaussian() {
-            let error = light_error(Lighting::Gaussian(gaussian), &lights).map_err(failed)?;
-            rows.push(Row { name: model.name().to_owned(), model, error });
+        let is_asked = |form: &ClosedForm| args.weight.is_none_or(|weight| form.rule() == weight);
+        for form in model.closed_forms().filter(is_asked) {
+            let error = light_error(Lighting::ClosedForm(form), &lights).map_err(failed)?;
+            let name = form.weight().map_or(model.to_string(), |rule| format!("{model}, weight {rule}"));
+            rows.push(Row { name, model, error });
         }
         Ok((lights, rows))
     };

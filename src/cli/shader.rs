@@ -12,7 +12,7 @@ use super::{
     print, shown,
 };
 use ltcforge_fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report};
-use ltcforge_light::{Gaussian, LightModel};
+use ltcforge_light::LightModel;
 use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Place, Reading};
 use ltcforge_textures::About;
 use ltcforge_translate::{include, include_function, port};
@@ -27,31 +27,8 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     if let Some(table) = &args.without_textures {
         return without_textures(args, language, table, json, context);
     }
-    let lit_by = match (args.model, args.layout) {
-        (LightModel::Ltc, Some(layout)) => LitBy::Table(layout),
-        (LightModel::Normals, None) => LitBy::Normals,
-        (LightModel::Sg, None) => LitBy::Gaussian(Gaussian::Sg),
-        (LightModel::Asg, None) => LitBy::Gaussian(Gaussian::Asg),
-        (LightModel::Sg | LightModel::Asg, Some(layout)) if layout.only_ranges().is_some() => {
-            let message = format!(
-                "layout {layout} has tables of LTCs only: model {} has those of reflected and kt2022",
-                args.model
-            );
-            return Err(CommandFailure::new(Exit::Usage, message));
-        }
-        (LightModel::Sg, Some(layout)) => LitBy::GaussianTable(Gaussian::Sg, layout),
-        (LightModel::Asg, Some(layout)) => LitBy::GaussianTable(Gaussian::Asg, layout),
-        (LightModel::Ltc, None) => {
-            return Err(CommandFailure::new(
-                Exit::Usage,
-                "model ltc needs --layout, or --without-textures and a table",
-            ));
-        }
-        (model @ LightModel::Normals, Some(_)) => {
-            let message = format!("model {model} reads no table: leave out --layout");
-            return Err(CommandFailure::new(Exit::Usage, message));
-        }
-    };
+    let lit_by =
+        LitBy::new(args.model, args.layout).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     check_form(args, language)?;
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
         return Err(CommandFailure::new(

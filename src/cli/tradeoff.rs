@@ -16,7 +16,7 @@ use super::{
 };
 use ltcforge_files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT, replace::replace_file};
 use ltcforge_fit::{BrdfKind, Plan, Recipe, Table, report};
-use ltcforge_light::{Lighting, RandomLights};
+use ltcforge_light::{LightModel, Lighting, RandomLights};
 use ltcforge_view::tradeoff::{
     FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture, rows,
     stands_for_ltc,
@@ -33,8 +33,9 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
     let (base, _) = tabulated::recipe(name, &document, None)?;
     if base.brdf() != BrdfKind::Ggx {
         let message = format!(
-            "{}: /brdf: the trade-off is between tables and the models normals, sg and asg, which are of brdf ggx, not {}",
+            "{}: /brdf: the trade-off is between tables and the models {}, which are of brdf ggx, not {}",
             name.display(),
+            LightModel::names_without_table(),
             base.brdf()
         );
         return Err(CommandFailure::new(Exit::Usage, message));
@@ -108,7 +109,7 @@ fn measure(
     let table = fit::fit(&Plan::new(recipe), bar, interrupt).ok_or_else(CommandFailure::interrupted)?;
     let (wall_seconds, processor_seconds) = (started.elapsed().as_secs_f64(), processor_seconds() - processor_started);
     let between = report(&table, &recipe.range, POINTS).between;
-    let light = tradeoff_models::error(Lighting::Ltc(&table), lights)?;
+    let light = tradeoff_models::error(Lighting::Table(&table), lights)?;
     let compact_bytes = compact::encode(&table).ok().map(|bytes| bytes.len() as u64);
     let (width, sw1) = (between.width, between.sw1);
     Ok((Measurement { processor_seconds, wall_seconds, width, sw1, light, compact_bytes }, table))

@@ -7,8 +7,8 @@ use ltcforge_files::{
     container::{self, TableFileError},
     recipe_document,
 };
-use ltcforge_fit::{Precision, Recipe, Spread, Table};
-use ltcforge_light::{Gaussian, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error};
+use ltcforge_fit::{Layout, Precision, Recipe, Spread, Table};
+use ltcforge_light::{ClosedForm, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error};
 use ltcforge_shaders::{LitBy, wgsl};
 use ltcforge_view::{
     preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
@@ -52,11 +52,8 @@ pub(super) fn measure(
         candidates.push(by_table(fitted, lights)?);
     }
     let none = Arc::new(ShaderTable::none());
-    for rule in WeightRule::ALL {
-        candidates.push(by_normals(*rule, &none, lights)?);
-    }
-    for gaussian in Gaussian::ALL {
-        candidates.push(by_gaussian(*gaussian, &none, lights)?);
+    for form in LightModel::ALL.iter().flat_map(|model| model.closed_forms()) {
+        candidates.push(by_formula(form, &none, lights)?);
     }
 
     let mut preview = Preview::new(Adapter::Any);
@@ -95,16 +92,13 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         Precision::F16 => TexelFormat::F16,
     };
     let shader_table = Arc::new(ShaderTable::new(table, format));
-    let lit_by = match table.lobe().gaussian() {
-        Some(gaussian) => LitBy::GaussianTable(gaussian, recipe.layout),
-        None => LitBy::Table(recipe.layout),
-    };
+    let lit_by = lit_by(LightModel::of_lobe(table.lobe()), Some(recipe.layout))?;
     let row = ModelRow {
         model: lit_by.model(),
         weight: None,
         layout: Some(recipe.layout),
         recipe_digest: Some(recipe_document::digest(recipe)),
-        light_error: error(Lighting::Ltc(table), lights)?,
+        light_error: error(Lighting::Table(table), lights)?,
         frame_milliseconds: 0.0,
         gpu_bytes: shader_table.gpu_bytes(),
         file_bytes: file.len() as u64,
@@ -114,34 +108,24 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
     Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Fan), table: shader_table, row })
 }
 
-fn by_normals(rule: WeightRule, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
-    let row = ModelRow { weight: Some(rule), ..without_table(LitBy::Normals, Lighting::Normals(rule), lights)? };
-    Ok(Candidate { scene: scene(LightModel::Normals, rule), table: Arc::clone(none), row })
-}
-
-fn by_gaussian(
-    gaussian: Gaussian,
-    none: &Arc<ShaderTable>,
-    lights: &RandomLights,
-) -> Result<Candidate, CommandFailure> {
-    let row = without_table(LitBy::Gaussian(gaussian), Lighting::Gaussian(gaussian), lights)?;
-    Ok(Candidate { scene: scene(gaussian.into(), WeightRule::Fan), table: Arc::clone(none), row })
-}
-
-/// The costs of a model without a table.
-fn without_table(lit_by: LitBy, lighting: Lighting<'_>, lights: &RandomLights) -> Result<ModelRow, CommandFailure> {
-    Ok(ModelRow {
-        model: lit_by.model(),
-        weight: None,
+fn by_formula(form: ClosedForm, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
+    let row = ModelRow {
+        model: form.model(),
+        weight: form.weight(),
         layout: None,
         recipe_digest: None,
-        light_error: error(lighting, lights)?,
+        light_error: error(Lighting::ClosedForm(form), lights)?,
         frame_milliseconds: 0.0,
         gpu_bytes: 0,
         file_bytes: 0,
-        shader_bytes: wgsl(lit_by).len() as u64,
+        shader_bytes: wgsl(lit_by(form.model(), None)?).len() as u64,
         fit_seconds: 0.0,
-    })
+    };
+    Ok(Candidate { scene: scene(form.model(), form.rule()), table: Arc::clone(none), row })
+}
+
+fn lit_by(model: LightModel, layout: Option<Layout>) -> Result<LitBy, CommandFailure> {
+    LitBy::new(model, layout).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
 }
 
 /// Milliseconds of each candidate's frames. The candidates alternate, so that a busy machine slows all of them. A frame

@@ -29,6 +29,6 @@ pub use model::{ClosedForm, LightModel, Lighting, Lit, Reflected};
 pub use normals::{WeightRule, by_normals};
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;
-pub use shaped::{AreaLight, LightShape, ShapedLight};
+pub use shaped::{AnyLight, AreaLight, LightShape, ShapeParameter, ShapedLight};
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
 pub use truth::{TRUTH_TOLERANCE, truth, truth_of, truth_within};

@@ -145,8 +145,17 @@ impl LightModel {
     /// The names of the models that have a formula, as a sentence lists them: `normals, sg and asg`.
     #[must_use]
     pub fn names_without_table() -> String {
-        let names: Vec<&str> =
-            Self::ALL.iter().filter(|model| !model.needs_table()).map(|model| model.name()).collect();
+        Self::names_of(|model| !model.needs_table())
+    }
+
+    /// The names of the models that have a choice among rules of the weight, as a sentence lists them.
+    #[must_use]
+    pub fn names_with_weights() -> String {
+        Self::names_of(|model| !model.weights().is_empty())
+    }
+
+    fn names_of(is_told: impl Fn(Self) -> bool) -> String {
+        let names: Vec<&str> = Self::ALL.iter().filter(|model| is_told(**model)).map(|model| model.name()).collect();
         listed(&names)
     }
 }

@@ -21,6 +21,51 @@ named_list! {
     }
 }
 
+/// What describes a light of a shape, in the order in which it is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShapeParameter {
+    /// How many sides are lit: 1 or 2.
+    Sides,
+    /// A point or a vector, by the names of its coordinates.
+    Point([&'static str; 3]),
+    /// A length above zero, by its name.
+    Length(&'static str),
+    /// The vertices of a convex polygon, the last parameter: `x0`, `y0`, `z0`, `x1` ...
+    Vertices,
+}
+
+impl LightShape {
+    /// What describes a light of the shape.
+    #[must_use]
+    pub fn parameters(self) -> &'static [ShapeParameter] {
+        use ShapeParameter::{Length, Point, Sides, Vertices};
+        const ENDS: [ShapeParameter; 2] = [Point(["ax", "ay", "az"]), Point(["bx", "by", "bz"])];
+        match self {
+            Self::Polygon => &[Sides, Vertices],
+            Self::Disk => &[Sides, Point(["cx", "cy", "cz"]), Point(["ux", "uy", "uz"]), Point(["vx", "vy", "vz"])],
+            Self::Sphere => &[Point(["x", "y", "z"]), Length("radius")],
+            Self::Tube => &[ENDS[0], ENDS[1], Length("radius")],
+            Self::Line => &[ENDS[0], ENDS[1], Length("width")],
+        }
+    }
+
+    /// The light of these parameters. Those that the shape does not have may be anything. Domain: as many points as the
+    /// shape has.
+    ///
+    /// # Errors
+    /// Those of [`PolygonLight::new`] and of the constructors of [`ShapedLight`].
+    pub fn light(self, sides: Sides, points: &[DVec3], length: f64) -> Result<AnyLight, LightError> {
+        let shaped = match self {
+            Self::Polygon => return PolygonLight::new(points.to_vec(), sides).map(AnyLight::Polygon),
+            Self::Disk => ShapedLight::ellipse(points[0], [points[1], points[2]], sides),
+            Self::Sphere => ShapedLight::sphere(points[0], length),
+            Self::Tube => ShapedLight::tube([points[0], points[1]], length),
+            Self::Line => ShapedLight::line([points[0], points[1]], length),
+        };
+        shaped.map(AnyLight::Shaped)
+    }
+}
+
 /// The half axes of an ellipse are parallel where the sine of the angle between them is below this.
 const PARALLEL: f64 = 1e-12;
 
@@ -143,6 +188,24 @@ impl ShapedLight {
 }
 
 /// A light of any shape.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnyLight {
+    /// A polygon.
+    Polygon(PolygonLight),
+    /// Any other.
+    Shaped(ShapedLight),
+}
+
+impl<'a> From<&'a AnyLight> for AreaLight<'a> {
+    fn from(light: &'a AnyLight) -> Self {
+        match light {
+            AnyLight::Polygon(light) => light.into(),
+            AnyLight::Shaped(light) => light.into(),
+        }
+    }
+}
+
+/// A light of any shape, borrowed.
 #[derive(Debug, Clone, Copy)]
 pub enum AreaLight<'a> {
     /// A polygon.

@@ -4,10 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{
-    models::{light_shapes, models, weights},
-    tables::TableFolder,
-};
+use super::{models::named, tables::TableFolder};
 use ltcforge_light::{LightModel, LightShape, WeightRule};
 
 /// `light`.
@@ -23,10 +20,10 @@ pub struct LightArgs {
     #[arg(value_name = "CSV")]
     pub cases: PathBuf,
     /// The shape of the lights
-    #[arg(long, default_value = LightShape::ALL[0].name(), value_parser = light_shapes())]
+    #[arg(long, default_value = LightShape::ALL[0].name(), value_parser = named(LightShape::ALL, LightShape::name))]
     pub light: LightShape,
     /// The model of light
-    #[arg(long, default_value = LightModel::ALL[0].name(), value_parser = models())]
+    #[arg(long, default_value = LightModel::ALL[0].name(), value_parser = named(LightModel::ALL, LightModel::name))]
     pub model: LightModel,
     /// The table of model `ltc`, or of `sg` and `asg` in place of the closed form: a file, or a digest of a table in
     /// the folder of `--tables`
@@ -36,7 +33,7 @@ pub struct LightArgs {
     #[command(flatten)]
     pub folder: TableFolder,
     /// How model `normals` averages shadowing over a light [default: fan]
-    #[arg(long, value_parser = weights())]
+    #[arg(long, value_parser = named(WeightRule::ALL, WeightRule::name))]
     pub weight: Option<WeightRule>,
     /// Print the truth as well, for the table's scattering model or GGX, by adaptive quadrature: milliseconds a line
     #[arg(long)]

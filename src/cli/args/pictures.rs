@@ -10,7 +10,7 @@ use clap::{
 use super::{
     super::preview_names::{AdapterName, LanguageName, TexelFormatName},
     TableFolder, Threads,
-    models::{isotropic_figures, models, weights},
+    models::named,
 };
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, WeightRule};
@@ -114,13 +114,13 @@ pub struct PlotArgs {
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub phi: Option<Azimuth>,
     /// How model `normals` averages shadowing over a light, for light [default: fan]
-    #[arg(long, value_parser = weights())]
+    #[arg(long, value_parser = named(WeightRule::ALL, WeightRule::name))]
     pub weight: Option<WeightRule>,
     /// Random rectangles in each cell of light [default: 24], and for each angle of gaussians [default: 150]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub lights: Option<u32>,
     /// The figure of isotropic [default: numbers]
-    #[arg(long, value_parser = isotropic_figures())]
+    #[arg(long, value_parser = named(IsotropicFigure::ALL, IsotropicFigure::name))]
     pub figure: Option<IsotropicFigure>,
     /// Visible normals a pixel of the reference of glass [default: 610]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -154,7 +154,7 @@ pub struct ShaderArgs {
     #[arg(long, value_enum)]
     pub language: LanguageName,
     /// The model of light
-    #[arg(long, value_parser = models(), default_value = "ltc")]
+    #[arg(long, value_parser = named(LightModel::ALL, LightModel::name), default_value = "ltc")]
     pub model: LightModel,
     /// Functions to include in your own shader, or a program that calls them
     #[arg(long = "as", value_enum, default_value = "include")]
@@ -167,7 +167,7 @@ pub struct ShaderArgs {
     pub texture_array: bool,
     /// Lights that a text of model ltc to include has functions for: all, or polygons alone, which is two fifths
     /// shorter [default: all]
-    #[arg(long, value_parser = lights())]
+    #[arg(long, value_parser = named(Lights::ALL, Lights::name))]
     pub lights: Option<Lights>,
     /// Beginning of all names in a text to include, in place of ltc, normals or gaussians, for two tables in one shader
     #[arg(long, value_name = "NAME")]
@@ -181,7 +181,7 @@ pub struct ShaderArgs {
     pub group: Option<u16>,
     /// Layout of the tables that the shader reads: of LTCs for model ltc, of Gaussians for sg and asg, which have
     /// closed forms without it; a table's recipe names it
-    #[arg(long, value_parser = layout())]
+    #[arg(long, value_parser = named(Layout::ALL, Layout::name))]
     pub layout: Option<Layout>,
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "first_binding", "group"])]
@@ -197,23 +197,11 @@ pub struct ShaderArgs {
     pub out: Option<PathBuf>,
 }
 
-/// Reads a layout by its name in recipes.
-fn layout() -> impl TypedValueParser<Value = Layout> {
-    let names = PossibleValuesParser::new(Layout::ALL.iter().map(|layout| layout.name()));
-    names.try_map(|name| Layout::from_name(&name).ok_or("is not a layout"))
-}
-
-/// Reads the lights of a text.
-fn lights() -> impl TypedValueParser<Value = Lights> {
-    let names = PossibleValuesParser::new(Lights::ALL.iter().map(|lights| lights.name()));
-    names.try_map(|name| Lights::from_name(&name).ok_or("is not a kind of light"))
-}
-
 /// `figures`.
 #[derive(Debug, Args)]
 pub struct FiguresArgs {
     /// Only this one, once or several times [default: all]
-    #[arg(value_name = "NAME", value_parser = figure())]
+    #[arg(value_name = "NAME", value_parser = named(Figure::ALL, Figure::name))]
     pub names: Vec<Figure>,
     /// The renderer of the spheres
     #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
@@ -224,12 +212,6 @@ pub struct FiguresArgs {
     /// Number of threads
     #[command(flatten)]
     pub threads: Threads,
-}
-
-/// A figure by its name.
-fn figure() -> impl TypedValueParser<Value = Figure> {
-    PossibleValuesParser::new(Figure::ALL.iter().map(|figure| figure.name()))
-        .try_map(|name| Figure::from_name(&name).ok_or("no figure"))
 }
 
 /// The form of a shader.

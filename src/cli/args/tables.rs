@@ -4,10 +4,7 @@ use std::{num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
-use super::{
-    Threads,
-    models::{models, weights},
-};
+use super::{Threads, models::named};
 use ltcforge_client::Limits;
 use ltcforge_files::digest::Digest;
 use ltcforge_light::{LightModel, WeightRule};
@@ -65,10 +62,10 @@ pub struct ReportArgs {
     pub folder: TableFolder,
     /// The model to measure: the table of model `ltc`, the closed form `normals`, or the Gaussian `sg` or `asg`, by the
     /// light of random rectangles, a measure that all share [default: ltc, by its lobes]
-    #[arg(long, value_parser = models())]
+    #[arg(long, value_parser = named(LightModel::ALL, LightModel::name))]
     pub model: Option<LightModel>,
     /// How model `normals` averages shadowing over a light [default: all ways]
-    #[arg(long, value_parser = weights())]
+    #[arg(long, value_parser = named(WeightRule::ALL, WeightRule::name))]
     pub weight: Option<WeightRule>,
     /// Random rectangles that a model is measured by [default: 2000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
