@@ -55,24 +55,7 @@ pub(super) struct FrameLight {
 }
 
 /// What the light is, as uniforms.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum FrameShape {
-    Polygon,
-    Ellipse(FrameEllipse),
-    Tube { ends: [Vec3; 2], radius: f32 },
-    Line { ends: [Vec3; 2], width: f32 },
-}
-
-impl From<Shape> for FrameShape {
-    fn from(shape: Shape) -> Self {
-        match shape {
-            Shape::Polygon => Self::Polygon,
-            Shape::Ellipse(ellipse) => Self::Ellipse(ellipse.into()),
-            Shape::Tube { ends, radius } => Self::Tube { ends: ends.map(glam::DVec3::as_vec3), radius: radius as f32 },
-            Shape::Line { ends, width } => Self::Line { ends: ends.map(glam::DVec3::as_vec3), width: width as f32 },
-        }
-    }
-}
+pub(super) type FrameShape = Shape<Vec3, f32>;
 
 impl FrameShape {
     /// `light_shape` in the shader.
@@ -99,21 +82,6 @@ impl FrameLight {
             FrameShape::Tube { .. } => MAX_VERTICES,
             FrameShape::Line { .. } => 4,
         }
-    }
-}
-
-/// An ellipse, as uniforms.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FrameEllipse {
-    pub(super) centre: Vec3,
-    /// Half axes, and one over the square of their lengths.
-    pub(super) half_axes: [(Vec3, f32); 2],
-}
-
-impl From<Ellipse> for FrameEllipse {
-    fn from(ellipse: Ellipse) -> Self {
-        let half_axes = ellipse.half_axes.map(|axis| (axis.as_vec3(), (1.0 / axis.length_squared()) as f32));
-        Self { centre: ellipse.centre.as_vec3(), half_axes }
     }
 }
 
@@ -163,7 +131,7 @@ impl Frame {
             light: FrameLight {
                 vertices: vertices.into_iter().map(DVec3::as_vec3).collect(),
                 area_up_to: area_up_to.into_iter().map(|share| share as f32).collect(),
-                shape: shape.into(),
+                shape: shape.as_f32(),
                 normal: normal.as_vec3(),
                 area: area as f32,
                 radiance: scene.light.intensity as f32,
@@ -211,7 +179,7 @@ impl Frame {
             }
         }
         match light.shape {
-            FrameShape::Ellipse(FrameEllipse { centre, half_axes: [(x, per_x2), (y, per_y2)] }) => {
+            FrameShape::Ellipse(Ellipse { centre, half_axes: [(x, per_x2), (y, per_y2)] }) => {
                 words.vector(centre, 0.0);
                 words.vector(x, per_x2);
                 words.vector(y, per_y2);

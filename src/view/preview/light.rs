@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::{Light, LightKind};
 
@@ -17,31 +17,47 @@ pub(super) struct Outline {
     pub(super) area: f64,
     /// Area of the triangles (0, 1, 2) up to (0, i - 1, i) over that of all, for each vertex i.
     pub(super) area_up_to: Vec<f64>,
-    pub(super) shape: Shape,
+    pub(super) shape: Shape<DVec3, f64>,
 }
 
-/// What the light is.
+/// The shape of a light, in vectors and numbers of the scene or of uniforms.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Shape {
+pub(super) enum Shape<V, N> {
     Polygon,
-    Ellipse(Ellipse),
+    Ellipse(Ellipse<V, N>),
     /// A tube with round ends; a sphere where both are one.
     Tube {
-        ends: [DVec3; 2],
-        radius: f64,
+        ends: [V; 2],
+        radius: N,
     },
     Line {
-        ends: [DVec3; 2],
-        width: f64,
+        ends: [V; 2],
+        width: N,
     },
 }
 
 /// What a disk becomes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ellipse {
-    pub(super) centre: DVec3,
-    /// Perpendicular to each other.
-    pub(super) half_axes: [DVec3; 2],
+pub(super) struct Ellipse<V, N> {
+    pub(super) centre: V,
+    /// Half axes, perpendicular to each other, and one over the square of their lengths.
+    pub(super) half_axes: [(V, N); 2],
+}
+
+impl Shape<DVec3, f64> {
+    /// As uniforms.
+    pub(super) fn as_f32(&self) -> Shape<Vec3, f32> {
+        let of_ends = |ends: [DVec3; 2]| ends.map(|end| end.as_vec3());
+        match *self {
+            Self::Polygon => Shape::Polygon,
+            Self::Ellipse(Ellipse { centre, half_axes }) => {
+                let half_axes = half_axes.map(|(axis, per_length2)| (axis.as_vec3(), per_length2 as f32));
+                Shape::Ellipse(Ellipse { centre: centre.as_vec3(), half_axes })
+            }
+            Self::Tube { ends, radius } => Shape::Tube { ends: of_ends(ends), radius: radius as f32 },
+            Self::Line { ends, width } => Shape::Line { ends: of_ends(ends), width: width as f32 },
+        }
+    }
 }
 
 impl Light {
@@ -72,7 +88,9 @@ impl Light {
         let ends = [centre - half_axes[0], centre + half_axes[0]];
         let shape = match self.kind {
             LightKind::Rectangle | LightKind::Polygon(_) => Shape::Polygon,
-            LightKind::Disk => Shape::Ellipse(Ellipse { centre, half_axes }),
+            LightKind::Disk => {
+                Shape::Ellipse(Ellipse { centre, half_axes: half_axes.map(|axis| (axis, 1.0 / axis.length_squared())) })
+            }
             LightKind::Sphere => Shape::Tube { ends: [centre; 2], radius: width },
             LightKind::Tube => Shape::Tube { ends, radius: height },
             LightKind::Line => Shape::Line { ends, width: 2.0 * height },

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use ltcforge_light::{LightModel, normals::WeightRule};
+use ltcforge_light::{LightModel, LightShape, normals::WeightRule};
 
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;
@@ -213,10 +213,10 @@ impl LightKind {
     /// Those that have a name, with their names in parameters.
     pub const NAMED: [(&str, Self); 10] = [
         ("rectangle", Self::Rectangle),
-        ("disk", Self::Disk),
-        ("sphere", Self::Sphere),
-        ("tube", Self::Tube),
-        ("line", Self::Line),
+        (LightShape::Disk.name(), Self::Disk),
+        (LightShape::Sphere.name(), Self::Sphere),
+        (LightShape::Tube.name(), Self::Tube),
+        (LightShape::Line.name(), Self::Line),
         ("triangle", Self::Polygon(3)),
         ("pentagon", Self::Polygon(5)),
         ("hexagon", Self::Polygon(6)),

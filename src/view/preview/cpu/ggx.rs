@@ -5,7 +5,10 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::solids;
-use crate::preview::frame::{FrameEllipse, FrameLight, FrameShape};
+use crate::preview::{
+    frame::{FrameLight, FrameShape},
+    light::Ellipse,
+};
 use ltcforge_fit::math::sin_cos_turns;
 
 pub(super) const HORIZON: f32 = 1e-6;
@@ -95,7 +98,7 @@ impl FrameLight {
 
     /// Whether a point of its plane is on it.
     fn holds(&self, hit: Vec3) -> bool {
-        if let FrameShape::Ellipse(FrameEllipse { centre, half_axes }) = self.shape {
+        if let FrameShape::Ellipse(Ellipse { centre, half_axes }) = self.shape {
             let [x, y] = half_axes.map(|(axis, per_length2)| (hit - centre).dot(axis) * per_length2);
             return x * x + y * y <= 1.0;
         }
@@ -110,7 +113,7 @@ impl FrameLight {
     }
 
     fn point(&self, u: Vec2) -> Vec3 {
-        if let FrameShape::Ellipse(FrameEllipse { centre, half_axes: [(x, _), (y, _)] }) = self.shape {
+        if let FrameShape::Ellipse(Ellipse { centre, half_axes: [(x, _), (y, _)] }) = self.shape {
             let (sin, cos) = sin_cos_turns(u.y);
             return centre + u.x.sqrt() * (cos * x + sin * y);
         }

@@ -68,9 +68,9 @@ fn grid(vertices: &[DVec3]) -> Vec<(DVec3, f64)> {
 }
 
 /// The same over an ellipse, in rings of equal area.
-fn rings(ellipse: &Ellipse) -> Vec<(DVec3, f64)> {
+fn rings(ellipse: &Ellipse<DVec3, f64>) -> Vec<(DVec3, f64)> {
     const N: usize = 800;
-    let [x, y] = ellipse.half_axes;
+    let [x, y] = ellipse.half_axes.map(|(axis, _)| axis);
     let share = PI * x.length() * y.length() / (N * N) as f64;
     let radius = |j: usize| ((j as f64 + 0.5) / N as f64).sqrt();
     let angle = |k: usize| (k as f64 + 0.5) / N as f64 * TAU;
