@@ -154,7 +154,9 @@ impl LightModel {
         Self::names_of(|model| !model.weights().is_empty())
     }
 
-    fn names_of(is_told: impl Fn(Self) -> bool) -> String {
+    /// The names of the models for which something holds, as a sentence lists them.
+    #[must_use]
+    pub fn names_of(is_told: impl Fn(Self) -> bool) -> String {
         let names: Vec<&str> = Self::ALL.iter().filter(|model| is_told(**model)).map(|model| model.name()).collect();
         listed(&names)
     }
