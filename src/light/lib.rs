@@ -23,7 +23,7 @@ mod truth;
 
 pub use error::LightError;
 pub use gaussians::{Gaussian, by_gaussian};
-pub use ltc::{CosineSpace, CoversShapes, by_table};
+pub use ltc::{CosineSpace, by_table};
 pub use measure::{EVERYWHERE, LightMap, RandomLights, light_error, light_error_by, light_map};
 pub use model::{ClosedForm, LightModel, Lighting, Lit, Reflected};
 pub use normals::{WeightRule, by_normals};

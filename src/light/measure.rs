@@ -88,8 +88,9 @@ impl RandomLights {
 /// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherLights`] for one of another scattering model than the
 /// lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
-    let model = with_terms(model, &lights.brdf)?;
-    light_error_by(|at, light| model.borrowed().reflected(at, light), lights)
+    let own = with_terms(model, &lights.brdf)?;
+    let model = own.as_ref().map_or(model, Lighting::Table);
+    light_error_by(|at, light| model.reflected(at, light), lights)
 }
 
 /// The same of what `reflected` says of a surface and a light.
@@ -130,7 +131,9 @@ pub fn light_map(
     cells: usize,
     count: usize,
 ) -> Result<LightMap, LightError> {
-    let models: Vec<Owned<'_>> = models.iter().map(|model| with_terms(*model, brdf)).collect::<Result<_, _>>()?;
+    let own: Vec<_> = models.iter().map(|model| with_terms(*model, brdf)).collect::<Result<_, _>>()?;
+    let models = models.iter().zip(&own).map(|(model, own)| own.as_ref().map_or(*model, Lighting::Table));
+    let models: Vec<Lighting<'_>> = models.collect();
     let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_ALPHA, 1.0).sqrt());
     let theta = range.theta.map(|theta| theta.min(STEEPEST));
     let part = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / cells as f64;
@@ -138,26 +141,11 @@ pub fn light_map(
     let cell = |index: usize| -> Result<Vec<f64>, LightError> {
         let alpha = both(roughness, index / cells).map(|root| root * root);
         let lights = RandomLights::draw(brdf, &PerAxis { alpha, theta: both(theta, index % cells), ..*range }, count)?;
-        models.iter().map(|model| Ok(light_error(model.borrowed(), &lights)?.mean)).collect()
+        models.iter().map(|model| Ok(light_error(*model, &lights)?.mean)).collect()
     };
     let by_cell: Vec<Vec<f64>> = (0..cells * cells).into_par_iter().map(cell).collect::<Result<_, _>>()?;
     let of_model = |model: usize| by_cell.iter().map(|errors| errors[model]).collect();
     Ok(LightMap { roughness, theta, errors: (0..models.len()).map(of_model).collect() })
-}
-
-/// A model that has all that it needs: a table with terms.
-enum Owned<'a> {
-    Given(Lighting<'a>),
-    WithTerms(Box<Table>),
-}
-
-impl Owned<'_> {
-    fn borrowed(&self) -> Lighting<'_> {
-        match self {
-            Self::Given(model) => *model,
-            Self::WithTerms(table) => Lighting::Table(table),
-        }
-    }
 }
 
 fn spread(mut errors: Vec<f64>) -> Spread {
@@ -167,17 +155,18 @@ fn spread(mut errors: Vec<f64>) -> Spread {
     Spread { mean, p95: errors[count * 95 / 100], max: errors[count - 1] }
 }
 
-/// A table without terms with its scattering model's own. Every model is measured by the truth of what it stands for.
-fn with_terms<'a>(model: Lighting<'a>, brdf: &BrdfModel) -> Result<Owned<'a>, LightError> {
+/// The table of a model whose own has no terms, with those of its scattering model. Every model is measured by the truth of what
+/// it stands for.
+fn with_terms(model: Lighting<'_>, brdf: &BrdfModel) -> Result<Option<Table>, LightError> {
     model.check_brdf(brdf)?;
-    match model {
-        Lighting::Table(table) if table.terms.is_none() && table.lobe.gaussian().is_some() => Err(LightError::NoTerms),
-        Lighting::Table(table) if table.terms.is_none() => {
-            let terms = Some(terms_of(brdf, table.layout, &table.axes));
-            Ok(Owned::WithTerms(Box::new(Table { terms, ..table.clone() })))
-        }
-        given => Ok(Owned::Given(given)),
+    let Lighting::Table(table) = model else { return Ok(None) };
+    if table.terms.is_some() {
+        return Ok(None);
     }
+    if table.lobe.gaussian().is_some() {
+        return Err(LightError::NoTerms);
+    }
+    Ok(Some(Table { terms: Some(terms_of(brdf, table.layout, &table.axes)), ..table.clone() }))
 }
 
 struct Draw(Xoshiro256PlusPlus);

@@ -4,7 +4,7 @@ use super::{
     Language,
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
-    model_shader::{Comment, ModelShader},
+    model_shader::{ModelShader, caller},
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::gaussians::{Gaussian, SgLight, reflected, reflected_sg};
@@ -14,21 +14,19 @@ pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
     functions: |_| &["gaussians_light"],
     example: "gaussians_example",
-    caller: |_| CALLED.to_owned(),
-    comment: Comment::Formula { program: gaussians_header, included: gaussians_include_header },
+    caller: |_| gaussians_caller("gaussians_view"),
+    program_comment: |language, _| gaussians_header(language),
+    include_comment: |_, _, _, _, _| gaussians_include_header(),
 };
 
-/// The fragment shader that reaches every function.
-pub(super) const CALLED: &str = "
-@fragment
-fn ltc_included() -> @location(0) vec4<f32> {
-    let view = gaussians_view(1u, 0.5, 0.5, vec3(0.0, 0.0, 1.0));
-    var vertices: array<vec3<f32>, 8>;
-    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
-    let disk = gaussians_disk(view, vertices[0], vertices[1], vertices[2], true);
+/// The fragment shader that reaches every function, with the one that gives the view.
+pub(super) fn gaussians_caller(view: &str) -> String {
+    caller(&format!("let view = {view}(1u, 0.5, 0.5, vec3(0.0, 0.0, 1.0));"), CALLS)
+}
+
+const CALLS: &str = "    let disk = gaussians_disk(view, vertices[0], vertices[1], vertices[2], true);
     let polygon = gaussians_polygon(view, vertices, 4u, true) + gaussians_sg(view, vertices[0], 1.0, 1.0);
     return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
-}
 ";
 
 /// What the shader is, and under which terms.

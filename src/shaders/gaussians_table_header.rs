@@ -2,14 +2,14 @@
 
 use super::{
     Bound, Language,
-    gaussians_header::{CALLED, LIGHTS},
+    gaussians_header::{LIGHTS, gaussians_caller},
     golden::{CASES, CORNERS, Case},
     header::{NODES_IN_STORAGE, bindings, bound_table, checked_table, commented, fixed, listed},
 };
 use super::{
     Lights, Place, Reading,
     header::{included_bindings, nodes_of_include},
-    model_shader::{Comment, ModelShader},
+    model_shader::ModelShader,
 };
 use ltcforge_fit::Layout;
 use ltcforge_light::Gaussian;
@@ -19,8 +19,9 @@ pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
     functions: |_| &["gaussians_light", "gaussians_table"],
     example: "gaussians_table_example",
-    caller: |_| CALLED.replace("gaussians_view(", "gaussians_lookup("),
-    comment: Comment::Table { program: gaussians_table_header, included: gaussians_table_include_header },
+    caller: |_| gaussians_caller("gaussians_lookup"),
+    program_comment: gaussians_table_header,
+    include_comment: gaussians_table_include_header,
 };
 
 /// What the shader is, and under which terms.

@@ -1,6 +1,6 @@
 //! The comment at the top of a translation.
 
-use super::model_shader::{Comment, ModelShader};
+use super::model_shader::{ModelShader, caller};
 use super::{
     Bound, Language, Lights,
     golden::{CASES, CORNERS, Case, Golden, table},
@@ -13,8 +13,9 @@ pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "ltc",
     functions: light_files,
     example: "ltc_example",
-    caller: |lights| table_caller(lights).to_owned(),
-    comment: Comment::Table { program: header, included: table_include_header },
+    caller: table_caller,
+    program_comment: header,
+    include_comment: table_include_header,
 };
 
 /// The files that integrate an LTC over lights.
@@ -26,38 +27,22 @@ pub(super) fn light_files(lights: Lights) -> &'static [&'static str] {
 }
 
 /// The fragment shader that reaches every function of a table's light.
-pub fn table_caller(lights: Lights) -> &'static str {
-    match lights {
-        Lights::All => ALL_CALLED,
-        Lights::Polygons => POLYGONS_CALLED,
-    }
+#[must_use]
+pub fn table_caller(lights: Lights) -> String {
+    let (shapes, parts) = match lights {
+        Lights::All => (SHAPES_CALLED, "disk + sphere, long"),
+        Lights::Polygons => ("", "0.0, 0.0"),
+    };
+    let calls = format!("{shapes}{POLYGONS_CALLED}    return vec4(polygon, {parts}, lobe.fresnel);\n");
+    caller("let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));\n    let inverse = ltc_inverse(lobe.m);", &calls)
 }
 
-const ALL_CALLED: &str = "
-@fragment
-fn ltc_included() -> @location(0) vec4<f32> {
-    let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));
-    let inverse = ltc_inverse(lobe.m);
-    var vertices: array<vec3<f32>, 8>;
-    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
-    let disk = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], true);
+const SHAPES_CALLED: &str = "    let disk = ltc_disk(inverse, vertices[0], vertices[1], vertices[2], true);
     let sphere = ltc_sphere(inverse, vertices[0], 1.0);
     let long = ltc_tube(inverse, vertices[0], vertices[1], 1.0) + ltc_line(inverse, vertices[0], vertices[1], 1.0);
-    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
-    return vec4(polygon, disk + sphere, long, lobe.fresnel);
-}
 ";
-
-const POLYGONS_CALLED: &str = "
-@fragment
-fn ltc_included() -> @location(0) vec4<f32> {
-    let lobe = ltc_lookup(0.5, 0.5, vec3(0.0, 0.0, 1.0));
-    let inverse = ltc_inverse(lobe.m);
-    var vertices: array<vec3<f32>, 8>;
-    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
-    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
-    return vec4(polygon, 0.0, 0.0, lobe.fresnel);
-}
+const POLYGONS_CALLED: &str =
+    "    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
 ";
 
 /// What the shader is, and under which terms.

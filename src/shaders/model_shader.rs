@@ -16,16 +16,10 @@ pub struct ModelShader {
     pub example: &'static str,
     /// A fragment shader that calls every function, named `ltc_included`.
     pub caller: fn(Lights) -> String,
-    /// The comment at its top.
-    pub(super) comment: Comment,
-}
-
-/// The comment at the top of a program and of a text to include, in lines that begin with `//`.
-pub(super) enum Comment {
-    /// Of a formula.
-    Formula { program: fn(Language) -> String, included: fn() -> String },
-    /// Of what reads tables of a layout.
-    Table { program: fn(Language, Layout) -> String, included: fn(Language, Layout, Reading, Lights, &Place) -> String },
+    /// The comment at the top of the program, in lines that begin with `//`; of a formula it is the same for all layouts.
+    pub(super) program_comment: fn(Language, Layout) -> String,
+    /// The comment at the top of the text to include, likewise.
+    pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Place) -> String,
 }
 
 impl LitBy {
@@ -43,20 +37,27 @@ impl LitBy {
     /// The comment at the top of the program in `language`.
     #[must_use]
     pub fn comment(self, language: Language) -> String {
-        match (&self.shader().comment, self.layout()) {
-            (Comment::Formula { program, .. }, _) => program(language),
-            (Comment::Table { program, .. }, Some(layout)) => program(language, layout),
-            (Comment::Table { .. }, None) => unreachable!("{} reads a table without a layout", self.model()),
-        }
+        (self.shader().program_comment)(language, self.layout().unwrap_or(Layout::ALL[0]))
     }
 
     /// The comment at the top of the text to include.
     #[must_use]
     pub fn include_comment(self, language: Language, reading: Reading, lights: Lights, place: &Place) -> String {
-        match (&self.shader().comment, self.layout()) {
-            (Comment::Formula { included, .. }, _) => included(),
-            (Comment::Table { included, .. }, Some(layout)) => included(language, layout, reading, lights, place),
-            (Comment::Table { .. }, None) => unreachable!("{} reads a table without a layout", self.model()),
-        }
+        let layout = self.layout().unwrap_or(Layout::ALL[0]);
+        (self.shader().include_comment)(language, layout, reading, lights, place)
     }
+}
+
+/// A fragment shader that looks up what `lookup` says, and goes on as `calls` say with the vertices of a light.
+pub(super) fn caller(lookup: &str, calls: &str) -> String {
+    format!(
+        "
+@fragment
+fn ltc_included() -> @location(0) vec4<f32> {{
+    {lookup}
+    var vertices: array<vec3<f32>, 8>;
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+{calls}}}
+"
+    )
 }

@@ -4,7 +4,7 @@ use super::{
     Language,
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
-    model_shader::{Comment, ModelShader},
+    model_shader::{ModelShader, caller},
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::normals::{WeightRule, reflected};
@@ -16,20 +16,13 @@ pub(super) const SHADER: ModelShader = ModelShader {
         &["normals_corner", "normals_edge", "normals_outline", "normals_weight", "normals_fan", "normals_light"]
     },
     example: "normals_example",
-    caller: |_| CALLED.to_owned(),
-    comment: Comment::Formula { program: normals_header, included: normals_include_header },
+    caller: |_| caller("let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));", CALLS),
+    program_comment: |language, _| normals_header(language),
+    include_comment: |_, _, _, _, _| normals_include_header(),
 };
 
-/// The fragment shader that reaches every function.
-const CALLED: &str = "
-@fragment
-fn ltc_included() -> @location(0) vec4<f32> {
-    let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));
-    var vertices: array<vec3<f32>, 8>;
-    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
-    let disk = normals_disk(view, vertices[0], vertices[1], vertices[2], true, 0u);
+const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1], vertices[2], true, 0u);
     return vec4(normals_rectangle(view, corners, true, 0u) + normals_polygon(view, &vertices, 4u, true, 0u), disk);
-}
 ";
 
 /// What the shader is, and under which terms.

@@ -5,7 +5,7 @@ mod shapes;
 mod table;
 
 pub use cone::Cone;
-pub use shapes::{CosineSpace, CoversShapes};
+pub use shapes::CosineSpace;
 pub use table::by_table;
 
 use super::model::{Formula, ModelOfLight, TableLight};

@@ -6,8 +6,6 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
-use glam::DVec3;
-
 use super::cone::Cone;
 use ltcforge_fit::{
     Clip, Ltc, Sides,
@@ -37,7 +35,8 @@ impl<T: Scalar> CosineSpace<T> {
     /// The part that the ellipse `centre + cos t x + sin t y` covers, for any two half axes; its lit side is that of
     /// `x cross y`.
     #[must_use]
-    pub fn ellipse(&self, centre: Triple<T>, half_axes: [Triple<T>; 2], sides: Sides) -> T {
+    pub fn ellipse<V: Into<Triple<T>>>(&self, centre: V, half_axes: [V; 2], sides: Sides) -> T {
+        let (centre, half_axes) = (centre.into(), half_axes.map(V::into));
         // From its lit side an ellipse is seen against its normal.
         if sides == Sides::One && !(dot(centre, cross(half_axes[0], half_axes[1])) < T::ZERO) {
             return T::ZERO;
@@ -51,7 +50,8 @@ impl<T: Scalar> CosineSpace<T> {
 
     /// The part that a sphere covers; all from inside it.
     #[must_use]
-    pub fn sphere(&self, centre: Triple<T>, radius: T) -> T {
+    pub fn sphere(&self, centre: impl Into<Triple<T>>, radius: T) -> T {
+        let centre = centre.into();
         if dot(centre, centre) <= radius * radius {
             return T::ONE;
         }
@@ -80,7 +80,8 @@ impl<T: Scalar> CosineSpace<T> {
     /// 1 / (2 d^2) (o_z D + (o_z cos S + t_z sin S) sin D),    D = u_1 - u_0,  S = u_0 + u_1
     /// ```
     #[must_use]
-    pub fn line(&self, [a, b]: [Triple<T>; 2], width: T) -> T {
+    pub fn line<V: Into<Triple<T>>>(&self, ends: [V; 2], width: T) -> T {
+        let [a, b] = ends.map(V::into);
         let lit = cross(a, b);
         let (mut p, mut q) = (self.of(a), self.of(b));
         let normal = cross(p, q);
@@ -115,7 +116,8 @@ impl<T: Scalar> CosineSpace<T> {
     /// The outline of such a tube is that of two spheres and the two planes that touch both. Where the origin is within the
     /// radius of the line beyond an end, the sphere at that end hides all the rest.
     #[must_use]
-    pub fn tube(&self, ends: [Triple<T>; 2], radius: T) -> T {
+    pub fn tube<V: Into<Triple<T>>>(&self, ends: [V; 2], radius: T) -> T {
+        let ends = ends.map(V::into);
         let along = minus(ends[1], ends[0]);
         let length = dot(along, along).sqrt();
         let axis = unit(along);
@@ -163,43 +165,10 @@ fn basis<T: Scalar>(n: Triple<T>) -> (Triple<T>, Triple<T>) {
     (x, cross(n, x))
 }
 
-/// The parts of a distribution that lights cover.
-pub trait CoversShapes {
-    /// Its map to the space of the clamped cosine.
-    #[must_use]
-    fn cosine_space(&self) -> CosineSpace<f64>;
-
-    /// The part of the distribution that an ellipse covers, or a disk: `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two
-    /// half axes. Its lit side is that of their vector product. Exact, see [`Cone`]. Domain: finite vectors.
-    #[must_use]
-    fn ellipse(&self, centre: DVec3, half_axes: [DVec3; 2], sides: Sides) -> f64 {
-        self.cosine_space().ellipse(centre.to_array(), half_axes.map(|axis| axis.to_array()), sides)
-    }
-
-    /// The part of the distribution that a sphere covers; one from inside it. Exact. Domain: a finite centre, `radius >= 0`.
-    #[must_use]
-    fn sphere(&self, centre: DVec3, radius: f64) -> f64 {
-        self.cosine_space().sphere(centre.to_array(), radius)
-    }
-
-    /// The part of the distribution that a line of a small width covers, which faces the origin everywhere: the limit of a thin
-    /// tube, whose diameter is the width. See [`CosineSpace::line`]. Domain: finite ends, `width >= 0`.
-    #[must_use]
-    fn line(&self, ends: [DVec3; 2], width: f64) -> f64 {
-        self.cosine_space().line(ends.map(|end| end.to_array()), width)
-    }
-
-    /// The part of the distribution that a tube with round ends covers, a sphere where the ends are one; one from inside it.
-    /// Exact. Domain: finite ends, `radius >= 0`.
-    #[must_use]
-    fn tube(&self, ends: [DVec3; 2], radius: f64) -> f64 {
-        self.cosine_space().tube(ends.map(|end| end.to_array()), radius)
-    }
-}
-
-impl CoversShapes for Ltc {
-    fn cosine_space(&self) -> CosineSpace<f64> {
-        CosineSpace::new(self.inverse().transpose().to_cols_array_2d())
+/// The map of a distribution to the space of the clamped cosine.
+impl From<&Ltc> for CosineSpace<f64> {
+    fn from(ltc: &Ltc) -> Self {
+        Self::new(ltc.inverse().transpose().to_cols_array_2d())
     }
 }
 

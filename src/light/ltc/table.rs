@@ -1,6 +1,6 @@
 //! What a surface reflects of a light by a table.
 
-use super::CoversShapes as _;
+use super::CosineSpace;
 use crate::{
     AreaLight, LightError, Reflected,
     gaussians::{SphericalGaussian, reflected_by},
@@ -46,13 +46,14 @@ pub fn by_table<'a>(
 
 /// The part of an LTC that a light covers.
 fn covered(ltc: &Ltc, light: AreaLight<'_>) -> f64 {
+    let space = CosineSpace::from(ltc);
     match light {
         AreaLight::Polygon(light) => ltc.polygon(light.vertices(), light.sides()),
         AreaLight::Shaped(light) => match *light.form() {
-            Form::Ellipse { centre, half_axes, sides } => ltc.ellipse(centre, half_axes, sides),
-            Form::Sphere { centre, radius } => ltc.sphere(centre, radius),
-            Form::Tube { ends, radius } => ltc.tube(ends, radius),
-            Form::Line { ends, width } => ltc.line(ends, width),
+            Form::Ellipse { centre, half_axes, sides } => space.ellipse(centre, half_axes, sides),
+            Form::Sphere { centre, radius } => space.sphere(centre, radius),
+            Form::Tube { ends, radius } => space.tube(ends, radius),
+            Form::Line { ends, width } => space.line(ends, width),
         },
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Roughness};
 use crate::{
-    CoversShapes as _, Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals,
+    CosineSpace, Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals,
     by_table, truth, truth_within,
 };
 use ltcforge_fit::{
@@ -205,16 +205,17 @@ fn table(matrix: [f64; 9], lobe: LobeModel) -> Table {
 fn a_table_lights_by_the_shape_and_other_models_by_its_outline() {
     let rows = [0.5, 0.0, 0.25, 0.0, 0.375, 0.0, 0.0, 0.0, 1.0];
     let ltc = Ltc::new(ltcforge_fit::math::from_row_major(&rows)).expect("regular");
+    let space = CosineSpace::from(&ltc);
     let at = Configuration { alpha_x: 1.0, alpha_y: 1.0, theta: 0.0, phi: 0.0 };
     let mut shapes = Vec::new();
     for (_, case) in broad(84, 10) {
         let Ok(light) = case.light() else { continue };
         shapes.push(light.shape());
         let covered = match case {
-            Case::Ellipse(centre, half_axes) => ltc.ellipse(centre, half_axes, Sides::Two),
-            Case::Sphere(centre, radius) => ltc.sphere(centre, radius),
-            Case::Tube(ends, radius) => ltc.tube(ends, radius),
-            Case::Line(ends, width) => ltc.line(ends, width),
+            Case::Ellipse(centre, half_axes) => space.ellipse(centre, half_axes, Sides::Two),
+            Case::Sphere(centre, radius) => space.sphere(centre, radius),
+            Case::Tube(ends, radius) => space.tube(ends, radius),
+            Case::Line(ends, width) => space.line(ends, width),
         };
         let wanted = Reflected { energy: 0.75 * covered, fresnel: 0.25 * covered };
         let found = by_table(&table(rows, LobeModel::Ltc), &at, &light).expect("a lobe");

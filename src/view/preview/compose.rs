@@ -210,10 +210,10 @@ fn reference_title(table: &ShaderTable, width: u32) -> String {
 }
 
 fn short_title(model: LightModel, table: &ShaderTable) -> String {
-    match model {
-        LightModel::Ltc => table.lobe_title(),
-        LightModel::Normals => "normals".to_owned(),
-        LightModel::Sg | LightModel::Asg => model.name().to_uppercase(),
+    match model.lobe() {
+        Some(_) if model.needs_table() => table.lobe_title(),
+        Some(lobe) => lobe.name().to_uppercase(),
+        None => model.to_string(),
     }
 }
 

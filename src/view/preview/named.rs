@@ -1,38 +1,25 @@
 //! Named set-ups.
 
 use super::{Camera, Light, LightKind, Material, Scene, Surface};
+use ltcforge_fit::named_list;
 
-/// A named set-up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NamedScene {
-    /// One sphere under a rectangle.
-    Sphere,
-    /// The four materials of KT et al. 2022, figure 14.
-    Figure14,
-    /// A brushed metal floor seen at a grazing angle, a light standing on its far side.
-    BrushedFloor,
-    /// A light of a few degrees, reflected by metal of roughness 0.02.
-    TinyLight,
-    /// A light beside the sphere and as large, which the horizons of most points cut.
-    Horizon,
+named_list! {
+    /// A named set-up.
+    pub enum NamedScene {
+        /// One sphere under a rectangle.
+        Sphere = "sphere",
+        /// The four materials of KT et al. 2022, figure 14.
+        Figure14 = "figure14",
+        /// A brushed metal floor seen at a grazing angle, a light standing on its far side.
+        BrushedFloor = "brushed_floor",
+        /// A light of a few degrees, reflected by metal of roughness 0.02.
+        TinyLight = "tiny_light",
+        /// A light beside the sphere and as large, which the horizons of most points cut.
+        Horizon = "horizon",
+    }
 }
 
 impl NamedScene {
-    /// Every one.
-    pub const ALL: [Self; 5] = [Self::Sphere, Self::Figure14, Self::BrushedFloor, Self::TinyLight, Self::Horizon];
-
-    /// Its name in parameters.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sphere => "sphere",
-            Self::Figure14 => "figure14",
-            Self::BrushedFloor => "brushed_floor",
-            Self::TinyLight => "tiny_light",
-            Self::Horizon => "horizon",
-        }
-    }
-
     /// Its parameters.
     #[must_use]
     pub fn scene(self) -> Scene {

@@ -24,7 +24,7 @@ pub static PARAMETERS: [Parameter; 25] = [
     name(
         "scene",
         "Named set-up",
-        || names(&NamedScene::ALL, NamedScene::name),
+        || names(NamedScene::ALL, NamedScene::name),
         |_| Some(0),
         |s, i| {
             *s = NamedScene::ALL[i].scene();
@@ -33,7 +33,7 @@ pub static PARAMETERS: [Parameter; 25] = [
     name(
         "mode",
         "What to show of it",
-        || names(&Mode::ALL, Mode::name),
+        || names(Mode::ALL, Mode::name),
         |s| Mode::ALL.iter().position(|mode| *mode == s.mode),
         |s, i| s.mode = Mode::ALL[i],
     ),

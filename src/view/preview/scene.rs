@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use ltcforge_fit::named_list;
 use ltcforge_light::{LightModel, LightShape, normals::WeightRule};
 
 /// Materials that a picture can hold.
@@ -127,39 +128,21 @@ pub struct LobeView {
     pub phi: f64,
 }
 
-/// What is shown of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Mode {
-    /// Light by the model.
-    Ltc,
-    /// Light by Monte Carlo integration of the BRDF itself.
-    Reference,
-    /// How far the two are apart, in false colours, with their scale.
-    Difference,
-    /// The three side by side.
-    Strip,
-    /// Table and closed form beside the reference, and how far each is from it.
-    Models,
-    /// The BRDF's lobe beside the fitted one, over the directions.
-    Lobe,
-}
-
-impl Mode {
-    /// Every mode.
-    pub const ALL: [Self; 6] = [Self::Ltc, Self::Reference, Self::Difference, Self::Strip, Self::Models, Self::Lobe];
-
-    /// Its name in parameters.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ltc => "ltc",
-            Self::Reference => "reference",
-            Self::Difference => "difference",
-            Self::Strip => "strip",
-            Self::Models => "models",
-            Self::Lobe => "lobe",
-        }
+named_list! {
+    /// What is shown of a scene.
+    pub enum Mode {
+        /// Light by the model.
+        Ltc = "ltc",
+        /// Light by Monte Carlo integration of the BRDF itself.
+        Reference = "reference",
+        /// How far the two are apart, in false colours, with their scale.
+        Difference = "difference",
+        /// The three side by side.
+        Strip = "strip",
+        /// Table and closed form beside the reference, and how far each is from it.
+        Models = "models",
+        /// The BRDF's lobe beside the fitted one, over the directions.
+        Lobe = "lobe",
     }
 }
 

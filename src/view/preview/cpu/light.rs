@@ -60,12 +60,12 @@ impl Inverse {
 
 /// The part of the lobe that an ellipse, a sphere, a tube or a line covers.
 fn shape_covered(space: &CosineSpace<f32>, light: &FrameLight, position: Vec3) -> f32 {
-    let around = |v: Vec3| (v - position).to_array();
+    let around = |v: Vec3| v - position;
     match light.shape {
         FrameShape::Polygon => 0.0,
         FrameShape::Ellipse(ellipse) => {
             let sides = if light.two_sided { Sides::Two } else { Sides::One };
-            space.ellipse(around(ellipse.centre), ellipse.half_axes.map(|(axis, _)| axis.to_array()), sides)
+            space.ellipse(around(ellipse.centre), ellipse.half_axes.map(|(axis, _)| axis), sides)
         }
         FrameShape::Tube { ends, radius } => space.tube(ends.map(around), radius),
         FrameShape::Line { ends, width } => space.line(ends.map(around), width),

@@ -85,8 +85,7 @@ pub(super) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -
 #[cfg(test)]
 pub(super) fn shapes_covered(m: glam::Mat3, [centre, x, y]: [glam::Vec3; 3], size: f32) -> [f32; 4] {
     let Some(space) = light::Inverse::of(m).cosine_space(glam::Mat3::IDENTITY) else { return [0.0; 4] };
-    let ends = [centre - x, centre + x].map(|v| v.to_array());
-    let [centre, x, y] = [centre, x, y].map(|v| v.to_array());
+    let ends = [centre - x, centre + x];
     [
         space.ellipse(centre, [x, y], ltcforge_fit::Sides::Two),
         space.sphere(centre, size),

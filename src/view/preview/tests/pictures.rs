@@ -14,7 +14,7 @@ use ltcforge_fit::LobeModel;
 fn twice_the_same_picture_is_the_same_bytes() {
     let table = shader_table(TexelFormat::F32);
     for mut preview in renderers() {
-        for mode in Mode::ALL {
+        for mode in Mode::ALL.iter().copied() {
             let scene = Scene { size: 96, spp: 4, mode, ..NamedScene::Figure14.scene() };
             let first = render(&mut preview, &table, &scene).picture.png().expect("a file");
             let again = render(&mut preview, &table, &scene).picture.png().expect("a file");
@@ -108,7 +108,7 @@ fn parameters_that_a_mode_does_not_show_are_not_part_of_its_name() {
         ("difference_scale", "0.1"),
         ("spp", "3"),
     ];
-    for mode in Mode::ALL {
+    for mode in Mode::ALL.iter().copied() {
         let usual = [("mode", mode.name()), ("size", "64")];
         let scene = Choices::read(usual).expect("a scene");
         let picture = render(&mut cpu, &table, &scene).picture;

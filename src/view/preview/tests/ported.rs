@@ -14,7 +14,7 @@ use ltcforge_fit::{
     math::{from_row_major, sin_cos},
 };
 use ltcforge_light::{
-    CoversShapes as _, Gaussian, LightModel,
+    CosineSpace, Gaussian, LightModel,
     gaussians::{self, SgLight},
     normals::{WeightRule, reflected},
 };
@@ -57,11 +57,12 @@ struct ExampleLight {
 impl ExampleLight {
     /// What an LTC sees of it, in f64.
     fn covered(&self, ltc: &Ltc, sides: Sides) -> f64 {
+        let space = CosineSpace::from(ltc);
         match (self.count, &self.given[..]) {
-            (0, [centre, x, y]) => ltc.ellipse(*centre, [*x, *y], sides),
-            (1, [centre]) => ltc.sphere(*centre, self.size),
-            (2, [start, end]) => ltc.tube([*start, *end], self.size),
-            (9, [start, end]) => ltc.line([*start, *end], self.size),
+            (0, [centre, x, y]) => space.ellipse(*centre, [*x, *y], sides),
+            (1, [centre]) => space.sphere(*centre, self.size),
+            (2, [start, end]) => space.tube([*start, *end], self.size),
+            (9, [start, end]) => space.line([*start, *end], self.size),
             _ => ltc.polygon(&self.outline, sides),
         }
     }

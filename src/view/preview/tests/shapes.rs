@@ -12,7 +12,7 @@ use crate::preview::{
     gpu::{GpuFailure, example},
 };
 use ltcforge_fit::{Ltc, Sides, testing::mirror_like};
-use ltcforge_light::CoversShapes as _;
+use ltcforge_light::CosineSpace;
 use ltcforge_shaders::{Bound, joined};
 
 /// Each kind of light of a matrix and three vectors that a case gives.
@@ -55,11 +55,17 @@ impl Case {
     /// What f64 finds of the same numbers in 32 bits.
     fn wanted(&self) -> [f64; 4] {
         let ltc = Ltc::new(self.m.as_dmat3()).expect("regular");
+        let space = CosineSpace::from(&ltc);
         let [centre, x, y] = self.places.map(Vec3::as_dvec3);
         let [start, end] = [self.places[0] - self.places[1], self.places[0] + self.places[1]];
         let ends = [start, end].map(Vec3::as_dvec3);
         let size = self.size.into();
-        [ltc.ellipse(centre, [x, y], Sides::Two), ltc.sphere(centre, size), ltc.tube(ends, size), ltc.line(ends, size)]
+        [
+            space.ellipse(centre, [x, y], Sides::Two),
+            space.sphere(centre, size),
+            space.tube(ends, size),
+            space.line(ends, size),
+        ]
     }
 }
 

@@ -38,7 +38,7 @@ fn gpu_and_cpu_agree_in_every_mode_and_scene() {
     let mut renderers = renderers();
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
     for table in shader_tables() {
-        for (named, mode) in NamedScene::ALL.iter().flat_map(|named| Mode::ALL.map(|mode| (named, mode))) {
+        for (named, mode) in NamedScene::ALL.iter().flat_map(|named| Mode::ALL.iter().map(move |mode| (named, *mode))) {
             let scene = Scene { size: 128, spp: 8, mode, ..named.scene() };
             let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
             assert_eq!(b.adapter, "cpu");
@@ -58,7 +58,7 @@ fn gpu_and_cpu_agree_in_every_mode_and_scene() {
 pub(super) fn cameras() -> impl Iterator<Item = Scene> {
     let places =
         [(1.5, 0.3, 2.5), (4.5, -1.57, 0.5), (4.5, 1.57, 0.5), (4.0, 0.0, 0.8), (4.0, 1e-4, 0.8), (4.0, -0.4, 2.0)];
-    NamedScene::ALL.into_iter().flat_map(move |named| {
+    NamedScene::ALL.iter().flat_map(move |named| {
         places.map(|(distance, elevation, field_of_view)| {
             let scene = named.scene();
             let camera = Camera { distance, elevation, field_of_view, azimuth: 0.7, ..scene.camera };
@@ -191,7 +191,7 @@ fn gpu_and_cpu_agree_by_gaussians() {
         materials: vec![Material { alpha_x, alpha_y, rotation: 1.0 }],
         ..Scene::default()
     });
-    let named = NamedScene::ALL.map(|named| Scene { size: 96, ..named.scene() });
+    let named: Vec<Scene> = NamedScene::ALL.iter().map(|named| Scene { size: 96, ..named.scene() }).collect();
     for scene in extremes.iter().chain(&named) {
         for model in [LightModel::Sg, LightModel::Asg] {
             let scene = Scene { model, ..scene.clone() };
