@@ -55,7 +55,7 @@ fn the_docs_list_every_parameter() {
     let rows: String = PARAMETERS.iter().map(row).collect();
     let head = "| parameter | default | from | to | unit | is |\n|---|---|---|---|---|---|\n";
     assert_passage(FILE, [head, "\nDefaults are"], &rows);
-    let scenes = NamedScene::ALL.iter().filter(|named| **named != NamedScene::Sphere);
+    let scenes = NamedScene::ALL.iter().copied().filter(|named| *named != NamedScene::Sphere);
     // How many materials there are is no parameter.
     let scenes = scenes.filter(|named| named.scene().materials.len() == 1);
     let rows: String = scenes.map(differences).collect();

@@ -25,7 +25,7 @@ pub use error::LightError;
 pub use gaussians::{Gaussian, by_gaussian};
 pub use ltc::{CosineSpace, by_table};
 pub use measure::{EVERYWHERE, LightMap, RandomLights, light_error, light_error_by, light_map};
-pub use model::{ClosedForm, LightModel, Lighting, Lit, Reflected};
+pub use model::{ClosedForm, LightModel, Lighting, LitPoint, Reflected};
 pub use normals::{WeightRule, by_normals};
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;

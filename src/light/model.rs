@@ -46,10 +46,10 @@ pub(crate) trait Formula: Sync {
 
     /// What is reflected of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
     /// `(1 - wo . h)^5`.
-    fn reflected(&self, lit: &Lit<'_, f64>, rule: WeightRule) -> [f64; 2];
+    fn reflected(&self, lit: &LitPoint<'_, f64>, rule: WeightRule) -> [f64; 2];
 
     /// The same in the numbers of a shader.
-    fn reflected_f32(&self, lit: &Lit<'_, f32>, rule: WeightRule) -> [f32; 2];
+    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: WeightRule) -> [f32; 2];
 }
 
 /// The light by a table.
@@ -63,7 +63,7 @@ pub(crate) struct TableLight {
 
 /// A surface, a view of it, and the vertices of a light around the shaded point, in its tangent frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Lit<'a, T> {
+pub struct LitPoint<'a, T> {
     /// Roughness along x and y.
     pub alpha: [T; 2],
     /// The direction of the viewer, of length one.
@@ -201,7 +201,7 @@ impl ClosedForm {
 
     /// The same in the numbers of a shader: for a Fresnel factor of one, and its part weighed by Schlick's factor.
     #[must_use]
-    pub fn reflected_f32(self, lit: &Lit<'_, f32>) -> [f32; 2] {
+    pub fn reflected_f32(self, lit: &LitPoint<'_, f32>) -> [f32; 2] {
         self.model.rules().formula().map_or([0.0; 2], |formula| formula.reflected_f32(lit, self.rule))
     }
 }
@@ -275,11 +275,11 @@ pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), 
 pub(super) fn lit(
     at: &Configuration,
     light: AreaLight<'_>,
-    of: impl FnOnce(&Lit<'_, f64>) -> [f64; 2],
+    of: impl FnOnce(&LitPoint<'_, f64>) -> [f64; 2],
 ) -> Result<Reflected, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
     let (vertices, sides) = light.polygon()?;
-    let [energy, fresnel] = of(&Lit { alpha, wo: wo.to_array(), vertices: &vertices, sides });
+    let [energy, fresnel] = of(&LitPoint { alpha, wo: wo.to_array(), vertices: &vertices, sides });
     Ok(Reflected { energy, fresnel })
 }
 

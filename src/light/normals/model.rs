@@ -2,12 +2,12 @@
 
 use super::{WeightRule, reflected};
 use crate::{
-    AreaLight, LightError, LightModel, Reflected,
-    model::{Formula, Lit, ModelOfLight, TableLight},
+    AreaLight, LightError, Reflected,
+    model::{Formula, LitPoint, ModelOfLight, TableLight, lit},
 };
 use ltcforge_fit::Configuration;
 
-/// The model as an item of [`LightModel`].
+/// The model as an item of [`crate::LightModel`].
 pub(crate) struct Rules;
 
 impl ModelOfLight for Rules {
@@ -29,11 +29,11 @@ impl Formula for Rules {
         10
     }
 
-    fn reflected(&self, lit: &Lit<'_, f64>, rule: WeightRule) -> [f64; 2] {
+    fn reflected(&self, lit: &LitPoint<'_, f64>, rule: WeightRule) -> [f64; 2] {
         reflected(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
     }
 
-    fn reflected_f32(&self, lit: &Lit<'_, f32>, rule: WeightRule) -> [f32; 2] {
+    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: WeightRule) -> [f32; 2] {
         reflected(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
     }
 }
@@ -48,5 +48,5 @@ pub fn by_normals<'a>(
     light: impl Into<AreaLight<'a>>,
     rule: WeightRule,
 ) -> Result<Reflected, LightError> {
-    LightModel::Normals.closed_form(Some(rule)).ok_or(LightError::NoTerms)?.reflected(at, light)
+    lit(at, light.into(), |lit| Rules.reflected(lit, rule))
 }

@@ -17,7 +17,7 @@ use crate::preview::{
 };
 use ltcforge_fit::{BrdfKind, Sides};
 use ltcforge_light::{
-    ClosedForm, Gaussian, Lit,
+    ClosedForm, Gaussian, LitPoint,
     gaussians::{self, SphericalGaussian},
 };
 
@@ -129,7 +129,7 @@ fn around(frame: &Frame, at: &Shaded) -> (Vec<[f32; 3]>, Sides) {
 
 fn by_closed_form(frame: &Frame, form: ClosedForm, at: &Shaded) -> Vec3 {
     let (vertices, sides) = around(frame, at);
-    let lit = Lit { alpha: at.alpha.to_array(), wo: at.wo.to_array(), vertices: &vertices, sides };
+    let lit = LitPoint { alpha: at.alpha.to_array(), wo: at.wo.to_array(), vertices: &vertices, sides };
     reflected(frame, Vec2::from(form.reflected_f32(&lit)))
 }
 
