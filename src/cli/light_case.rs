@@ -149,10 +149,8 @@ pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<LightCase>, 
     }
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     let more = fields.len().checked_sub(COLUMNS.len() + columns_of(shape).len());
-    let is_whole = more.is_some_and(|more| match has_vertices(shape) {
-        true => more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3)),
-        false => more == 0,
-    });
+    let are_vertices = |more: usize| more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3));
+    let is_whole = more.is_some_and(|more| if has_vertices(shape) { are_vertices(more) } else { more == 0 });
     if !is_whole {
         return Err(format!("{} fields; a {} has {}", fields.len(), kind(shape), expected(shape)));
     }

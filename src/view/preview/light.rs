@@ -47,15 +47,14 @@ pub(super) struct Ellipse<V, N> {
 impl Shape<DVec3, f64> {
     /// As uniforms.
     pub(super) fn as_f32(&self) -> Shape<Vec3, f32> {
-        let of_ends = |ends: [DVec3; 2]| ends.map(|end| end.as_vec3());
         match *self {
             Self::Polygon => Shape::Polygon,
             Self::Ellipse(Ellipse { centre, half_axes }) => {
                 let half_axes = half_axes.map(|(axis, per_length2)| (axis.as_vec3(), per_length2 as f32));
                 Shape::Ellipse(Ellipse { centre: centre.as_vec3(), half_axes })
             }
-            Self::Tube { ends, radius } => Shape::Tube { ends: of_ends(ends), radius: radius as f32 },
-            Self::Line { ends, width } => Shape::Line { ends: of_ends(ends), width: width as f32 },
+            Self::Tube { ends, radius } => Shape::Tube { ends: ends.map(DVec3::as_vec3), radius: radius as f32 },
+            Self::Line { ends, width } => Shape::Line { ends: ends.map(DVec3::as_vec3), width: width as f32 },
         }
     }
 }
