@@ -61,10 +61,11 @@ fn choose(args: &LightArgs) -> Result<Option<Table>, CommandFailure> {
         return Err(needs_table(model));
     }
     if args.weight.is_some() && model.weights().is_empty() {
+        let weighed = LightModel::names_of(|other| !other.weights().is_empty());
         let is_alike = |other: LightModel| other.weights().is_empty() && other.needs_table() == model.needs_table();
         let alike = LightModel::names_of(is_alike);
         let has = if alike == model.name() { format!("model {model} has") } else { format!("models {alike} have") };
-        return usage(format!("--weight is of model {}; {has} one rule", LightModel::names_with_weights()));
+        return usage(format!("--weight is of model {weighed}; {has} one rule"));
     }
     let Some(name) = &args.table else { return Ok(None) };
     let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;

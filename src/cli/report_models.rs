@@ -31,7 +31,8 @@ pub(super) fn run(
         return usage(&LightError::NeedsTable(model).to_string());
     }
     if args.weight.is_some() && model.weights().is_empty() {
-        return usage(&format!("--weight belongs to model {}", LightModel::names_with_weights()));
+        let name = LightModel::names_of(|model| !model.weights().is_empty());
+        return usage(&format!("--weight belongs to model {name}"));
     }
     if let Some(any) = read.filter(|any| !model.needs_table() && any.table.brdf != BrdfKind::Ggx) {
         return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf())));

@@ -35,7 +35,7 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
         let message = format!(
             "{}: /brdf: the trade-off is between tables and the models {}, which are of brdf ggx, not {}",
             name.display(),
-            LightModel::names_without_table(),
+            LightModel::names_of(|model| !model.needs_table()),
             base.brdf()
         );
         return Err(CommandFailure::new(Exit::Usage, message));

@@ -59,7 +59,7 @@ pub enum LightError {
     /// A closed form is of another scattering model than what it is compared with.
     #[error(
         "models {models} are of brdf ggx, not of brdf {0}, which is lit by a table: choose --model ltc",
-        models = crate::LightModel::names_without_table()
+        models = crate::LightModel::names_of(|model| !model.needs_table())
     )]
     OtherBrdf(BrdfKind),
     /// A table stands for another scattering model than the lights that it is measured by.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{
     LightError, PolygonLight,
-    model::surface_and_view,
+    rules::surface_and_view,
     transmission::{ETA_APART, ETA_RANGE, Transmitted, transmitted},
 };
 use ltcforge_fit::Configuration;

@@ -14,6 +14,7 @@ mod header;
 mod language;
 mod lit_by;
 mod model_shader;
+mod models;
 mod normals_header;
 mod place;
 mod sources;

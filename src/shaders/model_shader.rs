@@ -1,10 +1,7 @@
-//! What the shader of each model of light is made of.
+//! What the shader of a model of light is made of.
 
-use super::{
-    Language, Lights, LitBy, Place, Reading, gaussians_header, gaussians_table_header, header, normals_header,
-};
+use super::{Language, Lights, Place, Reading};
 use ltcforge_fit::Layout;
-use ltcforge_light::LightModel;
 
 /// The shader of a model of light.
 pub struct ModelShader {
@@ -20,32 +17,6 @@ pub struct ModelShader {
     pub(super) program_comment: fn(Language, Layout) -> String,
     /// The comment at the top of the text to include, likewise.
     pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Place) -> String,
-}
-
-impl LitBy {
-    /// What the shader is made of.
-    #[must_use]
-    pub fn shader(self) -> &'static ModelShader {
-        match (self.model(), self.layout()) {
-            (LightModel::Ltc, _) => &header::SHADER,
-            (LightModel::Normals, _) => &normals_header::SHADER,
-            (LightModel::Sg | LightModel::Asg, None) => &gaussians_header::SHADER,
-            (LightModel::Sg | LightModel::Asg, Some(_)) => &gaussians_table_header::SHADER,
-        }
-    }
-
-    /// The comment at the top of the program in `language`.
-    #[must_use]
-    pub fn comment(self, language: Language) -> String {
-        (self.shader().program_comment)(language, self.layout().unwrap_or(Layout::ALL[0]))
-    }
-
-    /// The comment at the top of the text to include.
-    #[must_use]
-    pub fn include_comment(self, language: Language, reading: Reading, lights: Lights, place: &Place) -> String {
-        let layout = self.layout().unwrap_or(Layout::ALL[0]);
-        (self.shader().include_comment)(language, layout, reading, lights, place)
-    }
 }
 
 /// A fragment shader that looks up what `lookup` says, and goes on as `calls` say with the vertices of a light.

@@ -3,7 +3,7 @@
 use super::{Gaussian, Warp, reflected, reflected_around};
 use crate::{
     AreaLight, LightError, Reflected, WeightRule,
-    model::{Formula, LitPoint, ModelOfLight, TableLight, lit},
+    rules::{Formula, LitPoint, ModelOfLight, lit},
 };
 use ltcforge_fit::{Configuration, LobeModel};
 
@@ -20,12 +20,12 @@ impl ModelOfLight for Rules {
         Some(self)
     }
 
-    fn table(&self) -> Option<TableLight> {
-        let lobe = match self.0 {
-            Gaussian::Sg => LobeModel::Sg,
-            Gaussian::Asg => LobeModel::Asg,
-        };
-        Some(TableLight { lobe, cost: 10 })
+    fn lobe(&self) -> Option<LobeModel> {
+        LobeModel::ALL.iter().copied().find(|lobe| lobe.gaussian() == Some(self.0))
+    }
+
+    fn table_cost(&self) -> u32 {
+        10
     }
 }
 

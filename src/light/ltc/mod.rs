@@ -8,18 +8,18 @@ pub use cone::Cone;
 pub use shapes::CosineSpace;
 pub use table::by_table;
 
-use super::model::{Formula, ModelOfLight, TableLight};
+use super::rules::ModelOfLight;
 use ltcforge_fit::LobeModel;
 
 /// The model as an item of [`crate::LightModel`].
 pub(super) struct Rules;
 
 impl ModelOfLight for Rules {
-    fn formula(&self) -> Option<&dyn Formula> {
-        None
+    fn lobe(&self) -> Option<LobeModel> {
+        Some(LobeModel::Ltc)
     }
 
-    fn table(&self) -> Option<TableLight> {
-        Some(TableLight { lobe: LobeModel::Ltc, cost: 8 })
+    fn table_cost(&self) -> u32 {
+        8
     }
 }

@@ -4,7 +4,7 @@ use super::CosineSpace;
 use crate::{
     AreaLight, LightError, Reflected,
     gaussians::{SphericalGaussian, reflected_by},
-    model::surface_and_view,
+    rules::surface_and_view,
     shaped::Form,
 };
 use ltcforge_fit::{Configuration, Ltc, Table, math::from_row_major};

@@ -3,7 +3,7 @@
 use super::{WeightRule, reflected};
 use crate::{
     AreaLight, LightError, Reflected,
-    model::{Formula, LitPoint, ModelOfLight, TableLight, lit},
+    rules::{Formula, LitPoint, ModelOfLight, lit},
 };
 use ltcforge_fit::Configuration;
 
@@ -13,10 +13,6 @@ pub(crate) struct Rules;
 impl ModelOfLight for Rules {
     fn formula(&self) -> Option<&dyn Formula> {
         Some(self)
-    }
-
-    fn table(&self) -> Option<TableLight> {
-        None
     }
 }
 

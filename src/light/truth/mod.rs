@@ -28,7 +28,7 @@ use self::{
     microfacets::{GgxNormals, Normals},
     space::Space,
 };
-use super::{AreaLight, LightError, Reflected, model::surface_and_view, shaped::Form};
+use super::{AreaLight, LightError, Reflected, rules::surface_and_view, shaped::Form};
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Sides};
 
 #[cfg(test)]

@@ -49,9 +49,8 @@ impl Estimator {
     /// Whether it lights by polygons alone: one stands for each other shape.
     pub(super) fn is_of_polygons(self) -> bool {
         match self {
-            Self::ClosedForm(_) => true,
             Self::Table(lobe) => lobe.gaussian().is_some(),
-            Self::Reference | Self::TableLobe | Self::ReferenceLobe => false,
+            other => matches!(other, Self::ClosedForm(_)),
         }
     }
 

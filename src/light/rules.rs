@@ -1,0 +1,142 @@
+//! What a model of light is, and what every model does: a checked surface, and what is reflected.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec3;
+
+use super::{AreaLight, LightError, normals::WeightRule};
+use ltcforge_fit::{
+    Configuration, LEAST_ALPHA, LobeModel, Sides,
+    math::{Triple, direction},
+};
+
+/// What a model of light is: a formula, a table of lobes, or either.
+pub(crate) trait ModelOfLight: Sync {
+    /// The light of GGX without a table; `None` for a model that has tables alone.
+    fn formula(&self) -> Option<&dyn Formula> {
+        None
+    }
+
+    /// What stands for a lobe in its tables; `None` for a model that reads none.
+    fn lobe(&self) -> Option<LobeModel> {
+        None
+    }
+
+    /// The cost of a pixel by a table, in samples of the preview's reference.
+    fn table_cost(&self) -> u32 {
+        0
+    }
+}
+
+/// The light of GGX in closed form.
+pub(crate) trait Formula: Sync {
+    /// The rules among which option `--weight` chooses, the default first; empty for a formula without the option.
+    fn weights(&self) -> &'static [WeightRule] {
+        &[]
+    }
+
+    /// The cost of a pixel, in samples of the preview's reference.
+    fn cost(&self) -> u32;
+
+    /// What is reflected of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
+    /// `(1 - wo . h)^5`.
+    fn reflected(&self, lit: &LitPoint<'_, f64>, rule: WeightRule) -> [f64; 2];
+
+    /// The same in the numbers of a shader.
+    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: WeightRule) -> [f32; 2];
+}
+
+/// A surface, a view of it, and the vertices of a light around the shaded point, in its tangent frame.
+#[derive(Debug, Clone, Copy)]
+pub struct LitPoint<'a, T> {
+    /// Roughness along x and y.
+    pub alpha: [T; 2],
+    /// The direction of the viewer, of length one.
+    pub wo: Triple<T>,
+    /// Of a convex polygon.
+    pub vertices: &'a [Triple<T>],
+    /// From where it is lit.
+    pub sides: Sides,
+}
+
+/// What GGX reflects of a light of radiance one towards the viewer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reflected {
+    /// For a Fresnel factor of one: in [0, 1].
+    pub energy: f64,
+    /// The same weighed by Schlick's `(1 - wo . h)^5`: in [0, 1].
+    pub fresnel: f64,
+}
+
+impl Reflected {
+    /// Nothing.
+    pub const NONE: Self = Self { energy: 0.0, fresnel: 0.0 };
+
+    /// What is reflected by Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence:
+    /// `f0 (energy - fresnel) + f90 fresnel`.
+    #[must_use]
+    pub fn schlick(&self, f0: f64, f90: f64) -> f64 {
+        f0 * (self.energy - self.fresnel) + f90 * self.fresnel
+    }
+}
+
+/// A surface's roughnesses along x and y, raised to [`LEAST_ALPHA`], and the direction from which it is seen.
+pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), LightError> {
+    for (what, value) in [("alpha_x", at.alpha_x), ("alpha_y", at.alpha_y)] {
+        if !(0.0..=1.0).contains(&value) {
+            return Err(LightError::Domain { what, value, allowed: "roughness is a number from 0 to 1" });
+        }
+    }
+    if !(0.0..FRAC_PI_2).contains(&at.theta) {
+        let allowed = "a polar angle is a number from 0 to below pi/2";
+        return Err(LightError::Domain { what: "theta", value: at.theta, allowed });
+    }
+    if !at.phi.is_finite() {
+        return Err(LightError::Domain { what: "phi", value: at.phi, allowed: "an azimuth is a finite number" });
+    }
+    Ok(([at.alpha_x.max(LEAST_ALPHA), at.alpha_y.max(LEAST_ALPHA)], direction(at.theta, at.phi)))
+}
+
+/// What `of` says of a surface, a view and a light that are checked.
+pub(super) fn lit(
+    at: &Configuration,
+    light: AreaLight<'_>,
+    of: impl FnOnce(&LitPoint<'_, f64>) -> [f64; 2],
+) -> Result<Reflected, LightError> {
+    let (alpha, wo) = surface_and_view(at)?;
+    let (vertices, sides) = light.polygon()?;
+    let [energy, fresnel] = of(&LitPoint { alpha, wo: wo.to_array(), vertices: &vertices, sides });
+    Ok(Reflected { energy, fresnel })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schlicks_factor_goes_from_f0_to_f90() {
+        let parts = Reflected { energy: 0.5, fresnel: 0.125 };
+        assert_eq!(parts.schlick(1.0, 1.0), 0.5);
+        assert_eq!(parts.schlick(0.0, 1.0), 0.125);
+        assert_eq!(parts.schlick(1.0, 0.0), 0.375);
+    }
+
+    #[test]
+    fn what_has_no_reflection_is_refused() {
+        let good = Configuration { alpha_x: 0.3, alpha_y: 0.3, theta: 0.8, phi: 0.0 };
+        assert!(surface_and_view(&good).is_ok());
+        let (alpha, _) = surface_and_view(&Configuration { alpha_x: 0.0, ..good }).expect("a mirror");
+        assert_eq!(alpha, [LEAST_ALPHA, 0.3]);
+        let wrong = [
+            ("alpha_x", Configuration { alpha_x: 1.5, ..good }),
+            ("alpha_y", Configuration { alpha_y: f64::NAN, ..good }),
+            ("theta", Configuration { theta: FRAC_PI_2, ..good }),
+            ("theta", Configuration { theta: f64::NAN, ..good }),
+            ("phi", Configuration { phi: f64::INFINITY, ..good }),
+        ];
+        for (name, at) in wrong {
+            let refused = surface_and_view(&at);
+            assert!(matches!(refused, Err(LightError::Domain { what, .. }) if what == name), "{at:?}: {refused:?}");
+        }
+    }
+}

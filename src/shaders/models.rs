@@ -1,0 +1,34 @@
+//! The shader of each model of light.
+
+use super::{
+    Language, Lights, LitBy, ModelShader, Place, Reading, gaussians_header, gaussians_table_header, header,
+    normals_header,
+};
+use ltcforge_fit::Layout;
+use ltcforge_light::LightModel;
+
+impl LitBy {
+    /// What the shader is made of.
+    #[must_use]
+    pub fn shader(self) -> &'static ModelShader {
+        match (self.model(), self.layout()) {
+            (LightModel::Ltc, _) => &header::SHADER,
+            (LightModel::Normals, _) => &normals_header::SHADER,
+            (LightModel::Sg | LightModel::Asg, None) => &gaussians_header::SHADER,
+            (LightModel::Sg | LightModel::Asg, Some(_)) => &gaussians_table_header::SHADER,
+        }
+    }
+
+    /// The comment at the top of the program in `language`.
+    #[must_use]
+    pub fn comment(self, language: Language) -> String {
+        (self.shader().program_comment)(language, self.layout().unwrap_or(Layout::ALL[0]))
+    }
+
+    /// The comment at the top of the text to include.
+    #[must_use]
+    pub fn include_comment(self, language: Language, reading: Reading, lights: Lights, place: &Place) -> String {
+        let layout = self.layout().unwrap_or(Layout::ALL[0]);
+        (self.shader().include_comment)(language, layout, reading, lights, place)
+    }
+}
