@@ -86,7 +86,8 @@ pub struct Transmitted<T> {
 /// vertices.
 ///
 /// ```
-/// use ltcforge::{fit::Sides, light::transmission::transmitted};
+/// use ltcforge_fit::Sides;
+/// use ltcforge_light::transmission::transmitted;
 ///
 /// // A window below a pane of frosted glass, seen from straight above.
 /// let window = [[-1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
