@@ -77,7 +77,7 @@
 //! | `textures` | [`textures`]: tables as files for engines (ddsfile, exr, rawzip, ruzstd) |
 //! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
 //! | `client` | [`client`]: calls of a service, and the lock file (ureq) |
-//! | `server` | [`server`]: the HTTP service with its queue and store, embedded or on PostgreSQL and an object store (axum, tokio, sled) |
+//! | `server` | [`server`], on Unix: the HTTP service with its queue and store, embedded or on PostgreSQL and an object store (axum, tokio, sled) |
 //! | `cli`, the default | the command `ltcforge`, with all of the above |
 //!
 //! # Crates
@@ -95,7 +95,7 @@ pub use ltcforge_client as client;
 pub use ltcforge_files as files;
 pub use ltcforge_fit as fit;
 pub use ltcforge_light as light;
-#[cfg(feature = "server")]
+#[cfg(all(unix, feature = "server"))]
 pub use ltcforge_server as server;
 pub use ltcforge_shaders as shaders;
 #[cfg(feature = "textures")]

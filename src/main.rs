@@ -3,18 +3,17 @@
 use std::{
     env,
     io::{self, IsTerminal as _},
-    os::unix::process::CommandExt as _,
-    path::Path,
     process::{self, ExitCode},
     time::Duration,
 };
 
 use clap::Parser as _;
 use ltcforge_cli::{self as cli, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt};
-use tokio::{
-    signal::unix::{Signal, SignalKind, signal},
-    sync::watch,
-};
+#[cfg(unix)]
+use tokio::signal::unix::{Signal, SignalKind, signal};
+#[cfg(not(unix))]
+use tokio::signal::windows::{CtrlC as Signal, ctrl_c};
+use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 
 /// How long an interrupted command may take to clean up.
@@ -31,6 +30,7 @@ fn main() -> ExitCode {
         Err(error) => error.exit(),
     };
     let json = cli.json;
+    #[cfg(unix)]
     if cli.command.opens_vulkan() {
         keep_vulkan_from_looking_for_a_display();
     }
@@ -66,9 +66,12 @@ fn main() -> ExitCode {
 /// Without an `XDG_RUNTIME_DIR` that is a full path, Mesa's layer for choosing devices has libwayland complain on standard error that
 /// it found none, since wgpu enables the surface extensions of every instance. `NODEVICE_SELECT` turns the layer off; a
 /// process may not change its own environment without unsafe code.
+#[cfg(unix)]
 fn keep_vulkan_from_looking_for_a_display() {
+    use std::os::unix::process::CommandExt as _;
+
     const SWITCH: &str = "NODEVICE_SELECT";
-    let is_found = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
+    let is_found = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| std::path::Path::new(&folder).is_absolute());
     if is_found || env::var_os(SWITCH).is_some() {
         return;
     }
@@ -107,12 +110,7 @@ fn listen_to_signals(
     on_interrupt: OnInterrupt,
 ) -> io::Result<()> {
     let _inside = runtime.enter();
-    let mut interrupts = signal(SignalKind::interrupt())?;
-    // Only a server handles SIGTERM; other commands are ended by it.
-    let mut terminations = match on_interrupt {
-        OnInterrupt::Finishes => Some(signal(SignalKind::terminate())?),
-        OnInterrupt::Ends | OnInterrupt::Told => None,
-    };
+    let (mut interrupts, mut terminations) = signals(on_interrupt)?;
     runtime.spawn(async move {
         either(&mut interrupts, &mut terminations).await;
         tell.send_replace(true);
@@ -129,6 +127,22 @@ fn listen_to_signals(
         process::exit(Exit::Interrupted as i32);
     });
     Ok(())
+}
+
+/// SIGINT, and for a server SIGTERM: other commands are ended by it.
+#[cfg(unix)]
+fn signals(on_interrupt: OnInterrupt) -> io::Result<(Signal, Option<Signal>)> {
+    let terminations = match on_interrupt {
+        OnInterrupt::Finishes => Some(signal(SignalKind::terminate())?),
+        OnInterrupt::Ends | OnInterrupt::Told => None,
+    };
+    Ok((signal(SignalKind::interrupt())?, terminations))
+}
+
+/// Ctrl-C alone.
+#[cfg(not(unix))]
+fn signals(_: OnInterrupt) -> io::Result<(Signal, Option<Signal>)> {
+    Ok((ctrl_c()?, None))
 }
 
 async fn either(interrupts: &mut Signal, terminations: &mut Option<Signal>) {

@@ -27,9 +27,15 @@ use std::{io, path::Path};
 
 use serde::Deserialize;
 
-use super::{CommandFailure, Exit, settings::ServeSettings};
+#[cfg(unix)]
+use super::service::ServeSettings;
+use super::{CommandFailure, Exit};
 use ltcforge_client::Source;
 use ltcforge_files::bounded::read_file;
+
+/// Where there is no service, its settings are read past: a project may have one file for all systems.
+#[cfg(not(unix))]
+type ServeSettings = serde::de::IgnoredAny;
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -41,7 +47,7 @@ const LIMIT_BYTES: u64 = 1 << 20;
 pub(super) const DEFAULT_SERVER: &str = "http://127.0.0.1:8317";
 
 /// The settings of a file, and defaults for those that it leaves out.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct ConfigFile {
     pub(super) server: Option<String>,
@@ -73,7 +79,7 @@ impl ConfigFile {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use std::net::SocketAddr;
 

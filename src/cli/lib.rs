@@ -1,10 +1,9 @@
 //! The command line: parse, configure, run, exit code.
 //!
 //! Invariant: `cli` owns neither signals nor the environment; `main` hands both in. It holds no logic that
-//! [`ltcforge_server::service`] could hold.
+//! `ltcforge_server::service` could hold.
 
 mod args;
-mod cluster;
 mod config_file;
 mod context;
 mod csv;
@@ -13,7 +12,6 @@ mod exit;
 mod export;
 mod figures;
 mod fit;
-mod fsck;
 mod input;
 mod interrupt;
 mod jobs;
@@ -33,8 +31,8 @@ mod pull;
 mod report;
 mod report_models;
 mod run;
-mod serve;
-mod settings;
+#[cfg(unix)]
+mod service;
 mod shader;
 mod sources;
 mod table_file;

@@ -77,7 +77,7 @@ pub(super) fn check_output_folder(folder: &Path) -> Result<(), CommandFailure> {
     check_folder(folder).map_err(|error| file_failure(folder, &format!("no file can be made there: {error}")))
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use std::os::unix::fs::symlink;
 

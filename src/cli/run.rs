@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     Cli, Command, CommandFailure, Context, Exit,
     config_file::{ConfigFile, DEFAULT_SERVER},
-    diff, export, figures, fit, fsck, jobs, light, lock, lookup, plot, preview, print, pull, report, serve, shader,
+    diff, export, figures, fit, jobs, light, lock, lookup, plot, preview, print, pull, report, shader,
     sources::Sources,
     tabulated, tradeoff, verify,
 };
@@ -21,11 +21,8 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
     let Cli { command, server, json, .. } = cli;
     let connect = || client(server.as_deref(), &file);
     match command {
-        Command::Serve(args) => serve::run(&args.over(file.serve)?, json, context),
-        Command::Work(args) => super::cluster::work(args, &file.serve, json, context),
-        Command::Gc(args) => super::cluster::gc(args, &file.serve, json, context),
-        Command::Migrate(args) => super::cluster::migrate(args, &file.serve, json, context),
-        Command::Fsck(args) => fsck::run(args, file.serve, json, context),
+        #[cfg(unix)]
+        Command::Service(command) => super::service::run(command, file.serve, json, context),
         Command::Fit(args) => fit::run(&args, json, context),
         Command::Lookup(args) => lookup::run(&args, json, context),
         Command::Light(args) => light::run(&args, json, context),

@@ -3,7 +3,6 @@
 use std::{fmt::Write as _, path::Path, time::Instant};
 
 use indicatif::ProgressBar;
-use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 
 use super::{
@@ -67,11 +66,12 @@ pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) ->
         fitted.push((recipe, measured));
     }
     for recipe in gaussians {
-        let started = processor_seconds();
-        let fit = || fit::fit(&Plan::new(&recipe), &bar, &interrupt).ok_or_else(CommandFailure::interrupted);
-        let table = pool.install(fit)?;
-        let fit_seconds = (processor_seconds() - started) / threads as f64;
-        tables.push(FittedTable { recipe, table, fit_seconds });
+        let (table, seconds) = pool.install(|| {
+            let started = processor_seconds();
+            let table = fit::fit(&Plan::new(&recipe), &bar, &interrupt).ok_or_else(CommandFailure::interrupted)?;
+            Ok::<_, CommandFailure>((table, processor_seconds() - started))
+        })?;
+        tables.push(FittedTable { recipe, table, fit_seconds: seconds / threads as f64 });
     }
     bar.finish_and_clear();
 
@@ -116,9 +116,18 @@ fn measure(
 }
 
 /// Processor time of all threads of this process. Other processes do not count.
+#[cfg(unix)]
 fn processor_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// Wall time of each thread of the pool, where the clock of the process is not at hand: idle threads and other
+/// processes count too.
+#[cfg(not(unix))]
+fn processor_seconds() -> f64 {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    START.elapsed().as_secs_f64() * rayon::current_num_threads() as f64
 }
 
 /// The presets, whether each is on the front, and how far predictions were off.

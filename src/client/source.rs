@@ -311,6 +311,7 @@ mod tests {
         assert!(short.to_string().contains("longer than 4 bytes, the size that the lock file states"), "{short}");
     }
 
+    #[cfg(unix)]
     #[test]
     fn nothing_endless_is_read_and_no_server_asked_offline() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -202,8 +202,6 @@ fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
 
 #[cfg(test)]
 mod tests {
-    use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
-
     use super::*;
 
     fn count(folder: &Path) -> usize {
@@ -229,8 +227,11 @@ mod tests {
         assert_eq!(count(folder.path()), 1);
     }
 
+    #[cfg(unix)]
     #[test]
     fn any_name_that_the_system_allows_can_be_written() {
+        use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
+
         let folder = tempfile::tempdir().expect("a folder");
         for name in [OsStr::from_bytes(b"\xff\xfe"), OsStr::new(&"x".repeat(255))] {
             replace_file(&folder.path().join(name), b"x").expect("a file");

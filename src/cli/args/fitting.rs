@@ -1,18 +1,10 @@
-//! `fit`, `tradeoff` and `fsck`.
+//! `fit` and `tradeoff`.
 
 use std::{num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
 use super::threads::Threads;
-
-/// `fsck`.
-#[derive(Debug, Args)]
-pub struct FsckArgs {
-    /// Folder of jobs and tables of a service that is not running [default: ltcforge-data]
-    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
-    pub data: Option<PathBuf>,
-}
 
 /// `fit`.
 #[derive(Debug, Args)]

@@ -8,27 +8,26 @@ mod light;
 mod models;
 mod pictures;
 mod pins;
-mod shared;
 mod tables;
 mod tabulate;
-mod threads;
+pub(super) mod threads;
 
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
-use super::settings::ServeArgs;
+#[cfg(unix)]
+use super::service::ServiceCommand;
 pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
-pub(super) use fitting::{FitArgs, FsckArgs, TradeoffArgs};
+pub(super) use fitting::{FitArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{FiguresArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
-pub(super) use shared::{MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 pub(super) use tabulate::TabulateArgs;
-pub(super) use threads::{ThreadCount, Threads, WaitSeconds, cores};
+pub(super) use threads::Threads;
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
@@ -54,16 +53,10 @@ const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failed, 2 usage, 3 verification mi
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Run the HTTP service
-    Serve(ServeArgs),
-    /// Fit what the queue of a shared database has, without HTTP
-    Work(WorkArgs),
-    /// Remove tables from a shared store that no job has made known for a day
-    Gc(SharedArgs),
-    /// Take the tables and jobs of a data folder along into a shared database and store
-    Migrate(MigrateArgs),
-    /// Check the data folder of a service that is not running, and tell what its next start would mend
-    Fsck(FsckArgs),
+    /// A command of the service
+    #[cfg(unix)]
+    #[command(flatten)]
+    Service(ServiceCommand),
     /// Fit a table without a server; the last line of stdout is its digest
     Fit(FitArgs),
     /// Print the matrices that a shader would fetch from a table, as CSV
@@ -118,16 +111,22 @@ impl Command {
     /// Whether this command may open a Vulkan device.
     #[must_use]
     pub fn opens_vulkan(&self) -> bool {
-        matches!(self, Self::Preview(_) | Self::Figures(_) | Self::Serve(_))
+        match self {
+            #[cfg(unix)]
+            Self::Service(ServiceCommand::Serve(_)) => true,
+            _ => matches!(self, Self::Preview(_) | Self::Figures(_)),
+        }
     }
 
     /// The default level of the log.
     #[must_use]
     pub fn log_level(&self) -> &'static str {
         match self {
-            Self::Serve(_) | Self::Work(_) => "info",
+            #[cfg(unix)]
+            Self::Service(ServiceCommand::Serve(_) | ServiceCommand::Work(_)) => "info",
             // It does a dry run of a start, and prints itself what a start would log.
-            Self::Fsck(_) => "off",
+            #[cfg(unix)]
+            Self::Service(ServiceCommand::Fsck(_)) => "off",
             _ => "warn",
         }
     }
@@ -136,7 +135,10 @@ impl Command {
     #[must_use]
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
-            Self::Serve(_) | Self::Work(_) | Self::Fsck(_) => OnInterrupt::Finishes,
+            #[cfg(unix)]
+            Self::Service(ServiceCommand::Serve(_) | ServiceCommand::Work(_) | ServiceCommand::Fsck(_)) => {
+                OnInterrupt::Finishes
+            }
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
             _ => OnInterrupt::Ends,
         }

@@ -1,6 +1,6 @@
 //! Threads of a command, and other numbers with a greatest value.
 
-use std::{num::NonZeroUsize, str::FromStr, thread, time::Duration};
+use std::{num::NonZeroUsize, str::FromStr, thread};
 
 use clap::Args;
 use serde::Deserialize;
@@ -34,20 +34,10 @@ impl Threads {
 /// A whole number from 1 to `MOST`, on the command line or in the configuration file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "u64")]
-pub struct UpTo<const MOST: u64>(u64);
+pub struct UpTo<const MOST: u64>(pub(crate) u64);
 
 /// Threads of a command: more only slow each other down, and thousands can make a machine unusable.
 pub(crate) type ThreadCount = UpTo<512>;
-
-/// Seconds that the service waits for a client or a picture, at most a day.
-pub(crate) type WaitSeconds = UpTo<86_400>;
-
-impl<const MOST: u64> UpTo<MOST> {
-    /// `number`, or the nearest that is allowed.
-    pub(crate) fn clamped(number: u64) -> Self {
-        Self(number.clamp(1, MOST))
-    }
-}
 
 impl<const MOST: u64> TryFrom<u64> for UpTo<MOST> {
     type Error = String;
@@ -70,13 +60,6 @@ impl ThreadCount {
     /// As a count.
     pub(crate) fn count(self) -> NonZeroUsize {
         NonZeroUsize::new(self.0 as usize).unwrap_or(NonZeroUsize::MIN)
-    }
-}
-
-impl WaitSeconds {
-    /// As a time.
-    pub(crate) fn duration(self) -> Duration {
-        Duration::from_secs(self.0)
     }
 }
 

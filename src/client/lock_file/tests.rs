@@ -1,5 +1,3 @@
-use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
-
 use super::*;
 use crate::{FilePin, with_pins};
 
@@ -122,8 +120,11 @@ fn paths_and_names_with_tricks_are_refused() {
     assert!(matches!(LockFile::parse(&text, Path::new("p/my.lock")), Err(LockFileError::Path { .. })));
 }
 
+#[cfg(unix)]
 #[test]
 fn a_path_that_is_no_text_is_refused() {
+    use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
+
     let path = OsStr::from_bytes(b"a\xffb").into();
     let refused = with_pins("", &[Pin { path, ..pin("a", "x") }]);
     assert!(matches!(refused, Err(LockFileError::NotText(_))), "{refused:?}");

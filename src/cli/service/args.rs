@@ -1,10 +1,10 @@
-//! The arguments of processes that share a database: `serve`, `work`, `gc` and `migrate`.
+//! The arguments of the commands of the service, without those of `serve` that its configuration file has too.
 
 use std::{num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
-use super::threads::ThreadCount;
+use crate::args::threads::ThreadCount;
 use ltcforge_server::service::DatabaseUrl;
 
 /// `gc`, and what `work` has of it: the database, the store of tables and the folder of its cache.
@@ -70,6 +70,14 @@ pub struct MigrateArgs {
     /// Store that the tables go to: `s3://BUCKET/PREFIX`, `gs://`, `az://` or `file:///FOLDER`
     #[arg(long, env = "LTCFORGE_BLOBS", value_name = "URL")]
     pub blobs: String,
+    /// Folder of jobs and tables of a service that is not running [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// `fsck`.
+#[derive(Debug, Args)]
+pub struct FsckArgs {
     /// Folder of jobs and tables of a service that is not running [default: ltcforge-data]
     #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
     pub data: Option<PathBuf>,

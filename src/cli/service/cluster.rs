@@ -6,11 +6,12 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{MigrateArgs, ReplicaArgs, SharedArgs, ThreadCount, WorkArgs},
+    args::{MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
     print,
     serve::failed,
     settings::ServeSettings,
 };
+use crate::args::threads::ThreadCount;
 use ltcforge_server::service::{self, Config, DatabaseUrl, Service, Shared};
 use ltcforge_view::preview::Adapter;
 

@@ -15,9 +15,9 @@ use clap::{ArgMatches, Args, Command, FromArgMatches};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
-use super::{
-    CommandFailure, Exit,
-    args::{ThreadCount, WaitSeconds, cores},
+use super::{CommandFailure, Exit, args::ReplicaArgs};
+use crate::{
+    args::threads::{ThreadCount, UpTo, cores},
     preview_names::AdapterName,
 };
 use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
@@ -33,10 +33,25 @@ const LEASE_TTL: Duration = Duration::from_secs(60);
 /// How often a task may fail before its job does.
 const MAX_ATTEMPTS: u32 = 3;
 
+/// Seconds that the service waits for a client or a picture, at most a day.
+type WaitSeconds = UpTo<86_400>;
+
+impl WaitSeconds {
+    /// `number`, or the nearest that is allowed.
+    fn clamped(number: u64) -> Self {
+        Self(number.clamp(1, 86_400))
+    }
+
+    /// As a time.
+    fn duration(self) -> Duration {
+        Duration::from_secs(self.0)
+    }
+}
+
 /// Settings of `serve`. The defaults are those of [`Self::default`].
 #[derive(Debug, Clone, PartialEq, Eq, Args, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct ServeSettings {
+pub(crate) struct ServeSettings {
     /// Address to listen on; port 0 takes a free one [default: 127.0.0.1:8317]
     #[arg(long, env = "LTCFORGE_LISTEN", value_name = "ADDRESS")]
     pub listen: SocketAddr,
@@ -94,7 +109,7 @@ pub(super) struct ServeSettings {
     /// The database and the store that it shares, which the file does not have
     #[command(flatten)]
     #[serde(skip)]
-    pub replica: super::args::ReplicaArgs,
+    pub replica: ReplicaArgs,
 }
 
 impl Default for ServeSettings {
@@ -118,7 +133,7 @@ impl Default for ServeSettings {
             connections: None,
             connections_per_address: None,
             client_seconds: WaitSeconds::clamped(connections.client.as_secs()),
-            replica: super::args::ReplicaArgs::default(),
+            replica: ReplicaArgs::default(),
         }
     }
 }
@@ -229,12 +244,13 @@ mod tests {
     use clap::Parser as _;
 
     use super::*;
-    use crate::{Cli, Command as CliCommand};
+    use crate::{Cli, Command as CliCommand, service::ServiceCommand};
 
     /// The settings of a file and of flags.
     fn settings(file: &str, flags: &[&str]) -> ServeSettings {
         let line = ["ltcforge", "serve"].iter().chain(flags);
-        let CliCommand::Serve(args) = Cli::try_parse_from(line).expect("good flags").command else { panic!() };
+        let command = Cli::try_parse_from(line).expect("good flags").command;
+        let CliCommand::Service(ServiceCommand::Serve(args)) = command else { panic!() };
         args.over(toml_edit::de::from_str(file).expect("a good file")).expect("settings")
     }
 

@@ -1,0 +1,44 @@
+//! The commands of the service, which runs on Unix alone.
+
+mod args;
+mod cluster;
+mod fsck;
+mod serve;
+mod settings;
+
+use clap::Subcommand;
+
+use super::{CommandFailure, Context, Exit, print};
+use args::{FsckArgs, MigrateArgs, SharedArgs, WorkArgs};
+use settings::ServeArgs;
+pub(super) use settings::ServeSettings;
+
+#[derive(Debug, Subcommand)]
+pub enum ServiceCommand {
+    /// Run the HTTP service
+    Serve(ServeArgs),
+    /// Fit what the queue of a shared database has, without HTTP
+    Work(WorkArgs),
+    /// Remove tables from a shared store that no job has made known for a day
+    Gc(SharedArgs),
+    /// Take the tables and jobs of a data folder along into a shared database and store
+    Migrate(MigrateArgs),
+    /// Check the data folder of a service that is not running, and tell what its next start would mend
+    Fsck(FsckArgs),
+}
+
+/// Runs a command with the section `[serve]` of the configuration file.
+pub(super) fn run(
+    command: ServiceCommand,
+    file: ServeSettings,
+    json: bool,
+    context: &mut Context<'_>,
+) -> Result<Exit, CommandFailure> {
+    match command {
+        ServiceCommand::Serve(args) => serve::run(&args.over(file)?, json, context),
+        ServiceCommand::Work(args) => cluster::work(args, &file, json, context),
+        ServiceCommand::Gc(args) => cluster::gc(args, &file, json, context),
+        ServiceCommand::Migrate(args) => cluster::migrate(args, &file, json, context),
+        ServiceCommand::Fsck(args) => fsck::run(args, file, json, context),
+    }
+}
