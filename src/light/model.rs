@@ -147,7 +147,7 @@ impl Lighting<'_> {
     /// What a surface reflects of a light.
     ///
     /// # Errors
-    /// Those of [`ClosedForm::reflected`] and [`by_table`](super::by_table).
+    /// Those of [`ClosedForm::reflected`] and [`by_table`].
     pub fn reflected<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, LightError> {
         match self {
             Self::ClosedForm(form) => form.reflected(at, light),
