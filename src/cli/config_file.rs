@@ -84,7 +84,6 @@ mod tests {
     use std::net::SocketAddr;
 
     use super::*;
-    use crate::preview_names::AdapterName;
     use ltcforge_view::preview::Adapter;
 
     #[test]
@@ -94,7 +93,7 @@ mod tests {
         assert_eq!(file.server.as_deref(), Some("http://h"));
         assert_eq!(file.serve.listen, SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 80)));
         assert_eq!(file.serve.workers, "3".parse().ok());
-        assert_eq!(file.serve.adapter, AdapterName(Adapter::Gpu));
+        assert_eq!(file.serve.adapter, Adapter::Gpu);
         for text in [
             "colour = 1",
             "[serve]\nport = 1",

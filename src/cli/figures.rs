@@ -16,7 +16,7 @@ pub(super) fn run(args: &FiguresArgs, json: bool, context: &mut Context<'_>) -> 
     check_output_folder(&args.out)?;
     let pool = args.threads.pool()?;
     let failed = |error: &dyn std::fmt::Display| CommandFailure::new(Exit::Failed, error.to_string());
-    let mut preview = Preview::new(args.adapter.0);
+    let mut preview = Preview::new(args.adapter);
     let asked = Figure::ALL.iter().filter(|figure| args.names.is_empty() || args.names.contains(figure));
     for figure in asked {
         let drawn = pool.install(|| figure.draw(&mut preview)).map_err(|error| failed(&error))?;

@@ -25,7 +25,6 @@ mod pins;
 mod plot;
 mod points;
 mod preview;
-mod preview_names;
 mod progress;
 mod pull;
 mod report;

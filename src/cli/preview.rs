@@ -34,12 +34,12 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         table
     });
     let shader_table = match (&table, &digest) {
-        (Some(table), Some(digest)) => ShaderTable::new(table, args.precision.0).labelled(&digest.hex()),
+        (Some(table), Some(digest)) => ShaderTable::new(table, args.precision).labelled(&digest.hex()),
         _ => ShaderTable::none(),
     };
     let shader_table = Arc::new(shader_table);
     let rendered =
-        Preview::new(args.adapter.0).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
+        Preview::new(args.adapter).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
     let png = rendered.picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     out.write(&png)?;
     let Rendered { picture, adapter, errors, outside } = rendered;

@@ -23,7 +23,7 @@ const COMPARED_AT: usize = 512;
 /// Writes the shader to the file, or to standard output. With `--json` one line
 /// describes the file, or holds the shader's text.
 pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let language = args.language.0;
+    let language = args.language;
     if let Some(table) = &args.without_textures {
         return without_textures(args, language, table, json, context);
     }

@@ -1,43 +1,28 @@
 //! The languages that a shader is written in.
 
-/// A shading language.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Language {
-    /// WGSL as it is written here, with its comments and both ways to interpolate entries.
-    Wgsl,
-    /// GLSL 4.50 for OpenGL.
-    Glsl,
-    /// GLSL 3.30 for OpenGL 3.3, which has no compute shaders: to include.
-    Glsl330,
-    /// GLSL ES: 3.10 for OpenGL ES as a program, 3.00 for WebGL 2 to include.
-    GlslEs,
-    /// HLSL for shader model 5.1.
-    Hlsl,
-    /// Metal Shading Language 2.0.
-    Msl,
-    /// SPIR-V 1.3, binary, for Vulkan 1.1.
-    Spirv,
+use ltcforge_fit::named_list;
+
+named_list! {
+    /// A shading language.
+    pub enum Language {
+        /// WGSL as it is written here, with its comments and both ways to interpolate entries.
+        Wgsl = "wgsl",
+        /// GLSL 4.50 for OpenGL.
+        Glsl = "glsl",
+        /// GLSL 3.30 for OpenGL 3.3, which has no compute shaders: to include.
+        Glsl330 = "glsl-330",
+        /// GLSL ES: 3.10 for OpenGL ES as a program, 3.00 for WebGL 2 to include.
+        GlslEs = "glsl-es",
+        /// HLSL for shader model 5.1.
+        Hlsl = "hlsl",
+        /// Metal Shading Language 2.0.
+        Msl = "msl",
+        /// SPIR-V 1.3, binary, for Vulkan 1.1.
+        Spirv = "spirv",
+    }
 }
 
 impl Language {
-    /// Every language.
-    pub const ALL: [Self; 7] =
-        [Self::Wgsl, Self::Glsl, Self::Glsl330, Self::GlslEs, Self::Hlsl, Self::Msl, Self::Spirv];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Wgsl => "wgsl",
-            Self::Glsl => "glsl",
-            Self::Glsl330 => "glsl-330",
-            Self::GlslEs => "glsl-es",
-            Self::Hlsl => "hlsl",
-            Self::Msl => "msl",
-            Self::Spirv => "spirv",
-        }
-    }
-
     /// Whether programs are written in it: the example is a compute shader.
     #[must_use]
     pub fn has_programs(self) -> bool {

@@ -19,7 +19,7 @@ fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
 }
 
 fn programs() -> impl Iterator<Item = Language> {
-    Language::ALL.into_iter().filter(|language| language.has_programs())
+    Language::ALL.iter().copied().filter(|language| language.has_programs())
 }
 
 fn text(language: Language, lit_by: impl Into<LitBy>) -> String {
@@ -256,7 +256,7 @@ fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     let gaussian_table = lit_by(LightModel::Asg, Some(Layout::Reflected));
     let lights =
         [Layout::Reflected.into(), Layout::Kt2022.into(), lit_by(LightModel::Normals, None), gaussian, gaussian_table];
-    let languages = Language::ALL.into_iter().filter(|language| language.has_includes());
+    let languages = Language::ALL.iter().copied().filter(|language| language.has_includes());
     languages.flat_map(move |language| {
         lights.into_iter().flat_map(move |lit_by| {
             Reading::ALL.into_iter().map(move |reading| {
@@ -314,7 +314,7 @@ fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
         ]
         .map(|text| text.expect("a translation"))
     };
-    for language in Language::ALL.into_iter().filter(|language| language.has_includes()) {
+    for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
         let name = language.name();
         for (all, polygons) in texts(language, Lights::All).iter().zip(&texts(language, Lights::Polygons)) {
             let (left, right) = TABLE_FUNCTIONS.split_at(4);

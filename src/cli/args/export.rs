@@ -7,7 +7,7 @@ use clap::{
     builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
 };
 
-use super::{TableChoice, Threads};
+use super::{TableChoice, Threads, named};
 use ltcforge_fit::Precision;
 use ltcforge_textures::{CompactContainer, Engine, TextureContainer};
 
@@ -33,7 +33,7 @@ pub struct ExportArgs {
 #[derive(Debug, Clone, PartialEq, Eq, Args)]
 pub struct ExportChoice {
     /// Write the files of this engine, under its names
-    #[arg(long = "for", value_name = "ENGINE", value_parser = engines(), requires = "out")]
+    #[arg(long = "for", value_name = "ENGINE", value_parser = named(Engine::ALL, Engine::name), requires = "out")]
     pub engine: Option<Engine>,
     /// Write textures of this layout, in a format of one's own choice
     #[arg(long, value_name = "NAME", requires = "container", conflicts_with = "engine")]
@@ -44,11 +44,6 @@ pub struct ExportChoice {
     /// Bits of a number: 16 or 32 [default: float]
     #[arg(long, value_parser = precisions(), requires = "layout", conflicts_with = "engine")]
     pub precision: Option<Precision>,
-}
-
-fn engines() -> impl TypedValueParser<Value = Engine> {
-    let names = PossibleValuesParser::new(Engine::ALL.iter().map(|engine| engine.name()));
-    names.try_map(|name| Engine::from_name(&name).ok_or("is not an engine"))
 }
 
 /// A format of textures, or of the table itself.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{models::named, tables::TableFolder};
+use super::{named::named, tables::TableFolder};
 use ltcforge_light::{LightModel, LightShape, WeightRule};
 
 /// `light`.

@@ -5,7 +5,8 @@ mod export;
 mod fitting;
 mod jobs;
 mod light;
-mod models;
+
+mod named;
 mod pictures;
 mod pins;
 mod tables;
@@ -23,6 +24,7 @@ pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
 pub(super) use fitting::{FitArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
+pub(super) use named::named;
 pub(super) use pictures::{FiguresArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};

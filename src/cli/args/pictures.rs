@@ -7,18 +7,14 @@ use clap::{
     builder::{PossibleValuesParser, TypedValueParser},
 };
 
-use super::{
-    super::preview_names::{AdapterName, LanguageName, TexelFormatName},
-    TableFolder, Threads,
-    models::named,
-};
+use super::{TableFolder, Threads, named::named};
 use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, WeightRule};
-use ltcforge_shaders::{Lights, Prefix};
+use ltcforge_shaders::{Language, Lights, Prefix};
 use ltcforge_view::{
     figures::Figure,
     plots::{Azimuth, IsotropicFigure, Ratio},
-    preview::{Choices, Form, PARAMETERS, Parameter, Value},
+    preview::{Adapter, Choices, Form, PARAMETERS, Parameter, TexelFormat, Value},
 };
 
 /// `preview`. A parameter that is not given is that of the named scene.
@@ -37,15 +33,15 @@ pub struct PreviewArgs {
     #[command(flatten)]
     pub scene: SceneChoices,
     /// Width of the table's numbers on the GPU
-    #[arg(long, value_enum, default_value = "f32")]
-    pub precision: TexelFormatName,
+    #[arg(long, value_parser = named(TexelFormat::ALL, TexelFormat::name), default_value = "f32")]
+    pub precision: TexelFormat,
     /// Take amplitude and Fresnel term of GGX itself at the table's nodes, in place of the table's own; a table without
     /// any reflects all light
     #[arg(long)]
     pub ggx_terms: bool,
     /// The renderer
-    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
-    pub adapter: AdapterName,
+    #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: Adapter,
 }
 
 /// The choices of a scene on the command line: an argument for each of the preview's parameters.
@@ -151,8 +147,8 @@ pub enum PlotName {
 #[derive(Debug, Args)]
 pub struct ShaderArgs {
     /// Language to write
-    #[arg(long, value_enum)]
-    pub language: LanguageName,
+    #[arg(long, value_parser = named(Language::ALL, Language::name))]
+    pub language: Language,
     /// The model of light
     #[arg(long, value_parser = named(LightModel::ALL, LightModel::name), default_value = "ltc")]
     pub model: LightModel,
@@ -204,8 +200,8 @@ pub struct FiguresArgs {
     #[arg(value_name = "NAME", value_parser = named(Figure::ALL, Figure::name))]
     pub names: Vec<Figure>,
     /// The renderer of the spheres
-    #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
-    pub adapter: AdapterName,
+    #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), default_value = "any", env = "LTCFORGE_ADAPTER")]
+    pub adapter: Adapter,
     /// Folder that the figures go to
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,

@@ -4,7 +4,7 @@ use std::{num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
-use super::{Threads, models::named};
+use super::{Threads, named::named};
 use ltcforge_client::Limits;
 use ltcforge_files::digest::Digest;
 use ltcforge_light::{LightModel, WeightRule};

@@ -16,9 +16,9 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
 use super::{CommandFailure, Exit, args::ReplicaArgs};
-use crate::{
-    args::threads::{ThreadCount, UpTo, cores},
-    preview_names::AdapterName,
+use crate::args::{
+    named,
+    threads::{ThreadCount, UpTo, cores},
 };
 use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
 use ltcforge_server::{
@@ -77,8 +77,9 @@ pub(crate) struct ServeSettings {
     #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
     pub export_bytes: usize,
     /// The renderer of previews [default: any]
-    #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
-    pub adapter: AdapterName,
+    #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), env = "LTCFORGE_ADAPTER")]
+    #[serde(deserialize_with = "adapter")]
+    pub adapter: Adapter,
     /// Seconds that a picture may take, which also limit its samples, 1 to 86400 [default: 30]
     #[arg(long, env = "LTCFORGE_PICTURE_SECONDS", value_name = "N")]
     pub picture_seconds: WaitSeconds,
@@ -124,7 +125,7 @@ impl Default for ServeSettings {
             job_seconds: const { NonZeroU64::new(86_400).unwrap() },
             job_days: 90,
             export_bytes: 256 << 20,
-            adapter: AdapterName(Adapter::Any),
+            adapter: Adapter::Any,
             picture_seconds: WaitSeconds::clamped(pictures.time.as_secs()),
             picture_queue: pictures.queue,
             picture_memory: (pictures.memory_bytes >> 20) as u32,
@@ -142,6 +143,12 @@ impl Default for ServeSettings {
 fn from_texts<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(from: D) -> Result<Vec<T>, D::Error> {
     let texts = Vec::<String>::deserialize(from)?;
     texts.iter().map(|text| text.parse().map_err(D::Error::custom)).collect()
+}
+
+fn adapter<'de, D: Deserializer<'de>>(from: D) -> Result<Adapter, D::Error> {
+    let name = String::deserialize(from)?;
+    let known = Adapter::from_name(&name);
+    known.ok_or_else(|| D::Error::custom(format!("«{name}» is not an adapter; the adapters are any, gpu, cpu")))
 }
 
 /// The flags and variables of `serve`: some of its settings, before the file's are known.
@@ -194,7 +201,7 @@ impl ServeSettings {
             keep_ended: (self.job_days > 0).then(|| Duration::from_secs(u64::from(self.job_days) * 86_400)),
             lease_ttl: LEASE_TTL,
             max_attempts: MAX_ATTEMPTS,
-            adapter: self.adapter.0,
+            adapter: self.adapter,
             pictures: PictureLimits {
                 time: self.picture_seconds.duration(),
                 queue: self.picture_queue,
@@ -261,7 +268,7 @@ mod tests {
         let by_hand = ServeSettings {
             data: "flag".into(),
             queue_limit: NonZeroUsize::new(5).expect("not zero"),
-            adapter: AdapterName(Adapter::Cpu),
+            adapter: Adapter::Cpu,
             job_days: 0,
             ..ServeSettings::default()
         };

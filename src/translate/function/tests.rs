@@ -5,7 +5,7 @@ use ltcforge_fit::testing::planted_isotropic;
 #[test]
 fn every_language_has_the_functions_and_binds_nothing() {
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
-    for language in Language::ALL.into_iter().filter(|language| language.has_includes()) {
+    for language in Language::ALL.iter().copied().filter(|language| language.has_includes()) {
         let text = include_function(language, &function, &["table 17".to_owned()], Lights::All, &Place::default())
             .expect("a translation");
         let name = language.name();

@@ -32,7 +32,7 @@ fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
 }
 
 fn texts() -> impl Iterator<Item = Language> {
-    Language::ALL.into_iter().filter(|language| language.has_includes())
+    Language::ALL.iter().copied().filter(|language| language.has_includes())
 }
 
 /// What C-like code declares outside of functions: names after a type or keyword, outside of all brackets.

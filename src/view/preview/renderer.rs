@@ -12,7 +12,7 @@ use super::{
     tone,
 };
 use crate::picture::Picture;
-use ltcforge_fit::BrdfKind;
+use ltcforge_fit::{BrdfKind, named_list};
 use ltcforge_light::LightModel;
 
 /// The name of the CPU as an adapter.
@@ -23,15 +23,16 @@ const MOST_HANGS: u32 = 2;
 /// Samples that the CPU renders between asking whether to stop. They take some hundredths of a second on one slow core.
 const SAMPLES: u32 = 1 << 18;
 
-/// What renders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Adapter {
-    /// A GPU if Vulkan lists one, else the CPU.
-    Any,
-    /// A GPU or nothing.
-    Gpu,
-    /// The CPU.
-    Cpu,
+named_list! {
+    /// What renders.
+    pub enum Adapter {
+        /// A GPU if Vulkan lists one, else the CPU.
+        Any = "any",
+        /// A GPU or nothing.
+        Gpu = "gpu",
+        /// The CPU.
+        Cpu = "cpu",
+    }
 }
 
 /// A picture and what is known of it.

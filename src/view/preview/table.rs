@@ -4,15 +4,16 @@ use half::f16;
 
 use super::{Mode, Scene};
 use crate::picture::short_digest;
-use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table};
+use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table, named_list};
 
-/// How wide the numbers of a texel are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TexelFormat {
-    /// 32 bits, as fitted.
-    F32,
-    /// 16 bits, rounded to nearest.
-    F16,
+named_list! {
+    /// How wide the numbers of a texel are.
+    pub enum TexelFormat {
+        /// 32 bits, as fitted.
+        F32 = "f32",
+        /// 16 bits, rounded to nearest.
+        F16 = "f16",
+    }
 }
 
 /// A table as the shaders have it: three texels an entry, in the order in which a file stores entries.
