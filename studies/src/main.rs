@@ -1,8 +1,13 @@
 //! Programs that find the constants of the sources anew and print rows of the documents: see studies/README.md.
 
+use std::{error::Error, path::PathBuf, process::ExitCode};
+
 use clap::{Parser, Subcommand};
 use ltcforge::light::WeightRule;
-use ltcforge_studies::weight::{self, Asked};
+use ltcforge_studies::{
+    best, costs, expected, l3, models,
+    weight::{self, Asked},
+};
 
 #[derive(Parser)]
 #[command(about = "Finds constants of the sources anew, and prints rows of the documents")]
@@ -34,6 +39,31 @@ enum Study {
         #[arg(long)]
         standing: bool,
     },
+    /// The expected errors of tables: numbers of src/fit/expectation.rs and of the layouts
+    Expected,
+    /// The seconds of fits: constants of src/fit/cost.rs, metrics and solvers
+    Costs {
+        /// Runs of each fit, of which the shortest counts
+        #[arg(long, default_value_t = 3)]
+        runs: usize,
+    },
+    /// The tables of docs/normals.md and docs/light.md: model `normals` over random lights
+    Models,
+    /// The table of README.md: tables beside the best LTCs
+    Best {
+        /// A table as KT et al. published theirs, .npy
+        #[arg(long)]
+        published: Option<PathBuf>,
+        /// The table of docs/layouts.md: isotropic tables of engines
+        #[arg(long)]
+        isotropic: bool,
+    },
+    /// The table of docs/isotropic.md: isotropic tables by the L3 distance
+    L3 {
+        /// The textures that engines ship, .dds: matrices and terms
+        #[arg(long, num_args = 2)]
+        shipped: Option<Vec<PathBuf>>,
+    },
 }
 
 fn rule(name: &str) -> Result<WeightRule, String> {
@@ -43,8 +73,28 @@ fn rule(name: &str) -> Result<WeightRule, String> {
     }
 }
 
-fn main() {
-    match Arguments::parse().study {
+fn main() -> ExitCode {
+    match run(Arguments::parse().study) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(study: Study) -> Result<(), Box<dyn Error>> {
+    match study {
+        Study::Expected => print!("{}", expected::text()?),
+        Study::Costs { runs } => print!("{}", costs::text(runs)?),
+        Study::Models => print!("{}", models::tables(1.0)?),
+        Study::Best { isotropic: true, .. } => print!("{}", best::isotropic()?),
+        Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
+        Study::L3 { shipped } => {
+            let shipped =
+                shipped.as_deref().and_then(|paths| Some((paths.first()?.as_path(), paths.get(1)?.as_path())));
+            print!("{}", l3::tables(shipped)?);
+        }
         Study::Weight { rule, standing: true, .. } => print_numbers(rule, &weight::numbers(rule.forms())),
         Study::Weight { rule, cold, lights, rounds, seed, .. } => {
             let asked = Asked { rule, is_cold: cold, lights, rounds, seed };
@@ -59,6 +109,7 @@ fn main() {
             print_numbers(rule, &found.numbers);
         }
     }
+    Ok(())
 }
 
 fn print_numbers(rule: WeightRule, numbers: &[f64]) {

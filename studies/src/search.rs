@@ -42,16 +42,6 @@ pub fn objective(model: &dyn Model, numbers: &[f64], cases: &[Case]) -> f64 {
     cases.par_chunks(PART).map(sum).collect::<Vec<_>>().iter().sum::<f64>() / cases.len() as f64
 }
 
-/// Absolute errors of the energy: mean, 95th percentile, largest; and the mean of Schlick's part.
-#[must_use]
-pub fn spread(model: &dyn Model, numbers: &[f64], cases: &[Case]) -> [f64; 4] {
-    let both: Vec<[f64; 2]> = cases.par_iter().map(|case| errors(model, numbers, case).map(f64::abs)).collect();
-    let mean = |part: usize| both.iter().map(|errors| errors[part]).sum::<f64>() / both.len() as f64;
-    let mut energy: Vec<f64> = both.iter().map(|errors| errors[0]).collect();
-    energy.sort_by(f64::total_cmp);
-    [mean(0), energy[energy.len() * 95 / 100], energy[energy.len() - 1], mean(1)]
-}
-
 /// The normal equations of a step: half of the sum's second derivatives by pairs of numbers, and its first.
 struct Equations {
     matrix: Vec<f64>,

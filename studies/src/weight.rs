@@ -11,8 +11,9 @@ use ltcforge::{
 };
 
 use crate::{
-    lights::{Case, Kind, Lit, cases},
-    search::{Model, objective, search, spread},
+    lights::{Case, Kind, Lit, cases, errors},
+    markdown::spread,
+    search::{Model, objective, search},
 };
 
 /// How many numbers a rule has.
@@ -156,8 +157,8 @@ pub fn find(asked: &Asked, tell: impl FnMut(usize, f64)) -> Found {
     let start = if asked.is_cold { plain() } else { standing.clone() };
     let [seen, held_out] = [asked.seed, asked.seed + 1].map(|seed| drawn(seed, asked.lights));
     let found = rounded(&search(&model, &start, &seen, asked.rounds, tell));
-    let [seen, held_out] = [seen, held_out]
-        .map(|cases| [&start, &standing, &found].map(|numbers| objective(&model, numbers, &cases)));
+    let [seen, held_out] =
+        [seen, held_out].map(|cases| [&start, &standing, &found].map(|numbers| objective(&model, numbers, &cases)));
     Found { numbers: found, seen, held_out }
 }
 
@@ -165,14 +166,14 @@ pub fn find(asked: &Asked, tell: impl FnMut(usize, f64)) -> Found {
 #[must_use]
 pub fn by_kind(rule: WeightRule, seed: u64, count: usize, candidates: &[(&str, &[f64])]) -> String {
     let mut out = "| lights |".to_owned();
-    candidates.iter().for_each(|(name, _)| out += &format!(" {name}: mean / p95 / max |"));
+    out += &candidates.iter().map(|(name, _)| format!(" {name}: mean / p95 / max |")).collect::<String>();
     out += &format!("\n|---|{}\n", "---|".repeat(candidates.len()));
     for (i, kind) in Kind::ALL.into_iter().enumerate() {
         let cases = cases(kind, 100 * (seed + 1) + i as u64, count / Kind::ALL.len());
         out += &format!("| {} |", kind.name());
         for (_, numbers) in candidates {
-            let [mean, p95, max, _] = spread(&Weight(rule), numbers, &cases);
-            out += &format!(" {mean:.5} / {p95:.4} / {max:.3} |");
+            let [energy, _] = errors(&cases, |lit| Weight(rule).reflected(numbers, lit));
+            out += &format!(" {} |", spread(energy));
         }
         out.push('\n');
     }
