@@ -159,10 +159,26 @@ impl Task {
     }
 }
 
-/// The fits of GGX: those that the constants are found by, or others.
-fn tasks(is_held_out: bool) -> Vec<Task> {
-    let (samples, directions): (&[u32], &[u32]) =
-        if is_held_out { (&[256, 1024], &[32]) } else { (&[128, 512, 4096], &[8, 64]) };
+/// The samples and directions of the fits that the constants are found by, each with each, and of others.
+#[derive(Debug, Clone, Copy)]
+pub struct Efforts {
+    /// Of the former.
+    pub seen: [&'static [u32]; 2],
+    /// Of the latter.
+    pub held_out: [&'static [u32]; 2],
+    /// Runs of each fit, of which the shortest counts.
+    pub runs: usize,
+}
+
+impl Efforts {
+    /// Half a minute.
+    pub const WHOLE: Self = Self { seen: [&[128, 512, 4096], &[8, 64]], held_out: [&[256, 1024], &[32]], runs: 5 };
+    /// Seconds.
+    pub const SHORT: Self = Self { seen: [&[128, 512], &[8, 32]], held_out: [&[256], &[16]], runs: 2 };
+}
+
+/// The fits of GGX.
+fn tasks([samples, directions]: [&'static [u32]; 2]) -> Vec<Task> {
     let grid = || samples.iter().flat_map(|s| directions.iter().map(|d| Task { samples: *s, directions: *d, ..USUAL }));
     let few = || samples.iter().map(|s| Task { samples: (*s).min(2048), ..USUAL });
     let mut tasks: Vec<Task> = grid().collect();
@@ -189,22 +205,22 @@ pub struct Found {
     pub over_standing: Vec<f64>,
 }
 
-/// Measures, the least of some runs each, and finds.
+/// Measures and finds.
 ///
 /// # Errors
 /// None, unless a fit's settings are out of bounds.
-pub fn find(runs: usize, mut tell: impl FnMut(&str, f64, f64)) -> Result<Found, ltcforge::Error> {
+pub fn find(efforts: &Efforts, mut tell: impl FnMut(&str, f64, f64)) -> Result<Found, ltcforge::Error> {
     let mut over_standing = Vec::new();
     let mut measure = |tasks: Vec<Task>| -> Result<Vec<Measured<11>>, ltcforge::Error> {
         let measured = tasks.iter().map(|task| {
-            let (value, standing) = (task.measure(runs)?, task.standing()?);
+            let (value, standing) = (task.measure(efforts.runs)?, task.standing()?);
             tell(&task.name(), value, standing);
             over_standing.push(value / standing);
             Ok(Measured { factors: task.factors(), value })
         });
         measured.collect()
     };
-    let (seen, held_out) = (measure(tasks(false))?, measure(tasks(true))?);
+    let (seen, held_out) = (measure(tasks(efforts.seen))?, measure(tasks(efforts.held_out))?);
     let constants = least_squares(&seen);
     let relative_errors = [&seen, &held_out].map(|measured| relative_error(measured, &constants));
     Ok(Found { constants, relative_errors, over_standing })
@@ -221,11 +237,12 @@ pub fn median(mut ratios: Vec<f64>) -> f64 {
 ///
 /// # Errors
 /// As [`find`].
-pub fn text(runs: usize) -> Result<String, ltcforge::Error> {
+pub fn text(efforts: &Efforts) -> Result<String, ltcforge::Error> {
+    let runs = efforts.runs;
     let mut out =
         "| fit | samples x directions x steps | measured, ms | over those that stand |\n|---|---|---|---|\n".to_owned();
     // Writing to a String cannot fail.
-    let found = find(runs, |name, measured, standing| {
+    let found = find(efforts, |name, measured, standing| {
         let _ = writeln!(out, "| {name} | {:.3} | {:.2} |", 1e3 * measured, measured / standing);
     })?;
     let speed = median(found.over_standing.clone());
@@ -318,7 +335,7 @@ mod tests {
     fn the_constants_that_stand_predict_what_the_model_does() {
         let standing = CONSTANTS.map(|constant| constant.standing());
         assert!(standing.iter().chain([&STEP_SAMPLING.standing(), &POINT.standing()]).all(|x| x.is_finite()));
-        for task in tasks(false).into_iter().chain(tasks(true)) {
+        for task in tasks(Efforts::WHOLE.seen) {
             let [found, wanted] = [predicted(&task.factors(), &standing), task.standing().expect("a recipe")];
             assert!((found / wanted - 1.0).abs() < 1e-9, "{task:?}: {found} {wanted}");
         }

@@ -4,8 +4,6 @@
 //! Tables are fitted and measured by a report's figure, `between.width.mean`. The law is a sum of powers, whose factors are found
 //! by least squares of relative errors, and the two exponents by trying: see docs/tradeoff.md.
 
-use std::fmt::Write as _;
-
 use ltcforge::{
     BrdfKind, Layout, LobeModel, Preset, Recipe,
     fit::{expectation, width_between},
@@ -17,8 +15,6 @@ use crate::{
     tables::fitted,
 };
 
-/// Where a table is measured.
-const POINTS: usize = 512;
 /// The exponents that are tried: from, to, step.
 const SAMPLES_EXPONENT: [f64; 3] = [0.8, 2.0, 0.1];
 const DIRECTIONS_EXPONENT: [f64; 3] = [1.0, 3.0, 0.5];
@@ -78,31 +74,52 @@ fn nodes_of(layout: Layout) -> Result<[u32; 4], ltcforge::Error> {
     Ok([nodes.alpha, nodes.ratio, nodes.theta, nodes.phi])
 }
 
-/// The recipes of a layout: one axis at a time, and all; for tables of any domain also the efforts at the default nodes.
-fn recipes(layout: Layout, has_effort: bool) -> Result<Vec<Recipe>, ltcforge::Error> {
-    let mut found = Vec::new();
+/// How much is fitted and measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Where each table is measured.
+    pub points: usize,
+    /// By what the default numbers of nodes are multiplied, on all axes and one at a time.
+    pub scales: &'static [f64],
+    /// Samples and directions, each with each.
+    pub efforts: [&'static [u32]; 2],
+    /// Nodes of alpha and theta of isotropic tables.
+    pub isotropic: &'static [[u32; 2]],
+}
+
+impl Extent {
+    /// Five minutes on two cores.
+    pub const WHOLE: Self = Self {
+        points: 512,
+        scales: &[0.4, 0.6, 0.8, 1.25, 1.6],
+        efforts: [&[64, 128, 256, 512, 1024], &[4, 8, 16, 32]],
+        isotropic: &[[12, 48], [24, 48], [48, 12], [48, 24], [16, 16], [32, 32], [64, 64]],
+    };
+    /// Seconds.
+    pub const SHORT: Self = Self { points: 96, scales: &[0.4, 0.6], efforts: [&[64, 192], &[4, 8]], isotropic: &[] };
+}
+
+/// The recipes of a layout: all axes and one at a time; for the first one also the efforts at its nodes.
+fn recipes(layout: Layout, extent: &Extent, has_effort: bool) -> Result<Vec<Recipe>, ltcforge::Error> {
     if layout.only_ranges().is_some() {
-        for nodes in [[12, 64], [24, 64], [40, 64], [64, 12], [64, 24], [64, 40], [16, 16], [32, 32], [64, 64]] {
-            found.push(recipe(layout, [nodes[0], 1, nodes[1], 1], 64, 8)?);
-        }
-        return Ok(found);
+        let nodes = extent.isotropic.iter();
+        return nodes.map(|[alpha, theta]| recipe(layout, [*alpha, 1, *theta, 1], 64, 8)).collect();
     }
-    let usual = nodes_of(layout)?;
-    let [samples, directions] = [192, 8];
+    let (usual, [samples, directions]) = (nodes_of(layout)?, [192, 8]);
     let scaled = |n: u32, scale: f64| ((f64::from(n) * scale).round() as u32).max(2);
-    found.push(recipe(layout, usual, samples, directions)?);
-    for scale in [0.4, 0.6, 0.8, 1.25, 1.6] {
-        found.push(recipe(layout, usual.map(|n| scaled(n, scale)), samples, directions)?);
+    let mut found = vec![recipe(layout, usual, samples, directions)?];
+    for scale in extent.scales {
+        found.push(recipe(layout, usual.map(|n| scaled(n, *scale)), samples, directions)?);
         for axis in 0..4 {
             let mut nodes = usual;
-            nodes[axis] = scaled(nodes[axis], scale);
+            nodes[axis] = scaled(nodes[axis], *scale);
             found.push(recipe(layout, nodes, samples, directions)?);
         }
     }
-    if has_effort {
-        for [samples, directions] in [64, 128, 256, 512, 1024].into_iter().flat_map(|s| [4, 8, 16, 32].map(|d| [s, d]))
-        {
-            found.push(recipe(layout, usual, samples, directions)?);
+    let [all_samples, all_directions] = extent.efforts;
+    for samples in all_samples.iter().filter(|_| has_effort) {
+        for directions in all_directions {
+            found.push(recipe(layout, usual, *samples, *directions)?);
         }
     }
     Ok(found)
@@ -162,16 +179,17 @@ pub struct Found {
     pub held_out: Vec<[f64; 2]>,
 }
 
-/// Finds the laws of some layouts, that of `reflected` first.
+/// Finds the laws of some layouts.
 ///
 /// # Errors
 /// None, unless a recipe is out of bounds.
-pub fn find(layouts: &[Layout], points: usize, mut tell: impl FnMut(&Found)) -> Result<(), ltcforge::Error> {
-    let first = with_exponents(&measured(recipes(Layout::Reflected, true)?, points));
+pub fn find(layouts: &[Layout], extent: &Extent, mut tell: impl FnMut(&Found)) -> Result<(), ltcforge::Error> {
+    let first = with_exponents(&measured(recipes(Layout::Reflected, extent, true)?, extent.points));
     for layout in layouts {
         let is_first = *layout == Layout::Reflected;
-        let law = if is_first { first } else { with_effort_of(&first, &measured(recipes(*layout, false)?, points)) };
-        let unseen = measured(held_out(*layout)?, points);
+        let tables = if is_first { Vec::new() } else { measured(recipes(*layout, extent, false)?, extent.points) };
+        let law = if is_first { first } else { with_effort_of(&first, &tables) };
+        let unseen = measured(held_out(*layout)?, extent.points);
         let ratio = |table: &Fitted| {
             let Measured { factors, value } = table.measured(law.exponents);
             [value / predicted(&factors, &law.numbers), table.over_standing()]
@@ -216,56 +234,46 @@ const KT2022: &str = include_str!("../../src/fit/layout/kt2022.rs");
 const ISOTROPIC: &str = include_str!("../../src/fit/layout/isotropic.rs");
 const EXPECTATION: &str = include_str!("../../src/fit/expectation.rs");
 
-/// The numbers as the sources have them, found and standing.
+/// The layouts that have numbers of their own; `inverse` and `matrix33` have those of `hdrp`.
+const LAYOUTS: [Layout; 6] =
+    [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp];
+
+/// Tells the numbers as the sources have them, found and standing, line by line.
 ///
 /// # Errors
 /// As [`find`].
-pub fn text() -> Result<String, ltcforge::Error> {
-    let mut out = String::new();
-    // Writing to a String cannot fail.
-    let mut told = |found: &Found| {
-        let Found { layout, law: Law { numbers, exponents }, held_out } = found;
+pub fn tell(mut line_of: impl FnMut(String)) -> Result<(), ltcforge::Error> {
+    let isotropic = || ISOTROPIC.lines().map(str::trim).filter(|line| line.contains("interpolation: ["));
+    find(&LAYOUTS, &Extent::WHOLE, |Found { layout, law: Law { numbers, exponents }, held_out }| {
         let [limit, alpha, ratio, theta, phi, samples, directions] = numbers.map(|x| format!("{x:.3}"));
         if *layout == Layout::Reflected {
-            let _ = writeln!(
-                out,
-                "const SAMPLES: [f64; 2] = [{samples}, {:.1}];\nconst DIRECTIONS: [f64; 2] = [{directions}, {:.1}];",
-                -exponents[0], -exponents[1]
-            );
+            let [of_samples, of_directions] = exponents.map(|exponent| format!("-{exponent:.1}"));
+            line_of(format!("const SAMPLES: [f64; 2] = [{samples}, {of_samples}];"));
+            line_of(format!("const DIRECTIONS: [f64; 2] = [{directions}, {of_directions}];"));
             for name in ["const SAMPLES", "const DIRECTIONS"] {
-                let _ = writeln!(out, "// stands: {}", line(EXPECTATION, name).unwrap_or_default());
+                line_of(format!("// stands: {}", line(EXPECTATION, name).unwrap_or_default()));
             }
         }
-        let standing = match layout {
-            Layout::Reflected => line(REFLECTED, "Interpolation { limit"),
-            Layout::Kt2022 => line(KT2022, "Interpolation { limit"),
-            _ => None,
-        };
-        let _ = match standing {
-            Some(standing) => writeln!(
-                out,
-                "{layout}: Interpolation {{ limit: {:.4}, step: PerAxis {{ alpha: {alpha}, ratio: {ratio}, theta: {theta}, phi: {phi} }} }}\n// stands: {standing}",
-                numbers[0]
-            ),
-            None => writeln!(out, "{layout}: interpolation: [{limit}, {:.1}, {:.1}]", numbers[1], numbers[3]),
-        };
-        let ratios = held_out.iter().map(|[found, standing]| format!("{found:.2} ({standing:.2})")).collect::<Vec<_>>();
-        let _ = writeln!(
-            out,
-            "// held out, measured over expected by what was found (by what stands): {}",
-            ratios.join(", ")
-        );
-    };
-    find(Layout::ALL, POINTS, &mut told)?;
-    for standing in ISOTROPIC.lines().filter(|line| line.contains("interpolation: [")) {
-        let _ = writeln!(out, "// stands in src/fit/layout/isotropic.rs: {}", standing.trim());
-    }
-    out += "\n| model | error over that of LTCs of GGX: found | stands |\n|---|---|---|\n";
+        let of_source = |source| line(source, "Interpolation { limit").unwrap_or_default();
+        let isotropic_index = LAYOUTS.iter().position(|item| item == layout).unwrap_or_default().saturating_sub(2);
+        if layout.only_ranges().is_some() {
+            line_of(format!("// {layout}\ninterpolation: [{limit}, {:.1}, {:.1}],", numbers[1], numbers[3]));
+            line_of(format!("// stands: {}", isotropic().nth(isotropic_index).unwrap_or_default()));
+        } else {
+            let step = format!("PerAxis {{ alpha: {alpha}, ratio: {ratio}, theta: {theta}, phi: {phi} }}");
+            line_of(format!("// {layout}\nInterpolation {{ limit: {:.4}, step: {step} }}", numbers[0]));
+            let source = if *layout == Layout::Reflected { REFLECTED } else { KT2022 };
+            line_of(format!("// stands: {}", of_source(source)));
+        }
+        let ratios: Vec<_> = held_out.iter().map(|[found, standing]| format!("{found:.2} ({standing:.2})")).collect();
+        line_of(format!("// held out, measured over expected (by what stands): {}", ratios.join(", ")));
+    })?;
+    line_of("\n| model | error over that of LTCs of GGX: found | stands |\n|---|---|---|".to_owned());
     let ltcs = BrdfKind::formulas().skip(1).map(|kind| (kind, LobeModel::Ltc));
     let gaussians = [LobeModel::Sg, LobeModel::Asg].map(|lobe| (BrdfKind::Ggx, lobe));
     for (brdf, lobe) in ltcs.chain(gaussians) {
-        let [found, standing] = factor(brdf, lobe, POINTS)?;
-        let _ = writeln!(out, "| `{brdf}`, `{lobe}` | {found:.2} | {standing:.2} |");
+        let [found, standing] = factor(brdf, lobe, Extent::WHOLE.points)?;
+        line_of(format!("| `{brdf}`, `{lobe}` | {found:.2} | {standing:.2} |"));
     }
-    Ok(out)
+    Ok(())
 }

@@ -42,11 +42,7 @@ enum Study {
     /// The expected errors of tables: numbers of src/fit/expectation.rs and of the layouts
     Expected,
     /// The seconds of fits: constants of src/fit/cost.rs, metrics and solvers
-    Costs {
-        /// Runs of each fit, of which the shortest counts
-        #[arg(long, default_value_t = 3)]
-        runs: usize,
-    },
+    Costs,
     /// The tables of docs/normals.md and docs/light.md: model `normals` over random lights
     Models,
     /// The table of README.md: tables beside the best LTCs
@@ -85,8 +81,8 @@ fn main() -> ExitCode {
 
 fn run(study: Study) -> Result<(), Box<dyn Error>> {
     match study {
-        Study::Expected => print!("{}", expected::text()?),
-        Study::Costs { runs } => print!("{}", costs::text(runs)?),
+        Study::Expected => expected::tell(|line| println!("{line}"))?,
+        Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
         Study::Models => print!("{}", models::tables(1.0)?),
         Study::Best { isotropic: true, .. } => print!("{}", best::isotropic()?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
