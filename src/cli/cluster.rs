@@ -11,7 +11,7 @@ use super::{
     print,
     service_settings::{default_config, failed, lease_ttl},
 };
-use crate::server::service::{self, Config, Service, Shared};
+use ltcforge_server::service::{self, Config, Service, Shared};
 
 /// Megabytes of tables kept on disk, unless it is said.
 const DEFAULT_CACHE_MB: u64 = 4096;

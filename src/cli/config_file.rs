@@ -33,11 +33,9 @@ use std::{
 use serde::Deserialize;
 
 use super::{CommandFailure, Exit, args::WaitSeconds, preview_names::AdapterName};
-use crate::{
-    client::Source,
-    files::bounded::read_file,
-    server::http::{AllowedHost, AllowedOrigin},
-};
+use ltcforge_client::Source;
+use ltcforge_files::bounded::read_file;
+use ltcforge_server::http::{AllowedHost, AllowedOrigin};
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -110,7 +108,7 @@ impl ConfigFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::preview::Adapter;
+    use ltcforge_view::preview::Adapter;
 
     #[test]
     fn settings_are_read_and_unknown_ones_refused() {

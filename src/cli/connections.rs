@@ -8,7 +8,7 @@ use super::{
     args::{ConnectionArgs, WaitSeconds},
     config_file::ServeSection,
 };
-use crate::server::http::{ConnectionLimits, Options, Sites};
+use ltcforge_server::http::{ConnectionLimits, Options, Sites};
 
 /// The settings: flags and environment go before the file, that before the defaults. A list replaces a list.
 /// `descriptors` is the number of file descriptors that the process may have, `None` if there is no limit.

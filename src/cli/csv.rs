@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{CommandFailure, Exit, file_failure, shown};
-use crate::files::bounded::read_line;
+use ltcforge_files::bounded::read_line;
 
 /// Longest line that is read: four numbers take a hundred bytes, a light of eight vertices seven hundred.
 const LINE_LIMIT_BYTES: u64 = 4096;

@@ -10,7 +10,7 @@ use super::{
     input::{AnyTable, Origin},
     print, shown, tabulated,
 };
-use crate::fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, report, report_points};
+use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, report, report_points};
 
 /// Compares two tables. That they differ is no failure.
 pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

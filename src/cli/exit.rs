@@ -2,10 +2,8 @@
 
 use std::{fmt::Write as _, io, path::Path};
 
-use crate::{
-    client::{ClientError, LockFileError, PullError, SizeOrigin, SourcesError},
-    files::recipe_document::RecipeError,
-};
+use ltcforge_client::{ClientError, LockFileError, PullError, SizeOrigin, SourcesError};
+use ltcforge_files::recipe_document::RecipeError;
 
 /// The exit code of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -157,7 +155,7 @@ pub(super) fn lock_failure(path: &Path, error: &LockFileError) -> CommandFailure
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::{digest::Digest, recipe_document::Fault};
+    use ltcforge_files::{digest::Digest, recipe_document::Fault};
 
     #[test]
     fn each_client_error_has_its_exit_code() {

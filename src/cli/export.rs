@@ -12,18 +12,15 @@ use super::{
     output::check_output_folder,
     print, shown, tabulated,
 };
-use crate::{
-    files::{
-        compact::{self, Encoded},
-        digest::Digest,
-        manifest::{MeanError, table_report},
-        replace::replace_file,
-        textures::{
-            About, Bundle, CompactContainer, Displacement, Export, RoundingError, TextureContainer, TextureFile,
-            TextureLayout,
-        },
-    },
-    fit::{Precision, Recipe, Spread, Table},
+use ltcforge_files::{
+    compact::{self, Encoded},
+    digest::Digest,
+    manifest::{MeanError, table_report},
+    replace::replace_file,
+};
+use ltcforge_fit::{Precision, Recipe, Spread, Table};
+use ltcforge_textures::{
+    About, Bundle, CompactContainer, Displacement, Export, RoundingError, TextureContainer, TextureFile, TextureLayout,
 };
 
 /// Writes the files, and says what to do with them.

@@ -5,12 +5,10 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit, args::FiguresArgs, file_failure, output::check_output_folder, print, shown,
 };
-use crate::{
-    files::replace::replace_file,
-    view::{
-        figures::{Drawn, Figure},
-        preview::Preview,
-    },
+use ltcforge_files::replace::replace_file;
+use ltcforge_view::{
+    figures::{Drawn, Figure},
+    preview::Preview,
 };
 
 /// Draws each figure and writes it as soon as it is done.

@@ -10,16 +10,14 @@ use super::{
     CommandFailure, Context, Exit, Interrupt, args::FitArgs, file_failure, input, output::check_output_folder, print,
     progress, report::asymmetry_line, shown, table_file::TABLE_FOLDERS, tabulated,
 };
-use crate::{
-    files::{
-        container::{self, TableFileError},
-        digest::Digest,
-        manifest::manifest_json_with,
-        replace::{PairError, replace_file, replace_pair},
-        tabulated::kept_name,
-    },
-    fit::{Plan, Table, TabulatedFile, fit_plan},
+use ltcforge_files::{
+    container::{self, TableFileError},
+    digest::Digest,
+    manifest::manifest_json_with,
+    replace::{PairError, replace_file, replace_pair},
+    tabulated::kept_name,
 };
+use ltcforge_fit::{Plan, Table, TabulatedFile, fit_plan};
 
 /// So much of a digest names a table among many thousands: `sha256:` and 12 digits.
 const SHORT_DIGEST: usize = "sha256:".len() + 12;

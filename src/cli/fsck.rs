@@ -7,10 +7,8 @@ use serde_json::json;
 use super::{
     CommandFailure, Context, Exit, args::FsckArgs, config_file::ServeSection, print, service_settings::DEFAULT_DATA,
 };
-use crate::{
-    files::job::listed,
-    server::service::{CheckReport, check},
-};
+use ltcforge_files::job::listed;
+use ltcforge_server::service::{CheckReport, check};
 
 /// Checks the folder, changes nothing in it, and tells what is wrong and what the next start does about it.
 pub(super) fn run(

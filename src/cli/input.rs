@@ -12,15 +12,13 @@ use super::{
     table_file::{check, table_path},
     tabulated,
 };
-use crate::{
-    files::{
-        bounded::{read_file, read_stream},
-        compact::{self, COMPACT_MAGIC},
-        container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
-        digest::Digest,
-    },
-    fit::{PerAxis, Recipe, Table},
+use ltcforge_files::{
+    bounded::{read_file, read_stream},
+    compact::{self, COMPACT_MAGIC},
+    container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
+    digest::Digest,
 };
+use ltcforge_fit::{PerAxis, Recipe, Table};
 
 /// Longest recipe that is read. The service takes 64 KiB.
 const RECIPE_LIMIT_BYTES: u64 = 1 << 20;

@@ -5,10 +5,8 @@ use super::{
     args::{JobsAction, JobsArgs},
     input, print, progress, tabulated,
 };
-use crate::{
-    client::{Client, JobDocument, JobStatus},
-    files::job::{JobId, StateName},
-};
+use ltcforge_client::{Client, JobDocument, JobStatus};
+use ltcforge_files::job::{JobId, StateName};
 
 /// Runs an action on jobs.
 pub(super) fn run(
@@ -81,7 +79,8 @@ fn line(job: &JobStatus) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{client::JobProgress, files::digest::Digest};
+    use ltcforge_client::JobProgress;
+    use ltcforge_files::digest::Digest;
 
     fn job(state: StateName) -> JobStatus {
         JobStatus {

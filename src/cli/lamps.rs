@@ -4,10 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use crate::{
-    fit::{Configuration, MAX_VERTICES, Sides},
-    light::{AreaLight, LightError, LightShape, PolygonLight, ShapedLight},
-};
+use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
+use ltcforge_light::{AreaLight, LightError, LightShape, PolygonLight, ShapedLight};
 
 /// The names of the columns before the light.
 const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];

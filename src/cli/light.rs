@@ -11,12 +11,10 @@ use super::{
     input::AnyTable,
     lamps, tabulated,
 };
-use crate::{
-    fit::{BrdfKind, BrdfModel, Table},
-    light::{
-        Gaussian, LightError, LightModel, Reflected, TRUTH_TOLERANCE, WeightRule, by_gaussian, by_normals, by_table,
-        truth_of,
-    },
+use ltcforge_fit::{BrdfKind, BrdfModel, Table};
+use ltcforge_light::{
+    Gaussian, LightError, LightModel, Reflected, TRUTH_TOLERANCE, WeightRule, by_gaussian, by_normals, by_table,
+    truth_of,
 };
 
 /// How the light is found, with what that takes.

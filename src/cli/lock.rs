@@ -17,14 +17,14 @@ use super::{
     sources::Sources,
     table_file::{self, check, table_path},
 };
-use crate::{
-    client::{self, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins},
-    files::{
-        container::TableFile,
-        digest::Digest,
-        recipe_document,
-        replace::{folder_of, replace_file},
-    },
+use ltcforge_client::{
+    self as client, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins,
+};
+use ltcforge_files::{
+    container::TableFile,
+    digest::Digest,
+    recipe_document,
+    replace::{folder_of, replace_file},
 };
 
 /// A file that is to be written, unless it is there.

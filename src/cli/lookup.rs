@@ -15,7 +15,7 @@ use super::{
     outside::{Clamped, Outside, clamped},
     points::{self, COLUMNS, Point},
 };
-use crate::fit::LookedUp;
+use ltcforge_fit::LookedUp;
 
 /// Prints a matrix for each point, as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

@@ -1,10 +1,9 @@
 //! The command line: parse, configure, run, exit code.
 //!
 //! Invariant: `cli` owns neither signals nor the environment; `main` hands both in. It holds no logic that
-//! [`crate::server::service`] could hold.
+//! [`ltcforge_server::service`] could hold.
 
 mod args;
-#[cfg(feature = "cluster")]
 mod cluster;
 mod config_file;
 mod connections;

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{CommandFailure, file_failure};
-use crate::files::replace::{check_folder, folder_of, replace_file};
+use ltcforge_files::replace::{check_folder, folder_of, replace_file};
 
 /// A file that a command will write.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt};
 
-use crate::fit::{Configuration, PerAxis, Table};
+use ltcforge_fit::{Configuration, PerAxis, Table};
 
 /// How far outside its range a point may lie and still be inside, absolute below 1 and as a part of greater values: what a
 /// point's decimal or f32 digits round off.

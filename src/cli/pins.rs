@@ -12,16 +12,14 @@ use super::{
     fit::fit,
     progress, tabulated,
 };
-use crate::{
-    client::{ExportPin, FilePin, Pin},
-    files::{
-        container::{self, TableFile},
-        digest::Digest,
-        manifest::MeanError,
-        textures::{Engine, Export, TextureFile},
-    },
-    fit::{Plan, Precision, Recipe},
+use ltcforge_client::{ExportPin, FilePin, Pin};
+use ltcforge_files::{
+    container::{self, TableFile},
+    digest::Digest,
+    manifest::MeanError,
 };
+use ltcforge_fit::{Plan, Precision, Recipe};
+use ltcforge_textures::{Engine, Export, TextureFile};
 
 /// How tables are fitted.
 #[derive(Debug, Clone, Copy)]

@@ -9,15 +9,11 @@ use super::{
     output::OutputFile,
     print, shown, tabulated,
 };
-use crate::{
-    fit::BrdfKind,
-    light::WeightRule,
-    view::{
-        picture::Picture,
-        plots::{
-            ErrorSlice, GlassError, IsotropicFigure, NamedTable, Plot, frosted_glass, gaussian_plots, light_errors,
-        },
-    },
+use ltcforge_fit::BrdfKind;
+use ltcforge_light::WeightRule;
+use ltcforge_view::{
+    picture::Picture,
+    plots::{ErrorSlice, GlassError, IsotropicFigure, NamedTable, Plot, frosted_glass, gaussian_plots, light_errors},
 };
 
 /// Random lights in each cell of the map of light errors, and for each point of a curve.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::fit::Configuration;
+use ltcforge_fit::Configuration;
 
 /// How far past pi/2 a polar angle may lie and still mean pi/2: the nearest f32 lies 4.4e-8 above it.
 const THETA_ROUNDING: f64 = 1e-7;

@@ -5,10 +5,8 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, output::OutputFile, print, shown};
-use crate::{
-    fit::{BrdfKind, ggx_terms},
-    view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable},
-};
+use ltcforge_fit::{BrdfKind, ggx_terms};
+use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable};
 
 /// Renders a picture and writes it. The adapter, materials outside the table, and the errors of modes that compare go to
 /// standard error, or as JSON to standard output.

@@ -3,10 +3,8 @@
 use clap::{ValueEnum, builder::PossibleValue};
 use serde::{Deserialize, Deserializer, de::Error as _};
 
-use crate::view::{
-    preview::{Adapter, TexelFormat},
-    shaders::Language,
-};
+use ltcforge_shaders::Language;
+use ltcforge_view::preview::{Adapter, TexelFormat};
 
 /// A choice under its name on the command line.
 macro_rules! names {

@@ -16,10 +16,8 @@ use super::{
     sources::Sources,
     table_file::check,
 };
-use crate::{
-    client::{self, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError},
-    files::{bounded::read_file, container::TableFile, digest::Digest, replace::PairError, staged::Staged},
-};
+use ltcforge_client::{self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError};
+use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, replace::PairError, staged::Staged};
 
 /// What was done with a file.
 struct Done<'a> {

@@ -10,12 +10,10 @@ use super::{
     input::{AnyTable, Origin},
     print, report_models, shown, tabulated,
 };
-use crate::{
-    files::digest::Digest,
-    fit::{
-        Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes,
-        report, report_points,
-    },
+use ltcforge_files::digest::Digest;
+use ltcforge_fit::{
+    Accuracy, Asymmetry, Corner, LobeModel, MOST_POINTS, Moved, PerAxis, Poor, Report, Spread, TermError, extremes,
+    report, report_points,
 };
 
 /// A table and its figures.

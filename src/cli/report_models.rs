@@ -5,10 +5,8 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, print, tabulated};
-use crate::{
-    fit::{BrdfKind, BrdfModel, Spread},
-    light::{EVERYWHERE, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
-};
+use ltcforge_fit::{BrdfKind, BrdfModel, Spread};
+use ltcforge_light::{EVERYWHERE, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error};
 
 /// Random rectangles unless otherwise asked for.
 const LIGHTS: u32 = 2000;

@@ -10,7 +10,7 @@ use super::{
     sources::Sources,
     tabulated, tradeoff, verify,
 };
-use crate::client::Client;
+use ltcforge_client::Client;
 
 /// Runs a command.
 ///
@@ -22,11 +22,8 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
     let connect = || client(server.as_deref(), &file);
     match command {
         Command::Serve(args) => serve::run(args, file.serve, json, context),
-        #[cfg(feature = "cluster")]
         Command::Work(args) => super::cluster::work(args, &file.serve, json, context),
-        #[cfg(feature = "cluster")]
         Command::Gc(args) => super::cluster::gc(args, &file.serve, json, context),
-        #[cfg(feature = "cluster")]
         Command::Migrate(args) => super::cluster::migrate(args, &file.serve, json, context),
         Command::Fsck(args) => fsck::run(args, file.serve, json, context),
         Command::Fit(args) => fit::run(&args, json, context),

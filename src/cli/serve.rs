@@ -21,14 +21,12 @@ use super::{
         MAX_ATTEMPTS, failed,
     },
 };
-use crate::{
-    files::recipe_document::DEFAULT_ENTRY_LIMIT,
-    server::{
-        http,
-        service::{Config, PictureLimits, Service},
-    },
-    view::preview::Adapter,
+use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
+use ltcforge_server::{
+    http,
+    service::{Config, PictureLimits, Service},
 };
+use ltcforge_view::preview::Adapter;
 
 const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 8317);
 
@@ -40,7 +38,6 @@ pub(super) fn run(
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
     let options = connections::settle(args.connections.clone(), &file, connections::raise_descriptor_limit());
-    #[cfg(feature = "cluster")]
     let (options, open) = {
         let replica = &args.replica;
         let (shared, works, seconds) = (super::cluster::replica(replica), !replica.no_workers, replica.lease_seconds);
@@ -112,7 +109,7 @@ fn cannot_listen(listen: SocketAddr, error: &io::Error) -> CommandFailure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::{args::ConnectionArgs, preview_names::AdapterName};
+    use crate::{args::ConnectionArgs, preview_names::AdapterName};
 
     fn nothing() -> ServeArgs {
         ServeArgs {
@@ -127,8 +124,7 @@ mod tests {
             adapter: None,
             pictures: PictureLimitArgs::default(),
             connections: ConnectionArgs::default(),
-            #[cfg(feature = "cluster")]
-            replica: crate::cli::args::ReplicaArgs::default(),
+            replica: crate::args::ReplicaArgs::default(),
         }
     }
 

@@ -3,13 +3,10 @@
 use std::time::Duration;
 
 use super::{CommandFailure, Exit};
-#[cfg(feature = "cluster")]
-use crate::{
-    cli::args::cores,
-    files::recipe_document::DEFAULT_ENTRY_LIMIT,
-    server::service::{Config, PictureLimits},
-    view::preview::Adapter,
-};
+use crate::args::cores;
+use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
+use ltcforge_server::service::{Config, PictureLimits};
+use ltcforge_view::preview::Adapter;
 
 pub(super) const DEFAULT_DATA: &str = "ltcforge-data";
 pub(super) const DEFAULT_QUEUE_LIMIT: usize = 64;
@@ -22,7 +19,6 @@ pub(super) const MAX_ATTEMPTS: u32 = 3;
 pub(super) const DEFAULT_EXPORT_BYTES: usize = 256 << 20;
 
 /// The settings of a process that has no flags for them.
-#[cfg(feature = "cluster")]
 pub(super) fn default_config(data: Option<std::path::PathBuf>) -> Config {
     Config {
         data_dir: data.unwrap_or_else(|| DEFAULT_DATA.into()),
@@ -40,7 +36,6 @@ pub(super) fn default_config(data: Option<std::path::PathBuf>) -> Config {
 }
 
 /// How long a lease lasts.
-#[cfg(feature = "cluster")]
 pub(super) fn lease_ttl(seconds: Option<std::num::NonZeroU64>) -> Duration {
     seconds.map_or(LEASE_TTL, |seconds| Duration::from_secs(seconds.get()))
 }

@@ -11,12 +11,11 @@ use super::{
     output::OutputFile,
     print, shown,
 };
-use crate::{
-    files::textures::About,
-    fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report},
-    light::{Gaussian, LightModel},
-    view::shaders::{Bound, Filter, Language, Lights, LitBy, Place, Reading, include, include_function, port},
-};
+use ltcforge_fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report};
+use ltcforge_light::{Gaussian, LightModel};
+use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Place, Reading};
+use ltcforge_textures::About;
+use ltcforge_translate::{include, include_function, port};
 
 /// Places at which a table and its polynomials are measured, so many that a single one hardly counts.
 const COMPARED_AT: usize = 512;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{CommandFailure, Interrupt, args::SourceArgs, config_file::ConfigFile, config_file::DEFAULT_SERVER};
-use crate::client::{Access, Limits, Source};
+use ltcforge_client::{Access, Limits, Source};
 
 /// The places that a table may come from, besides those that the lock file names.
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{CommandFailure, Exit, file_failure};
-use crate::files::{
+use ltcforge_files::{
     bounded::{read_stream, too_long},
     container::{self, TableFile},
     digest::Digest,

@@ -12,16 +12,14 @@ use super::{
     CommandFailure, Context, Exit, args::TabulateArgs, exit::bad_recipe, output::OutputFile, print, shown,
     table_file::TABLE_FOLDERS,
 };
-use crate::{
-    client::Client,
-    files::{
-        container::TableFile,
-        digest::Digest,
-        recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
-        tabulated::{encode, kept_name, locate},
-    },
-    fit::{Recipe, Table, TabulatedAxes, TabulatedBrdf},
+use ltcforge_client::Client;
+use ltcforge_files::{
+    container::TableFile,
+    digest::Digest,
+    recipe_document::{self, DEFAULT_ENTRY_LIMIT, Fault, RecipeError},
+    tabulated::{encode, kept_name, locate},
 };
+use ltcforge_fit::{Recipe, Table, TabulatedAxes, TabulatedBrdf};
 
 /// Where files are looked for that `name`, a recipe or a table, needs: beside it, and where tables are.
 fn folders(name: &Path) -> Vec<PathBuf> {

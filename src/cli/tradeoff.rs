@@ -14,14 +14,12 @@ use super::{
     print, progress, shown, tabulated,
     tradeoff_models::{self, FittedTable},
 };
-use crate::{
-    files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT, replace::replace_file},
-    fit::{BrdfKind, Plan, Recipe, Table, report},
-    light::{Lighting, RandomLights},
-    view::tradeoff::{
-        FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture,
-        rows, stands_for_ltc,
-    },
+use ltcforge_files::{compact, recipe_document::DEFAULT_ENTRY_LIMIT, replace::replace_file};
+use ltcforge_fit::{BrdfKind, Plan, Recipe, Table, report};
+use ltcforge_light::{Lighting, RandomLights};
+use ltcforge_view::tradeoff::{
+    FittedRecipe, Measurement, POINTS, Size, csv, family, fitted_gaussians, json as rows_json, off_by, picture, rows,
+    stands_for_ltc,
 };
 
 /// The recipe that the family varies when none is given.

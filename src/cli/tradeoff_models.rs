@@ -3,18 +3,16 @@
 use std::{sync::Arc, time::Instant};
 
 use super::{CommandFailure, Exit, Interrupt};
-use crate::{
-    files::{
-        container::{self, TableFileError},
-        recipe_document,
-    },
-    fit::{Precision, Recipe, Spread, Table},
-    light::{Gaussian, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error},
-    view::{
-        preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
-        shaders::{LitBy, wgsl},
-        tradeoff::{FRAME_SIZE, LIGHTS, ModelRow, ModelRows, Size, median},
-    },
+use ltcforge_files::{
+    container::{self, TableFileError},
+    recipe_document,
+};
+use ltcforge_fit::{Precision, Recipe, Spread, Table};
+use ltcforge_light::{Gaussian, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error};
+use ltcforge_shaders::{LitBy, wgsl};
+use ltcforge_view::{
+    preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
+    tradeoff::{FRAME_SIZE, LIGHTS, ModelRow, ModelRows, Size, median},
 };
 
 /// A table that stands for model `ltc`, or for fitted Gaussians.

@@ -11,7 +11,7 @@ use super::{
     print, shown,
     table_file::{self, check, table_path},
 };
-use crate::files::{container::TableFile, digest::Digest, recipe_document};
+use ltcforge_files::{container::TableFile, digest::Digest, recipe_document};
 
 /// Checks every file; the first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {

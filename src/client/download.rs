@@ -9,7 +9,7 @@ use super::{
     answer::{self, CopyError, SizeLimit},
     limits::SizeOrigin,
 };
-use crate::files::digest::{Digest, Hasher};
+use ltcforge_files::digest::{Digest, Hasher};
 
 /// The answer to the request for a table, of which nothing was read yet.
 #[derive(Debug)]

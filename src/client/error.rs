@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer};
 
 use super::limits::SizeOrigin;
-use crate::files::{digest::Digest, recipe_document::Fault};
+use ltcforge_files::{digest::Digest, recipe_document::Fault};
 
 /// A failed request. Every variant names the URL, or the file in a folder of tables.
 #[derive(Debug, thiserror::Error)]

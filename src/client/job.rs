@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::error::ProblemDocument;
-use crate::files::{
+use ltcforge_files::{
     digest::Digest,
     job::{JobId, StateName},
 };

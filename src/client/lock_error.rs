@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::files::{digest::Digest, recipe_document::RecipeError};
+use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
 
 /// The version of the format that is written.
 pub(super) const VERSION: u32 = 2;

@@ -32,7 +32,7 @@ use super::{
     lock_error::{LockFileError, VERSION, syntax},
     pin::{ExportPin, Pin, check_pins, paths, plain},
 };
-use crate::files::{bounded::read_file, digest::Digest, recipe_document};
+use ltcforge_files::{bounded::read_file, digest::Digest, recipe_document};
 
 /// Longest lock file that is read: some thousand pins.
 const LIMIT_BYTES: u64 = 4 << 20;

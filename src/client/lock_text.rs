@@ -9,7 +9,7 @@ use super::{
     lock_file::parse,
     pin::{ExportPin, Pin},
 };
-use crate::files::recipe_document;
+use ltcforge_files::recipe_document;
 
 /// The text of a lock file of the present version with these pins, and no other. A table that the old `text` has keeps its
 /// place and its comments. An empty `text` becomes a new lock file.

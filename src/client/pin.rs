@@ -8,7 +8,7 @@ use std::{
 use serde::Deserialize;
 
 use super::{Source, error::is_hidden, lock_error::LockFileError};
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// One table that a project uses.
 #[derive(Debug, Clone, PartialEq, Eq)]

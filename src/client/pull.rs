@@ -10,7 +10,7 @@ use super::{
     pin::{ExportPin, FilePin, Pin},
     source::{Access, Exported, Source, SourcesError, Wanted, from_first},
 };
-use crate::files::{digest::Digest, replace::folder_of, staged::Staged};
+use ltcforge_files::{digest::Digest, replace::folder_of, staged::Staged};
 
 /// The state of a pinned file on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,7 +177,8 @@ mod tests {
     use std::{fs, os::unix::fs::symlink};
 
     use super::*;
-    use crate::{client::Limits, files::replace::replace_file};
+    use crate::Limits;
+    use ltcforge_files::replace::replace_file;
 
     const OFFLINE: Access<'static> = Access { limits: Limits::USUAL, offline: true, should_stop: &|| false };
 

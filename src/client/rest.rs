@@ -14,7 +14,7 @@ use ureq::{
 };
 
 use super::{ClientError, JobDocument, Limits, answer, download::Download, error::printable, events::events};
-use crate::files::{
+use ltcforge_files::{
     digest::Digest,
     job::{JobId, StateName},
 };

@@ -16,7 +16,7 @@ use super::{
     download::{HashingWriter, size_limit},
     error::is_hidden,
 };
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// A place that may have a table. Written as a URL, or as the path of a folder.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{Client, ClientError, DownloadError, Limits, job::tests::document};
-use crate::files::{digest::Digest, job::StateName};
+use ltcforge_files::{digest::Digest, job::StateName};
 
 /// A server that hands each connection, after its request's head, to the next of `answers`. Its URL, and the requests.
 fn server_of(answers: Vec<Box<dyn FnOnce(TcpStream) + Send>>) -> (String, thread::JoinHandle<Vec<String>>) {

@@ -10,7 +10,7 @@ use super::{
     recipe_document,
     tabulated::{FindBrdf, no_files},
 };
-use crate::fit::{Asymmetry, GoOn, REPORT_VERSION, Recipe, Report, Table, report, report_points, report_while};
+use ltcforge_fit::{Asymmetry, GoOn, REPORT_VERSION, Recipe, Report, Table, report, report_points, report_while};
 
 /// Version of manifests. Raised whenever the same table gets another manifest.
 pub const MANIFEST_VERSION: u32 = REPORT_VERSION;

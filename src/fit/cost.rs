@@ -53,7 +53,7 @@ fn lobes(recipe: &Recipe) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Fitter, Metric, Solver, brdf::Ggx, math::direction, pulse::work_of};
+    use crate::{Fitter, Metric, Solver, brdf::Ggx, math::direction, pulse::work_of};
 
     /// A fit counts its work in projections of a sample on a direction. `cargo bench --bench cost` measures the seconds.
     #[test]

@@ -40,7 +40,7 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{
+    use crate::{
         BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Solver, assemble,
         fit_shard, report,
     };

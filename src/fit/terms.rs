@@ -45,7 +45,7 @@ mod tests {
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
     use super::*;
-    use crate::fit::{
+    use crate::{
         BrdfKind, FITTER_VERSION, FitSettings, LobeModel, Metric, Plan, Precision, Recipe, Solver, assemble, fit_shard,
     };
 

@@ -5,14 +5,12 @@ use std::{collections::BTreeMap, path::PathBuf};
 use serde_json::{Map, Value, json};
 
 use super::Error;
-use crate::{
-    files::{
-        digest::Digest,
-        recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse_with},
-        tabulated::locate,
-    },
-    fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start},
+use ltcforge_files::{
+    digest::Digest,
+    recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, canonical_json, digest, parse_with},
+    tabulated::locate,
 };
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Precision, Recipe, Shear, Solver, Start};
 
 /// Makes a [`Recipe`] field by field. A field that is not set has the value that a document without it has.
 ///
@@ -182,7 +180,7 @@ impl RecipeBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::recipe_document::RecipeError;
+    use ltcforge_files::recipe_document::RecipeError;
 
     #[test]
     fn a_built_recipe_is_that_of_its_document() {

@@ -2,10 +2,8 @@
 
 use std::{io, path::PathBuf};
 
-use crate::{
-    files::{container::TableFileError, recipe_document::RecipeError, tabulated::TabulatedError},
-    light::LightError,
-};
+use ltcforge_files::{container::TableFileError, recipe_document::RecipeError, tabulated::TabulatedError};
+use ltcforge_light::LightError;
 
 /// Why a call of the library failed.
 #[derive(Debug, thiserror::Error)]
@@ -40,5 +38,5 @@ pub enum Error {
     /// A shader cannot be translated.
     #[cfg(feature = "shaders")]
     #[error(transparent)]
-    Shader(#[from] crate::view::shaders::PortError),
+    Shader(#[from] ltcforge_translate::PortError),
 }

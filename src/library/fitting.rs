@@ -3,10 +3,8 @@
 use std::{fmt, num::NonZeroUsize, ops::ControlFlow};
 
 use super::Error;
-use crate::{
-    files::container::{TableFile, TableFileError},
-    fit::{Plan, Progress, Recipe, fit_plan},
-};
+use ltcforge_files::container::{TableFile, TableFileError};
+use ltcforge_fit::{Plan, Progress, Recipe, fit_plan};
 
 /// Fits a recipe on all cores: [`Fit`] with its defaults.
 ///
@@ -74,7 +72,7 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     use super::*;
-    use crate::fit::{Layout, Metric, Solver, Start};
+    use ltcforge_fit::{Layout, Metric, Solver, Start};
 
     fn small() -> Recipe {
         let axes = ["alpha", "ratio", "theta", "phi"];

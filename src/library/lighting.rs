@@ -1,14 +1,12 @@
 //! What a surface reflects of an area light.
 
 use super::Error;
-use crate::{
-    fit::{Configuration, Table},
-    light::{AreaLight, Reflected, WeightRule, by_normals, by_table},
-};
+use ltcforge_fit::{Configuration, Table};
+use ltcforge_light::{AreaLight, Reflected, WeightRule, by_normals, by_table};
 
 /// What a surface reflects of a light of radiance one, in closed form and without a table; see
-/// [`mod@crate::light`] for other rules and the truth by quadrature. The light is a [`PolygonLight`](crate::light::PolygonLight) or a
-/// [`ShapedLight`](crate::light::ShapedLight).
+/// [`mod@ltcforge_light`] for other rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
+/// [`ShapedLight`](ltcforge_light::ShapedLight).
 ///
 /// # Errors
 /// [`Error::Light`] for a roughness outside [0, 1] or a view direction on or below the horizon.

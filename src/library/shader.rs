@@ -1,7 +1,7 @@
 //! The shader in another language.
 
 use super::Error;
-use crate::view::shaders::{self, Language, LitBy};
+use ltcforge_shaders::{self as shaders, Language, LitBy};
 
 /// The shader that reads tables of a layout, or that needs none, in `language`: UTF-8, or the words of SPIR-V in
 /// little-endian order.

@@ -1,14 +1,12 @@
 //! What a program does with a table in memory.
 
 use super::Error;
-use crate::{
-    files::{
-        container::{TableFile, TableFileError, decode, encode},
-        manifest::{manifest_json_with, table_report},
-        tabulated,
-    },
-    fit::Report,
+use ltcforge_files::{
+    container::{TableFile, TableFileError, decode, encode},
+    manifest::{manifest_json_with, table_report},
+    tabulated,
 };
+use ltcforge_fit::Report;
 
 impl TableFile {
     /// Reads a canonical file.

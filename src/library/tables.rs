@@ -6,14 +6,12 @@ use std::{
 };
 
 use super::{Error, fit};
-use crate::{
-    files::{
-        container::{self, TableFile},
-        digest::Digest,
-        replace::{PairError, replace_file, replace_pair},
-    },
-    fit::{Recipe, Table},
+use ltcforge_files::{
+    container::{self, TableFile},
+    digest::Digest,
+    replace::{PairError, replace_file, replace_pair},
 };
+use ltcforge_fit::{Recipe, Table};
 
 /// The table of a recipe, from `folder` if it was fitted before, else fitted and kept there under the recipe's digest.
 ///

@@ -1,6 +1,6 @@
 //! Why there is no answer.
 
-use crate::fit::BrdfKind;
+use ltcforge_fit::BrdfKind;
 
 /// Why a light is none, or what it reflects cannot be told.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -11,7 +11,7 @@ use super::{
     Gaussian, LightError, PolygonLight, Reflected, WeightRule, by_gaussian, by_normals, by_table, gaussians::Warp,
     model::by_warp, truth_of,
 };
-use crate::fit::{
+use ltcforge_fit::{
     BrdfKind, BrdfModel, Configuration, PerAxis, Sides, Spread, Table,
     math::{cos, direction, ln, pow},
     terms_of,
@@ -256,7 +256,8 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     use super::*;
-    use crate::{fit::BrdfKind, light::tests::cases::cosine};
+    use crate::tests::cases::cosine;
+    use ltcforge_fit::BrdfKind;
 
     const RANGE: PerAxis<[f64; 2]> =
         PerAxis { alpha: [1e-4, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };

@@ -9,7 +9,7 @@ use super::{
     gaussians::{self, Gaussian, Warp},
     normals::{WeightRule, reflected},
 };
-use crate::fit::{Configuration, LEAST_ALPHA, math::direction, named_list::named_list};
+use ltcforge_fit::{Configuration, LEAST_ALPHA, math::direction, named_list};
 
 named_list! {
     /// How the light that a surface reflects is found.

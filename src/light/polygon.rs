@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::LightError;
-use crate::fit::Sides;
+use ltcforge_fit::Sides;
 
 /// Three vertices run the wrong way round where the volume between them and the shaded point is below zero by more than
 /// this part of their farthest distance squared times their longest edge: rounding to f32 moves vertices less.

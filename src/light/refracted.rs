@@ -7,7 +7,7 @@ use super::{
     model::surface_and_view,
     transmission::{ETA_APART, ETA_RANGE, Transmitted, transmitted},
 };
-use crate::fit::Configuration;
+use ltcforge_fit::Configuration;
 
 /// What a rough interface transmits of a light below it, in f64: [`transmitted`] of a surface and a light that are checked.
 /// `eta` is the index on the light's side over that on the viewer's.
@@ -29,7 +29,7 @@ pub fn by_refraction(at: &Configuration, eta: f64, light: &PolygonLight) -> Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Sides;
+    use ltcforge_fit::Sides;
 
     #[test]
     fn indices_and_surfaces_that_have_no_answer_are_named() {

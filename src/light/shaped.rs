@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{LightError, PolygonLight, TubeEnds, ellipse, line, tube};
-use crate::fit::{Sides, named_list::named_list};
+use ltcforge_fit::{Sides, named_list};
 
 named_list! {
     /// The shapes of lights.

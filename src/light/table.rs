@@ -6,7 +6,7 @@ use super::{
     model::surface_and_view,
     shaped::Form,
 };
-use crate::fit::{Configuration, Ltc, Table, math::from_row_major};
+use ltcforge_fit::{Configuration, Ltc, Table, math::from_row_major};
 
 /// The part that the light covers of the LTC or of the Gaussian that stands for the lobe, times the table's amplitude and
 /// its Fresnel term.

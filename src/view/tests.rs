@@ -1,13 +1,9 @@
 //! The decoder of compact forms in WGSL, on the GPU against the one in Rust.
 
 use super::preview::{GpuFailure, run_decoder, tell_skipped};
-use crate::{
-    files::{
-        compact::{decode, encode},
-        textures::{About, CompactContainer, textures_of},
-    },
-    fit::{Layout, Table, planted_isotropic},
-};
+use ltcforge_files::compact::{decode, encode};
+use ltcforge_fit::{Layout, Table, planted_isotropic};
+use ltcforge_textures::{About, CompactContainer, textures_of};
 
 /// A number that the module's header states: the one before ` bytes` in the line of a binding, or before ` workgroups`.
 fn stated(text: &str, line: &str, word: &str) -> u64 {

@@ -5,7 +5,7 @@ use std::{num::NonZeroUsize, str::FromStr, time::Duration};
 use clap::Args;
 use serde::Deserialize;
 
-use crate::server::http::{AllowedHost, AllowedOrigin};
+use ltcforge_server::http::{AllowedHost, AllowedOrigin};
 
 /// Names, web pages and connections that `serve` accepts.
 #[derive(Debug, Clone, Default, Args)]
@@ -37,7 +37,7 @@ impl WaitSeconds {
     const MOST: u64 = 86_400;
 
     /// As a time.
-    pub(in crate::cli) fn duration(self) -> Duration {
+    pub(crate) fn duration(self) -> Duration {
         Duration::from_secs(self.0)
     }
 }

@@ -8,10 +8,8 @@ use clap::{
 };
 
 use super::{TableChoice, Threads};
-use crate::{
-    files::textures::{CompactContainer, Engine, TextureContainer},
-    fit::Precision,
-};
+use ltcforge_fit::Precision;
+use ltcforge_textures::{CompactContainer, Engine, TextureContainer};
 
 /// `export`.
 #[derive(Debug, Args)]

@@ -51,7 +51,6 @@ pub struct ServeArgs {
     #[command(flatten)]
     pub connections: ConnectionArgs,
     /// What it shares
-    #[cfg(feature = "cluster")]
     #[command(flatten)]
     pub replica: super::ReplicaArgs,
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use crate::files::job::{JobId, StateName};
+use ltcforge_files::job::{JobId, StateName};
 
 /// `jobs`.
 #[derive(Debug, Args)]

@@ -8,7 +8,7 @@ use super::{
     models::{light_shapes, models, weights},
     tables::TableFolder,
 };
-use crate::light::{LightModel, LightShape, WeightRule};
+use ltcforge_light::{LightModel, LightShape, WeightRule};
 
 /// `light`.
 #[derive(Debug, Args)]

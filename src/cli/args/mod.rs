@@ -9,7 +9,6 @@ mod light;
 mod models;
 mod pictures;
 mod pins;
-#[cfg(feature = "cluster")]
 mod shared;
 mod tables;
 mod tabulate;
@@ -27,7 +26,6 @@ pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{FiguresArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
-#[cfg(feature = "cluster")]
 pub(super) use shared::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 pub(super) use tabulate::TabulateArgs;
@@ -60,13 +58,10 @@ pub enum Command {
     /// Run the HTTP service
     Serve(ServeArgs),
     /// Fit what the queue of a shared database has, without HTTP
-    #[cfg(feature = "cluster")]
     Work(WorkArgs),
     /// Remove tables from a shared store that no job has made known for a day
-    #[cfg(feature = "cluster")]
     Gc(GcArgs),
     /// Take the tables and jobs of a data folder along into a shared database and store
-    #[cfg(feature = "cluster")]
     Migrate(MigrateArgs),
     /// Check the data folder of a service that is not running, and tell what its next start would mend
     Fsck(FsckArgs),
@@ -132,7 +127,6 @@ impl Command {
     pub fn log_level(&self) -> &'static str {
         match self {
             Self::Serve(_) => "info",
-            #[cfg(feature = "cluster")]
             Self::Work(_) => "info",
             // It rehearses a start, and tells itself what a start would log.
             Self::Fsck(_) => "off",
@@ -145,9 +139,7 @@ impl Command {
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
             Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
-            #[cfg(feature = "cluster")]
             Self::Work(_) => OnInterrupt::Finishes,
-            #[cfg(feature = "cluster")]
             Self::Gc(_) | Self::Migrate(_) => OnInterrupt::Ends,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
             Self::Lookup(_)
@@ -172,7 +164,7 @@ mod tests {
     use clap::CommandFactory as _;
 
     use super::*;
-    use crate::files::digest::Digest;
+    use ltcforge_files::digest::Digest;
 
     fn parse(line: &str) -> Result<Cli, clap::Error> {
         Cli::try_parse_from(line.split(' '))

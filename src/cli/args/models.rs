@@ -2,10 +2,8 @@
 
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 
-use crate::{
-    light::{LightModel, LightShape, WeightRule},
-    view::plots::IsotropicFigure,
-};
+use ltcforge_light::{LightModel, LightShape, WeightRule};
+use ltcforge_view::plots::IsotropicFigure;
 
 /// A model of light by its name.
 pub(super) fn models() -> impl clap::builder::TypedValueParser<Value = LightModel> {

@@ -12,15 +12,13 @@ use super::{
     TableFolder, Threads,
     models::{isotropic_figures, models, weights},
 };
-use crate::{
-    fit::Layout,
-    light::{LightModel, WeightRule},
-    view::{
-        figures::Figure,
-        plots::{Azimuth, IsotropicFigure, Ratio},
-        preview::{Choices, Form, PARAMETERS, Parameter, Value},
-        shaders::{Lights, Prefix},
-    },
+use ltcforge_fit::Layout;
+use ltcforge_light::{LightModel, WeightRule};
+use ltcforge_shaders::{Lights, Prefix};
+use ltcforge_view::{
+    figures::Figure,
+    plots::{Azimuth, IsotropicFigure, Ratio},
+    preview::{Choices, Form, PARAMETERS, Parameter, Value},
 };
 
 /// `preview`. A parameter that is not given is that of the named scene.

@@ -8,7 +8,7 @@ use clap::{
 };
 
 use super::{ExportChoice, TableLimit, Threads};
-use crate::client::Source;
+use ltcforge_client::Source;
 
 /// Where pinned tables come from.
 #[derive(Debug, Args)]

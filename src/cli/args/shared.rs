@@ -8,7 +8,7 @@ use std::{
 use clap::Args;
 
 use super::threads::threads;
-use crate::server::service::DatabaseUrl;
+use ltcforge_server::service::DatabaseUrl;
 
 /// The database and the store of blobs of a command that needs both.
 #[derive(Debug, Args)]

@@ -8,11 +8,9 @@ use super::{
     Threads,
     models::{models, weights},
 };
-use crate::{
-    client::Limits,
-    files::digest::Digest,
-    light::{LightModel, WeightRule},
-};
+use ltcforge_client::Limits;
+use ltcforge_files::digest::Digest;
+use ltcforge_light::{LightModel, WeightRule};
 
 /// Which table.
 #[derive(Debug, Args)]

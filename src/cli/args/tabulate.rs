@@ -7,7 +7,7 @@ use clap::{
     builder::{PossibleValuesParser, TypedValueParser as _},
 };
 
-use crate::fit::BrdfKind;
+use ltcforge_fit::BrdfKind;
 
 /// `tabulate`.
 #[derive(Debug, Args)]

@@ -16,7 +16,7 @@ pub struct Threads {
 
 impl Threads {
     /// The number of threads.
-    pub(in crate::cli) fn count(self) -> NonZeroUsize {
+    pub(crate) fn count(self) -> NonZeroUsize {
         self.threads.unwrap_or_else(cores)
     }
 
@@ -24,7 +24,7 @@ impl Threads {
     ///
     /// # Errors
     /// When the system has no more threads.
-    pub(in crate::cli) fn pool(self) -> Result<rayon::ThreadPool, CommandFailure> {
+    pub(crate) fn pool(self) -> Result<rayon::ThreadPool, CommandFailure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.count().get()).build();
         pool.map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
     }
@@ -39,6 +39,6 @@ pub(super) fn threads(text: &str) -> Result<NonZeroUsize, String> {
 }
 
 /// Cores that the process may use.
-pub(in crate::cli) fn cores() -> NonZeroUsize {
+pub(crate) fn cores() -> NonZeroUsize {
     thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
 }

@@ -1,7 +1,7 @@
 use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
 
 use super::*;
-use crate::client::{FilePin, with_pins};
+use crate::{FilePin, with_pins};
 
 /// The digest of the recipe below.
 fn recipe() -> String {

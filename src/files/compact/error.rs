@@ -1,6 +1,6 @@
 //! Why a table has no compact form, or bytes are none.
 
-use crate::fit::{BrdfKind, LobeModel};
+use ltcforge_fit::{BrdfKind, LobeModel};
 
 /// Why a table has no compact form, or bytes are none.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -13,7 +13,7 @@
 //! Little-endian. The range coder's bytes follow to the end of the file.
 
 use super::{error::CompactError, polynomials::MOST_POLYNOMIALS};
-use crate::fit::{BrdfKind, Layout, LobeModel, PerAxis};
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis};
 
 /// What a compact file begins with, its version last.
 pub const COMPACT_MAGIC: &[u8; 8] = b"LTCcomp1";

@@ -27,11 +27,11 @@ pub(crate) use header::LAYOUTS;
 use header::{CHANNELS, Header, TERMS};
 use integers::{MOST_BITS, Models};
 #[cfg(feature = "textures")]
-pub(in crate::files) use outline::Outline;
+pub(crate) use outline::Outline;
 use polynomials::{Bases, most_polynomials};
 use rounding::Rounding;
 
-use crate::fit::{Spread, Table, width_between};
+use ltcforge_fit::{Spread, Table, width_between};
 
 /// Coefficients are rounded down up to this part beyond a half, which costs less accuracy than it saves bytes.
 const ROUND_UP: f64 = 0.4;
@@ -245,4 +245,4 @@ fn multiples(rounded: &[i32], step: f64) -> Vec<f64> {
 }
 
 #[cfg(test)]
-pub(in crate::files) mod tests;
+pub(crate) mod tests;

@@ -4,27 +4,27 @@ use super::{
     error::CompactError,
     header::{CHANNELS, Header},
 };
-use crate::fit::{Layout, PerAxis};
+use ltcforge_fit::{Layout, PerAxis};
 
 /// The header of a compact form, read.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::files) struct Outline {
+pub(crate) struct Outline {
     /// The layout of the table.
-    pub(in crate::files) layout: Layout,
+    pub(crate) layout: Layout,
     /// Nodes of each axis.
-    pub(in crate::files) axes: PerAxis<Vec<f64>>,
+    pub(crate) axes: PerAxis<Vec<f64>>,
     /// Polynomials along each axis.
-    pub(in crate::files) counts: [u8; 4],
+    pub(crate) counts: [u8; 4],
     /// The step of each channel, 0 for one that is not stored.
-    pub(in crate::files) steps: [f32; CHANNELS],
+    pub(crate) steps: [f32; CHANNELS],
     /// Channels with corrections.
-    pub(in crate::files) corrected: [bool; CHANNELS],
+    pub(crate) corrected: [bool; CHANNELS],
     /// What a correction is a multiple of, in steps of its channel.
-    pub(in crate::files) correction_steps: f32,
+    pub(crate) correction_steps: f32,
     /// Whether there are amplitude and Fresnel term.
-    pub(in crate::files) has_terms: bool,
+    pub(crate) has_terms: bool,
     /// Where the coded bytes begin.
-    pub(in crate::files) coded_at: usize,
+    pub(crate) coded_at: usize,
 }
 
 impl Outline {
@@ -32,7 +32,7 @@ impl Outline {
     ///
     /// # Errors
     /// When it is none.
-    pub(in crate::files) fn of(bytes: &[u8]) -> Result<Self, CompactError> {
+    pub(crate) fn of(bytes: &[u8]) -> Result<Self, CompactError> {
         let (header, coded) = Header::read(bytes)?;
         Ok(Self {
             layout: header.layout,

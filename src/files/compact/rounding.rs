@@ -4,7 +4,7 @@
 //! grows by less than 1 %. For tables where it grows by more, steps become finer.
 
 use super::header::{CHANNELS, TERMS};
-use crate::fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
+use ltcforge_fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
 
 /// How many times finer each channel is rounded: by how much of its width the lobe moves with the number, for the terms
 /// by how small their own errors are.

@@ -5,10 +5,8 @@ use std::ops::ControlFlow;
 use proptest::prelude::*;
 
 use super::*;
-use crate::{
-    files::{digest::Digest, recipe_document},
-    fit::{Layout, Plan, Recipe, fit_plan},
-};
+use crate::{digest::Digest, recipe_document};
+use ltcforge_fit::{Layout, Plan, Recipe, fit_plan};
 
 fn recipe(layout: Layout, nodes: [u32; 4]) -> Recipe {
     let isotropic = layout.only_ranges().is_some();
@@ -21,7 +19,7 @@ fn recipe(layout: Layout, nodes: [u32; 4]) -> Recipe {
 
 /// A table of numbers that are a function of the place in [0, 1] on each axis, from the values of the channels at the
 /// origin to those at the far corner.
-pub(in crate::files) fn planted(
+pub(crate) fn planted(
     layout: Layout,
     nodes: [u32; 4],
     has_terms: bool,
@@ -49,7 +47,7 @@ pub(in crate::files) fn planted(
 }
 
 /// The bytes for the first steps, whatever they do to the table: planted lobes are nobody's.
-pub(in crate::files) fn unmeasured(table: &Table) -> Vec<u8> {
+pub(crate) fn unmeasured(table: &Table) -> Vec<u8> {
     let header = header_of(table).expect("a header");
     encode_rounded(table, header, &table.smooth_numbers(), Rounding::of(table)).expect("bytes")
 }

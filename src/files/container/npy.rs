@@ -6,10 +6,8 @@
 //! The reader is written here, because those on crates.io bring a parser for all Python literals, a C compiler
 //! included, to read the one line of the header.
 
-use crate::{
-    files::recipe_document,
-    fit::{PerAxis, Recipe, Table},
-};
+use crate::recipe_document;
+use ltcforge_fit::{PerAxis, Recipe, Table};
 
 /// The bytes that every `.npy` file begins with.
 pub const NPY_MAGIC: &[u8] = b"\x93NUMPY";

@@ -11,10 +11,8 @@
 use half::f16;
 use safetensors::{Dtype, SafeTensors, serialize, tensor::Metadata};
 
-use crate::{
-    files::{recipe_document, tabulated::FindBrdf, tensor::Tensor},
-    fit::{BrdfModel, Precision, Recipe, Table, Terms, math::from_row_major},
-};
+use crate::{recipe_document, tabulated::FindBrdf, tensor::Tensor};
+use ltcforge_fit::{BrdfModel, Precision, Recipe, Table, Terms, math::from_row_major};
 
 /// The metadata key that holds the recipe.
 const RECIPE_KEY: &str = "ltcforge";

@@ -9,12 +9,10 @@ use super::{
     preset::Preset,
     reader::{Faults, Object, echo},
 };
-use crate::{
-    files::tabulated::FindBrdf,
-    fit::{
-        BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear,
-        Simplex, Solver, Start, TabulatedAxes,
-    },
+use crate::tabulated::FindBrdf;
+use ltcforge_fit::{
+    BrdfKind, BrdfModel, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Precision, Recipe, Shear,
+    Simplex, Solver, Start, TabulatedAxes,
 };
 
 /// Entries that a table may have unless the caller sets another limit.

@@ -11,12 +11,10 @@ use std::ops::RangeInclusive;
 
 use self::strict::Strict;
 use crate::{
-    files::{
-        digest::Digest,
-        tabulated::{FindBrdf, no_files},
-    },
-    fit::{FITTER_VERSION, Recipe, TabulatedFile},
+    digest::Digest,
+    tabulated::{FindBrdf, no_files},
 };
+use ltcforge_fit::{FITTER_VERSION, Recipe, TabulatedFile};
 
 pub use document::DEFAULT_ENTRY_LIMIT;
 pub use fault::Fault;

@@ -1,7 +1,7 @@
 //! Named points on the trade between speed and accuracy.
 
-use crate::fit::FitSettings;
-use crate::fit::{Metric, Solver};
+use ltcforge_fit::FitSettings;
+use ltcforge_fit::{Metric, Solver};
 
 /// A named set of fit settings. Every other field of a recipe has one default for all presets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

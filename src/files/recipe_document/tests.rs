@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::{BrdfKind, Layout, LobeModel, Metric, Solver};
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Metric, Solver};
 
 fn recipe(json: &str) -> Result<Recipe, RecipeError> {
     parse(json.as_bytes(), DEFAULT_ENTRY_LIMIT)

@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::{TABULATED_LIMIT_BYTES, TabulatedError, decode};
-use crate::{
-    files::{bounded::read_file, digest::Digest},
-    fit::TabulatedFile,
-};
+use crate::{bounded::read_file, digest::Digest};
+use ltcforge_fit::TabulatedFile;
 
 /// Finds the file that a recipe names, or tells every fault, one a line.
 pub type FindBrdf<'a> = dyn Fn(&str) -> Result<TabulatedFile, Vec<String>> + 'a;

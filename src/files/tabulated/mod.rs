@@ -14,10 +14,8 @@ use std::sync::Arc;
 
 use safetensors::{Dtype, SafeTensors, serialize, tensor::TensorView};
 
-use crate::{
-    files::{digest::Digest, tensor::Tensor},
-    fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile},
-};
+use crate::{digest::Digest, tensor::Tensor};
+use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
 
 pub use find::{FindBrdf, Located, kept_name, locate, no_files};
 

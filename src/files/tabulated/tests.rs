@@ -3,10 +3,8 @@ use std::{collections::HashMap, fs, path::PathBuf};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{
-    files::recipe_document::{DEFAULT_ENTRY_LIMIT, RecipeError, canonical_json, digest, parse_stored, parse_with},
-    fit::{BrdfKind, Recipe},
-};
+use crate::recipe_document::{DEFAULT_ENTRY_LIMIT, RecipeError, canonical_json, digest, parse_stored, parse_with};
+use ltcforge_fit::{BrdfKind, Recipe};
 
 fn planted(alpha: &[f64]) -> Vec<u8> {
     let brdf = TabulatedBrdf::tabulate(BrdfKind::OrenNayar, TabulatedAxes::spread(alpha.to_vec(), 48, 24));
@@ -170,7 +168,7 @@ proptest! {
         }
         bytes.truncate((bytes.len() as f64 * keep) as usize);
         if let Ok(file) = decode(&bytes) {
-            let model = crate::fit::BrdfModel::tabulated(file);
+            let model = ltcforge_fit::BrdfModel::tabulated(file);
             let sample = model.surface([0.6; 2]).sample(glam::DVec3::new(0.6, 0.0, 0.8), [0.3, 0.7]);
             prop_assert!(sample.wi.is_finite() && sample.weight.is_finite());
         }

@@ -1,9 +1,7 @@
 //! What a file says of itself.
 
-use crate::{
-    files::{digest::Digest, manifest::MeanError, recipe_document},
-    fit::{BrdfKind, Recipe},
-};
+use ltcforge_files::{digest::Digest, manifest::MeanError, recipe_document};
+use ltcforge_fit::{BrdfKind, Recipe};
 
 /// The licence of the numbers: tables are facts about a BRDF, and whoever ships them should not have to ask.
 const LICENCE: &str = "licence of the numbers: CC0-1.0";

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{about::About, file::TextureFile, rounding::RoundingError};
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// What the file beside the others is called.
 const MANIFEST: &str = "ltcforge.json";

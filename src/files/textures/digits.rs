@@ -2,7 +2,7 @@
 
 use half::f16;
 
-use crate::fit::Precision;
+use ltcforge_fit::Precision;
 
 /// The shortest decimal that is read back as `x`, which is a number of the precision: for 32 bits as an f32, for 16 bits
 /// as a half, whether it is read directly, as an f32 that is then rounded, or as an f64. A valid number in JSON,

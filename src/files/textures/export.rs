@@ -6,10 +6,8 @@ use super::{
     About, Bundle, CompactContainer, CompactFileError, Engine, NoTextures, TextureContainer, TextureFileError,
     TextureLayout, recipe::recipe_like, sampling_of,
 };
-use crate::{
-    files::compact::encode,
-    fit::{BrdfKind, Precision, Table},
-};
+use ltcforge_files::compact::encode;
+use ltcforge_fit::{BrdfKind, Precision, Table};
 
 /// What files that hold all textures are called.
 const STEM: &str = "ltc";

@@ -15,7 +15,7 @@ use glam::{DMat3, DVec3};
 use half::f16;
 use serde::Serialize;
 
-use crate::fit::{ALPHA_FLOOR, Layout, PerAxis, Reflection, THETA_CEILING, Table, math::concentric_cosine};
+use ltcforge_fit::{ALPHA_FLOOR, Layout, PerAxis, Reflection, THETA_CEILING, Table, math::concentric_cosine};
 
 /// How far lobes moved when their matrices were rounded: the root of the mean square over a lobe's directions, as a part
 /// of the root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
@@ -189,8 +189,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::files::{compact::tests::planted, textures::round};
-    use crate::fit::Precision;
+    use crate::round;
+    use ltcforge_files::compact::tests::planted;
+    use ltcforge_fit::Precision;
 
     /// What rounding each number alone does to the lobes.
     fn alone(table: &Table) -> Displacement {

@@ -1,9 +1,7 @@
 //! The recipe that errors name: one whose table has the files that were asked for.
 
-use crate::{
-    files::digest::Digest,
-    fit::{BrdfKind, Layout, LobeModel, Table},
-};
+use ltcforge_files::digest::Digest;
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, Table};
 
 /// The recipe of a layout, with the scattering model and the lobe of a table added where the layout takes them.
 pub(super) fn recipe_like(recipe: &str, layout: Layout, table: &Table) -> String {

@@ -7,7 +7,7 @@ use super::{
     halfs::{Displacement, neighbours},
     texture::Texture,
 };
-use crate::fit::Precision;
+use ltcforge_fit::Precision;
 
 /// Numbers of a precision, as 32-bit numbers that hold them exactly.
 #[derive(Debug, Clone, PartialEq)]

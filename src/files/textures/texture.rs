@@ -220,7 +220,7 @@ fn is_identifier(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::textures::Displacement;
+    use crate::Displacement;
 
     fn planted() -> Texture {
         Texture::new("LTC_1", [2, 3, 1], 2, &["a", "b"], (0_u8..24).map(f32::from).collect()).expect("a texture")

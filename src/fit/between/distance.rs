@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::five::{ELEMENTS, matrix};
-use crate::fit::{layout::FreeNumbers, math::concentric_cosine};
+use crate::{layout::FreeNumbers, math::concentric_cosine};
 
 /// Rings and sectors of the clamped cosine, one direction in each.
 const RINGS: usize = 3;

@@ -3,7 +3,7 @@
 
 use glam::DMat3;
 
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
     entry::FittedEntry,

@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::fit::{
+use crate::{
     BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Precision,
     Recipe, Solver, Table, Terms, assemble,
     brdf::{Ggx, Mirrors},

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_2_SQRT_PI, PI};
 use glam::{DVec2, DVec3};
 
 use super::scattering::{Brdf, BrdfRules, BrdfSample, Compared};
-use crate::fit::math::{erfc, exp, ln};
+use crate::math::{erfc, exp, ln};
 
 /// Microfacets whose slopes have a normal distribution [Beckmann and Spizzichino 1963; Heitz 2014, section 5.3], with a
 /// Fresnel factor of one.

@@ -8,7 +8,7 @@ use super::{
     hemisphere::Hemisphere,
     scattering::{Brdf, BrdfRules, BrdfSample, Compared},
 };
-use crate::fit::math::SquarePoint;
+use crate::math::SquarePoint;
 
 /// The diffuse part of Disney's BRDF [Burley 2012, section 5.3] with a base colour of one:
 ///

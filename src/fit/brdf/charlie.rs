@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_3, PI};
 use glam::{DVec2, DVec3};
 
 use super::scattering::{Bends, Brdf, BrdfRules, BrdfSample, Compared};
-use crate::fit::math::{SquarePoint, exp, pow};
+use crate::math::{SquarePoint, exp, pow};
 
 /// The sheen of Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
 /// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator, which makes the model depend on

@@ -6,7 +6,7 @@ use super::{
     charlie::Fibres,
     scattering::{Brdf, BrdfRules, BrdfSample, Compared},
 };
-use crate::fit::math::SquarePoint;
+use crate::math::SquarePoint;
 
 /// The sheen of game engines and of glTF: Charlie's distribution, and the smooth visibility of the cloth of Neubelt and
 /// Pettineo 2013 in place of a masking function, with a Fresnel factor of one:

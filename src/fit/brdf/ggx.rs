@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
 use super::scattering::{Brdf, BrdfRules, BrdfSample, LobeTerms};
-use crate::fit::math::SquarePoint;
+use crate::math::SquarePoint;
 
 /// The anisotropic GGX reflector of KT et al. 2022, section 3.1, with a Fresnel factor of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -189,7 +189,7 @@ impl Brdf for Ggx {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::math::{Lattice, direction};
+    use crate::math::{Lattice, direction};
 
     /// Configurations from broad to needle, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
     const CONFIGURATIONS: [(f64, f64, f64, f64); 5] = [

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::fit::math::SquarePoint;
+use crate::math::SquarePoint;
 
 /// The density `(u + 2 (1 - u) cos(theta)) / (2 pi)` over the hemisphere, per steradian: a part `u` of all directions is
 /// uniform, the others follow the cosine.

@@ -30,7 +30,7 @@ pub(crate) use symmetry::Mirrors;
 pub(crate) use tabulated::tests::planted as planted_tabulated;
 pub use tabulated::{Asymmetry, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf, TabulatedFault};
 
-use super::{axes::PerAxis, named_list::named_list};
+use super::{axes::PerAxis, named_list};
 
 named_list! {
     /// The scattering model that is fitted.

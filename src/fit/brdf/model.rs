@@ -5,7 +5,7 @@ use std::{fmt, sync::Arc};
 use serde::{Serialize, Serializer, ser::SerializeMap};
 
 use super::{Brdf, BrdfKind, TabulatedBrdf};
-use crate::fit::axes::PerAxis;
+use crate::axes::PerAxis;
 
 /// The scattering model that is fitted. Two are equal if their surfaces are.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use super::{
     hemisphere::Hemisphere,
     scattering::{Bends, Brdf, BrdfRules, BrdfSample, Compared},
 };
-use crate::fit::math::{SquarePoint, atan2};
+use crate::math::{SquarePoint, atan2};
 
 /// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one: Fujii's Oren-Nayar, and the light that it loses
 /// returned as that of further bounces.

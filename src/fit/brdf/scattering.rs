@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::fit::math::SquarePoint;
+use crate::math::SquarePoint;
 
 /// A light direction drawn for a view direction.
 #[derive(Debug, Clone, Copy, PartialEq)]

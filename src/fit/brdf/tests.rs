@@ -7,7 +7,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Brdf, BrdfKind, BrdfModel, BrdfSample, MOST_ALBEDO, planted_tabulated};
-use crate::fit::math::{Lattice, atan2, direction, sin_cos};
+use crate::math::{Lattice, atan2, direction, sin_cos};
 
 /// Configurations from broad to narrow, from above and grazing: `(alpha_x, alpha_y, theta, phi)`.
 const CONFIGURATIONS: [(f64, f64, f64, f64); 6] = [

@@ -3,8 +3,8 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::brdf::Ggx;
-use crate::fit::{
+use crate::brdf::Ggx;
+use crate::{
     ALPHA_FLOOR, Metric, RATIO_FLOOR, THETA_CEILING,
     math::{direction, from_row_major},
 };

@@ -27,7 +27,7 @@ use super::{
     rules::{FreeNumbers, Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::Spacing,
 };
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::align,

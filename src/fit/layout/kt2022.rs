@@ -10,7 +10,7 @@ use super::{
     rules::{Interpolation, LayoutRules, LayoutShader, LobeNumbers, ShaderNumbers},
     spacing::{ALPHA_FLOOR, RATIO_FLOOR, Spacing, below_ceiling},
 };
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::align,

@@ -22,7 +22,7 @@ pub(crate) use smooth::SMOOTH_NUMBERS;
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 pub(crate) use spacing::{Spacing, within_limits};
 
-use super::{axes::PerAxis, brdf::BrdfKind, lobe::LobeModel, named_list::named_list};
+use super::{axes::PerAxis, brdf::BrdfKind, lobe::LobeModel, named_list};
 
 named_list! {
     /// How configurations map to entries, and how a stored matrix maps to `M`.

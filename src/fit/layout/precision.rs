@@ -1,6 +1,6 @@
 //! The number formats of stored tables.
 
-use crate::fit::named_list::named_list;
+use crate::named_list;
 
 named_list! {
     /// Number format of a stored table.

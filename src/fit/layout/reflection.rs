@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{Ggx, LobeTerms},
 };
@@ -83,7 +83,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::fit::math::sin_cos;
+    use crate::math::sin_cos;
 
     fn view(theta: f64, phi: f64) -> DVec3 {
         let ((st, ct), (sp, cp)) = (sin_cos(theta), sin_cos(phi));

@@ -3,7 +3,7 @@
 use glam::{DMat3, Mat3, Vec3};
 
 use super::{precision::Precision, spacing::Spacing};
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
 };

@@ -23,7 +23,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{Layout, precision::Precision, reflection::Reflection, rules::LobeNumbers, spacing::within_limits};
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{LobeTerms, Mirrors},
     lobe::ltc::turned,

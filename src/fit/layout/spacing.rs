@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     math::{atan2, pow, sin},
 };

@@ -8,7 +8,7 @@ mod rules;
 
 pub(crate) use rules::{LobeDistribution, LobeModelRules};
 
-use super::named_list::named_list;
+use super::named_list;
 
 named_list! {
     /// The distribution that stands for a lobe in a table.

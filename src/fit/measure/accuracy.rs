@@ -103,7 +103,7 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Configuration;
+    use crate::Configuration;
 
     #[test]
     fn the_worst_are_named_by_width_and_ranks_are_the_nearest() {

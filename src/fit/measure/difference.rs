@@ -4,7 +4,7 @@ use glam::DMat3;
 use serde::Serialize;
 
 use super::places;
-use crate::fit::{Configuration, PerAxis, Table, math::from_row_major};
+use crate::{Configuration, PerAxis, Table, math::from_row_major};
 
 /// How far apart the lookups of two tables are, over all places that were compared.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -135,7 +135,7 @@ mod tests {
     use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
     use super::*;
-    use crate::fit::{
+    use crate::{
         BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Plan, Precision, Recipe, Solver, Terms,
         fit_plan,
     };

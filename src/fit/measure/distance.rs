@@ -13,7 +13,7 @@ use super::{
     sequence::{net, uniform},
     steps::Steps,
 };
-use crate::fit::{lobe::LobeDistribution, math::rotation_from_z};
+use crate::{lobe::LobeDistribution, math::rotation_from_z};
 
 /// Samples of the LTC: `2^11`.
 const LOG2_SAMPLES: u32 = 11;
@@ -121,7 +121,7 @@ mod tests {
     use glam::DMat3;
 
     use super::{super::lobe::tests as lobes, *};
-    use crate::fit::Ltc;
+    use crate::Ltc;
 
     fn lobe(scale: f64) -> DMat3 {
         DMat3::from_cols(

@@ -1,7 +1,7 @@
 //! How many configurations are measured: as many as a fixed part of the fit's own time allows, and more between nodes than at
 //! them, because there a few bad ones count for much.
 
-use crate::fit::{Recipe, fit_seconds};
+use crate::{Recipe, fit_seconds};
 
 /// Least configurations at nodes, and again between them.
 const LEAST_POINTS: usize = 8;

@@ -11,7 +11,7 @@ use super::{
     lobe::Lobe,
     sequence::net,
 };
-use crate::fit::{
+use crate::{
     Configuration, THETA_CEILING, Table,
     math::{concentric_cosine, direction, from_row_major, row_major},
 };
@@ -182,7 +182,7 @@ fn inverted_in_f32(m: &DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{BrdfKind, Layout, LobeModel, PerAxis};
+    use crate::{BrdfKind, Layout, LobeModel, PerAxis};
 
     fn table(matrix: [f32; 9]) -> Table {
         Table {

@@ -7,7 +7,7 @@ use super::{
     light::light_error,
     lobe::Lobe,
 };
-use crate::fit::{
+use crate::{
     ALPHA_FLOOR, BrdfModel, Configuration, LEAST_ALPHA, LobeModel, LookedUp, Table, lobe::LobeDistribution,
     math::direction,
 };
@@ -35,9 +35,8 @@ pub struct Figures {
 #[must_use]
 pub fn figures_of(brdf: &BrdfModel, lobe: LobeModel, found: &[(Configuration, LookedUp)]) -> Vec<Figures> {
     let probe = Probe::new();
-    let measure = |work: &mut Workspace, (at, found): &(Configuration, LookedUp)| {
-        of_numbers(brdf, lobe, at, found, &probe, work)
-    };
+    let measure =
+        |work: &mut Workspace, (at, found): &(Configuration, LookedUp)| of_numbers(brdf, lobe, at, found, &probe, work);
     found.par_iter().with_max_len(4).map_init(Workspace::default, measure).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fit::{ALPHA_FLOOR, LEAST_ALPHA, PerAxis, RATIO_FLOOR, THETA_CEILING};
+use crate::{ALPHA_FLOOR, LEAST_ALPHA, PerAxis, RATIO_FLOOR, THETA_CEILING};
 
 /// The limits of a table's axes and the nodes that they moved.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

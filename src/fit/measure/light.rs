@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::{lobe::Lobe, sequence::net};
-use crate::fit::{
+use crate::{
     lobe::LobeDistribution,
     math::{rotation_from_z, sin_cos},
 };
@@ -96,7 +96,7 @@ mod tests {
     use glam::DMat3;
 
     use super::{super::lobe::tests::planted, *};
-    use crate::fit::Ltc;
+    use crate::Ltc;
 
     fn skewed() -> DMat3 {
         DMat3::from_cols(DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8))

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::sequence::net;
-use crate::fit::brdf::Brdf;
+use crate::brdf::Brdf;
 
 /// Samples of a lobe: `2^12`.
 const LOG2_SAMPLES: u32 = 12;
@@ -60,7 +60,7 @@ pub(super) mod tests {
     use glam::DMat3;
 
     use super::*;
-    use crate::fit::{Ltc, brdf::Ggx, math::direction};
+    use crate::{Ltc, brdf::Ggx, math::direction};
 
     /// A lobe that is itself the LTC of `matrix`.
     pub(in super::super) fn planted(matrix: DMat3) -> Lobe {

@@ -6,7 +6,7 @@ use super::{
     figures::{self, Figures, GoOn},
     places,
 };
-use crate::fit::{Configuration, Table};
+use crate::{Configuration, Table};
 
 /// Errors over a square of configurations, at the middles of its cells.
 #[derive(Debug, Clone, PartialEq)]

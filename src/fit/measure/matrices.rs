@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::places;
-use crate::fit::{Table, math::from_row_major};
+use crate::{Table, math::from_row_major};
 
 /// Determinant and condition over all entries of a table, of the whole `M` as a lookup at the node gives it, scaled
 /// so that its third column has unit length.
@@ -76,7 +76,7 @@ fn frobenius(m: &glam::DMat3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{BrdfKind, Layout, LobeModel, PerAxis};
+    use crate::{BrdfKind, Layout, LobeModel, PerAxis};
 
     #[test]
     fn negative_and_singular_matrices_are_counted_apart() {

@@ -31,7 +31,7 @@ pub use map::{ErrorMap, error_map, error_map_while};
 pub use matrices::{Extent, Matrices};
 pub use poor::{POOR_WIDTH, Poor};
 
-use crate::fit::{Configuration, PerAxis, Table};
+use crate::{Configuration, PerAxis, Table};
 
 /// Version of the report. Raised whenever the same table gets another report.
 pub const REPORT_VERSION: u32 = 6;

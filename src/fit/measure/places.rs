@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::fit::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, PerAxis, THETA_CEILING, math::recurrence4};
+use crate::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, PerAxis, THETA_CEILING, math::recurrence4};
 
 /// How far towards the horizon a table is measured between its nodes: 89 degrees. Beyond that angle most of a lobe lies
 /// below the horizon, and a picture shows nothing of the lobe.

@@ -41,7 +41,7 @@ impl Poor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Configuration;
+    use crate::Configuration;
 
     #[test]
     fn poor_nodes_are_counted_and_told_where_they_are() {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::fit::math::sin_cos;
+use crate::math::sin_cos;
 
 /// `2^log2_count` points that are spread evenly over the unit square: the net of Larcher and Pillichshammer
 /// [Kollig and Keller 2002, section 2.3].
@@ -43,7 +43,7 @@ pub(super) fn uniform([u, v]: [f64; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::math::concentric_cosine;
+    use crate::math::concentric_cosine;
 
     #[test]
     fn every_elementary_box_of_the_net_holds_one_point() {

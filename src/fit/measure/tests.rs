@@ -5,7 +5,7 @@ use std::{
 };
 
 use super::*;
-use crate::fit::{
+use crate::{
     BrdfKind, Configuration, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, Plan, Precision, Recipe,
     Solver, assemble, brdf::Ggx, fit_shard,
 };
@@ -65,8 +65,8 @@ fn the_error_at_nodes_is_that_of_a_finer_fitter() {
     let mut finer = Fitter::new(&FitSettings { samples: 2048, directions: 48, ..recipe.fit });
     let places = places::nodes(&table.axes, 24);
     let errors = places.iter().map(|at| {
-        let m = crate::fit::math::from_row_major(&table.lookup(at).matrix);
-        let wo = crate::fit::math::direction(at.theta, at.phi);
+        let m = crate::math::from_row_major(&table.lookup(at).matrix);
+        let wo = crate::math::direction(at.theta, at.phi);
         finer.error(&Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, wo, &m)
     });
     let mean = errors.sum::<f64>() / places.len() as f64;

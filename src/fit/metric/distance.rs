@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::target::Target;
-use crate::fit::{brdf::Brdf, math::Lattice, pulse::Pulse};
+use crate::{brdf::Brdf, math::Lattice, pulse::Pulse};
 
 /// The fixed samples of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]

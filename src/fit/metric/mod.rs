@@ -13,7 +13,7 @@ pub(super) use distance::{Distance, Draws, Grain, ImageLoss, Lobe, Loss, MetricR
 pub(super) use target::tests::{PlantedBrdf, planted, planted_directions};
 pub(super) use target::{LobeCore, Target};
 
-use super::named_list::named_list;
+use super::named_list;
 
 named_list! {
     /// The distance between lobe and LTC that a fit minimises.

@@ -3,7 +3,7 @@
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
-use crate::fit::{
+use crate::{
     brdf::{Brdf, Mirrors},
     math::{SquarePoint, rotation_from_z},
 };
@@ -160,7 +160,7 @@ fn offset_from_z(direction: DVec3) -> DVec3 {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::fit::{brdf::BrdfSample, lobe::ltc::Ltc, math::Lattice};
+    use crate::{brdf::BrdfSample, lobe::ltc::Ltc, math::Lattice};
 
     /// A surface whose lobe for every view is the LTC of a matrix, which is above the horizon but for a trifle.
     pub(crate) struct PlantedBrdf(Ltc);

@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::fit::{
+use crate::{
     BrdfKind, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, Precision, Simplex, Solver, Table, assemble,
 };
 

@@ -13,7 +13,7 @@ pub(super) use objective::{Effort, Objective, SolverRules};
 pub(super) use bfgs::{Guess, in_arrays};
 pub use simplex::{Shear, Simplex, Start};
 
-use super::{lobe::LobeModel, named_list::named_list};
+use super::{lobe::LobeModel, named_list};
 
 named_list! {
     /// How a distance is minimised.

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::simplex::Simplex;
-use crate::fit::{
+use crate::{
     brdf::Brdf,
     lobe::LobeModel,
     metric::{Loss, Metric, Target},

@@ -11,7 +11,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::objective::{Effort, Objective, SolverRules};
-use crate::fit::{
+use crate::{
     brdf::Brdf,
     lobe::LobeModel,
     math::{Lattice, cosine_hemisphere, ln, sin_cos},
@@ -125,7 +125,7 @@ fn descend(objective: &Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{
+    use crate::{
         brdf::{Charlie, Ggx},
         math::direction,
         pulse::work_of,
@@ -159,8 +159,8 @@ mod tests {
             fn eval_cos(&self, _: DVec3, _: DVec3) -> f64 {
                 0.0
             }
-            fn sample(&self, _: DVec3, _: [f64; 2]) -> crate::fit::brdf::BrdfSample {
-                crate::fit::brdf::BrdfSample { wi: DVec3::Z, weight: 0.0, cos_theta_d: 1.0 }
+            fn sample(&self, _: DVec3, _: [f64; 2]) -> crate::brdf::BrdfSample {
+                crate::brdf::BrdfSample { wi: DVec3::Z, weight: 0.0, cos_theta_d: 1.0 }
             }
             fn pdf(&self, _: DVec3, _: DVec3) -> f64 {
                 1.0

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::fit::named_list::named_list;
+use crate::named_list;
 
 named_list! {
     /// Which number of the matrix skews a lobe in its plane of incidence, in the frame of the lobe's mean direction.

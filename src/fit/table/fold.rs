@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DMat3;
 
-use crate::fit::axes::{LEAST_ALPHA, PerAxis};
+use crate::axes::{LEAST_ALPHA, PerAxis};
 
 /// A surface's roughness and a view direction, in the surface's tangent frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,7 +92,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::fit::brdf::{Brdf, Ggx};
+    use crate::brdf::{Brdf, Ggx};
 
     fn view(theta: f64, phi: f64) -> DVec3 {
         DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())

@@ -16,7 +16,7 @@
 //! to the truth than a fine table of layout `reflected`.
 
 use super::{Configuration, LookedUp, Table};
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::BrdfKind,
     layout::{ALPHA_FLOOR, Layout, LobeNumbers, SMOOTH_NUMBERS, THETA_CEILING},

@@ -1,7 +1,7 @@
 //! Reading a table at any configuration, as a shader would.
 
 use super::{Configuration, Table, Terms, fold::Folded};
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::LobeTerms,
     layout::{LobeNumbers, Spacing},

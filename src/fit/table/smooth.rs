@@ -1,7 +1,7 @@
 //! A table as numbers that vary smoothly, and back.
 
 use super::{Table, Terms};
-use crate::fit::{
+use crate::{
     axes::PerAxis,
     brdf::{BrdfKind, LobeTerms},
     layout::{Layout, LobeNumbers, SMOOTH_NUMBERS},

@@ -1,7 +1,7 @@
 //! The Gaussian of a surface seen from a direction.
 
 use super::{Gaussian, SphericalGaussian};
-use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
+use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
 
 /// Around which normal the distribution of normals is warped to directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -23,9 +23,9 @@ mod tests;
 pub use lobe::{Lobe, Warp};
 pub use sg_light::{SgLight, reflected_sg, reflected_sg_by};
 
-pub use crate::fit::lobe::gaussian::{Gaussian, SphericalGaussian};
+pub use ltcforge_fit::lobe::gaussian::{Gaussian, SphericalGaussian};
 
-use crate::fit::{
+use ltcforge_fit::{
     Sides,
     lobe::gaussian::covered,
     math::{Scalar, Triple},
@@ -49,7 +49,7 @@ pub fn reflected<T: Scalar>(
 }
 
 /// As [`reflected`], by the Gaussian of a warp.
-pub(in crate::light) fn reflected_around<T: Scalar>(
+pub(crate) fn reflected_around<T: Scalar>(
     warp: Warp,
     gaussian: Gaussian,
     (alpha, wo): ([T; 2], Triple<T>),

@@ -1,7 +1,7 @@
 //! The light of a spherical Gaussian.
 
 use super::{Gaussian, Lobe, SphericalGaussian, Warp};
-use crate::fit::math::{Scalar, Triple, dot};
+use ltcforge_fit::math::{Scalar, Triple, dot};
 
 /// A light of radiance `amplitude exp(sharpness (w . axis - 1))`, as lightmaps and probes store it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use super::*;
-use crate::fit::math::{cos, direction, exp, sin_cos};
+use ltcforge_fit::math::{cos, direction, exp, sin_cos};
 
 /// Surfaces from the sharpest to the roughest, needles among them.
 const SURFACES: [[f64; 2]; 6] = [[1e-5, 1e-5], [0.01, 0.01], [0.2, 0.05], [0.5, 0.5], [1.0, 1e-5], [1.0, 1.0]];

@@ -1,6 +1,6 @@
 //! The cone of normals that reflect an edge of a light.
 
-use crate::fit::math::{Scalar, Triple, cross, dot};
+use ltcforge_fit::math::{Scalar, Triple, cross, dot};
 
 /// The cone `c^T K c = 0` with `K = A B A`, `B = wo n^T + n wo^T - k I` and `k = wo . n`, which is not negative.
 ///
@@ -99,7 +99,7 @@ impl<T: Scalar> EdgeCone<T> {
 
 /// `cos(acos(x) / 3)` for x in [0, 1]: the root in [sqrt(3)/2, 1] of `4 g^3 - 3 g = x`, by a polynomial and steps of Newton's
 /// method.
-pub(in crate::light) fn cos_of_third<T: Scalar>(x: T) -> T {
+pub(crate) fn cos_of_third<T: Scalar>(x: T) -> T {
     let mut g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
     for _ in 0..T::NEWTON_STEPS {
         g = (T::of(8.0) * g * g * g + x) / (T::of(12.0) * g * g - T::of(3.0));
@@ -110,7 +110,7 @@ pub(in crate::light) fn cos_of_third<T: Scalar>(x: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::math::{direction, minus, scaled};
+    use ltcforge_fit::math::{direction, minus, scaled};
 
     /// Eigenvalues and axis by what defines them, for mirrors and needles too, and planes through the view.
     #[test]

@@ -1,7 +1,7 @@
 //! The integral of `c x dc` along the image of a light's edge, in closed form.
 
 use super::{cone::EdgeCone, outline::Corner};
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// What the edge from `a` to `b` adds to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
 ///
@@ -41,7 +41,7 @@ pub(super) fn shared<T: Scalar>([a, m, b]: [Triple<T>; 3], whole: Triple<T>) -> 
 /// `a x b (acos(a . b) / |a x b| - 1)`: what the arc of a great circle from `a` to `b` adds to `a x b`.
 ///
 /// Beyond a right angle it is computed from the supplement.
-pub(in crate::light) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
+pub(crate) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
     let across = cross(a, b);
     let is_acute = dot(a, b) >= T::ZERO;
     let chord = if is_acute { minus(a, b) } else { plus(a, b) };
@@ -142,7 +142,7 @@ fn per_sine<T: Scalar>(x: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::math::{direction, unit};
+    use ltcforge_fit::math::{direction, unit};
 
     /// Inverse functions of the standard library, on either side of one and of the series' ends.
     #[test]

@@ -34,10 +34,10 @@ use self::{
     outline::{Corner, Outline, Parts},
     weight::{Numbers, Sample, View},
 };
-use crate::fit::{
+use ltcforge_fit::{
     Sides,
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
-    named_list::named_list,
+    named_list,
 };
 
 named_list! {
@@ -331,7 +331,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::fit::math::direction;
+    use ltcforge_fit::math::direction;
 
     /// The parts of the edge on the horizon add up to its integral, and each is near its own, of walls that are seen at up to a right
     /// angle, and of such as fill half of all directions.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
+use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
 
 /// A corner of a light's outline.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! What of a normal's light is neither shadowed nor, for Schlick's term, transmitted; and its mean over triangles.
 
-use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled};
+use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled};
 
 /// A surface seen from a direction: what a normal's weight depends on.
 #[derive(Debug, Clone, Copy)]

@@ -4,10 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::{
-    fit::{Sides, math::sin_cos},
-    light::{LightError, PolygonLight},
-};
+use crate::{LightError, PolygonLight};
+use ltcforge_fit::{Sides, math::sin_cos};
 
 /// Vertices of the polygon that stands for an ellipse.
 pub const ELLIPSE_VERTICES: u32 = 32;

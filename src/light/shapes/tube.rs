@@ -5,10 +5,8 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
 use super::flat::{ELLIPSE_VERTICES, check_length};
-use crate::{
-    fit::{Sides, math::sin_cos},
-    light::{LightError, PolygonLight},
-};
+use crate::{LightError, PolygonLight};
+use ltcforge_fit::{Sides, math::sin_cos};
 
 /// How a tube ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,10 +3,8 @@
 use glam::DVec3;
 
 use super::cases::Lit;
-use crate::{
-    fit::{Configuration, Sides},
-    light::{WeightRule, by_normals, truth},
-};
+use crate::{WeightRule, by_normals, truth};
+use ltcforge_fit::{Configuration, Sides};
 
 /// `alpha_x`, `alpha_y`, `theta` and `phi`, and the vertices, of five among hundreds of
 /// thousands of random lights.

@@ -6,13 +6,11 @@ use glam::DVec3;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use crate::{
-    fit::{
-        BrdfModel, Configuration, Layout, LobeModel, PerAxis, Sides, Table,
-        brdf::{Brdf, Ggx},
-        math::direction,
-    },
-    light::PolygonLight,
+use crate::PolygonLight;
+use ltcforge_fit::{
+    BrdfModel, Configuration, Layout, LobeModel, PerAxis, Sides, Table,
+    brdf::{Brdf, Ggx},
+    math::direction,
 };
 
 /// A surface, a view of it, and the vertices of a light.

@@ -5,14 +5,12 @@ use rayon::prelude::*;
 
 use super::cases::{Draw, Lit, Roughness};
 use crate::{
-    fit::Sides,
-    light::{
-        Reflected, WeightRule, by_normals,
-        normals::{reflected, visible},
-        truth::integral,
-        truth_within,
-    },
+    Reflected, WeightRule, by_normals,
+    normals::{reflected, visible},
+    truth::integral,
+    truth_within,
 };
+use ltcforge_fit::Sides;
 
 /// The truth's tolerance where errors of a thousandth are told.
 const TOLERANCE: f64 = 1e-5;

@@ -13,15 +13,13 @@ use super::{
     shaped_lights::{Case, cases},
 };
 use crate::{
-    fit::{
-        BrdfKind, BrdfModel, Configuration, PerAxis, Sides, TabulatedAxes, TabulatedBrdf, TabulatedFile,
-        brdf::planted_tabulated,
-        math::{Lattice, direction},
-    },
-    light::{
-        Gaussian, LightError, Lighting, PolygonLight, RandomLights, Reflected, WeightRule, light_error, light_map,
-        rectangle, truth_of,
-    },
+    Gaussian, LightError, Lighting, PolygonLight, RandomLights, Reflected, WeightRule, light_error, light_map,
+    rectangle, truth_of,
+};
+use ltcforge_fit::{
+    BrdfKind, BrdfModel, Configuration, PerAxis, Sides, TabulatedAxes, TabulatedBrdf, TabulatedFile,
+    brdf::planted_tabulated,
+    math::{Lattice, direction},
 };
 
 /// Every model but GGX, a planted file among them.

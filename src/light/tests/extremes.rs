@@ -8,13 +8,11 @@ use rayon::prelude::*;
 
 use super::cases::{Draw, Lit, Roughness};
 use crate::{
-    fit::{Configuration, MAX_VERTICES, Sides},
-    light::{
-        WeightRule, by_normals,
-        normals::{reflected, visible},
-        truth,
-    },
+    WeightRule, by_normals,
+    normals::{reflected, visible},
+    truth,
 };
+use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
 
 fn energy(lit: &Lit, sides: Sides) -> f64 {
     energy_by(lit, sides, WeightRule::Fan)
@@ -245,7 +243,7 @@ proptest! {
         vertices in prop::collection::vec((coordinate(), coordinate(), coordinate()), 3..=MAX_VERTICES),
         alpha_x in hard_alpha(), alpha_y in hard_alpha(), theta in hard_theta(), phi in prop_oneof![0.0..TAU, Just(0.0)],
     ) {
-        let wo = crate::fit::math::direction(theta, phi);
+        let wo = ltcforge_fit::math::direction(theta, phi);
         let double: Vec<[f64; 3]> = vertices.iter().map(|(x, y, z)| [*x, *y, *z]).collect();
         let single: Vec<[f32; 3]> = double.iter().map(|v| v.map(|x| x as f32)).collect();
         for rule in WeightRule::ALL {

@@ -5,16 +5,14 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 use glam::DVec3;
 
 use crate::{
-    fit::{
-        BrdfKind, Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision,
-        Recipe, Sides, Solver, Table, fit_plan,
-        math::{cos, direction, pow},
-        report,
-    },
-    light::{
-        EVERYWHERE, Gaussian, LightError, Lighting, RandomLights, Reflected, by_gaussian, by_table, light_error,
-        rectangle, truth,
-    },
+    EVERYWHERE, Gaussian, LightError, Lighting, RandomLights, Reflected, by_gaussian, by_table, light_error, rectangle,
+    truth,
+};
+use ltcforge_fit::{
+    BrdfKind, Configuration, FITTER_VERSION, FitSettings, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe,
+    Sides, Solver, Table, fit_plan,
+    math::{cos, direction, pow},
+    report,
 };
 
 /// The measure of `docs/gaussians.md`.

@@ -4,10 +4,8 @@ use glam::DQuat;
 use rayon::prelude::*;
 
 use super::cases::{Draw, Roughness};
-use crate::{
-    fit::Sides,
-    light::{WeightRule, by_normals},
-};
+use crate::{WeightRule, by_normals};
+use ltcforge_fit::Sides;
 
 /// A hundredth of a path is halved so often that lobes of roughness 1e-5 change over it by 1e-8.
 const HALVINGS: u32 = 36;

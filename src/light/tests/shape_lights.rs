@@ -7,15 +7,13 @@ use rayon::prelude::*;
 
 use super::cases::{Draw, Lit, Roughness};
 use crate::{
-    fit::{
-        Configuration, Sides,
-        brdf::{Brdf, Ggx},
-        math::direction,
-    },
-    light::{
-        LightError, PolygonLight, TubeEnds, WeightRule, by_normals, disk, ellipse, line, normals::visible, rectangle,
-        truth_within, tube,
-    },
+    LightError, PolygonLight, TubeEnds, WeightRule, by_normals, disk, ellipse, line, normals::visible, rectangle,
+    truth_within, tube,
+};
+use ltcforge_fit::{
+    Configuration, Sides,
+    brdf::{Brdf, Ggx},
+    math::direction,
 };
 
 const AT: Configuration = Configuration { alpha_x: 0.4, alpha_y: 0.15, theta: 0.8, phi: 0.3 };

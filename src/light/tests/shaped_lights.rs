@@ -7,15 +7,13 @@ use rayon::prelude::*;
 
 use super::cases::{Draw, Roughness};
 use crate::{
-    fit::{
-        BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
-        brdf::{Brdf, Ggx},
-        math::direction,
-    },
-    light::{
-        Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals, by_table, truth,
-        truth_within,
-    },
+    Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals, by_table, truth,
+    truth_within,
+};
+use ltcforge_fit::{
+    BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
+    brdf::{Brdf, Ggx},
+    math::direction,
 };
 
 /// A light with the numbers that it was made of.
@@ -206,7 +204,7 @@ fn table(matrix: [f64; 9], lobe: LobeModel) -> Table {
 #[test]
 fn a_table_lights_by_the_shape_and_other_models_by_its_outline() {
     let rows = [0.5, 0.0, 0.25, 0.0, 0.375, 0.0, 0.0, 0.0, 1.0];
-    let ltc = Ltc::new(crate::fit::math::from_row_major(&rows)).expect("regular");
+    let ltc = Ltc::new(ltcforge_fit::math::from_row_major(&rows)).expect("regular");
     let at = Configuration { alpha_x: 1.0, alpha_y: 1.0, theta: 0.0, phi: 0.0 };
     let mut shapes = Vec::new();
     for (_, case) in broad(84, 10) {

@@ -6,10 +6,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::cases::{Draw, Roughness};
-use crate::{
-    fit::{Configuration, Sides},
-    light::{PolygonLight, TubeEnds, WeightRule, by_normals, disk, truth_within, tube},
-};
+use crate::{PolygonLight, TubeEnds, WeightRule, by_normals, disk, truth_within, tube};
+use ltcforge_fit::{Configuration, Sides};
 
 /// A light of a kind around a direction that the lobe reflects.
 type Kind = fn(&mut Draw, DVec3) -> Option<PolygonLight>;

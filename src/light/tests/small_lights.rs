@@ -4,12 +4,10 @@ use rayon::prelude::*;
 
 use super::cases::{Draw, Lit, Roughness};
 use crate::{
-    fit::Sides,
-    light::{
-        WeightRule, by_normals,
-        normals::{WeightRule as Rule, reflected},
-    },
+    WeightRule, by_normals,
+    normals::{WeightRule as Rule, reflected},
 };
+use ltcforge_fit::Sides;
 
 /// The shader's numbers, of the light as f32 has it, and what f64 makes of these.
 fn in_both(lit: &Lit, rule: Rule) -> [f64; 2] {

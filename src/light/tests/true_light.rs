@@ -4,13 +4,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::cases::{Draw, Lit, Roughness, over_area};
-use crate::{
-    fit::{
-        Configuration, Sides,
-        brdf::{Brdf, Ggx},
-        math::{Lattice, direction},
-    },
-    light::{PolygonLight, Reflected, WeightRule, by_normals, truth, truth_within},
+use crate::{PolygonLight, Reflected, WeightRule, by_normals, truth, truth_within};
+use ltcforge_fit::{
+    Configuration, Sides,
+    brdf::{Brdf, Ggx},
+    math::{Lattice, direction},
 };
 
 fn true_light(lit: &Lit, sides: Sides) -> Reflected {

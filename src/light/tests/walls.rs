@@ -6,10 +6,8 @@ use super::{
     cases::{Draw, Lit, Roughness},
     jumps::jump,
 };
-use crate::{
-    fit::Sides,
-    light::{WeightRule, by_normals, truth_within},
-};
+use crate::{WeightRule, by_normals, truth_within};
+use ltcforge_fit::Sides;
 
 fn energy(lit: &Lit, rule: WeightRule) -> f64 {
     by_normals(&lit.at, &lit.light(Sides::Two), rule).expect("a surface").energy

@@ -1,7 +1,7 @@
 //! Arcs of circles of directions.
 
 use super::interface::Interface;
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
 /// Below this sum of two radii, in radii, squared, the middle between them is taken from the direction across.
 const OPPOSITE2: f64 = 1e-3;

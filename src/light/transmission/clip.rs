@@ -3,7 +3,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
 use super::arc::{Arc, Circle, Extent, Kind};
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
 /// An arc of at most half a circle that ends behind its start by less than this angle is rounded to nothing; a wide arc
 /// that ends before it has gone as far went all the way around.

@@ -1,7 +1,7 @@
 //! The integral of `c x dc` along an arc of a cone of the second degree, in closed form.
 
 use super::eigen::{Eigenframe, Symmetric, eigenframe};
-use crate::fit::math::{Scalar, Triple, dot, minus, scaled};
+use ltcforge_fit::math::{Scalar, Triple, dot, minus, scaled};
 
 /// A cone `c^T K c = 0` with one positive eigenvalue, in its eigenframe.
 pub(super) struct Cone<T> {

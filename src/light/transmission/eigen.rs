@@ -1,9 +1,7 @@
 //! The eigenframe of a symmetric 3 x 3 matrix, without trigonometric functions.
 
-use crate::{
-    fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled},
-    light::normals::cos_of_third,
-};
+use crate::normals::cos_of_third;
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
 pub(super) type Symmetric<T> = [T; 6];

@@ -1,9 +1,7 @@
 //! Images of arcs that are nearly straight.
 
-use crate::{
-    fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled},
-    light::normals::arc_bend,
-};
+use crate::normals::arc_bend;
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// An image is flat where the determinant of its two ends and its control point is below this, and its ends are less
 /// than 60 degrees apart: its segment's area is then an inscribed triangle's times a factor, 3e-5 of a whole lobe off at

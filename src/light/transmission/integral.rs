@@ -6,10 +6,8 @@ use super::{
     flat::{flat, is_flat},
     interface::Interface,
 };
-use crate::{
-    fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit},
-    light::normals::arc_bend,
-};
+use crate::normals::arc_bend;
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
 
 /// An angle about an axis that is negative by less than this is zero, rounded; more is a whole turn less.
 const ROUNDED_ANGLE: f64 = 0.01;

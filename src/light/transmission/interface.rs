@@ -1,6 +1,6 @@
 //! A rough interface seen from a direction, and the normals that refract into it.
 
-use crate::fit::math::{Scalar, Triple, dot, plus, scaled, unit};
+use ltcforge_fit::math::{Scalar, Triple, dot, plus, scaled, unit};
 
 /// A rough interface seen from a direction.
 #[derive(Debug, Clone, Copy)]

@@ -41,7 +41,7 @@ use self::{
     outline::outline,
 };
 use super::normals::arc_bend;
-use crate::fit::{
+use ltcforge_fit::{
     Sides,
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
 };

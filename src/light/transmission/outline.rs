@@ -14,7 +14,7 @@ use super::{
     clip::clip,
     interface::Interface,
 };
-use crate::fit::{
+use ltcforge_fit::{
     Sides,
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},
 };

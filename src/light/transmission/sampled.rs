@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::Transmitted;
-use crate::fit::{
+use ltcforge_fit::{
     Sides,
     brdf::{Brdf, Ggx},
     math::{Lattice, Triple},

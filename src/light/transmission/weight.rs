@@ -1,7 +1,7 @@
 //! What of a normal's light is neither shadowed nor reflected, and its mean over triangles of normals.
 
 use super::interface::Interface;
-use crate::fit::math::{Scalar, Triple, dot, minus, plus, scaled};
+use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled};
 
 /// The rule for a triangle: its centroid, and three points on the lines from it to the corners. Found by search on
 /// cases of both `eta = 1.5` and `1/1.5`, and checked on others.

@@ -4,10 +4,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 
-use crate::{
-    fit::math::{atan2, sin_cos},
-    light::shaped::Form,
-};
+use crate::shaped::Form;
+use ltcforge_fit::math::{atan2, sin_cos};
 
 /// A piece of a light's border.
 #[derive(Debug, Clone, Copy, PartialEq)]

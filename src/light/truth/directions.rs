@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::space::{SHORT, Space, with_fresnel};
-use crate::fit::{
+use ltcforge_fit::{
     brdf::{Bends, Brdf, cos_theta_d},
     math::{cos, sin_cos},
 };

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::space::{Space, with_fresnel};
-use crate::fit::brdf::{Brdf, Ggx};
+use ltcforge_fit::brdf::{Brdf, Ggx};
 
 /// Cosine of 60 degrees: rays from a tip so near the pole turn by 150 degrees at most.
 const NEAR_POLE: f64 = 0.5;

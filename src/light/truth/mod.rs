@@ -29,7 +29,7 @@ use self::{
     space::Space,
 };
 use super::{AreaLight, LightError, Reflected, model::surface_and_view, shaped::Form};
-use crate::fit::{BrdfKind, BrdfModel, Configuration, Sides};
+use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Sides};
 
 #[cfg(test)]
 pub(super) use self::quadrature::integral;

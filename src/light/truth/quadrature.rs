@@ -21,7 +21,7 @@ pub(super) fn plus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
 }
 
 /// The integral of `f` over an interval by the rules of Gauss and Kronrod, halved until they agree.
-pub(in crate::light) fn integral<const N: usize>(
+pub(crate) fn integral<const N: usize>(
     f: &impl Fn(f64) -> [f64; N],
     [from, to]: [f64; 2],
     tolerance: f64,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::fit::brdf::Brdf;
+use ltcforge_fit::brdf::Brdf;
 
 /// Cosine of 18 degrees: an image no longer than this is smooth to a rule of 15 points.
 pub(super) const SHORT: f64 = 0.95;

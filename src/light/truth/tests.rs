@@ -3,10 +3,8 @@
 use glam::DVec3;
 
 use super::*;
-use crate::{
-    fit::brdf::{Beckmann, Brdf, Ggx, OrenNayar, planted_tabulated},
-    light::tests::cases::{Draw, Roughness},
-};
+use crate::tests::cases::{Draw, Roughness};
+use ltcforge_fit::brdf::{Beckmann, Brdf, Ggx, OrenNayar, planted_tabulated};
 
 const TOLERANCE: f64 = 1e-9;
 

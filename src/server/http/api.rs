@@ -8,7 +8,7 @@ use std::{
 use tokio::sync::watch;
 
 use super::{error, limits::ConnectionLimits, problem::Problem};
-use crate::server::service::Service;
+use crate::service::Service;
 
 /// The state of the router.
 #[derive(Debug, Clone)]

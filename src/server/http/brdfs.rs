@@ -15,7 +15,7 @@ use super::{
     kind::ProblemKind,
     problem::Problem,
 };
-use crate::files::{digest::Digest, tabulated::kept_name};
+use ltcforge_files::{digest::Digest, tabulated::kept_name};
 
 /// `POST /v1/brdfs`.
 pub(super) async fn store(

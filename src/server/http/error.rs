@@ -4,16 +4,14 @@ use std::{fmt, time::Duration};
 
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
-    files::{
-        recipe_document::{Fault, RecipeError},
-        tabulated::TabulatedError,
-    },
-    server::{
-        queue::{Failure, FailureKind},
-        service::{ExportFailure, PictureError, ServiceError, StoreBrdfError, SubmitError},
-    },
-    view::parameters::ParameterFault,
+    queue::{Failure, FailureKind},
+    service::{ExportFailure, PictureError, ServiceError, StoreBrdfError, SubmitError},
 };
+use ltcforge_files::{
+    recipe_document::{Fault, RecipeError},
+    tabulated::TabulatedError,
+};
+use ltcforge_view::parameters::ParameterFault;
 
 /// When a client may try again after a request to a stopping service, which may have been restarted by then.
 const RESTART: Duration = Duration::from_secs(5);

@@ -28,7 +28,7 @@ use super::{
     problem::Problem,
     views::JobView,
 };
-use crate::server::{
+use crate::{
     queue::{JobId, StateName},
     service::JobSnapshot,
 };
@@ -118,10 +118,8 @@ impl Follower {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        files::digest::Digest,
-        server::{http::views::samples, queue::JobState},
-    };
+    use crate::{http::views::samples, queue::JobState};
+    use ltcforge_files::digest::Digest;
 
     fn snapshot(sequence: u64, state: JobState) -> JobSnapshot {
         JobSnapshot { sequence, job: samples::job(state), seconds_left: None, expected: None }

@@ -18,13 +18,9 @@ use super::{
     problem::Problem,
     tables::unknown,
 };
-use crate::{
-    files::{
-        digest::Digest,
-        textures::{Export, RoundingError},
-    },
-    server::service::{ExportedFile, MadeExport},
-};
+use crate::service::{ExportedFile, MadeExport};
+use ltcforge_files::digest::Digest;
+use ltcforge_textures::{Export, RoundingError};
 
 /// What is made of a table changes with the version of the service, which the files state.
 const ONE_DAY: &str = "public, max-age=86400";

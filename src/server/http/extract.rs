@@ -11,7 +11,7 @@ use axum::{
 use serde::{Deserialize, de::DeserializeOwned};
 
 use super::{api::Api, kind::ProblemKind, problem::Problem};
-use crate::files::tabulated::TABULATED_LIMIT_BYTES;
+use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// Longest request body. A recipe takes less than one kilobyte.
 pub const BODY_LIMIT_BYTES: usize = 64 * 1024;
@@ -218,7 +218,8 @@ mod tests {
     };
 
     use super::*;
-    use crate::{files::digest::Digest, server::queue::StateName};
+    use crate::queue::StateName;
+    use ltcforge_files::digest::Digest;
 
     #[derive(Debug, Deserialize)]
     #[serde(deny_unknown_fields)]

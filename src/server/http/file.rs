@@ -16,7 +16,7 @@ use super::{
     problem::Problem,
     range::{self, Requested},
 };
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// The bytes never change under their address, because the address has their digest or that of all they follow from.
 pub(super) const FOREVER: &str = "public, max-age=31536000, immutable";

@@ -18,7 +18,7 @@ use super::{
     problem::{Problem, retry_after_value},
     views::{JobView, PageView},
 };
-use crate::server::{
+use crate::{
     queue::{JobId, StateName},
     service::{JobCursor, JobSnapshot, Service, SubmitError, SubmitReply},
 };
@@ -120,10 +120,8 @@ fn retry_after(seconds_left: Option<f64>) -> HeaderValue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        files::digest::Digest,
-        server::{http::views::samples, queue::JobState},
-    };
+    use crate::{http::views::samples, queue::JobState};
+    use ltcforge_files::digest::Digest;
 
     #[test]
     fn clients_are_asked_to_poll_again_in_one_to_thirty_seconds() {

@@ -1,6 +1,6 @@
 //! The HTTP interface: routes, conditional downloads, event streams, problem documents.
 //!
-//! Invariant: `http` translates and has no logic that [`crate::server::service`] could have. Every call into the
+//! Invariant: `http` translates and has no logic that [`crate::service`] could have. Every call into the
 //! service runs on a blocking thread, so that a slow disk does not delay other connections.
 
 mod api;

@@ -16,10 +16,8 @@ use super::{
     extract::{NoParameters, QueryOf},
     problem::Problem,
 };
-use crate::{
-    fit::FITTER_VERSION,
-    server::service::{Metrics, PictureCounts, ServiceError},
-};
+use crate::service::{Metrics, PictureCounts, ServiceError};
+use ltcforge_fit::FITTER_VERSION;
 
 const OPENAPI: &str = include_str!("../../../openapi.yaml");
 
@@ -54,7 +52,7 @@ pub(super) async fn readyz(State(api): State<Api>, _: QueryOf<NoParameters>) -> 
 
 /// `GET /metrics`.
 pub(super) async fn metrics(State(api): State<Api>, _: QueryOf<NoParameters>) -> Result<Response, Problem> {
-    let metrics = api.call(crate::server::service::Service::metrics).await?;
+    let metrics = api.call(crate::service::Service::metrics).await?;
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], exposition(&metrics)).into_response())
 }
 
@@ -105,7 +103,7 @@ fn exposition(metrics: &Metrics) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::queue::StateName;
+    use crate::queue::StateName;
 
     #[test]
     fn every_metric_has_its_line() {

@@ -17,14 +17,12 @@ use super::{
     kind::ProblemKind,
     problem::Problem,
 };
-use crate::{
-    files::digest::Digest,
-    server::service::{PictureFile, PictureReply, Subject},
-    view::{
-        parameters::{ParameterFault, read_pairs},
-        plots::Plot,
-        preview::{Choices, Scene},
-    },
+use crate::service::{PictureFile, PictureReply, Subject};
+use ltcforge_files::digest::Digest;
+use ltcforge_view::{
+    parameters::{ParameterFault, read_pairs},
+    plots::Plot,
+    preview::{Choices, Scene},
 };
 
 /// The picture of a named table, or of none, changes only with the adapter or the version of the service.

@@ -11,7 +11,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::kind::ProblemKind;
-use crate::{files::recipe_document::Fault, view::parameters::ParameterFault};
+use ltcforge_files::recipe_document::Fault;
+use ltcforge_view::parameters::ParameterFault;
 
 /// Faults that a problem lists: more would only repeat what a client has to mend first.
 const MOST_FAULTS: usize = 100;

@@ -12,7 +12,7 @@ use axum::{
 use super::{
     api::Api, brdfs, events, exports, jobs, kind::ProblemKind, operations, pictures, problem::Problem, tables,
 };
-use crate::files::tabulated::TABULATED_LIMIT_BYTES;
+use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// One call of the interface. A `GET` route also answers `HEAD`; `HEAD` is listed where clients depend on it.
 #[derive(Debug)]

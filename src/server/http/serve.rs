@@ -19,7 +19,7 @@ use super::{
     routes,
     sites::{self, Sites},
 };
-use crate::server::service::Service;
+use crate::service::Service;
 
 /// How the service meets its clients.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

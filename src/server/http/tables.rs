@@ -16,10 +16,8 @@ use super::{
     problem::Problem,
     views::{PageView, RecipeView},
 };
-use crate::{
-    files::digest::Digest,
-    server::service::{TableCursor, TableRow},
-};
+use crate::service::{TableCursor, TableRow};
+use ltcforge_files::digest::Digest;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -6,12 +6,10 @@ use serde_json::value::RawValue;
 
 use super::problem::{Problem, ProblemView};
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Job, JobId, JobState, StateName},
-        service::{Expected, JobSnapshot, Page},
-    },
+    queue::{Job, JobId, JobState, StateName},
+    service::{Expected, JobSnapshot, Page},
 };
+use ltcforge_files::digest::Digest;
 
 /// A job.
 #[derive(Debug, Serialize)]
@@ -153,7 +151,7 @@ pub(super) mod samples {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::queue::{Failure, FailureKind};
+    use crate::queue::{Failure, FailureKind};
 
     fn json(state: JobState) -> serde_json::Value {
         let view = JobView::new(&samples::job(state), Some(f64::INFINITY), None).expect("the recipe is JSON");

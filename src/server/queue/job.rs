@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::files::{
+use ltcforge_files::{
     digest::Digest,
     job::{JobId, StateName},
 };

@@ -1,7 +1,8 @@
 //! Tasks under leases, and what becomes of them.
 
 use super::JobId;
-use crate::{files::digest::Digest, server::store::StoreError};
+use crate::store::StoreError;
+use ltcforge_files::digest::Digest;
 
 /// The right to deliver one task. It names the submission and the attempt, so that a lease that has expired, or one
 /// from before the job was submitted again, is not taken for the current one.

@@ -10,16 +10,15 @@ mod job;
 mod leases;
 mod limits;
 mod operations;
-#[cfg(feature = "cluster")]
 pub mod postgres;
 mod submission;
 #[cfg(test)]
 mod tests;
 
-pub use crate::files::job::{JobId, ParseJobIdError, StateName};
 pub use job::{Failure, FailureKind, Job, JobState};
 pub use leases::{Demand, Lease, LeaseError, LeasedTask, Offer, StaleLease, TaskKind};
 pub use limits::Limits;
 use limits::{MOST_DEATHS, SUSPECT_DEATHS};
+pub use ltcforge_files::job::{JobId, ParseJobIdError, StateName};
 pub use operations::{JobPage, Queue};
 pub use submission::{NewJob, QueueError, Submitted};

@@ -7,10 +7,8 @@ use jiff::Timestamp;
 use super::{
     Demand, Failure, Job, JobId, Lease, LeaseError, NewJob, Offer, QueueError, StaleLease, StateName, Submitted,
 };
-use crate::{
-    files::digest::Digest,
-    server::store::{Batch, StoreError},
-};
+use crate::store::{Batch, StoreError};
+use ltcforge_files::digest::Digest;
 
 /// A page of jobs, last submitted first, and the submission to pass as `before` to get the next one.
 pub type JobPage = (Vec<Job>, Option<u64>);

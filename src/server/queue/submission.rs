@@ -1,7 +1,8 @@
 //! What is submitted, and what becomes of it.
 
 use super::Job;
-use crate::{files::digest::Digest, server::store::StoreError};
+use crate::store::StoreError;
+use ltcforge_files::digest::Digest;
 
 /// A job to submit.
 #[derive(Debug, Clone)]

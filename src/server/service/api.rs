@@ -8,16 +8,13 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-#[cfg(feature = "cluster")]
-use crate::server::store::{DatabaseOpenError, ObjectsOpenError};
+use crate::store::{DatabaseOpenError, ObjectsOpenError};
 use crate::{
-    files::{digest::Digest, recipe_document::RecipeError},
-    server::{
-        queue::{Job, StateName},
-        store::{StoreError, StoreOpenError},
-    },
-    view::preview::Adapter,
+    queue::{Job, StateName},
+    store::{StoreError, StoreOpenError},
 };
+use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
+use ltcforge_view::preview::Adapter;
 
 /// The configuration of a service.
 #[derive(Debug, Clone)]
@@ -83,15 +80,12 @@ pub enum OpenError {
     #[error("{} has no jobs and tables of this service", .0.display())]
     NoStore(PathBuf),
     /// The database that processes share cannot be used.
-    #[cfg(feature = "cluster")]
     #[error(transparent)]
     Database(#[from] DatabaseOpenError),
     /// The store of blobs that processes share cannot be used.
-    #[cfg(feature = "cluster")]
     #[error(transparent)]
     Blobs(#[from] ObjectsOpenError),
     /// A database that was opened failed.
-    #[cfg(feature = "cluster")]
     #[error(transparent)]
     Shared(StoreError),
     /// The store is of a later version of the program.

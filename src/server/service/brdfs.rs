@@ -5,13 +5,11 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::{Service, ServiceError};
-use crate::{
-    files::{
-        digest::Digest,
-        tabulated::{TabulatedError, decode},
-    },
-    fit::{Asymmetry, TabulatedFile},
+use ltcforge_files::{
+    digest::Digest,
+    tabulated::{TabulatedError, decode},
 };
+use ltcforge_fit::{Asymmetry, TabulatedFile};
 
 /// What is known of a stored file.
 #[derive(Debug, Clone, PartialEq, Serialize)]

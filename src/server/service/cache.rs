@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// The values that were used last.
 #[derive(Debug)]

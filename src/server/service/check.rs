@@ -6,12 +6,10 @@ use serde::Serialize;
 
 use super::{OpenError, Reconciled, engine::FitEngine, reconcile::reconcile};
 use crate::{
-    files::{digest::Digest, tabulated},
-    server::{
-        queue::embedded::{self, ReconciledJobs},
-        store::{Findings, Rehearsal, Store, StoreError},
-    },
+    queue::embedded::{self, ReconciledJobs},
+    store::{Findings, Rehearsal, Store, StoreError},
 };
+use ltcforge_files::{digest::Digest, tabulated};
 
 /// What [`check`] found in a data folder.
 #[derive(Debug, Serialize)]

@@ -18,16 +18,14 @@ use super::{
     state::ServiceState,
 };
 use crate::{
-    files::digest::Digest,
-    fit::FITTER_VERSION,
-    server::{
-        queue::{
-            Queue, StateName,
-            postgres::{PostgresQueue, Process},
-        },
-        store::{Access, Catalogue, Database, ObjectBlobs, PostgresRows, Store, StoreError},
+    queue::{
+        Queue, StateName,
+        postgres::{PostgresQueue, Process},
     },
+    store::{Access, Catalogue, Database, ObjectBlobs, PostgresRows, Store, StoreError},
 };
+use ltcforge_files::digest::Digest;
+use ltcforge_fit::FITTER_VERSION;
 
 /// How often the jobs that clients follow are looked at.
 const FOLLOW: std::time::Duration = std::time::Duration::from_millis(250);
@@ -188,11 +186,9 @@ mod tests {
     };
 
     use super::*;
-    use crate::{
-        files::tabulated::encode,
-        fit::{BrdfKind, TabulatedAxes, TabulatedBrdf},
-        server::{service::tests::config, store::throwaway},
-    };
+    use crate::{service::tests::config, store::throwaway};
+    use ltcforge_files::tabulated::encode;
+    use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
 
     #[test]
     fn a_file_of_long_ago_is_kept_from_the_submission_of_a_job_that_names_it() {

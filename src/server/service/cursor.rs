@@ -4,7 +4,7 @@ use std::{fmt, str::FromStr};
 
 use serde::Deserialize;
 
-use crate::files::hex::{from_hex, to_hex};
+use ltcforge_files::hex::{from_hex, to_hex};
 
 /// Longest key of a table in the order of age.
 const LONGEST_KEY: usize = 64;

@@ -5,7 +5,7 @@ use std::{
     sync::{Condvar, Mutex, MutexGuard, PoisonError},
 };
 
-use crate::server::queue::{Lease, LeaseError, Queue, StaleLease};
+use crate::queue::{Lease, LeaseError, Queue, StaleLease};
 
 /// Results stored in one transaction, at most.
 const AT_ONCE: usize = 64;

@@ -7,13 +7,12 @@ use super::{
     state::ServiceState,
 };
 use crate::{
-    files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION, textures::Export},
-    fit::GoOn,
-    server::{
-        queue::JobId,
-        store::{Catalogue, ManifestRow, StoreError},
-    },
+    queue::JobId,
+    store::{Catalogue, ManifestRow, StoreError},
 };
+use ltcforge_files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION};
+use ltcforge_fit::GoOn;
+use ltcforge_textures::Export;
 
 /// How long a URL of a table is valid.
 const LINK: Duration = Duration::from_secs(300);
@@ -28,7 +27,7 @@ impl Service {
         self.state.tables.read(digest)
     }
 
-    /// The manifest of a table (see [`crate::files::manifest::manifest_json`]) as JSON. It is made with the table. If it is of another
+    /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is made with the table. If it is of another
     /// version, or was lost with the catalogue, it is made and stored now.
     ///
     /// # Errors

@@ -12,19 +12,19 @@ use super::{
     find_brdf::{FindBrdfError, find},
 };
 use crate::{
-    files::{
-        container::{self, TableFile, TableFileError},
-        digest::Digest,
-        manifest::{manifest_json_while, mean_error},
-        recipe_document,
-        textures::{About, Bundle, Export},
-    },
-    fit::{self, BrdfModel, Expectation, FITTER_VERSION, FittedEntry, GoOn, Plan, Recipe, Solver, TabulatedFile},
-    server::{
-        queue::NewJob,
-        store::{Blobs, StoreError},
-    },
+    queue::NewJob,
+    store::{Blobs, StoreError},
 };
+use ltcforge_files::{
+    container::{self, TableFile, TableFileError},
+    digest::Digest,
+    manifest::{manifest_json_while, mean_error},
+    recipe_document,
+};
+use ltcforge_fit::{
+    self as fit, BrdfModel, Expectation, FITTER_VERSION, FittedEntry, GoOn, Plan, Recipe, Solver, TabulatedFile,
+};
+use ltcforge_textures::{About, Bundle, Export};
 
 /// What the service needs of a fitter. Tests have their own.
 pub(super) trait Engine: Send + Sync {

@@ -9,10 +9,8 @@ use std::{
 };
 
 use super::{ServiceError, cache::Cache};
-use crate::files::{
-    digest::Digest,
-    textures::{Bundle, ExportError, RoundingError, TextureFile},
-};
+use ltcforge_files::digest::Digest;
+use ltcforge_textures::{Bundle, ExportError, RoundingError, TextureFile};
 
 /// Requests for exports that may wait at the same time: one export is made at a time, so that memory holds the numbers of
 /// one.

@@ -1,13 +1,11 @@
 //! The file of the tabulated BRDF that a recipe names.
 
-use crate::{
-    files::{
-        digest::Digest,
-        tabulated::{TabulatedError, decode},
-    },
-    fit::TabulatedFile,
-    server::store::{Blobs, StoreError},
+use crate::store::{Blobs, StoreError};
+use ltcforge_files::{
+    digest::Digest,
+    tabulated::{TabulatedError, decode},
 };
+use ltcforge_fit::TabulatedFile;
 
 /// Why the file that a recipe names was not found.
 #[derive(Debug)]

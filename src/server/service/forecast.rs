@@ -3,7 +3,7 @@
 use std::{num::NonZeroUsize, sync::Arc};
 
 use super::{Expected, engine::Engine, speed::Speed};
-use crate::fit::Solver;
+use ltcforge_fit::Solver;
 
 /// Forecasts by the engine's model, corrected by the measured speed of this service.
 pub(super) struct Forecast {

@@ -7,15 +7,13 @@ use serde_json::Value;
 
 use super::{Config, OpenError, Shared, find_brdf::named_in, open::limits};
 use crate::{
-    fit::FITTER_VERSION,
-    server::{
-        queue::{
-            embedded::{stored_jobs, stored_results},
-            postgres::{PostgresQueue, Process},
-        },
-        store::{Access, Batch, Blobs as _, Catalogue, ObjectBlobs, PostgresRows, Rows as _, Store, StoreError},
+    queue::{
+        embedded::{stored_jobs, stored_results},
+        postgres::{PostgresQueue, Process},
     },
+    store::{Access, Batch, Blobs as _, Catalogue, ObjectBlobs, PostgresRows, Rows as _, Store, StoreError},
 };
+use ltcforge_fit::FITTER_VERSION;
 
 /// What was taken along. What was there already does not count.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]

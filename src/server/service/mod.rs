@@ -7,7 +7,6 @@ mod api;
 mod brdfs;
 mod cache;
 mod check;
-#[cfg(feature = "cluster")]
 mod cluster;
 mod cursor;
 mod deliveries;
@@ -16,7 +15,6 @@ mod engine;
 mod exports;
 mod find_brdf;
 mod forecast;
-#[cfg(feature = "cluster")]
 mod migrate;
 mod open;
 mod pictures;
@@ -33,18 +31,16 @@ mod turns;
 mod watch;
 mod work;
 
-pub use crate::server::store::TableRow;
+pub use crate::store::TableRow;
 pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
     SubmitReply,
 };
 pub use brdfs::{StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
-#[cfg(feature = "cluster")]
 pub use cluster::{DatabaseUrl, Shared, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
-#[cfg(feature = "cluster")]
 pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;

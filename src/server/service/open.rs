@@ -24,7 +24,7 @@ use super::{
     turns::Turns,
     watch::Hub,
 };
-use crate::server::{
+use crate::{
     queue::{
         Limits, Queue,
         embedded::{Clock, EmbeddedQueue},

@@ -10,7 +10,7 @@ use std::{
     time::Duration,
 };
 
-use crate::server::queue::{Demand, JobId};
+use crate::queue::{Demand, JobId};
 
 /// Tasks are leased ahead while shards take less than this. Another process that is idle waits as long at most, and longer
 /// ones gain nothing.
@@ -103,7 +103,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::files::digest::Digest;
+    use ltcforge_files::digest::Digest;
 
     const QUICK: Option<Duration> = Some(Duration::from_millis(50));
 

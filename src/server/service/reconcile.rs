@@ -9,10 +9,8 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::{TableRow, engine::Engine};
-use crate::{
-    files::digest::Digest,
-    server::store::{Blobs, Catalogue, Rows, StoreError},
-};
+use crate::store::{Blobs, Catalogue, Rows, StoreError};
+use ltcforge_files::digest::Digest;
 
 /// What was done to make the catalogue and the blobs agree.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]

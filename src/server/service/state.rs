@@ -9,7 +9,7 @@ use super::{
     Config, Metrics, ServiceError, deliveries::Deliveries, engine::Engine, exports::Exports, forecast::Forecast,
     pictures::Pictures, tables::Tables, threads::Threads, turns::Turns, watch::Hub,
 };
-use crate::server::{
+use crate::{
     queue::{JobId, Queue},
     store::Batch,
 };

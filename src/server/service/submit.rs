@@ -8,10 +8,8 @@ use super::{
     Expected, JobCursor, JobSnapshot, Page, Service, ServiceError, SubmitError, SubmitReply, find_brdf::named_in,
     state::ServiceState,
 };
-use crate::{
-    files::digest::Digest,
-    server::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted},
-};
+use crate::queue::{Job, JobId, JobState, NewJob, QueueError, StateName, Submitted};
+use ltcforge_files::digest::Digest;
 
 /// Shortest and longest time, in seconds, after which a refused client is asked to try again.
 const RETRY_SECONDS: (f64, f64) = (1.0, 600.0);

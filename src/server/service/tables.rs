@@ -6,10 +6,8 @@ use std::sync::{
 };
 
 use super::ServiceError;
-use crate::{
-    files::{digest::Digest, manifest::MANIFEST_VERSION},
-    server::store::{Catalogue, Store, StoreError},
-};
+use crate::store::{Catalogue, Store, StoreError};
+use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
 
 /// The store and its catalogue.
 #[derive(Debug)]

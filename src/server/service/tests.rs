@@ -11,12 +11,10 @@ use fake_engine::{FakeEngine, Shared};
 
 use super::*;
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{FailureKind, JobId, JobState, StateName},
-        store::{Row, Store, Tree},
-    },
+    queue::{FailureKind, JobId, JobState, StateName},
+    store::{Row, Store, Tree},
 };
+use ltcforge_files::digest::Digest;
 
 pub(super) fn config(dir: &Path) -> Config {
     Config {
@@ -27,7 +25,7 @@ pub(super) fn config(dir: &Path) -> Config {
         job_seconds: 86_400,
         keep_ended: None,
         lease_ttl: Duration::from_secs(60),
-        adapter: crate::view::preview::Adapter::Cpu,
+        adapter: ltcforge_view::preview::Adapter::Cpu,
         max_attempts: 3,
         pictures: PictureLimits::default(),
         export_bytes: 100,

@@ -14,7 +14,7 @@ use std::{
 };
 
 use super::places::{Place, Places};
-use crate::server::queue::{Demand, JobId, LeasedTask, Offer};
+use crate::queue::{Demand, JobId, LeasedTask, Offer};
 
 /// Results that wait for a thread that stores them, at most, while tasks are begun.
 const MOST_RESULTS: usize = 64;

@@ -10,7 +10,7 @@ use jiff::Timestamp;
 use tokio::sync::watch;
 
 use super::{JobSnapshot, forecast::Forecast};
-use crate::server::{
+use crate::{
     queue::{Job, JobId, StateName},
     store::StoreError,
 };
@@ -54,7 +54,6 @@ impl Hub {
     }
 
     /// The jobs that anyone follows.
-    #[cfg(feature = "cluster")]
     pub(super) fn watched(&self) -> Vec<JobId> {
         let inner = self.lock();
         let followed = inner.channels.iter().filter(|(_, channel)| channel.receiver_count() > 0);

@@ -15,12 +15,10 @@ use super::{
     turns::{Asked, ShardResult, Turn},
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Failure, FailureKind, LeaseError, LeasedTask, StaleLease, TaskKind},
-        store::{Catalogue, StoreError},
-    },
+    queue::{Failure, FailureKind, LeaseError, LeasedTask, StaleLease, TaskKind},
+    store::{Catalogue, StoreError},
 };
+use ltcforge_files::digest::Digest;
 
 /// Why a task was not delivered.
 #[derive(Debug, thiserror::Error)]

@@ -12,7 +12,7 @@ use super::{
     StoreError,
     files::{self, TEMPORARY},
 };
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// One blob in a list.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::{Batch, Rows, StoreError, Tree};
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// A table in the catalogue.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -218,7 +218,7 @@ fn age_key(row: &TableRow) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::store::memory::MemoryRows;
+    use crate::store::memory::MemoryRows;
 
     fn row(n: u8) -> TableRow {
         TableRow {

@@ -3,7 +3,7 @@
 use std::{io, path::PathBuf};
 
 use super::Tree;
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// Why the store could not read or write.
 #[derive(Debug, thiserror::Error)]
@@ -50,7 +50,7 @@ pub enum StoreError {
 
 impl StoreError {
     /// The error of an operation on `path`, or [`Self::DiskFull`].
-    pub(in crate::server) fn of_io(path: impl Into<PathBuf>, source: io::Error) -> Self {
+    pub(crate) fn of_io(path: impl Into<PathBuf>, source: io::Error) -> Self {
         if is_full(source.kind()) { Self::DiskFull } else { Self::Io { path: path.into(), source } }
     }
 

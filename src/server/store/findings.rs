@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::files::job::listed;
+use ltcforge_files::job::listed;
 
 /// What was wrong with a store when it was opened.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{numbered, rows};
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
 pub(super) const ALL: &[&str] = &[
@@ -135,7 +135,7 @@ fn move_rows(db: &sled::Db, from: &str, to: &str, changed: impl Fn(Vec<u8>) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::server::store::{Tree, sled_rows::open_sled};
+    use crate::store::{Tree, sled_rows::open_sled};
 
     const CREATE: &str = r#"{"about": "one", "steps": [{"create": "old"}, {"create": "useless"}]}"#;
     const RENAME: &str =

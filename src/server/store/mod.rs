@@ -21,10 +21,8 @@ mod journal;
 pub(crate) mod memory;
 mod migrations;
 mod numbered;
-#[cfg(feature = "cluster")]
 mod objects;
 mod open;
-#[cfg(feature = "cluster")]
 mod postgres;
 mod rehearsal;
 #[cfg(test)]
@@ -41,14 +39,11 @@ pub use catalogue::{Catalogue, ManifestRow, TableRow};
 pub use checks::Checks;
 pub use error::StoreError;
 pub use findings::Findings;
-#[cfg(feature = "cluster")]
 pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
 pub use open::{Store, StoreOpenError};
-#[cfg(feature = "cluster")]
 pub(crate) use postgres::apply;
-#[cfg(feature = "cluster")]
 pub use postgres::{Database, DatabaseOpenError, PostgresRows};
-#[cfg(all(test, feature = "cluster"))]
+#[cfg(test)]
 pub(crate) use postgres::{test_database, throwaway};
 pub use rehearsal::Rehearsal;
 pub use rows::{Batch, Row, Rows, Staged};

@@ -91,7 +91,6 @@ impl Store {
     }
 }
 
-#[cfg(feature = "cluster")]
 impl Store {
     /// A store that any number of processes share.
     #[must_use]
@@ -182,7 +181,7 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
-    use crate::server::store::{Batch, Tree, sled_rows::open_sled};
+    use crate::store::{Batch, Tree, sled_rows::open_sled};
 
     fn one_job(store: &Store) {
         let mut batch = Batch::default();
@@ -286,7 +285,7 @@ mod tests {
         spoil(dir.path(), "key");
         spoil(dir.path(), "unknown");
         let store = Store::open(dir.path()).unwrap();
-        let named = |key: &str| vec![crate::files::hex::to_hex(key.as_bytes())];
+        let named = |key: &str| vec![ltcforge_files::hex::to_hex(key.as_bytes())];
         assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
         let (restored_jobs, lost_jobs) = (named("key"), named("unknown"));
         let found = Findings { damaged_rows: 2, restored_rows: 1, restored_jobs, lost_jobs, ..Findings::default() };

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{Batch, Findings, Rows, Store, Tree, files, migrations, rows, sled_rows::open_sled};
-use crate::files::{digest::Digest, hex::to_hex};
+use ltcforge_files::{digest::Digest, hex::to_hex};
 
 const JOBS: u32 = 12;
 

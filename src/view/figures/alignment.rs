@@ -7,14 +7,12 @@ use super::{
     fits::fitted,
     hemisphere::{hemisphere, peak},
 };
-use crate::{
-    fit::{
-        Ltc,
-        brdf::{Ggx, Mirrors},
-        lobe::ltc::align,
-        math::{direction, from_row_major},
-    },
-    view::picture::{Panel, Picture, caption, grid, headed},
+use crate::picture::{Panel, Picture, caption, grid, headed};
+use ltcforge_fit::{
+    Ltc,
+    brdf::{Ggx, Mirrors},
+    lobe::ltc::align,
+    math::{direction, from_row_major},
 };
 
 /// Pixels a side of a lobe.

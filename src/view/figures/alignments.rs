@@ -8,12 +8,10 @@ use super::{
     halfway::{Halfway, NEAREST, OURS, Pair},
     hemisphere::{hemisphere, peak},
 };
-use crate::{
-    fit::{
-        Ltc, PerAxis,
-        brdf::{Brdf, Ggx},
-    },
-    view::picture::{Panel, Picture, caption, grid, headed},
+use crate::picture::{Panel, Picture, caption, grid, headed};
+use ltcforge_fit::{
+    Ltc, PerAxis,
+    brdf::{Brdf, Ggx},
 };
 
 /// Pixels a side of a lobe.

@@ -1,9 +1,8 @@
 //! Why a figure could not be drawn.
 
-use crate::{
-    files::{recipe_document::RecipeError, textures::NoTextures},
-    view::preview::PreviewError,
-};
+use crate::preview::PreviewError;
+use ltcforge_files::recipe_document::RecipeError;
+use ltcforge_textures::NoTextures;
 
 /// Why a figure could not be drawn.
 #[derive(Debug, thiserror::Error)]

@@ -5,10 +5,8 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::error::FigureError;
-use crate::{
-    files::recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, parse},
-    fit::{FitSettings, FittedEntry, Fitter, Metric, Plan, Pulse, Simplex, Solver, brdf::Ggx, fit_entries},
-};
+use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, parse};
+use ltcforge_fit::{FitSettings, FittedEntry, Fitter, Metric, Plan, Pulse, Simplex, Solver, brdf::Ggx, fit_entries};
 
 /// The LTC that is nearest to a lobe.
 pub(super) fn fitted(ggx: &Ggx, wo: DVec3) -> Result<FittedEntry, FigureError> {

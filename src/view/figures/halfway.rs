@@ -4,7 +4,7 @@ use glam::DMat3;
 use rayon::prelude::*;
 
 use super::{error::FigureError, fits::entries, nearest::Nearest};
-use crate::fit::{
+use ltcforge_fit::{
     Fitter, Layout, PerAxis, Plan,
     brdf::{Ggx, Mirrors},
     lobe::ltc::align,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::view::picture::{Picture, colour};
+use crate::picture::{Picture, colour};
 
 /// Beside the hemisphere.
 const BESIDE: [u8; 3] = [48, 48, 48];

@@ -7,13 +7,11 @@ use super::{
     fits::fitted,
     hemisphere::{hemisphere, peak},
 };
-use crate::{
-    fit::{
-        FittedEntry, Ltc,
-        brdf::{Brdf, Ggx},
-        math::{direction, from_row_major},
-    },
-    view::picture::{Panel, Picture, caption, grid, headed},
+use crate::picture::{Panel, Picture, caption, grid, headed};
+use ltcforge_fit::{
+    FittedEntry, Ltc,
+    brdf::{Brdf, Ggx},
+    math::{direction, from_row_major},
 };
 
 /// Pixels a side of a lobe.

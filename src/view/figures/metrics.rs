@@ -9,13 +9,11 @@ use super::{
     fits::from_any_start,
     hemisphere::{hemisphere, peak},
 };
-use crate::{
-    fit::{
-        FittedEntry, Fitter, Ltc, Metric, Pulse,
-        brdf::{Brdf, Ggx},
-        math::{direction, from_row_major},
-    },
-    view::picture::{Panel, Picture, caption, grid, headed},
+use crate::picture::{Panel, Picture, caption, grid, headed};
+use ltcforge_fit::{
+    FittedEntry, Fitter, Ltc, Metric, Pulse,
+    brdf::{Brdf, Ggx},
+    math::{direction, from_row_major},
 };
 
 /// Pixels a side of a lobe.

@@ -16,10 +16,8 @@ mod remedies;
 mod resolution;
 mod sizes;
 
-use crate::{
-    fit::named_list::named_list,
-    view::{picture::Picture, plots::IsotropicFigure, preview::Preview},
-};
+use crate::{picture::Picture, plots::IsotropicFigure, preview::Preview};
+use ltcforge_fit::named_list;
 
 pub use error::FigureError;
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 
-use crate::fit::math::{Lattice, cosine_hemisphere, sin_cos};
+use ltcforge_fit::math::{Lattice, cosine_hemisphere, sin_cos};
 
 /// Directions of a cosine.
 const SAMPLES: usize = 64;

@@ -10,17 +10,15 @@ use glam::DMat3;
 
 use super::{error::FigureError, fits::entries};
 use crate::{
-    files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse},
-    fit::{
-        Configuration, FittedEntry, PerAxis, Plan, Table, assemble,
-        brdf::Mirrors,
-        lobe::ltc::align,
-        math::{from_row_major, row_major},
-    },
-    view::{
-        picture::{Panel, Picture, caption, grid, headed},
-        preview::{Camera, Light, Material, Preview, Scene, ShaderTable, TexelFormat},
-    },
+    picture::{Panel, Picture, caption, grid, headed},
+    preview::{Camera, Light, Material, Preview, Scene, ShaderTable, TexelFormat},
+};
+use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
+use ltcforge_fit::{
+    Configuration, FittedEntry, PerAxis, Plan, Table, assemble,
+    brdf::Mirrors,
+    lobe::ltc::align,
+    math::{from_row_major, row_major},
 };
 
 /// Pixels a side of a sphere.

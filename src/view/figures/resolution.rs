@@ -4,12 +4,10 @@ use std::sync::Arc;
 
 use super::{error::FigureError, fits::entries};
 use crate::{
-    fit::assemble,
-    view::{
-        picture::{Panel, Picture, beside, caption, grid, headed},
-        preview::{Material, Mode, Preview, Scene, ShaderTable, TexelFormat},
-    },
+    picture::{Panel, Picture, beside, caption, grid, headed},
+    preview::{Material, Mode, Preview, Scene, ShaderTable, TexelFormat},
 };
+use ltcforge_fit::assemble;
 
 /// The paper's roughnesses, each across as it is along.
 const ALPHAS: [f64; 4] = [0.06, 0.31, 0.56, 0.81];

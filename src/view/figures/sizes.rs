@@ -3,13 +3,9 @@
 use std::fmt::Write as _;
 
 use super::error::FigureError;
-use crate::{
-    files::{
-        recipe_document::{DEFAULT_ENTRY_LIMIT, parse},
-        textures::{Texture, TextureLayout},
-    },
-    fit::{Layout, Plan, Table, Terms},
-};
+use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
+use ltcforge_fit::{Layout, Plan, Table, Terms};
+use ltcforge_textures::{Texture, TextureLayout};
 
 /// Layouts as their readers have them: engines in 2D textures, our shader in those of the others.
 const LAYOUTS: [TextureLayout; 6] = [

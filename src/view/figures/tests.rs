@@ -1,5 +1,5 @@
 use super::*;
-use crate::view::picture::{GROUND, LINE, colour};
+use crate::picture::{GROUND, LINE, colour};
 
 /// Pixels of the brightest colours.
 fn bright(picture: &Picture) -> usize {

@@ -114,7 +114,7 @@ pub fn headed(lines: &[&[&str]], picture: &Picture) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::picture::colour;
+    use crate::picture::colour;
 
     #[test]
     fn numbers_have_three_digits() {

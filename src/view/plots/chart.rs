@@ -1,6 +1,6 @@
 //! Errors over theta, to the right, and alpha, upwards: cells of colours between axes.
 
-use crate::view::picture::{Anchor, GROUND, LINE, Picture, colour, number, write};
+use crate::picture::{Anchor, GROUND, LINE, Picture, colour, number, write};
 
 /// Pixels a side of all cells together, about.
 const SIDE: u32 = 400;

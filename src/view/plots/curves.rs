@@ -1,6 +1,6 @@
 //! Curves in a frame: over two axes, or as distances from a point over the directions of a half plane.
 
-use crate::view::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
+use crate::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
 
 /// Pixels a side of what is within the axes.
 pub(super) const SIDE: u32 = 288;

@@ -1,10 +1,8 @@
 //! Errors of a table over theta and alpha, at one ratio and phi.
 
 use super::{ErrorSlice, chart::Chart};
-use crate::{
-    fit::{ErrorMap, GoOn, Table, error_map, error_map_while},
-    view::picture::{Panel, Picture, bar, colour, grid, headed, number},
-};
+use crate::picture::{Panel, Picture, bar, colour, grid, headed, number};
+use ltcforge_fit::{ErrorMap, GoOn, Table, error_map, error_map_while};
 
 /// Configurations measured a side: about four to a cell of the default table.
 pub(super) const CELLS: usize = 40;

@@ -6,18 +6,16 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::curves::{Curve, Frame, legend};
-use crate::{
-    fit::{
-        BrdfKind, PerAxis,
-        brdf::Ggx,
-        math::{cos, direction, exp, sin_cos},
-    },
-    light::{
-        Gaussian, LightError, Lighting, RandomLights,
-        gaussians::{Lobe, Warp},
-        light_error,
-    },
-    view::picture::{Panel, Picture, grid, headed},
+use crate::picture::{Panel, Picture, grid, headed};
+use ltcforge_fit::{
+    BrdfKind, PerAxis,
+    brdf::Ggx,
+    math::{cos, direction, exp, sin_cos},
+};
+use ltcforge_light::{
+    Gaussian, LightError, Lighting, RandomLights,
+    gaussians::{Lobe, Warp},
+    light_error,
 };
 
 /// A row of panels each.
@@ -175,7 +173,7 @@ fn errors(alpha: f64, count: usize) -> Result<Picture, LightError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::brdf::Brdf;
+    use ltcforge_fit::brdf::Brdf;
 
     #[test]
     fn the_picture_shows_every_curve_and_comes_again() {

@@ -3,11 +3,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::{
-    fit::Sides,
-    light::transmission::{sampled, transmitted},
-    view::picture::{Panel, Picture, bar, caption, grid, headed, number, signed_colour, srgb},
-};
+use crate::picture::{Panel, Picture, bar, caption, grid, headed, number, signed_colour, srgb};
+use ltcforge_fit::Sides;
+use ltcforge_light::transmission::{sampled, transmitted};
 
 /// The glass over air.
 const ETA: f64 = 1.5;

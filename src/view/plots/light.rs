@@ -1,11 +1,9 @@
 //! Errors of light over theta and alpha, over all ratios and azimuths: the measure that tables and closed forms share.
 
 use super::chart::Chart;
-use crate::{
-    fit::{BrdfKind, BrdfModel, PerAxis, Table},
-    light::{EVERYWHERE, LightError, Lighting, WeightRule, light_map},
-    view::picture::{Panel, Picture, bar, colour, grid, headed, short_digest},
-};
+use crate::picture::{Panel, Picture, bar, colour, grid, headed, short_digest};
+use ltcforge_fit::{BrdfKind, BrdfModel, PerAxis, Table};
+use ltcforge_light::{EVERYWHERE, LightError, Lighting, WeightRule, light_map};
 
 /// Cells a side.
 const CELLS: usize = 25;

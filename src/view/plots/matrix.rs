@@ -1,10 +1,8 @@
 //! All numbers of a table: a panel for each, in it a tile for each ratio and phi, in that a cell for each alpha and
 //! theta.
 
-use crate::{
-    fit::{PerAxis, Table},
-    view::picture::{GROUND, Panel, Picture, bar, caption, colour, grid, headed, number, signed_colour},
-};
+use crate::picture::{GROUND, Panel, Picture, bar, caption, colour, grid, headed, number, signed_colour};
+use ltcforge_fit::{PerAxis, Table};
 
 /// The least width and height of a panel in pixels, as far as the largest cell allows.
 const SIDE: usize = 240;

@@ -3,7 +3,7 @@
 use std::{f64::consts::TAU, str::FromStr};
 
 use super::{plot::Plot, slice::ErrorSlice};
-use crate::view::parameters::{ParameterFault, read_pairs};
+use crate::parameters::{ParameterFault, read_pairs};
 
 /// The ratio of a slice: 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]

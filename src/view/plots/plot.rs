@@ -3,10 +3,8 @@
 use serde::Serialize;
 
 use super::{ErrorSlice, error, matrix};
-use crate::{
-    fit::{GoOn, Table},
-    view::picture::{Picture, short_digest},
-};
+use crate::picture::{Picture, short_digest};
+use ltcforge_fit::{GoOn, Table};
 
 /// A picture of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

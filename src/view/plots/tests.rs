@@ -1,8 +1,6 @@
 use super::*;
-use crate::{
-    fit::{BrdfKind, Layout, LobeModel, PerAxis, Table, Terms},
-    view::picture::Picture,
-};
+use crate::picture::Picture;
+use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis, Table, Terms};
 
 const DIGEST: &str = "0a1b2c3d4e5f";
 

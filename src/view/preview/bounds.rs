@@ -1,7 +1,7 @@
 //! Scenes whose numbers are out of bounds.
 
 use super::{LightKind, Scene, parameters::PARAMETERS, scene::MAX_MATERIALS};
-use crate::fit::MAX_VERTICES;
+use ltcforge_fit::MAX_VERTICES;
 
 /// A parameter that is out of its bounds.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -44,7 +44,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::preview::{Material, NamedScene};
+    use crate::preview::{Material, NamedScene};
 
     #[test]
     fn defaults_and_named_scenes_are_within_bounds() {

@@ -8,7 +8,7 @@ use super::{
     parameter::{Parameter, Value},
     parameters::PARAMETERS,
 };
-use crate::view::parameters::{ParameterFault, read_pairs};
+use crate::parameters::{ParameterFault, read_pairs};
 
 /// Values of parameters, by their places in [`PARAMETERS`]. A parameter that is left out is as in the named scene.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -69,7 +69,7 @@ fn names() -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::preview::{Light, LightKind, Material, Mode, NamedScene};
+    use crate::preview::{Light, LightKind, Material, Mode, NamedScene};
 
     #[test]
     fn texts_set_fields_whatever_their_order() {

@@ -6,12 +6,10 @@ use super::{
     radiances::{BELOW, BESIDE, Radiances},
     tone,
 };
-use crate::{
-    light::LightModel,
-    view::picture::{
-        Panel, Picture, bar, beside, caption, colour, cross, fitting, grid, headed, number, ring, tag, tag_fits,
-    },
+use crate::picture::{
+    Panel, Picture, bar, beside, caption, colour, cross, fitting, grid, headed, number, ring, tag, tag_fits,
 };
+use ltcforge_light::LightModel;
 
 /// What is beside a sphere of directions, and on it where nothing is below the horizon.
 const BESIDE_COLOUR: [u8; 3] = [48, 48, 48];

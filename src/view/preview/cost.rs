@@ -1,7 +1,7 @@
 //! How much work a picture is.
 
 use super::scene::{Mode, Scene};
-use crate::light::LightModel;
+use ltcforge_light::LightModel;
 
 /// The cost of light by the table, in samples of the reference.
 pub(super) const TABLE_COST: u32 = 8;

@@ -1,7 +1,7 @@
 //! Why there is no picture.
 
 use super::SceneFault;
-use crate::fit::{BrdfKind, LobeModel};
+use ltcforge_fit::{BrdfKind, LobeModel};
 
 /// Why a scene was not rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

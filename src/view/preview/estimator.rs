@@ -1,7 +1,7 @@
 //! What a renderer is asked for.
 
 use super::ShaderTable;
-use crate::light::{Gaussian, LightModel};
+use ltcforge_light::{Gaussian, LightModel};
 
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;

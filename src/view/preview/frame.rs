@@ -7,10 +7,8 @@ use super::{
     light::{Ellipse, Outline, Shape},
     scene::MAX_MATERIALS,
 };
-use crate::{
-    fit::{MAX_VERTICES, math::sin_cos},
-    light::normals::WeightRule,
-};
+use ltcforge_fit::{MAX_VERTICES, math::sin_cos};
+use ltcforge_light::normals::WeightRule;
 
 /// Radiance of what is not covered.
 const BACKGROUND: f32 = 0.02;

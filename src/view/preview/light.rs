@@ -113,7 +113,7 @@ impl LightKind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Ltc, Sides};
+    use ltcforge_fit::{Ltc, Sides};
 
     const KINDS: [LightKind; 4] = [LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(7)];
 

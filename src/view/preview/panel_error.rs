@@ -1,6 +1,6 @@
 //! How far a model and the reference are apart.
 
-use crate::light::LightModel;
+use ltcforge_light::LightModel;
 
 use super::{Material, Radiances, Scene, cpu, frame::Frame};
 

@@ -7,7 +7,7 @@ use super::{
     LightKind, Material, Mode, NamedScene, Scene,
     parameter::{Form, Parameter},
 };
-use crate::light::{LightModel, normals::WeightRule};
+use ltcforge_light::{LightModel, normals::WeightRule};
 
 /// Where things may stand, in radii of the sphere.
 const PLACE: f64 = 100.0;
@@ -176,7 +176,7 @@ fn names<T: Copy>(all: &[T], name: fn(T) -> &'static str) -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::preview::Choices;
+    use crate::preview::Choices;
 
     #[test]
     fn every_default_is_within_bounds_and_reads_as_itself() {

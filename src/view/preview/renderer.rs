@@ -12,7 +12,9 @@ use super::{
     panel_error::{PanelError, panel_errors},
     tone,
 };
-use crate::{fit::BrdfKind, light::LightModel, view::picture::Picture};
+use crate::picture::Picture;
+use ltcforge_fit::BrdfKind;
+use ltcforge_light::LightModel;
 
 /// The name of the CPU as an adapter.
 const CPU: &str = "cpu";

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::light::{LightModel, normals::WeightRule};
+use ltcforge_light::{LightModel, normals::WeightRule};
 
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;

@@ -3,10 +3,8 @@
 use half::f16;
 
 use super::{Mode, Scene};
-use crate::{
-    fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table},
-    view::picture::short_digest,
-};
+use crate::picture::short_digest;
+use ltcforge_fit::{BrdfKind, BrdfModel, Layout, LobeModel, PerAxis, Table};
 
 /// How wide the numbers of a texel are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,7 +130,7 @@ impl ShaderTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::preview::tests::planted;
+    use crate::preview::tests::planted;
 
     #[test]
     fn sixteen_bits_round_to_nearest_and_keep_the_smallest_roughness() {

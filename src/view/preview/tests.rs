@@ -53,7 +53,7 @@ fn renderers() -> Vec<Preview> {
 }
 
 /// Says that the current test leaves out the GPU, and why.
-pub(in crate::view) fn tell_skipped(reason: &str) {
+pub(crate) fn tell_skipped(reason: &str) {
     let name = std::thread::current().name().unwrap_or_default().to_owned();
     let line = format!(
         "\n*** SKIPPED ON THE GPU: {name}: {reason}\n*** Install a Vulkan driver (Debian: mesa-vulkan-drivers).\n\n"

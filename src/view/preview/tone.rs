@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Radiances;
-use crate::view::picture::{Picture, srgb};
+use crate::picture::{Picture, srgb};
 
 /// The byte that displays a radiance.
 pub(super) fn display(exposure: f32, radiance: f32) -> u8 {

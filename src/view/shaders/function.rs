@@ -9,7 +9,7 @@ use super::{
     sources::without_textures,
     translate::{Included, translate_functions},
 };
-use crate::fit::{IsotropicFunction, Layout};
+use ltcforge_fit::{IsotropicFunction, Layout};
 
 /// What the text is, and how to call it.
 const ABOUT: &str = "\
@@ -50,7 +50,7 @@ pub fn include_function(
 
 /// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in multiples of
 /// a step.
-pub(in crate::view) fn smooth_at(function: &IsotropicFunction) -> String {
+pub fn smooth_at(function: &IsotropicFunction) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = write_smooth_at(&mut out, function);

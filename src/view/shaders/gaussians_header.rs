@@ -5,10 +5,8 @@ use super::{
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
 };
-use crate::{
-    fit::Sides,
-    light::gaussians::{Gaussian, SgLight, reflected, reflected_sg},
-};
+use ltcforge_fit::Sides;
+use ltcforge_light::gaussians::{Gaussian, SgLight, reflected, reflected_sg};
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\
@@ -53,8 +51,7 @@ USE
 ";
 
 /// The light of the check that is a spherical Gaussian.
-pub(in crate::view) const SG_LIGHT: SgLight<f64> =
-    SgLight { axis: [-0.48, 0.36, 0.8], sharpness: 12.0, amplitude: 1.5 };
+pub const SG_LIGHT: SgLight<f64> = SgLight { axis: [-0.48, 0.36, 0.8], sharpness: 12.0, amplitude: 1.5 };
 
 fn bindings(language: Language) -> &'static str {
     match language {

@@ -11,7 +11,8 @@ use super::{
     Place, Reading,
     header::{included_bindings, nodes_of_include},
 };
-use crate::{fit::Layout, light::Gaussian};
+use ltcforge_fit::Layout;
+use ltcforge_light::Gaussian;
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\

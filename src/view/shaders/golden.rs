@@ -2,57 +2,54 @@
 
 use glam::DVec3;
 
-use crate::{
-    fit::{
-        BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
-        math::{atan2, from_row_major},
-    },
-    light::{
-        Gaussian,
-        gaussians::{self, SphericalGaussian},
-    },
+use ltcforge_fit::{
+    BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
+    math::{atan2, from_row_major},
+};
+use ltcforge_light::{
+    Gaussian,
+    gaussians::{self, SphericalGaussian},
 };
 
 /// A surface and a view direction to look up. The cases try every fold, and a place outside the table.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::view) struct Case {
-    pub(in crate::view) alpha_x: f64,
-    pub(in crate::view) alpha_y: f64,
+pub struct Case {
+    pub alpha_x: f64,
+    pub alpha_y: f64,
     /// Of unit length, in decimals too.
-    pub(in crate::view) wo: [f64; 3],
+    pub wo: [f64; 3],
 }
 
-pub(in crate::view) const CASES: [Case; 3] = [
+pub const CASES: [Case; 3] = [
     Case { alpha_x: 0.3, alpha_y: 0.15, wo: [0.36, 0.48, 0.8] },
     Case { alpha_x: 0.2, alpha_y: 0.6, wo: [-0.64, 0.48, 0.6] },
     Case { alpha_x: 0.05, alpha_y: 0.02, wo: [0.576, -0.768, 0.28] },
 ];
 
 /// A rectangle through the horizon, by its corners around the shaded point; lit towards that point.
-pub(in crate::view) const CORNERS: [[f64; 3]; 4] =
-    [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
+pub const CORNERS: [[f64; 3]; 4] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
 
 /// The values that a port has to reproduce.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::view) struct Golden {
+pub struct Golden {
     /// `M`, row-major.
-    pub(in crate::view) matrix: [f64; 9],
-    pub(in crate::view) amplitude: f64,
-    pub(in crate::view) fresnel: f64,
+    pub matrix: [f64; 9],
+    pub amplitude: f64,
+    pub fresnel: f64,
     /// The part of the lobe that the rectangle covers.
-    pub(in crate::view) covered: f64,
+    pub covered: f64,
 }
 
 /// How near a port in 32 bits comes to each value, as the header promises.
 #[cfg(test)]
-pub(in crate::view) const TOLERANCE: f64 = 2e-5;
+pub const TOLERANCE: f64 = 2e-5;
 
 /// The step between the numbers of neighbouring entries: 2^-10, so that all numbers are exact in half floats.
 const STEP: f64 = 1.0 / 1024.0;
 
 /// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
 /// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi.
-pub(in crate::view) fn table(layout: Layout) -> Table {
+pub fn table(layout: Layout) -> Table {
     const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
     let is_isotropic = layout.only_ranges().is_some_and(|ranges| ranges.ratio == [1.0; 2]);
     let [ratio, phi] = if is_isotropic { [vec![1.0], vec![0.0]] } else { [vec![0.1, 1.0], vec![0.0, 0.6, 1.5]] };
@@ -82,7 +79,7 @@ impl Case {
     }
 
     /// What the table gives here, in f64.
-    pub(in crate::view) fn golden(&self, layout: Layout) -> Golden {
+    pub fn golden(&self, layout: Layout) -> Golden {
         let found = table(layout).lookup(&self.configuration());
         let light = CORNERS.map(DVec3::from_array);
         Golden {
@@ -95,13 +92,13 @@ impl Case {
 
     /// What the table, taken for one of Gaussians, reflects of the rectangle: for a Fresnel factor of one, and its part
     /// weighed by Schlick's, in f64.
-    pub(in crate::view) fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
+    pub fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
         let (shape, parts) = self.gaussian(layout, gaussian);
         gaussians::reflected_by(&shape, parts, &CORNERS, Sides::One)
     }
 
     /// What the table, taken for one of Gaussians, has: the Gaussian, and its two parts.
-    pub(in crate::view) fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
+    pub fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
         let found = table(layout).lookup(&self.configuration());
         let parts = [found.amplitude.unwrap_or(1.0), found.fresnel.unwrap_or(0.0)];
         let m = from_row_major(&found.matrix);

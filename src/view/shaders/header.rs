@@ -6,7 +6,7 @@ use super::{
 };
 #[cfg(feature = "shaders")]
 use super::{Filter, Place, Reading};
-use crate::fit::{Layout, PerAxis};
+use ltcforge_fit::{Layout, PerAxis};
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\

@@ -1,9 +1,7 @@
 //! What a shader lights by.
 
-use crate::{
-    fit::{Layout, named_list::named_list},
-    light::{Gaussian, LightModel},
-};
+use ltcforge_fit::{Layout, named_list};
+use ltcforge_light::{Gaussian, LightModel};
 
 /// What a shader for other renderers lights by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

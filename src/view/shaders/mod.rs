@@ -30,9 +30,9 @@ mod translate;
 #[cfg(feature = "shaders")]
 pub use function::include_function;
 #[cfg(test)]
-pub(in crate::view) use gaussians_header::SG_LIGHT;
+pub use gaussians_header::SG_LIGHT;
 #[cfg(test)]
-pub(in crate::view) use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
+pub use golden::{CASES, CORNERS, Case, Golden, TOLERANCE, table as golden_table};
 #[cfg(feature = "shaders")]
 pub use include::include;
 pub use language::Language;
@@ -43,7 +43,7 @@ pub use port::wgsl;
 #[cfg(feature = "shaders")]
 pub use port::{PortError, port};
 #[cfg(feature = "render")]
-pub(in crate::view) use sources::preview_module;
+pub use sources::preview_module;
 pub use sources::{SHADERS, Shader};
 #[cfg(all(test, feature = "render"))]
-pub(in crate::view) use sources::{joined, normals_functions, table_reader};
+pub use sources::{joined, normals_functions, table_reader};

@@ -5,10 +5,8 @@ use super::{
     golden::{CASES, CORNERS},
     header::{commented, fixed, listed},
 };
-use crate::{
-    fit::Sides,
-    light::normals::{WeightRule, reflected},
-};
+use ltcforge_fit::Sides;
+use ltcforge_light::normals::{WeightRule, reflected};
 
 /// What the shader is, and under which terms.
 const ABOUT: &str = "\

@@ -157,7 +157,7 @@ fn identifiers(text: &str, of: impl Fn(&str, &str) -> Option<String>) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Layout;
+    use ltcforge_fit::Layout;
 
     #[test]
     fn whole_names_get_a_prefix_and_their_parts_do_not() {

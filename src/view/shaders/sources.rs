@@ -5,7 +5,7 @@ use super::Bound;
 #[cfg(feature = "shaders")]
 use super::Lights;
 use super::LitBy;
-use crate::fit::{Layout, LayoutShader};
+use ltcforge_fit::{Layout, LayoutShader};
 
 /// A file of `shaders/`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,12 +93,12 @@ const PREVIEWED: [&str; 17] = [
 
 /// The functions that light a surface without a table: all that a renderer takes but the example.
 #[cfg(any(feature = "shaders", all(test, feature = "render")))]
-pub(in crate::view) fn normals_functions() -> &'static [&'static str] {
+pub fn normals_functions() -> &'static [&'static str] {
     &PORTED_NORMALS[..PORTED_NORMALS.len() - 1]
 }
 
 /// The named shaders as one text, in the order of [`SHADERS`].
-pub(in crate::view) fn joined(names: &[&str]) -> String {
+pub fn joined(names: &[&str]) -> String {
     let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();
     sources.join("\n")
 }
@@ -147,13 +147,13 @@ fn body(layouts: &[Layout], default: &str, of: impl Fn(&Layout) -> String) -> St
 
 #[cfg(feature = "render")]
 /// The module of the preview, which reads tables of every layout.
-pub(in crate::view) fn preview_module() -> String {
+pub fn preview_module() -> String {
     module(&PREVIEWED, Layout::ALL)
 }
 
 /// What reads tables of every layout, without an entry point.
 #[cfg(all(test, feature = "render"))]
-pub(in crate::view) fn table_reader(bound: Bound) -> String {
+pub fn table_reader(bound: Bound) -> String {
     module(&["ltc_math", "nodes_storage", texels(bound), "ltc_table"], Layout::ALL)
 }
 

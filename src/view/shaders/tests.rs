@@ -4,10 +4,8 @@ use super::{
     gaussians_header::gaussians_header, gaussians_table_header::gaussians_table_header, golden::CASES, header::header,
     normals_header::normals_header, *,
 };
-use crate::{
-    fit::{IsotropicFunction, Layout, planted_isotropic},
-    light::Gaussian,
-};
+use ltcforge_fit::{IsotropicFunction, Layout, planted_isotropic};
+use ltcforge_light::Gaussian;
 
 fn ported(language: Language, lit_by: impl Into<LitBy>) -> Vec<u8> {
     let lit_by = lit_by.into();

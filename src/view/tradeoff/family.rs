@@ -1,9 +1,7 @@
 //! The recipes that are fitted.
 
-use crate::{
-    files::recipe_document::{Preset, canonical_json, parse},
-    fit::{FitSettings, Layout, PerAxis, Precision, Recipe},
-};
+use ltcforge_files::recipe_document::{Preset, canonical_json, parse};
+use ltcforge_fit::{FitSettings, Layout, PerAxis, Precision, Recipe};
 
 /// How large a family is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,7 +137,7 @@ impl Collector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::recipe_document::DEFAULT_ENTRY_LIMIT;
+    use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
 
     fn base(document: &str) -> Recipe {
         parse(document.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe")

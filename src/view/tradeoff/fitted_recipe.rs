@@ -3,13 +3,11 @@
 use serde::Serialize;
 
 use super::{Fronts, front};
-use crate::{
-    files::{
-        digest::Digest,
-        recipe_document::{self, Preset},
-    },
-    fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expectation},
+use ltcforge_files::{
+    digest::Digest,
+    recipe_document::{self, Preset},
 };
+use ltcforge_fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expectation};
 
 /// Configurations at which every table of a family is measured, the same for all, at nodes and again between them.
 pub const POINTS: usize = 512;
@@ -108,7 +106,7 @@ fn is_base(base: &Recipe, row: &FittedRecipe) -> bool {
 
 fn row(base: &Recipe, recipe: &Recipe, measured: &Measurement, threads: usize) -> FittedRecipe {
     let Expectation { seconds, error } = expectation(recipe);
-    let effort = |of: &crate::fit::FitSettings| (of.samples, of.directions, of.steps);
+    let effort = |of: &ltcforge_fit::FitSettings| (of.samples, of.directions, of.steps);
     let has_effort = |preset: &Preset| effort(&preset.fit()) == effort(&recipe.fit);
     let numbers = if recipe.terms { 9 + 2 } else { 9 };
     let number_bytes = match recipe.precision {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::fit::Layout;
+use ltcforge_fit::Layout;
 
 /// Half a mark.
 pub(super) const MARK: f64 = 4.0;

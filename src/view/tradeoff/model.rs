@@ -4,11 +4,9 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::{
-    files::{digest::Digest, recipe_document::Preset},
-    fit::{FitSettings, Layout, LobeModel, Recipe, Spread},
-    light::{LightModel, normals::WeightRule},
-};
+use ltcforge_files::{digest::Digest, recipe_document::Preset};
+use ltcforge_fit::{FitSettings, Layout, LobeModel, Recipe, Spread};
+use ltcforge_light::{LightModel, normals::WeightRule};
 
 /// Random lights by which every model is measured, the same for all.
 pub const LIGHTS: usize = 2048;
@@ -131,10 +129,8 @@ pub fn median(mut durations: Vec<f64>) -> f64 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::{
-        files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse},
-        view::tradeoff::{Size, family},
-    };
+    use crate::tradeoff::{Size, family};
+    use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
 
     #[test]
     fn a_family_has_a_table_of_the_base_and_a_full_one_of_each_layout() {

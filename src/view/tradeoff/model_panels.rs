@@ -10,7 +10,7 @@ use super::{
     model_table,
     number::{bytes, rounded},
 };
-use crate::fit::{Layout, Precision};
+use ltcforge_fit::{Layout, Precision};
 
 /// Height of all panels with their titles.
 pub(super) const HEIGHT: f64 = 692.0;

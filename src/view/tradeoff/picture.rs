@@ -10,7 +10,7 @@ use super::{
     model_panels,
     number::{bytes, rounded, two_digits},
 };
-use crate::fit::{Layout, Precision};
+use ltcforge_fit::{Layout, Precision};
 
 const WIDTH: f64 = 1120.0;
 const HEIGHT: f64 = 560.0 + model_panels::HEIGHT;
@@ -265,11 +265,9 @@ fn diamond(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) ->
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::{
-        files::digest::Digest,
-        fit::PerAxis,
-        view::tradeoff::{Fronts, model::tests::rows as models},
-    };
+    use crate::tradeoff::{Fronts, model::tests::rows as models};
+    use ltcforge_files::digest::Digest;
+    use ltcforge_fit::PerAxis;
 
     pub(crate) fn row(seconds: f64, error_mean: f64, preset: Option<&'static str>) -> FittedRecipe {
         FittedRecipe {

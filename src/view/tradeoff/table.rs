@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{FittedRecipe, ModelRows, POINTS};
-use crate::fit::PerAxis;
+use ltcforge_fit::PerAxis;
 
 const HEADER: &str = "recipe_digest,preset,layout,alpha,ratio,theta,phi,samples,directions,steps,precision,entries,bytes,compact_bytes,seconds,\
                       wall_seconds,error_mean,error_p95,sw1_mean,sw1_p95,light_mean,light_p95,predicted_seconds,\

@@ -24,7 +24,7 @@ fn ascending() -> Vec<u8> {
 fn numbers_come_in_storage_order_at_the_nodes_of_kt2022() {
     let NpyTable { table, range } = decode_npy(&file(HEADER, &ascending())).expect("a table");
     assert_eq!(table.axes.lengths(), PerAxis { alpha: 2, ratio: 3, theta: 2, phi: 2 });
-    assert_eq!(table.axes.ratio, [crate::fit::RATIO_FLOOR, 0.5, 1.0]);
+    assert_eq!(table.axes.ratio, [ltcforge_fit::RATIO_FLOOR, 0.5, 1.0]);
     assert_eq!(range.alpha, [0.0, 1.0]);
     assert_eq!(table.matrix.len(), 24);
     assert_eq!(table.matrix[1], [9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0]);

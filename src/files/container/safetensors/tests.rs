@@ -3,7 +3,7 @@ use std::f64::consts::FRAC_PI_2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::fit::{BrdfKind, Layout, LobeModel};
+use ltcforge_fit::{BrdfKind, Layout, LobeModel};
 
 /// A recipe of 2 x 2 x 3 x 2 entries, and a table of made-up numbers for it.
 fn example(terms: bool) -> (Recipe, Table) {

@@ -8,15 +8,13 @@ mod wgsl;
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
 use super::{about::About, file::TextureFile, recipe::recipe_like, rounding::RoundingError};
-use crate::{
-    files::compact::{CompactError, LAYOUTS, check_lobes, encode},
-    fit::{Layout, Table, named_list::named_list},
-};
+use ltcforge_files::compact::{CompactError, LAYOUTS, check_lobes, encode};
+use ltcforge_fit::{Layout, Table, named_list};
 
 named_list! {
     /// A file that holds a table's compact form.
     pub enum CompactContainer {
-        /// The bytes, as [`crate::files::compact`] describes them.
+        /// The bytes, as [`ltcforge_files::compact`] describes them.
         Bytes = "compact",
         /// An ES module: the bytes in base64, and what makes textures of them.
         JavaScript = "compact-js",

@@ -5,16 +5,12 @@ use std::{fs, process::Command};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{
-    files::{
-        compact::{
-            LAYOUTS, decode,
-            tests::{planted, unmeasured},
-        },
-        textures::textures_of,
-    },
-    fit::{Layout, clipped_form_factor},
+use crate::textures_of;
+use ltcforge_files::compact::{
+    LAYOUTS, decode,
+    tests::{planted, unmeasured},
 };
+use ltcforge_fit::{Layout, clipped_form_factor};
 
 /// Writes the matrices, the amplitudes, the Fresnel terms, the nodes and all textures, little-endian.
 const PRINT: &str = "
@@ -69,7 +65,7 @@ fn javascript_decodes_the_same_numbers() {
         let expected = decode(&unmeasured(&table)).expect("a table");
         let matrices: Vec<f32> = expected.matrices().iter().flatten().copied().collect();
         let terms =
-            |get: fn(&crate::fit::Terms) -> &[f32]| expected.terms().map_or(vec![], |terms| get(terms).to_vec());
+            |get: fn(&ltcforge_fit::Terms) -> &[f32]| expected.terms().map_or(vec![], |terms| get(terms).to_vec());
         let nodes: Vec<f32> =
             expected.axes().named().iter().flat_map(|(_, nodes)| nodes.iter().map(|x| *x as f32)).collect();
         let tolerance = if *layout == Layout::Reflected { 0.0 } else { 2e-7 };

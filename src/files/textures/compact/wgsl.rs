@@ -2,13 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::{
-    files::{
-        compact::{CompactError, Outline},
-        textures::about::About,
-    },
-    fit::Layout,
-};
+use crate::about::About;
+use ltcforge_files::compact::{CompactError, Outline};
+use ltcforge_fit::Layout;
 
 /// What the decoder consists of, each part after those it needs.
 const SOURCES: [&str; 4] = [

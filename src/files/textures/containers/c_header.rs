@@ -3,10 +3,8 @@
 use std::fmt::Write as _;
 
 use super::rules::{ContainerRules, Stored, Written, one_of_all};
-use crate::{
-    files::textures::{about::About, digits::shortest, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, digits::shortest, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halfs.
 ///

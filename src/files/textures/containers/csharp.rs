@@ -6,10 +6,8 @@ use super::{
     c_header::{numbers, sides},
     rules::{ContainerRules, Stored, Written, one_of_all},
 };
-use crate::{
-    files::textures::{about::About, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of several
 /// tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halfs, which is

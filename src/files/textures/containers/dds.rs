@@ -10,10 +10,8 @@ use ddsfile::{
 };
 
 use super::rules::{ContainerRules, Stored, Written, one_each};
-use crate::{
-    files::textures::{about::About, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// The name in errors.
 const NAME: &str = "DDS";
@@ -75,7 +73,7 @@ fn fourcc(format: D3DFormat) -> u32 {
 }
 
 /// The file of one texture with the header of Direct3D 10.
-pub(in crate::files::textures) fn dx10(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
+pub(crate) fn dx10(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
     let texture = stored.texture;
     stored.at_most_four(NAME)?;
     small_enough(stored)?;

@@ -13,10 +13,8 @@ use ::exr::prelude::{
 use half::f16;
 
 use super::rules::{ContainerRules, Stored, Written, one_each};
-use crate::{
-    files::textures::{about::About, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// `OpenEXR`.
 pub(super) struct Rules;

@@ -6,10 +6,8 @@ use super::{
     c_header::sides,
     rules::{ContainerRules, Stored, Written, one_of_all},
 };
-use crate::{
-    files::textures::{about::About, digits::shortest, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, digits::shortest, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// One module with all textures: `Float32Array`, or a `Uint16Array` of the bits of halfs, which is what WebGL takes.
 pub(super) struct Rules;

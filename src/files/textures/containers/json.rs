@@ -3,10 +3,8 @@
 use serde_json::{Value, json};
 
 use super::rules::{ContainerRules, Stored, Written, one_of_all};
-use crate::{
-    files::textures::{about::About, digits::shortest, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, digits::shortest, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// One document with all textures. Numbers have the shortest digits from which the stored number comes back, for 16 bits
 /// the stored half.

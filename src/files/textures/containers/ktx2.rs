@@ -9,10 +9,8 @@
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 use super::rules::{ContainerRules, Stored, Written, one_each};
-use crate::{
-    files::textures::{about::About, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 const IDENTIFIER: [u8; 12] = *b"\xABKTX 20\xBB\r\n\x1A\n";
 const HEADER_BYTES: usize = 80;
@@ -42,11 +40,7 @@ impl ContainerRules for Rules {
 }
 
 /// The file of one texture.
-pub(in crate::files::textures) fn encode(
-    stored: &Stored<'_>,
-    zstd: bool,
-    about: &About,
-) -> Result<Vec<u8>, TextureFileError> {
+pub(crate) fn encode(stored: &Stored<'_>, zstd: bool, about: &About) -> Result<Vec<u8>, TextureFileError> {
     let (texture, rounded) = (stored.texture, &stored.rounded);
     stored.at_most_four(NAME)?;
     if texture.depth > 1 && texture.layers > 1 {

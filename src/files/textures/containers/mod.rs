@@ -27,7 +27,7 @@ use super::{
     file::{TextureFile, TextureFileError},
     texture::Texture,
 };
-use crate::fit::{Precision, named_list::named_list};
+use ltcforge_fit::{Precision, named_list};
 
 named_list! {
     /// A file format that holds textures.

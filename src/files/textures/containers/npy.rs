@@ -1,18 +1,14 @@
 //! `NumPy`'s `.npy` format, version 1.0: C order, little-endian.
 
 use super::rules::{ContainerRules, Stored, Written, one_each};
-use crate::{
-    files::{
-        container::NPY_MAGIC,
-        textures::{about::About, file::TextureFileError},
-    },
-    fit::Precision,
-};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_files::container::NPY_MAGIC;
+use ltcforge_fit::Precision;
 
 /// The data begins at a multiple of this.
 const ALIGNMENT: usize = 64;
 
-/// An array a file, of the shape that [`crate::files::textures::Texture::shape`] tells. The format has no place for what
+/// An array a file, of the shape that [`crate::Texture::shape`] tells. The format has no place for what
 /// a file says of itself.
 pub(super) struct Rules;
 

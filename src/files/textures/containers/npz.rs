@@ -8,7 +8,7 @@ use super::{
     npy,
     rules::{ContainerRules, Stored, Written, one_of_all},
 };
-use crate::files::textures::{about::About, file::TextureFileError};
+use crate::{about::About, file::TextureFileError};
 
 /// All textures in one file; what it says of itself is a member `about.txt`.
 pub(super) struct Rules;

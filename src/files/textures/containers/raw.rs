@@ -6,10 +6,8 @@ use super::{
     json::head,
     rules::{ContainerRules, Stored, Written},
 };
-use crate::files::{
-    digest::Digest,
-    textures::{about::About, file::TextureFileError, rounding::RoundingError},
-};
+use crate::{about::About, file::TextureFileError, rounding::RoundingError};
+use ltcforge_files::digest::Digest;
 
 /// `NAME.bin` and `NAME.json` for each texture.
 pub(super) struct Rules;

@@ -1,19 +1,17 @@
 //! What a file format is given, and what it gives.
 
 use crate::{
-    files::textures::{
-        about::About,
-        file::TextureFileError,
-        rounding::{Rounded, RoundingError, round_texture},
-        texture::Texture,
-    },
-    fit::Precision,
+    about::About,
+    file::TextureFileError,
+    rounding::{Rounded, RoundingError, round_texture},
+    texture::Texture,
 };
+use ltcforge_fit::Precision;
 
 /// A texture whose numbers are rounded.
 pub(crate) struct Stored<'a> {
-    pub(in crate::files::textures) texture: &'a Texture,
-    pub(in crate::files::textures) rounded: Rounded,
+    pub(crate) texture: &'a Texture,
+    pub(crate) rounded: Rounded,
 }
 
 /// A file format as an item of [`super::TextureContainer`].
@@ -31,10 +29,7 @@ pub(crate) struct Written {
 }
 
 /// Textures that were checked, rounded to a precision.
-pub(in crate::files::textures) fn stored(
-    textures: &[Texture],
-    precision: Precision,
-) -> Result<Vec<Stored<'_>>, TextureFileError> {
+pub(crate) fn stored(textures: &[Texture], precision: Precision) -> Result<Vec<Stored<'_>>, TextureFileError> {
     if textures.is_empty() {
         return Err(TextureFileError::Empty);
     }

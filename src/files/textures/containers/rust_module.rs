@@ -6,10 +6,8 @@ use super::{
     c_header::{numbers, sides},
     rules::{ContainerRules, Stored, Written, one_of_all},
 };
-use crate::{
-    files::textures::{about::About, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{about::About, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// One module with all textures: statics of `f32`, or of `u16` that are the bits of halfs.
 pub(super) struct Rules;

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 
 use super::*;
-use crate::files::textures::rounding::round;
+use crate::rounding::round;
 
 const ABOUT: [&str; 2] = ["table 1234 → «ü»", "licence: */ \"CC0\" \\"];
 
@@ -312,7 +312,7 @@ fn what_rounding_changed_is_told_of_the_file_that_has_it() {
 /// Two tables of one layout, and two layouts, in one program. Rust and JavaScript have modules for that.
 #[test]
 fn code_of_several_tables_can_be_compiled_together() {
-    use crate::files::digest::Digest;
+    use ltcforge_files::digest::Digest;
     let of = |table: &[u8], layout, container: TextureContainer| {
         let about = About::of_table(Digest::of(table), None, None).of_layout(layout);
         let texture = planted([2, 3, 1], 1, 4);

@@ -6,10 +6,8 @@
 //! sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
 
 use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
-use crate::{
-    files::textures::{bundle::Bundle, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{bundle::Bundle, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// Babylon.js.
 pub(super) struct Rules;

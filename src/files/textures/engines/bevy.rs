@@ -4,10 +4,8 @@
 //! `R16G16B16A16_SFLOAT`, zstd. The render world's resource `AreaLightLuts { image }` replaces it at run time.
 
 use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
-use crate::{
-    files::textures::{bundle::Bundle, containers::ktx2, file::TextureFileError, halfs::Halfs, texture::Texture},
-    fit::Precision,
-};
+use crate::{bundle::Bundle, containers::ktx2, file::TextureFileError, halfs::Halfs, texture::Texture};
+use ltcforge_fit::Precision;
 
 /// Bevy.
 pub(super) struct Rules;

@@ -4,10 +4,8 @@
 //! each, which is the header of Direct3D 10, and takes the rest as 64 x 64 texels of four 32-bit numbers.
 
 use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
-use crate::{
-    files::textures::{bundle::Bundle, containers::dx10, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// Godot.
 pub(super) struct Rules;

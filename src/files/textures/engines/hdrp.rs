@@ -6,10 +6,8 @@
 //! Amplitude and Fresnel term come from a table of another kind, which stays.
 
 use super::rules::{EngineRules, FIRST, SIZE, Source, file};
-use crate::{
-    files::textures::{bundle::Bundle, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{bundle::Bundle, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// Unity's High Definition Render Pipeline.
 pub(super) struct Rules;

@@ -15,7 +15,7 @@ mod wgpu;
 
 pub(crate) use self::rules::{EngineRules, Source};
 use super::{about::About, bundle::Bundle, file::TextureFileError, texture::Texture};
-use crate::fit::{PerAxis, named_list::named_list};
+use ltcforge_fit::{PerAxis, named_list};
 
 named_list! {
     /// A renderer that has area lights by LTC tables, or that takes ours.

@@ -6,10 +6,8 @@
 //! texture of another size needs that line changed. `DdsLoader.cpp` reads the header of Direct3D 10.
 
 use super::rules::{EngineRules, FIRST, SECOND, Source, file};
-use crate::{
-    files::textures::{bundle::Bundle, containers::dx10, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// Open 3D Engine.
 pub(super) struct Rules;

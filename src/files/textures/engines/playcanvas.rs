@@ -10,10 +10,8 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
-use crate::{
-    files::textures::{bundle::Bundle, digits::shortest, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{bundle::Bundle, digits::shortest, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// `PlayCanvas`.
 pub(super) struct Rules;

@@ -1,16 +1,14 @@
 //! What an engine's bundle is made of, and what it is.
 
 use crate::{
-    files::textures::{
-        about::About,
-        bundle::Bundle,
-        containers::{Stored, stored},
-        file::{TextureFile, TextureFileError},
-        rounding::RoundingError,
-        texture::Texture,
-    },
-    fit::{PerAxis, Precision},
+    about::About,
+    bundle::Bundle,
+    containers::{Stored, stored},
+    file::{TextureFile, TextureFileError},
+    rounding::RoundingError,
+    texture::Texture,
 };
+use ltcforge_fit::{PerAxis, Precision};
 
 /// The two textures that most engines have.
 pub(super) const FIRST: &str = "LTC_1";

@@ -4,10 +4,9 @@ use half::f16;
 use serde_json::Value;
 
 use super::*;
-use crate::{
-    files::{digest::Digest, textures::round},
-    fit::Precision,
-};
+use crate::round;
+use ltcforge_files::digest::Digest;
+use ltcforge_fit::Precision;
 
 /// The file that tells what the others are.
 const MANIFEST: &str = "ltcforge.json";

@@ -10,10 +10,8 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 use half::f16;
 
 use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
-use crate::{
-    files::textures::{bundle::Bundle, containers::Stored, file::TextureFileError},
-    fit::Precision,
-};
+use crate::{bundle::Bundle, containers::Stored, file::TextureFileError};
+use ltcforge_fit::Precision;
 
 /// three.js.
 pub(super) struct Rules;

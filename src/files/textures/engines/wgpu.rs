@@ -5,14 +5,12 @@ use serde_json::json;
 
 use super::rules::{EngineRules, Source, file};
 use crate::{
-    files::textures::{
-        bundle::Bundle,
-        containers::ktx2,
-        file::{TextureFile, TextureFileError},
-        rounding::RoundingError,
-    },
-    fit::Precision,
+    bundle::Bundle,
+    containers::ktx2,
+    file::{TextureFile, TextureFileError},
+    rounding::RoundingError,
 };
+use ltcforge_fit::Precision;
 
 /// A renderer of one's own.
 pub(super) struct Rules;

@@ -1,14 +1,12 @@
 use std::{collections::BTreeSet, ops::ControlFlow};
 
 use super::*;
-use crate::{
-    files::{
-        compact::tests::{planted, unmeasured},
-        digest::Digest,
-        recipe_document,
-    },
-    fit::{Layout, Plan, fit_plan},
+use ltcforge_files::{
+    compact::tests::{planted, unmeasured},
+    digest::Digest,
+    recipe_document,
 };
+use ltcforge_fit::{Layout, Plan, fit_plan};
 
 fn table(document: &str) -> Table {
     let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
@@ -64,7 +62,7 @@ fn engines_are_given_no_tables_but_those_of_ggx() {
 fn engines_and_decoders_are_given_no_gaussians() {
     let small =
         r#"{"resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},"fit":{"samples":64,"directions":4,"steps":5}}"#;
-    let table = Table { lobe: crate::fit::LobeModel::Asg, ..table(small) };
+    let table = Table { lobe: ltcforge_fit::LobeModel::Asg, ..table(small) };
     let export = |name: &str| name.parse::<Export>().expect("an export");
     for name in ["wgpu", "compact"] {
         let refused = export(name).layout(&table).expect_err("no LTCs").to_string();

@@ -1,9 +1,7 @@
 //! Why a table has no textures.
 
-use crate::{
-    files::textures::texture::TextureError,
-    fit::{BrdfKind, Layout, LobeModel},
-};
+use crate::texture::TextureError;
+use ltcforge_fit::{BrdfKind, Layout, LobeModel};
 
 /// Why a table has no textures of a layout.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -7,10 +7,8 @@ use super::{
     error::NoTextures,
     rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
 };
-use crate::{
-    files::textures::texture::Texture,
-    fit::{Layout, Table, Terms, clipped_form_factor},
-};
+use crate::texture::Texture;
+use ltcforge_fit::{Layout, Table, Terms, clipped_form_factor};
 
 const ROUGHNESS: TextureAxis =
     TextureAxis { axis: "x", coordinate: "sqrt(alpha), from 0 to 1; texel i of n at i / (n - 1)" };

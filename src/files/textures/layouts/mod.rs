@@ -9,7 +9,7 @@ mod published;
 mod rules;
 mod volumes;
 
-use crate::fit::{Layout, Precision, Table, named_list::named_list};
+use ltcforge_fit::{Layout, Precision, Table, named_list};
 
 use super::{
     halfs::{Halfs, halved},

@@ -6,10 +6,8 @@ use super::{
     error::NoTextures,
     rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
 };
-use crate::{
-    files::textures::texture::Texture,
-    fit::{Layout, PerAxis, Table},
-};
+use crate::texture::Texture;
+use ltcforge_fit::{Layout, PerAxis, Table};
 
 /// The layout.
 pub(super) struct Rules;

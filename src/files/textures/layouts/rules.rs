@@ -1,10 +1,8 @@
 //! The interface of a layout of textures.
 
 use super::error::NoTextures;
-use crate::{
-    files::textures::texture::{Texture, TextureError},
-    fit::{Layout, Table},
-};
+use crate::texture::{Texture, TextureError};
+use ltcforge_fit::{Layout, Table};
 
 /// What the coordinate of a texture is, along one of its axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

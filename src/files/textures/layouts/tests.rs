@@ -1,8 +1,6 @@
 use super::*;
-use crate::{
-    files::recipe_document,
-    fit::{Recipe, Terms},
-};
+use ltcforge_files::recipe_document;
+use ltcforge_fit::{Recipe, Terms};
 
 /// A table whose numbers tell their places: number `k` of entry `i` is `16 i + k`; 9 and 10 are the terms.
 fn planted(document: &str) -> Table {

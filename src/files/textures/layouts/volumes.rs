@@ -8,10 +8,8 @@ use super::{
     isotropic,
     rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
 };
-use crate::{
-    files::textures::texture::Texture,
-    fit::{Layout, Table},
-};
+use crate::texture::Texture;
+use ltcforge_fit::{Layout, Table};
 
 /// The order in which a file stores its entries.
 const VOLUME: &[TextureAxis] = &[

@@ -1,7 +1,7 @@
 //! The numbers of a tabulated BRDF, and their integrals.
 
 use super::TabulatedAxes;
-use crate::fit::math::{sin, sin_cos};
+use crate::math::{sin, sin_cos};
 
 /// Nodes and weights of the Gauss-Legendre rule of eight points on [-1, 1], for its positive half. Over a quarter turn it is
 /// exact to the last digits for `(a + b x) sin(2 x)`.

@@ -8,7 +8,7 @@ use super::{
     TabulatedAxes, TabulatedBrdf,
     grid::{Cell, mass_below, masses},
 };
-use crate::fit::{
+use crate::{
     brdf::scattering::{Bends, Brdf, BrdfSample, cos_theta_d},
     math::{SquarePoint, atan2, sin_cos},
 };

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::{TabulatedAxes, TabulatedBrdf, TabulatedFault};
-use crate::fit::{axes::LEAST_ALPHA, brdf::BrdfKind, math::direction};
+use crate::{axes::LEAST_ALPHA, brdf::BrdfKind, math::direction};
 
 /// How far from the horizon the last node is evaluated, radians: at it, most formulas are 0 / 0.
 const FROM_HORIZON: f64 = 1e-4;

@@ -4,7 +4,7 @@ use std::{
 };
 
 use super::*;
-use crate::fit::{
+use crate::{
     brdf::{BrdfKind, BrdfModel, TabulatedFile},
     math::{Lattice, direction},
 };

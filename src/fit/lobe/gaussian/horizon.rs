@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::SphericalGaussian;
-use crate::fit::math::{exp, sin_cos};
+use crate::math::{exp, sin_cos};
 
 /// Angles of the mean over the plane. It is that of a smooth function around a circle.
 const ANGLES: u32 = 256;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 
 use super::{SphericalGaussian, horizon2};
-use crate::fit::math::{Lattice, exp, ln, sin_cos};
+use crate::math::{Lattice, exp, ln, sin_cos};
 
 /// Sectors of the plane, around the axis, in which images are even.
 const SECTORS: usize = 64;
@@ -128,7 +128,7 @@ impl Sectors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::lobe::{LobeModel, gaussian::Gaussian};
+    use crate::lobe::{LobeModel, gaussian::Gaussian};
 
     /// The report has a map of its own. Both are of one distribution: the means of both samples agree.
     #[test]

@@ -1,6 +1,6 @@
 //! The Gaussians that there are.
 
-use crate::fit::named_list::named_list;
+use crate::named_list;
 
 named_list! {
     /// The Gaussian that stands for a lobe.

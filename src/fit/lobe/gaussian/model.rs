@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 
 use super::{Gaussian, SphericalGaussian, above_horizon, covered, horizon2};
-use crate::fit::{
+use crate::{
     lobe::{
         ltc::Sides,
         rules::{LobeDistribution, LobeModelRules},
@@ -13,14 +13,14 @@ use crate::fit::{
     math::{exp, from_row_major, ln, sin_cos},
 };
 
-/// Gaussians as items of [`crate::fit::LobeModel`]; the nine numbers are the matrix of [`SphericalGaussian::of_columns`],
+/// Gaussians as items of [`crate::LobeModel`]; the nine numbers are the matrix of [`SphericalGaussian::of_columns`],
 /// row-major.
-pub(in crate::fit::lobe) struct Rules(Gaussian);
+pub(in crate::lobe) struct Rules(Gaussian);
 
 /// The round one.
-pub(in crate::fit::lobe) const SG: Rules = Rules(Gaussian::Sg);
+pub(in crate::lobe) const SG: Rules = Rules(Gaussian::Sg);
 /// The stretched one.
-pub(in crate::fit::lobe) const ASG: Rules = Rules(Gaussian::Asg);
+pub(in crate::lobe) const ASG: Rules = Rules(Gaussian::Asg);
 
 impl LobeModelRules for Rules {
     fn distribution(&self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
@@ -124,7 +124,7 @@ impl LobeDistribution for AboveHorizon {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::math::{Lattice, row_major};
+    use crate::math::{Lattice, row_major};
 
     /// A narrow one, one that the horizon cuts, and one with its axis almost on it.
     fn matrices() -> [DMat3; 3] {

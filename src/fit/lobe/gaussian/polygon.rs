@@ -1,7 +1,7 @@
 //! The part of a Gaussian that a polygon covers.
 
 use super::SphericalGaussian;
-use crate::fit::{
+use crate::{
     lobe::ltc::Sides,
     math::{Scalar, Triple, cross, dot, minus, plus, scaled},
 };

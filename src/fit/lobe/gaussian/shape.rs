@@ -1,7 +1,7 @@
 //! The shape of a Gaussian: where it is and how wide.
 
 use super::Gaussian;
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
+use crate::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
 
 /// The least height of an axis that a matrix gives: a Gaussian has its middle above the surface.
 const LEAST_HEIGHT: f64 = 1e-6;

@@ -2,7 +2,7 @@
 
 use glam::DMat3;
 
-use crate::fit::{brdf::Mirrors, math::rotation_from_z};
+use crate::{brdf::Mirrors, math::rotation_from_z};
 
 /// The matrix of the same distribution whose first two columns are turned so that, seen along the third, their
 /// block is symmetric and positive definite.

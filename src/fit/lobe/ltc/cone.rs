@@ -25,7 +25,7 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
+use crate::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// Steps of Newton's method beyond those that the number of digits asks for: from its start to three digits.
 const FIRST_STEPS: u32 = 3;
@@ -138,7 +138,7 @@ impl<T: Scalar> Cone<T> {
     }
 
     /// The length of the cone's vector form factor without a horizon, and the cosine between it and the normal: what stands for
-    /// a light where [`crate::fit::clipped_form_factor`] cuts it at the horizon as if it were a sphere.
+    /// a light where [`crate::clipped_form_factor`] cuts it at the horizon as if it were a sphere.
     #[must_use]
     pub fn form_factor(&self) -> (T, T) {
         (self.whole(), self.axes[2][2])

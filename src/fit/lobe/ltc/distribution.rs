@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use crate::fit::math::cosine_hemisphere;
+use crate::math::cosine_hemisphere;
 
 /// A Linearly Transformed Cosine: directions `M c / |M c|` for `c` with density `max(c.z, 0) / pi` [Heitz 2016].
 ///
@@ -67,7 +67,7 @@ impl Ltc {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::math::Lattice;
+    use crate::math::Lattice;
 
     fn skewed() -> DMat3 {
         DMat3::from_cols(DVec3::new(0.5, 0.1, 0.2), DVec3::new(-0.1, 0.3, 0.1), DVec3::new(-0.6, 0.2, 0.8))

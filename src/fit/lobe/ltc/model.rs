@@ -3,13 +3,13 @@
 use glam::DVec3;
 
 use super::{Ltc, Sides};
-use crate::fit::{
+use crate::{
     lobe::rules::{LobeDistribution, LobeModelRules},
     math::{concentric_cosine, from_row_major},
 };
 
-/// LTCs as an item of [`crate::fit::LobeModel`]; the nine numbers are the matrix, row-major.
-pub(in crate::fit::lobe) struct Rules;
+/// LTCs as an item of [`crate::LobeModel`]; the nine numbers are the matrix, row-major.
+pub(in crate::lobe) struct Rules;
 
 impl LobeModelRules for Rules {
     fn distribution(&self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {

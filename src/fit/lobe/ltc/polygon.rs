@@ -19,7 +19,7 @@ use super::{
     Ltc,
     cone::{Cone, Horizon, Turn},
 };
-use crate::fit::math::{Scalar, cross, dot, minus, unit};
+use crate::math::{Scalar, cross, dot, minus, unit};
 
 /// Most vertices of a light in the shaders. A light that is cut at the horizon has one more.
 pub const MAX_VERTICES: usize = 8;

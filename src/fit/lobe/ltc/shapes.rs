@@ -9,7 +9,7 @@
 use glam::DVec3;
 
 use super::{Clip, Cone, Ltc, Sides};
-use crate::fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
+use crate::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
 /// The linear map to the space in which a distribution is the clamped cosine.
 #[derive(Debug, Clone, Copy)]

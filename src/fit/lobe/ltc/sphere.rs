@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::fit::math::atan2;
+use crate::math::atan2;
 
 /// What a clipped cap of directions is seen as, as a part of what it were seen as without a horizon, straight ahead: the
 /// cosine-weighted solid angle of its part above the horizon, over `pi length`.

@@ -23,7 +23,7 @@ use std::{f64::consts::PI, sync::Arc};
 use glam::{DMat3, DVec3};
 
 use super::distance::{Distance, Draws, Grain, Lobe, Loss, MetricRules, Samples};
-use crate::fit::{
+use crate::{
     brdf::Brdf,
     math::{Lattice, cosine_hemisphere, pow},
     pulse::Pulse,

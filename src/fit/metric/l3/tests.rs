@@ -1,5 +1,5 @@
 use super::*;
-use crate::fit::{
+use crate::{
     brdf::{Brdf, Ggx, Mirrors},
     lobe::ltc::Ltc,
     math::{SquarePoint, direction},

@@ -25,7 +25,7 @@ use super::{
     distance::{Distance, Draws, Grain, ImageLoss, Lobe, Loss, MetricRules, Offsets, Samples},
     target::Target,
 };
-use crate::fit::{
+use crate::{
     math::{Lattice, fibonacci_hemisphere},
     pulse::Pulse,
 };

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::histogram::MOST_SAMPLES;
-use crate::fit::math::{Lattice, cosine_hemisphere};
+use crate::math::{Lattice, cosine_hemisphere};
 
 /// Numbers of a sum, each the sum of every eighth summand: the same order whatever vectors the processor has.
 pub(super) const LANES: usize = 8;

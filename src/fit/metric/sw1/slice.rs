@@ -11,7 +11,7 @@ use super::{
     cells::{CELL_BITS, CELLS, FRACTION_BITS, OCTAVE},
     histogram::{Histogram, Places, WHOLE, split},
 };
-use crate::fit::metric::target::LobeCore;
+use crate::metric::target::LobeCore;
 
 /// One cell in the fixed-point positions.
 const CELL: i32 = 1 << FRACTION_BITS;

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::fit::{metric::distance::Draws, pulse::Pulse};
+use crate::{metric::distance::Draws, pulse::Pulse};
 
 /// Work of a step for each sample and direction, in projections: two sorts.
 const SORTING: usize = 16;

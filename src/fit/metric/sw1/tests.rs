@@ -1,7 +1,7 @@
 use glam::DVec2;
 
 use super::*;
-use crate::fit::{brdf::Mirrors, metric::planted, pulse::unstopped};
+use crate::{brdf::Mirrors, metric::planted, pulse::unstopped};
 
 const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 

@@ -21,7 +21,7 @@ use super::{
     minimise::{InverseHessian, StopRule, VARIABLES, Vector, minimise},
     search::{AREA_COST, COARSE_DECREASE, free_variables},
 };
-use crate::fit::{
+use crate::{
     lobe::gaussian::{Gaussian, Images, SphericalGaussian},
     math::{exp, ln, symmetric_sqrt},
     metric::{Grain, ImageLoss, Offsets, Target},
@@ -192,7 +192,7 @@ fn pulled([x, y, z]: &Offsets, base: &[DVec3], moved: &[DVec3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{
+    use crate::{
         brdf::{Ggx, Mirrors},
         lobe::LobeModel,
         math::{Lattice, direction, row_major},

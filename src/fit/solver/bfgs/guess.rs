@@ -2,7 +2,7 @@
 
 use glam::{DMat2, DMat3, DVec2};
 
-use crate::fit::{math::symmetric_sqrt, metric::LobeCore};
+use crate::{math::symmetric_sqrt, metric::LobeCore};
 
 /// The `M = [[root^2, centre], [0, 1]]` of an LTC whose core has the location and scatter of the lobe's. Maps cosine
 /// space to the lobe's frame.

@@ -29,7 +29,7 @@ use self::{
     search::{AREA_COST, COARSE_DECREASE, free_variables},
 };
 use super::objective::{Effort, Objective, SolverRules};
-use crate::fit::{
+use crate::{
     brdf::Mirrors,
     lobe::LobeModel,
     math::ln,
@@ -171,7 +171,7 @@ fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{
+    use crate::{
         lobe::ltc::align,
         metric::{Lobe, Metric, PlantedBrdf, Samples, planted},
         pulse::unstopped,

@@ -1,7 +1,7 @@
 //! What the searches for matrices and for Gaussians share: a coarse stage, the cost of a small area, and symmetries.
 
 use super::minimise::VARIABLES;
-use crate::fit::brdf::Mirrors;
+use crate::brdf::Mirrors;
 
 /// Before a search is done, it goes most of the way with coarse evaluations, of an eighth of the work, until steps lower the loss by less
 /// than this part. What it has learnt of the Hessian there holds for the full ones too, which halves their number.

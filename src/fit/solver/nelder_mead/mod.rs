@@ -26,7 +26,7 @@ use super::{
     objective::{Effort, Objective, SolverRules},
     simplex::Shear,
 };
-use crate::fit::{
+use crate::{
     lobe::LobeModel,
     math::exp,
     metric::{Loss, Target},

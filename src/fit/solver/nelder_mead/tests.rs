@@ -1,5 +1,5 @@
 use super::*;
-use crate::fit::{
+use crate::{
     brdf::Mirrors,
     math::{Lattice, SquarePoint},
     metric::{Lobe, Metric, PlantedBrdf, Samples},

@@ -1,7 +1,7 @@
 //! Polynomials that are planted, and tables that are none.
 
 use super::*;
-use crate::fit::lobe::LobeModel;
+use crate::lobe::LobeModel;
 
 /// Numbers that are polynomials of low degree in the function's own variables.
 pub(crate) fn planted(layout: Layout) -> Table {

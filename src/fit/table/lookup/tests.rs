@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use glam::DMat3;
 
-use crate::fit::{
+use crate::{
     brdf::BrdfKind,
     layout::{Layout, Reflection},
     lobe::LobeModel,

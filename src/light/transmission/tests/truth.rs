@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::cases::Case;
-use crate::fit::math::{cross, dot, minus, plus, scaled, unit};
+use ltcforge_fit::math::{cross, dot, minus, plus, scaled, unit};
 
 /// The positive nodes of Kronrod's rule of order 15 on [-1, 1] with their weights; every other node is Gauss's of order
 /// 7 [Piessens et al. 1983].

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use jiff::Timestamp;
 
 use super::{record::JobRecord, task::TaskState};
-use crate::server::queue::{Job, JobState};
+use crate::queue::{Job, JobState};
 
 /// A job with its tasks. Task `n` fits shard `n`; the last task assembles the table, and can be leased only once every
 /// shard is finished.

@@ -8,12 +8,10 @@ use super::{
     task::TaskState,
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{JobState, Lease, LeaseError, StaleLease},
-        store::{Batch, StoreError, Tree},
-    },
+    queue::{JobState, Lease, LeaseError, StaleLease},
+    store::{Batch, StoreError, Tree},
 };
+use ltcforge_files::digest::Digest;
 
 impl EmbeddedQueue {
     /// The lock is not held while the disk is waited for, so that others lease and report meanwhile. Until then the tasks
@@ -120,7 +118,7 @@ mod tests {
     use jiff::Timestamp;
 
     use super::*;
-    use crate::server::{
+    use crate::{
         queue::{Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue as _, Submitted, TaskKind},
         store::{
             Rows,

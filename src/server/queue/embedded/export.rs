@@ -1,7 +1,7 @@
 //! The jobs of an embedded queue, for another queue to take over.
 
 use super::record::{self, JobRecord};
-use crate::server::{
+use crate::{
     queue::{Job, JobId},
     store::{Rows, StoreError, Tree},
 };

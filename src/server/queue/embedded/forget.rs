@@ -6,7 +6,7 @@ use super::{
     jobs::{EmbeddedQueue, QueueState},
     remains::Remains,
 };
-use crate::server::{
+use crate::{
     queue::{JobId, JobState},
     store::{Batch, StoreError, Tree},
 };

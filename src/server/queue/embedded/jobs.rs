@@ -15,7 +15,7 @@ use super::{
     remains::Remains,
     task::TaskState,
 };
-use crate::server::{
+use crate::{
     queue::{Failure, FailureKind, JobId, JobState, Lease, Limits, MOST_DEATHS, StaleLease, StateName},
     store::{Batch, Rows, StoreError},
 };

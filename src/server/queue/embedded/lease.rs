@@ -10,7 +10,7 @@ use super::{
     record,
     task::TaskState,
 };
-use crate::server::{
+use crate::{
     queue::{Demand, Failure, JobState, Lease, LeasedTask, Offer, StaleLease, TaskKind},
     store::Batch,
 };

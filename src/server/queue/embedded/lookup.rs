@@ -5,7 +5,7 @@ use super::{
     record::{self, JobRecord},
     task::TaskState,
 };
-use crate::server::{
+use crate::{
     queue::{Job, JobId, JobPage, StateName},
     store::{StoreError, Tree},
 };

@@ -1,4 +1,4 @@
-//! The queue of one process, with its jobs in [`crate::server::store::Rows`].
+//! The queue of one process, with its jobs in [`crate::store::Rows`].
 //!
 //! Invariant: leases are not durable; they end with the process.
 

@@ -6,12 +6,10 @@ use serde::Serialize;
 
 use super::{record, record::JobRecord};
 use crate::{
-    files::{hex::to_hex, job::listed},
-    server::{
-        queue::JobId,
-        store::{Batch, Rows, StoreError, Tree},
-    },
+    queue::JobId,
+    store::{Batch, Rows, StoreError, Tree},
 };
+use ltcforge_files::{hex::to_hex, job::listed};
 
 /// What was done to make the rows of jobs and the list of jobs agree.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
@@ -101,12 +99,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{Limits, NewJob, Queue as _, embedded::EmbeddedQueue},
-            store::memory::MemoryRows,
-        },
+        queue::{Limits, NewJob, Queue as _, embedded::EmbeddedQueue},
+        store::memory::MemoryRows,
     };
+    use ltcforge_files::digest::Digest;
 
     fn open(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
         let lease_ttl = Duration::from_secs(60);

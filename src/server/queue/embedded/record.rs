@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::task::TaskState;
-use crate::server::{
+use crate::{
     queue::{Job, JobId},
     store::{Batch, StoreError, Tree},
 };
@@ -67,10 +67,8 @@ mod tests {
     use jiff::Timestamp;
 
     use super::*;
-    use crate::{
-        files::digest::Digest,
-        server::queue::{Failure, FailureKind, JobState},
-    };
+    use crate::queue::{Failure, FailureKind, JobState};
+    use ltcforge_files::digest::Digest;
 
     #[test]
     fn rows_come_back_as_they_were() {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::record::{self, JobRecord};
-use crate::server::{queue::JobId, store::Batch};
+use crate::{queue::JobId, store::Batch};
 
 /// Tasks whose rows are removed in one transaction.
 pub(super) const AT_ONCE: usize = 64;

@@ -10,7 +10,7 @@ use super::{
     record::JobRecord,
     remains::Remains,
 };
-use crate::server::{
+use crate::{
     queue::JobId,
     store::{Batch, StoreError},
 };
@@ -78,12 +78,10 @@ mod tests {
 
     use super::{super::remains::AT_ONCE, *};
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{Demand, Job, JobState, Lease, Limits, NewJob, Offer, Queue as _, Submitted},
-            store::{Rows, Tree, memory::MemoryRows},
-        },
+        queue::{Demand, Job, JobState, Lease, Limits, NewJob, Offer, Queue as _, Submitted},
+        store::{Rows, Tree, memory::MemoryRows},
     };
+    use ltcforge_files::digest::Digest;
 
     /// Shards of a job, several times [`AT_ONCE`].
     const SHARDS: usize = 4 * AT_ONCE;

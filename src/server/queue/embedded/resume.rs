@@ -14,7 +14,7 @@ use super::{
     remains::AT_ONCE,
     task::TaskState,
 };
-use crate::server::{
+use crate::{
     queue::{JobId, JobState, Limits},
     store::{Batch, Rows, StoreError, Tree},
 };
@@ -113,12 +113,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        files::digest::Digest,
-        server::{
-            queue::{Demand, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind},
-            store::{Store, copy_folder, memory::MemoryRows},
-        },
+        queue::{Demand, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind},
+        store::{Store, copy_folder, memory::MemoryRows},
     };
+    use ltcforge_files::digest::Digest;
 
     fn open(dir: &Path, max_attempts: u32) -> (EmbeddedQueue, Store) {
         let store = Store::open(dir).unwrap();

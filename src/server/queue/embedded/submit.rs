@@ -8,12 +8,10 @@ use super::{
     task::TaskState,
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
-        store::{Batch, StoreError, Tree},
-    },
+    queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
+    store::{Batch, StoreError, Tree},
 };
+use ltcforge_files::digest::Digest;
 
 impl EmbeddedQueue {
     pub(super) fn submit_job(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {

@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::server::queue::{SUSPECT_DEATHS, StaleLease};
+use crate::queue::{SUSPECT_DEATHS, StaleLease};
 
 /// The state of a task. `attempt` counts its leases and never decreases within one submission, so that a result can be
 /// matched with its lease. `failures` counts the leases that ended in an error or an expiry, `deaths` those that ended with

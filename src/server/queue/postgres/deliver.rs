@@ -10,12 +10,10 @@ use super::{
     shared::Shared,
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Lease, LeaseError, StaleLease},
-        store::{Batch, StoreError, apply},
-    },
+    queue::{Lease, LeaseError, StaleLease},
+    store::{Batch, StoreError, apply},
 };
+use ltcforge_files::digest::Digest;
 
 /// Rows to which a job's finished entries are added. A connection adds to one of them.
 const SLOTS: i32 = 8;

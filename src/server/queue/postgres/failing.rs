@@ -6,7 +6,7 @@ use super::{
     fence::{IS_CURRENT, fence},
     shared::Shared,
 };
-use crate::server::{
+use crate::{
     queue::{Failure, FailureKind, JobId, Lease, LeaseError, MOST_DEATHS, StaleLease},
     store::StoreError,
 };

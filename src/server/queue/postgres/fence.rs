@@ -1,6 +1,6 @@
 //! Leases as parameters of statements: nothing is written for an attempt that is not the current one.
 
-use crate::server::queue::Lease;
+use crate::queue::Lease;
 
 /// Whether a lease is current: `$1` submission, `$2` task, `$3` attempt.
 pub(super) const IS_CURRENT: &str = "

@@ -1,7 +1,7 @@
 //! Forgetting jobs that ended long ago.
 
 use super::shared::Shared;
-use crate::server::store::StoreError;
+use crate::store::StoreError;
 
 impl Shared {
     /// Removes the rows of jobs that ended longer ago than the limit, now and then. A failure is logged: the caller does not

@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::server::queue::{Lease, StaleLease};
+use crate::queue::{Lease, StaleLease};
 
 /// Leases of this process.
 #[derive(Debug, Default)]

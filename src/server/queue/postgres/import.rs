@@ -7,7 +7,7 @@ use super::{
     open::PostgresQueue,
     submit::{INSERT_BLOCKS, INSERT_REST, shards_digest},
 };
-use crate::server::{
+use crate::{
     queue::{Job, JobState},
     store::StoreError,
 };

@@ -14,12 +14,10 @@ use tokio_postgres::types::ToSql;
 
 use super::{failing, gate, shared::Shared};
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Demand, JobId, Lease, LeasedTask, Offer, SUSPECT_DEATHS, TaskKind},
-        store::StoreError,
-    },
+    queue::{Demand, JobId, Lease, LeasedTask, Offer, SUSPECT_DEATHS, TaskKind},
+    store::StoreError,
 };
+use ltcforge_files::digest::Digest;
 
 /// Tasks leased in one statement, at most.
 const AT_ONCE: usize = 256;

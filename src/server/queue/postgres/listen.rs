@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Duration};
 use tokio_postgres::AsyncMessage;
 
 use super::shared::Shared;
-use crate::server::queue::JobId;
+use crate::queue::JobId;
 
 /// How long until a lost connection is made again.
 const PAUSE: Duration = Duration::from_millis(500);
@@ -66,7 +66,7 @@ fn hear(shared: &Shared, message: &AsyncMessage) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::digest::Digest;
+    use ltcforge_files::digest::Digest;
 
     #[test]
     fn messages_are_read_and_others_ignored() {

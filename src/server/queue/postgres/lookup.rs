@@ -5,12 +5,10 @@ use tokio_postgres::Row;
 
 use super::shared::Shared;
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Failure, FailureKind, Job, JobId, JobPage, JobState, StateName},
-        store::StoreError,
-    },
+    queue::{Failure, FailureKind, Job, JobId, JobPage, JobState, StateName},
+    store::StoreError,
 };
+use ltcforge_files::digest::Digest;
 
 /// The columns of a job as [`job`] reads them.
 pub(super) const COLUMNS: &str = "

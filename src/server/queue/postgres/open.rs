@@ -6,7 +6,7 @@ use super::{
     listen,
     shared::{Process, Shared},
 };
-use crate::server::{
+use crate::{
     queue::Limits,
     store::{Database, StoreError},
 };
@@ -49,7 +49,7 @@ impl PostgresQueue {
 
     /// As [`Self::open`], for a database whose clock a test sets.
     #[cfg(test)]
-    pub(in crate::server::queue) fn open_eager(database: Arc<Database>, limits: Limits) -> Self {
+    pub(in crate::queue) fn open_eager(database: Arc<Database>, limits: Limits) -> Self {
         let process = Process { name: "test".to_owned(), fitter: 1 };
         let shared = Arc::new(Shared::new(database, limits, process, true));
         shared.keep_house();

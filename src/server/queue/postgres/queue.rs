@@ -6,15 +6,13 @@ use jiff::Timestamp;
 
 use super::{failing, open::PostgresQueue};
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{
-            Demand, Failure, Job, JobId, JobPage, Lease, LeaseError, NewJob, Offer, Queue, QueueError, StaleLease,
-            StateName, Submitted,
-        },
-        store::{Batch, StoreError},
+    queue::{
+        Demand, Failure, Job, JobId, JobPage, Lease, LeaseError, NewJob, Offer, Queue, QueueError, StaleLease,
+        StateName, Submitted,
     },
+    store::{Batch, StoreError},
 };
+use ltcforge_files::digest::Digest;
 
 impl Queue for PostgresQueue {
     fn submit(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {

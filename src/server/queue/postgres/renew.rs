@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::{fence::Fences, shared::Shared};
-use crate::server::{
+use crate::{
     queue::{Lease, StaleLease},
     store::StoreError,
 };

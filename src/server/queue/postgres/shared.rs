@@ -10,7 +10,7 @@ use std::{
 };
 
 use super::held::Held;
-use crate::server::{
+use crate::{
     queue::{JobId, Limits},
     store::Database,
 };

@@ -12,12 +12,10 @@ use super::{
     shared::Shared,
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
-        store::StoreError,
-    },
+    queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
+    store::StoreError,
 };
+use ltcforge_files::digest::Digest;
 
 /// Number of the advisory lock under which jobs are submitted: «submit» in ASCII. It makes the limit of jobs exact.
 const LOCK: i64 = 0x7375_626d_6974;

@@ -1,4 +1,4 @@
-//! What several processes do to one queue. What every queue does is in [`crate::server::queue`]'s own tests.
+//! What several processes do to one queue. What every queue does is in [`crate::queue`]'s own tests.
 
 use std::{
     num::{NonZeroU32, NonZeroUsize},
@@ -12,15 +12,13 @@ use std::{
 
 use super::{PostgresQueue, Process};
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{
-            Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted,
-            TaskKind, tests::world::results,
-        },
-        store::{Batch, Database, throwaway},
+    queue::{
+        Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted,
+        TaskKind, tests::world::results,
     },
+    store::{Batch, Database, throwaway},
 };
+use ltcforge_files::digest::Digest;
 
 mod at_once;
 

@@ -2,10 +2,8 @@
 
 use proptest::prelude::*;
 
-use crate::{
-    files::digest::Digest,
-    server::queue::{LeasedTask, NewJob},
-};
+use crate::queue::{LeasedTask, NewJob};
+use ltcforge_files::digest::Digest;
 
 pub(super) const LEASE_SECONDS: i64 = 10;
 pub(super) const SHARDS: u32 = 3;

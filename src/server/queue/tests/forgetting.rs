@@ -3,7 +3,7 @@
 use std::{num::NonZeroU32, time::Duration};
 
 use super::world::{World, complete, submit, task};
-use crate::server::queue::{Failure, FailureKind, JobId, JobState, Limits, Queue, StateName};
+use crate::queue::{Failure, FailureKind, JobId, JobState, Limits, Queue, StateName};
 
 const DAY: Duration = Duration::from_secs(86_400);
 

@@ -18,12 +18,11 @@ macro_rules! in_world {
 macro_rules! every_queue {
     ($($tests:tt)*) => {
         mod embedded {
-            in_world!(crate::server::queue::tests::world::EmbeddedWorld: $($tests)*);
+            in_world!(crate::queue::tests::world::EmbeddedWorld: $($tests)*);
         }
 
-        #[cfg(feature = "cluster")]
         mod postgres {
-            in_world!(crate::server::queue::tests::world::PostgresWorld: $($tests)*);
+            in_world!(crate::queue::tests::world::PostgresWorld: $($tests)*);
         }
     };
 }

@@ -16,15 +16,13 @@ use super::{
     world::{World, results},
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{
-            Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, Offer, QueueError,
-            Submitted, TaskKind,
-        },
-        store::Batch,
+    queue::{
+        Demand, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, MOST_DEATHS, Offer, QueueError,
+        Submitted, TaskKind,
     },
+    store::Batch,
 };
+use ltcforge_files::digest::Digest;
 
 const MAX_ATTEMPTS: u32 = 3;
 

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::world::{World, complete, results, submit, task, tasks};
-use crate::server::queue::{Demand, LeasedTask, Limits, Offer, StaleLease};
+use crate::queue::{Demand, LeasedTask, Limits, Offer, StaleLease};
 
 const LIMITS: Limits =
     Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };

@@ -12,24 +12,21 @@ use std::{
 
 use jiff::Timestamp;
 
-#[cfg(feature = "cluster")]
-use crate::server::{
+use crate::{
     queue::postgres::PostgresQueue,
     store::{Database, test_database},
 };
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{
-            Demand, JobId, Lease, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue, StaleLease, Submitted,
-            embedded::{Clock, EmbeddedQueue},
-        },
-        store::{
-            StoreError, Tree,
-            memory::{Meanwhile, MemoryRows},
-        },
+    queue::{
+        Demand, JobId, Lease, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue, StaleLease, Submitted,
+        embedded::{Clock, EmbeddedQueue},
+    },
+    store::{
+        StoreError, Tree,
+        memory::{Meanwhile, MemoryRows},
     },
 };
+use ltcforge_files::digest::Digest;
 
 /// Lets a result get to the disk, and returns the queue's answer.
 pub(super) type Arrive = Box<dyn FnOnce() -> Result<Result<(), StaleLease>, StoreError>>;
@@ -163,7 +160,7 @@ pub(super) fn task(queue: &dyn Queue) -> LeasedTask {
 }
 
 /// The results that are handed to a worker that assembles; `None` if some are lost.
-pub(in crate::server::queue) fn results(queue: &dyn Queue, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
+pub(in crate::queue) fn results(queue: &dyn Queue, lease: &Lease) -> Result<Option<Vec<Vec<u8>>>, LeaseError> {
     let mut results = Vec::new();
     let complete = queue.results(lease, &mut |result| results.push(result.to_vec()))?;
     Ok(complete.then_some(results))
@@ -176,13 +173,11 @@ pub(super) fn complete(queue: &dyn Queue, task: &LeasedTask) {
 }
 
 /// The queue in PostgreSQL, in a database of its own for each thread.
-#[cfg(feature = "cluster")]
 pub(super) struct PostgresWorld {
     database: Arc<Database>,
     queue: PostgresQueue,
 }
 
-#[cfg(feature = "cluster")]
 impl PostgresWorld {
     fn execute(&self, statements: &str) {
         let done = self.database.run(async |client| client.batch_execute(statements).await);
@@ -190,12 +185,10 @@ impl PostgresWorld {
     }
 }
 
-#[cfg(feature = "cluster")]
 thread_local! {
     static DATABASE: std::cell::OnceCell<Option<Arc<Database>>> = const { std::cell::OnceCell::new() };
 }
 
-#[cfg(feature = "cluster")]
 impl World for PostgresWorld {
     const HISTORIES: u32 = 48;
     const LEASES_SURVIVE: bool = true;

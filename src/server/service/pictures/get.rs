@@ -8,18 +8,16 @@ use super::{
     request::{PictureRequest, Receipt, Reply},
     threads::RenderThreads,
 };
-use crate::{
-    files::digest::Digest,
-    server::service::{PictureCounts, PictureLimits, ServiceError, tables::Tables},
-    view::preview::Adapter,
-};
+use crate::service::{PictureCounts, PictureLimits, ServiceError, tables::Tables};
+use ltcforge_files::digest::Digest;
+use ltcforge_view::preview::Adapter;
 
 /// How often a waiting caller looks whether the render thread hung.
 const WATCH: Duration = Duration::from_secs(5);
 
 /// The pictures of the stored tables.
 #[derive(Debug)]
-pub(in crate::server::service) struct Pictures {
+pub(in crate::service) struct Pictures {
     tables: Arc<Tables>,
     threads: RenderThreads,
     ranking: Ranking,
@@ -53,14 +51,14 @@ pub struct PendingPicture {
 
 impl Pictures {
     /// Pictures that `adapter` renders within limits. No adapter is opened yet.
-    pub(in crate::server::service) fn new(tables: Arc<Tables>, adapter: Adapter, limits: PictureLimits) -> Self {
+    pub(in crate::service) fn new(tables: Arc<Tables>, adapter: Adapter, limits: PictureLimits) -> Self {
         let threads = RenderThreads::new(&tables, adapter, limits);
         Self { tables, threads, ranking: Ranking::default(), limit: limits.time }
     }
 
     /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one. `is_known`
     /// tells whether the caller has the picture of a tag.
-    pub(in crate::server::service) fn get(
+    pub(in crate::service) fn get(
         &self,
         table: Option<Digest>,
         subject: Subject,
@@ -102,12 +100,12 @@ impl Pictures {
     }
 
     /// How many pictures ended in which way.
-    pub(in crate::server::service) fn counts(&self) -> PictureCounts {
+    pub(in crate::service) fn counts(&self) -> PictureCounts {
         self.threads.queue.counts()
     }
 
     /// Accepts no more requests, drops the waiting ones and ends the render thread.
-    pub(in crate::server::service) fn close(&self) {
+    pub(in crate::service) fn close(&self) {
         self.threads.queue.close();
     }
 

@@ -5,11 +5,9 @@ use std::{sync::Arc, time::Duration};
 use serde::Serialize;
 use serde_json::json;
 
-use crate::{
-    files::digest::Digest,
-    server::service::ServiceError,
-    view::{plots::Plot, preview::Scene},
-};
+use crate::service::ServiceError;
+use ltcforge_files::digest::Digest;
+use ltcforge_view::{plots::Plot, preview::Scene};
 
 /// The adapter that plots name: they are always drawn on the CPU.
 pub(super) const CPU: &str = "cpu";

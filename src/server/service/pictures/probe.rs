@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::view::preview::{Mode, Preview, PreviewError, Scene, ShaderTable, Stop};
+use ltcforge_view::preview::{Mode, Preview, PreviewError, Scene, ShaderTable, Stop};
 
 /// Side and samples of the smallest reference. Its time is the one that does not grow with the samples.
 const LEAST: (u32, u32) = (64, 1);

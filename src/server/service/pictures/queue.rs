@@ -13,11 +13,9 @@ use super::{
     request::PictureRequest,
     waiting::Waiting,
 };
-use crate::{
-    files::digest::Digest,
-    server::service::{PictureCounts, PictureLimits, ServiceError, cache::Cache},
-    view::preview::Adapter,
-};
+use crate::service::{PictureCounts, PictureLimits, ServiceError, cache::Cache};
+use ltcforge_files::digest::Digest;
+use ltcforge_view::preview::Adapter;
 
 /// When to try again if the queue is full: most pictures take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);

@@ -7,11 +7,9 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use crate::{
-    files::{digest::Digest, recipe_document},
-    fit::{BrdfKind, Recipe},
-    server::service::{ServiceError, tables::Tables},
-};
+use crate::service::{ServiceError, tables::Tables};
+use ltcforge_files::{digest::Digest, recipe_document};
+use ltcforge_fit::{BrdfKind, Recipe};
 
 /// Rows of the catalogue that are read at a time.
 const PAGE: usize = 256;

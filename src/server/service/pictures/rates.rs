@@ -6,7 +6,7 @@ use super::{
     picture::{CPU, Subject},
     rate::{Rate, Took},
 };
-use crate::view::preview::Adapter;
+use ltcforge_view::preview::Adapter;
 
 /// What renders a picture, as far as its time depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +93,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::view::plots::Plot;
+    use ltcforge_view::plots::Plot;
 
     #[test]
     fn each_kind_has_a_rate_of_its_own() {

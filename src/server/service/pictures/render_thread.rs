@@ -14,19 +14,17 @@ use super::{
     rates::RendererKind,
     request::PictureRequest,
 };
-use crate::{
-    files::{container, digest::Digest},
-    fit::Table,
-    server::service::{
-        ServiceError,
-        find_brdf::{FindBrdfError, find},
-        tables::Tables,
-    },
-    view::{
-        picture::Picture,
-        plots::Plot,
-        preview::{Adapter, Mode, Preview, PreviewError, Scene, ShaderTable, Stop, TexelFormat},
-    },
+use crate::service::{
+    ServiceError,
+    find_brdf::{FindBrdfError, find},
+    tables::Tables,
+};
+use ltcforge_files::{container, digest::Digest};
+use ltcforge_fit::Table;
+use ltcforge_view::{
+    picture::Picture,
+    plots::Plot,
+    preview::{Adapter, Mode, Preview, PreviewError, Scene, ShaderTable, Stop, TexelFormat},
 };
 
 /// A renderer, and the table that it used last.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::oneshot;
 
 use super::picture::{PictureError, PictureFile, Subject};
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// A picture to render.
 #[derive(Debug)]

@@ -15,14 +15,12 @@ use super::{
     request::{PictureRequest, Receipt, Reply},
     *,
 };
-use crate::{
-    files::{container, digest::Digest, recipe_document},
-    fit::{Plan, assemble, fit_shard},
-    server::service::{Config, PictureLimits, Service, ServiceError},
-    view::{
-        plots::Plot,
-        preview::{Adapter, Mode, Scene},
-    },
+use crate::service::{Config, PictureLimits, Service, ServiceError};
+use ltcforge_files::{container, digest::Digest, recipe_document};
+use ltcforge_fit::{Plan, assemble, fit_shard};
+use ltcforge_view::{
+    plots::Plot,
+    preview::{Adapter, Mode, Scene},
 };
 
 const MINUTE: Duration = Duration::from_secs(60);

@@ -7,10 +7,8 @@ use std::{
 };
 
 use super::{picture::PictureError, queue::PictureQueue, render_thread::RenderThread, request::PictureRequest};
-use crate::{
-    server::service::{PictureLimits, tables::Tables},
-    view::preview::Adapter,
-};
+use crate::service::{PictureLimits, tables::Tables};
+use ltcforge_view::preview::Adapter;
 
 /// The queue with what is needed to start its render thread.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! The pictures that wait, and which of them is next.
 
 use super::request::PictureRequest;
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// How often a picture may be overtaken by cheaper ones that were requested after it.
 const MOST_OVERTAKEN: u32 = 8;
@@ -70,7 +70,7 @@ mod tests {
         },
         *,
     };
-    use crate::view::preview::Scene;
+    use ltcforge_view::preview::Scene;
 
     /// Adds a picture of a size, with a name of its own.
     fn add(waiting: &mut Waiting, size: u32, name: &str) -> Receipt {

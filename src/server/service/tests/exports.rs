@@ -3,7 +3,7 @@
 use std::{panic::AssertUnwindSafe, thread};
 
 use super::*;
-use crate::files::textures::{Engine as Engine3d, Export};
+use ltcforge_textures::{Engine as Engine3d, Export};
 
 const THREE: Export = Export::Engine(Engine3d::Three);
 const BABYLON: Export = Export::Engine(Engine3d::Babylon);

@@ -9,18 +9,12 @@ use std::{
 
 use super::super::engine::{Assembly, Engine};
 use crate::{
-    files::{
-        container::TableFileError,
-        digest::Digest,
-        recipe_document::RecipeError,
-        textures::{Bundle, Engine as Engine3d, Export, RoundingError, TextureFile},
-    },
-    fit::{Expectation, GoOn, Solver},
-    server::{
-        queue::NewJob,
-        service::{ExportFailure, SubmitError},
-    },
+    queue::NewJob,
+    service::{ExportFailure, SubmitError},
 };
+use ltcforge_files::{container::TableFileError, digest::Digest, recipe_document::RecipeError};
+use ltcforge_fit::{Expectation, GoOn, Solver};
+use ltcforge_textures::{Bundle, Engine as Engine3d, Export, RoundingError, TextureFile};
 
 /// Entries of a shard.
 const ENTRIES: u32 = 4;

@@ -8,10 +8,8 @@ use super::{
     super::{Reconciled, TableRow, reconcile::reconcile},
     fake_engine::FakeEngine,
 };
-use crate::{
-    files::digest::Digest,
-    server::store::{Batch, Catalogue, Store, Tree},
-};
+use crate::store::{Batch, Catalogue, Store, Tree};
+use ltcforge_files::digest::Digest;
 
 const TABLE: &[u8] = b"TABLE gold 1 0";
 

@@ -13,12 +13,10 @@ use super::{
     fitted, start, submit,
 };
 use crate::{
-    files::{digest::Digest, manifest::MANIFEST_VERSION},
-    server::{
-        queue::{FailureKind, JobId, JobState},
-        store::{Batch, Catalogue, ManifestRow, Rows, Store, Tree, memory::MemoryRows},
-    },
+    queue::{FailureKind, JobId, JobState},
+    store::{Batch, Catalogue, ManifestRow, Rows, Store, Tree, memory::MemoryRows},
 };
+use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
 
 #[test]
 fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() {

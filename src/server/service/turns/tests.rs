@@ -2,12 +2,10 @@ use std::{num::NonZeroU32, sync::Arc};
 
 use super::*;
 use crate::{
-    files::digest::Digest,
-    server::{
-        queue::{Lease, Limits, NewJob, Queue as _, embedded::EmbeddedQueue},
-        store::memory::MemoryRows,
-    },
+    queue::{Lease, Limits, NewJob, Queue as _, embedded::EmbeddedQueue},
+    store::memory::MemoryRows,
 };
+use ltcforge_files::digest::Digest;
 
 /// The shards of a job, leased.
 fn shards(count: usize) -> Vec<LeasedTask> {

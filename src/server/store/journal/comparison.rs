@@ -3,10 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::entries::{self, Change, Entries, KEPT, Place};
-use crate::{
-    files::hex::to_hex,
-    server::store::{Batch, Findings, Row, Rows, StoreError, Tree, numbered},
-};
+use crate::store::{Batch, Findings, Row, Rows, StoreError, Tree, numbered};
+use ltcforge_files::hex::to_hex;
 
 /// Key of the journal's last entry in the database.
 pub(super) const LAST: &[u8] = b"last";

@@ -16,10 +16,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use sha2::{Digest as _, Sha256};
 
-use crate::{
-    files::hex::{from_hex, to_hex},
-    server::store::{Batch, Tree},
-};
+use crate::store::{Batch, Tree};
+use ltcforge_files::hex::{from_hex, to_hex};
 
 /// The trees whose changes are kept, with their names in the journal. All others can be made again: shards by fitting, the
 /// catalogue from the blobs.

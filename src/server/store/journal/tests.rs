@@ -2,7 +2,8 @@ use super::{
     entries::{Entries, read},
     *,
 };
-use crate::{files::hex::to_hex, server::store::memory::MemoryRows};
+use crate::store::memory::MemoryRows;
+use ltcforge_files::hex::to_hex;
 
 /// Opens the journal in `dir` of rows that had one.
 fn open(rows: MemoryRows, dir: &Path) -> (JournalledRows<MemoryRows>, Findings) {

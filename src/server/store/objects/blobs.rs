@@ -16,10 +16,8 @@ use super::{
     cache::BlobCache,
     connect::{Access, Connected, ObjectsOpenError, connect, probe, text},
 };
-use crate::{
-    files::digest::Digest,
-    server::store::{BlobInfo, Blobs, StoreError},
-};
+use crate::store::{BlobInfo, Blobs, StoreError};
+use ltcforge_files::digest::Digest;
 
 /// Bytes that are uploaded by one request, at most. A store that takes 350 kB a second takes two at once within the time
 /// that it may be silent.

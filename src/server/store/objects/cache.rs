@@ -10,7 +10,7 @@ use std::{
     },
 };
 
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// Prefix of files that are being written.
 const TEMPORARY: &str = ".tmp-";

@@ -16,7 +16,7 @@ use super::{
     failure::{self, DatabaseOpenError},
     migrations,
 };
-use crate::server::store::StoreError;
+use crate::store::StoreError;
 
 /// A connection of the pool.
 pub(crate) type Client = deadpool_postgres::Client;

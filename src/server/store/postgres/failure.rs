@@ -4,7 +4,7 @@ use std::{error::Error as _, fmt::Write as _};
 
 use tokio_postgres::{Error, error::SqlState};
 
-use crate::server::store::StoreError;
+use crate::store::StoreError;
 
 /// Why a database cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -6,7 +6,7 @@
 use deadpool_postgres::{Client, GenericClient};
 
 use super::failure::DatabaseOpenError;
-use crate::files::digest::Digest;
+use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
 pub(super) const ALL: &[&str] = &[include_str!("../../../../migrations/postgres/0001_initial.sql")];

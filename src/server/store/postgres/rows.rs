@@ -5,7 +5,7 @@ use std::sync::Arc;
 use deadpool_postgres::GenericClient;
 
 use super::Database;
-use crate::server::store::{Batch, Row, Rows, Staged, StoreError, Tree};
+use crate::store::{Batch, Row, Rows, Staged, StoreError, Tree};
 
 /// Rows in a table of PostgreSQL.
 #[derive(Debug)]
@@ -109,10 +109,8 @@ impl Rows for PostgresRows {
 #[cfg(test)]
 mod tests {
     use super::{super::test_database, *};
-    use crate::{
-        files::digest::Digest,
-        server::store::{Catalogue, TableRow},
-    };
+    use crate::store::{Catalogue, TableRow};
+    use ltcforge_files::digest::Digest;
 
     #[test]
     fn rows_are_found_by_key_by_prefix_and_in_order() {

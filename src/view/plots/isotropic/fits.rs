@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use crate::fit::{
+use ltcforge_fit::{
     BrdfKind, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Pulse, Recipe,
     Shear, Simplex, Solver, Start,
     brdf::Ggx,

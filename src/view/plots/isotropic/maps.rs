@@ -2,12 +2,10 @@
 
 use super::fits::{Fit, SIDE, table, table_from_cosine};
 use crate::{
-    fit::Start,
-    view::{
-        picture::{Panel, Picture, bar, grid, headed, number},
-        plots::matrix::Scale,
-    },
+    picture::{Panel, Picture, bar, grid, headed, number},
+    plots::matrix::Scale,
 };
+use ltcforge_fit::Start;
 
 /// Pixels a side of an entry.
 const CELL: u32 = 4;

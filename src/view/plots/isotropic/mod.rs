@@ -6,10 +6,8 @@ mod maps;
 mod order;
 mod shears;
 
-use crate::{
-    fit::{Shear, named_list::named_list},
-    view::picture::Picture,
-};
+use crate::picture::Picture;
+use ltcforge_fit::{Shear, named_list};
 
 named_list! {
     /// A picture of such fits.

@@ -1,6 +1,6 @@
 //! The order in which searches start from each other.
 
-use crate::view::{
+use crate::{
     picture::{Panel, Picture, grid, headed},
     plots::curves::{Curve, Frame, legend},
 };

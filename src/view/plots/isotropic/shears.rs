@@ -6,15 +6,13 @@ use glam::{DMat3, DVec3};
 
 use super::fits::lobe;
 use crate::{
-    fit::{
-        Ltc, Shear,
-        brdf::{Brdf, Ggx},
-        math::{direction, sin_cos},
-    },
-    view::{
-        picture::{Panel, Picture, grid, headed},
-        plots::curves::{Curve, Frame, legend},
-    },
+    picture::{Panel, Picture, grid, headed},
+    plots::curves::{Curve, Frame, legend},
+};
+use ltcforge_fit::{
+    Ltc, Shear,
+    brdf::{Brdf, Ggx},
+    math::{direction, sin_cos},
 };
 
 /// Points of a curve.

@@ -3,12 +3,10 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use super::ggx::{HORIZON, Shaded, hash, point};
-use crate::{
-    fit::{
-        brdf::{Brdf, BrdfModel, BrdfSample, cos_theta_d},
-        math::SquarePoint,
-    },
-    view::preview::frame::FrameLight,
+use crate::preview::frame::FrameLight;
+use ltcforge_fit::{
+    brdf::{Brdf, BrdfModel, BrdfSample, cos_theta_d},
+    math::SquarePoint,
 };
 
 const STEP: u32 = 0x9e37_79b9;

@@ -5,10 +5,8 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::solids;
-use crate::{
-    fit::math::sin_cos_turns,
-    view::preview::frame::{FrameEllipse, FrameLight, FrameShape},
-};
+use crate::preview::frame::{FrameEllipse, FrameLight, FrameShape};
+use ltcforge_fit::math::sin_cos_turns;
 
 pub(super) const HORIZON: f32 = 1e-6;
 

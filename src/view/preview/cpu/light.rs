@@ -2,10 +2,8 @@
 
 use glam::{Mat3, Vec3};
 
-use crate::{
-    fit::{Clip, CosineSpace, Sides},
-    view::preview::frame::{FrameLight, FrameShape},
-};
+use crate::preview::frame::{FrameLight, FrameShape};
+use ltcforge_fit::{Clip, CosineSpace, Sides};
 
 pub(super) struct Inverse {
     pub(super) m: Mat3,

@@ -4,15 +4,13 @@ use std::f32::consts::FRAC_PI_2;
 
 use glam::{Mat3, Vec3};
 
-use crate::{
-    fit::{
-        ShaderNumbers,
-        math::{atan2_upper, sin_cos_turns},
-    },
-    view::preview::ShaderTable,
+use crate::preview::ShaderTable;
+use ltcforge_fit::{
+    ShaderNumbers,
+    math::{atan2_upper, sin_cos_turns},
 };
 
-/// See [`crate::fit::LEAST_ALPHA`].
+/// See [`ltcforge_fit::LEAST_ALPHA`].
 pub(super) const LEAST_ALPHA: f32 = 1e-5;
 
 struct Fold {
@@ -124,13 +122,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{
-        fit::{Configuration, Table, math::direction},
-        view::preview::{
-            TexelFormat,
-            tests::{isotropic, planted, reflected},
-        },
+    use crate::preview::{
+        TexelFormat,
+        tests::{isotropic, planted, reflected},
     };
+    use ltcforge_fit::{Configuration, Table, math::direction};
 
     /// How far f32 numbers may be from f64 ones: matrices hold numbers of order one.
     const F32: f64 = 1e-5;

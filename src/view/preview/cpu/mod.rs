@@ -58,12 +58,12 @@ pub(super) fn lit(
 #[cfg(test)]
 pub(super) fn lit_by_gaussian(
     table: &ShaderTable,
-    gaussian: crate::light::Gaussian,
+    gaussian: ltcforge_light::Gaussian,
     alpha: [f32; 2],
     wo: glam::Vec3,
     vertices: &[[f32; 3]],
 ) -> [f32; 2] {
-    surface::lit_by_gaussian(table, gaussian, alpha, wo, vertices, crate::fit::Sides::One)
+    surface::lit_by_gaussian(table, gaussian, alpha, wo, vertices, ltcforge_fit::Sides::One)
 }
 
 /// `ltc_polygon` with the inverse of `m`.
@@ -88,7 +88,7 @@ pub(super) fn shapes_covered(m: glam::Mat3, [centre, x, y]: [glam::Vec3; 3], siz
     let ends = [centre - x, centre + x].map(|v| v.to_array());
     let [centre, x, y] = [centre, x, y].map(|v| v.to_array());
     [
-        space.ellipse(centre, [x, y], crate::fit::Sides::Two),
+        space.ellipse(centre, [x, y], ltcforge_fit::Sides::Two),
         space.sphere(centre, size),
         space.tube(ends, size),
         space.line(ends, size),

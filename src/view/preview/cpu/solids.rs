@@ -4,10 +4,8 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use crate::{
-    fit::math::{atan2_upper, sin_cos_turns},
-    view::preview::frame::FrameShape,
-};
+use crate::preview::frame::FrameShape;
+use ltcforge_fit::math::{atan2_upper, sin_cos_turns};
 
 /// sqrt(pi / (4 sin(pi / 4))) times the radius gives an octagon the area of its disk.
 const OCTAGON: f32 = 1.053_907_4;

@@ -9,19 +9,17 @@ use super::{
     lookup::{LEAST_ALPHA, lookup},
     solids,
 };
-use crate::{
-    fit::{BrdfKind, Sides},
-    light::{
-        Gaussian,
-        gaussians::{self, SphericalGaussian},
-        normals,
-    },
-    view::preview::{
-        ShaderTable, Surface,
-        estimator::Estimator,
-        frame::{Frame, FrameShape, LOWEST_VIEW},
-        radiances::{BELOW, BESIDE},
-    },
+use crate::preview::{
+    ShaderTable, Surface,
+    estimator::Estimator,
+    frame::{Frame, FrameShape, LOWEST_VIEW},
+    radiances::{BELOW, BESIDE},
+};
+use ltcforge_fit::{BrdfKind, Sides};
+use ltcforge_light::{
+    Gaussian,
+    gaussians::{self, SphericalGaussian},
+    normals,
 };
 
 const POLE: f32 = 1e-4;
@@ -205,16 +203,14 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::{
-        fit::Configuration,
-        light::{PolygonLight, truth_within},
-        view::preview::NamedScene,
-    };
+    use crate::preview::NamedScene;
+    use ltcforge_fit::Configuration;
+    use ltcforge_light::{PolygonLight, truth_within};
 
     /// Mean over the pixels of what the closed form's light is off, for white metal under a light of radiance one.
     fn error(scene: NamedScene) -> f64 {
         let scene = scene.scene();
-        let frame = Frame::new(&crate::view::preview::Scene { size: 32, ..scene }, false);
+        let frame = Frame::new(&crate::preview::Scene { size: 32, ..scene }, false);
         let (mut sum, mut count) = (0.0, 0);
         for pixel in (0..frame.size * frame.size).map(|i| [i % frame.size, i / frame.size]) {
             let (place, cell) = place_of(&frame, pixel);

@@ -9,7 +9,7 @@ use super::{
 /// What the passes `ltc_read` and `ltc_expand` of the WGSL `source` leave in the buffer of texels. `integers` and `texels`
 /// are the sizes of the second and third buffer in bytes; the first pass is dispatched `reads` times, the second has
 /// `workgroups`.
-pub(in crate::view) fn run(
+pub(crate) fn run(
     source: &str,
     bytes: &[u8],
     [integers, texels]: [u64; 2],

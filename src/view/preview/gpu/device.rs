@@ -3,16 +3,12 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{GpuFailure, Variant, Weights};
-use crate::{
-    light::{Gaussian, WeightRule},
-    view::{
-        preview::{
-            estimator::Estimator,
-            frame::{Frame, FrameShape},
-        },
-        shaders::{Bound, preview_module},
-    },
+use crate::preview::{
+    estimator::Estimator,
+    frame::{Frame, FrameShape},
 };
+use ltcforge_light::{Gaussian, WeightRule};
+use ltcforge_shaders::{Bound, preview_module};
 
 /// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
 #[derive(Debug)]

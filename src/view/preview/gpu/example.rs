@@ -7,11 +7,12 @@ use super::{
     device::{Device, buffer, layout, table_bindings},
     table::{self, bind},
 };
-use crate::view::{preview::ShaderTable, shaders::Bound};
+use crate::preview::ShaderTable;
+use ltcforge_shaders::Bound;
 
 /// The results of `cases` by an entry point of the WGSL `source`: group 0 is the table, if it reads one; the next group
 /// holds a uniform `Case` and a storage buffer of one `Found`.
-pub(in crate::view::preview) fn run<Case: Pod, Found: Pod>(
+pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     source: &str,
     entry_point: &str,
     table: Option<(&ShaderTable, Bound)>,

@@ -2,7 +2,7 @@
 
 /// Why a GPU did not render.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub(in crate::view) enum GpuFailure {
+pub(crate) enum GpuFailure {
     /// There is no GPU, or none that can be used.
     #[error("{0}")]
     Absent(String),

@@ -13,7 +13,7 @@ mod task;
 mod tiles;
 mod variant;
 
-pub(in crate::view) use failure::GpuFailure;
+pub(crate) use failure::GpuFailure;
 pub(super) use session::Gpu;
 pub(super) use task::RenderTask;
 pub use variant::{Variant, Weights};

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::{GpuFailure, RenderTask, Variant, device::Device, table, target::RenderTarget};
-use crate::view::preview::{ShaderTable, estimator::Stop};
+use crate::preview::{ShaderTable, estimator::Stop};
 
 /// A GPU that its first picture opens, and the next picture opens again after it was lost.
 #[derive(Debug, Default)]
-pub(in crate::view::preview) struct Gpu {
+pub(in crate::preview) struct Gpu {
     variant: Variant,
     open: Option<Open>,
     /// How many more pictures it renders before it fails.
@@ -24,18 +24,18 @@ struct Open {
 }
 
 impl Gpu {
-    pub(in crate::view::preview) fn new(variant: Variant) -> Self {
+    pub(in crate::preview) fn new(variant: Variant) -> Self {
         Self { variant, ..Self::default() }
     }
 
     /// Opens the device if it is not, and returns its name.
-    pub(in crate::view::preview) fn name(&mut self) -> Result<String, GpuFailure> {
+    pub(in crate::preview) fn name(&mut self) -> Result<String, GpuFailure> {
         Ok(self.device()?.device.name.clone())
     }
 
     /// Renders part of a picture and returns the words of the whole picture. After a failure it tries once more on a new
     /// device.
-    pub(in crate::view::preview) fn render(
+    pub(in crate::preview) fn render(
         &mut self,
         table: &Arc<ShaderTable>,
         task: &RenderTask<'_>,
@@ -88,13 +88,13 @@ impl Gpu {
 
     /// Makes it fail after it has rendered so many times.
     #[cfg(test)]
-    pub(in crate::view::preview) fn fail_after(&mut self, times: u32) {
+    pub(in crate::preview) fn fail_after(&mut self, times: u32) {
         self.fails_after = Some(times);
     }
 
     /// Loses the device, as a driver's reset would.
     #[cfg(test)]
-    pub(in crate::view::preview) fn lose(&mut self) {
+    pub(in crate::preview) fn lose(&mut self) {
         if let Some(open) = &self.open {
             open.device.wgpu.destroy();
         }

@@ -4,7 +4,7 @@ use half::f16;
 use wgpu::util::DeviceExt as _;
 
 use super::{GpuFailure, device::Device};
-use crate::view::preview::{ShaderTable, TexelFormat};
+use crate::preview::{ShaderTable, TexelFormat};
 
 /// Group 0 of the shaders for a table. Fails for one that is larger than textures may be.
 pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGroup, GpuFailure> {

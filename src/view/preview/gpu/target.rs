@@ -9,7 +9,7 @@ use super::{
     task::RenderTask,
     tiles::{SIDE, Tiles},
 };
-use crate::view::preview::{
+use crate::preview::{
     estimator::Stop,
     frame::{Frame, Part},
     tone,

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::tiles;
-use crate::view::preview::{
+use crate::preview::{
     cost::NORMALS_COST,
     estimator::Estimator,
     frame::{Frame, Part},
@@ -22,25 +22,25 @@ const TILES_A_PART: u32 = 65_535;
 
 /// What is rendered in one go.
 #[derive(Debug)]
-pub(in crate::view::preview) struct RenderTask<'a> {
-    pub(in crate::view::preview) frame: &'a Frame,
-    pub(in crate::view::preview) estimator: Estimator,
+pub(in crate::preview) struct RenderTask<'a> {
+    pub(in crate::preview) frame: &'a Frame,
+    pub(in crate::preview) estimator: Estimator,
     /// Left upper pixel of the part that is rendered.
-    pub(in crate::view::preview) corner: [u32; 2],
+    pub(in crate::preview) corner: [u32; 2],
     /// Its width and height.
-    pub(in crate::view::preview) extent: [u32; 2],
+    pub(in crate::preview) extent: [u32; 2],
     /// To display, or as radiance.
-    pub(in crate::view::preview) as_bytes: bool,
+    pub(in crate::preview) as_bytes: bool,
 }
 
 impl<'a> RenderTask<'a> {
     /// A whole frame.
-    pub(in crate::view::preview) fn whole(frame: &'a Frame, estimator: Estimator, as_bytes: bool) -> Self {
+    pub(in crate::preview) fn whole(frame: &'a Frame, estimator: Estimator, as_bytes: bool) -> Self {
         Self { frame, estimator, corner: [0; 2], extent: [frame.size; 2], as_bytes }
     }
 
     /// Whether one pass is enough. Several passes add up radiances, which bytes to display cannot do.
-    pub(in crate::view::preview) fn is_one_pass(frame: &Frame, estimator: Estimator) -> bool {
+    pub(in crate::preview) fn is_one_pass(frame: &Frame, estimator: Estimator) -> bool {
         estimator != Estimator::Reference || frame.spp <= SAMPLES_A_PASS
     }
 
@@ -104,7 +104,7 @@ impl Parts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::preview::Scene;
+    use crate::preview::Scene;
 
     #[test]
     fn parts_take_each_sample_of_each_tile_once() {

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use crate::view::preview::{Surface, estimator::Estimator, frame::Frame};
+use crate::preview::{Surface, estimator::Estimator, frame::Frame};
 
 /// Pixels a side of a tile, which is a workgroup.
 pub(super) const SIDE: u32 = 8;
@@ -63,7 +63,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::view::preview::{Camera, NamedScene, Scene, cpu};
+    use crate::preview::{Camera, NamedScene, Scene, cpu};
 
     /// The tiles of all of a frame, and the pixels of it that the surface covers.
     fn seen(scene: &Scene) -> (Tiles, Vec<[u32; 2]>) {

@@ -1,10 +1,8 @@
 //! How near the closed form comes to the truth in whole pictures.
 
 use super::*;
-use crate::{
-    light::LightModel,
-    view::preview::{Mode, NamedScene, PanelError, Scene},
-};
+use crate::preview::{Mode, NamedScene, PanelError, Scene};
+use ltcforge_light::LightModel;
 
 /// Scenes of `docs/normals.md`, with the largest mean error on each of their surfaces.
 const LIMITS: [(NamedScene, f64); 4] = [

@@ -7,16 +7,14 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::tell_skipped;
-use crate::{
-    fit::{Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Recipe, Table, fit_plan, math::direction},
-    view::{
-        preview::{
-            ShaderTable, TexelFormat, cpu,
-            gpu::{GpuFailure, example},
-        },
-        shaders::{Bound, table_reader},
-    },
+use crate::preview::{
+    ShaderTable, TexelFormat, cpu,
+    gpu::{GpuFailure, example},
 };
+use ltcforge_fit::{
+    Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Recipe, Table, fit_plan, math::direction,
+};
+use ltcforge_shaders::{Bound, table_reader};
 
 /// The lookup alone, of the configurations of a case.
 const ENTRY: &str = "

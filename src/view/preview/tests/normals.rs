@@ -3,20 +3,16 @@
 use glam::Vec3;
 
 use super::{shader_table, tell_skipped};
-use crate::{
-    fit::Sides,
-    light::{
-        normals::{WeightRule, reflected},
-        tests::cases::{Draw, Lit, Roughness},
-    },
-    view::{
-        preview::{
-            TexelFormat,
-            gpu::{GpuFailure, example},
-        },
-        shaders::{Bound, joined, normals_functions},
-    },
+use crate::preview::{
+    TexelFormat,
+    gpu::{GpuFailure, example},
 };
+use ltcforge_fit::Sides;
+use ltcforge_light::{
+    normals::{WeightRule, reflected},
+    tests::cases::{Draw, Lit, Roughness},
+};
+use ltcforge_shaders::{Bound, joined, normals_functions};
 
 /// The integral alone, of a surface and a rectangle or another polygon that a case gives, by each rule.
 const ENTRY: &str = "

@@ -4,7 +4,7 @@ use super::{
     twins::{GO_ON, apart, cameras, render},
     *,
 };
-use crate::view::{
+use crate::{
     picture::Picture,
     preview::{Choices, Estimator, Material, Mode, NamedScene, Scene},
 };

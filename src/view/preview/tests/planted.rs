@@ -1,13 +1,13 @@
 use glam::{DMat3, DVec3};
 
-use crate::fit::{
+use ltcforge_fit::{
     BrdfKind, Layout, LobeModel, PerAxis, Table, Terms,
     math::{row_major, sin_cos},
 };
 
 /// A table whose entries are the limit of sharp lobes, `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]` with
 /// `r` the mirror direction: not far from fitted ones, and made in no time. Its axes are not uniform.
-pub(in crate::view::preview) fn planted() -> Table {
+pub(in crate::preview) fn planted() -> Table {
     sharp(PerAxis {
         alpha: vec![1e-4, 0.02, 0.1, 0.4, 1.0],
         ratio: vec![1e-4, 0.1, 0.5, 1.0],
@@ -17,7 +17,7 @@ pub(in crate::view::preview) fn planted() -> Table {
 }
 
 /// The same of isotropic surfaces: one ratio and one phi, whose lobes turn with the view.
-pub(in crate::view::preview) fn isotropic() -> Table {
+pub(in crate::preview) fn isotropic() -> Table {
     sharp(PerAxis {
         alpha: vec![1e-4, 0.02, 0.1, 0.4, 1.0],
         ratio: vec![1.0],
@@ -50,7 +50,7 @@ fn sharp(axes: PerAxis<Vec<f64>>) -> Table {
 
 /// A table of layout `reflected` whose entries are near the limit of sharp lobes, `diag(1, ratio, 1)`, on axes that end
 /// within the domain.
-pub(in crate::view::preview) fn reflected() -> Table {
+pub(in crate::preview) fn reflected() -> Table {
     let axes = PerAxis {
         alpha: vec![1e-4, 0.02, 0.1, 0.4, 0.9],
         ratio: vec![1e-4, 0.1, 0.5, 1.0],

@@ -1,19 +1,15 @@
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::{shader_table, tell_skipped};
-use crate::{
-    fit::{
-        Ltc, Sides, cheap_form_factor,
-        quadrature::{quadrature, random_cases},
-    },
-    view::{
-        preview::{
-            TexelFormat, cpu,
-            gpu::{GpuFailure, example},
-        },
-        shaders::{Bound, joined},
-    },
+use crate::preview::{
+    TexelFormat, cpu,
+    gpu::{GpuFailure, example},
 };
+use ltcforge_fit::{
+    Ltc, Sides, cheap_form_factor,
+    quadrature::{quadrature, random_cases},
+};
+use ltcforge_shaders::{Bound, joined};
 
 /// The integral alone, of a matrix and a polygon that a case gives.
 const ENTRY: &str = "

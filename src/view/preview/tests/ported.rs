@@ -5,24 +5,21 @@ use std::f64::consts::TAU;
 use glam::{DVec3, Vec3};
 
 use super::tell_skipped;
-use crate::{
-    fit::{
-        Layout, Ltc, Sides,
-        math::{from_row_major, sin_cos},
-    },
-    light::{
-        Gaussian,
-        gaussians::{self, SgLight},
-        normals::{WeightRule, reflected},
-    },
-    view::{
-        preview::{
-            ShaderTable, TexelFormat, cpu,
-            gpu::{GpuFailure, example},
-        },
-        shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table, port},
-    },
+use crate::preview::{
+    ShaderTable, TexelFormat, cpu,
+    gpu::{GpuFailure, example},
 };
+use ltcforge_fit::{
+    Layout, Ltc, Sides,
+    math::{from_row_major, sin_cos},
+};
+use ltcforge_light::{
+    Gaussian,
+    gaussians::{self, SgLight},
+    normals::{WeightRule, reflected},
+};
+use ltcforge_shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table};
+use ltcforge_translate::port;
 
 #[test]
 fn the_shaders_twin_gives_the_printed_values() {

@@ -7,16 +7,12 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{shader_table, tell_skipped};
-use crate::{
-    fit::{Ltc, Sides, quadrature::mirror_like},
-    view::{
-        preview::{
-            TexelFormat, cpu,
-            gpu::{GpuFailure, example},
-        },
-        shaders::{Bound, joined},
-    },
+use crate::preview::{
+    TexelFormat, cpu,
+    gpu::{GpuFailure, example},
 };
+use ltcforge_fit::{Ltc, Sides, quadrature::mirror_like};
+use ltcforge_shaders::{Bound, joined};
 
 /// Each kind of light of a matrix and three vectors that a case gives.
 const ENTRY: &str = "

@@ -6,14 +6,12 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{planted::diffuse, *};
-use crate::{
-    fit::{BrdfKind, BrdfModel, Table, TabulatedFile, brdf::planted_tabulated},
-    light::LightModel,
-    view::preview::{
-        Camera, Estimator, Light, LightKind, Material, Mode, Scene,
-        light::{Ellipse, Shape},
-    },
+use crate::preview::{
+    Camera, Estimator, Light, LightKind, Material, Mode, Scene,
+    light::{Ellipse, Shape},
 };
+use ltcforge_fit::{BrdfKind, BrdfModel, Table, TabulatedFile, brdf::planted_tabulated};
+use ltcforge_light::LightModel;
 
 /// Of the energy that the light sends along.
 const TOLERANCE: f64 = 0.005;

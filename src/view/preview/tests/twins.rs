@@ -2,12 +2,10 @@
 
 use super::*;
 use crate::{
-    light::{LightModel, WeightRule},
-    view::{
-        picture::Picture,
-        preview::{Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
-    },
+    picture::Picture,
+    preview::{Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
 };
+use ltcforge_light::{LightModel, WeightRule};
 
 pub(super) const GO_ON: &dyn Fn() -> bool = &|| false;
 

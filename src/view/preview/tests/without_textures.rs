@@ -3,13 +3,10 @@
 use glam::DVec3;
 
 use super::tell_skipped;
-use crate::{
-    fit::{Configuration, IsotropicFunction, Layout, planted_isotropic},
-    view::{
-        preview::gpu::{GpuFailure, example},
-        shaders::{Language, Lights, Place, include_function},
-    },
-};
+use crate::preview::gpu::{GpuFailure, example};
+use ltcforge_fit::{Configuration, IsotropicFunction, Layout, planted_isotropic};
+use ltcforge_shaders::{Language, Lights, Place};
+use ltcforge_translate::include_function;
 
 #[test]
 fn the_shader_without_textures_gives_the_function() {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::fit::planted_isotropic;
+use ltcforge_fit::planted_isotropic;
 
 /// naga validates each translation before it is written.
 #[test]

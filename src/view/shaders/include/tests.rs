@@ -5,11 +5,10 @@ use std::collections::BTreeSet;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::*;
-use crate::{
-    fit::{IsotropicFunction, Layout, planted_isotropic},
-    light::Gaussian,
-    view::shaders::{Bound, Filter, Lights, Place, include_function},
-};
+use crate::{Bound, Filter, Lights, Place};
+use ltcforge_fit::{IsotropicFunction, Layout, planted_isotropic};
+use ltcforge_light::Gaussian;
+use ltcforge_translate::include_function;
 
 fn place(prefix: &str, first_binding: u16) -> Place {
     Place { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }

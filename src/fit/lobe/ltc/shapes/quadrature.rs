@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DMat3, DVec3};
 
-use crate::fit::lobe::ltc::Ltc;
+use crate::lobe::ltc::Ltc;
 
 /// The nodes in (0, 1), with their weights, of Gauss's rule of order 16, twice over.
 const GAUSS: [(f64, f64); 8] = [

@@ -10,7 +10,7 @@ use super::{
     quadrature::{by_quadrature, line_by_quadrature},
     *,
 };
-use crate::fit::lobe::ltc::{cheap_form_factor, clipped_form_factor, polygon::quadrature::mirror_like};
+use crate::lobe::ltc::{cheap_form_factor, clipped_form_factor, polygon::quadrature::mirror_like};
 
 struct Draw(Xoshiro256PlusPlus);
 

@@ -6,7 +6,7 @@ use deadpool_postgres::Transaction;
 use tokio_postgres::Error;
 
 use super::{eventually, new, queues};
-use crate::server::{
+use crate::{
     queue::{
         Demand, Offer, Queue as _, SUSPECT_DEATHS,
         postgres::{PostgresQueue, gate, lease::LEASE},
