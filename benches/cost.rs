@@ -8,7 +8,7 @@
 use std::{fs, ops::ControlFlow, time::Instant};
 
 use ltcforge::{
-    Recipe,
+    Recipe, RecipeDocument as _,
     fit::{Plan, Solver, fit_seconds, fit_shard},
 };
 

@@ -13,9 +13,9 @@ use std::{
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ltcforge::glam::DVec3;
 use ltcforge::{
-    Recipe,
+    Recipe, RecipeDocument as _,
     files::recipe_document::Preset,
-    fit::{FitSettings, Fitter, Pulse, Solver, brdf::Ggx, math::sin_cos},
+    fit::{FitSettings, Fitter, Solver, StopCheck, brdf::Ggx, math::sin_cos},
 };
 
 /// The paper's schedule [KT et al. 2022, section 4].
@@ -48,7 +48,7 @@ fn view(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
-/// A pulse that stops nothing.
+/// Goes on.
 fn go_on() -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
@@ -61,7 +61,7 @@ fn settings(solver: Solver, samples: u32, directions: u32, steps: u32) -> FitSet
 /// Fits every lobe once.
 fn fit_all(fitter: &mut Fitter) {
     for (alpha_x, alpha_y, theta, phi) in LOBES {
-        black_box(fitter.fit(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut Pulse::new(&mut go_on)));
+        black_box(fitter.fit(&Ggx { alpha_x, alpha_y }, view(theta, phi), 0, &mut StopCheck::new(&mut go_on)));
     }
 }
 
@@ -100,7 +100,7 @@ fn paper_step(criterion: &mut Criterion) {
                     &Ggx { alpha_x, alpha_y },
                     view(theta, phi),
                     0,
-                    &mut Pulse::new(&mut go_on),
+                    &mut StopCheck::new(&mut go_on),
                 ));
             }
         });
@@ -129,7 +129,7 @@ fn speed_up(_: &mut Criterion) {
                         &Ggx { alpha_x, alpha_y },
                         view(theta, phi),
                         0,
-                        &mut Pulse::new(&mut go_on),
+                        &mut StopCheck::new(&mut go_on),
                     ));
                 }
             }) / (LOBES.len() as u32 * STEPS),

@@ -13,9 +13,9 @@ use std::{
 
 use ltcforge::glam::DMat3;
 use ltcforge::{
-    Preset, Recipe, RecipeBuilder,
+    Preset, Recipe, RecipeBuilder, RecipeDocument as _,
     fit::{
-        FitSettings, Fitter, Pulse, Solver,
+        FitSettings, Fitter, Solver, StopCheck,
         brdf::Ggx,
         math::{direction, from_row_major, recurrence4, row_major},
     },
@@ -84,7 +84,7 @@ fn compare(k: usize, sgd: &FitSettings) -> Row {
     let mut fitter = Fitter::new(&Preset::Paper.fit());
     let mut fitted = || {
         let start = Instant::now();
-        let entry = fitter.fit(&ggx, wo, 0, &mut Pulse::new(&mut go_on)).expect("nothing stops it");
+        let entry = fitter.fit(&ggx, wo, 0, &mut StopCheck::new(&mut go_on)).expect("nothing stops it");
         (start.elapsed(), from_row_major(&entry.matrix))
     };
     let mut runs: Vec<(Duration, DMat3)> = (0..REPEATS).map(|_| fitted()).collect();
@@ -93,7 +93,8 @@ fn compare(k: usize, sgd: &FitSettings) -> Row {
 
     let mut descend = Fitter::new(sgd);
     let start = Instant::now();
-    let their_matrix = descend.descended(&ggx, wo, k as u64, &mut Pulse::new(&mut go_on)).expect("nothing stops it");
+    let their_matrix =
+        descend.descended(&ggx, wo, k as u64, &mut StopCheck::new(&mut go_on)).expect("nothing stops it");
     let their_time = start.elapsed();
 
     // On samples that neither has seen.

@@ -11,7 +11,7 @@
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use ltcforge::{Configuration, Layout, Preset, Recipe};
+//! use ltcforge::{Configuration, Layout, Preset, Recipe, RecipeDocument as _};
 //!
 //! // A recipe decides every byte of a table. One with faults is an error that lists them all.
 //! let recipe = Recipe::builder()
@@ -73,31 +73,37 @@
 //! | feature | adds |
 //! |---|---|
 //! | none | recipes, fits, tables, reports, files, the shader in WGSL |
-//! | `shaders` | the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
-//! | `render` | pictures: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
-//! | `server` | the HTTP service with its queue and store (axum, tokio, sled) |
-//! | `cluster` | the service on PostgreSQL and an object store (`tokio-postgres`, `object_store`); by default with the command |
-//! | `textures` | textures as files, for engines (ddsfile, exr, rawzip, ruzstd); with `render` also the figures of docs/figures.md |
-//! | `client` | calls of a service, and the lock file (ureq) |
+//! | `shaders` | [`translate`]: the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
+//! | `textures` | [`textures`]: tables as files for engines (ddsfile, exr, rawzip, ruzstd) |
+//! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
+//! | `client` | [`client`]: calls of a service, and the lock file (ureq) |
+//! | `server` | [`server`]: the HTTP service with its queue and store, embedded or on PostgreSQL and an object store (axum, tokio, sled) |
 //! | `cli`, the default | the command `ltcforge`, with all of the above |
 //!
-//! # Worlds
+//! # Crates
 //!
-//! [`mod@fit`] is the core: equal arguments give equal bytes on every machine. [`mod@light`] tells what is reflected of lights. [`files`] has its documents and
-//! containers. [`view`] shows tables, and holds the shaders. `server`, `client` and `cli` are built on them. Vectors
-//! and matrices in signatures are those of [`glam`].
+//! Each module of this list is a crate of its own, `ltcforge-fit` and so on. [`mod@fit`] is the core: equal arguments give equal
+//! bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] documents and containers, [`shaders`]
+//! the WGSL. The others are built on them. Vectors and matrices in signatures are those of [`glam`].
+
+mod library;
 
 #[cfg(feature = "cli")]
-pub mod cli;
+pub use ltcforge_cli as cli;
 #[cfg(feature = "client")]
-pub mod client;
-pub mod files;
-pub mod fit;
-mod library;
-pub mod light;
+pub use ltcforge_client as client;
+pub use ltcforge_files as files;
+pub use ltcforge_fit as fit;
+pub use ltcforge_light as light;
 #[cfg(feature = "server")]
-pub mod server;
-pub mod view;
+pub use ltcforge_server as server;
+pub use ltcforge_shaders as shaders;
+#[cfg(feature = "textures")]
+pub use ltcforge_textures as textures;
+#[cfg(feature = "shaders")]
+pub use ltcforge_translate as translate;
+#[cfg(feature = "render")]
+pub use ltcforge_view as view;
 
 pub use files::{
     container::{TableFile, TableFileError},
@@ -111,8 +117,6 @@ pub use fit::{
 pub use glam;
 #[cfg(feature = "shaders")]
 pub use library::shader;
-pub use library::{Error, Fit, RecipeBuilder, cached, fit, light, light_by_table, write_table};
+pub use library::{Error, Fit, RecipeBuilder, RecipeDocument, cached, fit, light, light_by_table, write_table};
 pub use light::{LightError, LightModel, PolygonLight, Reflected};
-#[cfg(feature = "shaders")]
-pub use view::shaders::Language;
-pub use view::shaders::{LitBy, wgsl};
+pub use shaders::{Language, LitBy, wgsl};

@@ -10,7 +10,7 @@ use std::{
 };
 
 use clap::Parser as _;
-use ltcforge::cli::{self, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt};
+use ltcforge_cli::{self as cli, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt};
 use tokio::{
     signal::unix::{Signal, SignalKind, signal},
     sync::watch,
@@ -90,7 +90,7 @@ fn fail(failure: &CommandFailure, json: bool) -> ExitCode {
     failure.exit.into()
 }
 
-/// Logs to standard error what `LTCFORGE_LOG` asks for, such as `debug` or `ltcforge::server::http=trace`.
+/// Logs to standard error what `LTCFORGE_LOG` asks for, such as `debug` or `ltcforge_server::http=trace`.
 fn log_to_stderr(default: &str) {
     let filter = EnvFilter::try_from_env("LTCFORGE_LOG").unwrap_or_else(|_| EnvFilter::new(default));
     tracing_subscriber::fmt()

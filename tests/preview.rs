@@ -213,13 +213,12 @@ fn fitting_goes_on_while_a_picture_is_rendered() {
     assert!(stream.read(&mut [0; 16]).is_err(), "the picture was there before the table");
 }
 
-/// Nothing is known of the renderer before the first picture, and a probe tells.
 #[test]
-fn a_fresh_service_refuses_the_dearest_picture_and_stops_in_the_middle_of_one() {
-    let (_folder, server) = start();
+fn a_fresh_service_refuses_the_most_expensive_picture_and_stops_in_the_middle_of_one() {
+    let (_folder, server) = start_with(&["--picture-seconds", "1"]);
     let table = server.fit(SMALL);
-    let dearest = format!("/v1/preview?mode=strip&size=2048&spp=4096&table={table}");
-    let refused = server.get(&dearest).with_status(422).json();
+    let most_expensive = format!("/v1/preview?mode=strip&size=2048&spp=4096&table={table}");
+    let refused = server.get(&most_expensive).with_status(422).json();
     assert_eq!(refused["type"], "/problems/too-expensive", "{refused:#}");
     assert!(text(&refused["detail"]).contains("--picture-seconds"), "{refused:#}");
     server.stop("TERM").exited(0);

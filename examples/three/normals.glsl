@@ -198,24 +198,27 @@ NormalsCorner normals_between(NormalsCorner a_1, NormalsCorner b_1, float t, Nor
     return _e27;
 }
 
+vec2 normals_acute_bend(vec2 chord2_) {
+    vec2 z_2 = (chord2_ * 0.25);
+    vec2 far = (z_2 * (vec2(2.271551) + (z_2 * (vec2(-3.4068606) + (z_2 * 3.516457)))));
+    return (z_2 * (vec2(0.6667554) + (z_2 * (vec2(0.52912635) + (z_2 * (vec2(0.52405584) + (z_2 * (vec2(-0.08954556) + far))))))));
+}
+
 vec3 normals_arc_bend(vec3 a_2, vec3 b_2) {
     vec3 across = cross(a_2, b_2);
     bool is_acute = (dot(a_2, b_2) >= 0.0);
     vec3 chord = (is_acute ? (a_2 - b_2) : (a_2 + b_2));
-    float z_2 = (dot(chord, chord) * 0.25);
-    float far = (z_2 * (2.271551 + (z_2 * (-3.4068606 + (z_2 * 3.516457)))));
-    float bend = (z_2 * (0.6667554 + (z_2 * (0.52912635 + (z_2 * (0.52405584 + (z_2 * (-0.08954556 + far))))))));
+    vec2 _e11 = normals_acute_bend(vec2(dot(chord, chord)));
+    float bend = _e11.x;
     float obtuse = (((3.1415927 / sqrt(max(dot(across, across), 1e-18))) - bend) - 2.0);
     return (across * (is_acute ? bend : obtuse));
 }
 
 mat2x3 normals_shared(vec3 a_3, vec3 m, vec3 b_3, vec3 whole) {
     vec2 length2_2 = vec2(dot((m - a_3), (m - a_3)), dot((b_3 - m), (b_3 - m)));
-    vec2 z_3 = (length2_2 * 0.25);
-    vec2 far_1 = (z_3 * (vec2(2.271551) + (z_3 * (vec2(-3.4068606) + (z_3 * 3.516457)))));
-    vec2 bend_1 = (z_3 * (vec2(0.6667554) + (z_3 * (vec2(0.52912635) + (z_3 * (vec2(0.52405584) + (z_3 * (vec2(-0.08954556) + far_1))))))));
-    vec3 arc = (cross(a_3, m) * bend_1.x);
-    vec3 next_1 = (cross(m, b_3) * bend_1.y);
+    vec2 _e11 = normals_acute_bend(length2_2);
+    vec3 arc = (cross(a_3, m) * _e11.x);
+    vec3 next_1 = (cross(m, b_3) * _e11.y);
     vec3 rest = (((whole - cross((m - a_3), (b_3 - a_3))) - arc) - next_1);
     vec2 cubes = (length2_2 * sqrt(length2_2));
     vec2 shares = (cubes / vec2(max((cubes.x + cubes.y), 1e-36)));
@@ -262,8 +265,8 @@ vec2 normals_per_hyperbolic_sine(vec2 u) {
     vec2 e = ((vec2(1.0) + u) + sine);
     float _e11 = normals_ltc_log(e.x);
     float _e13 = normals_ltc_log(e.y);
-    vec2 far_2 = (vec2(_e11, _e13) / max(sine, vec2(1e-30)));
-    return mix(far_2, (vec2(1.0) + (u * (vec2(-0.33333334) + (u * (vec2(0.13333333) - (0.057142857 * u)))))), lessThan(u, vec2(0.02)));
+    vec2 far_1 = (vec2(_e11, _e13) / max(sine, vec2(1e-30)));
+    return mix(far_1, (vec2(1.0) + (u * (vec2(-0.33333334) + (u * (vec2(0.13333333) - (0.057142857 * u)))))), lessThan(u, vec2(0.02)));
 }
 
 NormalsCone normals_cone(NormalsView view_4, NormalsPair n, vec2 k) {
@@ -352,11 +355,11 @@ mat2x3 normals_curved(NormalsView view_6, NormalsCorner a0_, NormalsCorner b0_, 
     NormalsPair _e119 = normals_pair_minus(_e58, _e118);
     vec2 lengths = vec2((a0_.length_ * b0_.length_), (a1_.length_ * b1_.length_));
     float squares_1 = (((view_6.alpha.x * view_6.alpha.x) * view_6.alpha.y) * view_6.alpha.y);
-    vec2 bend_2 = ((0.5 * _e19) / max(((lengths * _e45.n2_) * squares_1), vec2(1e-36)));
+    vec2 bend_1 = ((0.5 * _e19) / max(((lengths * _e45.n2_) * squares_1), vec2(1e-36)));
     vec2 _e147 = normals_pair_dot(_e8, _e11);
-    vec2 m1_ = (_e147 - (bend_2 * (_e45.p * _e45.q)));
-    vec2 m2_ = (_e147 + (bend_2 * (_e45.l1_ * _e45.q)));
-    vec2 m3_ = (_e147 + (bend_2 * (_e45.l1_ * _e45.p)));
+    vec2 m1_ = (_e147 - (bend_1 * (_e45.p * _e45.q)));
+    vec2 m2_ = (_e147 + (bend_1 * (_e45.l1_ * _e45.q)));
+    vec2 m3_ = (_e147 + (bend_1 * (_e45.l1_ * _e45.p)));
     vec2 by_angle = (_e45.l1_ * inversesqrt(((_e45.l1_ + _e45.p) * (_e45.l1_ + _e45.q))));
     vec2 per_axis = sqrt(per_axis2_);
     vec2 beside = (_e55 * per_axis);

@@ -1,4 +1,4 @@
-//! What `main` hands to a command, and how a command prints.
+//! The context that `main` gives to a command, and printing.
 
 use std::{io::Write, path::Path};
 
@@ -6,21 +6,21 @@ use tokio::runtime::Handle;
 
 use super::{CommandFailure, Interrupt};
 
-/// What a command is given by `main`.
+/// The context of a command, which `main` makes.
 pub struct Context<'a> {
     /// Standard output.
     pub stdout: &'a mut dyn Write,
-    /// Whether that is a terminal: then nothing binary goes there.
+    /// Whether standard output is a terminal. No binary data is written to one.
     pub stdout_is_terminal: bool,
-    /// Whether standard error is a terminal: then progress is drawn there.
+    /// Whether standard error is a terminal. Progress is drawn only there.
     pub draws_progress: bool,
-    /// Told when the user wants to stop.
+    /// Set when the user wants to stop.
     pub interrupt: Interrupt,
     /// Runs the HTTP server.
     pub runtime: Handle,
 }
 
-/// A path as text for people and JSON. What is not UTF-8 in it is replaced: JSON has no other text.
+/// A path as text for people and JSON. Bytes that are not UTF-8 are replaced, because JSON cannot have them.
 pub(super) fn shown(path: &Path) -> String {
     path.display().to_string()
 }

@@ -9,7 +9,7 @@ use std::{
 use super::{CommandFailure, Exit, file_failure, shown};
 use ltcforge_files::bounded::read_line;
 
-/// Longest line that is read: four numbers take a hundred bytes, a light of eight vertices seven hundred.
+/// The longest line that is read. Four numbers take a hundred bytes, a light of eight vertices seven hundred.
 const LINE_LIMIT_BYTES: u64 = 4096;
 
 /// Some editors put this before the first line.
@@ -39,10 +39,11 @@ impl CsvLines {
         Ok(Self { name: shown(path), stream: Box::new(BufReader::new(file)) })
     }
 
-    /// Reads all lines but the first, if that is a header. `take` is given each, and says what is wrong with it.
+    /// Reads all lines except a header in the first, and calls `take` with each.
     ///
     /// # Errors
-    /// With the line's number: a line that is refused, too long or no UTF-8. Those of `take`, as they are.
+    /// When a line is refused by `take`, too long or not UTF-8; the message has the line's number. Other failures of
+    /// `take` are returned unchanged.
     pub(super) fn each(
         mut self,
         is_header: impl Fn(&str) -> bool,
@@ -74,11 +75,11 @@ impl CsvLines {
     }
 }
 
-/// Why a line ends the command.
+/// The reason that a line ends the command.
 pub(super) enum LineFailure {
     /// The line is wrong.
     Line(String),
-    /// Something else is.
+    /// The command cannot go on.
     Command(CommandFailure),
 }
 

@@ -1,4 +1,4 @@
-//! `diff`: how far two tables are apart, and how good each is.
+//! `diff`: the distance between two tables, and the error of each.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use super::{
 };
 use ltcforge_fit::{Difference, Gap, MOST_POINTS, Report, Spread, difference, report, report_points};
 
-/// Compares two tables. That they differ is no failure.
+/// Compares two tables. It is not a failure if they differ.
 pub(super) fn run(args: &DiffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let tables = [AnyTable::named(&args.a, &args.folder)?, AnyTable::named(&args.b, &args.folder)?];
     let [a, b] = &tables;

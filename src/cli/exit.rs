@@ -1,4 +1,4 @@
-//! Exit codes, and which error leads to which.
+//! Exit codes, and the errors that lead to each.
 
 use std::{fmt::Write as _, io, path::Path};
 
@@ -15,7 +15,7 @@ pub enum Exit {
     Failed = 1,
     /// The command line, a recipe or a configuration is wrong.
     Usage = 2,
-    /// A file's bytes do not have the expected digest, or are no table.
+    /// A file's bytes do not have the expected digest, or are not a table.
     Mismatch = 3,
     /// No server answers.
     Unavailable = 4,
@@ -25,8 +25,7 @@ pub enum Exit {
     Interrupted = 130,
 }
 
-/// Why a command did not succeed. Its message goes to standard error, as lines or as JSON; nothing is printed for an
-/// empty one.
+/// The failure of a command. Its message goes to standard error, as lines or as JSON. An empty message is not printed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CommandFailure {
     /// The exit code.
@@ -48,7 +47,7 @@ impl CommandFailure {
         Self { exit, message: message.into() }
     }
 
-    /// What goes to standard error under `--json`: one document on one line.
+    /// The document for standard error under `--json`, on one line.
     #[must_use]
     pub fn json(&self) -> String {
         serde_json::json!({ "error": self.message, "exit": self.exit as u8 }).to_string()
@@ -60,7 +59,7 @@ impl CommandFailure {
         Self::new(Exit::Interrupted, "interrupted")
     }
 
-    /// Standard output cannot be written. A reader that has seen enough, such as `head`, is no failure.
+    /// Standard output cannot be written. It is not a failure if the reader, such as `head`, has closed it.
     #[must_use]
     pub fn stdout(error: &io::Error) -> Self {
         match error.kind() {
@@ -126,7 +125,7 @@ impl From<PullError> for CommandFailure {
 }
 
 impl From<SourcesError> for CommandFailure {
-    /// Of several sources' errors the gravest decides: wrong bytes, then a server that may come back.
+    /// The gravest of several sources' errors decides: wrong bytes first, then a server that may come back.
     fn from(error: SourcesError) -> Self {
         let message = error.to_string();
         match error {

@@ -1,4 +1,4 @@
-//! `export`: a table in the files of engines, as textures in a format of one's own choice, or in its compact form.
+//! `export`: a table in the files of an engine, as textures in a chosen format, or in its compact form.
 
 use std::fmt::Write as _;
 
@@ -23,7 +23,7 @@ use ltcforge_textures::{
     About, Bundle, CompactContainer, Displacement, Export, RoundingError, TextureContainer, TextureFile, TextureLayout,
 };
 
-/// Writes the files, and says what to do with them.
+/// Writes the files, and prints what to do with them.
 pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     check_output_folder(&args.out)?;
     let AnyTable { path, digest, table, origin } = AnyTable::read(&args.table)?;
@@ -37,7 +37,7 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
         return Err(CommandFailure::new(Exit::Usage, no_layout(container, Some(&table))));
     }
     let export = export_of(&args.choice)?;
-    // Whatever cannot be is told before the table is measured.
+    // Faults are reported before the table is measured.
     let layout = export.layout(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     let pool = args.threads.pool()?;
     tabulated::check_complete(&table, &path)?;
@@ -71,10 +71,10 @@ pub(super) fn run(args: &ExportArgs, json: bool, context: &mut Context<'_>) -> R
     Ok(Exit::Ok)
 }
 
-/// The export that a command line asks for.
+/// The export that a command line requests.
 ///
 /// # Errors
-/// When it asks for a layout that there is none of, for none, or for a compact form in another layout or precision than the
+/// When the layout is unknown or missing, or a compact form is requested in another layout or precision than the
 /// table's own.
 pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure> {
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
@@ -95,14 +95,14 @@ pub(super) fn export_of(choice: &ExportChoice) -> Result<Export, CommandFailure>
     }
 }
 
-/// A table and its compact form, measured alike: errors between nodes as parts of a lobe's width.
+/// The errors of a table and its compact form between nodes, as parts of a lobe's width.
 #[derive(Debug, serde::Serialize)]
 struct Compared {
     table: Spread,
     decoded: Spread,
 }
 
-/// That a container needs a layout, and which ones the table has, or there are.
+/// The message that a container needs a layout, with the layouts that the table has, or all.
 fn no_layout(container: TextureContainer, table: Option<&Table>) -> String {
     let has = |layout: TextureLayout, table: &Table| {
         Export::Textures { layout, container, precision: Precision::F32 }.layout(table).is_ok()
@@ -113,7 +113,7 @@ fn no_layout(container: TextureContainer, table: Option<&Table>) -> String {
     format!("container {} holds textures: name their layout by --layout; {which} {layouts}", container.name())
 }
 
-/// The files of a compact form, and how good it is. Measures on the current rayon pool.
+/// The files of a compact form, and its error. Measures on the current rayon pool.
 fn compact_bundle(
     container: CompactContainer,
     table: &Table,
@@ -126,13 +126,13 @@ fn compact_bundle(
     Ok((bundle, Compared { table, decoded }))
 }
 
-/// The table's mean error between nodes, which its files state, where its recipe is known. Measures on the current rayon
+/// The table's mean error between nodes, which its files state, if its recipe is known. Measures on the current rayon
 /// pool. Domain: a table whose model is complete.
 pub(super) fn measured(table: &Table, recipe: Option<&Recipe>) -> Option<MeanError> {
     recipe.map(|recipe| MeanError::of(&table_report(table, recipe)))
 }
 
-/// The files of an export, and what to do with them. They follow from the arguments and this program alone.
+/// The files of an export, and the steps to use them. They depend on the arguments and this program alone.
 ///
 /// # Errors
 /// When the table has no such files.
@@ -147,7 +147,7 @@ pub(super) fn bundle(
     made.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))
 }
 
-/// The files, what rounding changed, and what to do.
+/// A text that lists the files, the changes by rounding, and the steps to use them.
 fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, steps: &[String]) -> String {
     let mut out = String::new();
     for file in files {
@@ -181,7 +181,7 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
     out
 }
 
-/// What became of numbers that are too large or too small for 16 bits; `None` where there are none.
+/// A line on the numbers that are too large or too small for 16 bits; `None` if there are none.
 fn beyond(clamped: u64, raised: u64) -> Option<String> {
     let told = [(clamped, "65504"), (raised, "6.0e-8 in place of 0")].map(|(count, became)| match count {
         0 => None,

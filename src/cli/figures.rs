@@ -1,4 +1,4 @@
-//! `figures`: the figures of the paper and of the notes, drawn anew.
+//! `figures`: draws the figures of the paper and of the notes again.
 
 use serde_json::json;
 

@@ -13,13 +13,13 @@ use super::{
 use ltcforge_files::{
     container::{self, TableFileError},
     digest::Digest,
-    manifest::manifest_json_with,
+    manifest::{manifest_of, table_report},
     replace::{PairError, replace_file, replace_pair},
     tabulated::kept_name,
 };
-use ltcforge_fit::{Plan, Table, TabulatedFile, fit_plan};
+use ltcforge_fit::{Plan, Report, Table, fit_plan};
 
-/// So much of a digest names a table among many thousands: `sha256:` and 12 digits.
+/// The length of a digest's beginning that tells a table from many thousands: `sha256:` and 12 digits.
 const SHORT_DIGEST: usize = "sha256:".len() + 12;
 
 /// Fits a recipe and writes the table and its manifest.
@@ -39,22 +39,22 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     let failed = |error: TableFileError| CommandFailure::new(Exit::Failed, error.to_string());
     let file = container::encode(&recipe, &table).map_err(failed)?;
     let digest = Digest::of(&file);
-    let find = |_: &str| Ok(recipe.model().file().cloned().unwrap_or_else(|| TabulatedFile::unread([0; 32])));
-    let manifest = pool.install(|| manifest_json_with(&file, &find)).map_err(failed)?;
+    let report = pool.install(|| table_report(&table, &recipe));
+    let manifest = manifest_of(&file, &table, &recipe, &report).map_err(failed)?;
 
-    // What the table is measured with stays beside it.
+    // The file of a tabulated BRDF is kept beside the table, because measuring the table needs it.
     if let (Some(of), Some(bytes)) = (recipe.model().file(), &brdf_file) {
         let path = args.out.join(kept_name(of.digest()));
         replace_file(&path, bytes).map_err(|error| file_failure(&path, &error))?;
     }
-    // The table is written first, so that there is never a manifest without its table, whenever the process ends.
+    // The table is written first: if the process ends in between, there is no manifest without its table.
     let manifest_path = args.out.join(format!("{}.manifest.json", digest.hex()));
     let table_path = args.out.join(format!("{}.safetensors", digest.hex()));
     replace_pair((&table_path, &file), (&manifest_path, manifest.as_bytes()))
         .map_err(|PairError { path, source }| file_failure(&path, &source))?;
 
     let seconds = started.elapsed().as_secs_f64();
-    let error = headline(&manifest);
+    let error = Headline::of(&report);
     let name =
         if finds_digests_in(&args.out) { digest.to_string()[..SHORT_DIGEST].to_owned() } else { shown(&table_path) };
     let next = [format!("ltcforge preview {name} -o sphere.png"), format!("ltcforge report {name}")];
@@ -66,12 +66,10 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     if !json {
         let entries = recipe.entries();
         eprintln!("{entries} entries in {seconds:.1} s: {fit_seconds:.1} s to fit, the rest to measure the error");
-        if let Some(Headline { mean, p95 }) = error {
-            let (mean, p95) = (100.0 * mean, 100.0 * p95);
-            eprintln!(
-                "error between the nodes, in widths of the lobe: {mean:.1} % on average, {p95:.1} % at the 95th percentile"
-            );
-        }
+        let (mean, p95) = (100.0 * error.mean, 100.0 * error.p95);
+        eprintln!(
+            "error between the nodes, in widths of the lobe: {mean:.1} % on average, {p95:.1} % at the 95th percentile"
+        );
         let data = recipe.model().file().and_then(|file| file.data());
         if let Some(asymmetry) = data.and_then(|data| data.asymmetry()) {
             eprintln!("{}", asymmetry_line(&asymmetry));
@@ -81,18 +79,18 @@ pub(super) fn run(args: &FitArgs, json: bool, context: &mut Context<'_>) -> Resu
     Ok(Exit::Ok)
 }
 
-/// A table's error in one line: how far its lobes between the nodes are from the BRDF's, as a part of the lobe's width.
+/// A table's error in one line: how far its lobes between the nodes are from the BRDF's, in widths of the lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct Headline {
     mean: f64,
     p95: f64,
 }
 
-/// The headline of the report in a manifest.
-fn headline(manifest: &str) -> Option<Headline> {
-    let manifest: serde_json::Value = serde_json::from_str(manifest).ok()?;
-    let width = manifest.pointer("/report/between/width")?;
-    Some(Headline { mean: width["mean"].as_f64()?, p95: width["p95"].as_f64()? })
+impl Headline {
+    fn of(report: &Report) -> Self {
+        let width = &report.between.width;
+        Self { mean: width.mean, p95: width.p95 }
+    }
 }
 
 /// Whether a digest alone finds the tables in `folder`.
@@ -103,7 +101,7 @@ fn finds_digests_in(folder: &Path) -> bool {
 /// The table of a plan, or `None` when the user stops the fit.
 pub(super) fn fit(plan: &Plan, bar: &ProgressBar, interrupt: &Interrupt) -> Option<Table> {
     fit_plan(plan, &|done| {
-        // Threads overtake each other on the way here; the bar never goes back.
+        // Threads may report out of order. The bar never goes back.
         bar.update(|bar| bar.set_pos(bar.pos().max(done)));
         if interrupt.is_set() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })

@@ -20,7 +20,7 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{PerAxis, Recipe, Table};
 
-/// Longest recipe that is read. The service takes 64 KiB.
+/// The longest recipe that is read. The service takes 64 KiB.
 const RECIPE_LIMIT_BYTES: u64 = 1 << 20;
 
 /// A table that was read: one of ltcforge's files, a compact form, or a `.npy` file.
@@ -32,16 +32,16 @@ pub(super) struct AnyTable {
     pub(super) origin: Origin,
 }
 
-/// What a file says of how its table was made.
+/// The origin of a table, as its file states it.
 pub(super) enum Origin {
     /// The recipe in one of ltcforge's files.
     Recipe(Recipe),
-    /// What the axes of a compact form or a `.npy` file cover; they say nothing else.
+    /// The ranges of the axes of a compact form or a `.npy` file, which state nothing else.
     Range(PerAxis<[f64; 2]>),
 }
 
 impl Origin {
-    /// What the table's axes cover.
+    /// The ranges of the table's axes.
     pub(super) fn range(&self) -> &PerAxis<[f64; 2]> {
         match self {
             Self::Recipe(recipe) => &recipe.range,
@@ -54,7 +54,7 @@ impl AnyTable {
     /// Reads a table. The file's first bytes or its extension say which format it has.
     ///
     /// # Errors
-    /// When there is no such file, it is longer than the limit, or it is no table.
+    /// When there is no such file, it is longer than the limit, or it is not a table.
     pub(super) fn read(choice: &TableChoice) -> Result<Self, CommandFailure> {
         Self::named(&choice.table, &choice.folder)
     }

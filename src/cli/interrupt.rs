@@ -1,4 +1,4 @@
-//! The flag that the user wants to stop.
+//! The flag by which the user stops a command.
 
 use tokio::sync::watch;
 
@@ -7,7 +7,7 @@ use tokio::sync::watch;
 pub struct Interrupt(watch::Receiver<bool>);
 
 impl Interrupt {
-    /// A pair: sending `true` interrupts.
+    /// A sender and the flag. Sending `true` interrupts the command.
     #[must_use]
     pub fn channel() -> (watch::Sender<bool>, Self) {
         let (sender, receiver) = watch::channel(false);
@@ -20,7 +20,7 @@ impl Interrupt {
         *self.0.borrow()
     }
 
-    /// Resolves when the command should stop; never, if the sender is gone.
+    /// Resolves when the command should stop, or never if the sender is gone.
     pub async fn wait(mut self) {
         if self.0.wait_for(|interrupted| *interrupted).await.is_err() {
             std::future::pending::<()>().await;

@@ -1,4 +1,4 @@
-//! `jobs`: a server's jobs.
+//! `jobs`: the jobs of a server.
 
 use super::{
     CommandFailure, Context, Exit,

@@ -1,4 +1,4 @@
-//! `light`: what surfaces reflect of area lights.
+//! `light`: the light that surfaces reflect from area lights.
 
 use std::io::{self, BufWriter, Write};
 
@@ -9,7 +9,7 @@ use super::{
     args::LightArgs,
     csv::{CsvLines, LineFailure},
     input::AnyTable,
-    lamps, tabulated,
+    light_case, tabulated,
 };
 use ltcforge_fit::{BrdfKind, BrdfModel, Table};
 use ltcforge_light::{
@@ -17,7 +17,7 @@ use ltcforge_light::{
     truth_of,
 };
 
-/// How the light is found, with what that takes.
+/// The model that the light is computed with.
 enum Found {
     Normals(WeightRule),
     Gaussian(Gaussian),
@@ -25,7 +25,7 @@ enum Found {
 }
 
 impl Found {
-    /// The scattering model of a table; closed forms are of GGX.
+    /// The scattering model of a table. Closed forms are of GGX.
     fn brdf(&self) -> Option<&BrdfModel> {
         match self {
             Self::Ltc(table) => Some(table.model()),
@@ -34,19 +34,19 @@ impl Found {
     }
 }
 
-/// Prints what is reflected for each line, as it is read.
+/// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let (found, ggx) = (choose(args)?, BrdfModel::from(BrdfKind::Ggx));
-    let lamps = CsvLines::open(&args.cases, "lights")?;
+    let lines = CsvLines::open(&args.cases, "lights")?;
     let mut out = BufWriter::new(&mut *context.stdout);
     if !json {
         let header = if args.truth { "energy,fresnel,true_energy,true_fresnel" } else { "energy,fresnel" };
         writeln!(out, "{header}").map_err(|error| CommandFailure::stdout(&error))?;
     }
-    let is_header = |line: &str| lamps::is_header(args.light, line);
-    lamps.each(is_header, |line| {
-        let Some(lamp) = lamps::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
-        let (at, light) = (lamp.at, lamp.light());
+    let is_header = |line: &str| light_case::is_header(args.light, line);
+    lines.each(is_header, |line| {
+        let Some(case) = light_case::parse(args.light, line).map_err(LineFailure::Line)? else { return Ok(()) };
+        let (at, light) = (case.at, case.light());
         let refuse = |error: LightError| LineFailure::Line(error.to_string());
         let reflected = match &found {
             Found::Normals(rule) => by_normals(&at, light, *rule),

@@ -27,7 +27,7 @@ use ltcforge_files::{
     replace::{folder_of, replace_file},
 };
 
-/// A file that is to be written, unless it is there.
+/// A file to write, unless it is there.
 struct Planned {
     path: PathBuf,
     digest: Digest,
@@ -39,12 +39,12 @@ struct Found {
     digest: Digest,
     file: TableFile,
     bytes: Vec<u8>,
-    /// Whether a source had to be asked.
+    /// Whether it came from a source.
     from_source: bool,
 }
 
-/// Pins tables and the files that are made of them. Everything is made and checked before the first file is written; the
-/// lock file is written last.
+/// Pins tables and the files that are made from them. Everything is made and checked before the first file is written.
+/// The lock file is written last.
 pub(super) fn run(
     args: &LockArgs,
     sources: &Sources,
@@ -87,7 +87,7 @@ pub(super) fn run(
             let index = asked_pin(args, &mut pins, path)?;
             made = vec![pins[index].name.clone()];
         }
-        // Names are checked before the work, and once more with the files that come of it.
+        // Names are checked before the work, and again with the files that it makes.
         check_pins(&pins).map_err(refused)?;
         check_places(path, &lock.folder, pins.iter().filter(|pin| made.contains(&pin.name)))?;
         let locking = Locking { args, sources, lock: &lock, context };
@@ -97,7 +97,7 @@ pub(super) fn run(
     }
     let text = with_pins(&old, &pins).map_err(refused)?;
     LockFile::parse(&text, path).map_err(refused)?;
-    // What stands in the way of any file is told before the first is written.
+    // All obstacles are found before the first file is written.
     for Planned { path, digest, .. } in &planned {
         client::target(path, &lock.folder)?;
         client::check(path, *digest, None, &lock.folder)?;
@@ -125,7 +125,7 @@ pub(super) fn run(
     Ok(Exit::Ok)
 }
 
-/// Checks that the lock file at `path`, and what pins name below its `folder`, can be written.
+/// Checks that the lock file at `path` and the pinned files below its `folder` can be written.
 fn check_places<'a>(path: &Path, folder: &Path, pins: impl Iterator<Item = &'a Pin>) -> Result<(), CommandFailure> {
     if !folder_of(path).is_dir() {
         return Err(file_failure(path, &format!("there is no folder {}", folder_of(path).display())));
@@ -135,7 +135,7 @@ fn check_places<'a>(path: &Path, folder: &Path, pins: impl Iterator<Item = &'a P
         client::check(&pin.path, pin.digest, None, folder)?;
         check_output_folder(folder_of(&client::target(&pin.path, folder)?))?;
         for export in &pin.exports {
-            // The files in it have names of their own.
+            // The names of the files in it are not known yet.
             let file = client::target(&export.to.join("file"), folder)?;
             check_output_folder(folder_of(&file))?;
         }
@@ -163,7 +163,7 @@ fn unknown(name: &str, path: &Path) -> CommandFailure {
     CommandFailure::new(Exit::Usage, format!("{}: {}: {what}", path.display(), name.escape_debug()))
 }
 
-/// The place in `pins` of the pin that the command line names, changed as it says. Its digest may be an old one yet.
+/// The index in `pins` of the pin that the command line names, after its changes. Its digest may still be the old one.
 fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize, CommandFailure> {
     let name = args.name.clone().unwrap_or_default();
     let index = pins.iter().position(|pin| pin.name == name);
@@ -184,7 +184,7 @@ fn asked_pin(args: &LockArgs, pins: &mut Vec<Pin>, lock: &Path) -> Result<usize,
             return Err(CommandFailure::new(Exit::Usage, "--out is the folder of an export: add --for or --container"));
         }
         let asked = asked_by(&args.export, out);
-        if !pin.exports.iter().any(|export| export.asks_as(&asked)) {
+        if !pin.exports.iter().any(|export| export.requests_same_as(&asked)) {
             pin.exports.push(asked);
         }
     }
@@ -204,7 +204,7 @@ impl Locking<'_, '_> {
         Fitting::new(args.threads, args.entry_limit, self.context)
     }
 
-    /// Completes a pin, and gives the files that it names.
+    /// Completes a pin, and returns the files that it names.
     fn pin(&self, pin: &mut Pin) -> Result<Vec<Planned>, CommandFailure> {
         let Found { digest, file, bytes, from_source } = self.find(pin)?;
         let recipe = recipe_document::canonical_json(&file.recipe);
@@ -234,7 +234,7 @@ impl Locking<'_, '_> {
         Ok(planned)
     }
 
-    /// The table that is to be pinned.
+    /// The table to pin.
     fn find(&self, pin: &Pin) -> Result<Found, CommandFailure> {
         match (&self.args.table, &self.args.recipe) {
             (Some(table), _) => self.named(table, pin),
@@ -243,7 +243,7 @@ impl Locking<'_, '_> {
         }
     }
 
-    /// A table's file, or a digest: of a table in the folders where digests are looked for, or else of a source.
+    /// A table by its file or its digest: from the folders that are searched for digests, or else from a source.
     fn named(&self, name: &Path, pin: &Pin) -> Result<Found, CommandFailure> {
         let digest = name.to_str().and_then(|text| text.parse::<Digest>().ok()).filter(|_| !name.exists());
         match (table_path(name, self.args.tables.as_deref()), digest) {
@@ -253,7 +253,8 @@ impl Locking<'_, '_> {
         }
     }
 
-    /// The table of a recipe: that of the pin, if it is of this recipe and its file is right, or else fitted.
+    /// The table of a recipe. It is the pinned table, if that has this recipe and its file is right, or else a fitted
+    /// one.
     fn fitted(&self, name: &Path, pin: &Pin) -> Result<Found, CommandFailure> {
         let recipe = self.fitting().recipe(name, &input::recipe_document(name)?)?;
         let is_pinned = pin.recipe.as_ref().is_some_and(|old| *old == recipe_document::canonical_json(&recipe));

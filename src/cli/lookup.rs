@@ -1,4 +1,4 @@
-//! `lookup`: what a shader would fetch from a table.
+//! `lookup`: the matrices that a shader would fetch from a table.
 
 use std::{
     collections::BTreeMap,
@@ -12,17 +12,17 @@ use super::{
     args::LookupArgs,
     csv::{CsvLines, LineFailure},
     input::AnyTable,
-    outside::{Clamped, Outside, clamped},
+    out_of_range::{Clamped, OutOfRangeCount, clamped},
     points::{self, COLUMNS, Point},
 };
 use ltcforge_fit::LookedUp;
 
-/// Prints a matrix for each point, as it is read.
+/// Prints a matrix for each point as soon as it is read.
 pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let AnyTable { table, origin, .. } = AnyTable::read(&args.table)?;
     let points = CsvLines::open(&args.points, "points")?;
     let mut out = BufWriter::new(&mut *context.stdout);
-    let mut outside = Outside::default();
+    let mut out_of_range = OutOfRangeCount::default();
     if !json {
         writeln!(out, "{}", header()).map_err(|error| CommandFailure::stdout(&error))?;
     }
@@ -30,15 +30,15 @@ pub(super) fn run(args: &LookupArgs, json: bool, context: &mut Context<'_>) -> R
         let Some(point) = points::parse(line).map_err(LineFailure::Line)? else { return Ok(()) };
         let found = table.lookup(&point.configuration);
         let clamped = clamped(&point.configuration, &table, origin.range());
-        outside.count(&clamped);
+        out_of_range.count(&clamped);
         let written =
             if json { write_json(&mut out, &point, &found, &clamped) } else { write_row(&mut out, &point, &found) };
         written.map_err(|error| LineFailure::stdout(&error))
     })?;
     out.flush().map_err(|error| CommandFailure::stdout(&error))?;
-    // As JSON, each line says it of its point.
-    if !json && !outside.is_empty() {
-        eprintln!("{outside}");
+    // In JSON, each line lists the clamped axes of its point.
+    if !json && !out_of_range.is_empty() {
+        eprintln!("{out_of_range}");
     }
     Ok(Exit::Ok)
 }

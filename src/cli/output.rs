@@ -1,4 +1,4 @@
-//! What a command writes: checked before the work, and replaced as a whole after it.
+//! Files that commands write: checked before the work, and replaced as a whole after it.
 
 use std::{
     fs::{self, OpenOptions},
@@ -19,9 +19,9 @@ pub(super) struct OutputFile {
 
 #[derive(Debug)]
 enum Place {
-    /// A file, there or not, that is replaced as a whole.
+    /// A file, existing or new, that is replaced as a whole.
     File(PathBuf),
-    /// A device or a pipe, which is written to.
+    /// A device or a pipe, to which bytes are written.
     Stream,
 }
 
@@ -35,7 +35,7 @@ impl OutputFile {
         let place = match fs::metadata(path) {
             Ok(found) if found.is_dir() => return Err(refuse(&"this is a folder; name a file in it")),
             Ok(found) if found.is_file() => {
-                // Opened as it is, to see whether that is allowed. A link stays a link: its target is replaced.
+                // The file is opened to see whether that is allowed. A link stays a link, and its target is replaced.
                 OpenOptions::new().write(true).open(path).map_err(|error| refuse(&error))?;
                 Place::File(fs::canonicalize(path).map_err(|error| refuse(&error))?)
             }
@@ -56,7 +56,7 @@ impl OutputFile {
         Ok(Self { path: path.to_owned(), place })
     }
 
-    /// Writes the file. Where that fails, the old one stays as it was.
+    /// Writes the file. If that fails, the old one stays as it was.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -69,10 +69,10 @@ impl OutputFile {
     }
 }
 
-/// Checks that files can be made in `folder`, which is made later where it is missing. Changes nothing.
+/// Checks that files can be made in `folder`, which is made later if it is missing. Changes nothing.
 ///
 /// # Errors
-/// Why that is not possible.
+/// When that is not possible.
 pub(super) fn check_output_folder(folder: &Path) -> Result<(), CommandFailure> {
     check_folder(folder).map_err(|error| file_failure(folder, &format!("no file can be made there: {error}")))
 }

@@ -1,4 +1,4 @@
-//! What `lock`, `pull` and `verify` make anew: tables of their recipes, and the files that are made of a table.
+//! Making pinned files anew for `lock`, `pull` and `verify`: tables from their recipes, and exports from tables.
 
 use std::{
     num::NonZeroU64,
@@ -31,7 +31,7 @@ pub(super) struct Fitting<'a> {
 }
 
 impl<'a> Fitting<'a> {
-    /// As the command line says.
+    /// Fitting as the command line chooses it.
     pub(super) fn new(threads: Threads, entry_limit: Option<NonZeroU64>, context: &'a Context<'_>) -> Self {
         Self { threads, entry_limit, draws_progress: context.draws_progress, interrupt: &context.interrupt }
     }
@@ -39,15 +39,15 @@ impl<'a> Fitting<'a> {
     /// The recipe in `document`, which comes from `name`.
     ///
     /// # Errors
-    /// Its faults; another fitter's version is one.
+    /// The faults of the recipe. The version of another fitter is one.
     pub(super) fn recipe(&self, name: &Path, document: &[u8]) -> Result<Recipe, CommandFailure> {
         tabulated::recipe(name, document, self.entry_limit).map(|(recipe, _)| recipe)
     }
 
-    /// Fits a recipe and gives the table's file.
+    /// Fits a recipe and returns the table's file.
     ///
     /// # Errors
-    /// When there are no threads, or the user stops it.
+    /// When no threads can be started, or the user stops it.
     pub(super) fn fit(&self, recipe: &Recipe) -> Result<Vec<u8>, CommandFailure> {
         let bar = progress::bar(self.draws_progress, recipe.entries());
         let plan = Plan::new(recipe);
@@ -57,12 +57,12 @@ impl<'a> Fitting<'a> {
         container::encode(recipe, &table).map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))
     }
 
-    /// What exports need of a table. Measures it.
+    /// Measures a table, for exports.
     ///
     /// # Errors
-    /// When there are no threads.
+    /// When no threads can be started.
     pub(super) fn measure(&self, mut file: TableFile, digest: Digest) -> Result<Measured, CommandFailure> {
-        // The file of a tabulated BRDF is where tables are.
+        // The file of a tabulated BRDF is in the folder of the tables.
         let name = PathBuf::from(format!("{}.safetensors", digest.hex()));
         tabulated::attach(&mut file, &name);
         tabulated::check_complete(&file.table, &name)?;
@@ -71,7 +71,7 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// A table as exports need it: measured once for all of them.
+/// A table that was measured once for all its exports.
 pub(super) struct Measured {
     file: TableFile,
     digest: Digest,
@@ -83,7 +83,7 @@ impl Measured {
     /// The files of an export, with their pins in the same order.
     ///
     /// # Errors
-    /// When the export asks for what this program does not know, or the table has no such files.
+    /// When this program does not know the export, or the table has no such files.
     pub(super) fn export(&self, asked: &ExportPin) -> Result<(ExportPin, Vec<TextureFile>), CommandFailure> {
         let Self { file: TableFile { table, recipe, .. }, digest, error } = self;
         let bundle = export::bundle(export_of(asked)?, table, *digest, Some(recipe), *error)?;
@@ -97,7 +97,7 @@ impl Measured {
     }
 }
 
-/// An export as it is pinned, without its files.
+/// The pin of an export, without its files.
 pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> ExportPin {
     let ExportChoice { engine, layout, container, precision } = choice;
     ExportPin {
@@ -110,12 +110,12 @@ pub(super) fn asked_by(choice: &ExportChoice, to: &Path) -> ExportPin {
     }
 }
 
-/// The export that a pin asks for.
+/// The export that a pin requests.
 pub(super) fn export_of(pin: &ExportPin) -> Result<Export, CommandFailure> {
     export::export_of(&choice_of(pin)?)
 }
 
-/// What a pin asks for.
+/// The choice that a pin makes.
 fn choice_of(pin: &ExportPin) -> Result<ExportChoice, CommandFailure> {
     let ExportPin { engine, layout, container, precision, to, .. } = pin;
     let refused = |what: String| CommandFailure::new(Exit::Usage, format!("the export to {}: {what}", to.display()));

@@ -45,13 +45,13 @@ pub(super) fn run(args: &PlotArgs, json: bool, context: &mut Context<'_>) -> Res
     Ok(Exit::Ok)
 }
 
-/// A picture, and what glass tells of itself.
+/// A picture, and the figures of plot glass.
 struct Drawn {
     picture: Picture,
     surfaces: Vec<GlassError>,
 }
 
-/// Domain: a table for the plots that are of one.
+/// Domain: a table, if the plot needs one.
 fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailure> {
     let digest = read.map(|any| any.digest.hex()).unwrap_or_default();
     let of_table = |plot: Plot| {
@@ -94,7 +94,7 @@ fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailur
     Ok(Drawn { picture, surfaces: Vec::new() })
 }
 
-/// Refuses what a picture does not depend on.
+/// Refuses options that a picture does not depend on.
 fn check_options(args: &PlotArgs) -> Result<(), CommandFailure> {
     let refused = |what: &str| Err(CommandFailure::new(Exit::Usage, what));
     let slices = args.ratio.is_some() || args.phi.is_some();

@@ -4,13 +4,13 @@ use std::f64::consts::FRAC_PI_2;
 
 use ltcforge_fit::Configuration;
 
-/// How far past pi/2 a polar angle may lie and still mean pi/2: the nearest f32 lies 4.4e-8 above it.
+/// How far above pi/2 a polar angle may lie and still count as pi/2. The nearest f32 lies 4.4e-8 above it.
 const THETA_ROUNDING: f64 = 1e-7;
 
-/// The names of the columns, also the header line.
+/// The names of the columns, which are also the header line.
 pub(super) const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
 
-/// A point: its fields as they were written, and their values.
+/// A point: the text of its fields, and their values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point<'a> {
     /// The fields without surrounding blanks, in the order of [`COLUMNS`].
@@ -19,10 +19,10 @@ pub(super) struct Point<'a> {
     pub(super) configuration: Configuration,
 }
 
-/// Reads a line; `None` for an empty one.
+/// Reads a line; `None` for an empty line.
 ///
 /// # Errors
-/// The field that is wrong, and what is allowed.
+/// The field that is wrong, and the values that it may have.
 pub(super) fn parse(line: &str) -> Result<Option<Point<'_>>, String> {
     if line.trim().is_empty() {
         return Ok(None);

@@ -8,8 +8,8 @@ use super::{CommandFailure, Context, Exit, args::PreviewArgs, input::AnyTable, o
 use ltcforge_fit::{BrdfKind, ggx_terms};
 use ltcforge_view::preview::{Material, Preview, PreviewError, Rendered, ShaderTable};
 
-/// Renders a picture and writes it. The adapter, materials outside the table, and the errors of modes that compare go to
-/// standard error, or as JSON to standard output.
+/// Renders a picture and writes it. Prints the adapter, materials outside the table, and the errors of modes that
+/// compare to standard error, or as JSON to standard output.
 pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let out = OutputFile::check(&args.out)?;
     let scene = args.scene.0.clone().into_scene();

@@ -1,4 +1,4 @@
-//! Names that the command line has for the choices of a preview and of a shader.
+//! The names of choices of previews and shaders on the command line.
 
 use clap::{ValueEnum, builder::PossibleValue};
 use serde::{Deserialize, Deserializer, de::Error as _};
@@ -29,7 +29,7 @@ macro_rules! names {
 }
 
 names! {
-    /// Bits of a number of a table on the GPU.
+    /// The bits of a table's number on the GPU.
     TexelFormatName(TexelFormat) {
         "f32" => TexelFormat::F32,
         "f16" => TexelFormat::F16,
@@ -44,7 +44,7 @@ names! {
         "msl" => Language::Msl,
         "spirv" => Language::Spirv,
     }
-    /// What renders.
+    /// The renderer.
     AdapterName(Adapter) {
         "any" => Adapter::Any,
         "gpu" => Adapter::Gpu,
@@ -52,12 +52,12 @@ names! {
     }
 }
 
-/// In a configuration file, by the same name.
+/// Configuration files have the same names.
 impl<'de> Deserialize<'de> for AdapterName {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let name = String::deserialize(from)?;
         <Self as ValueEnum>::from_str(&name, false)
-            .map_err(|_| D::Error::custom(format!("«{name}» is no adapter; it is one of any, gpu, cpu")))
+            .map_err(|_| D::Error::custom(format!("«{name}» is not an adapter; the adapters are any, gpu, cpu")))
     }
 }
 

@@ -19,16 +19,16 @@ use super::{
 use ltcforge_client::{self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError};
 use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, replace::PairError, staged::Staged};
 
-/// What was done with a file.
+/// A pinned file, and the outcome for it.
 struct Done<'a> {
     path: &'a Path,
     digest: Digest,
     outcome: &'static str,
 }
 
-/// Brings in every pinned table that is missing or differs, and makes the pinned files that do. They are put in their places
-/// once all pins were looked at. Where a pin is wrong, or what it pins has other bytes, every file stays as it was. A pin that no
-/// source has keeps no other out. The first failure decides the exit code.
+/// Downloads every pinned table that is missing or differs, and makes the pinned files that do. The files are moved
+/// into place after all pins were processed. If a pin is wrong, or its table or files have other bytes, every file
+/// stays as it was. A pin that no source has does not stop the others. The first failure decides the exit code.
 pub(super) fn run(
     args: &PullArgs,
     sources: &Sources,
@@ -59,11 +59,11 @@ pub(super) fn run(
             files.place().map_err(|PairError { path, source }| file_failure(&path, &source))?;
         }
     } else {
-        // The last first: a folder goes once nothing is in it.
+        // The last is dropped first, because a folder can be removed only after all that is in it.
         staged.drain(..).rev().for_each(drop);
     }
     for (pin, done, failure) in &ends {
-        // What is not in its place was not done.
+        // A file that was not moved into place is not reported.
         let is_done = |done: &&Done<'_>| places && failure.is_none() || done.outcome == UNCHANGED;
         for Done { path, digest, outcome } in done.iter().filter(is_done) {
             let value = json!({ "name": pin.name, "path": shown(path), "digest": digest, "outcome": outcome });
@@ -83,7 +83,7 @@ pub(super) fn run(
     first.map_or(Ok(Exit::Ok), |exit| Err(CommandFailure::new(exit, told.join("\n"))))
 }
 
-/// What became of a file that was right.
+/// The outcome for a file that was right.
 const UNCHANGED: &str = "unchanged";
 
 struct Pulling<'a, 'b> {
@@ -101,14 +101,14 @@ impl Pulling<'_, '_> {
         Fitting::new(args.threads, args.entry_limit, self.context)
     }
 
-    /// Brings in a table and the files that are made of it; `done` gets what became of each file.
+    /// Pulls a table and the files that are made from it. Adds the outcome for each file to `done`.
     fn pin<'p>(&mut self, pin: &'p Pin, done: &mut Vec<Done<'p>>) -> Result<(), CommandFailure> {
         let outcome = match self.state(&pin.path, pin.digest, pin.bytes)? {
             PinState::Right => UNCHANGED,
             _ => self.table(pin)?,
         };
         done.push(Done { path: &pin.path, digest: pin.digest, outcome });
-        // Read and measured once at most, and only where a file has to be made.
+        // The table is read and measured at most once, and only if a file has to be made.
         let mut read: Option<Measured> = None;
         for export in &pin.exports {
             let mut states = Vec::new();
@@ -138,7 +138,7 @@ impl Pulling<'_, '_> {
         Ok(())
     }
 
-    /// The state of a pinned file. Under `--locked` it has to be right.
+    /// The state of a pinned file. With `--locked` it must be right.
     fn state(&self, path: &Path, digest: Digest, bytes: Option<u64>) -> Result<PinState, CommandFailure> {
         let state = client::check(path, digest, bytes, &self.lock.folder)?;
         let drift = |reason: String| Err(mismatch(&self.lock.folder.join(path), &reason));
@@ -151,7 +151,7 @@ impl Pulling<'_, '_> {
         }
     }
 
-    /// Brings in a table that is missing or differs. Says what was done.
+    /// Pulls a table that is missing or differs, and returns the outcome.
     fn table(&mut self, pin: &Pin) -> Result<&'static str, CommandFailure> {
         let folder = &self.lock.folder;
         let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
@@ -168,7 +168,7 @@ impl Pulling<'_, '_> {
         }
     }
 
-    /// Fits a pinned recipe again, which has to give the pinned bytes.
+    /// Fits a pinned recipe again. The table must have the pinned bytes.
     fn fit(&mut self, pin: &Pin) -> Result<&'static str, CommandFailure> {
         let Some(document) = &pin.recipe else {
             let reason = "no source has the table, and the lock file has no recipe of it: `ltcforge lock` writes it";
@@ -191,7 +191,7 @@ impl Pulling<'_, '_> {
         staged.map_err(|error| file_failure(target, &error))
     }
 
-    /// The table of a pin whose file is right, or staged.
+    /// The table of a pin, from its file if that is right, or else from the staged one.
     fn read(&self, pin: &Pin) -> Result<TableFile, CommandFailure> {
         let place = self.lock.folder.join(&pin.path);
         let path = self.staged.path_of(&place).unwrap_or(&place);
@@ -200,9 +200,9 @@ impl Pulling<'_, '_> {
         Ok(check(&place, &bytes, Some(pin.digest))?.1)
     }
 
-    /// Brings in those files of an export that are not right, if one service has all of them.
+    /// Downloads those files of an export that are not right, if services have all of them.
     fn download(&mut self, pin: &Pin, export: &ExportPin, states: &[PinState]) -> Result<bool, CommandFailure> {
-        // What this program does not know is told without asking anyone.
+        // An export that this program does not know is an error without a request.
         export_of(export)?;
         let folder = &self.lock.folder;
         let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
@@ -220,7 +220,7 @@ impl Pulling<'_, '_> {
         }
     }
 
-    /// Stages those files of an export that are not right. All files have to have their pinned hashes, or none is written.
+    /// Stages those files of an export that are not right. If one does not have its pinned hash, none is staged.
     fn export(&mut self, export: &ExportPin, table: &Measured, states: &[PinState]) -> Result<(), CommandFailure> {
         let (made, files) = table.export(export)?;
         let advice = "`ltcforge lock` pins what this program makes";

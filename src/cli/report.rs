@@ -1,4 +1,4 @@
-//! `report`: measures how good a table is, one of ours or a published one.
+//! `report`: measures the error of a table, one of ltcforge's or a published one.
 
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
 
@@ -23,7 +23,7 @@ struct MeasuredTable {
     resolution: PerAxis<usize>,
     report: Report,
     corners: Option<Vec<Corner>>,
-    /// Of the file of a tabulated BRDF.
+    /// The asymmetry of a tabulated BRDF.
     asymmetry: Option<Asymmetry>,
 }
 

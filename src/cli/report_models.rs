@@ -1,4 +1,4 @@
-//! `report --model`: how far off the light of tables and closed forms is, by the measure that both share.
+//! `report --model`: the error of the light of tables and closed forms, by a measure that both share.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use super::{CommandFailure, Context, Exit, args::ReportArgs, input::AnyTable, pr
 use ltcforge_fit::{BrdfKind, BrdfModel, Spread};
 use ltcforge_light::{EVERYWHERE, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error};
 
-/// Random rectangles unless otherwise asked for.
+/// The default number of random rectangles.
 const LIGHTS: u32 = 2000;
 
 /// A model and its error.
@@ -18,7 +18,7 @@ struct Row {
     error: Spread,
 }
 
-/// Measures the table that is given, and with model normals its rules, or the model that is chosen, by the same lights.
+/// Measures a table or the chosen model, and each rule of model normals, by the same lights.
 pub(super) fn run(
     args: &ReportArgs,
     model: LightModel,

@@ -47,8 +47,6 @@ pub(super) fn run(
         };
         (http::Options { redirects: replica.redirect, ..options }, open)
     };
-    #[cfg(not(feature = "cluster"))]
-    let open = Service::open;
     let (listen, config) = settle(args, file);
     let runtime = context.runtime.clone();
     runtime.block_on(async {

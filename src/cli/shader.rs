@@ -17,7 +17,7 @@ use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Place, Reading};
 use ltcforge_textures::About;
 use ltcforge_translate::{include, include_function, port};
 
-/// Places at which a table and its polynomials are measured, so many that a single one hardly counts.
+/// Configurations at which a table and its polynomials are measured: so many that a single one hardly matters.
 const COMPARED_AT: usize = 512;
 
 /// Writes the shader to the file, or to standard output. With `--json` one line
@@ -74,7 +74,7 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     hand_out(args, out.as_ref(), &shader, value, json, context)
 }
 
-/// What the text takes for itself in the shader that includes it.
+/// The names and bindings of a text in the shader that includes it.
 fn place(args: &ShaderArgs) -> Place {
     Place {
         prefix: args.prefix.clone(),
@@ -83,7 +83,7 @@ fn place(args: &ShaderArgs) -> Place {
     }
 }
 
-/// The light of a table's polynomials, to include. Its comment tells how good they are, beside the table.
+/// The light of a table by polynomials, as a text to include. A comment in it states their error and the table's.
 fn without_textures(
     args: &ShaderArgs,
     language: Language,
@@ -153,7 +153,7 @@ fn hand_out(
     Ok(Exit::Ok)
 }
 
-/// Refuses what a language or a model does not have.
+/// Refuses options that a language or a model does not have.
 fn check_form(args: &ShaderArgs, language: Language) -> Result<(), CommandFailure> {
     let refused = |what: String| Err(CommandFailure::new(Exit::Usage, what));
     let name = language.name();

@@ -1,26 +1,26 @@
-//! Where `lock` and `pull` look for tables, and in which order.
+//! The sources of tables for `lock` and `pull`, and their order.
 
 use std::path::Path;
 
 use super::{CommandFailure, Interrupt, args::SourceArgs, config_file::ConfigFile, config_file::DEFAULT_SERVER};
 use ltcforge_client::{Access, Limits, Source};
 
-/// The places that a table may come from, besides those that the lock file names.
+/// The sources of tables besides those that the lock file names.
 #[derive(Debug)]
 pub(super) struct Sources {
-    /// Named on the command line or in the environment: these alone are asked.
+    /// From the command line or the environment. If there are any, no others are used.
     chosen: Vec<Source>,
-    /// Named in the configuration file: asked after those of the lock file.
+    /// From the configuration file. They come after those of the lock file.
     usual: Vec<Source>,
     limits: Limits,
     offline: bool,
 }
 
 impl Sources {
-    /// What the command line and the configuration say.
+    /// The sources of the command line and the configuration.
     ///
     /// # Errors
-    /// When a server's URL is none, whether it will be asked or not.
+    /// When a server's URL is invalid, even if the server is not used.
     pub(super) fn new(args: &SourceArgs, server: Option<&str>, file: &ConfigFile) -> Result<Self, CommandFailure> {
         let server = server.map(Source::server).transpose()?;
         let usual_server = file.server.as_deref().map(Source::server).transpose()?;
@@ -30,7 +30,7 @@ impl Sources {
         Ok(Self { chosen, usual, limits, offline: args.offline })
     }
 
-    /// The sources of a pin, in their order: `own` are its own and then the lock file's, whose folder is `folder`.
+    /// The sources of a pin, in order. `own` are those of the pin and then of the lock file, whose folder is `folder`.
     pub(super) fn of<'a>(&self, own: impl IntoIterator<Item = &'a Source>, folder: &Path) -> Vec<Source> {
         if !self.chosen.is_empty() {
             return self.chosen.clone();
@@ -40,12 +40,12 @@ impl Sources {
         if all.is_empty() { vec![Source::Server(DEFAULT_SERVER.to_owned())] } else { all }
     }
 
-    /// What the user named for this run: pinned with a table that came from there.
+    /// The sources that the user named for this run. A table that came from one is pinned with them.
     pub(super) fn chosen(&self) -> &[Source] {
         &self.chosen
     }
 
-    /// Calls `work` with how sources are asked.
+    /// Calls `work` with the access to sources.
     pub(super) fn with_access<T>(&self, interrupt: &Interrupt, work: impl FnOnce(&Access<'_>) -> T) -> T {
         let Self { limits, offline, .. } = *self;
         work(&Access { limits, offline, should_stop: &|| interrupt.is_set() })

@@ -14,14 +14,14 @@ use ltcforge_files::{
     digest::Digest,
 };
 
-/// Where tables are looked for when no folder is named: where `fit` writes by default, and where the manual puts them.
+/// The folders that are searched for tables by default: the one that `fit` writes to, and the one that the manual uses.
 pub(super) const TABLE_FOLDERS: [&str; 2] = [".", "tables"];
 
-/// The table's file that `name` stands for: a path, or a digest or its beginning, as `fit` prints it. A digest is
-/// looked for in `folder`, or without one in each of [`TABLE_FOLDERS`].
+/// The path of the table that `name` stands for: a path, or a digest or its beginning, as `fit` prints it. A digest is
+/// searched in `folder`, or without one in each of [`TABLE_FOLDERS`].
 ///
 /// # Errors
-/// When there is no such table, or several digests begin so.
+/// When there is no such table, or several digests have this beginning.
 pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, CommandFailure> {
     // A name that is not UTF-8 is a path.
     let text = name.to_str().unwrap_or_default();
@@ -64,14 +64,14 @@ pub(super) fn table_path(name: &Path, folder: Option<&Path>) -> Result<PathBuf, 
     }
 }
 
-/// The most bytes of a file that are read before its header tells how long a table it is.
+/// The most bytes of a file that are read before its header states the length of the table.
 const BEGINNING: u64 = 1 << 20;
 
-/// The bytes of a table's file of at most `limit_bytes`. One that is no table by its header is not read beyond its beginning,
-/// and no file beyond the length that its header tells.
+/// The bytes of a table's file of at most `limit_bytes`. The header is read first. If it is not a table's, the rest is
+/// not read, and no file is read beyond the length that its header states.
 ///
 /// # Errors
-/// The system's; that it is too long, or no table.
+/// When the file cannot be read, is too long, or is not a table.
 pub(super) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, CommandFailure> {
     let failed = |error: io::Error| file_failure(path, &error);
     let mut file = fs::File::open(path).map_err(failed)?;
@@ -93,8 +93,8 @@ pub(super) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, CommandFail
     Ok(bytes)
 }
 
-/// The table of a file that is what it says it is: it hashes to `expected`, or else to the digest in its name if there
-/// is one, and is well formed.
+/// The table of a file, after checks: it is well formed, and hashes to `expected`, or else to the digest in its name if
+/// there is one.
 pub(super) fn check(
     path: &Path,
     bytes: &[u8],
@@ -111,7 +111,7 @@ pub(super) fn check(
     Ok((actual, file))
 }
 
-/// The digest that a file is named after.
+/// The digest in the name of a file.
 fn digest_in_name(path: &Path) -> Option<Digest> {
     path.file_name()?.to_str()?.split('.').next()?.parse().ok()
 }

@@ -21,7 +21,7 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Recipe, Table, TabulatedAxes, TabulatedBrdf};
 
-/// Where files are looked for that `name`, a recipe or a table, needs: beside it, and where tables are.
+/// The folders that are searched for files that `name`, a recipe or a table, needs: its own, and those of tables.
 fn folders(name: &Path) -> Vec<PathBuf> {
     let beside = name.parent().filter(|folder| !folder.as_os_str().is_empty()).map(Path::to_owned);
     let mut all: Vec<PathBuf> = beside.into_iter().collect();
@@ -50,8 +50,8 @@ pub(super) fn recipe(
     Ok((recipe, kept.into_inner()))
 }
 
-/// The document with the file of a tabulated BRDF sent to the server, if it names one by its path. What else may be wrong with
-/// it, the server tells.
+/// The document after the file of a tabulated BRDF, if the document names one by its path, was sent to the server. The
+/// server checks the rest of the document.
 ///
 /// # Errors
 /// All faults of the file, and those of the server.
@@ -68,18 +68,18 @@ pub(super) fn uploaded(name: &Path, document: Vec<u8>, client: &Client) -> Resul
     Ok(recipe.to_string().into_bytes())
 }
 
-/// Gives a table the file of its tabulated BRDF, if it is of one and the file is there. [`check_complete`] tells where it is
-/// missed.
+/// Gives a table the file of its tabulated BRDF, if it has one and the file is there. [`check_complete`] refuses a
+/// table that lacks its file.
 pub(super) fn attach(file: &mut TableFile, path: &Path) {
     let folders = folders(path);
-    // What cannot be read is missed where it is needed.
+    // A file that cannot be read is an error only if it is needed.
     let _ = file.find_brdf(&|name| Ok(locate(&folders, name)?.file));
 }
 
 /// Refuses a table whose scattering model cannot be evaluated.
 ///
 /// # Errors
-/// Which file is missing, and where it is looked for.
+/// The file that is missing, and the folders that were searched.
 pub(super) fn check_complete(table: &Table, path: &Path) -> Result<(), CommandFailure> {
     let Some(file) = table.model().file().filter(|_| !table.model().is_complete()) else { return Ok(()) };
     let (kept, folders) = (kept_name(file.digest()), folders(path));
@@ -94,7 +94,7 @@ pub(super) fn check_complete(table: &Table, path: &Path) -> Result<(), CommandFa
     ))
 }
 
-/// Writes a model of formulas as a tabulated BRDF.
+/// Writes a model that has formulas as a tabulated BRDF.
 pub(super) fn run(args: &TabulateArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let out = OutputFile::check(&args.out)?;
     let axes = TabulatedAxes::spread(args.alpha.clone(), args.theta, args.phi);

@@ -1,4 +1,4 @@
-//! `tradeoff`: measures what speed and size cost in accuracy.
+//! `tradeoff`: measures the accuracy that speed and size cost.
 
 use std::{fmt::Write as _, path::Path, time::Instant};
 
@@ -22,10 +22,11 @@ use ltcforge_view::tradeoff::{
     stands_for_ltc,
 };
 
-/// The recipe that the family varies when none is given.
+/// The default recipe, which the family varies.
 const DEFAULT_RECIPE: &str = "paper";
 
-/// Fits a family of recipes one after the other, measures each table and the models of light, and writes the three files.
+/// Fits a family of recipes one after the other, measures each table and the models of light, and writes the three
+/// files.
 pub(super) fn run(args: &TradeoffArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let name = args.recipe.as_deref().unwrap_or(Path::new(DEFAULT_RECIPE));
     let document = input::recipe_document(name)?;

@@ -1,4 +1,4 @@
-//! What `tradeoff` measures of the models of light: errors, times of frames, bytes.
+//! Measuring models of light for `tradeoff`: errors, times of frames, bytes.
 
 use std::{sync::Arc, time::Instant};
 
@@ -23,7 +23,7 @@ pub(super) struct FittedTable {
     pub(super) fit_seconds: f64,
 }
 
-/// A model, and what it renders with.
+/// A model, and the scene and table that it renders.
 struct Candidate {
     scene: Scene,
     table: Arc<ShaderTable>,
@@ -35,7 +35,7 @@ pub(super) fn lights(base: &Recipe) -> Result<RandomLights, CommandFailure> {
     RandomLights::draw(&base.brdf, &base.range, LIGHTS).map_err(|error| no_light(&error))
 }
 
-/// How far off a model's light is.
+/// The error of a model's light.
 pub(super) fn error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, CommandFailure> {
     light_error(model, lights).map_err(|error| no_light(&error))
 }
@@ -128,7 +128,7 @@ fn by_gaussian(
     Ok(Candidate { scene: scene(gaussian.into(), WeightRule::Fan), table: Arc::clone(none), row })
 }
 
-/// What a model costs that has no table.
+/// The costs of a model without a table.
 fn without_table(lit_by: LitBy, lighting: Lighting<'_>, lights: &RandomLights) -> Result<ModelRow, CommandFailure> {
     Ok(ModelRow {
         model: lit_by.model(),
@@ -144,8 +144,8 @@ fn without_table(lit_by: LitBy, lighting: Lighting<'_>, lights: &RandomLights) -
     })
 }
 
-/// Milliseconds of each candidate's frames. The candidates take turns, so that a busy machine slows all of them; before
-/// each timed frame there is one that is not, after which the table is in place.
+/// Milliseconds of each candidate's frames. The candidates alternate, so that a busy machine slows all of them. A frame
+/// that is not timed comes before each timed one and loads the table.
 fn frame_times(
     preview: &mut Preview,
     candidates: &[Candidate],

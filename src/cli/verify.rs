@@ -1,4 +1,4 @@
-//! `verify`: whether files are tables and have the right digests.
+//! `verify`: checks that files are tables and have the right digests.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use super::{
 };
 use ltcforge_files::{container::TableFile, digest::Digest, recipe_document};
 
-/// Checks every file; the first that fails decides the exit code.
+/// Checks every file. The first that fails decides the exit code.
 pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
     let mut failures: Vec<CommandFailure> = Vec::new();
     let limit = args.folder.limit.table_limit;
@@ -52,7 +52,7 @@ pub(super) fn run(args: &VerifyArgs, json: bool, context: &mut Context<'_>) -> R
     }
 }
 
-/// Fits the recipe of a table again, which has to give the table's bytes.
+/// Fits the recipe of a table again. The result must have the table's bytes.
 fn refit(path: &Path, digest: Digest, file: &TableFile, fitting: &Fitting<'_>) -> Result<(), CommandFailure> {
     let recipe = fitting.recipe(path, recipe_document::canonical_json(&file.recipe).as_bytes())?;
     let actual = Digest::of(&fitting.fit(&recipe)?);

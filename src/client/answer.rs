@@ -12,19 +12,20 @@ use super::{
     limits::{Limits, Pace, SizeOrigin},
 };
 
-/// How much of an answer is read, and what says so.
+/// How much of an answer is read, and where that limit comes from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SizeLimit {
     pub(super) bytes: u64,
-    /// Who says so.
+    /// The origin of the limit.
     pub(super) origin: SizeOrigin,
 }
 
 impl SizeLimit {
-    /// Whether a file of `total` bytes from `url` has the size that the lock file states, if that is what this is.
+    /// Checks that a file of `total` bytes from `url` has the size that the lock file states, if the limit comes from
+    /// it.
     ///
     /// # Errors
-    /// When it is shorter; longer ones were cut off before.
+    /// When the file is shorter. Longer files were cut off before.
     pub(super) fn check(&self, url: &str, total: u64) -> Result<(), ClientError> {
         let is_right = total == self.bytes || self.origin != SizeOrigin::LockFile;
         let too_short = || ClientError::TooShort { url: url.to_owned(), bytes: total, stated_bytes: self.bytes };
@@ -32,7 +33,7 @@ impl SizeLimit {
     }
 }
 
-/// Why a body was not written to the end.
+/// The reason that a body was not written to its end.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum CopyError {
     #[error(transparent)]
@@ -44,11 +45,11 @@ pub(super) enum CopyError {
     Stopped,
 }
 
-/// Writes the body of an answer to `sink`, part by part, as it comes.
+/// Writes the body of an answer to `sink`, part by part, as it arrives.
 ///
 /// # Errors
 /// When the body is longer than `size`, slower than `limits` or takes longer than `time`; when `sink` fails; when
-/// `should_stop` says so, which is asked after each part.
+/// `should_stop`, which is called after each part, returns true.
 pub(super) fn copy(
     url: &str,
     response: Response<Body>,
@@ -96,7 +97,7 @@ pub(super) fn document(url: &str, response: Response<Body>, limits: Limits) -> R
     match copy(url, response, (size, limits.document_time, limits), &|| false, &mut bytes) {
         Ok(()) => Ok(bytes),
         Err(CopyError::Client(error)) => Err(error),
-        // Memory takes all bytes, and nobody stops this.
+        // Writing to memory does not fail, and this is never stopped.
         Err(error) => Err(ClientError::Unexpected { url: url.to_owned(), reason: error.to_string() }),
     }
 }

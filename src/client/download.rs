@@ -1,4 +1,4 @@
-//! A table on its way from a server.
+//! The download of a table from a server.
 
 use std::io::{self, Write};
 
@@ -11,7 +11,7 @@ use super::{
 };
 use ltcforge_files::digest::{Digest, Hasher};
 
-/// The answer to the request for a table, of which nothing was read yet.
+/// The answer to a request for a table. Its body is not read yet.
 #[derive(Debug)]
 pub struct Download {
     url: String,
@@ -20,7 +20,7 @@ pub struct Download {
     limits: Limits,
 }
 
-/// Why a table was not downloaded.
+/// The reason that a table was not downloaded.
 #[derive(Debug, thiserror::Error)]
 pub enum DownloadError {
     /// The server's answer is not the table.
@@ -29,7 +29,7 @@ pub enum DownloadError {
     /// The table could not be written.
     #[error(transparent)]
     Write(#[from] io::Error),
-    /// The user stopped it.
+    /// The user stopped the download.
     #[error("the download was stopped")]
     Stopped,
 }
@@ -39,11 +39,11 @@ impl Download {
         Self { url, response, digest, limits }
     }
 
-    /// Writes the table to `sink` as it comes, and checks its hash. It has to be as long as `stated_bytes`, what the lock file
-    /// says, or else within the limit of the client. `should_stop` is asked after each part.
+    /// Writes the table to `sink` as it arrives, and checks its hash. Its length must be `stated_bytes`, which comes
+    /// from the lock file, or else within the limit of the client. `should_stop` is called after each part.
     ///
     /// # Errors
-    /// See [`DownloadError`]. What was written to `sink` by then is not to be used.
+    /// See [`DownloadError`]. The bytes that are in `sink` by then must not be used.
     pub fn write_to(
         self,
         stated_bytes: Option<u64>,
@@ -69,7 +69,7 @@ impl From<CopyError> for DownloadError {
     }
 }
 
-/// How long a table is: as the lock file states, or else at most the limit for tables.
+/// The length of a table: the one that the lock file states, or else at most the limit for tables.
 pub(super) fn size_limit(stated_bytes: Option<u64>, limits: Limits) -> SizeLimit {
     match stated_bytes {
         Some(bytes) => SizeLimit { bytes, origin: SizeOrigin::LockFile },
@@ -77,19 +77,19 @@ pub(super) fn size_limit(stated_bytes: Option<u64>, limits: Limits) -> SizeLimit
     }
 }
 
-/// Hashes what it passes on.
+/// A writer that hashes all bytes that it passes on.
 pub(super) struct HashingWriter<'a> {
     sink: &'a mut dyn Write,
     hasher: Hasher,
 }
 
 impl<'a> HashingWriter<'a> {
-    /// Passes on to `sink`.
+    /// A writer that passes bytes on to `sink`.
     pub(super) fn new(sink: &'a mut dyn Write) -> Self {
         Self { sink, hasher: Hasher::default() }
     }
 
-    /// The digest of all that was passed on.
+    /// The digest of all bytes that were passed on.
     pub(super) fn digest(self) -> Digest {
         self.hasher.digest()
     }

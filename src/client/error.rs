@@ -1,4 +1,4 @@
-//! Why a request to a service failed.
+//! The errors of requests to a service.
 
 use serde::{Deserialize, Deserializer};
 
@@ -8,16 +8,16 @@ use ltcforge_files::{digest::Digest, recipe_document::Fault};
 /// A failed request. Every variant names the URL, or the file in a folder of tables.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// The URL of the server is none.
+    /// The server URL is invalid.
     #[error("{url}: this is not the URL of a server, such as http://127.0.0.1:8317")]
     BadUrl {
-        /// What was given.
+        /// The text in its place.
         url: String,
     },
-    /// What should name a source is neither the URL of a server nor a folder's path.
-    #[error("«{source_name}» is no source of tables: a source is the URL of a server or the path of a folder")]
+    /// The name of a source is neither the URL of a server nor a folder's path.
+    #[error("«{source_name}» is not a source of tables: a source is the URL of a server or the path of a folder")]
     BadSource {
-        /// What was given.
+        /// The text in its place.
         source_name: String,
     },
     /// A file in a folder of tables cannot be read.
@@ -48,12 +48,12 @@ pub enum ClientError {
         /// Faults of a recipe.
         faults: Vec<Fault>,
     },
-    /// The response is not one of ltcforge.
+    /// The response does not come from ltcforge.
     #[error("{url}: unexpected response: {reason}")]
     Unexpected {
         /// The requested URL.
         url: String,
-        /// What is wrong with the response.
+        /// The fault of the response.
         reason: String,
     },
     /// The response is longer than a limit.
@@ -63,17 +63,17 @@ pub enum ClientError {
         url: String,
         /// The limit.
         limit_bytes: u64,
-        /// Who says so.
+        /// The origin of the limit.
         origin: SizeOrigin,
     },
-    /// The response is shorter than the lock file says.
+    /// The response is shorter than the lock file states.
     #[error("{url}: it has {bytes} bytes, the lock file states {stated_bytes}")]
     TooShort {
         /// The requested URL.
         url: String,
         /// Its length.
         bytes: u64,
-        /// What is pinned.
+        /// The pinned length.
         stated_bytes: u64,
     },
     /// The bytes do not have the requested digest.
@@ -88,7 +88,7 @@ pub enum ClientError {
     },
 }
 
-/// The part of a problem document that the client reads. A proxy's page in its place is read as empty.
+/// The part of a problem document that the client reads. It is empty if a proxy's page came instead.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct ProblemDocument {
     #[serde(default, deserialize_with = "printable_text")]
@@ -97,15 +97,15 @@ pub(super) struct ProblemDocument {
     pub(super) errors: Vec<Fault>,
 }
 
-/// Whether a character prints nothing, or turns what stands around it: one that controls, marks the direction of a text, or
-/// breaks its lines.
+/// Whether a character prints nothing or changes the text around it: control characters, marks of a text's direction,
+/// and line breaks.
 pub(super) fn is_hidden(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
-/// What a server says, as a terminal may show it: white space in place of line breaks and the like, U+FFFD in place of all
-/// other characters that do not print, such as that with which sequences for the terminal begin.
+/// A server's text, made safe for a terminal: blanks replace line breaks and other white space, and U+FFFD replaces all
+/// other characters that do not print, such as the one that begins a terminal's escape sequence.
 pub(super) fn printable(text: &str) -> String {
     let shown = |c: char| match c {
         _ if !is_hidden(c) => c,

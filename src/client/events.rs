@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Read as _};
 
-/// Longest event that is read, and longest line. A job's document takes about one kilobyte.
+/// The longest event that is read, and the longest line. A job's document takes about one kilobyte.
 const EVENT_LIMIT_BYTES: u64 = 1 << 20;
 
 /// One event.
@@ -51,7 +51,7 @@ fn next(stream: &mut impl BufRead) -> io::Result<Option<Event>> {
                     return Err(too_long());
                 }
             }
-            // Comments have an empty name; names of events and retry times are not needed.
+            // Comments have an empty name. Event names and retry times are not needed.
             _ => {}
         }
     }

@@ -16,11 +16,11 @@ pub struct JobProgress {
     pub entries_done: u64,
     /// Entries of the table.
     pub entries_total: u64,
-    /// Expected time to the end.
+    /// The expected time to the end.
     pub seconds_left: Option<f64>,
 }
 
-/// The part of a job that the client reads. Fields that a later service adds are ignored.
+/// The part of a job that the client reads. It ignores fields that later services add.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct JobStatus {
     /// Its id.
@@ -33,7 +33,7 @@ pub struct JobStatus {
     pub attempts: u32,
     /// The table of a job that is done.
     pub table: Option<Digest>,
-    /// Why it failed.
+    /// The reason that it failed.
     #[serde(default, deserialize_with = "detail_of_problem")]
     pub error: Option<String>,
 }
@@ -51,7 +51,7 @@ impl JobDocument {
     /// Reads the document of a job.
     ///
     /// # Errors
-    /// When it is not one.
+    /// When the document is not a job's.
     pub fn parse(json: Value) -> Result<Self, serde_json::Error> {
         Ok(Self { status: JobStatus::deserialize(&json)?, json })
     }

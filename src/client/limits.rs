@@ -1,13 +1,13 @@
-//! How much of an answer is read, and how long it may take: a server is not trusted to end.
+//! Limits on the length and the time of answers, because a server may never end one.
 
 use std::{fmt, time::Duration};
 
 /// Limits on the answers of a server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Longest answer that is a document: a job, a page of jobs, a problem.
+    /// The longest answer that is a document: a job, a page of jobs, a problem.
     pub document_bytes: u64,
-    /// Longest table, unless the lock file states its size.
+    /// The longest table, unless the lock file states its size.
     pub table_bytes: u64,
     /// How long a server may send nothing in the middle of an answer.
     pub stall: Duration,
@@ -17,7 +17,7 @@ pub struct Limits {
     pub table_time: Duration,
     /// The time over which the speed of an answer is averaged.
     pub pace_window: Duration,
-    /// Slowest average that is waited for, in bytes per second.
+    /// The slowest average speed that is accepted, in bytes per second.
     pub pace_bytes_per_second: u64,
 }
 
@@ -34,7 +34,7 @@ impl Limits {
     };
 }
 
-/// Who says how long an answer may be.
+/// The origin of the limit on the length of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SizeOrigin {
     /// The lock file, which states the size of the file.
@@ -61,15 +61,15 @@ impl Default for Limits {
     }
 }
 
-/// The speed of an answer and its time in all, by what is read and when.
+/// Checks the speed of an answer and its time in all.
 #[derive(Debug)]
 pub(super) struct Pace {
     limits: Limits,
     /// How long the answer may take in all.
     time: Duration,
-    /// When the present window began, since the start of the answer.
+    /// When the current window began, counted from the start of the answer.
     window_start: Duration,
-    /// Bytes read in it.
+    /// Bytes that were read in it.
     window_bytes: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Why a lock file cannot be used.
+//! The errors of lock files.
 
 use std::io;
 
@@ -7,7 +7,7 @@ use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
 /// The version of the format that is written.
 pub(super) const VERSION: u32 = 2;
 
-/// Why a lock file cannot be used.
+/// The reason that a lock file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LockFileError {
     /// It cannot be read.
@@ -23,7 +23,7 @@ pub enum LockFileError {
     #[error("the lock file has version {0}; this program reads versions 1 to {VERSION}")]
     Version(i64),
     /// A name is empty or has characters that do not print.
-    #[error("the name «{}» is not allowed: a name has one character or more, and none that does not print", .0.escape_debug())]
+    #[error("the name «{}» is not allowed: a name has at least one character, and all of them print", .0.escape_debug())]
     Name(String),
     /// Two tables share a name, or two files a path.
     #[error("two {owners} have the {what} «{value}»")]
@@ -35,39 +35,40 @@ pub enum LockFileError {
         /// The value they share.
         value: String,
     },
-    /// A path leads out of the lock file's folder, into what version control keeps, or is none on some system.
+    /// A path leads out of the lock file's folder or into the files of version control, or some system does not allow
+    /// it.
     #[error("the path «{}» is not allowed: {reason}", .path.escape_debug())]
     Path {
         /// The path.
         path: String,
-        /// What is wrong with it.
+        /// Its fault.
         reason: &'static str,
     },
-    /// A path cannot be written in a file of text.
+    /// A path is not text, so it cannot be written to a lock file.
     #[error("the path «{0}» is not UTF-8 and cannot be written into a lock file")]
     NotText(String),
-    /// A number is greater than TOML allows.
+    /// A length is greater than the numbers of TOML.
     #[error("a file of {0} bytes is too long for a lock file")]
     Bytes(u64),
-    /// A pin's recipe is none.
+    /// The recipe of a pin is invalid.
     #[error("table «{name}»: recipe: {source}")]
     Recipe {
         /// The table.
         name: String,
-        /// What is wrong with it.
+        /// Its fault.
         source: RecipeError,
     },
-    /// A pin's recipe has another digest than the pin says.
+    /// The recipe of a pin has another digest than the pin states.
     #[error("table «{name}»: the recipe hashes to {actual}, {stated} is pinned")]
     RecipeDigest {
         /// The table.
         name: String,
-        /// What the pin says.
+        /// The digest that the pin states.
         stated: Digest,
-        /// What it is.
+        /// The digest of the recipe.
         actual: Digest,
     },
-    /// A pin lacks what `lock` writes.
+    /// A pin lacks a field that `lock` writes.
     #[error("table «{name}» has no {field}; `ltcforge lock` writes it")]
     Incomplete {
         /// The table.
@@ -77,7 +78,7 @@ pub enum LockFileError {
     },
 }
 
-/// The error of a text that is no lock file.
+/// The error of a text that is not a lock file.
 pub(super) fn syntax(error: impl std::fmt::Display) -> LockFileError {
     LockFileError::Syntax(error.to_string())
 }

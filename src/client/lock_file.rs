@@ -1,8 +1,8 @@
-//! `ltcforge.lock`: the tables that a project uses, by hash. `ltcforge lock` writes it; comments are preserved.
+//! `ltcforge.lock`: the tables that a project uses, pinned by hash. `ltcforge lock` writes it and keeps comments.
 //!
 //! ```toml
 //! version = 2
-//! sources = ["https://ltc.example.org", "../tables"] # optional: asked in this order
+//! sources = ["https://ltc.example.org", "../tables"] # optional: tried in this order
 //!
 //! [[table]]
 //! name = "metal"
@@ -11,7 +11,7 @@
 //! bytes = 77880
 //! recipe_digest = "sha256:cb8379ac2098aa165029e3938a51da0bcecfc008fd6795f401178647f96c5b34"
 //! recipe = '{"brdf":"ggx", ...}' # canonical JSON
-//! sources = ["https://other.example.org"] # optional: asked before the project's
+//! sources = ["https://other.example.org"] # optional: tried before the project's
 //!
 //! [[table.export]]
 //! for = "wgpu" # or layout, container and precision; or container = "compact-js"
@@ -21,7 +21,7 @@
 //! ]
 //! ```
 //!
-//! Version 1 had neither recipes nor exports, and `server` in place of a table's sources. It is read.
+//! Version 1 had neither recipes nor exports, and `server` in place of a table's sources. It can still be read.
 
 use std::path::{Path, PathBuf};
 
@@ -34,21 +34,21 @@ use super::{
 };
 use ltcforge_files::{bounded::read_file, digest::Digest, recipe_document};
 
-/// Longest lock file that is read: some thousand pins.
+/// The longest lock file that is read. It holds some thousand pins.
 const LIMIT_BYTES: u64 = 4 << 20;
 
 /// A project's pins.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LockFile {
-    /// In the order of the file; no two have the same name or path.
+    /// In the order of the file. No two have the same name or path.
     pub pins: Vec<Pin>,
-    /// Where tables are looked for.
+    /// The sources of tables.
     pub sources: Vec<Source>,
     /// The folder that paths are relative to.
     pub folder: PathBuf,
 }
 
-/// The part of each version that tells which it is.
+/// The part that every version has, which tells the version.
 #[derive(Debug, Deserialize)]
 struct Head {
     version: i64,
@@ -101,10 +101,10 @@ impl LockFile {
         Self::parse(&read_text(path)?, path)
     }
 
-    /// The lock file at `path` whose text this is.
+    /// Reads the text of the lock file at `path`.
     ///
     /// # Errors
-    /// When the text is no lock file, or pins the file at `path` itself.
+    /// When the text is not a lock file, or pins the file at `path` itself.
     pub fn parse(text: &str, path: &Path) -> Result<Self, LockFileError> {
         let (pins, sources) = parse(text)?;
         let lock = Self { pins, sources, folder: path.parent().map(Path::to_owned).unwrap_or_default() };
@@ -129,7 +129,7 @@ pub fn read_text(path: &Path) -> Result<String, LockFileError> {
 
 /// The pins and the project's sources in the text of a lock file.
 pub(super) fn parse(text: &str) -> Result<(Vec<Pin>, Vec<Source>), LockFileError> {
-    // The version first: what another version has may look like a fault.
+    // The version is read first, because the fields of another version would look like faults.
     let Head { version } = toml_edit::de::from_str(text).map_err(syntax)?;
     let (pins, sources): (Vec<Pin>, _) = match version {
         1 => {

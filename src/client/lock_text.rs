@@ -1,4 +1,4 @@
-//! The text of a lock file, changed where a pin changed: comments and the order of tables stay.
+//! Editing the text of a lock file. Comments and the order of tables stay.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use super::{
 };
 use ltcforge_files::recipe_document;
 
-/// The text of a lock file of the present version with these pins, and no other. A table that the old `text` has keeps its
-/// place and its comments. An empty `text` becomes a new lock file.
+/// The text of a lock file of the current version with these pins and no others. A table that the old `text` has keeps
+/// its position and its comments. An empty `text` becomes a new lock file.
 ///
 /// # Errors
 /// When `text` is not a lock file or the result would not be one, a pin is incomplete, or a path is not UTF-8.
@@ -89,7 +89,7 @@ fn export_table(pin: &ExportPin) -> Result<Table, LockFileError> {
         file.insert("path", path(&pin.path)?);
         file.insert("bytes", bytes(pin.bytes)?);
         file.insert("digest", pin.digest.to_string().into());
-        // A line for each, so that a difference shows which file changed.
+        // Each file has a line of its own, so that a diff shows which one changed.
         files.push_formatted(Value::from(file).decorated("\n    ", ""));
     }
     files.set_trailing("\n");

@@ -1,4 +1,4 @@
-//! What a project pins: tables, and files that are made of them.
+//! The pins of a project: tables, and files that are made from them.
 
 use std::{
     collections::BTreeSet,
@@ -15,44 +15,44 @@ use ltcforge_files::digest::Digest;
 pub struct Pin {
     /// Its name in the project.
     pub name: String,
-    /// Where its file is: relative to the lock file's folder, and below it.
+    /// The path of its file, relative to the lock file's folder and below it.
     pub path: PathBuf,
     /// Its digest.
     pub digest: Digest,
-    /// Its size: no other is taken. A pin of version 1 may lack it.
+    /// Its size. A file of another size is refused. A pin of version 1 may lack this.
     pub bytes: Option<u64>,
-    /// The recipe's document, of which it can be fitted again. A pin of version 1 lacks it.
+    /// The document of the recipe, from which it can be fitted again. A pin of version 1 lacks this.
     pub recipe: Option<String>,
-    /// Where it is looked for before the sources of the project.
+    /// The sources that are tried before those of the project.
     pub sources: Vec<Source>,
-    /// The files that are made of it.
+    /// The files that are made from it.
     pub exports: Vec<ExportPin>,
 }
 
-/// Files that are made of a table: which, where, and what they hash to. The first four fields are arguments of
+/// Files that are made from a table, with their paths and digests. The first four fields are arguments of
 /// `ltcforge export`, as text.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExportPin {
-    /// The engine whose files they are.
+    /// The engine that loads the files.
     #[serde(default, rename = "for")]
     pub engine: Option<String>,
-    /// Without an engine: the layout of the textures. A compact form has that of its table.
+    /// The layout of the textures, if there is no engine. A compact form has the layout of its table.
     #[serde(default)]
     pub layout: Option<String>,
-    /// And the files' format.
+    /// The format of the files, likewise.
     #[serde(default)]
     pub container: Option<String>,
-    /// And their numbers, as in recipes.
+    /// The format of their numbers, as in recipes, likewise.
     #[serde(default)]
     pub precision: Option<String>,
-    /// Their folder, relative to the lock file's and below it.
+    /// The folder of the files, relative to the lock file's and below it.
     pub to: PathBuf,
     /// The files.
     pub file: Vec<FilePin>,
 }
 
-/// A file that is made of a table.
+/// A file that is made from a table.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilePin {
@@ -65,14 +65,14 @@ pub struct FilePin {
 }
 
 impl ExportPin {
-    /// The name under which a service makes these files: that of the engine, layout, format and numbers, or that of a
-    /// compact form. `None` for what cannot be one.
+    /// The name under which a service makes these files: the engine, or the layout, format and numbers, or the compact
+    /// form. `None` if the fields do not name an export.
     #[must_use]
     pub fn name(&self) -> Option<String> {
         let name = match (&self.engine, &self.layout, &self.container) {
             (Some(engine), None, None) => engine.clone(),
             (None, Some(layout), Some(container)) => {
-                // As `ltcforge export` takes it.
+                // `ltcforge export` has the same default.
                 let precision = self.precision.as_deref().unwrap_or("f32");
                 format!("{layout}.{container}.{precision}")
             }
@@ -82,7 +82,7 @@ impl ExportPin {
         is_plain(&name).then_some(name)
     }
 
-    /// The path of one of the files in the export, with `/` between names; `None` for a path that no export has.
+    /// The path of one of the files within the export, with `/` between names; `None` for a path that no export has.
     #[must_use]
     pub fn path_of(&self, file: &FilePin) -> Option<String> {
         let names = file.path.strip_prefix(&self.to).ok()?.iter();
@@ -90,9 +90,9 @@ impl ExportPin {
         names.filter(|names| !names.is_empty()).map(|names| names.join("/"))
     }
 
-    /// Whether `other` asks for the same files.
+    /// Whether `other` requests the same files.
     #[must_use]
-    pub fn asks_as(&self, other: &Self) -> bool {
+    pub fn requests_same_as(&self, other: &Self) -> bool {
         let request = |pin: &Self| {
             let Self { engine, layout, container, precision, to, .. } = pin.clone();
             (engine, layout, container, precision, to)
@@ -101,16 +101,16 @@ impl ExportPin {
     }
 }
 
-/// Whether a text stands in a URL as it is, and is none of `.` and `..`.
+/// Whether a text needs no escapes in a URL, and is neither `.` nor `..`.
 fn is_plain(text: &str) -> bool {
     let is_allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_');
     text.chars().all(is_allowed) && text.chars().any(|c| c != '.')
 }
 
-/// Checks the names and paths of pins, before anything is done with them.
+/// Checks the names and paths of pins before they are used.
 ///
 /// # Errors
-/// A name or path that is not allowed, or that two pins share.
+/// When a name or path is not allowed, or two pins share one.
 pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
     let mut names = BTreeSet::new();
     for pin in pins {
@@ -134,7 +134,7 @@ pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
     Ok(())
 }
 
-/// Each file that is pinned.
+/// The path of each pinned file.
 pub(super) fn paths(pins: &[Pin]) -> impl Iterator<Item = &Path> {
     pins.iter().flat_map(|pin| {
         let files = pin.exports.iter().flat_map(|export| &export.file).map(|file| file.path.as_path());
@@ -147,8 +147,8 @@ pub(super) fn plain(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
-/// A lock file comes with a checkout, so it must not cause writes outside of it, nor into what version control keeps there,
-/// and its paths mean the same on every system.
+/// Refuses a path that is not safe. A lock file comes with a checkout, so it must not cause writes outside the checkout
+/// or into the files of version control, and its paths must mean the same on every system.
 fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
     let Some(text) = path.to_str() else { return Err(LockFileError::NotText(path.display().to_string())) };
     let refused = |reason| Err(LockFileError::Path { path: text.to_owned(), reason });
@@ -164,7 +164,7 @@ fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
         if name.contains(['\\', ':', '*', '?', '"', '<', '>', '|']) {
             return refused("not every system allows \\ : * ? \" < > | in names; folders are divided by /");
         }
-        // Windows leaves out dots and blanks at the end.
+        // Windows ignores dots and blanks at the end of a name.
         let bare = name.trim_end_matches(['.', ' ']);
         if bare != name && !bare.is_empty() {
             return refused("not every system allows names that end in a dot or a blank");
@@ -179,7 +179,7 @@ fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
     Ok(())
 }
 
-/// Whether Windows takes a name for a device, whatever follows its first dot.
+/// Whether Windows takes a name for a device. It ignores the part behind the first dot.
 fn is_device(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or_default().trim_end_matches(' ').to_ascii_uppercase();
     let numbered = stem.strip_prefix("COM").or(stem.strip_prefix("LPT"));

@@ -1,4 +1,4 @@
-//! Bringing in the pinned tables that are missing or differ.
+//! Downloading the pinned tables that are missing or differ.
 
 use std::{
     fs::{self, File},
@@ -17,7 +17,7 @@ use ltcforge_files::{digest::Digest, replace::folder_of, staged::Staged};
 pub enum PinState {
     /// It has the pinned bytes.
     Right,
-    /// There is no file.
+    /// The file is missing.
     Missing,
     /// It has other bytes.
     Different {
@@ -26,10 +26,10 @@ pub enum PinState {
     },
 }
 
-/// Why a table was not pulled.
+/// The reason that a table was not pulled.
 #[derive(Debug, thiserror::Error)]
 pub enum PullError {
-    /// No source gave it.
+    /// No source delivered it.
     #[error(transparent)]
     Sources(#[from] SourcesError),
     /// It could not be read or written.
@@ -40,14 +40,14 @@ pub enum PullError {
         /// The system's error.
         source: io::Error,
     },
-    /// It has the pinned digest, and the lock file states another size.
+    /// It has the pinned digest, but the lock file states another size.
     #[error("{}: a file of the pinned digest has {bytes} bytes, the lock file states {stated_bytes}", .path.display())]
     Size {
         /// The file.
         path: PathBuf,
         /// Its length.
         bytes: u64,
-        /// What is pinned.
+        /// The pinned length.
         stated_bytes: u64,
     },
     /// Its folder is a link that leads out of the lock file's folder.
@@ -58,11 +58,11 @@ pub enum PullError {
     },
 }
 
-/// The state of the file at `path` below `folder`, which should have this digest, and this size where one is stated. Writes
-/// nothing, and keeps no more than a part of the file in memory.
+/// The state of the file at `path` below `folder`, which should have this digest, and this size if one is stated. It
+/// writes nothing, and reads the file part by part.
 ///
 /// # Errors
-/// When something is there that cannot be read or is no regular file, or whose digest and stated size do not go together.
+/// When the file cannot be read or is not a regular file, or has the pinned digest but not the stated size.
 pub fn check(path: &Path, digest: Digest, stated_bytes: Option<u64>, folder: &Path) -> Result<PinState, PullError> {
     let path = folder.join(path);
     match digest_of_file(&path) {
@@ -73,10 +73,10 @@ pub fn check(path: &Path, digest: Digest, stated_bytes: Option<u64>, folder: &Pa
     }
 }
 
-/// Whether a file of the pinned digest has the size that is stated.
+/// Checks that a file of the pinned digest has the size that is stated.
 ///
 /// # Errors
-/// When it has not: one of the two is wrong in the lock file.
+/// When it has another size. Then one of the two is wrong in the lock file.
 pub fn check_size(path: PathBuf, bytes: u64, stated_bytes: Option<u64>) -> Result<(), PullError> {
     match stated_bytes {
         Some(stated_bytes) if stated_bytes != bytes => Err(PullError::Size { path, bytes, stated_bytes }),
@@ -84,17 +84,18 @@ pub fn check_size(path: PathBuf, bytes: u64, stated_bytes: Option<u64>) -> Resul
     }
 }
 
-/// With how many bytes that are.
+/// The digest of a file, and its length in bytes.
 fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
-    // Others, such as pipes and devices, may have no end; opening a pipe may even wait.
+    // Pipes and devices may have no end, and opening a pipe may block.
     let metadata = path.metadata()?;
     if !metadata.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is no regular file"));
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file"));
     }
     Ok((Digest::of_stream(File::open(path)?)?, metadata.len()))
 }
 
-/// Where the file at `path` below `folder` is written. A checkout may hold links, and none may lead a write out of it.
+/// The path to which the file at `path` below `folder` is written. A checkout may hold links, and none may lead a write
+/// out of it.
 ///
 /// # Errors
 /// When a link leads out, or a folder on the way cannot be read.
@@ -113,11 +114,11 @@ pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
     }
 }
 
-/// Stages the table of `pin` for its path below `folder` from the first of `sources` that has it, unless it is there.
-/// Returns the state before.
+/// Stages the table of `pin` for its path below `folder`, from the first of `sources` that has it, unless the file is
+/// there. Returns the state before.
 ///
 /// # Errors
-/// When no source has the pinned bytes or they cannot be written; nothing is staged then.
+/// When no source has the pinned bytes, or they cannot be written. Nothing is staged then.
 pub fn pull(
     pin: &Pin,
     (folder, sources): (&Path, &[Source]),
@@ -127,31 +128,31 @@ pub fn pull(
     let before = check(&pin.path, pin.digest, pin.bytes, folder)?;
     if before != PinState::Right {
         let wanted = Wanted { digest: pin.digest, stated_bytes: pin.bytes, of: None };
-        bring(&wanted, target(&pin.path, folder)?, sources, access, staged)?;
+        stage(&wanted, target(&pin.path, folder)?, sources, access, staged)?;
     }
     Ok(before)
 }
 
-/// Stages what is wanted for `path`, once it has come whole and right.
-fn bring(
+/// Stages the wanted file for `path`, once it has arrived whole and with the right hash.
+fn stage(
     wanted: &Wanted<'_>,
     path: PathBuf,
     sources: &[Source],
     access: &Access<'_>,
     staged: &mut Staged,
 ) -> Result<(), PullError> {
-    let brought = from_first(sources, wanted, access, &mut |write| staged.write(&path, |file| write(file)));
-    brought.map_err(|error| match error {
+    let staged = from_first(sources, wanted, access, &mut |write| staged.write(&path, |file| write(file)));
+    staged.map_err(|error| match error {
         SourcesError::Write(source) => PullError::File { path, source },
         error => PullError::Sources(error),
     })
 }
 
-/// Stages `files` of an export of `table` for their paths below `folder`, each from the first of `sources` that is a service
-/// and has it.
+/// Stages `files` of an export of `table` for their paths below `folder`, each from the first of `sources` that is a
+/// service and has it.
 ///
 /// # Errors
-/// When no service has the pinned bytes of a file, or they cannot be written; files before it are staged by then.
+/// When no service has the pinned bytes of a file, or they cannot be written. Files before it are staged by then.
 pub fn pull_export(
     table: Digest,
     pin: &ExportPin,
@@ -167,7 +168,7 @@ pub fn pull_export(
         let path = pin.path_of(file).ok_or_else(nobody)?;
         let of = Exported { table, export: &export, path: &path };
         let wanted = Wanted { digest: file.digest, stated_bytes: Some(file.bytes), of: Some(of) };
-        bring(&wanted, target(&file.path, folder)?, &servers, access, staged)?;
+        stage(&wanted, target(&file.path, folder)?, &servers, access, staged)?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The calls of the HTTP interface, blocking.
+//! The calls of the HTTP interface. They block.
 
 use std::{
     io::{self, BufReader},
@@ -21,11 +21,11 @@ use ltcforge_files::{
 
 /// How long a connection may take to open.
 const CONNECT: Duration = Duration::from_secs(10);
-/// How long the head of an answer may take, and how long a stream of events may be silent: three of its heartbeats.
+/// How long the head of an answer may take, and how long a stream of events may be silent: three heartbeats.
 const SILENCE: Duration = Duration::from_secs(45);
 /// How long a follower tries to reach a server that became unavailable.
 const RECONNECT_LIMIT: Duration = Duration::from_secs(20);
-/// Pause between two attempts to reach it.
+/// The pause between two attempts to reach it.
 const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
 
 /// A service, by its URL.
@@ -119,7 +119,7 @@ impl Client {
     /// # Errors
     /// See [`ClientError`].
     pub fn jobs(&self, state: Option<StateName>, limit: usize) -> Result<Vec<JobDocument>, ClientError> {
-        /// Items on a page: so few that a page of the largest jobs is far below the limit of a document.
+        /// Items on a page. A page of the largest jobs is far below the limit of a document.
         const PAGE: usize = 200;
         let url = self.url("/v1/jobs");
         let mut jobs = Vec::new();
@@ -146,7 +146,7 @@ impl Client {
         Ok(jobs)
     }
 
-    /// Asks for the canonical file of a table.
+    /// Requests the canonical file of a table.
     ///
     /// # Errors
     /// See [`ClientError`].
@@ -154,7 +154,7 @@ impl Client {
         self.download(&format!("/v1/tables/{digest}"), digest)
     }
 
-    /// Asks for the file `path` of an export of a table, which has to have this digest.
+    /// Requests the file `path` of an export of a table. The file must have this digest.
     ///
     /// # Errors
     /// See [`ClientError`].
@@ -168,13 +168,13 @@ impl Client {
         Ok(Download::new(url, response, digest, self.limits))
     }
 
-    /// Follows a job to its final state and returns that. `on_update` is called on each change. A lost connection is
-    /// resumed where it broke off.
+    /// Follows a job to its final state and returns that. `on_update` is called on each change. After a lost connection
+    /// the client goes on from the last event.
     ///
     /// # Errors
     /// See [`ClientError`]; unavailable when the server cannot be reached again within 20 seconds.
     pub fn follow(&self, id: JobId, on_update: &mut dyn FnMut(&JobDocument)) -> Result<JobDocument, ClientError> {
-        // Asked first, so that an unknown id or a missing server is an error at once.
+        // This request comes first, so that an unknown id or a missing server is an error at once.
         let mut latest = self.job(id)?;
         on_update(&latest);
         let mut seen: Option<String> = None;
@@ -194,7 +194,7 @@ impl Client {
         Ok(latest)
     }
 
-    /// Follows a job over one connection, until it ends.
+    /// Follows a job over one connection, until either ends.
     fn follow_once(
         &self,
         id: JobId,
@@ -214,7 +214,7 @@ impl Client {
         }
         for event in events(BufReader::new(response.into_body().into_reader())) {
             let event = event.map_err(|error| match error.kind() {
-                // The stream is none of events: another attempt would give the same.
+                // This is not an event stream, and another attempt would not change that.
                 io::ErrorKind::InvalidData => ClientError::Unexpected { url: url.clone(), reason: error.to_string() },
                 _ => ClientError::transport(&url, &ureq::Error::from(error)),
             })?;
@@ -241,7 +241,7 @@ impl Client {
         if status.is_success() {
             return Ok(response);
         }
-        // The status is enough: the body of an error may be incomplete.
+        // The status is enough. The body of an error may be incomplete.
         let body = answer::document(url, response, self.limits).unwrap_or_default();
         Err(ClientError::status(url, status.as_u16(), &body))
     }
@@ -261,11 +261,11 @@ fn parse_job(url: &str, body: &[u8]) -> Result<JobDocument, ClientError> {
 }
 
 fn unexpected(url: &str, error: &serde_json::Error) -> ClientError {
-    // It may quote what the server sent.
+    // The error may quote the server's answer.
     ClientError::Unexpected { url: url.to_owned(), reason: printable(&error.to_string()) }
 }
 
-/// Whether a server is on this machine, which a proxy cannot reach.
+/// Whether a server is on this machine. A proxy cannot reach it then.
 fn is_this_machine(uri: &Uri) -> bool {
     let host = uri.host().unwrap_or_default();
     let address = host.trim_start_matches('[').trim_end_matches(']').parse();

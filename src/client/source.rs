@@ -1,4 +1,4 @@
-//! Where pinned tables come from: services, and folders of `<digest>.safetensors` files.
+//! The sources of pinned tables: services, and folders of `<digest>.safetensors` files.
 
 use std::{
     ffi::OsString,
@@ -31,7 +31,7 @@ pub enum Source {
 impl FromStr for Source {
     type Err = ClientError;
 
-    /// Whatever has `://` in it is a URL.
+    /// A text with `://` in it is a URL.
     fn from_str(text: &str) -> Result<Self, ClientError> {
         if text.contains("://") {
             return Self::server(text);
@@ -46,7 +46,7 @@ impl FromStr for Source {
 impl TryFrom<OsString> for Source {
     type Error = ClientError;
 
-    /// What is not UTF-8 is the path of a folder.
+    /// A name that is not UTF-8 is the path of a folder.
     fn try_from(name: OsString) -> Result<Self, ClientError> {
         let name = match name.into_string() {
             Ok(text) => return text.parse(),
@@ -96,16 +96,16 @@ impl Source {
         }
     }
 
-    /// Writes what is wanted to `sink` as it comes, and checks its hash. It may be as long as the lock file says, or else as
-    /// the limit of `access`.
+    /// Writes the wanted file to `sink` as it arrives, and checks its hash. Its greatest length is the one that the
+    /// lock file states, or else the limit of `access`.
     ///
     /// # Errors
-    /// See [`DownloadError`]. What was written to `sink` by then is not to be used.
+    /// See [`DownloadError`]. The bytes that are in `sink` by then must not be used.
     fn write_to(&self, wanted: &Wanted<'_>, access: &Access<'_>, sink: &mut dyn Write) -> Result<(), DownloadError> {
         let Wanted { digest, stated_bytes, of } = *wanted;
         match self {
             Self::Server(url) if access.offline => {
-                let reason = "--offline asks no server".to_owned();
+                let reason = "--offline sends no request to a server".to_owned();
                 Err(ClientError::Unavailable { url: url.clone(), reason }.into())
             }
             Self::Server(url) => {
@@ -124,18 +124,18 @@ impl Source {
     }
 }
 
-/// A file that sources are asked for.
+/// A file to request from sources.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted<'a> {
     /// Its digest.
     pub(super) digest: Digest,
     /// Its size, as the lock file says.
     pub(super) stated_bytes: Option<u64>,
-    /// Where services have it; `None` for a table.
+    /// The export that it belongs to; `None` for a table.
     pub(super) of: Option<Exported<'a>>,
 }
 
-/// Where a service has a file that it makes of a table.
+/// A file that a service makes from a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Exported<'a> {
     /// The table.
@@ -146,14 +146,14 @@ pub(super) struct Exported<'a> {
     pub(super) path: &'a str,
 }
 
-/// How sources are asked.
+/// How sources are accessed.
 #[derive(Clone, Copy)]
 pub struct Access<'a> {
     /// Limits on what they send.
     pub limits: Limits,
-    /// Ask no server.
+    /// Send no request to a server.
     pub offline: bool,
-    /// Asked again and again while a table comes.
+    /// Called repeatedly while a table arrives.
     pub should_stop: &'a dyn Fn() -> bool,
 }
 
@@ -174,9 +174,9 @@ fn copy_file(
     let place = || path.display().to_string();
     let refused = |error: io::Error| ClientError::Unreadable { place: place(), reason: error.to_string() };
     let size = size_limit(stated_bytes, access.limits);
-    // Others, such as pipes and devices, may have no end; opening a pipe may even wait.
+    // Pipes and devices may have no end, and opening a pipe may block.
     if !path.metadata().map_err(refused)?.is_file() {
-        return Err(refused(io::Error::new(io::ErrorKind::InvalidInput, "this is no regular file")).into());
+        return Err(refused(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file")).into());
     }
     let mut file = File::open(path).map_err(refused)?;
     let mut sink = HashingWriter::new(sink);
@@ -205,10 +205,10 @@ fn copy_file(
     if actual == expected { Ok(()) } else { Err(ClientError::Mismatch { url: place(), expected, actual }.into()) }
 }
 
-/// Why no source gave a table.
+/// The reason that no source delivered a table.
 #[derive(Debug, thiserror::Error)]
 pub enum SourcesError {
-    /// None of them has it; what each said, in their order.
+    /// None of them has it. The errors are in the order of the sources.
     #[error("{}", list(.0))]
     NoneHasIt(Vec<ClientError>),
     /// The table could not be written.
@@ -229,8 +229,8 @@ fn list(errors: &[ClientError]) -> String {
 /// Writes a table to a sink.
 type Download<'a> = dyn FnMut(&mut dyn Write) -> Result<(), DownloadError> + 'a;
 
-/// Tries `sources` in their order until one gives what is wanted. `attempt` gets what writes it to a sink; it is called once
-/// for each source that is tried, and begins with an empty sink each time.
+/// Tries `sources` in order until one delivers the wanted file. `attempt` is called once for each source that is tried,
+/// with a function that writes the file to a sink, and begins with an empty sink each time.
 ///
 /// # Errors
 /// When no source has it, `attempt` fails to write it, or the user stopped it.
@@ -252,7 +252,7 @@ pub(super) fn from_first<T>(
     Err(SourcesError::NoneHasIt(failures))
 }
 
-/// The bytes of the table `digest`, of the first of `sources` that has it.
+/// The bytes of the table `digest`, from the first of `sources` that has it.
 ///
 /// # Errors
 /// As `from_first`.
@@ -319,7 +319,7 @@ mod tests {
             .expect("a link");
         let endless = Source::Folder(folder.path().into());
         let refused = fetch(&[endless], digest, None, &access()).expect_err("a device");
-        assert!(refused.to_string().contains("no regular file"), "{refused}");
+        assert!(refused.to_string().contains("not a regular file"), "{refused}");
         let server = [Source::Server("http://127.0.0.1:9".into())];
         let refused = fetch(&server, digest, None, &Access { offline: true, ..access() }).expect_err("offline");
         assert!(refused.to_string().contains("--offline"), "{refused}");

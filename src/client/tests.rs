@@ -1,4 +1,4 @@
-//! The client against servers that do as they like.
+//! The client against faulty servers.
 
 use std::{
     io::{Read as _, Write as _},
@@ -10,7 +10,8 @@ use std::{
 use super::{Client, ClientError, DownloadError, Limits, job::tests::document};
 use ltcforge_files::{digest::Digest, job::StateName};
 
-/// A server that hands each connection, after its request's head, to the next of `answers`. Its URL, and the requests.
+/// A server that reads the head of each request and hands the connection to the next of `answers`. Returns its URL and
+/// the requests.
 fn server_of(answers: Vec<Box<dyn FnOnce(TcpStream) + Send>>) -> (String, thread::JoinHandle<Vec<String>>) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let url = format!("http://{}", listener.local_addr().expect("an address"));
@@ -150,7 +151,7 @@ fn a_list_that_never_ends_is_left() {
 
 #[test]
 fn an_answer_that_is_slow_or_late_is_left() {
-    // Whatever its speed, it is below this one.
+    // Every speed is below this one.
     let slow = client(&endless(b"x"), |limits| {
         (limits.pace_window, limits.pace_bytes_per_second) = (Duration::ZERO, u64::MAX);
     });

@@ -2,10 +2,10 @@
 //!
 //! Invariant: a manifest follows from the table's file alone and contains no time, host or duration.
 
-use serde::{Deserialize, Serialize};
+use serde::{Serialize, de::Error as _};
 
 use super::{
-    container::{self, TableFile, TableFileError},
+    container::{self, TableFileError},
     digest::Digest,
     recipe_document,
     tabulated::{FindBrdf, no_files},
@@ -16,13 +16,13 @@ use ltcforge_fit::{Asymmetry, GoOn, REPORT_VERSION, Recipe, Report, Table, repor
 pub const MANIFEST_VERSION: u32 = REPORT_VERSION;
 
 #[derive(Debug, Serialize)]
-struct Manifest {
+struct Manifest<'a> {
     table: Digest,
     recipe_digest: Digest,
     recipe: serde_json::Value,
     bytes: usize,
     entries: usize,
-    report: Report,
+    report: &'a Report,
     #[serde(skip_serializing_if = "Option::is_none")]
     tabulated: Option<Tabulated>,
     exports: Vec<Export>,
@@ -67,8 +67,7 @@ pub fn manifest_json(file_bytes: &[u8]) -> Result<String, TableFileError> {
 pub fn manifest_json_with(file_bytes: &[u8], find: &FindBrdf<'_>) -> Result<String, TableFileError> {
     let mut file = container::decode(file_bytes)?;
     file.find_brdf(find)?;
-    let report = table_report(&file.table, &file.recipe);
-    json(file_bytes, &file, report)
+    manifest_of(file_bytes, &file.table, &file.recipe, &table_report(&file.table, &file.recipe))
 }
 
 /// As [`manifest_json_with`]; `None` as soon as `go_on` says no.
@@ -83,7 +82,7 @@ pub fn manifest_json_while(
     let mut file = container::decode(file_bytes)?;
     file.find_brdf(find)?;
     let report = report_while(go_on, &file.table, &file.recipe.range, report_points(&file.recipe));
-    report.map(|report| json(file_bytes, &file, report)).transpose()
+    report.map(|report| manifest_of(file_bytes, &file.table, &file.recipe, &report)).transpose()
 }
 
 /// The mean error of a table between nodes.
@@ -108,41 +107,33 @@ impl MeanError {
 /// # Errors
 /// When the text is no manifest.
 pub fn mean_error(manifest: &str) -> Result<MeanError, serde_json::Error> {
-    #[derive(Deserialize)]
-    struct Measured {
-        report: MeasuredReport,
-    }
-    #[derive(Deserialize)]
-    struct MeasuredReport {
-        between: Between,
-    }
-    #[derive(Deserialize)]
-    struct Between {
-        points: usize,
-        width: Width,
-    }
-    #[derive(Deserialize)]
-    struct Width {
-        mean: f64,
-    }
-    serde_json::from_str(manifest).map(|Measured { report: MeasuredReport { between } }| MeanError {
-        width: between.width.mean,
-        places: between.points,
-    })
+    let manifest: serde_json::Value = serde_json::from_str(manifest)?;
+    let between = &manifest["report"]["between"];
+    let (width, places) = (between["width"]["mean"].as_f64(), between["points"].as_u64());
+    let error = width.zip(places).map(|(width, places)| MeanError { width, places: places as usize });
+    error.ok_or_else(|| serde_json::Error::missing_field("report.between"))
 }
 
-fn json(file_bytes: &[u8], file: &TableFile, report: Report) -> Result<String, TableFileError> {
-    let text = recipe_document::canonical_json(&file.recipe);
+/// The manifest of a canonical file, from the table and the recipe in it and the table's [report](table_report).
+///
+/// # Errors
+/// When the recipe has no canonical JSON, which that of a file always has.
+pub fn manifest_of(
+    file_bytes: &[u8],
+    table: &Table,
+    recipe: &Recipe,
+    report: &Report,
+) -> Result<String, TableFileError> {
+    let text = recipe_document::canonical_json(recipe);
     let not_json = |error: serde_json::Error| TableFileError::Recipe(error.to_string());
     let manifest = Manifest {
         table: Digest::of(file_bytes),
         recipe_digest: Digest::of(text.as_bytes()),
         recipe: serde_json::from_str(&text).map_err(not_json)?,
         bytes: file_bytes.len(),
-        entries: file.table.matrix.len(),
+        entries: table.matrix.len(),
         report,
-        tabulated: file
-            .table
+        tabulated: table
             .model()
             .file()
             .map(|of| Tabulated { file: of.to_string(), asymmetry: of.data().and_then(|data| data.asymmetry()) }),

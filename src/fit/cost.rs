@@ -53,7 +53,7 @@ fn lobes(recipe: &Recipe) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Fitter, Metric, Solver, brdf::Ggx, math::direction, pulse::work_of};
+    use crate::{Fitter, Metric, Solver, brdf::Ggx, math::direction, stop_check::work_of};
 
     /// A fit counts its work in projections of a sample on a direction. `cargo bench --bench cost` measures the seconds.
     #[test]
@@ -66,8 +66,8 @@ mod tests {
             for (samples, directions) in [(1024, 8), (1024, 64), (8192, 16)] {
                 let fit =
                     FitSettings { metric: Metric::Sw1, solver, samples, directions, steps: 20, seed: 0, simplex: None };
-                let work = work_of(|pulse| {
-                    Fitter::new(&fit).of(lobe).fit(&ggx, direction(1.0, 0.6), 0, pulse).expect("nothing stops it");
+                let work = work_of(|stop_check| {
+                    Fitter::new(&fit).of(lobe).fit(&ggx, direction(1.0, 0.6), 0, stop_check).expect("nothing stops it");
                 });
                 let nanoseconds = 1e9 * entry_seconds(BrdfKind::Ggx, lobe, &fit) / work as f64;
                 assert!(

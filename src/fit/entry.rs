@@ -12,9 +12,9 @@ use super::{
     },
     math::{Lattice, SquarePoint, row_major},
     metric::{Distance, Grain, Lobe, Metric, Samples, Target},
-    pulse::{Pulse, unstopped},
     recipe::FitSettings,
     solver::{Effort, Guess, Objective, Solver, in_arrays},
+    stop_check::{StopCheck, unstopped},
 };
 
 /// Samples of the lobe for each sample of the LTC. The lobe can have more, because its samples are projected once and
@@ -119,16 +119,22 @@ impl Fitter {
     }
 
     /// Fits the lobe of `brdf` for `wo` and measures the fit. `stream` chooses the random numbers of solver `sgd`.
-    /// `None` when `pulse` stops it.
+    /// `None` when `stop_check` stops it.
     ///
     /// Domain: roughness at least 1e-8, `wo` of unit length above the horizon.
-    pub fn fit(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<FittedEntry> {
-        self.fit_near(brdf, wo, stream, None, pulse).map(|(entry, _)| entry)
+    pub fn fit(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, stop_check: &mut StopCheck) -> Option<FittedEntry> {
+        self.fit_near(brdf, wo, stream, None, stop_check).map(|(entry, _)| entry)
     }
 
     /// [`Fitter::fit`] by a solver that starts from a matrix, from `start`: in [`Fitter::frame`] of the lobe.
-    pub fn fit_from(&mut self, brdf: &dyn Brdf, wo: DVec3, start: DMat3, pulse: &mut Pulse) -> Option<FittedEntry> {
-        self.fit_near(brdf, wo, 0, Some(start), pulse).map(|(entry, _)| entry)
+    pub fn fit_from(
+        &mut self,
+        brdf: &dyn Brdf,
+        wo: DVec3,
+        start: DMat3,
+        stop_check: &mut StopCheck,
+    ) -> Option<FittedEntry> {
+        self.fit_near(brdf, wo, 0, Some(start), stop_check).map(|(entry, _)| entry)
     }
 
     /// The frame of a lobe: the rotation that takes +z to its mean direction.
@@ -145,13 +151,13 @@ impl Fitter {
         wo: DVec3,
         stream: u64,
         near: Option<DMat3>,
-        pulse: &mut Pulse,
+        stop_check: &mut StopCheck,
     ) -> Option<(FittedEntry, DMat3)> {
         let target = self.seen.target(brdf, wo);
-        let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, stream, near, pulse)?;
+        let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, stream, near, stop_check)?;
         let unseen = target.again(brdf, wo, &self.held_out.target);
         let LobeTerms { amplitude, fresnel } = brdf.terms(wo, &self.terms);
-        let error = self.distance(&Lobe { brdf, wo, target: &unseen }, &matrix, pulse)?;
+        let error = self.distance(&Lobe { brdf, wo, target: &unseen }, &matrix, stop_check)?;
         let above = self.gaussian(&matrix).map_or(1.0, |gaussian| above_horizon(&gaussian));
         let [amplitude, fresnel] = [amplitude, fresnel].map(|term| term / above);
         let entry = FittedEntry { matrix: row_major(&matrix), amplitude, fresnel, error };
@@ -164,24 +170,24 @@ impl Fitter {
         lobe: Lobe,
         stream: u64,
         near: Option<DMat3>,
-        pulse: &mut Pulse,
+        stop_check: &mut StopCheck,
     ) -> Option<DMat3> {
         let FitSettings { metric, samples, directions, steps, seed, simplex, .. } = self.settings;
         let effort = Effort { metric, samples: samples as usize, directions: directions as usize, steps, seed };
         let simplex = simplex.unwrap_or_default();
         let Lobe { brdf, wo, target } = lobe;
-        let mut loss = self.seen.distance.to(&lobe, pulse)?;
+        let mut loss = self.seen.distance.to(&lobe, stop_check)?;
         let model = self.lobe;
         solver
             .rules()
-            .solve(Objective { model, brdf, wo, target, loss: &mut *loss, effort, stream, simplex, near }, pulse)
+            .solve(Objective { model, brdf, wo, target, loss: &mut *loss, effort, stream, simplex, near }, stop_check)
     }
 
-    /// The matrix of solver `sgd`, whatever the settings' solver; `None` when `pulse` stops it.
+    /// The matrix of solver `sgd`, whatever the settings' solver; `None` when `stop_check` stops it.
     #[must_use]
-    pub fn descended(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, pulse: &mut Pulse) -> Option<DMat3> {
+    pub fn descended(&mut self, brdf: &dyn Brdf, wo: DVec3, stream: u64, stop_check: &mut StopCheck) -> Option<DMat3> {
         let target = self.seen.target(brdf, wo);
-        self.solve(Solver::Sgd, Lobe { brdf, wo, target: &target }, stream, None, pulse)
+        self.solve(Solver::Sgd, Lobe { brdf, wo, target: &target }, stream, None, stop_check)
     }
 
     /// The matrix alone that [`Fitter::fit_near`] gives for the next lobe.
@@ -190,27 +196,32 @@ impl Fitter {
         brdf: &dyn Brdf,
         wo: DVec3,
         near: Option<DMat3>,
-        pulse: &mut Pulse,
+        stop_check: &mut StopCheck,
     ) -> Option<DMat3> {
         let target = self.seen.target(brdf, wo);
-        let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, 0, near, pulse)?;
+        let matrix = self.solve(self.settings.solver, Lobe { brdf, wo, target: &target }, 0, near, stop_check)?;
         Some(target.frame.transpose() * matrix)
     }
 
     /// Calls `measure` with a function that evaluates loss and gradient once, at the lobe's first guess.
     pub fn with_evaluation(&mut self, brdf: &dyn Brdf, wo: DVec3, measure: impl FnOnce(&mut dyn FnMut() -> f64)) {
         let target = self.seen.target(brdf, wo);
-        let mut beat = unstopped;
-        let mut pulse = Pulse::new(&mut beat);
-        let Some(mut loss) = self.seen.distance.to(&Lobe { brdf, wo, target: &target }, &mut pulse) else { return };
+        let mut go_on = unstopped;
+        let mut stop_check = StopCheck::new(&mut go_on);
+        let Some(mut loss) = self.seen.distance.to(&Lobe { brdf, wo, target: &target }, &mut stop_check) else {
+            return;
+        };
         let matrix = Guess::of(&target.core).matrix();
-        measure(&mut || loss.value_and_gradient(&matrix, Grain::Full, &mut pulse).map_or(f64::NAN, |(value, _)| value));
+        measure(&mut || {
+            loss.value_and_gradient(&matrix, Grain::Full, &mut stop_check).map_or(f64::NAN, |(value, _)| value)
+        });
     }
 
     /// Sliced Wasserstein distance between the lobe and the lobe model of `matrix` on the held-out samples.
     pub fn error(&mut self, brdf: &dyn Brdf, wo: DVec3, matrix: &DMat3) -> f64 {
         let unseen = self.held_out.target(brdf, wo);
-        self.distance(&Lobe { brdf, wo, target: &unseen }, matrix, &mut Pulse::new(&mut unstopped)).unwrap_or(f64::NAN)
+        self.distance(&Lobe { brdf, wo, target: &unseen }, matrix, &mut StopCheck::new(&mut unstopped))
+            .unwrap_or(f64::NAN)
     }
 
     /// The Gaussian of a matrix, if the lobe model is one.
@@ -220,16 +231,16 @@ impl Fitter {
     }
 
     /// Distance between a lobe of held-out samples and the lobe model of `matrix`.
-    fn distance(&mut self, unseen: &Lobe, matrix: &DMat3, pulse: &mut Pulse) -> Option<f64> {
+    fn distance(&mut self, unseen: &Lobe, matrix: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
         let to_lobe = unseen.target.frame.transpose();
         let gaussian = self.gaussian(matrix);
-        let mut loss = self.held_out.distance.to(unseen, pulse)?;
+        let mut loss = self.held_out.distance.to(unseen, stop_check)?;
         let Some((gaussian, images)) = gaussian.zip(loss.images()) else {
-            return loss.value(&(to_lobe * *matrix), pulse);
+            return loss.value(&(to_lobe * *matrix), stop_check);
         };
         let mut offsets = Vec::new();
         Images::new(images.lattice(Grain::Full)).offsets(&gaussian, &to_lobe, &mut offsets);
-        images.value_of(&in_arrays(&offsets), pulse)
+        images.value_of(&in_arrays(&offsets), stop_check)
     }
 }
 

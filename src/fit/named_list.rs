@@ -4,6 +4,7 @@
 ///
 /// A line reads `Variant = "name" => RULES,` where `RULES` implements the list's trait; a list without a trait has
 /// lines `Variant = "name",`. The first variant is the default.
+#[macro_export]
 macro_rules! named_list {
     (
         $(#[$attribute:meta])*
@@ -11,7 +12,7 @@ macro_rules! named_list {
             $($(#[$variant_attribute:meta])* $variant:ident = $name:literal => $value:expr,)+
         }
     ) => {
-        named_list! {
+        $crate::named_list! {
             $(#[$attribute])*
             pub enum $list {
                 $($(#[$variant_attribute])* $variant = $name,)+
@@ -65,5 +66,3 @@ macro_rules! named_list {
         }
     };
 }
-
-pub(crate) use named_list;

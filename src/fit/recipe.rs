@@ -20,47 +20,63 @@ pub const FITTER_VERSION: u32 = 4;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FitSettings {
     /// The distance that is minimised.
-    pub(crate) metric: Metric,
+    #[doc(hidden)]
+    pub metric: Metric,
     /// The method that minimises it.
-    pub(crate) solver: Solver,
+    #[doc(hidden)]
+    pub solver: Solver,
     /// Samples of the LTC in each evaluation.
-    pub(crate) samples: u32,
+    #[doc(hidden)]
+    pub samples: u32,
     /// Directions that the samples are projected on.
-    pub(crate) directions: u32,
+    #[doc(hidden)]
+    pub directions: u32,
     /// Most steps (solver `bfgs` stops earlier when it has converged; `sgd` takes all).
-    pub(crate) steps: u32,
+    #[doc(hidden)]
+    pub steps: u32,
     /// Shifts the sample sequences of `bfgs`, seeds the generator of `sgd`.
-    pub(crate) seed: u64,
+    #[doc(hidden)]
+    pub seed: u64,
     /// The choices of a solver with a simplex. The canonical form names them with such a solver only, so that recipes keep
     /// their digests.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub(crate) simplex: Option<Simplex>,
+    #[doc(hidden)]
+    pub simplex: Option<Simplex>,
 }
 
 /// A complete recipe. Equal recipes give equal bytes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recipe {
     /// [`FITTER_VERSION`] that the recipe is meant for.
-    pub(crate) fitter: u32,
+    #[doc(hidden)]
+    pub fitter: u32,
     /// Scattering model: the fields `brdf` and, for a tabulated one, `tabulated`.
     #[serde(flatten)]
-    pub(crate) brdf: BrdfModel,
+    #[doc(hidden)]
+    pub brdf: BrdfModel,
     /// The distribution that stands for a lobe. The canonical form names it only where it is not the default, so that
     /// recipes keep their digests.
     #[serde(skip_serializing_if = "LobeModel::is_default")]
-    pub(crate) lobe: LobeModel,
+    #[doc(hidden)]
+    pub lobe: LobeModel,
     /// Layout of the table.
-    pub(crate) layout: Layout,
+    #[doc(hidden)]
+    pub layout: Layout,
     /// Nodes on each axis.
-    pub(crate) resolution: PerAxis<u32>,
+    #[doc(hidden)]
+    pub resolution: PerAxis<u32>,
     /// Lowest and highest value on each axis.
-    pub(crate) range: PerAxis<[f64; 2]>,
+    #[doc(hidden)]
+    pub range: PerAxis<[f64; 2]>,
     /// Fit settings.
-    pub(crate) fit: FitSettings,
+    #[doc(hidden)]
+    pub fit: FitSettings,
     /// Whether amplitude and Fresnel terms are stored.
-    pub(crate) terms: bool,
+    #[doc(hidden)]
+    pub terms: bool,
     /// Number format of the table.
-    pub(crate) precision: Precision,
+    #[doc(hidden)]
+    pub precision: Precision,
 }
 
 impl FitSettings {

@@ -9,9 +9,9 @@ use super::{
     entry::{FittedEntry, Fitter},
     layout::within_limits,
     math::{from_row_major, row_major, turned_about_z},
-    pulse::Pulse,
     recipe::Recipe,
     solver::Start,
+    stop_check::StopCheck,
 };
 
 /// Entries that a shard has at least, unless it is the last. They take some hundredths of a second, so that little work
@@ -102,12 +102,16 @@ impl Plan {
 
 /// Fits the entries of `shard` in storage order.
 ///
-/// `pulse` gets the count of the shard's finished entries after every entry, and at intervals within a long one. It may
-/// stop the fit; then the result is `None` and nothing of the shard is kept.
-pub fn fit_shard(plan: &Plan, shard: u32, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>) -> Option<Vec<FittedEntry>> {
+/// `on_progress` gets the count of the shard's finished entries after every entry, and at intervals within a long one. It
+/// may stop the fit; then the result is `None` and nothing of the shard is kept.
+pub fn fit_shard(
+    plan: &Plan,
+    shard: u32,
+    on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Option<Vec<FittedEntry>> {
     let range = plan.shard_entries(shard);
     let rows = range.start / plan.row_length()..range.end / plan.row_length();
-    fit_rows(plan, rows, &mut Fitter::new(&plan.recipe.fit).of(plan.recipe.lobe), pulse)
+    fit_rows(plan, rows, &mut Fitter::new(&plan.recipe.fit).of(plan.recipe.lobe), on_progress)
 }
 
 /// Fits the entries of some rows in storage order: [`fit_shard`] for callers who need no leases and whose threads
@@ -116,11 +120,11 @@ pub fn fit_rows(
     plan: &Plan,
     rows: Range<u64>,
     fitter: &mut Fitter,
-    pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Option<Vec<FittedEntry>> {
     let mut entries = Vec::with_capacity(((rows.end - rows.start) * plan.row_length()) as usize);
     for row in rows {
-        fit_row(plan, row, fitter, &mut entries, pulse)?;
+        fit_row(plan, row, fitter, &mut entries, on_progress)?;
     }
     Some(entries)
 }
@@ -131,28 +135,28 @@ fn fit_row(
     row: u64,
     fitter: &mut Fitter,
     entries: &mut Vec<FittedEntry>,
-    pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Option<()> {
     let first = row * plan.row_length();
     let mut near = None;
     if plan.is_warm() {
         let done = entries.len() as u64;
-        near = Some(from_above(plan, plan.place(first).alpha, fitter, &mut Pulse::new(&mut || pulse(done)))?);
+        near = Some(from_above(plan, plan.place(first).alpha, fitter, &mut StopCheck::new(&mut || on_progress(done)))?);
     }
     for view in (first..first + plan.row_length()).step_by(plan.view_length() as usize) {
-        fit_view(plan, view, fitter, &mut near, entries, pulse)?;
+        fit_view(plan, view, fitter, &mut near, entries, on_progress)?;
     }
     Some(())
 }
 
 /// The matrix, in the frame of its lobe, from which the first view of a row with warm starts begins: of the lobe seen from
 /// above, down from the plan's roughest one in halves, each found from the last.
-fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, pulse: &mut Pulse) -> Option<DMat3> {
+fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut StopCheck) -> Option<DMat3> {
     let mut rough = plan.place(plan.entries() - 1).alpha;
     let mut near = None;
     loop {
         let place = PerAxis { alpha: rough, ratio: 1.0, theta: 0.0, phi: 0.0 };
-        let matrix = fitter.next_to(&*plan.recipe.brdf.surface_at(&place), DVec3::Z, near, pulse)?;
+        let matrix = fitter.next_to(&*plan.recipe.brdf.surface_at(&place), DVec3::Z, near, stop_check)?;
         if rough <= alpha {
             return Some(matrix);
         }
@@ -170,18 +174,18 @@ fn fit_view(
     fitter: &mut Fitter,
     near: &mut Option<DMat3>,
     entries: &mut Vec<FittedEntry>,
-    pulse: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Option<()> {
     let place = plan.place(first);
     let start = *near;
     let (from_above, isotropic) = (place.theta == 0.0, place.ratio == 1.0);
-    let mut fit = |phi: f64, index: u64, done: u64, pulse: &mut dyn FnMut(u64) -> ControlFlow<()>| {
+    let mut fit = |phi: f64, index: u64, done: u64, on_progress: &mut dyn FnMut(u64) -> ControlFlow<()>| {
         let place = PerAxis { phi, ..place };
         let surface = plan.recipe.brdf.surface_at(&place);
-        fitter.fit_near(&*surface, place.view(), index, start, &mut Pulse::new(&mut || pulse(done)))
+        fitter.fit_near(&*surface, place.view(), index, start, &mut StopCheck::new(&mut || on_progress(done)))
     };
     let done = entries.len() as u64;
-    let shared = if from_above || isotropic { Some(fit(0.0, first, done, pulse)?) } else { None };
+    let shared = if from_above || isotropic { Some(fit(0.0, first, done, on_progress)?) } else { None };
     if start.is_some() {
         *near = shared.map(|(_, matrix)| matrix);
     }
@@ -190,9 +194,9 @@ fn fit_view(
         entries.push(match shared {
             Some(entry) if from_above => entry,
             Some(entry) => turned(&entry, *phi),
-            None => fit(*phi, index, done + (index - first), pulse)?.0,
+            None => fit(*phi, index, done + (index - first), on_progress)?.0,
         });
-        if pulse(entries.len() as u64).is_break() {
+        if on_progress(entries.len() as u64).is_break() {
             return None;
         }
     }

@@ -23,29 +23,40 @@ pub struct RecipeBuilder {
     entry_limit: u64,
 }
 
-impl Recipe {
+/// A recipe and its documents.
+pub trait RecipeDocument: Sized {
     /// A builder, preset `standard`.
-    pub fn builder() -> RecipeBuilder {
-        RecipeBuilder { fields: Map::new(), nested: BTreeMap::new(), entry_limit: DEFAULT_ENTRY_LIMIT }
-    }
+    fn builder() -> RecipeBuilder;
 
     /// Reads a recipe document. The file of a tabulated BRDF is found from the working folder.
     ///
     /// # Errors
     /// [`Error::Recipe`] with every fault of the document.
-    pub fn from_json(json: &[u8]) -> Result<Self, Error> {
-        read(json, DEFAULT_ENTRY_LIMIT)
-    }
+    fn from_json(json: &[u8]) -> Result<Self, Error>;
 
     /// The canonical JSON (RFC 8785), all defaults filled in.
     #[must_use]
-    pub fn to_json(&self) -> String {
-        canonical_json(self)
-    }
+    fn to_json(&self) -> String;
 
     /// SHA-256 of the canonical JSON: equal for recipes that give equal bytes.
     #[must_use]
-    pub fn digest(&self) -> Digest {
+    fn digest(&self) -> Digest;
+}
+
+impl RecipeDocument for Recipe {
+    fn builder() -> RecipeBuilder {
+        RecipeBuilder { fields: Map::new(), nested: BTreeMap::new(), entry_limit: DEFAULT_ENTRY_LIMIT }
+    }
+
+    fn from_json(json: &[u8]) -> Result<Self, Error> {
+        read(json, DEFAULT_ENTRY_LIMIT)
+    }
+
+    fn to_json(&self) -> String {
+        canonical_json(self)
+    }
+
+    fn digest(&self) -> Digest {
         digest(self)
     }
 }

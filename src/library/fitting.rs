@@ -71,7 +71,7 @@ impl<'a> Fit<'a> {
 mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
-    use super::*;
+    use super::{super::RecipeDocument as _, *};
     use ltcforge_fit::{Layout, Metric, Solver, Start};
 
     fn small() -> Recipe {

@@ -8,10 +8,9 @@ mod fitting;
 mod lighting;
 #[cfg(feature = "shaders")]
 mod shader;
-mod table_file;
 mod tables;
 
-pub use builder::RecipeBuilder;
+pub use builder::{RecipeBuilder, RecipeDocument};
 pub use error::Error;
 pub use fitting::{Fit, fit};
 pub use lighting::{light, light_by_table};

@@ -1,7 +1,8 @@
 //! The shader in another language.
 
 use super::Error;
-use ltcforge_shaders::{self as shaders, Language, LitBy};
+use ltcforge_shaders::{Language, LitBy};
+use ltcforge_translate::port;
 
 /// The shader that reads tables of a layout, or that needs none, in `language`: UTF-8, or the words of SPIR-V in
 /// little-endian order.
@@ -12,5 +13,5 @@ use ltcforge_shaders::{self as shaders, Language, LitBy};
 /// # Errors
 /// [`Error::Shader`] when naga does not translate the shader, which is a defect of this crate.
 pub fn shader(language: Language, lit_by: impl Into<LitBy>) -> Result<Vec<u8>, Error> {
-    Ok(shaders::port(language, lit_by)?)
+    Ok(port(language, lit_by)?)
 }

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Error, fit};
+use super::{Error, RecipeDocument as _, fit};
 use ltcforge_files::{
     container::{self, TableFile},
     digest::Digest,

@@ -256,7 +256,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     use super::*;
-    use crate::tests::cases::cosine;
+    use crate::cases::cosine;
     use ltcforge_fit::BrdfKind;
 
     const RANGE: PerAxis<[f64; 2]> =

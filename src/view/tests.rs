@@ -2,7 +2,7 @@
 
 use super::preview::{GpuFailure, run_decoder, tell_skipped};
 use ltcforge_files::compact::{decode, encode};
-use ltcforge_fit::{Layout, Table, planted_isotropic};
+use ltcforge_fit::{Layout, Table, testing::planted_isotropic};
 use ltcforge_textures::{About, CompactContainer, textures_of};
 
 /// A number that the module's header states: the one before ` bytes` in the line of a binding, or before ` workgroups`.

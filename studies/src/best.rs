@@ -5,7 +5,7 @@
 use std::{f64::consts::FRAC_PI_2, fmt::Write as _, path::Path};
 
 use ltcforge::{
-    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Precision, Preset, Recipe, Table,
+    BrdfKind, Configuration, Layout, LobeModel, LookedUp, Precision, Preset, Recipe, RecipeDocument as _, Table,
     files::container::decode_npy,
     fit::{Figures, figures_of},
 };

@@ -7,7 +7,7 @@
 use std::{fmt::Write as _, ops::ControlFlow};
 
 use ltcforge::{
-    BrdfKind, LobeModel, Metric, Recipe, Solver, Start,
+    BrdfKind, LobeModel, Metric, Recipe, RecipeDocument as _, Solver, Start,
     fit::{Plan, fit_seconds, fit_shard, width_between},
 };
 

@@ -5,7 +5,7 @@
 //! by least squares of relative errors, and the two exponents by trying: see docs/tradeoff.md.
 
 use ltcforge::{
-    BrdfKind, Layout, LobeModel, Preset, Recipe,
+    BrdfKind, Layout, LobeModel, Preset, Recipe, RecipeDocument as _,
     fit::{expectation, width_between},
 };
 

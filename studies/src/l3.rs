@@ -5,7 +5,7 @@ use std::{fmt::Write as _, path::Path};
 use glam::{DMat3, DVec3};
 use half::f16;
 use ltcforge::{
-    Configuration, Layout, LookedUp, Metric, Recipe, Shear, Solver, Start, Table,
+    Configuration, Layout, LookedUp, Metric, Recipe, RecipeDocument as _, Shear, Solver, Start, Table,
     fit::{
         Ltc,
         brdf::{Brdf, Ggx},

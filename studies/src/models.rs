@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use ltcforge::{
-    Preset, Recipe,
+    Preset, Recipe, RecipeDocument as _,
     fit::{Sides, Table},
     light::{
         WeightRule, by_table,

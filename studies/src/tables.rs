@@ -3,8 +3,8 @@
 use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 
 use ltcforge::{
-    BrdfKind, Configuration, LookedUp, Recipe, Table,
-    fit::{Fitter, Plan, Pulse, fit_plan, math::recurrence4},
+    BrdfKind, Configuration, LookedUp, Recipe, RecipeDocument as _, Table,
+    fit::{Fitter, Plan, StopCheck, fit_plan, math::recurrence4},
 };
 use rayon::prelude::*;
 
@@ -50,7 +50,7 @@ pub fn best(places: &[Configuration]) -> Vec<(Configuration, LookedUp)> {
         let surface = BrdfKind::Ggx.surface([at.alpha_x, at.alpha_y]);
         let wo = ltcforge::fit::math::direction(at.theta, at.phi);
         let mut go_on = || ControlFlow::Continue(());
-        let entry = fitter.fit(&*surface, wo, 0, &mut Pulse::new(&mut go_on)).expect("nothing stops it");
+        let entry = fitter.fit(&*surface, wo, 0, &mut StopCheck::new(&mut go_on)).expect("nothing stops it");
         let (amplitude, fresnel) = (Some(entry.amplitude), Some(entry.fresnel));
         (*at, LookedUp { matrix: entry.matrix, amplitude, fresnel })
     };

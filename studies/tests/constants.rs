@@ -1,6 +1,6 @@
 //! Shortened studies find what the sources have, and print what the documents have.
 
-use ltcforge::{Layout, Preset, Recipe, Solver, Metric, light::WeightRule};
+use ltcforge::{Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver, light::WeightRule};
 use ltcforge_studies::{
     best, costs, expected,
     expected::Extent,
@@ -109,7 +109,9 @@ fn the_documents_have_the_rows_of_model_normals() {
     let (errors, light) = printed.split_once("docs/light.md").expect("two documents");
     assert_eq!(check_rows(NORMALS_PAGE, errors, 1, 1.6), 4 + 7);
     // Their names tell how many lights there are.
-    let few = |text: &str| text.replace(", 10000 |", " |").replace(", 3000 |", " |").replace(", 2000 |", " |").replace(", 600 |", " |");
+    let few = |text: &str| {
+        text.replace(", 10000 |", " |").replace(", 3000 |", " |").replace(", 2000 |", " |").replace(", 600 |", " |")
+    };
     assert_eq!(check_rows(&few(LIGHT_PAGE), &few(light), 2, 1.6), 6);
 }
 
@@ -126,7 +128,8 @@ fn the_documents_have_the_ratio_to_the_best_ltcs() {
 #[test]
 fn the_documents_have_the_l3_distances() {
     let distance = |metric: Metric, solver: Solver| {
-        let recipe = Recipe::builder().layout(Layout::Ltc2017).metric(metric).solver(solver).samples(128).directions(16);
+        let recipe =
+            Recipe::builder().layout(Layout::Ltc2017).metric(metric).solver(solver).samples(128).directions(16);
         let recipe = recipe.steps(40).resolution("alpha", 32).resolution("theta", 32).build().expect("a recipe");
         l3::mean_distance(&fitted(&recipe), 60, 60)
     };

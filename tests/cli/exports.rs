@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use ltcforge::{Digest, files::textures::TextureContainer};
+use ltcforge::{Digest, textures::TextureContainer};
 use serde_json::Value;
 
 use crate::common::{

@@ -96,7 +96,7 @@ fn what_cannot_be_written_is_told_before_the_work() {
     fs::create_dir(folder.path().join("folder")).expect("a folder");
     for (more, said) in [
         (["--lock", "none/l"].as_slice(), "none/l: there is no folder none"),
-        (&["--to", "folder"], "folder: this is no regular file"),
+        (&["--to", "folder"], "folder: this is not a regular file"),
         (&["--to", "file/a.safetensors"], "file/a.safetensors: Not a directory"),
         (&["--for", "wgpu", "--out", "file"], "file: no file can be made there"),
     ] {

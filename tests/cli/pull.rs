@@ -147,7 +147,7 @@ fn sources_are_asked_in_order_and_wrong_bytes_are_not_taken() {
     let wrong = from(&["../wrong", NOBODY], 3);
     assert!(wrong.stderr.contains(&Digest::of(&other).to_string()), "{wrong:#?}");
     let offline = run(&project, ["pull", "--from", NOBODY, "--offline"]).exited(4);
-    assert!(offline.stderr.contains("--offline asks no server"), "{offline:#?}");
+    assert!(offline.stderr.contains("--offline sends no request to a server"), "{offline:#?}");
     assert!(!table.exists());
     let brought = from(&["../none", "../wrong", NOBODY, "../right"], 0);
     assert!(brought.stdout.starts_with("metal downloaded: assets/metal.safetensors\n"), "{brought:#?}");

@@ -1,5 +1,4 @@
 //! Several processes of the binary on one PostgreSQL and one store of tables: a folder, which outlives them all.
-#![cfg(feature = "cluster")]
 
 #[path = "../common/mod.rs"]
 mod common;

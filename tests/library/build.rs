@@ -10,7 +10,9 @@ use std::{
     sync::atomic::{AtomicU64, Ordering},
 };
 
-use ltcforge::{Configuration, Digest, Fit, Layout, LobeModel, Preset, Recipe, TableFile, glam::DMat3};
+use ltcforge::{
+    Configuration, Digest, Fit, Layout, LobeModel, Preset, Recipe, RecipeDocument as _, TableFile, glam::DMat3,
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");

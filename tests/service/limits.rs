@@ -62,7 +62,7 @@ fn get(server: &Server, path: &str, more: &[(&str, &str)]) -> Value {
     told(server, &request(&format!("GET {path}"), &fields))
 }
 
-const DEAREST: &str = "mode=strip&size=2048&spp=4096";
+const MOST_EXPENSIVE: &str = "mode=strip&size=2048&spp=4096";
 /// A picture that takes minutes, and far less than a day in any build on the busiest machine.
 const LONG: &str = "mode=strip&size=2048&spp=64";
 
@@ -100,16 +100,16 @@ fn met(name: &str, server: &Server) -> Value {
             let mut asked = Vec::new();
             let mut size = 63;
             eventually("a full queue", || {
-                // The small picture may have come first and the long one been refused: it is asked for until it stands.
+                // The small picture may have come first, and the long one been refused: it is requested until it waits.
                 asked.push(send(server, &long));
                 size += 1;
                 let answer = server.get(&format!("/v1/preview?size={size}"));
                 (answer.status == 429).then(|| answer.json())
             })
         }
-        "predicted seconds of a picture" => {
+        "samples of a picture" => {
             server.fit(SMALL);
-            server.get(&format!("/v1/preview?{DEAREST}")).with_status(422).json()
+            server.get(&format!("/v1/preview?{MOST_EXPENSIVE}")).with_status(422).json()
         }
         other => panic!("no test meets the limit «{other}»"),
     }
@@ -127,7 +127,7 @@ fn arguments(name: &str) -> &'static [&'static str] {
         "pictures that wait or are rendered" => {
             &["--adapter", "cpu", "--picture-queue", "1", "--picture-seconds", "86400"]
         }
-        "predicted seconds of a picture" => &["--adapter", "cpu", "--picture-seconds", "1"],
+        "samples of a picture" => &["--adapter", "cpu", "--picture-seconds", "1"],
         _ => &[],
     }
 }
@@ -137,7 +137,7 @@ fn the_answer_of_each_limit_says_which_it_was() {
     let limits = documented();
     assert!(limits.len() > 15, "{limits:#?}");
     for Limit { name, kind, flag } in limits {
-        // Only a picture that is slower than predicted meets it; `http::error` tests what its answer says.
+        // Only a picture within the limit of samples meets it, on a slow machine; `http::error` tests what its answer says.
         if name.starts_with("time of a picture") {
             continue;
         }

@@ -5,7 +5,7 @@ use std::{ops::ControlFlow, sync::Arc};
 use ltcforge::{
     files::recipe_document::{self, Preset},
     fit::{
-        Configuration, Fitter, Plan, Pulse, Table, assemble,
+        Configuration, Fitter, Plan, StopCheck, Table, assemble,
         brdf::Ggx,
         fit_shard,
         math::{direction, from_row_major, recurrence4},
@@ -35,7 +35,8 @@ fn errors(table: &Table, at: &Configuration) -> [f64; 2] {
     let (ggx, wo) = (Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y }, direction(at.theta, at.phi));
     let mut fitter = Fitter::new(&Preset::Paper.fit());
     let looked_up = fitter.error(&ggx, wo, &from_row_major(&table.lookup(at).matrix));
-    let own = fitter.fit(&ggx, wo, 0, &mut Pulse::new(&mut || ControlFlow::Continue(()))).expect("nothing stops it");
+    let own =
+        fitter.fit(&ggx, wo, 0, &mut StopCheck::new(&mut || ControlFlow::Continue(()))).expect("nothing stops it");
     [looked_up, own.error]
 }
 

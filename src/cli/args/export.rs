@@ -18,10 +18,10 @@ pub struct ExportArgs {
     /// The table
     #[command(flatten)]
     pub table: TableChoice,
-    /// Which files
+    /// The kind of files
     #[command(flatten)]
     pub choice: ExportChoice,
-    /// The folder; it is made where it is missing
+    /// The folder; it is made if it is missing
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
     /// How many threads measure the table, whose files state how good it is
@@ -29,7 +29,7 @@ pub struct ExportArgs {
     pub threads: Threads,
 }
 
-/// Which files to make of a table.
+/// The kind of files to make from a table.
 #[derive(Debug, Clone, PartialEq, Eq, Args)]
 pub struct ExportChoice {
     /// Write the files of this engine, under its names
@@ -48,7 +48,7 @@ pub struct ExportChoice {
 
 fn engines() -> impl TypedValueParser<Value = Engine> {
     let names = PossibleValuesParser::new(Engine::ALL.iter().map(|engine| engine.name()));
-    names.try_map(|name| Engine::from_name(&name).ok_or("is no engine"))
+    names.try_map(|name| Engine::from_name(&name).ok_or("is not an engine"))
 }
 
 /// A format of textures, or of the table itself.
@@ -79,10 +79,10 @@ impl AnyContainer {
 
 fn containers() -> impl TypedValueParser<Value = AnyContainer> {
     let names = PossibleValuesParser::new(AnyContainer::all().map(AnyContainer::name));
-    names.try_map(|name| AnyContainer::all().find(|item| item.name() == name).ok_or("is no format"))
+    names.try_map(|name| AnyContainer::all().find(|item| item.name() == name).ok_or("is not a format"))
 }
 
-/// By the names that graphics interfaces have, or as in recipes.
+/// Reads a precision by its name in graphics interfaces or in recipes.
 fn precisions() -> impl TypedValueParser<Value = Precision> {
     let (half, float) = (PossibleValue::new("half").alias("f16"), PossibleValue::new("float").alias("f32"));
     PossibleValuesParser::new([float, half])

@@ -9,7 +9,7 @@ use ltcforge_files::job::{JobId, StateName};
 /// `jobs`.
 #[derive(Debug, Args)]
 pub struct JobsArgs {
-    /// What to do
+    /// The action
     #[command(subcommand)]
     pub action: JobsAction,
 }

@@ -1,4 +1,4 @@
-//! `light`: what surfaces reflect of area lights.
+//! `light`: the light that surfaces reflect from area lights.
 
 use std::path::PathBuf;
 
@@ -13,30 +13,32 @@ use ltcforge_light::{LightModel, LightShape, WeightRule};
 /// `light`.
 #[derive(Debug, Args)]
 pub struct LightArgs {
-    /// CSV with `alpha_x,alpha_y,theta,phi` and a light on each line, `-` for stdin: a surface, a view direction, and the light in the
-    /// tangent frame around the shaded point.
+    /// CSV with `alpha_x,alpha_y,theta,phi` and a light on each line, `-` for stdin: a surface, a view direction, and
+    /// the light in the tangent frame around the shaded point.
     ///
-    /// A polygon is `sides,x0,y0,z0,x1,...`: 1 or 2 lit sides, and three to eight vertices, clockwise as seen from the lit side. A disk
-    /// or an ellipse is `sides,cx,cy,cz,ux,uy,uz,vx,vy,vz`: its centre and two half axes u and v; its lit side is that of u x v. A
-    /// sphere is `x,y,z,radius`, a tube with round ends `ax,ay,az,bx,by,bz,radius`, a line `ax,ay,az,bx,by,bz,width`
+    /// A polygon is `sides,x0,y0,z0,x1,...`: 1 or 2 lit sides, and three to eight vertices, clockwise as seen from the
+    /// lit side. A disk or an ellipse is `sides,cx,cy,cz,ux,uy,uz,vx,vy,vz`: its centre and two half axes u and v; its
+    /// lit side is that of u x v. A sphere is `x,y,z,radius`, a tube with round ends `ax,ay,az,bx,by,bz,radius`, a line
+    /// `ax,ay,az,bx,by,bz,width`
     #[arg(value_name = "CSV")]
     pub cases: PathBuf,
     /// The shape of the lights
     #[arg(long, default_value = LightShape::ALL[0].name(), value_parser = light_shapes())]
     pub light: LightShape,
-    /// How what is reflected is found
+    /// The model of light
     #[arg(long, default_value = LightModel::ALL[0].name(), value_parser = models())]
     pub model: LightModel,
-    /// The table of model `ltc`, or of `sg` and `asg` in place of the closed form: a file, or a digest of a table in the folder of `--tables`
+    /// The table of model `ltc`, or of `sg` and `asg` in place of the closed form: a file, or a digest of a table in
+    /// the folder of `--tables`
     #[arg(long)]
     pub table: Option<PathBuf>,
-    /// Where digests are looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
     /// How model `normals` averages shadowing over a light [default: fan]
     #[arg(long, value_parser = weights())]
     pub weight: Option<WeightRule>,
-    /// Print the truth beside it, of the table's scattering model or of GGX, by adaptive quadrature: milliseconds a line
+    /// Print the truth as well, for the table's scattering model or GGX, by adaptive quadrature: milliseconds a line
     #[arg(long)]
     pub truth: bool,
 }

@@ -44,7 +44,7 @@ pub struct Cli {
     /// Print JSON, one document a line
     #[arg(long, global = true)]
     pub json: bool,
-    /// What to do
+    /// The command
     #[command(subcommand)]
     pub command: Command,
 }
@@ -104,14 +104,14 @@ pub enum Command {
     },
 }
 
-/// What an interrupt does to a command.
+/// The effect of an interrupt on a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OnInterrupt {
     /// The process ends at once.
     Ends,
-    /// The command is told, and has two seconds to clean up.
+    /// The command is notified, and has two seconds to clean up.
     Told,
-    /// The command is told and takes as long as it needs.
+    /// The command is notified, and takes as long as it needs.
     Finishes,
 }
 
@@ -122,27 +122,26 @@ impl Command {
         matches!(self, Self::Preview(_) | Self::Figures(_) | Self::Serve(_))
     }
 
-    /// The level of the log if nothing else is asked for.
+    /// The default level of the log.
     #[must_use]
     pub fn log_level(&self) -> &'static str {
         match self {
-            Self::Serve(_) => "info",
-            Self::Work(_) => "info",
-            // It rehearses a start, and tells itself what a start would log.
+            Self::Serve(_) | Self::Work(_) => "info",
+            // It does a dry run of a start, and prints itself what a start would log.
             Self::Fsck(_) => "off",
             _ => "warn",
         }
     }
 
-    /// What an interrupt does to this command.
+    /// The effect of an interrupt on this command.
     #[must_use]
     pub fn on_interrupt(&self) -> OnInterrupt {
         match self {
-            Self::Serve(_) | Self::Fsck(_) => OnInterrupt::Finishes,
-            Self::Work(_) => OnInterrupt::Finishes,
-            Self::Gc(_) | Self::Migrate(_) => OnInterrupt::Ends,
+            Self::Serve(_) | Self::Work(_) | Self::Fsck(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
-            Self::Lookup(_)
+            Self::Gc(_)
+            | Self::Migrate(_)
+            | Self::Lookup(_)
             | Self::Light(_)
             | Self::Report(_)
             | Self::Preview(_)

@@ -24,16 +24,16 @@ use ltcforge_view::{
 /// `preview`. A parameter that is not given is that of the named scene.
 #[derive(Debug, Args)]
 pub struct PreviewArgs {
-    /// A table's file, or a digest as `fit` prints it (its first digits suffice) of a table in the folder of `--tables`;
-    /// not needed for a picture that shows none
+    /// A table's file, or a digest as `fit` prints it (its first digits suffice) of a table in the folder of
+    /// `--tables`; not needed for a picture that shows none
     pub table: Option<PathBuf>,
-    /// Where digests are looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
     /// The picture
     #[arg(short, long, value_name = "FILE.png")]
     pub out: PathBuf,
-    /// What it shows
+    /// The scene and its parameters
     #[command(flatten)]
     pub scene: SceneChoices,
     /// Width of the table's numbers on the GPU
@@ -43,12 +43,12 @@ pub struct PreviewArgs {
     /// any reflects all light
     #[arg(long)]
     pub ggx_terms: bool,
-    /// What renders
+    /// The renderer
     #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
     pub adapter: AdapterName,
 }
 
-/// What the command line chooses of a scene: an argument for each of the preview's parameters.
+/// The choices of a scene on the command line: an argument for each of the preview's parameters.
 #[derive(Debug, Clone)]
 pub struct SceneChoices(pub Choices);
 
@@ -63,7 +63,7 @@ fn argument(parameter: &'static Parameter, flag: &'static str) -> Arg {
         Form::Name { names, .. } => {
             arg.value_parser(PossibleValuesParser::new(names()).try_map(move |name| parse(&name)))
         }
-        // Such a list may begin with a negative number, which is none to clap.
+        // A list may begin with a negative number, which clap would take for a flag.
         _ if parameter.count() > 1 => arg.value_parser(parse).allow_hyphen_values(true),
         _ => arg.value_parser(parse).allow_negative_numbers(true),
     }
@@ -95,12 +95,13 @@ impl FromArgMatches for SceneChoices {
 #[command(allow_missing_positional = true)]
 pub struct PlotArgs {
     /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it (its
-    /// first digits suffice) of a table in the folder of `--tables`; not for glass, gaussians and isotropic, and for light if it is to be compared
+    /// first digits suffice) of a table in the folder of `--tables`; not for glass, gaussians and isotropic, and for
+    /// light if it is to be compared
     pub table: Option<PathBuf>,
-    /// What to draw
+    /// The plot
     #[arg(value_enum)]
     pub name: PlotName,
-    /// Where digests are looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
     /// The picture
@@ -118,7 +119,7 @@ pub struct PlotArgs {
     /// Random rectangles in each cell of light [default: 24], and for each angle of gaussians [default: 150]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub lights: Option<u32>,
-    /// What isotropic shows [default: numbers]
+    /// The figure of isotropic [default: numbers]
     #[arg(long, value_parser = isotropic_figures())]
     pub figure: Option<IsotropicFigure>,
     /// Visible normals a pixel of the reference of glass [default: 610]
@@ -129,7 +130,7 @@ pub struct PlotArgs {
     pub threads: Threads,
 }
 
-/// The pictures that are no previews.
+/// The plots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PlotName {
     /// Errors of a table over theta and alpha at one ratio and phi
@@ -152,7 +153,7 @@ pub struct ShaderArgs {
     /// Language to write
     #[arg(long, value_enum)]
     pub language: LanguageName,
-    /// What the shader lights by
+    /// The model of light
     #[arg(long, value_parser = models(), default_value = "ltc")]
     pub model: LightModel,
     /// Functions to include in your own shader, or a program that calls them
@@ -164,25 +165,28 @@ pub struct ShaderArgs {
     /// Read the table from one 2D array in place of three 3D textures, in a text to include: one sampler
     #[arg(long)]
     pub texture_array: bool,
-    /// Lights that a text of model ltc to include has functions for: all, or polygons alone, which is two fifths shorter [default: all]
+    /// Lights that a text of model ltc to include has functions for: all, or polygons alone, which is two fifths
+    /// shorter [default: all]
     #[arg(long, value_parser = lights())]
     pub lights: Option<Lights>,
-    /// What all names begin with, in place of ltc, normals or gaussians, in a text to include: two tables in one shader
+    /// Beginning of all names in a text to include, in place of ltc, normals or gaussians, for two tables in one shader
     #[arg(long, value_name = "NAME")]
     pub prefix: Option<Prefix>,
     /// Number of the first binding, in a text to include that reads a table and binds it by number [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=1000))]
     pub first_binding: Option<u16>,
-    /// Group of the bindings in WGSL, set in Vulkan's GLSL, space in HLSL, in a text to include that reads a table [default: 0]
+    /// Group of the bindings in WGSL, set in Vulkan's GLSL, space in HLSL, in a text to include that reads a table
+    /// [default: 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(..=31))]
     pub group: Option<u16>,
-    /// Layout of the tables that the shader reads: of LTCs for model ltc, of Gaussians for sg and asg, which have closed forms without it; a table's recipe names it
+    /// Layout of the tables that the shader reads: of LTCs for model ltc, of Gaussians for sg and asg, which have
+    /// closed forms without it; a table's recipe names it
     #[arg(long, value_parser = layout())]
     pub layout: Option<Layout>,
     /// Put this table of isotropic surfaces into the code as polynomials: the shader reads no texture
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["layout", "hardware_filter", "texture_array", "first_binding", "group"])]
     pub without_textures: Option<PathBuf>,
-    /// Where its digest is looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
     /// How many threads measure that table, and its polynomials
@@ -196,13 +200,13 @@ pub struct ShaderArgs {
 /// Reads a layout by its name in recipes.
 fn layout() -> impl TypedValueParser<Value = Layout> {
     let names = PossibleValuesParser::new(Layout::ALL.iter().map(|layout| layout.name()));
-    names.try_map(|name| Layout::from_name(&name).ok_or("is no layout"))
+    names.try_map(|name| Layout::from_name(&name).ok_or("is not a layout"))
 }
 
 /// Reads the lights of a text.
 fn lights() -> impl TypedValueParser<Value = Lights> {
     let names = PossibleValuesParser::new(Lights::ALL.iter().map(|lights| lights.name()));
-    names.try_map(|name| Lights::from_name(&name).ok_or("is no light"))
+    names.try_map(|name| Lights::from_name(&name).ok_or("is not a kind of light"))
 }
 
 /// `figures`.
@@ -211,7 +215,7 @@ pub struct FiguresArgs {
     /// Only this one, once or several times [default: all]
     #[arg(value_name = "NAME", value_parser = figure())]
     pub names: Vec<Figure>,
-    /// What renders the spheres
+    /// The renderer of the spheres
     #[arg(long, value_enum, default_value = "any", env = "LTCFORGE_ADAPTER")]
     pub adapter: AdapterName,
     /// Folder that the figures go to
@@ -228,10 +232,10 @@ fn figure() -> impl TypedValueParser<Value = Figure> {
         .try_map(|name| Figure::from_name(&name).ok_or("no figure"))
 }
 
-/// What a shader is written as.
+/// The form of a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ShaderForm {
-    /// Functions and what they bind
+    /// Functions and their bindings
     Include,
     /// A compute shader that calls them
     Example,

@@ -10,20 +10,20 @@ use clap::{
 use super::{ExportChoice, TableLimit, Threads};
 use ltcforge_client::Source;
 
-/// Where pinned tables come from.
+/// The sources of pinned tables.
 #[derive(Debug, Args)]
 pub struct SourceArgs {
-    /// The lock file; its folder is what paths are relative to
+    /// The lock file; paths are relative to its folder
     #[arg(long, value_name = "FILE", default_value = "ltcforge.lock")]
     pub lock: PathBuf,
-    /// Look for tables here: the URL of a service, or a folder of `<digest>.safetensors` files; give it several times to
-    /// look in several places, in this order [default: --server, or what the lock file and the configuration name]
+    /// Look for tables here: the URL of a service, or a folder of `<digest>.safetensors` files; give it several times
+    /// to look in several places, in this order [default: --server, or what the lock file and the configuration name]
     #[arg(long, value_name = "URL|DIR", value_parser = source())]
     pub from: Vec<Source>,
-    /// Ask no server: look in folders alone
+    /// Use no server, only folders
     #[arg(long)]
     pub offline: bool,
-    /// How long a table may be whose size the lock file does not state
+    /// The longest table whose size the lock file does not state
     #[command(flatten)]
     pub limit: TableLimit,
     /// Entries that a table may have to be fitted [default: 2000000]
@@ -42,19 +42,19 @@ fn source() -> impl TypedValueParser<Value = Source> {
 /// `lock`.
 #[derive(Debug, Args)]
 pub struct LockArgs {
-    /// The table's name in the project; without one, every pin is written anew, with what this program makes of its table
+    /// The table's name in the project; without one, all pins are written anew, with the files that this program makes
     pub name: Option<String>,
-    /// The table: its file, or its digest, of which the whole is needed where a source has to be asked [default: the one
+    /// The table: its file, or its digest, which must be complete if the table comes from a source [default: the one
     /// that is pinned under this name]
     #[arg(conflicts_with = "recipe")]
     pub table: Option<PathBuf>,
     /// The table of this recipe: its file, `-` for stdin, or the name of a preset. It is fitted, unless it is there
     #[arg(long)]
     pub recipe: Option<PathBuf>,
-    /// Where the table goes, relative to the lock file's folder and below it [default: NAME.safetensors]
+    /// Path of the table, relative to the lock file's folder and below it [default: NAME.safetensors]
     #[arg(long, value_name = "PATH", requires = "name")]
     pub to: Option<PathBuf>,
-    /// Files to make of the table and to pin as well
+    /// Files to make from the table and to pin as well
     #[command(flatten)]
     pub export: ExportChoice,
     /// Their folder, relative to the lock file's and below it
@@ -63,10 +63,10 @@ pub struct LockArgs {
     /// Remove the pin of this name; its files stay
     #[arg(long, requires = "name", conflicts_with_all = ["table", "recipe", "to", "out"])]
     pub remove: bool,
-    /// Folder where a digest is looked for first [default: the working folder, then `tables` in it]
+    /// Folder that is searched for a digest first [default: the working folder, then `tables` in it]
     #[arg(long, value_name = "DIR")]
     pub tables: Option<PathBuf>,
-    /// Where tables come from
+    /// The sources of tables
     #[command(flatten)]
     pub sources: SourceArgs,
 }
@@ -77,10 +77,10 @@ pub struct PullArgs {
     /// Change nothing; fail with exit code 3 when a file is missing or has other bytes
     #[arg(long, conflicts_with_all = ["from", "fit", "offline"])]
     pub locked: bool,
-    /// Fit a table from its recipe where no source has it; it must have the pinned digest
+    /// Fit a table from its recipe if no source has it; it must have the pinned digest
     #[arg(long)]
     pub fit: bool,
-    /// Where tables come from
+    /// The sources of tables
     #[command(flatten)]
     pub sources: SourceArgs,
 }

@@ -12,18 +12,18 @@ use ltcforge_client::Limits;
 use ltcforge_files::digest::Digest;
 use ltcforge_light::{LightModel, WeightRule};
 
-/// Which table.
+/// The choice of a table.
 #[derive(Debug, Args)]
 pub struct TableChoice {
     /// A table's file, a `.npy` file of shape alpha x ratio x theta x phi x 3 x 3, or a digest as `fit` prints it
     /// (its first digits suffice) of a table in the folder of `--tables`
     pub table: PathBuf,
-    /// Where digests are looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
 }
 
-/// Where tables are looked for by their digests.
+/// The folder that is searched for digests, and the length of tables.
 #[derive(Debug, Args)]
 pub struct TableFolder {
     /// Folder of `<digest>.safetensors` files [default: the working folder, then `tables` in it]
@@ -60,11 +60,11 @@ pub struct ReportArgs {
     /// first digits suffice) of a table in the folder of `--tables`
     #[arg(required_unless_present("model"))]
     pub table: Option<PathBuf>,
-    /// Where digests are looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// What is measured: the table of model `ltc`, the closed form `normals`, or the Gaussian `sg` or `asg`, by the light of
-    /// random rectangles, the measure that all share [default: ltc, by its lobes]
+    /// The model to measure: the table of model `ltc`, the closed form `normals`, or the Gaussian `sg` or `asg`, by the
+    /// light of random rectangles, a measure that all share [default: ltc, by its lobes]
     #[arg(long, value_parser = models())]
     pub model: Option<LightModel>,
     /// How model `normals` averages shadowing over a light [default: all ways]
@@ -73,8 +73,8 @@ pub struct ReportArgs {
     /// Random rectangles that a model is measured by [default: 2000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     pub lights: Option<u32>,
-    /// Nodes to measure, and as many configurations between them, 8 to 1000000 [default: as many as the manifest's report,
-    /// which depend on the recipe; 1024 of a `.npy` file]
+    /// Nodes to measure, and as many configurations between them, 8 to 1000000 [default: as many as the manifest's
+    /// report, which depend on the recipe; 1024 of a `.npy` file]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
     pub points: Option<u32>,
     /// Measure the corners of the domain as well: mirrors, needles, the horizon, every fold
@@ -92,7 +92,7 @@ pub struct VerifyArgs {
     /// after a digest must hash to it
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Where digests are looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
     /// The digest that the file must hash to, whatever its name
@@ -117,11 +117,11 @@ pub struct DiffArgs {
     pub a: PathBuf,
     /// Another one
     pub b: PathBuf,
-    /// Where digests are looked for
+    /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// Places that are compared and measured: so many nodes of each table and so many configurations between, 8 to 1000000
-    /// [default: 1024 to compare, and for each report as many as `report` takes]
+    /// Nodes of each table to compare and measure, and as many configurations between them, 8 to 1000000 [default: 1024
+    /// to compare, and for each report as many as `report` takes]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=1_000_000), hide_default_value = true)]
     pub points: Option<u32>,
     /// Number of threads that measure

@@ -21,7 +21,7 @@ pub struct TabulateArgs {
     /// Roughnesses, ascending; none for one surface, the roughest
     #[arg(long, value_name = "ALPHA,...", value_delimiter = ',')]
     pub alpha: Vec<f64>,
-    /// Nodes of the polar angle of the light, closer towards the horizon; those of the view are the same, up to 85 degrees
+    /// Nodes of the polar angle of the light, closer towards the horizon; the view has the same nodes up to 85 degrees
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u16).range(4..=1024))]
     pub theta: u16,
     /// Nodes of the difference of azimuths

@@ -3,7 +3,7 @@ use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
 use super::*;
 use crate::{FilePin, with_pins};
 
-/// The digest of the recipe below.
+/// The canonical JSON of a recipe.
 fn recipe() -> String {
     let read = recipe_document::parse(br#"{"preset": "draft"}"#, u64::MAX).expect("a recipe");
     recipe_document::canonical_json(&read)
@@ -116,7 +116,7 @@ fn paths_and_names_with_tricks_are_refused() {
     }
     let text = with_pins("", &[pin("a", "sub/../x").clone()]);
     assert!(matches!(text, Err(LockFileError::Path { .. })), "{text:?}");
-    // The lock file itself is no place for a table.
+    // A table may not replace the lock file itself.
     let text = with_pins("", &[pin("a", "./my.lock")]).expect("a lock file");
     assert!(LockFile::parse(&text, Path::new("p/other.lock")).is_ok());
     assert!(matches!(LockFile::parse(&text, Path::new("p/my.lock")), Err(LockFileError::Path { .. })));

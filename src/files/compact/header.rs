@@ -18,7 +18,7 @@ use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis};
 /// What a compact file begins with, its version last.
 pub const COMPACT_MAGIC: &[u8; 8] = b"LTCcomp1";
 /// The layouts with a compact form.
-pub(crate) const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
+pub const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
 /// Channels: the smooth numbers of an entry.
 pub(super) const CHANNELS: usize = 9;
 /// Those of amplitude and Fresnel term.

@@ -15,7 +15,6 @@ mod coder;
 mod error;
 mod header;
 mod integers;
-#[cfg(feature = "textures")]
 mod outline;
 mod polynomials;
 mod rounding;
@@ -23,11 +22,10 @@ mod rounding;
 use coder::{Decoder, Encoder};
 pub use error::CompactError;
 pub use header::COMPACT_MAGIC;
-pub(crate) use header::LAYOUTS;
+pub use header::LAYOUTS;
 use header::{CHANNELS, Header, TERMS};
 use integers::{MOST_BITS, Models};
-#[cfg(feature = "textures")]
-pub(crate) use outline::Outline;
+pub use outline::Outline;
 use polynomials::{Bases, most_polynomials};
 use rounding::Rounding;
 
@@ -98,7 +96,10 @@ pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
 
 /// Refuses lobes that are not LTCs, as its decoders take them for, and those that do not follow the reflection that
 /// [`Table::smooth_numbers`] are relative to.
-pub(crate) fn check_lobes(table: &Table) -> Result<(), CompactError> {
+///
+/// # Errors
+/// [`CompactError::Lobe`] and [`CompactError::Reflection`].
+pub fn check_lobes(table: &Table) -> Result<(), CompactError> {
     let (brdf, lobe) = (table.brdf(), table.lobe());
     if lobe.gaussian().is_some() {
         return Err(CompactError::Lobe { lobe });
@@ -244,5 +245,7 @@ fn multiples(rounded: &[i32], step: f64) -> Vec<f64> {
     rounded.iter().map(|k| f64::from(*k) * step).collect()
 }
 
+#[cfg(any(test, feature = "testing"))]
+pub mod planted;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -8,23 +8,23 @@ use ltcforge_fit::{Layout, PerAxis};
 
 /// The header of a compact form, read.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Outline {
+pub struct Outline {
     /// The layout of the table.
-    pub(crate) layout: Layout,
+    pub layout: Layout,
     /// Nodes of each axis.
-    pub(crate) axes: PerAxis<Vec<f64>>,
+    pub axes: PerAxis<Vec<f64>>,
     /// Polynomials along each axis.
-    pub(crate) counts: [u8; 4],
+    pub counts: [u8; 4],
     /// The step of each channel, 0 for one that is not stored.
-    pub(crate) steps: [f32; CHANNELS],
+    pub steps: [f32; CHANNELS],
     /// Channels with corrections.
-    pub(crate) corrected: [bool; CHANNELS],
+    pub corrected: [bool; CHANNELS],
     /// What a correction is a multiple of, in steps of its channel.
-    pub(crate) correction_steps: f32,
+    pub correction_steps: f32,
     /// Whether there are amplitude and Fresnel term.
-    pub(crate) has_terms: bool,
+    pub has_terms: bool,
     /// Where the coded bytes begin.
-    pub(crate) coded_at: usize,
+    pub coded_at: usize,
 }
 
 impl Outline {
@@ -32,7 +32,7 @@ impl Outline {
     ///
     /// # Errors
     /// When it is none.
-    pub(crate) fn of(bytes: &[u8]) -> Result<Self, CompactError> {
+    pub fn of(bytes: &[u8]) -> Result<Self, CompactError> {
         let (header, coded) = Header::read(bytes)?;
         Ok(Self {
             layout: header.layout,

@@ -40,7 +40,7 @@ pub(super) struct Rounding {
 impl Rounding {
     pub(super) fn of(table: &Table) -> Self {
         let lengths = table.axes().lengths();
-        let is_chosen = table.layout().rules().free_numbers().is_some()
+        let is_chosen = table.layout().free_numbers().is_some()
             && lengths.alpha > MIRROR_ROWS
             && lengths.theta > 1
             && lengths.ratio * lengths.phi == 1;

@@ -1,5 +1,6 @@
 //! Tables as files.
 
+mod in_memory;
 mod npy;
 mod safetensors;
 

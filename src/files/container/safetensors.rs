@@ -21,9 +21,9 @@ const RECIPE_KEY: &str = "ltcforge";
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableFile {
     /// The recipe that was fitted.
-    pub(crate) recipe: Recipe,
+    pub recipe: Recipe,
     /// The fitted table.
-    pub(crate) table: Table,
+    pub table: Table,
 }
 
 impl TableFile {

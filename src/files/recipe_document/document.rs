@@ -261,7 +261,7 @@ fn read_range(root: &Object, model: &BrdfModel, layout: Layout, faults: &mut Fau
 /// A range that is a single value takes one node, any other at least two.
 fn read_resolution(root: &Object, layout: Layout, range: &PerAxis<[f64; 2]>, faults: &mut Faults) -> PerAxis<u32> {
     let object = root.object("resolution", &AXES, faults);
-    let default = layout.rules().default_resolution();
+    let default = layout.default_resolution();
     let mut axis = |name: &str, default: u32, [low, high]: [f64; 2]| {
         if low < high {
             return object.integer32(name, 2, MOST_NODES, default, faults);

@@ -7,7 +7,7 @@ use crate::{
     brdf::{Ggx, Mirrors},
     fit_shard,
     math::{direction, from_row_major, row_major},
-    pulse::{Pulse, unstopped},
+    stop_check::{StopCheck, unstopped},
 };
 
 const OF_ENGINES: [Layout; 4] = [Layout::Ltc2017, Layout::Ltc2016, Layout::Godot, Layout::Hdrp];
@@ -72,7 +72,7 @@ fn errors(table: &Table) -> [f64; 2] {
         let at = Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi: 0.0 };
         let (ggx, wo) = (Ggx { alpha_x: alpha, alpha_y: alpha }, direction(theta, 0.0));
         let found = table.lookup(&at);
-        let best = judge.fit(&ggx, wo, 0, &mut Pulse::new(&mut unstopped)).expect("nothing stops it");
+        let best = judge.fit(&ggx, wo, 0, &mut StopCheck::new(&mut unstopped)).expect("nothing stops it");
         sums[0] += judge.error(&ggx, wo, &from_row_major(&found.matrix)) / best.error;
         sums[1] += (found.amplitude.expect("terms") - best.amplitude).abs();
         count += 1.0;

@@ -25,9 +25,9 @@ pub use model::{BrdfModel, TabulatedFile};
 pub use oren_nayar::OrenNayar;
 pub(crate) use scattering::BrdfRules;
 pub use scattering::{Bends, Brdf, BrdfSample, LobeTerms, cos_theta_d};
-pub(crate) use symmetry::Mirrors;
-#[cfg(test)]
-pub(crate) use tabulated::tests::planted as planted_tabulated;
+pub use symmetry::Mirrors;
+#[cfg(any(test, feature = "testing"))]
+pub use tabulated::planted::planted as planted_tabulated;
 pub use tabulated::{Asymmetry, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf, TabulatedFault};
 
 use super::{axes::PerAxis, named_list};

@@ -10,7 +10,7 @@ use crate::{
 };
 
 fn fit(settings: FitSettings, ggx: &Ggx, wo: DVec3, stream: u64) -> FittedEntry {
-    let fitted = Fitter::new(&settings).fit(ggx, wo, stream, &mut Pulse::new(&mut unstopped));
+    let fitted = Fitter::new(&settings).fit(ggx, wo, stream, &mut StopCheck::new(&mut unstopped));
     fitted.expect("nothing stops it")
 }
 
@@ -110,10 +110,10 @@ fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
         let mut judge = Fitter::new(&FitSettings { metric: Metric::L3, ..self::settings(Solver::Bfgs, 1024, 32, 60) });
         let target = judge.seen.target(&ggx, wo);
         let lobe = Lobe { brdf: &ggx, wo, target: &target };
-        let mut beat = unstopped;
-        let mut pulse = Pulse::new(&mut beat);
-        let mut loss = judge.seen.distance.to(&lobe, &mut pulse).expect("nothing stops it");
-        let mut of = |m: DMat3| loss.value(&(target.frame.transpose() * m), &mut pulse).expect("nothing stops it");
+        let mut go_on = unstopped;
+        let mut stop_check = StopCheck::new(&mut go_on);
+        let mut loss = judge.seen.distance.to(&lobe, &mut stop_check).expect("nothing stops it");
+        let mut of = |m: DMat3| loss.value(&(target.frame.transpose() * m), &mut stop_check).expect("nothing stops it");
         [of(from_row_major(&found)), of(DMat3::IDENTITY)]
     };
     let [found, identity] = descended(0.7);
@@ -124,7 +124,7 @@ fn the_descent_by_l3_finds_broad_lobes_and_stays_finite_at_sharp_ones() {
     }
 }
 
-/// The largest settings that a recipe may have take minutes an entry. Every beat can stop them, and a beat comes for
+/// The largest settings that a recipe may have take minutes an entry. Every call can stop them, and a call comes for
 /// each 2^23 projections of a sample on a direction: while the lobe is tabulated, within an evaluation and within a
 /// step.
 #[test]
@@ -145,17 +145,17 @@ fn an_entry_of_any_size_is_stopped_within_a_moment() {
     for (solver, metric) in pairs {
         let settings = FitSettings { metric, ..settings(solver, samples, directions, 1) };
         let stopped_at = |stop: usize| {
-            let mut beats = 0;
-            let mut beat = || {
-                beats += 1;
-                if beats == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            let mut calls = 0;
+            let mut go_on = || {
+                calls += 1;
+                if calls == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let entry = Fitter::new(&settings).fit(&ggx, direction(1.0, 0.6), 0, &mut Pulse::new(&mut beat));
-            (beats, entry)
+            let entry = Fitter::new(&settings).fit(&ggx, direction(1.0, 0.6), 0, &mut StopCheck::new(&mut go_on));
+            (calls, entry)
         };
-        let (beats, entry) = stopped_at(usize::MAX);
-        assert!(entry.is_some() && beats >= least(solver, metric), "{solver} {metric}: {beats} beats");
-        for stop in [1, beats / 2, beats].into_iter().filter(|stop| *stop > 0) {
+        let (calls, entry) = stopped_at(usize::MAX);
+        assert!(entry.is_some() && calls >= least(solver, metric), "{solver} {metric}: {calls} calls");
+        for stop in [1, calls / 2, calls].into_iter().filter(|stop| *stop > 0) {
             assert_eq!(stopped_at(stop), (stop, None), "{solver} {metric}");
         }
     }

@@ -234,7 +234,7 @@ impl LayoutRules for Rules {
 
     fn shader(&self) -> LayoutShader {
         LayoutShader {
-            source: include_str!("../../../shaders/layout_isotropic.wgsl"),
+            source: ltcforge_wgsl::LAYOUT_ISOTROPIC,
             restore: if self.stored.is_inverse() { "ltc_restore_inverse" } else { "ltc_restore_matrix" },
             even: Some(match self.theta {
                 Spacing::Versine => "ltc_even_versine",

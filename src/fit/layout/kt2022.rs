@@ -74,11 +74,6 @@ impl LayoutRules for Rules {
     }
 
     fn shader(&self) -> LayoutShader {
-        LayoutShader {
-            source: include_str!("../../../shaders/layout_kt2022.wgsl"),
-            restore: "ltc_restore_kt2022",
-            even: None,
-            number: 0,
-        }
+        LayoutShader { source: ltcforge_wgsl::LAYOUT_KT2022, restore: "ltc_restore_kt2022", even: None, number: 0 }
     }
 }

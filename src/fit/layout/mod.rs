@@ -15,12 +15,13 @@ mod spacing;
 
 pub use precision::Precision;
 pub use reflection::Reflection;
-#[cfg(feature = "render")]
-pub(crate) use rules::ShaderNumbers;
-pub(crate) use rules::{FreeNumbers, Interpolation, LayoutRules, LayoutShader, LobeNumbers};
+pub use rules::{FreeNumbers, LayoutShader, ShaderNumbers};
+pub(crate) use rules::{Interpolation, LayoutRules, LobeNumbers};
 pub(crate) use smooth::SMOOTH_NUMBERS;
 pub use spacing::{ALPHA_FLOOR, RATIO_FLOOR, THETA_CEILING};
 pub(crate) use spacing::{Spacing, within_limits};
+
+use glam::Vec3;
 
 use super::{axes::PerAxis, brdf::BrdfKind, lobe::LobeModel, named_list};
 
@@ -71,6 +72,38 @@ impl Layout {
     #[must_use]
     pub fn stores(self, lobe: LobeModel) -> bool {
         lobe.gaussian().is_none() || self.only_ranges().is_none()
+    }
+
+    /// Nodes on each axis unless a recipe says otherwise.
+    #[must_use]
+    pub fn default_resolution(self) -> PerAxis<u32> {
+        self.rules().default_resolution()
+    }
+
+    /// The numbers that are chosen for the least error between nodes, where a layout's readers leave nothing else to
+    /// choose: isotropic tables of one domain. `None` where entries are stored as they fit their own lobes.
+    #[must_use]
+    pub fn free_numbers(self) -> Option<FreeNumbers> {
+        self.rules().free_numbers()
+    }
+
+    /// The layout's part of the shader.
+    #[must_use]
+    pub fn shader(self) -> LayoutShader {
+        self.rules().shader()
+    }
+
+    /// The variable in which weights are linear, in 32 bits, for the axis of this number in storage order.
+    #[must_use]
+    pub fn even_in_shader(self, axis: usize, x: f32) -> f32 {
+        self.rules().even_in_shader(axis, x)
+    }
+
+    /// Twin of the layout's part of the shader: the lobe of stored numbers in 32 bits, for larger roughness, ratio and
+    /// view direction.
+    #[must_use]
+    pub fn restore_in_shader(self, stored: &ShaderNumbers, alpha: f32, ratio: f32, wo: Vec3) -> ShaderNumbers {
+        self.rules().restore_in_shader(stored, alpha, ratio, wo)
     }
 
     /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced, as a part of

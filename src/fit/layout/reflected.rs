@@ -100,7 +100,7 @@ impl LayoutRules for Rules {
 
     fn shader(&self) -> LayoutShader {
         LayoutShader {
-            source: include_str!("../../../shaders/layout_reflected.wgsl"),
+            source: ltcforge_wgsl::LAYOUT_REFLECTED,
             restore: "ltc_restore_reflected",
             even: None,
             number: 1,

@@ -18,38 +18,38 @@ pub(crate) struct LobeNumbers {
 }
 
 /// The same in 32 bits, as a shader has them.
-#[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only previews run the shader's twin"))]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ShaderNumbers {
+pub struct ShaderNumbers {
     /// The matrix.
-    pub(crate) matrix: Mat3,
+    pub matrix: Mat3,
     /// Amplitude.
-    pub(crate) amplitude: f32,
+    pub amplitude: f32,
     /// Fresnel term.
-    pub(crate) fresnel: f32,
+    pub fresnel: f32,
 }
 
 /// A layout's part of the shader. Layouts may share a source.
-pub(crate) struct LayoutShader {
+#[derive(Debug, Clone, Copy)]
+pub struct LayoutShader {
     /// WGSL.
-    pub(crate) source: &'static str,
+    pub source: &'static str,
     /// The function that is the twin of [`LayoutRules::restore_in_shader`].
-    pub(crate) restore: &'static str,
+    pub restore: &'static str,
     /// The function that is the twin of [`LayoutRules::even_in_shader`]; without one weights are linear in the values
     /// of the axes themselves.
-    pub(crate) even: Option<&'static str>,
+    pub even: Option<&'static str>,
     /// The number that identifies this layout in a shader that reads several.
-    pub(crate) number: u32,
+    pub number: u32,
 }
 
 /// The stored numbers that a fit may choose for the least error between nodes: those of a matrix that is symmetric in
 /// the plane of incidence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct FreeNumbers {
+pub struct FreeNumbers {
     /// Whether the matrix is that of `M^-1`, not of `M`.
-    pub(crate) is_inverse: bool,
+    pub is_inverse: bool,
     /// The number that is always one, by column and row.
-    pub(crate) fixed: Option<[usize; 2]>,
+    pub fixed: Option<[usize; 2]>,
 }
 
 /// How a layout's error depends on its nodes.
@@ -89,7 +89,6 @@ pub(crate) trait LayoutRules: Sync {
     }
 
     /// [`LayoutRules::weights`] in 32 bits, for the axis of this number in storage order.
-    #[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only previews run the shader's twin"))]
     fn even_in_shader(&self, _axis: usize, x: f32) -> f32 {
         x
     }
@@ -127,7 +126,6 @@ pub(crate) trait LayoutRules: Sync {
 
     /// Twin of the layout's part of the shader: [`LayoutRules::restore`] in 32 bits, for larger roughness, ratio and
     /// view direction.
-    #[cfg_attr(not(feature = "render"), allow(dead_code, reason = "only previews run the shader's twin"))]
     fn restore_in_shader(&self, stored: &ShaderNumbers, alpha: f32, ratio: f32, wo: Vec3) -> ShaderNumbers;
 
     /// How the error depends on the nodes.

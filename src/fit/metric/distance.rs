@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::target::Target;
-use crate::{brdf::Brdf, math::Lattice, pulse::Pulse};
+use crate::{brdf::Brdf, math::Lattice, stop_check::StopCheck};
 
 /// The fixed samples of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,27 +67,27 @@ pub(crate) trait Distance: std::fmt::Debug + Send + Sync {
     /// The same metric with buffers of its own, for another thread.
     fn another(&self) -> Box<dyn Distance>;
 
-    /// The distance to one lobe; `None` when `pulse` stops its preparation.
-    fn to<'a>(&'a mut self, lobe: &Lobe<'a>, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>>;
+    /// The distance to one lobe; `None` when `stop_check` stops its preparation.
+    fn to<'a>(&'a mut self, lobe: &Lobe<'a>, stop_check: &mut StopCheck) -> Option<Box<dyn Loss + 'a>>;
 }
 
 /// Offsets of directions from +z, or a gradient by them, one array a coordinate.
 pub(crate) type Offsets = [Vec<f32>; 3];
 
-/// The distance between one target and the LTC of a matrix. Evaluations give `None` when `pulse` stops them.
+/// The distance between one target and the LTC of a matrix. Evaluations give `None` when `stop_check` stops them.
 pub(crate) trait Loss {
     /// Mean standard deviation of the lobe's projections: the unit in which losses are measured.
     fn spread(&self) -> f64;
 
     /// The distance at `m`, a matrix from cosine space to the lobe's frame with positive determinant.
-    fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64>;
+    fn value(&mut self, m: &DMat3, stop_check: &mut StopCheck) -> Option<f64>;
 
     /// The distance at `m` and its gradient by the elements of `m`.
-    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)>;
+    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, DMat3)>;
 
     /// A step up the distance: `rate` times an estimate, from these samples alone, of its gradient by `m`, a matrix to the tangent
     /// frame whose determinant may have either sign.
-    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, pulse: &mut Pulse) -> Option<DMat3>;
+    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3>;
 
     /// The same distance of other models than LTCs, where the metric compares samples alone.
     fn images(&mut self) -> Option<&mut dyn ImageLoss> {
@@ -95,16 +95,16 @@ pub(crate) trait Loss {
     }
 }
 
-/// The distance between one lobe and directions that any model maps fixed points to. Evaluations give `None` when `pulse`
-/// stops them.
+/// The distance between one lobe and directions that any model maps fixed points to. Evaluations give `None` when
+/// `stop_check` stops them.
 pub(crate) trait ImageLoss {
     /// The points of the unit square of which an evaluation compares the images.
     fn lattice(&self, grain: Grain) -> Lattice;
 
     /// The distance of directions, one of each of the points of [`ImageLoss::lattice`], and its gradient by each direction.
     /// Directions are offsets from +z of the lobe's frame, one array a coordinate, and so is the gradient.
-    fn slopes(&mut self, offsets: &Offsets, grain: Grain, pulse: &mut Pulse) -> Option<(f64, Offsets)>;
+    fn slopes(&mut self, offsets: &Offsets, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, Offsets)>;
 
     /// The distance of directions alone, with all of the points.
-    fn value_of(&mut self, offsets: &Offsets, pulse: &mut Pulse) -> Option<f64>;
+    fn value_of(&mut self, offsets: &Offsets, stop_check: &mut StopCheck) -> Option<f64>;
 }

@@ -7,7 +7,7 @@ use crate::{
     brdf::Brdf,
     lobe::LobeModel,
     metric::{Loss, Metric, Target},
-    pulse::Pulse,
+    stop_check::StopCheck,
 };
 
 /// How long and how finely to search.
@@ -49,8 +49,8 @@ pub(crate) struct Objective<'a> {
 
 /// A solver as an item of [`super::Solver`].
 pub(crate) trait SolverRules: Sync {
-    /// The matrix of the lobe in the tangent frame; `None` when `pulse` stops the search.
-    fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3>;
+    /// The matrix of the lobe in the tangent frame; `None` when `stop_check` stops the search.
+    fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3>;
 
     /// Seconds that an entry takes to project its lobe, to search, and to measure the error, with at most `effort.steps`
     /// steps. Of one thread, on the machine of `fit_seconds`.

@@ -16,7 +16,7 @@ use crate::{
     lobe::LobeModel,
     math::{Lattice, cosine_hemisphere, ln, sin_cos},
     metric::{Draws, Metric},
-    pulse::Pulse,
+    stop_check::StopCheck,
 };
 
 /// Length of a step in units of the gradient. The paper gives none; at 0.1 a broad lobe is within three times its best
@@ -37,8 +37,8 @@ const REST_SECONDS: f64 = 20e-9;
 pub(super) struct Rules;
 
 impl SolverRules for Rules {
-    fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
-        descend(&objective, pulse)
+    fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
+        descend(&objective, stop_check)
     }
 
     fn seconds(&self, _: LobeModel, effort: &Effort) -> f64 {
@@ -75,9 +75,9 @@ impl Uniform {
 
     /// Algorithm 1: a direction drawn from the density proportional to the cosine-weighted lobe, whose samples weigh `heaviest`
     /// at most.
-    fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3, heaviest: f64, pulse: &mut Pulse) -> Option<DVec3> {
+    fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3, heaviest: f64, stop_check: &mut StopCheck) -> Option<DVec3> {
         loop {
-            pulse.worked(DRAW)?;
+            stop_check.worked(DRAW)?;
             let u = self.pair();
             let sample = brdf.sample(wo, u);
             if heaviest * self.next() < sample.weight {
@@ -102,9 +102,9 @@ fn heaviest(brdf: &dyn Brdf, wo: DVec3) -> f64 {
     if most > 0.0 && most < LIGHT { most } else { 1.0 }
 }
 
-/// The matrix after all steps, from the identity, in the tangent frame; `None` when `pulse` stops the descent. Its
+/// The matrix after all steps, from the identity, in the tangent frame; `None` when `stop_check` stops the descent. Its
 /// determinant may have either sign.
-fn descend(objective: &Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
+fn descend(objective: &Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
     let Objective { brdf, wo, loss, effort, stream, .. } = objective;
     // A multiplier that mixes every bit of the entry's number separates the streams of one seed.
     let seed = effort.seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -113,11 +113,11 @@ fn descend(objective: &Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
     let mut m = DMat3::IDENTITY;
     for _ in 0..effort.steps {
         let draws = Draws {
-            lobe: (0..effort.samples).map(|_| random.lobe(*brdf, *wo, heaviest, pulse)).collect::<Option<_>>()?,
+            lobe: (0..effort.samples).map(|_| random.lobe(*brdf, *wo, heaviest, stop_check)).collect::<Option<_>>()?,
             cosines: (0..effort.samples).map(|_| cosine_hemisphere(random.pair())).collect(),
             directions: (0..effort.directions).map(|_| random.direction()).collect(),
         };
-        m -= loss.step(&m, RATE, &draws, pulse)?;
+        m -= loss.step(&m, RATE, &draws, stop_check)?;
     }
     Some(m)
 }
@@ -128,7 +128,7 @@ mod tests {
     use crate::{
         brdf::{Charlie, Ggx},
         math::direction,
-        pulse::work_of,
+        stop_check::work_of,
     };
 
     /// Smooth sheen seen from above reflects a millionth of the light: its samples weigh as little.
@@ -138,9 +138,9 @@ mod tests {
         let draws = |brdf: &dyn Brdf| {
             let heaviest = heaviest(brdf, wo);
             let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(1));
-            work_of(|pulse| {
+            work_of(|stop_check| {
                 for _ in 0..100 {
-                    random.lobe(brdf, wo, heaviest, pulse).expect("nothing stops it");
+                    random.lobe(brdf, wo, heaviest, stop_check).expect("nothing stops it");
                 }
             }) / (100 * DRAW)
         };
@@ -166,8 +166,8 @@ mod tests {
                 1.0
             }
         }
-        let mut beat = || std::ops::ControlFlow::Break(());
+        let mut go_on = || std::ops::ControlFlow::Break(());
         let mut random = Uniform(Xoshiro256PlusPlus::seed_from_u64(1));
-        assert!(random.lobe(&Black, DVec3::Z, heaviest(&Black, DVec3::Z), &mut Pulse::new(&mut beat)).is_none());
+        assert!(random.lobe(&Black, DVec3::Z, heaviest(&Black, DVec3::Z), &mut StopCheck::new(&mut go_on)).is_none());
     }
 }

@@ -29,9 +29,11 @@ named_list! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Simplex {
     /// Which number skews a lobe.
-    pub(crate) shear: Shear,
+    #[doc(hidden)]
+    pub shear: Shear,
     /// Where a search starts.
-    pub(crate) start: Start,
+    #[doc(hidden)]
+    pub start: Start,
 }
 
 impl Default for Simplex {

@@ -316,5 +316,7 @@ fn solved(factor: &Square, mut y: [f64; FUNCTION_SIDE]) -> [f64; FUNCTION_SIDE] 
     y
 }
 
+#[cfg(any(test, feature = "testing"))]
+pub(crate) mod planted;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -16,8 +16,8 @@ use super::{
 };
 
 pub use fold::Configuration;
-#[cfg(test)]
-pub(crate) use function::tests::planted as planted_isotropic;
+#[cfg(any(test, feature = "testing"))]
+pub use function::planted::planted as planted_isotropic;
 pub use function::{FUNCTION_SIDE, FunctionError, IsotropicFunction};
 pub use lookup::LookedUp;
 
@@ -25,28 +25,35 @@ pub use lookup::LookedUp;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
     /// Directional albedo for a Fresnel factor of one.
-    pub(crate) amplitude: Vec<f32>,
+    pub amplitude: Vec<f32>,
     /// The same albedo, weighted by Schlick's fifth power.
-    pub(crate) fresnel: Vec<f32>,
+    pub fresnel: Vec<f32>,
 }
 
 /// A table as it is stored. Every vector has one element an entry, in the order of [`PerAxis`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// The scattering model that was fitted.
-    pub(crate) brdf: BrdfModel,
+    #[doc(hidden)]
+    pub brdf: BrdfModel,
     /// The distribution that stands for a lobe.
-    pub(crate) lobe: LobeModel,
+    #[doc(hidden)]
+    pub lobe: LobeModel,
     /// The layout, which defines what the stored numbers mean.
-    pub(crate) layout: Layout,
+    #[doc(hidden)]
+    pub layout: Layout,
     /// Ascending nodes of each axis.
-    pub(crate) axes: PerAxis<Vec<f64>>,
+    #[doc(hidden)]
+    pub axes: PerAxis<Vec<f64>>,
     /// Stored matrices, row-major.
-    pub(crate) matrix: Vec<[f32; 9]>,
+    #[doc(hidden)]
+    pub matrix: Vec<[f32; 9]>,
     /// Terms, where the recipe asks for them.
-    pub(crate) terms: Option<Terms>,
+    #[doc(hidden)]
+    pub terms: Option<Terms>,
     /// Sliced Wasserstein error of each entry on samples and directions that the fit did not see.
-    pub(crate) node_error: Vec<f32>,
+    #[doc(hidden)]
+    pub node_error: Vec<f32>,
 }
 
 impl Table {
@@ -88,12 +95,13 @@ impl Table {
 
     /// The determinant of each stored matrix. Where it is zero or not finite, the matrix makes no distribution; where it is
     /// negative, a light's winding is reversed.
-    pub(crate) fn determinants(&self) -> impl Iterator<Item = f64> {
+    pub fn determinants(&self) -> impl Iterator<Item = f64> {
         self.matrix.iter().map(|matrix| from_row_major(&matrix.map(f64::from)).determinant())
     }
 
     /// The place of an entry in words, for messages.
-    pub(crate) fn place_of(&self, entry: usize) -> String {
+    #[must_use]
+    pub fn place_of(&self, entry: usize) -> String {
         self.axes.node(entry).named().map(|(axis, x)| format!("{axis} {x:.4}")).join(", ")
     }
 

@@ -11,7 +11,8 @@ use crate::{
 
 impl Table {
     /// The [`SMOOTH_NUMBERS`] of each entry, the two of its terms zero in a table without terms.
-    pub(crate) fn smooth_numbers(&self) -> Vec<[f64; SMOOTH_NUMBERS]> {
+    #[must_use]
+    pub fn smooth_numbers(&self) -> Vec<[f64; SMOOTH_NUMBERS]> {
         let entry = |(index, matrix): (usize, &[f32; 9])| {
             let terms = self.terms.as_ref().map(|terms| (terms.amplitude[index], terms.fresnel[index]));
             let (amplitude, fresnel) = terms.map_or((1.0, 0.0), |(a, f)| (f64::from(a), f64::from(f)));
@@ -27,7 +28,8 @@ impl Table {
     }
 
     /// The table of these numbers, one row for each entry. What they do not tell, `node_error`, is NaN throughout.
-    pub(crate) fn of_smooth_numbers(
+    #[must_use]
+    pub fn of_smooth_numbers(
         (brdf, lobe, layout): (BrdfKind, LobeModel, Layout),
         axes: PerAxis<Vec<f64>>,
         numbers: &[[f64; SMOOTH_NUMBERS]],

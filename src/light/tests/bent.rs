@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::cases::Lit;
+use crate::cases::Lit;
 use crate::{WeightRule, by_normals, truth};
 use ltcforge_fit::{Configuration, Sides};
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cases::{Draw, Lit, Roughness};
+use crate::cases::{Draw, Lit, Roughness};
 use crate::{
     Reflected, WeightRule, by_normals,
     normals::{reflected, visible},

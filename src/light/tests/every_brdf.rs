@@ -8,18 +8,16 @@ use std::{
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{
-    cases::{Draw, Lit, Roughness, cosine, over_area_of},
-    shaped_lights::{Case, cases},
-};
+use super::shaped_lights::{Case, cases};
+use crate::cases::{Draw, Lit, Roughness, cosine, over_area_of};
 use crate::{
     Gaussian, LightError, Lighting, PolygonLight, RandomLights, Reflected, WeightRule, light_error, light_map,
     rectangle, truth_of,
 };
 use ltcforge_fit::{
     BrdfKind, BrdfModel, Configuration, PerAxis, Sides, TabulatedAxes, TabulatedBrdf, TabulatedFile,
-    brdf::planted_tabulated,
     math::{Lattice, direction},
+    testing::planted_tabulated,
 };
 
 /// Every model but GGX, a planted file among them.

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use rayon::prelude::*;
 
-use super::cases::{Draw, Lit, Roughness};
+use crate::cases::{Draw, Lit, Roughness};
 use crate::{
     WeightRule, by_normals,
     normals::{reflected, visible},

@@ -3,7 +3,7 @@
 use glam::DQuat;
 use rayon::prelude::*;
 
-use super::cases::{Draw, Roughness};
+use crate::cases::{Draw, Roughness};
 use crate::{WeightRule, by_normals};
 use ltcforge_fit::Sides;
 

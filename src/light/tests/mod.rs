@@ -1,7 +1,6 @@
 //! The closed form and the table against the truth, and the truth against a quadrature of another kind.
 
 mod bent;
-pub(crate) mod cases;
 mod closed_form;
 mod every_brdf;
 mod extremes;

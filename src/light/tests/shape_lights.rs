@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cases::{Draw, Lit, Roughness};
+use crate::cases::{Draw, Lit, Roughness};
 use crate::{
     LightError, PolygonLight, TubeEnds, WeightRule, by_normals, disk, ellipse, line, normals::visible, rectangle,
     truth_within, tube,

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cases::{Draw, Roughness};
+use crate::cases::{Draw, Roughness};
 use crate::{
     Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals, by_table, truth,
     truth_within,

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cases::{Draw, Roughness};
+use crate::cases::{Draw, Roughness};
 use crate::{PolygonLight, TubeEnds, WeightRule, by_normals, disk, truth_within, tube};
 use ltcforge_fit::{Configuration, Sides};
 

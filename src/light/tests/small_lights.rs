@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::cases::{Draw, Lit, Roughness};
+use crate::cases::{Draw, Lit, Roughness};
 use crate::{
     WeightRule, by_normals,
     normals::{WeightRule as Rule, reflected},

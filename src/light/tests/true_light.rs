@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cases::{Draw, Lit, Roughness, over_area};
+use crate::cases::{Draw, Lit, Roughness, over_area};
 use crate::{PolygonLight, Reflected, WeightRule, by_normals, truth, truth_within};
 use ltcforge_fit::{
     Configuration, Sides,

@@ -2,10 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{
-    cases::{Draw, Lit, Roughness},
-    jumps::jump,
-};
+use super::jumps::jump;
+use crate::cases::{Draw, Lit, Roughness};
 use crate::{WeightRule, by_normals, truth_within};
 use ltcforge_fit::Sides;
 

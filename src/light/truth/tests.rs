@@ -3,8 +3,11 @@
 use glam::DVec3;
 
 use super::*;
-use crate::tests::cases::{Draw, Roughness};
-use ltcforge_fit::brdf::{Beckmann, Brdf, Ggx, OrenNayar, planted_tabulated};
+use crate::cases::{Draw, Roughness};
+use ltcforge_fit::{
+    brdf::{Beckmann, Brdf, Ggx, OrenNayar},
+    testing::planted_tabulated,
+};
 
 const TOLERANCE: f64 = 1e-9;
 

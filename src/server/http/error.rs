@@ -174,7 +174,7 @@ mod tests {
             (SubmitError::Stopping.into(), 503),
             (PictureError::NoTable.into(), 404),
             (PictureError::QueueFull { limit: 1, retry_after: RESTART }.into(), 429),
-            (PictureError::TooExpensive { predicted: 31.0, limit: RESTART }.into(), 422),
+            (PictureError::TooExpensive { samples: 31.0, limit: 30.0 }.into(), 422),
             (PictureError::TooSlow { limit: RESTART, retry_after: RESTART }.into(), 503),
             (PictureError::OtherBrdf("x".into()).into(), 400),
             (PictureError::Failed("x".into()).into(), 500),

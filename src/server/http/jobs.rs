@@ -48,7 +48,7 @@ pub(super) async fn submit(
             SubmitReply::InFlight { job, .. } => (StatusCode::ACCEPTED, job),
             SubmitReply::Ready { job, .. } => (StatusCode::OK, job),
         };
-        let expected = service.expected(&job.recipe);
+        let expected = service.expected(&job);
         Ok::<_, SubmitError>((status, job, expected))
     };
     let (status, job, expected) = api.call(submit).await?;

@@ -19,7 +19,7 @@ use super::{
 use crate::service::{Metrics, PictureCounts, ServiceError};
 use ltcforge_fit::FITTER_VERSION;
 
-const OPENAPI: &str = include_str!("../../../openapi.yaml");
+const OPENAPI: &str = include_str!("../openapi.yaml");
 
 #[derive(Debug, Serialize)]
 pub(super) struct Status {
@@ -58,7 +58,7 @@ pub(super) async fn metrics(State(api): State<Api>, _: QueryOf<NoParameters>) ->
 
 /// `GET /version`.
 pub(super) async fn version(_: QueryOf<NoParameters>) -> Json<Build> {
-    Json(Build { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
+    Json(Build { name: "ltcforge", version: env!("CARGO_PKG_VERSION"), fitter: FITTER_VERSION })
 }
 
 /// `GET /openapi.yaml`.

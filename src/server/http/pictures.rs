@@ -17,7 +17,7 @@ use super::{
     kind::ProblemKind,
     problem::Problem,
 };
-use crate::service::{PictureFile, PictureReply, Subject};
+use crate::service::{PictureReply, Subject};
 use ltcforge_files::digest::Digest;
 use ltcforge_view::{
     parameters::{ParameterFault, read_pairs},
@@ -27,7 +27,7 @@ use ltcforge_view::{
 
 /// The picture of a named table, or of none, changes only with the adapter or the version of the service.
 const ONE_DAY: &str = "public, max-age=86400";
-/// Which stored table is the best changes as tables are added.
+/// The best stored table may change as tables are added.
 const REVALIDATE: &str = "no-cache";
 
 /// `GET /v1/preview`. When the client disconnects, this future is dropped, and its request with it.
@@ -75,28 +75,27 @@ async fn answer(api: &Api, table: Option<Digest>, subject: Subject, headers: Hea
     let caching = if table.is_none() && subject.needs_table() { REVALIDATE } else { ONE_DAY };
     let conditions = headers.clone();
     let is_known = move |tag: Digest| EntityTag::strong(tag).is_known_to(&conditions);
-    let pending = match api.call(move |service| service.picture(table, subject, is_known)).await? {
+    let file = match api.call(move |service| service.picture(table, subject, is_known)).await? {
         PictureReply::Known { tag, adapter } => {
             EntityTag::strong(tag).check_if_match(&headers)?;
             return unchanged(tag, &adapter, caching);
         }
-        PictureReply::Ready(file) => {
-            EntityTag::strong(file.tag).check_if_match(&headers)?;
-            return whole(file, caching);
+        PictureReply::Ready(file) => file,
+        PictureReply::Pending(pending) => {
+            let mut stopping = api.stopping.clone();
+            tokio::select! {
+                file = pending.file() => file?,
+                _ = stopping.wait_for(|stopping| *stopping) => return Err(error::stopping()),
+            }
         }
-        PictureReply::Pending(pending) => pending,
     };
-    let mut stopping = api.stopping.clone();
-    let file = tokio::select! {
-        file = pending.file() => file?,
-        _ = stopping.wait_for(|stopping| *stopping) => return Err(error::stopping()),
-    };
-    EntityTag::strong(file.tag).check_if_match(&headers)?;
-    // Until the first picture the adapter is not known, and the tag depends on it.
-    if EntityTag::strong(file.tag).is_known_to(&headers) {
+    let entity_tag = EntityTag::strong(file.tag);
+    entity_tag.check_if_match(&headers)?;
+    if entity_tag.is_known_to(&headers) {
         return unchanged(file.tag, &file.adapter, caching);
     }
-    whole(file, caching)
+    let head = head(StatusCode::OK, file.tag, &file.adapter, caching).header(header::CONTENT_TYPE, "image/png");
+    finish(head, Body::from(Bytes::from_owner(Png(file.png))))
 }
 
 /// Table and scene of a preview's query, or all its faults.
@@ -115,11 +114,6 @@ fn read_preview(query: &QueryPairs) -> Result<(Option<Digest>, Scene), Vec<Param
             Err(faults)
         }
     }
-}
-
-fn whole(file: PictureFile, caching: &'static str) -> Result<Response, Problem> {
-    let head = head(StatusCode::OK, file.tag, &file.adapter, caching).header(header::CONTENT_TYPE, "image/png");
-    finish(head, Body::from(Bytes::from_owner(Png(file.png))))
 }
 
 fn unchanged(tag: Digest, adapter: &str, caching: &'static str) -> Result<Response, Problem> {

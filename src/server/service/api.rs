@@ -46,7 +46,7 @@ pub struct Config {
 /// The limits of pictures. The defaults fit one machine and a team.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PictureLimits {
-    /// How long one may take, as predicted and from when it starts to be rendered.
+    /// How long one may take, from when it starts to be rendered. The limit of its samples follows from it.
     pub time: Duration,
     /// How many may wait or be rendered at the same time.
     pub queue: NonZeroUsize,
@@ -76,7 +76,7 @@ pub enum OpenError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// It has no store, and none was to be made.
+    /// It has no store, and this operation makes none.
     #[error("{} has no jobs and tables of this service", .0.display())]
     NoStore(PathBuf),
     /// The database that processes share cannot be used.
@@ -115,14 +115,14 @@ impl OpenError {
 /// The result of submitting a recipe.
 #[derive(Debug, Clone)]
 pub enum SubmitReply {
-    /// Its job is queued or running.
+    /// The job is queued or running.
     InFlight {
         /// The job.
         job: Job,
         /// Whether an equal recipe had been submitted before.
         joined: bool,
     },
-    /// Its table is stored already.
+    /// The table is stored already.
     Ready {
         /// The job that made it.
         job: Job,
@@ -134,7 +134,7 @@ pub enum SubmitReply {
 /// Why a recipe was not accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum SubmitError {
-    /// It is not a recipe, or has faults.
+    /// The document is not a recipe, or has faults.
     #[error(transparent)]
     Recipe(#[from] RecipeError),
     /// Too many jobs are queued or running.
@@ -145,7 +145,7 @@ pub enum SubmitError {
         /// When to try again.
         retry_after: Duration,
     },
-    /// Its fit would take too long.
+    /// The fit would take too long.
     #[error(
         "the fit is predicted to take {predicted:.0} s on this machine, and a job may take {limit} s; fewer entries, samples, \
         directions or steps take less, and `--job-seconds` of the service raises the limit"
@@ -180,10 +180,10 @@ pub enum ServiceError {
     /// The disk is full.
     #[error("the disk of the data folder is full")]
     DiskFull,
-    /// The service stops and does not begin or finish what takes long.
+    /// The service is stopping, and neither begins nor finishes work that takes long.
     #[error("the service is stopping")]
     Stopping,
-    /// The storage does not answer, or not now.
+    /// The storage does not answer now.
     #[error("the storage cannot be reached now: {0}")]
     Unavailable(String),
     /// The machine or the process lacks something for a moment, such as a thread or a file descriptor.
@@ -257,7 +257,7 @@ pub struct PictureCounts {
     pub failed: u64,
     /// The callers withdrew, or the time ran out.
     pub given_up: u64,
-    /// The queue was full, or the picture would have taken too long.
+    /// The queue was full, or the picture had too many samples.
     pub refused: u64,
 }
 

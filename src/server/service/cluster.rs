@@ -5,14 +5,13 @@ use std::{
     fmt,
     str::FromStr,
     sync::Arc,
-    thread,
 };
 
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
     Config, OpenError, Service,
-    engine::FitEngine,
+    backend::FitBackend,
     find_brdf::named_in,
     open::{Parts, limits},
     state::ServiceState,
@@ -89,20 +88,12 @@ impl Service {
         let (database, blobs) = shared.open(&config, if works { Access::Write } else { Access::Read })?;
         let process = Process { name: process_name(), fitter: FITTER_VERSION };
         let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), process).map_err(OpenError::Shared)?;
-        let engine = Arc::new(FitEngine::on(Arc::clone(&blobs) as _));
+        let backend = Arc::new(FitBackend::new(Some(Arc::clone(&blobs) as _)));
         let store = Store::shared(blobs, Arc::new(PostgresRows::new(database)));
-        let service = Self::start(config, Parts { queue: Box::new(queue), store, engine, works })?;
-        let (state, workers) = (Arc::clone(&service.state), Arc::clone(&service.workers));
-        workers.begin();
-        let follower = thread::Builder::new().name("follow".to_owned()).spawn(move || {
-            state.follow();
-            drop(state);
-            workers.end();
-        });
-        if let Err(error) = follower {
-            service.workers.end();
-            return Err(OpenError::Unusable { path: service.state.config.data_dir.clone(), source: error });
-        }
+        let service = Self::start(config, Parts { queue: Box::new(queue), store, backend, works })?;
+        service
+            .spawn("follow".to_owned(), ServiceState::follow)
+            .map_err(|source| OpenError::Unusable { path: service.state.config.data_dir.clone(), source })?;
         Ok(service)
     }
 }
@@ -158,7 +149,8 @@ fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Dig
     }
 }
 
-/// Removes the blobs that no table of the catalogue has, that no recipe in use names, and that are older than a day. Returns how many.
+/// Removes the blobs that no table of the catalogue has, that no recipe in use names, and that are older than a day.
+/// Returns how many.
 ///
 /// # Errors
 /// When the database or the store of blobs cannot be used.

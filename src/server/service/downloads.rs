@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     queue::JobId,
-    store::{Catalogue, ManifestRow, StoreError},
+    store::{Catalogue, ManifestRow},
 };
 use ltcforge_files::{container::TableFileError, digest::Digest, manifest::MANIFEST_VERSION};
 use ltcforge_fit::GoOn;
@@ -27,8 +27,8 @@ impl Service {
         self.state.tables.read(digest)
     }
 
-    /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is made with the table. If it is of another
-    /// version, or was lost with the catalogue, it is made and stored now.
+    /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is made with the table. If
+    /// it is of another version, or was lost with the catalogue, it is made and stored now.
     ///
     /// # Errors
     /// As [`Self::table`]: the manifest of a damaged table is not served.
@@ -40,17 +40,14 @@ impl Service {
             return Ok(Some(text));
         }
         let made = state.make_manifest(&file, &|| !state.is_stopping());
-        let made = made.map_err(|error| match error {
-            ManifestError::Table(error) => ServiceError::Storage(format!("the blob {digest}: {error}")),
-            ManifestError::Lacking(error) => error.into(),
-        })?;
+        let made = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         let manifest = made.ok_or(ServiceError::Stopping)?;
         state.tables.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
         Ok(Some(manifest.text))
     }
 
-    /// A URL under which a client can fetch a table from the store of blobs for some minutes; `None` where there is none,
-    /// or no such table.
+    /// A URL under which a client can fetch a table from the store of blobs for some minutes; `None` if the store makes
+    /// no URLs or there is no such table.
     ///
     /// # Errors
     /// When the store fails.
@@ -88,11 +85,12 @@ impl Service {
     /// # Errors
     /// As [`Self::table`].
     pub fn exports(&self, table: Digest) -> Result<Option<Vec<Export>>, ExportFailure> {
-        self.table(table)?.map(|file| self.state.engine.exports(&file)).transpose()
+        self.table(table)?.map(|file| self.state.backend.exports(&file)).transpose()
     }
 
-    /// An export of a table, made at the first request and then kept, unless others push it out. Its files follow from the
-    /// table, the export and this program. How good the table is comes from its manifest, so that no export measures it.
+    /// An export of a table, made at the first request and then kept, unless others push it out. Its files follow from
+    /// the table, the export and this program. The table's error comes from its manifest, so that no export measures
+    /// it.
     ///
     /// # Errors
     /// See [`ExportFailure`].
@@ -104,13 +102,13 @@ impl Service {
             }
             let Some(file) = self.table(table)? else { return Ok(None) };
             let Some(manifest) = self.manifest(table)? else { return Ok(None) };
-            let made = self.state.measuring_pool.install(|| self.state.engine.export(&file, &manifest, export));
+            let made = self.state.measuring_pool.install(|| self.state.backend.export(&file, &manifest, export));
             Ok(Some(made?.into()))
         })
     }
 
-    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one. `is_known`
-    /// tells whether the caller has the picture of a tag.
+    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one.
+    /// `is_known` tells whether the caller has the picture of a tag.
     ///
     /// # Errors
     /// See [`PictureError`].
@@ -124,27 +122,10 @@ impl Service {
     }
 }
 
-/// Why a manifest could not be made.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum ManifestError {
-    /// The file is not a table.
-    #[error(transparent)]
-    Table(#[from] TableFileError),
-    /// The machine lacks a thread for a moment.
-    #[error(transparent)]
-    Lacking(StoreError),
-}
-
 impl ServiceState {
     /// Measures a table and makes its manifest; `None` as soon as `go_on` says no.
-    pub(super) fn make_manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<ManifestRow>, ManifestError> {
-        let measure = || self.measuring_pool.install(|| self.engine.manifest(file, go_on));
-        // The caller may be a thread of the fitting pool. If it waited for the other pool, rayon would let it take
-        // other work of its own pool meanwhile, such as the endless loop of another worker. So a thread of no pool
-        // waits.
-        let made = self.threads.run("wait-for-measure", measure);
-        let text =
-            made.map_err(|source| ManifestError::Lacking(StoreError::of_io("a thread that measures", source)))??;
+    pub(super) fn make_manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<ManifestRow>, TableFileError> {
+        let text = self.measuring_pool.install(|| self.backend.manifest(file, go_on))?;
         Ok(text.map(|text| ManifestRow { version: MANIFEST_VERSION, text }))
     }
 }

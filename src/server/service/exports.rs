@@ -2,20 +2,22 @@
 
 use std::{
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicU64, AtomicUsize, Ordering},
     },
     time::Duration,
 };
 
-use super::{ServiceError, cache::Cache};
+use quick_cache::{Weighter, sync::Cache};
+
+use super::ServiceError;
 use ltcforge_files::digest::Digest;
 use ltcforge_textures::{Bundle, ExportError, RoundingError, TextureFile};
 
-/// Requests for exports that may wait at the same time: one export is made at a time, so that memory holds the numbers of
-/// one.
+/// Requests for exports that may wait at the same time. One export is made at a time, so that memory holds the numbers
+/// of one table.
 const LIMIT: usize = 16;
-/// When to try again if as many wait. Most exports take less than a second.
+/// When to try again if that many wait. Most exports take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
 
 /// A file of an export.
@@ -27,7 +29,7 @@ pub struct ExportedFile {
     pub bytes: Arc<Vec<u8>>,
     /// Their digest.
     pub digest: Digest,
-    /// What rounding changed.
+    /// How far rounding moved its numbers.
     pub rounding: RoundingError,
 }
 
@@ -36,7 +38,7 @@ pub struct ExportedFile {
 pub struct MadeExport {
     /// Its files.
     pub files: Vec<ExportedFile>,
-    /// What to do with them, a sentence each.
+    /// How to use them, a sentence each.
     pub steps: Vec<String>,
 }
 
@@ -58,7 +60,7 @@ pub enum ExportFailure {
     Refused(#[from] ExportError),
     /// The table has more entries than are exported.
     #[error(
-        "the table has {entries} entries, and of at most {limit} the service makes exports; `ltcforge export` makes any"
+        "the table has {entries} entries, and the service exports at most {limit}; `ltcforge export` exports any table"
     )]
     TooLarge {
         /// Its entries.
@@ -79,17 +81,31 @@ pub enum ExportFailure {
     Store(#[from] ServiceError),
 }
 
-/// The exports made so far, and whose turn it is to make one.
+/// The exports made last, and the requests for others.
 #[derive(Debug)]
 pub(super) struct Exports {
-    kept: Mutex<Cache<Arc<MadeExport>>>,
+    kept: Cache<Digest, Arc<MadeExport>, FileBytes>,
     /// Held while an export is made.
-    turn: Mutex<()>,
+    making: Mutex<()>,
     waiting: AtomicUsize,
     made: AtomicU64,
 }
 
-/// A request that waits for its turn, or has it.
+/// How many exports the cache expects. For more than 62 it would divide its bytes among several parts, and a large
+/// export would fit into none.
+const EXPECTED: usize = 32;
+
+/// Counts the bytes of an export's files.
+#[derive(Debug, Clone)]
+struct FileBytes;
+
+impl Weighter<Digest, Arc<MadeExport>> for FileBytes {
+    fn weight(&self, _key: &Digest, export: &Arc<MadeExport>) -> u64 {
+        export.files.iter().map(|file| file.bytes.len() as u64).sum()
+    }
+}
+
+/// A request for an export that waits or is being made.
 struct Waiting<'a>(&'a AtomicUsize);
 
 impl Drop for Waiting<'_> {
@@ -101,8 +117,8 @@ impl Drop for Waiting<'_> {
 impl Exports {
     /// Keeps up to `limit_bytes` of files.
     pub(super) fn new(limit_bytes: usize) -> Self {
-        let kept = Mutex::new(Cache::new(limit_bytes));
-        Self { kept, turn: Mutex::new(()), waiting: AtomicUsize::new(0), made: AtomicU64::new(0) }
+        let kept = Cache::with_weighter(EXPECTED, limit_bytes as u64, FileBytes);
+        Self { kept, making: Mutex::new(()), waiting: AtomicUsize::new(0), made: AtomicU64::new(0) }
     }
 
     /// How many were made.
@@ -110,14 +126,10 @@ impl Exports {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// How many requests wait, or have their turn.
+    /// How many requests wait or are being answered.
     #[cfg(test)]
     pub(super) fn waiting(&self) -> usize {
         self.waiting.load(Ordering::SeqCst)
-    }
-
-    fn kept(&self) -> MutexGuard<'_, Cache<Arc<MadeExport>>> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The export of `key`, from memory or as `make` makes it, one at a time. `None` is not remembered.
@@ -126,23 +138,22 @@ impl Exports {
         key: Digest,
         make: impl FnOnce() -> Result<Option<MadeExport>, ExportFailure>,
     ) -> Result<Option<Arc<MadeExport>>, ExportFailure> {
-        if let Some(kept) = self.kept().get(key) {
+        if let Some(kept) = self.kept.get(&key) {
             return Ok(Some(kept));
         }
         let _waiting = Waiting(&self.waiting);
         if self.waiting.fetch_add(1, Ordering::SeqCst) >= LIMIT {
             return Err(ExportFailure::QueueFull { limit: LIMIT, retry_after: RETRY_FULL });
         }
-        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-        // An equal request may have had its turn before.
-        if let Some(kept) = self.kept().get(key) {
+        let _making = self.making.lock().unwrap_or_else(PoisonError::into_inner);
+        // An equal request may have been answered before.
+        if let Some(kept) = self.kept.get(&key) {
             return Ok(Some(kept));
         }
         let made = make()?.map(Arc::new);
         if let Some(export) = &made {
             self.made.fetch_add(1, Ordering::Relaxed);
-            let bytes = export.files.iter().map(|file| file.bytes.len()).sum();
-            self.kept().keep(key, bytes, Arc::clone(export));
+            self.kept.insert(key, Arc::clone(export));
         }
         Ok(made)
     }

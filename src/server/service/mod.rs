@@ -1,33 +1,30 @@
 //! The use cases: submit, work, download, export, preview.
 //!
-//! Invariant: nothing is fitted or rendered on a caller's thread. Tables are fitted on one rayon pool of the service
-//! and measured and exported on another; pictures are rendered on a thread of their own.
+//! Invariant: nothing is fitted or rendered on a caller's thread. Tables are fitted by threads of the
+//! service, and assembled, measured and exported on a rayon pool; pictures are rendered on a thread of their own.
 
 mod api;
+mod backend;
 mod brdfs;
 mod cache;
 mod check;
 mod cluster;
 mod cursor;
-mod deliveries;
 mod downloads;
-mod engine;
 mod exports;
 mod find_brdf;
 mod forecast;
 mod migrate;
 mod open;
 mod pictures;
-mod places;
 mod reconcile;
+mod scheduler;
 mod speed;
 mod state;
 mod submit;
 mod tables;
 #[cfg(test)]
 mod tests;
-mod threads;
-mod turns;
 mod watch;
 mod work;
 

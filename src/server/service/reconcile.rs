@@ -8,11 +8,11 @@ use std::{
 use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{TableRow, engine::Engine};
+use super::{TableRow, backend::Backend};
 use crate::store::{Blobs, Catalogue, Rows, StoreError};
 use ltcforge_files::digest::Digest;
 
-/// What was done to make the catalogue and the blobs agree.
+/// The changes that made the catalogue agree with the blobs.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Reconciled {
     /// Blobs that are tables and were missing in the catalogue, or in its list or its recipes.
@@ -25,7 +25,7 @@ pub struct Reconciled {
 pub(super) fn reconcile(
     rows: &Arc<dyn Rows>,
     blobs: &dyn Blobs,
-    engine: &dyn Engine,
+    backend: &dyn Backend,
 ) -> Result<Reconciled, StoreError> {
     let catalogue = Catalogue::new(Arc::clone(rows));
     let stored: BTreeMap<Digest, Timestamp> =
@@ -39,7 +39,7 @@ pub(super) fn reconcile(
             Ok(None) | Err(StoreError::Corrupt { .. }) => continue,
             Err(error) => return Err(error),
         };
-        let Some((recipe, recipe_digest)) = engine.recognise(&bytes) else { continue };
+        let Some((recipe, recipe_digest)) = backend.recognise(&bytes) else { continue };
         let created_at = catalogue.table(*digest)?.map_or(*stored_at, |row| row.created_at);
         let row = TableRow { digest: *digest, recipe_digest, bytes: bytes.len() as u64, created_at };
         rows.commit(&Catalogue::entry(&row, &recipe)?)?;
@@ -49,10 +49,6 @@ pub(super) fn reconcile(
         tracing::error!(table = %digest, "the file of a table is missing; it is taken out of the catalogue");
         catalogue.forget(*digest)?;
         done.lost.push(*digest);
-    }
-    let dangling = catalogue.dangling()?;
-    if !dangling.is_empty() {
-        rows.commit(&dangling)?;
     }
     if !done.added.is_empty() {
         tracing::warn!(

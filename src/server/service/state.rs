@@ -1,13 +1,17 @@
 //! The service and the state that its callers and workers share.
 
-use std::sync::{
-    Arc, Condvar, Mutex, PoisonError,
-    atomic::{AtomicBool, AtomicU64, Ordering},
+use std::{
+    io,
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+    thread::{self, JoinHandle},
 };
 
 use super::{
-    Config, Metrics, ServiceError, deliveries::Deliveries, engine::Engine, exports::Exports, forecast::Forecast,
-    pictures::Pictures, tables::Tables, threads::Threads, turns::Turns, watch::Hub,
+    Config, Metrics, ServiceError, backend::Backend, exports::Exports, forecast::Forecast, pictures::Pictures,
+    scheduler::Scheduler, tables::Tables, watch::Hub,
 };
 use crate::{
     queue::{JobId, Queue},
@@ -18,28 +22,21 @@ use crate::{
 #[derive(Debug)]
 pub struct Service {
     pub(super) state: Arc<ServiceState>,
-    pub(super) workers: Arc<Workers>,
-    /// The threads that fit: two for each worker, of which one stores results, and one for each job
-    /// that may arrive while all are busy.
-    pub(super) _pool: rayon::ThreadPool,
+    /// Those that work until the service is stopped.
+    pub(super) threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
 /// What the callers and the workers share.
 pub(super) struct ServiceState {
     pub(super) config: Config,
-    pub(super) engine: Arc<dyn Engine>,
+    pub(super) backend: Arc<dyn Backend>,
     pub(super) forecast: Arc<Forecast>,
     pub(super) tables: Arc<Tables>,
     pub(super) queue: Box<dyn Queue>,
-    pub(super) deliveries: Deliveries,
     pub(super) hub: Hub,
-    /// Measures tables and makes exports of them. The loops of the workers occupy all threads of the fitting pool; the threads of this one are idle
-    /// until a table is assembled.
+    /// Assembles and measures tables and makes exports of them.
     pub(super) measuring_pool: rayon::ThreadPool,
-    /// Starts threads for single pieces of work.
-    pub(super) threads: Threads,
-    /// Which of the threads that fit may work.
-    pub(super) turns: Turns,
+    pub(super) scheduler: Scheduler,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
     pub(super) stopping: AtomicBool,
@@ -52,39 +49,30 @@ impl std::fmt::Debug for ServiceState {
     }
 }
 
-/// Counts the workers that have not ended.
-#[derive(Debug, Default)]
-pub(super) struct Workers {
-    alive: Mutex<usize>,
-    ended: Condvar,
-}
-
-impl Workers {
-    pub(super) fn begin(&self) {
-        *self.alive.lock().unwrap_or_else(PoisonError::into_inner) += 1;
-    }
-
-    pub(super) fn end(&self) {
-        *self.alive.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
-        self.ended.notify_all();
-    }
-
-    fn wait(&self) {
-        let alive = self.alive.lock().unwrap_or_else(PoisonError::into_inner);
-        drop(self.ended.wait_while(alive, |alive| *alive > 0).unwrap_or_else(PoisonError::into_inner));
-    }
-}
-
 impl Service {
+    /// Starts a thread that works until the service is stopped.
+    pub(super) fn spawn(&self, name: String, work: impl FnOnce(&ServiceState) + Send + 'static) -> io::Result<()> {
+        let state = Arc::clone(&self.state);
+        let thread = thread::Builder::new().name(name).spawn(move || work(&state))?;
+        self.threads.lock().unwrap_or_else(PoisonError::into_inner).push(thread);
+        Ok(())
+    }
+
     /// Stops the service: no more tasks are leased or pictures rendered, running shards are given back within
     /// a moment, and the store is flushed.
     pub fn stop(&self) {
         // The queue is closed first; otherwise a worker could give its shard back and lease it again.
         self.state.queue.close();
         self.state.stopping.store(true, Ordering::SeqCst);
-        self.state.turns.close();
+        self.state.scheduler.wake();
         self.state.pictures.close();
-        self.workers.wait();
+        // Once they have ended, the folder may be opened again at once.
+        let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
+        for thread in threads.drain(..) {
+            if thread.join().is_err() {
+                tracing::error!("a thread of the service panicked");
+            }
+        }
         // What was acknowledged is durable already. This also writes the leases that were given back.
         if let Err(error) = self.state.tables.store.rows.commit(&Batch::default()) {
             tracing::warn!(%error, "the last flush failed");

@@ -26,9 +26,10 @@ impl Service {
         if self.state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
-        let new = self.state.engine.plan(document, self.state.config.entry_limit)?;
+        let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
         let file = self.state.old_file(&new.recipe)?;
         let submission = self.state.submit(new);
+        self.state.scheduler.wake();
         self.state.publish_changes();
         let reply = submission?;
         if let Some(file) = file {
@@ -37,10 +38,10 @@ impl Service {
         Ok(reply)
     }
 
-    /// The forecast for a stored recipe; `None` for a recipe of another fitter.
+    /// The forecast for a job; `None` for a recipe of another fitter.
     #[must_use]
-    pub fn expected(&self, recipe: &str) -> Option<Expected> {
-        self.state.forecast.of(recipe)
+    pub fn expected(&self, job: &Job) -> Option<Expected> {
+        self.state.forecast.of(job.into())
     }
 
     /// A job by its id, with its forecasts.
@@ -86,8 +87,8 @@ impl Service {
 }
 
 impl ServiceState {
-    /// The file that a recipe names, to be put again once its job is known: where others remove files that no recipe names,
-    /// they may be about to remove it.
+    /// The file of a tabulated BRDF that a recipe names, on a store that other processes share. It is stored again once
+    /// the job is known: one of them may be about to remove files that no recipe names.
     fn old_file(&self, recipe: &str) -> Result<Option<Vec<u8>>, ServiceError> {
         if self.queue.is_local() {
             return Ok(None);
@@ -105,7 +106,7 @@ impl ServiceState {
                 _ => SubmitReply::InFlight { job, joined: true },
             });
         }
-        let predicted = self.forecast.of(&new.recipe).map_or(0.0, |expected| expected.seconds);
+        let predicted = self.forecast.of((&new).into()).map_or(0.0, |expected| expected.seconds);
         let limit = self.config.job_seconds;
         if predicted > limit as f64 && !self.queue.is_active(JobId::of_recipe(&digest)).map_err(ServiceError::from)? {
             return Err(SubmitError::TooExpensive { predicted, limit });
@@ -120,7 +121,7 @@ impl ServiceState {
         }
     }
 
-    /// A done job for a table that is stored although its job was lost.
+    /// The done job of a stored table whose own job was lost.
     fn done(&self, new: NewJob, table: Digest) -> Job {
         let stored_at =
             self.tables.catalogue.table(table).ok().flatten().map_or_else(|| self.queue.now(), |row| row.created_at);

@@ -24,7 +24,7 @@ impl Tables {
         Self { store, catalogue, damaged: AtomicU64::new(0) }
     }
 
-    /// Whether there is a file of this digest. Its bytes are not read.
+    /// Whether there is a file with this digest. Its bytes are not read.
     pub(super) fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
         self.store.blobs.contains(digest)
     }

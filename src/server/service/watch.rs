@@ -15,8 +15,8 @@ use crate::{
     store::StoreError,
 };
 
-/// How far a final state's sequence number is ahead of the time: more than a burst of snapshots within one microsecond
-/// can be.
+/// How far the sequence number of a final state is ahead of its time: further than a burst of snapshots within one
+/// microsecond.
 const FINAL_AFTER: u64 = 1000;
 
 /// Channels to the followers of jobs, and the pace of running jobs.
@@ -25,8 +25,8 @@ const FINAL_AFTER: u64 = 1000;
 pub(super) struct Hub {
     forecast: Arc<Forecast>,
     inner: Mutex<Inner>,
-    /// While a job is read for its followers, the lock of its id is held, so that an older snapshot never follows a newer
-    /// one. A database that takes long holds up no other lock.
+    /// Locks by the first byte of a job's id. The lock is held while the job is read for its followers, so that an
+    /// older snapshot never follows a newer one. A slow database holds up no other lock.
     reading: [Mutex<()>; 64],
 }
 
@@ -60,7 +60,7 @@ impl Hub {
         followed.map(|(id, _)| *id).collect()
     }
 
-    /// Whether anything is kept of the job.
+    /// Whether the job has a channel or a pace.
     pub(super) fn knows(&self, id: JobId) -> bool {
         let inner = self.lock();
         inner.channels.contains_key(&id) || inner.paces.contains_key(&id)
@@ -71,7 +71,8 @@ impl Hub {
         self.lock().channels.contains_key(&id)
     }
 
-    /// Notifies the followers of a job. `read` gives the job as it is, and the time by the clock that all processes share.
+    /// Notifies the followers of a job. `read` gives the job as it is, and the time by the clock that all processes
+    /// share.
     pub(super) fn publish(
         &self,
         id: JobId,
@@ -130,7 +131,7 @@ impl Inner {
             self.paces.remove(&job.id);
             None
         };
-        let expected = forecast.of(&job.recipe);
+        let expected = forecast.of((&job).into());
         JobSnapshot { sequence: self.sequence(&job, now), job, seconds_left, expected }
     }
 

@@ -1,24 +1,23 @@
-//! The loop of a worker: lease a task, do it, store the result.
+//! The loops of the workers: lease a task, do it; store the results; keep the leases meanwhile.
 
 use std::{
     any::Any,
+    iter,
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::atomic::Ordering,
+    slice,
+    sync::{
+        atomic::Ordering,
+        mpsc::{Receiver, SyncSender},
+    },
     time::{Duration, Instant},
 };
 
-use super::{
-    TableRow,
-    downloads::ManifestError,
-    state::ServiceState,
-    turns::{Asked, ShardResult, Turn},
-};
+use super::{TableRow, backend::PlanError, state::ServiceState};
 use crate::{
-    queue::{Failure, FailureKind, LeaseError, LeasedTask, StaleLease, TaskKind},
+    queue::{Failure, FailureKind, Lease, LeaseError, LeasedTask, StaleLease, TaskKind},
     store::{Catalogue, StoreError},
 };
-use ltcforge_files::digest::Digest;
 
 /// Why a task was not delivered.
 #[derive(Debug, thiserror::Error)]
@@ -43,67 +42,85 @@ impl From<LeaseError> for TaskError {
     }
 }
 
-/// How long a worker waits after an error that passes, such as a lack of file descriptors.
+impl From<PlanError> for TaskError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Failed(error) => Self::Failed(error),
+            PlanError::Store(error) => Self::Store(error),
+        }
+    }
+}
+
+/// How long to wait after an error that passes, such as a lack of file descriptors.
 const RETRY: Duration = Duration::from_secs(1);
 
 /// How often a worker reports its progress, at most. A queue that is writing holds it up meanwhile.
 const REPORT: Duration = Duration::from_millis(20);
 
+/// How often the leases that no worker renews are looked at, or four times within their duration if that is more often.
+const KEEP: Duration = Duration::from_millis(500);
+
+/// Results that wait to be stored, at most; workers then wait. As many are stored in one transaction.
+pub(super) const MOST_RESULTS: usize = 64;
+
+/// The result of a shard, on its way to the queue.
+pub(super) struct ShardResult {
+    task: LeasedTask,
+    bytes: Vec<u8>,
+}
+
 impl ServiceState {
     /// Does tasks until the queue is closed.
-    pub(super) fn work(&self, thread: u32) {
-        let lease = |demand, most| self.queue.lease(thread, demand, most);
-        let mut next = None;
-        loop {
-            let task = match next.take() {
-                Some(task) => task,
-                None => match self.turns.ask(lease, |seen| self.queue.wait(seen)) {
-                    Some(Asked::Task(task)) => task,
-                    Some(Asked::Result(result)) => {
-                        self.attempt(&result.task, || Ok(self.complete(&result.task, &result.bytes)?));
-                        self.publish_changes();
-                        continue;
-                    }
-                    None => return,
-                },
-            };
+    pub(super) fn work(&self, thread: u32, results: &SyncSender<ShardResult>) {
+        while let Some(task) = self.scheduler.next(thread, self.queue.as_ref()) {
             self.publish_changes();
-            let mut turn = self.turns.begin(task.job, &mut || self.renew(&task, 0));
-            next = self.attempt(&task, || self.perform(&task, &mut turn)).flatten();
-            drop(turn);
+            self.attempt(&task, || match task.kind {
+                _ if self.is_stopping() => Ok(self.queue.give_back(&task.lease)?),
+                TaskKind::Shard(shard) => self.fit(&task, shard, results),
+                TaskKind::Assemble => self.assemble(&task),
+            });
+            self.scheduler.end(&task.lease);
             self.publish_changes();
+        }
+        self.give_back_overdue(Duration::ZERO);
+    }
+
+    /// Stores the results of shards as they come; those that come while others are being stored are stored together.
+    pub(super) fn store_results(&self, results: &Receiver<ShardResult>) {
+        while let Ok(first) = results.recv() {
+            let together: Vec<_> = iter::once(first).chain(results.try_iter().take(MOST_RESULTS - 1)).collect();
+            self.store_together(&together);
+            self.publish_changes();
+            self.scheduler.wake();
         }
     }
 
-    /// Renews the lease of a task that waits, and those that no thread holds. If one has ended, its task hears of it when it
-    /// goes on.
-    fn renew(&self, task: &LeasedTask, done: u64) {
-        let _ = self.queue.progress(&task.lease, done);
-        self.renew_held();
-    }
-
-    fn renew_held(&self) {
-        self.turns.renew_held(|task| {
-            let _ = self.queue.progress(&task.lease, 0);
-        });
-    }
-
-    /// Does a leased task. Returns the one to go on with.
-    fn perform(&self, task: &LeasedTask, turn: &mut Turn<'_>) -> Result<Option<Box<LeasedTask>>, TaskError> {
-        match task.kind {
-            _ if !turn.works() => {
-                self.queue.give_back(&task.lease)?;
-                Ok(None)
+    /// Keeps the leases of tasks that no thread works on until the service is stopping: tasks that wait too long for a
+    /// worker are given back, and leases whose results are being stored are renewed.
+    pub(super) fn keep_leases(&self) {
+        let every = KEEP.min(self.config.lease_ttl / 4);
+        while !self.is_stopping() {
+            self.queue.pause(every);
+            self.give_back_overdue(every);
+            for (lease, entries) in self.scheduler.all_storing() {
+                if self.queue.progress(&lease, entries).is_err() {
+                    self.scheduler.stored(&lease);
+                }
             }
-            TaskKind::Shard(shard) => self.fit(task, shard, turn),
-            TaskKind::Assemble => self.assemble(task, turn).map(|()| None),
+        }
+    }
+
+    fn give_back_overdue(&self, time: Duration) {
+        for task in self.scheduler.overdue(time) {
+            self.attempt(&task, || Ok(self.queue.give_back(&task.lease)?));
+            self.scheduler.wake();
         }
     }
 
     /// Does work on a leased task. A failure ends the task or the job, never the service.
-    fn attempt<T>(&self, task: &LeasedTask, work: impl FnOnce() -> Result<T, TaskError>) -> Option<T> {
+    fn attempt(&self, task: &LeasedTask, work: impl FnOnce() -> Result<(), TaskError>) {
         let error = match catch_unwind(AssertUnwindSafe(work)) {
-            Ok(Ok(done)) => return Some(done),
+            Ok(Ok(())) => return,
             Ok(Err(error)) => error,
             Err(panic) => TaskError::Failed(format!("panic: {}", panic_text(panic.as_ref()))),
         };
@@ -128,85 +145,101 @@ impl ServiceState {
         if let Err(StaleLease) = reported {
             tracing::debug!(job = %task.job, task = ?task.kind, "the lease was no longer current when the task ended");
         }
-        None
     }
 
-    fn fit(&self, task: &LeasedTask, shard: u32, turn: &mut Turn<'_>) -> Result<Option<Box<LeasedTask>>, TaskError> {
-        let mut fitted = 0;
-        let (started, waited) = (Instant::now(), turn.waited());
-        let mut reported = None;
+    fn fit(&self, task: &LeasedTask, shard: u32, results: &SyncSender<ShardResult>) -> Result<(), TaskError> {
+        // It may have waited, and its job may have ended meanwhile.
+        self.queue.progress(&task.lease, 0)?;
+        let plan = self.backend.load(task.into())?;
+        let (mut fitted, mut seconds, mut reported) = (0, 0.0, Instant::now());
         let mut on_progress = |done: u64| {
             self.entries_fitted.fetch_add(done.saturating_sub(fitted), Ordering::Relaxed);
             fitted = done;
-            turn.pass(&mut || self.renew(task, done));
             if self.is_stopping() {
                 return ControlFlow::Break(());
             }
-            if reported.is_some_and(|at: Instant| at.elapsed() < REPORT) {
+            if reported.elapsed() < REPORT {
                 return ControlFlow::Continue(());
             }
-            reported = Some(Instant::now());
+            seconds += self.scheduler.share() * reported.elapsed().as_secs_f64();
+            reported = Instant::now();
             if self.queue.progress(&task.lease, done).is_err() {
                 return ControlFlow::Break(());
             }
-            self.renew_held();
-            // Whoever follows a shared job has it looked at now and then.
+            // The follower of a shared queue looks at its jobs now and then.
             if self.queue.is_local() && self.hub.is_watched(task.job) {
                 self.publish(task.job);
             }
             ControlFlow::Continue(())
         };
-        // It may have waited, and its job may have ended meanwhile.
-        self.queue.progress(&task.lease, 0)?;
-        self.engine.prepare(&task.recipe)?;
-        let Some(bytes) = self.engine.fit_shard(&task.recipe, shard, &mut on_progress).map_err(TaskError::Failed)?
-        else {
-            self.queue.give_back(&task.lease)?;
-            return Ok(None);
+        let Some(bytes) = plan.fit_shard(shard, &mut on_progress) else {
+            return Ok(self.queue.give_back(&task.lease)?);
         };
-        let took = (started.elapsed() + waited).saturating_sub(turn.waited());
-        self.forecast.learn(&task.recipe, fitted as f64 / task.entries_total as f64, took.as_secs_f64());
-        Ok(turn.end(took, ShardResult { task: Box::new(task.clone()), bytes }))
+        seconds += self.scheduler.share() * reported.elapsed().as_secs_f64();
+        self.forecast.learn(task.into(), fitted as f64 / task.entries_total as f64, seconds);
+        self.scheduler.storing(task.lease, fitted);
+        let sent = results.send(ShardResult { task: task.clone(), bytes });
+        sent.map_err(|_| TaskError::Failed("the thread that stores results has ended".to_owned()))
     }
 
-    /// Stores a shard's result. An error that passes is waited out, because the shard may have taken minutes.
-    fn complete(&self, task: &LeasedTask, result: &[u8]) -> Result<(), LeaseError> {
+    fn store_together(&self, results: &[ShardResult]) {
+        let done: Vec<(Lease, &[u8])> =
+            results.iter().map(|result| (result.task.lease, result.bytes.as_slice())).collect();
+        match catch_unwind(AssertUnwindSafe(|| self.queue.complete(&done))) {
+            Ok(Ok(answers)) => {
+                for (result, answer) in results.iter().zip(answers) {
+                    self.attempt(&result.task, || Ok(answer?));
+                }
+            }
+            Ok(Err(_)) | Err(_) => results.iter().for_each(|result| self.store_alone(result)),
+        }
+    }
+
+    /// Stores a result that could not be stored with others: one of them may have been the reason. An error that passes
+    /// is waited out, because the shard may have taken minutes.
+    fn store_alone(&self, result: &ShardResult) {
+        let ShardResult { task, bytes } = result;
+        if self.is_stopping() && !self.queue.is_reachable() {
+            // Its lease will expire.
+            return;
+        }
+        self.attempt(task, || {
+            let stored =
+                self.retried(task, || self.queue.complete(slice::from_ref(&(task.lease, bytes.as_slice()))))?;
+            Ok(stored.into_iter().next().unwrap_or(Err(StaleLease))?)
+        });
+    }
+
+    /// Stores what may have taken minutes to make, and tries again while the error is one that passes.
+    fn retried<T>(&self, task: &LeasedTask, store: impl Fn() -> Result<T, StoreError>) -> Result<T, TaskError> {
         loop {
-            match self.deliveries.deliver(self.queue.as_ref(), task.lease, result) {
-                Err(LeaseError::Store(error)) if error.is_passing() && !self.is_stopping() => {
+            match store() {
+                Err(error) if error.is_passing() && !self.is_stopping() => {
                     tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result is stored again");
                     self.queue.pause(RETRY);
                     self.queue.progress(&task.lease, 0)?;
-                    self.renew_held();
                 }
-                done => return done,
+                done => return Ok(done?),
             }
         }
     }
 
-    fn assemble(&self, task: &LeasedTask, turn: &mut Turn<'_>) -> Result<(), TaskError> {
-        self.engine.prepare(&task.recipe)?;
-        let mut parts = self.engine.assembly(&task.recipe).map_err(TaskError::Failed)?;
+    fn assemble(&self, task: &LeasedTask) -> Result<(), TaskError> {
+        let plan = self.backend.load(task.into())?;
+        let mut parts = plan.assembly();
         if !self.queue.results(&task.lease, &mut |result| parts.add(result))? {
             return Ok(());
         }
-        let file = parts.file().map_err(TaskError::Failed)?;
+        let file = self.measuring_pool.install(|| parts.file()).map_err(TaskError::Failed)?;
         // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
-        let go_on = || {
-            self.renew_held();
-            !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok()
+        let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
+        let manifest = self.make_manifest(&file, &go_on).map_err(|error| TaskError::Failed(error.to_string()))?;
+        let Some(manifest) = manifest else {
+            return Ok(self.queue.give_back(&task.lease)?);
         };
-        // The table is measured by other threads.
-        let manifest = turn.leave(|| self.make_manifest(&file, &go_on), &mut || self.renew(task, 0));
-        let manifest = manifest.map_err(|error| match error {
-            ManifestError::Table(error) => TaskError::Failed(error.to_string()),
-            ManifestError::Lacking(error) => TaskError::Store(error),
-        })?;
-        let Some(manifest) = manifest.filter(|_| turn.works()) else {
-            self.queue.give_back(&task.lease)?;
-            return Ok(());
-        };
-        let digest = self.store_file(task, &file)?;
+        // That may take longer than the lease.
+        self.scheduler.storing(task.lease, 0);
+        let digest = self.retried(task, || self.tables.store.blobs.put(&file))?;
         let row = TableRow {
             digest,
             recipe_digest: task.recipe_digest,
@@ -218,22 +251,6 @@ impl ServiceState {
         self.queue.finish(&task.lease, digest, batch)?;
         tracing::info!(job = %task.job, table = %digest, bytes = row.bytes, "the table is stored");
         Ok(())
-    }
-}
-
-impl ServiceState {
-    /// Stores a table's file. An error that passes is waited out, because assembling and measuring may have taken minutes.
-    fn store_file(&self, task: &LeasedTask, file: &[u8]) -> Result<Digest, TaskError> {
-        loop {
-            match self.tables.store.blobs.put(file) {
-                Err(error) if error.is_passing() && !self.is_stopping() => {
-                    tracing::warn!(job = %task.job, %error, "the table is stored again");
-                    self.queue.pause(RETRY);
-                    self.queue.progress(&task.lease, 0)?;
-                }
-                done => return Ok(done?),
-            }
-        }
     }
 }
 

@@ -119,48 +119,27 @@ impl Catalogue {
         let mut tables = Vec::with_capacity(limit.min(keys.len()));
         for row in keys.iter().take(limit) {
             let Some(digest) = row.key.get(8..) else { continue };
-            tables.extend(self.read::<TableRow>(Tree::Tables, digest)?);
+            // A table that was lost and found again has another age than it had.
+            tables.extend(self.read::<TableRow>(Tree::Tables, digest)?.filter(|table| age_key(table) == row.key));
         }
         Ok((tables, next))
     }
 
-    /// The tables that are in the catalogue with all their rows: their own, their place in the list, and their recipe's.
+    /// The tables that are in the catalogue with all their rows: their own, the one by age, and their recipe's.
     ///
     /// # Errors
     /// When the database fails.
     pub fn complete(&self) -> Result<BTreeSet<Digest>, StoreError> {
-        let listed: BTreeSet<Vec<u8>> = self
-            .rows
-            .scan(Tree::TablesByAge, &[])?
-            .into_iter()
-            .filter(|row| row.value.is_some())
-            .map(|row| row.key)
-            .collect();
         let mut complete = BTreeSet::new();
         for row in self.rows.scan(Tree::Tables, &[])? {
-            let Some(row) = row.value.and_then(|value| serde_json::from_slice::<TableRow>(&value).ok()) else {
-                continue;
-            };
-            if listed.contains(&age_key(&row)) && self.recipe(row.recipe_digest)?.is_some() {
+            let row = row.value.and_then(|value| serde_json::from_slice::<TableRow>(&value).ok());
+            let Some(row) = row else { continue };
+            let is_listed = matches!(self.rows.get(Tree::TablesByAge, &age_key(&row)), Ok(Some(_)));
+            if is_listed && self.recipe(row.recipe_digest)?.is_some() {
                 complete.insert(row.digest);
             }
         }
         Ok(complete)
-    }
-
-    /// The change that removes places in the list whose table has no row.
-    ///
-    /// # Errors
-    /// When the database fails.
-    pub fn dangling(&self) -> Result<Batch, StoreError> {
-        let mut batch = Batch::default();
-        for row in self.rows.scan(Tree::TablesByAge, &[])? {
-            let table = row.key.get(8..).map(|digest| self.read::<TableRow>(Tree::Tables, digest)).transpose()?;
-            if table.flatten().is_none_or(|table| age_key(&table) != row.key) {
-                batch.remove(Tree::TablesByAge, row.key);
-            }
-        }
-        Ok(batch)
     }
 
     /// Number of tables, and the size of all their files in bytes.

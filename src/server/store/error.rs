@@ -68,8 +68,8 @@ impl StoreError {
 }
 
 impl StoreError {
-    /// Whether the process or the machine lacked something for a moment, such as a free descriptor or a connection: the same
-    /// operation may succeed later.
+    /// Whether the process or the machine lacked something for a moment, such as a free descriptor or a connection:
+    /// the same operation may succeed later.
     #[must_use]
     pub fn is_passing(&self) -> bool {
         match self {

@@ -94,36 +94,18 @@ fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
 
 /// Copies a folder with its contents.
 pub(crate) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+    copy_folder_by(from, to, &|from, to| fs::copy(from, to).map(drop))
+}
+
+/// As [`copy_folder`]; `copy` copies a file.
+pub(super) fn copy_folder_by(from: &Path, to: &Path, copy: &dyn Fn(&Path, &Path) -> io::Result<()>) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
         let entry = entry?;
-        let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            copy_folder(&entry.path(), &target)?;
-        } else {
-            fs::copy(entry.path(), target)?;
-        }
+        let (path, target) = (entry.path(), to.join(entry.file_name()));
+        if entry.file_type()?.is_dir() { copy_folder_by(&path, &target, copy)? } else { copy(&path, &target)? }
     }
     Ok(())
-}
-
-/// Removes every file of `folder` whose name begins with `prefix`. Returns how many there were.
-///
-/// # Errors
-/// When the folder cannot be listed or a file cannot be removed.
-pub(super) fn remove_matching(folder: &Path, prefix: &str) -> Result<usize, StoreError> {
-    let removed = (|| {
-        let mut removed = 0;
-        for entry in fs::read_dir(folder)? {
-            let entry = entry?;
-            if entry.file_name().to_string_lossy().starts_with(prefix) {
-                fs::remove_file(entry.path())?;
-                removed += 1;
-            }
-        }
-        Ok(removed)
-    })();
-    removed.map_err(|source| StoreError::of_io(folder, source))
 }
 
 /// Bytes that may still be written below `folder`.

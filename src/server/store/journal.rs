@@ -1,218 +1,208 @@
-//! The journal of jobs: every change of a job's row that was acknowledged, appended to a file beside the database.
+//! The journal of jobs, `jobs.log`: the one place where jobs are stored.
 //!
-//! sled can lose rows of a damaged file without an error, or have them as they once were. Each change of jobs has a revision,
-//! one more than the change before it. The database stores it with the row and the journal with the entry, so when the
-//! store is opened, whichever of the two has the newer revision of a row is right. The database also has the last entry:
-//! it tells how far the journal has to reach.
+//! A line has the changes of a batch, the first has the number of lines with which the journal began:
 //!
-//! A staged change does not count as acknowledged. It has the revision of the last commit and no entry.
-
-mod comparison;
-mod entries;
+//! ```text
+//! HASH head LINES
+//! HASH jobs KEY VALUE ...
+//! ```
+//!
+//! The hash is the beginning of the words' SHA-256. Hash, keys and values are hexadecimal; the value `-` removes a
+//! job. Later lines win. A line break begins a line and another ends it, so that a damaged line hides no other.
+//! Earlier versions put a revision in front of the changes, and had a tree `job_order`; both are skipped.
 
 use std::{
+    collections::{BTreeMap, BTreeSet},
     fs::{self, File, OpenOptions},
     io::{self, Write as _},
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::Arc,
 };
 
-use super::{Batch, Findings, Row, Rows, Staged, StoreError, Tree, files, numbered};
+use sha2::{Digest as _, Sha256};
+
+use super::{Batch, Damage, Row, StoreError, files, sled_rows::SyncFn};
+use ltcforge_files::hex::{from_hex, to_hex};
 
 /// Bytes that are appended before the journal is written anew.
-const MOST_APPENDED: usize = 64 << 20;
+const MOST_APPENDED: u64 = 64 << 20;
 
-/// Where a journal and what belongs to it are.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Paths<'a> {
-    /// The journal.
-    pub(super) journal: &'a Path,
-    /// The folder of the database.
-    pub(super) database: &'a Path,
-    /// Where copies of damaged files go.
-    pub(super) quarantine: &'a Path,
-}
+/// A job's key and its value; `None` if it was removed.
+type Change = (Vec<u8>, Option<Vec<u8>>);
 
-/// Rows whose jobs are in a journal as well.
-#[derive(Debug)]
-pub(super) struct JournalledRows<R> {
-    rows: R,
+/// The open journal.
+pub(super) struct Journal {
     path: PathBuf,
-    end: Mutex<End>,
-}
-
-/// The end of the journal.
-#[derive(Debug)]
-struct End {
+    quarantine: PathBuf,
     file: File,
-    /// Bytes that were appended since it was written anew.
-    appended: usize,
-    /// Whether an entry could not be written.
-    is_behind: bool,
-    /// Revision of the last change of jobs.
-    revision: u64,
+    sync: SyncFn,
+    /// Its length without a line that could not be written whole.
+    length: u64,
+    /// The length beyond which it is written anew.
+    most: u64,
+    /// Whether a line could not be written whole. It is cut off before the next.
+    is_torn: bool,
 }
 
-impl<R: Rows> JournalledRows<R> {
-    /// Brings `rows` up to date with their journal, writes the journal anew, and appends to it from then on. A journal that
-    /// is damaged is copied to quarantine first; so are journal and database if the database is the older one.
-    /// `was_journalled` tells whether `rows` ever had a journal, `found` what is known of them; what the journal tells is
-    /// added to it.
+impl Journal {
+    /// Opens the journal at `path` or creates it, and writes it anew with one line a job. A damaged one is copied to
+    /// `quarantine` first. Jobs of `earlier` that it does not mention are added; a row without a value is a lost job.
     ///
     /// # Errors
-    /// When the journal cannot be read, copied or written, or the database fails.
+    /// When it cannot be read, copied or written.
     pub(super) fn open(
-        rows: R,
-        paths: Paths<'_>,
-        was_journalled: bool,
-        found: &mut Findings,
+        path: &Path,
+        quarantine: &Path,
+        earlier: Vec<Row>,
+        damage: &mut Damage,
     ) -> Result<Self, StoreError> {
-        let bytes = read_file(paths.journal)?;
-        let compared = comparison::compare(&rows, bytes.as_deref(), was_journalled, found)?;
-        let is_damaged = found.damaged_journal_entries > 0 || found.journal_is_incomplete;
-        if bytes.is_some() && (is_damaged || compared.database_is_older) {
-            let copied_to = files::copy_to_quarantine(paths.journal, paths.quarantine, "jobs.log")?;
-            tracing::error!(copied_to = %copied_to.display(), "a copy of the journal of jobs was made in quarantine");
+        let mut contents = read(path)?;
+        for Row { key, value } in earlier {
+            if value.is_none() && !contents.jobs.contains_key(&key) {
+                contents.lost.insert(key);
+            } else {
+                contents.jobs.entry(key).or_insert(value);
+            }
         }
-        if compared.database_is_older && paths.database.is_dir() {
-            let copied_to = files::copy_to_quarantine(paths.database, paths.quarantine, "db")?;
-            tracing::error!(copied_to = %copied_to.display(), "a copy of the older database was made in quarantine");
+        if contents.damaged > 0 || contents.is_cut_short {
+            let copied_to = files::copy_to_quarantine(path, quarantine, "jobs.log")?;
+            tracing::error!(copied_to = %copied_to.display(), "the damaged journal of jobs was copied to quarantine");
         }
-        if !compared.changes.is_empty() {
-            rows.commit(&compared.changes)?;
+        damage.damaged_journal_entries = contents.damaged;
+        damage.journal_is_incomplete |= contents.is_cut_short;
+        damage.lost_jobs = contents.lost.iter().map(|key| to_hex(key)).collect();
+
+        contents.jobs.retain(|_, value| value.is_some());
+        let mut text = line(&format!(" head {}", contents.jobs.len()));
+        for (key, value) in &contents.jobs {
+            text.push_str(&line(&words(key, value.as_deref())));
         }
-        let file = write_anew(&rows, paths.journal, compared.revision)?;
-        let end = End { file, appended: 0, is_behind: false, revision: compared.revision };
-        Ok(Self { rows, path: paths.journal.to_owned(), end: Mutex::new(end) })
+        files::write_durably(path, text.as_bytes())?;
+        let opened = OpenOptions::new().append(true).open(path);
+        let file = opened.map_err(|source| StoreError::of_io(path, source))?;
+        let (path, quarantine, length) = (path.to_owned(), quarantine.to_owned(), text.len() as u64);
+        let (sync, most) = (Arc::new(File::sync_data), length + MOST_APPENDED);
+        Ok(Self { path, quarantine, file, sync, length, most, is_torn: false })
     }
 
-    fn end(&self) -> MutexGuard<'_, End> {
-        self.end.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Appends the changes of `batch`, which concern jobs alone; `durably` waits for the disk.
+    ///
+    /// # Errors
+    /// [`StoreError::DiskFull`], or the system's error.
+    pub(super) fn append(&mut self, batch: &Batch, durably: bool) -> Result<(), StoreError> {
+        if self.is_torn {
+            self.file.set_len(self.length).map_err(|source| StoreError::of_io(&self.path, source))?;
+            self.is_torn = false;
+        }
+        if self.length > self.most {
+            let mut damage = Damage::default();
+            *self = Self::open(&self.path, &self.quarantine, vec![], &mut damage)?;
+            damage.log();
+        }
+        let changes = batch.changes.iter().map(|(_, key, value)| words(key, value.as_deref()));
+        let line = line(&changes.collect::<String>());
+        let written = self.file.write_all(line.as_bytes());
+        let written = written.and_then(|()| if durably { (self.sync)(&self.file) } else { Ok(()) });
+        self.is_torn = written.is_err();
+        written.map_err(|source| StoreError::of_io(&self.path, source))?;
+        self.length += line.len() as u64;
+        Ok(())
     }
 
-    /// Appends an entry, or writes the journal anew from the database, which has the change already.
-    fn append(&self, end: &mut End, entry: &str) -> Result<(), StoreError> {
-        end.appended += entry.len();
-        if end.is_behind || end.appended > MOST_APPENDED {
-            end.is_behind = true;
-            end.file = write_anew(&self.rows, &self.path, end.revision)?;
-            (end.appended, end.is_behind) = (0, false);
-            return Ok(());
-        }
-        let written = end.file.write_all(entry.as_bytes()).and_then(|()| end.file.sync_data());
-        end.is_behind = written.is_err();
-        written.map_err(|source| StoreError::of_io(&self.path, source))
+    /// All jobs as rows.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub(super) fn jobs(&self) -> Result<Vec<Row>, StoreError> {
+        let jobs = read(&self.path)?.jobs.into_iter();
+        Ok(jobs.filter(|(_, value)| value.is_some()).map(|(key, value)| Row { key, value }).collect())
     }
 }
 
-/// Brings `rows`, opened again while the process runs, up to date with the journal at `path`, and logs it.
-///
-/// # Errors
-/// When the journal cannot be read, or the database fails.
-pub(super) fn restore_again(rows: &Arc<dyn Rows>, path: &Path) -> Result<(), StoreError> {
-    let mut found = Findings::default();
-    let compared = comparison::compare(rows.as_ref(), read_file(path)?.as_deref(), true, &mut found)?;
-    if !compared.changes.is_empty() {
-        rows.commit(&compared.changes)?;
-    }
-    found.log();
-    Ok(())
+/// The contents of a journal.
+#[derive(Debug, Default)]
+struct Contents {
+    /// The last change of each job.
+    jobs: BTreeMap<Vec<u8>, Option<Vec<u8>>>,
+    /// Number of damaged lines.
+    damaged: usize,
+    /// Keys in damaged lines that no later line has.
+    lost: BTreeSet<Vec<u8>>,
+    /// Whether there are fewer lines than there were at first.
+    is_cut_short: bool,
 }
 
-/// The bytes of the journal at `path`; `None` if there is none.
-fn read_file(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    match fs::read(path) {
-        Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(source) => Err(StoreError::of_io(path, source)),
-    }
-}
-
-/// Writes a journal of the rows as they are at `revision`, and opens it to append.
-fn write_anew(rows: &impl Rows, path: &Path, revision: u64) -> Result<File, StoreError> {
-    let (mut all, mut count) = (String::new(), 0);
-    for (tree, _) in entries::KEPT {
-        for Row { key, value } in rows.scan(tree, &[])? {
-            // A damaged row that the journal does not have stays where it is, for the queue to report.
-            let Some((of, value)) = value.as_deref().and_then(numbered::split) else { continue };
-            all.push_str(&entries::row(of, tree, &key, value));
-            count += 1;
+/// Reads the journal at `path`; a missing one has no jobs.
+fn read(path: &Path) -> Result<Contents, StoreError> {
+    let bytes = match fs::read(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        read => read.map_err(|source| StoreError::of_io(path, source))?,
+    };
+    let mut contents = Contents::default();
+    let (mut lines, mut lines_at_first) = (0, 0);
+    for line in bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
+        match read_line(line) {
+            Some(Line::Head(count)) => lines_at_first = count,
+            Some(Line::Changes(changes)) => {
+                lines += 1;
+                for (key, value) in changes {
+                    contents.lost.remove(&key);
+                    contents.jobs.insert(key, value);
+                }
+            }
+            None => {
+                lines += 1;
+                contents.damaged += 1;
+                contents.lost.extend(keys_in_damaged(line));
+            }
         }
     }
-    all.insert_str(0, &entries::head(revision, count));
-    files::write_durably(path, all.as_bytes())?;
-    OpenOptions::new().append(true).open(path).map_err(|source| StoreError::of_io(path, source))
+    contents.is_cut_short = lines < lines_at_first;
+    Ok(contents)
 }
 
-/// Whether a batch changes what is kept in the journal.
-fn concerns_jobs(batch: &Batch) -> bool {
-    batch.changes.iter().any(|(tree, ..)| entries::is_kept(*tree))
+enum Line {
+    Head(usize),
+    Changes(Vec<Change>),
 }
 
-/// The batch as it is stored: values of kept trees joined with `revision`.
-fn with_revision(batch: &Batch, revision: u64) -> Batch {
-    let mut numbered = batch.clone();
-    for (tree, _, value) in &mut numbered.changes {
-        if let Some(value) = value.as_mut().filter(|_| entries::is_kept(*tree)) {
-            *value = numbered::join(revision, value);
-        }
+/// `None` for a damaged line.
+fn read_line(line: &[u8]) -> Option<Line> {
+    let (found, words) = std::str::from_utf8(line).ok()?.split_at_checked(16)?;
+    if found != hash(words) {
+        return None;
     }
-    numbered
+    let words: Vec<&str> = words.split_ascii_whitespace().collect();
+    if let ["head", .., lines] = words[..] {
+        return Some(Line::Head(lines.parse().ok()?));
+    }
+    let has_revision = words.first().is_some_and(|word| word.parse::<u64>().is_ok());
+    let change = |words: &[&str]| match words {
+        ["jobs", key, "-"] => Some((from_hex(key)?, None)),
+        ["jobs", key, value] => Some((from_hex(key)?, Some(from_hex(value)?))),
+        _ => None,
+    };
+    let changes = words[usize::from(has_revision)..].chunks(3).filter(|words| words[0] != "job_order");
+    Some(Line::Changes(changes.map(change).collect::<Option<_>>()?))
 }
 
-/// The row as it was before it was joined with its revision.
-fn without_revision(tree: Tree, row: Row) -> Row {
-    if !entries::is_kept(tree) {
-        return row;
-    }
-    let value = row.value.as_deref().and_then(numbered::split).map(|(_, value)| value.to_vec());
-    Row { value, ..row }
+/// The keys that a damaged line still names. One may be misread.
+fn keys_in_damaged(line: &[u8]) -> Vec<Vec<u8>> {
+    let text = String::from_utf8_lossy(line);
+    let words: Vec<&str> = text.split_ascii_whitespace().collect();
+    words.windows(2).filter(|words| words[0] == "jobs").filter_map(|words| from_hex(words[1])).collect()
 }
 
-impl<R: Rows> Rows for JournalledRows<R> {
-    fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
-        let Some(value) = self.rows.get(tree, key)? else { return Ok(None) };
-        let row = without_revision(tree, Row { key: key.to_vec(), value: Some(value) });
-        row.value.map(Some).ok_or(StoreError::DamagedRow { tree, key: row.key })
-    }
+fn words(key: &[u8], value: Option<&[u8]>) -> String {
+    format!(" jobs {} {}", to_hex(key), value.map_or_else(|| "-".to_owned(), to_hex))
+}
 
-    fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
-        let rows = self.rows.scan(tree, prefix)?;
-        Ok(rows.into_iter().map(|row| without_revision(tree, row)).collect())
-    }
+fn line(words: &str) -> String {
+    format!("\n{}{words}\n", hash(words))
+}
 
-    fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
-        let rows = self.rows.page(tree, before, limit)?;
-        Ok(rows.into_iter().map(|row| without_revision(tree, row)).collect())
-    }
-
-    /// The database comes first: it keeps room on the disk for what it and the journal write. Changes of jobs are made one
-    /// at a time, so that the journal is behind by one entry at most.
-    fn commit(&self, batch: &Batch) -> Result<(), StoreError> {
-        if !concerns_jobs(batch) {
-            return self.rows.commit(batch);
-        }
-        let mut end = self.end();
-        let revision = end.revision + 1;
-        let entry = entries::entry(revision, batch);
-        let mut numbered = with_revision(batch, revision);
-        numbered.put(Tree::Journal, comparison::LAST, entry.trim());
-        self.rows.commit(&numbered)?;
-        end.revision = revision;
-        self.append(&mut end, &entry)
-    }
-
-    fn settle(&self, staged: Staged) -> Result<(), StoreError> {
-        self.rows.settle(staged)
-    }
-
-    fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
-        if !concerns_jobs(batch) {
-            return self.rows.stage(batch);
-        }
-        let end = self.end();
-        self.rows.stage(&with_revision(batch, end.revision))
-    }
+fn hash(words: &str) -> String {
+    to_hex(&Sha256::digest(words.as_bytes())[..8])
 }
 
 #[cfg(test)]

@@ -5,19 +5,23 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{numbered, rows};
+use super::rows;
 use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
 pub(super) const ALL: &[&str] = &[
-    include_str!("../../../migrations/0001_initial.json"),
-    include_str!("../../../migrations/0002_manifests.json"),
-    include_str!("../../../migrations/0003_journal.json"),
-    include_str!("../../../migrations/0004_revisions.json"),
+    include_str!("../migrations/0001_initial.json"),
+    include_str!("../migrations/0002_manifests.json"),
+    include_str!("../migrations/0003_journal.json"),
+    include_str!("../migrations/0004_revisions.json"),
+    include_str!("../migrations/0005_journal_alone.json"),
 ];
 
-/// The migration from which on jobs have a journal beside the database.
+/// The migration from which on jobs have a journal.
 pub(super) const WITH_JOURNAL: usize = 3;
+
+/// Bytes of the revision in front of a job that an earlier version stored in the database.
+pub(super) const REVISION_BYTES: usize = 8;
 
 /// The tree that records the applied migrations.
 const RECORD: &str = "migrations";
@@ -54,9 +58,7 @@ struct Migration {
 enum SchemaChange {
     /// Creates an empty tree.
     Create(String),
-    /// Moves all rows of a tree to a tree of another name.
-    Rename { from: String, to: String },
-    /// As `Rename`, and puts revision 0 in front of each value.
+    /// Moves all rows of a tree to a tree of another name, and puts revision 0 in front of each value.
     Number { from: String, to: String },
     /// Removes a tree with its rows.
     Drop(String),
@@ -110,20 +112,19 @@ impl SchemaChange {
         match self {
             Self::Create(name) => db.open_tree(name).map(drop),
             Self::Drop(name) => db.drop_tree(name).map(drop),
-            Self::Rename { from, to } => move_rows(db, from, to, |value| value),
-            Self::Number { from, to } => move_rows(db, from, to, |value| numbered::join(0, &value)),
+            Self::Number { from, to } => number_rows(db, from, to),
         }
     }
 }
 
-/// Moves all rows of the tree `from` to the tree `to`, values as `changed` makes them. A damaged row stays damaged.
-fn move_rows(db: &sled::Db, from: &str, to: &str, changed: impl Fn(Vec<u8>) -> Vec<u8>) -> Result<(), sled::Error> {
+/// Moves all rows of the tree `from` to the tree `to`, with revision 0. A damaged row stays damaged.
+fn number_rows(db: &sled::Db, from: &str, to: &str) -> Result<(), sled::Error> {
     let (old, new) = (db.open_tree(from)?, db.open_tree(to)?);
     for row in &old {
         let (key, sealed) = row?;
         // The hash in front of a value covers the tree's name.
         match rows::unseal(from, &key, &sealed) {
-            Some(value) => new.insert(&key, rows::seal(to, &key, &changed(value)))?,
+            Some(value) => new.insert(&key, rows::seal(to, &key, &[&[0; REVISION_BYTES], &value[..]].concat()))?,
             None => new.insert(&key, sealed)?,
         };
     }
@@ -138,8 +139,8 @@ mod tests {
     use crate::store::{Tree, sled_rows::open_sled};
 
     const CREATE: &str = r#"{"about": "one", "steps": [{"create": "old"}, {"create": "useless"}]}"#;
-    const RENAME: &str =
-        r#"{"about": "two", "steps": [{"rename": {"from": "old", "to": "new"}}, {"drop": "useless"}]}"#;
+    const NUMBER: &str =
+        r#"{"about": "two", "steps": [{"number": {"from": "old", "to": "new"}}, {"drop": "useless"}]}"#;
 
     fn names(db: &sled::Db) -> Vec<String> {
         let mut names: Vec<_> = db.tree_names().iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
@@ -165,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_survive_a_rename_even_one_that_a_crash_interrupted() {
+    fn numbered_rows_have_revision_0_once_even_after_a_crash_and_damaged_ones_stay_damaged() {
         let dir = tempfile::tempdir().unwrap();
         let db = open_sled(dir.path()).unwrap();
         apply(&db, &[CREATE]).unwrap();
@@ -173,43 +174,26 @@ mod tests {
         for key in [b"a", b"b"] {
             old.insert(key, rows::seal("old", key, b"value")).unwrap();
         }
-        // The crash: one row was copied, and nothing was recorded.
-        db.open_tree("new").unwrap().insert(b"a", rows::seal("new", b"a", b"value")).unwrap();
-        drop(old);
-        assert_eq!(apply(&db, &[CREATE, RENAME]).unwrap(), 1);
-        assert_eq!(names(&db), ["new"]);
-        for key in [b"a", b"b"] {
-            let sealed = db.open_tree("new").unwrap().get(key).unwrap().unwrap();
-            assert_eq!(rows::unseal("new", key, &sealed).unwrap(), b"value");
-        }
-    }
-
-    #[test]
-    fn numbered_rows_have_revision_0_once_and_damaged_ones_stay_damaged() {
-        const NUMBER: &str = r#"{"about": "two", "steps": [{"number": {"from": "old", "to": "new"}}]}"#;
-        let dir = tempfile::tempdir().unwrap();
-        let db = open_sled(dir.path()).unwrap();
-        apply(&db, &[r#"{"about": "one", "steps": [{"create": "old"}]}"#]).unwrap();
-        let old = db.open_tree("old").unwrap();
-        old.insert(b"a", rows::seal("old", b"a", b"value")).unwrap();
-        old.insert(b"b", b"12345678another").unwrap();
+        old.insert(b"c", b"12345678another").unwrap();
         // The crash: one row was moved, and nothing was recorded.
-        db.open_tree("new").unwrap().insert(b"a", rows::seal("new", b"a", &numbered::join(0, b"value"))).unwrap();
+        db.open_tree("new").unwrap().insert(b"a", rows::seal("new", b"a", b"\0\0\0\0\0\0\0\0value")).unwrap();
         drop(old);
-        assert_eq!(apply(&db, &[r#"{"about": "one", "steps": [{"create": "old"}]}"#, NUMBER]).unwrap(), 1);
-        let new = db.open_tree("new").unwrap();
-        let value = rows::unseal("new", b"a", &new.get(b"a").unwrap().unwrap()).unwrap();
-        assert_eq!(numbered::split(&value), Some((0, b"value".as_slice())));
-        assert!(rows::unseal("new", b"b", &new.get(b"b").unwrap().unwrap()).is_none());
+        assert_eq!(apply(&db, &[CREATE, NUMBER]).unwrap(), 1);
+        assert_eq!(names(&db), ["new"]);
+        let value = |key: &[u8]| rows::unseal("new", key, &db.open_tree("new").unwrap().get(key).unwrap().unwrap());
+        for key in [b"a", b"b"] {
+            assert_eq!(value(key).unwrap(), b"\0\0\0\0\0\0\0\0value");
+        }
+        assert_eq!(value(b"c"), None);
     }
 
     #[test]
     fn a_newer_store_and_a_changed_migration_are_refused() {
         let dir = tempfile::tempdir().unwrap();
         let db = open_sled(dir.path()).unwrap();
-        apply(&db, &[CREATE, RENAME]).unwrap();
+        apply(&db, &[CREATE, NUMBER]).unwrap();
         assert!(matches!(apply(&db, &[CREATE]), Err(MigrationError::FromTheFuture { found: 2, known: 1 })));
-        let edited = RENAME.replace("two", "2");
+        let edited = NUMBER.replace("two", "2");
         assert!(matches!(apply(&db, &[CREATE, &edited]), Err(MigrationError::Changed(2))));
     }
 
@@ -222,6 +206,7 @@ mod tests {
             "aa98c8f367c15a579372af5582546b03d64f3c596dcf530b71736772cf48480c",
             "dbc16aa4beab189c92db9c04b2c5c3b160f0806d3bdb5bf23a62c7b6c63d4d5a",
             "8930f66c14094e34d5e00865f1d3e734d9e5456dce0b9c992caa8dfec3c420e6",
+            "ceddb31a710d744eec72fe9348157ecf5d2ad0d351eeff5d7016be379200c79a",
         ];
         assert_eq!(digests, released);
     }

@@ -1,34 +1,34 @@
-//! What is stored on disk: blobs by digest, small rows, the catalogue of tables, and the migrations of the schema.
+//! The data on disk: blobs by digest, small rows, the catalogue of tables, and the migrations of the schema.
 //!
 //! Invariant: `store` knows neither HTTP nor LTC; blobs and recipes are opaque bytes here.
 //!
 //! ```text
 //! DIR/lock                  locked by the process that has opened the folder
 //! DIR/blobs/ab/ab12...      tables, named by their digest
-//! DIR/db/                   sled: jobs, shards and their results until the table is stored, the catalogue
-//! DIR/jobs.log              the journal of jobs, from which those that sled lost or reverted are restored
+//! DIR/jobs.log              the journal of jobs
+//! DIR/db/                   sled: shards and their results until the table is stored, the catalogue of the tables
 //! DIR/quarantine/           damaged files
 //! ```
+//!
+//! Tables and the journal are the truth. Without its database, a store makes the catalogue again from the tables, and
+//! fits again the shards of unfinished jobs.
 
 mod blob;
 mod catalogue;
-mod checks;
+mod damage;
+mod dry_run;
 mod error;
 mod files;
-mod findings;
 mod journal;
-#[cfg(test)]
-pub(crate) mod memory;
+mod local_rows;
 mod migrations;
-mod numbered;
 mod objects;
 mod open;
 mod postgres;
-mod rehearsal;
-#[cfg(test)]
-mod reverted_test;
 mod rows;
 mod sled_rows;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 #[cfg(test)]
@@ -36,16 +36,17 @@ pub(crate) use files::copy_folder;
 
 pub use blob::{BlobInfo, Blobs, FileBlobs};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
-pub use checks::Checks;
+pub use damage::Damage;
+pub use dry_run::DryRun;
 pub use error::StoreError;
-pub use findings::Findings;
 pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
-pub use open::{Store, StoreOpenError};
+pub use open::{ReopenCheck, Store, StoreOpenError};
 pub(crate) use postgres::apply;
 pub use postgres::{Database, DatabaseOpenError, PostgresRows};
 #[cfg(test)]
 pub(crate) use postgres::{test_database, throwaway};
-pub use rehearsal::Rehearsal;
 pub use rows::{Batch, Row, Rows, Staged};
 pub use sled_rows::SledRows;
+#[cfg(test)]
+pub(crate) use tests::memory;
 pub use tree::Tree;

@@ -4,29 +4,38 @@ use std::{
     fs::{self, File, TryLockError},
     io,
     path::Path,
-    sync::Arc,
+    sync::{Arc, OnceLock},
 };
 
 use super::{
-    Blobs, Checks, FileBlobs, Findings, Rows, SledRows, StoreError, files,
-    journal::{self, JournalledRows, Paths},
-    migrations::MigrationError,
+    Batch, Blobs, Damage, FileBlobs, Row, Rows, SledRows, StoreError, Tree, files,
+    journal::Journal,
+    local_rows::LocalRows,
+    migrations::{self, MigrationError, REVISION_BYTES},
     sled_rows::SledOpenError,
 };
 
+/// Checks a database that a write error had closed, and may mend it. It must not keep the rows.
+pub type ReopenCheck = Box<dyn Fn(&Arc<dyn Rows>) -> Result<(), StoreError> + Send + Sync>;
+
 /// The opened data folder. Other processes are locked out until it is dropped.
-#[derive(Debug)]
 pub struct Store {
     /// Tables by digest.
     pub blobs: Arc<dyn Blobs>,
     /// Jobs, shards and the catalogue.
     pub rows: Arc<dyn Rows>,
-    /// What was wrong when it was opened. The catalogue must then be compared with the blobs.
-    pub found: Findings,
-    /// What is checked when a write error closed the database and it was opened again.
-    pub checks: Checks,
+    /// The damage that was found when it was opened. The catalogue must be compared with the blobs.
+    pub damage: Damage,
+    /// Runs when a write error closed the database and it was opened again.
+    pub reopen_check: Arc<OnceLock<ReopenCheck>>,
     /// Dropping it unlocks the folder. A store that processes share has no folder.
     _lock: Option<File>,
+}
+
+impl std::fmt::Debug for Store {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Store").field("damage", &self.damage).finish_non_exhaustive()
+    }
 }
 
 /// Why a data folder did not open.
@@ -61,10 +70,9 @@ impl From<StoreError> for StoreOpenError {
 impl Store {
     /// Opens the data folder `dir`, creates it if it is missing, and applies migrations.
     ///
-    /// Every row of the database is read and checked. A database that does not open or cannot be read is copied to
-    /// `quarantine/db-N` and replaced by an empty one. Jobs that it lost, or has as they once were, are restored from their
-    /// journal. A damaged journal is copied to `quarantine/jobs.log-N` before it is written anew; so are both if the
-    /// database is the older one.
+    /// Every row of the database and every line of the journal is read. A database that does not open or cannot be
+    /// read is copied to `quarantine/db-N` and replaced by an empty one. A damaged journal is copied to
+    /// `quarantine/jobs.log-N` and written anew without the damaged lines.
     ///
     /// # Errors
     /// See [`StoreOpenError`]. A full disk is [`StoreOpenError::Unusable`]; nothing is moved then.
@@ -73,29 +81,44 @@ impl Store {
         let lock = lock(&dir.join("lock"))?;
         let quarantine = dir.join("quarantine");
         let blobs = FileBlobs::open(&dir.join("blobs"), &quarantine)?;
-        let mut found = Findings::default();
+        let mut damage = Damage::default();
         let (database, journal) = (dir.join("db"), dir.join("jobs.log"));
-        let had_bytes = fs::metadata(database.join("db")).map_or(0, |metadata| metadata.len());
-        let was_used = had_bytes > 0 || journal.exists() || !blobs.list()?.is_empty();
-        let rows = open_rows(&database, &quarantine, &mut found)?;
-        if rows.was_empty && was_used && !found.database_was_replaced {
-            tracing::error!(had_bytes, "the database is missing, or sled could not read its file and started over");
-            found.database_was_replaced = true;
+        let bytes = |path: &Path| fs::metadata(path).map_or(0, |metadata| metadata.len());
+        let (had_database, had_journal) = (bytes(&database.join("db")) > 0, bytes(&journal) > 0);
+        let was_used = had_database || had_journal || !blobs.list()?.is_empty();
+        let sled = open_database(&database, &quarantine, &mut damage)?;
+        damage.database_was_replaced |= sled.schema_before == 0 && was_used;
+        damage.damaged_rows = sled.damaged_rows;
+        let was_journalled = sled.schema_before >= migrations::WITH_JOURNAL || damage.database_was_replaced;
+        damage.journal_is_incomplete = was_journalled && !had_journal;
+        let earlier = jobs_of_earlier_versions(&sled)?;
+        let mut removal = Batch::default();
+        for row in &earlier {
+            removal.remove(Tree::Jobs, row.key.as_slice());
         }
-        let (checks, was_journalled) = (rows.checks.clone(), rows.was_journalled);
-        let paths = Paths { journal: &journal, database: &database, quarantine: &quarantine };
-        let rows = JournalledRows::open(rows, paths, was_journalled, &mut found)?;
-        found.log();
-        checks.add(move |rows| journal::restore_again(rows, &journal));
-        Ok(Self { blobs: Arc::new(blobs), rows: Arc::new(rows), found, checks, _lock: Some(lock) })
+        let journal = Journal::open(&journal, &quarantine, earlier, &mut damage)?;
+        if !removal.is_empty() {
+            sled.commit(&removal)?;
+        }
+        damage.log();
+        let reopen_check = Arc::clone(&sled.reopen_check);
+        let rows = Arc::new(LocalRows::new(sled, journal));
+        Ok(Self { blobs: Arc::new(blobs), rows, damage, reopen_check, _lock: Some(lock) })
     }
+}
+
+/// Jobs that an earlier version stored in the database, without their revisions.
+fn jobs_of_earlier_versions(sled: &SledRows) -> Result<Vec<Row>, StoreError> {
+    let rows = sled.scan(Tree::Jobs, &[])?.into_iter();
+    let without_revision = |value: Vec<u8>| Some(value.get(REVISION_BYTES..)?.to_vec());
+    Ok(rows.map(|Row { key, value }| Row { key, value: value.and_then(without_revision) }).collect())
 }
 
 impl Store {
     /// A store that any number of processes share.
     #[must_use]
     pub fn shared(blobs: Arc<dyn Blobs>, rows: Arc<dyn Rows>) -> Self {
-        Self { blobs, rows, found: Findings::default(), checks: Checks::default(), _lock: None }
+        Self { blobs, rows, damage: Damage::default(), reopen_check: Arc::default(), _lock: None }
     }
 }
 
@@ -116,54 +139,21 @@ pub(super) fn lock(path: &Path) -> Result<File, StoreOpenError> {
     }
 }
 
-/// The database of `folder`, after every row of it was read. One that does not open or cannot be read is copied to
-/// `quarantine` and replaced by an empty one. `found` is told what went wrong.
-fn open_rows(folder: &Path, quarantine: &Path, found: &mut Findings) -> Result<SledRows, StoreOpenError> {
+/// Opens the database of `folder`. One that does not open or cannot be read is copied to `quarantine` and replaced by
+/// an empty one.
+fn open_database(folder: &Path, quarantine: &Path, damage: &mut Damage) -> Result<SledRows, StoreOpenError> {
+    let open = || SledRows::open(folder, Arc::new(File::sync_all));
     files::make_folder(folder)?;
-    let reason = match open_and_read(folder) {
-        Ok((rows, damaged_rows)) => {
-            found.damaged_rows = damaged_rows;
-            return Ok(rows);
-        }
+    let reason = match open() {
         Err(SledOpenError::Damaged(reason)) => reason,
-        Err(error) => return Err(refusal(error)),
+        opened => return opened.map_err(refusal),
     };
-    // The copy is made before sled changes the files any further.
     let copied_to = files::copy_to_quarantine(folder, quarantine, "db")?;
-    tracing::error!(reason, copied_to = %copied_to.display(), "the database is damaged; a copy was made in quarantine");
-    found.database_was_replaced = true;
-    // A damaged snapshot prevents opening. The log has everything that is in a snapshot, unless it is damaged as well.
-    if files::remove_matching(folder, "snap.")? > 0 {
-        match open_and_read(folder) {
-            Ok((rows, damaged_rows)) if !rows.was_empty => {
-                tracing::warn!("the database was opened without its snapshots");
-                found.damaged_rows = damaged_rows;
-                return Ok(rows);
-            }
-            Ok(_) | Err(SledOpenError::Damaged(_)) => {}
-            Err(error) => return Err(refusal(error)),
-        }
-    }
-    tracing::error!("starting with an empty database");
+    tracing::error!(reason, copied_to = %copied_to.display(), "the damaged database was copied to quarantine");
+    damage.database_was_replaced = true;
     fs::remove_dir_all(folder).map_err(StoreOpenError::Unusable)?;
     files::make_folder(folder)?;
-    SledRows::open(folder, Arc::new(File::sync_all)).map_err(refusal)
-}
-
-fn open_and_read(folder: &Path) -> Result<(SledRows, usize), SledOpenError> {
-    let rows = SledRows::open(folder, Arc::new(File::sync_all))?;
-    let damaged = rows.read_all().map_err(unreadable)?;
-    Ok((rows, damaged))
-}
-
-/// Rows that cannot be read are damaged, unless the machine lacks something for a moment: then they are left as they are.
-fn unreadable(error: StoreError) -> SledOpenError {
-    match error {
-        StoreError::Io { ref source, .. } if error.is_passing() => {
-            SledOpenError::Unusable(io::Error::new(source.kind(), error.to_string()))
-        }
-        other => SledOpenError::Damaged(other.to_string()),
-    }
+    open().map_err(refusal)
 }
 
 fn refusal(error: SledOpenError) -> StoreOpenError {
@@ -178,10 +168,9 @@ fn refusal(error: SledOpenError) -> StoreOpenError {
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
-    use crate::store::{Batch, Tree, sled_rows::open_sled};
+    use crate::store::{rows, sled_rows::open_sled};
+    use ltcforge_files::{digest::Digest, hex::to_hex};
 
     fn one_job(store: &Store) {
         let mut batch = Batch::default();
@@ -197,7 +186,7 @@ mod tests {
         one_job(&store);
         drop(store);
         let store = Store::open(dir.path()).unwrap();
-        assert_eq!(store.found, Findings::default());
+        assert_eq!(store.damage, Damage::default());
         assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
     }
 
@@ -216,85 +205,190 @@ mod tests {
         let db = open_sled(&dir.path().join("db")).unwrap();
         db.open_tree("migrations").unwrap().insert(99_u32.to_be_bytes(), b"").unwrap();
         drop(db);
-        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 4 })));
+        assert!(matches!(Store::open(dir.path()), Err(StoreOpenError::FromTheFuture { found: 99, known: 5 })));
         assert!(!dir.path().join("quarantine").exists());
     }
+
+    /// A damage of a file, at a byte.
+    type Change = fn(&mut Vec<u8>, usize);
 
     /// Bits flipped, pages zeroed and ends cut off all over sled's file, after a clean close and in the state that
     /// kill -9 leaves.
     #[test]
-    fn no_damage_to_the_database_loses_a_job() {
+    fn no_damage_to_the_database_concerns_a_job() {
         const JOBS: u32 = 12;
-        let of = |n: u32| format!("job {n} {}", "x".repeat(600));
         let dir = tempfile::tempdir().unwrap();
         let (open, killed) = (dir.path().join("open"), dir.path().join("killed"));
         let store = Store::open(&open).unwrap();
         for n in 0..JOBS {
             let mut batch = Batch::default();
-            batch.put(Tree::Jobs, n.to_be_bytes(), of(n));
-            batch.put(Tree::JobOrder, n.to_be_bytes(), n.to_be_bytes());
+            batch.put(Tree::Jobs, n.to_be_bytes(), n.to_string());
+            batch.put(Tree::Results, n.to_be_bytes(), vec![n as u8; 600]);
             store.rows.commit(&batch).unwrap();
         }
         files::copy_folder(&open, &killed).unwrap();
         drop(store);
         // There is a snapshot after a second start.
         drop(Store::open(&open).unwrap());
-        let (mut damaged, mut restored) = (0, 0);
+        let (mut damaged, mut noticed) = (0, 0);
         for from in [&open, &killed] {
             let whole = fs::read(from.join("db/db")).unwrap();
             let used = whole.iter().rposition(|byte| *byte != 0).unwrap_or_default() + 1;
-            for step in 0..16 {
-                let at = used * step / 16;
-                let end = (at + 4096).min(used);
-                for kind in 0..3 {
-                    let mut bytes = whole.clone();
-                    match kind {
-                        0 => bytes[at] ^= 1 << (step % 8),
-                        1 => bytes[at..end].fill(0),
-                        _ => bytes.truncate(at),
-                    }
-                    let copy = dir.path().join("copy");
-                    files::copy_folder(from, &copy).unwrap();
-                    fs::write(copy.join("db/db"), bytes).unwrap();
-                    let store = Store::open(&copy).unwrap();
-                    for n in 0..JOBS {
-                        let found = store.rows.get(Tree::Jobs, &n.to_be_bytes());
-                        assert_eq!(found.unwrap().unwrap(), of(n).as_bytes(), "damage {kind} at {at}");
-                    }
-                    damaged += 1;
-                    restored += usize::from(store.found.restored_rows > 0);
-                    drop(store);
-                    fs::remove_dir_all(copy).unwrap();
+            let changes: [Change; 3] = [
+                |bytes, at| bytes[at] ^= 0x10,
+                |bytes, at| bytes.iter_mut().skip(at).take(4096).for_each(|byte| *byte = 0),
+                |bytes, at| bytes.truncate(at),
+            ];
+            for (step, change) in (0..16).flat_map(|step| changes.map(|change| (step, change))) {
+                let (mut bytes, at) = (whole.clone(), used * step / 16);
+                change(&mut bytes, at);
+                let copy = dir.path().join("copy");
+                files::copy_folder(from, &copy).unwrap();
+                fs::write(copy.join("db/db"), bytes).unwrap();
+                let store = Store::open(&copy).unwrap();
+                for n in 0..JOBS {
+                    let found = store.rows.get(Tree::Jobs, &n.to_be_bytes()).unwrap();
+                    assert_eq!(found.unwrap(), n.to_string().as_bytes(), "damage at {at}");
+                    // A shard's result is right or absent.
+                    let result = store.rows.get(Tree::Results, &n.to_be_bytes());
+                    assert!(result.is_ok_and(|found| found.is_none_or(|found| found == vec![n as u8; 600])));
                 }
+                damaged += 1;
+                noticed += usize::from(store.damage != Damage::default());
+                drop(store);
+                fs::remove_dir_all(copy).unwrap();
             }
         }
-        assert!(restored > damaged / 4, "only {restored} of {damaged} damages concerned a job");
+        assert!(noticed > damaged / 4, "only {noticed} of {damaged} damages concerned a row");
     }
 
-    /// Writes a job into the tree past the seals.
-    fn spoil(dir: &Path, key: &str) {
-        let db = open_sled(&dir.join("db")).unwrap();
-        db.open_tree(Tree::Jobs.name()).unwrap().insert(key, b"12345678another".as_slice()).unwrap();
-        db.flush().unwrap();
+    /// The journal is right: a job that was cancelled or done does not come back as queued.
+    #[test]
+    fn an_older_database_beside_the_journal_reverts_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let (folder, older) = (dir.path().join("data"), dir.path().join("older"));
+        let store = Store::open(&folder).unwrap();
+        one_job(&store);
+        files::copy_folder(&folder.join("db"), &older).unwrap();
+        let mut batch = Batch::default();
+        batch.put(Tree::Jobs, "key", "cancelled");
+        batch.put(Tree::Jobs, "new", "new");
+        store.rows.commit(&batch).unwrap();
+        drop(store);
+        fs::remove_dir_all(folder.join("db")).unwrap();
+        files::copy_folder(&older, &folder.join("db")).unwrap();
+        let store = Store::open(&folder).unwrap();
+        assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"cancelled");
+        assert_eq!(store.rows.get(Tree::Jobs, b"new").unwrap().unwrap(), b"new");
+        assert_eq!(store.damage, Damage::default());
     }
 
     #[test]
-    fn a_job_whose_row_is_damaged_is_restored_or_named_as_lost() {
+    fn damaged_rows_are_counted() {
         let dir = tempfile::tempdir().unwrap();
-        one_job(&Store::open(dir.path()).unwrap());
-        spoil(dir.path(), "key");
-        spoil(dir.path(), "unknown");
+        drop(Store::open(dir.path()).unwrap());
+        let db = open_sled(&dir.path().join("db")).unwrap();
+        db.open_tree(Tree::Shards.name()).unwrap().insert("key", b"12345678another".as_slice()).unwrap();
+        db.flush().unwrap();
+        drop(db);
         let store = Store::open(dir.path()).unwrap();
-        let named = |key: &str| vec![ltcforge_files::hex::to_hex(key.as_bytes())];
-        assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
-        let (restored_jobs, lost_jobs) = (named("key"), named("unknown"));
-        let found = Findings { damaged_rows: 2, restored_rows: 1, restored_jobs, lost_jobs, ..Findings::default() };
-        assert_eq!(store.found, found);
+        assert_eq!(store.damage, Damage { damaged_rows: 1, ..Damage::default() });
     }
 
-    fn snapshots(dir: &Path) -> Vec<PathBuf> {
-        let files = fs::read_dir(dir.join("db")).unwrap().map(|entry| entry.unwrap().path());
-        files.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("snap.")).collect()
+    #[test]
+    fn a_lost_journal_is_told_once_and_a_fresh_store_lacks_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        assert_eq!(store.damage, Damage::default());
+        one_job(&store);
+        drop(store);
+        let journal = dir.path().join("jobs.log");
+        for lose in [|path: &Path| fs::remove_file(path).unwrap(), |path: &Path| fs::write(path, "").unwrap()] {
+            lose(&journal);
+            let damage = Store::open(dir.path()).unwrap().damage;
+            assert_eq!(damage, Damage { journal_is_incomplete: true, ..Damage::default() });
+            assert_eq!(Store::open(dir.path()).unwrap().damage, Damage::default());
+        }
+    }
+
+    #[test]
+    fn a_missing_database_beside_tables_counts_as_replaced_and_the_journal_as_lost() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(dir.path()).unwrap();
+        store.blobs.put(b"table").unwrap();
+        drop(store);
+        fs::remove_dir_all(dir.path().join("db")).unwrap();
+        fs::remove_file(dir.path().join("jobs.log")).unwrap();
+        let lost = Damage { database_was_replaced: true, journal_is_incomplete: true, ..Damage::default() };
+        assert_eq!(Store::open(dir.path()).unwrap().damage, lost);
+        assert_eq!(Store::open(dir.path()).unwrap().damage, Damage::default());
+    }
+
+    /// Puts jobs into a tree of an earlier schema.
+    fn put_earlier(db: &sled::Db, tree: &str, jobs: &[(&str, &str)]) {
+        for (key, value) in jobs {
+            let sealed = rows::seal(tree, key.as_bytes(), value.as_bytes());
+            db.open_tree(tree).unwrap().insert(key, sealed).unwrap();
+        }
+        db.flush().unwrap();
+    }
+
+    /// Opens the store in `dir` twice and compares its jobs.
+    fn assert_jobs(dir: &Path, jobs: &[(&str, &str)]) {
+        for _ in 0..2 {
+            let store = Store::open(dir).unwrap();
+            assert_eq!(store.damage, Damage::default());
+            let found = store.rows.scan(Tree::Jobs, &[]).unwrap();
+            let found: Vec<_> = found.iter().map(|row| (row.key.as_slice(), row.value.as_deref().unwrap())).collect();
+            let wanted: Vec<_> = jobs.iter().map(|(key, value)| (key.as_bytes(), value.as_bytes())).collect();
+            assert_eq!(found, wanted);
+        }
+    }
+
+    #[test]
+    fn jobs_of_a_store_from_before_there_was_a_journal_are_taken_over() {
+        for schema in 1..migrations::WITH_JOURNAL {
+            let dir = tempfile::tempdir().unwrap();
+            let db = open_sled(&dir.path().join("db")).unwrap();
+            migrations::apply(&db, &migrations::ALL[..schema]).unwrap();
+            put_earlier(&db, "jobs", &[("a", "queued"), ("b", "done")]);
+            drop(db);
+            assert_jobs(dir.path(), &[("a", "queued"), ("b", "done")]);
+        }
+    }
+
+    /// In the last of these schemas the database had revisions and the last line of the journal.
+    #[test]
+    fn jobs_of_a_store_with_database_and_journal_are_those_of_the_journal() {
+        let line = |words: &str| format!("\n{}{words}\n", &Digest::of(words.as_bytes()).hex()[..16]);
+        let job = |key: &str, state: &str| format!(" jobs {} {}", to_hex(key.as_bytes()), to_hex(state.as_bytes()));
+        for (schema, tree, revision) in [(3, "jobs", ""), (4, "numbered_jobs", "\0\0\0\0\0\0\0\u{7}")] {
+            let dir = tempfile::tempdir().unwrap();
+            let db = open_sled(&dir.path().join("db")).unwrap();
+            migrations::apply(&db, &migrations::ALL[..schema]).unwrap();
+            // The database has a job whose line a crash came before, an older state, and a job that was forgotten
+            // since.
+            let in_database = [("a", "cancelled"), ("b", "running"), ("c", "done"), ("d", "queued")];
+            let in_database = in_database.map(|(key, state)| (key, format!("{revision}{state}")));
+            put_earlier(&db, tree, &in_database.each_ref().map(|(key, value)| (*key, value.as_str())));
+            drop(db);
+            let mut journal = line(if schema == 3 { "" } else { " head 0 0" });
+            for (n, words) in [
+                job("a", "queued"),
+                job("b", "queued"),
+                job("c", "done"),
+                job("a", "cancelled"),
+                job("b", "done"),
+                format!(" jobs {} -", to_hex(b"c")),
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                journal += &line(&if schema == 3 { words } else { format!(" {}{words}", n + 1) });
+            }
+            fs::write(dir.path().join("jobs.log"), journal).unwrap();
+            assert_jobs(dir.path(), &[("a", "cancelled"), ("b", "done"), ("d", "queued")]);
+        }
     }
 
     #[test]
@@ -310,8 +404,7 @@ mod tests {
         let length = fs::metadata(&db).unwrap().len();
         fs::write(&db, vec![0x5a; usize::try_from(length).unwrap()]).unwrap();
         let store = Store::open(dir.path()).unwrap();
-        assert!(store.found.database_was_replaced);
-        assert_eq!(store.found.restored_rows, 1);
+        assert_eq!(store.damage, Damage { database_was_replaced: true, ..Damage::default() });
         assert_eq!(store.rows.get(Tree::Jobs, b"key").unwrap().unwrap(), b"job");
         assert_eq!(store.blobs.get(digest).unwrap().unwrap(), b"table");
         let aside = fs::read(dir.path().join("quarantine/db-1/db")).unwrap();
@@ -335,12 +428,15 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_snapshot_costs_nothing() {
+    fn a_damaged_snapshot_costs_no_job() {
         let dir = tempfile::tempdir().unwrap();
         one_job(&Store::open(dir.path()).unwrap());
         drop(Store::open(dir.path()).unwrap());
-        assert!(!snapshots(dir.path()).is_empty(), "sled left no snapshot to damage");
-        for path in snapshots(dir.path()) {
+        let files = fs::read_dir(dir.path().join("db")).unwrap().map(|entry| entry.unwrap().path());
+        let snapshots: Vec<_> =
+            files.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("snap.")).collect();
+        assert!(!snapshots.is_empty(), "sled left no snapshot to damage");
+        for path in snapshots {
             let mut bytes = fs::read(&path).unwrap();
             let middle = bytes.len() / 2;
             bytes[middle] ^= 0xff;

@@ -32,6 +32,12 @@ impl Batch {
         self.changes.is_empty()
     }
 
+    /// The changes of jobs, and all others.
+    pub(super) fn split_jobs(&self) -> (Self, Self) {
+        let (jobs, others) = self.changes.iter().cloned().partition(|(tree, ..)| *tree == Tree::Jobs);
+        (Self { changes: jobs }, Self { changes: others })
+    }
+
     /// Bytes of all keys and values.
     pub(super) fn bytes(&self) -> usize {
         self.changes.iter().map(|(_, key, value)| key.len() + value.as_ref().map_or(0, Vec::len)).sum()
@@ -79,11 +85,11 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
         Ok(None)
     }
 
-    /// Applies `batch`; it is durable when this returns.
+    /// Applies `batch`; it is durable when this returns. Where jobs have a journal, their changes come last.
     ///
     /// # Errors
     /// [`StoreError::DiskFull`], or the database's error. The batch is then not acknowledged: after the next start it
-    /// may be stored or not, but never in part.
+    /// may be stored or not, or without its changes of jobs.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
     /// Applies `batch` without waiting for the disk; it is durable with the next [`Rows::commit`] or [`Rows::settle`].
@@ -95,8 +101,8 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// Waits until what was staged, and all that was before it, is durable. Others may stage and read meanwhile.
     ///
     /// # Errors
-    /// The database's error, or that it was closed since by the error of another write: the changes may be stored or not, but
-    /// never in part.
+    /// The database's error, or that it was closed since by the error of another write: the changes may be stored or
+    /// not, but never in part.
     fn settle(&self, staged: Staged) -> Result<(), StoreError>;
 }
 

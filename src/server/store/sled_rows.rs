@@ -6,6 +6,7 @@
 //! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
 //! - After a write error, such as a full disk, an open database refuses every operation. It is closed, and the next
 //!   operation opens it again. It may have lost rows then, so it is checked as at the start before anyone reads it.
+//! - Some damage is found only when a row is read. All rows are read when it is opened.
 //! - sled's threads may keep the files locked for a moment after the database is dropped. Opening waits for that.
 
 use std::{
@@ -13,7 +14,7 @@ use std::{
     io,
     path::{Path, PathBuf},
     sync::{
-        Arc, PoisonError, RwLock, RwLockReadGuard,
+        Arc, OnceLock, PoisonError, RwLock, RwLockReadGuard,
         atomic::{AtomicU64, Ordering},
     },
     thread,
@@ -23,7 +24,7 @@ use std::{
 use sled::transaction::{TransactionError, Transactional as _};
 
 use super::{
-    Batch, Checks, Row, Rows, Staged, StoreError, Tree, files,
+    Batch, ReopenCheck, Row, Rows, Staged, StoreError, Tree, files,
     migrations::{self, MigrationError},
     rows,
 };
@@ -63,12 +64,12 @@ pub struct SledRows {
     handle: RwLock<Option<Handle>>,
     /// How often it was opened.
     openings: AtomicU64,
-    /// What is checked when it was opened again.
-    pub(super) checks: Checks,
-    /// Whether the database was empty, without even a schema, when it was opened.
-    pub(super) was_empty: bool,
-    /// Whether jobs had a journal beside the database when it was opened.
-    pub(super) was_journalled: bool,
+    /// Runs after the database was opened again, before anyone else reads it. If it fails, the database stays closed.
+    pub(super) reopen_check: Arc<OnceLock<ReopenCheck>>,
+    /// Migrations that had been applied before it was opened.
+    pub(super) schema_before: usize,
+    /// Rows that did not match their hash when it was opened.
+    pub(super) damaged_rows: usize,
 }
 
 struct Handle {
@@ -76,8 +77,10 @@ struct Handle {
     trees: [sled::Tree; Tree::ALL.len()],
     /// sled's data file, for the fsync.
     file: File,
-    /// Migrations that were applied when it was opened.
-    applied: usize,
+    /// Migrations that had been applied before it was opened.
+    schema_before: usize,
+    /// Rows that did not match their hash when it was opened.
+    damaged_rows: usize,
     /// Number of the opening, of all since the process has begun.
     opening: u64,
 }
@@ -120,19 +123,18 @@ impl Handle {
 }
 
 impl SledRows {
-    /// Opens or creates the database in `folder` and brings its schema up to date.
+    /// Opens or creates the database in `folder`, brings its schema up to date and reads every row.
     pub(super) fn open(folder: &Path, sync: SyncFn) -> Result<Self, SledOpenError> {
         let handle = open_caught(folder)?;
         sync(&handle.file).map_err(SledOpenError::Unusable)?;
-        let before = migrations::ALL.len() - handle.applied;
         Ok(Self {
             folder: folder.to_owned(),
             sync,
-            handle: RwLock::new(Some(handle)),
             openings: AtomicU64::new(0),
-            checks: Checks::default(),
-            was_empty: before == 0,
-            was_journalled: before >= migrations::WITH_JOURNAL,
+            reopen_check: Arc::default(),
+            schema_before: handle.schema_before,
+            damaged_rows: handle.damaged_rows,
+            handle: RwLock::new(Some(handle)),
         })
     }
 
@@ -162,51 +164,26 @@ impl SledRows {
         result.map_err(|error| StoreError::of_sled(&error))
     }
 
-    /// Opens the database again and checks it: every row is read, and the checks compare it with what else is on the disk.
+    /// Opens the database again and checks it.
     fn reopen(&self) -> Result<Handle, StoreError> {
         let fresh = Self::open(&self.folder, Arc::clone(&self.sync)).map_err(|error| match error {
             SledOpenError::Unusable(source) => StoreError::of_io(&self.folder, source),
-            other => damaged(&other),
+            // The next start makes a copy of it and restores its rows.
+            other => StoreError::Database(format!("{other}; it stays closed until the service is started again")),
         })?;
-        if fresh.was_empty {
+        if fresh.schema_before == 0 {
             tracing::error!("sled could not read its file and started over");
         }
-        let damaged_rows = fresh.read_all().map_err(|error| match error {
-            StoreError::Database(reason) => damaged(&reason),
-            other => other,
-        })?;
-        if damaged_rows > 0 {
-            tracing::error!(rows = damaged_rows, "rows of the database do not match their seal");
+        if fresh.damaged_rows > 0 {
+            tracing::error!(rows = fresh.damaged_rows, "rows of the database are damaged");
         }
         let fresh = Arc::new(fresh);
-        self.checks.run(&(Arc::clone(&fresh) as Arc<dyn Rows>))?;
+        if let Some(check) = self.reopen_check.get() {
+            check(&(Arc::clone(&fresh) as Arc<dyn Rows>))?;
+        }
         let handle = Arc::into_inner(fresh).and_then(|rows| rows.handle.into_inner().ok()?);
         tracing::warn!("the database was opened again and checked");
         handle.ok_or_else(|| StoreError::Database("it closed while it was checked".to_owned()))
-    }
-
-    /// Reads every row of every tree; returns how many do not match their seal. sled finds some damage only when it reads,
-    /// and may panic then, so this runs on a thread of its own.
-    ///
-    /// # Errors
-    /// When the database fails or panics: its files are damaged.
-    pub(super) fn read_all(&self) -> Result<usize, StoreError> {
-        let read = || {
-            self.with(|handle| {
-                let mut damaged = 0;
-                for tree in Tree::ALL {
-                    for row in handle.tree(tree) {
-                        damaged += usize::from(opened(tree, row)?.value.is_none());
-                    }
-                }
-                Ok(damaged)
-            })
-        };
-        let done = thread::scope(|scope| {
-            let started = thread::Builder::new().name("read-database".to_owned()).spawn_scoped(scope, read);
-            Ok(started.map_err(|source| StoreError::of_io("a thread that reads the database", source))?.join())
-        });
-        done?.unwrap_or_else(|_| Err(StoreError::Database("sled panicked while it read its rows".to_owned())))
     }
 
     fn flush(&self, handle: &Handle) -> Result<(), sled::Error> {
@@ -214,7 +191,8 @@ impl SledRows {
         (self.sync)(&handle.file).map_err(sled::Error::Io)
     }
 
-    fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {
+    /// Whether the disk has room for `batch` and what sled writes in the background.
+    pub(super) fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {
         let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
         if free < HEADROOM_BYTES + batch.bytes() as u64 { Err(StoreError::DiskFull) } else { Ok(()) }
     }
@@ -274,11 +252,6 @@ impl Rows for SledRows {
     }
 }
 
-/// The error of a database that cannot be used before the next start, which makes a copy of it and restores its rows.
-fn damaged(reason: &impl std::fmt::Display) -> StoreError {
-    StoreError::Database(format!("{reason}; it stays closed until the service is started again, which restores it"))
-}
-
 fn opened(tree: Tree, row: sled::Result<(sled::IVec, sled::IVec)>) -> sled::Result<Row> {
     row.map(|(key, sealed)| Row { key: key.to_vec(), value: rows::unseal(tree.name(), &key, &sealed) })
 }
@@ -289,7 +262,7 @@ fn open_caught(folder: &Path) -> Result<Handle, SledOpenError> {
     let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || open(&folder));
     match opening.map_err(SledOpenError::Unusable)?.join() {
         Ok(result) => result,
-        Err(_) => Err(SledOpenError::Damaged("sled panicked while it opened its files".to_owned())),
+        Err(_) => Err(SledOpenError::Damaged("sled panicked while it read its files".to_owned())),
     }
 }
 
@@ -313,11 +286,17 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     for tree in Tree::ALL {
         trees.push(db.open_tree(tree.name()).map_err(refused)?);
     }
+    let mut damaged_rows = 0;
+    for (tree, rows) in Tree::ALL.into_iter().zip(&trees) {
+        for row in rows {
+            damaged_rows += usize::from(opened(tree, row).map_err(refused)?.value.is_none());
+        }
+    }
     let trees = trees.try_into().map_err(|_| SledOpenError::Damaged("trees are missing".to_owned()))?;
     let file = File::options().read(true).write(true).open(folder.join("db")).map_err(SledOpenError::Unusable)?;
     db.flush().map_err(refused)?;
     file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
-    Ok(Handle { db, trees, file, applied, opening: 0 })
+    Ok(Handle { db, trees, file, opening: 0, schema_before: migrations::ALL.len() - applied, damaged_rows })
 }
 
 /// Opens the database in `folder` with sled, once it is not locked.

@@ -3,10 +3,8 @@
 /// A tree of the current schema; `migrations/` creates them. Each variant says what key and value are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Tree {
-    /// Job id: the job. The journal puts the revision of the last change in front of it.
+    /// Job id: the job. Its rows are in the journal; sled has those of earlier versions, until the store is opened.
     Jobs,
-    /// Submission number, big-endian: job id. The journal puts the revision of the last change in front of it.
-    JobOrder,
     /// Job id and shard number, big-endian: the shard's state.
     Shards,
     /// Job id and shard number, big-endian: a finished shard's bytes, until the table is stored.
@@ -19,37 +17,24 @@ pub enum Tree {
     Recipes,
     /// Table digest: the version of its manifest, and the manifest.
     Manifests,
-    /// `last`: the last entry of the journal of jobs.
-    Journal,
 }
 
 impl Tree {
     /// Every tree.
-    pub const ALL: [Self; 9] = [
-        Self::Jobs,
-        Self::JobOrder,
-        Self::Shards,
-        Self::Results,
-        Self::Tables,
-        Self::TablesByAge,
-        Self::Recipes,
-        Self::Manifests,
-        Self::Journal,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Jobs, Self::Shards, Self::Results, Self::Tables, Self::TablesByAge, Self::Recipes, Self::Manifests];
 
     /// The tree's name in the database.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Jobs => "numbered_jobs",
-            Self::JobOrder => "numbered_job_order",
             Self::Shards => "shards",
             Self::Results => "results",
             Self::Tables => "tables",
             Self::TablesByAge => "tables_by_age",
             Self::Recipes => "recipes",
             Self::Manifests => "manifests",
-            Self::Journal => "journal",
         }
     }
 }

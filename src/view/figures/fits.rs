@@ -6,12 +6,14 @@ use glam::DVec3;
 
 use super::error::FigureError;
 use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, parse};
-use ltcforge_fit::{FitSettings, FittedEntry, Fitter, Metric, Plan, Pulse, Simplex, Solver, brdf::Ggx, fit_entries};
+use ltcforge_fit::{
+    FitSettings, FittedEntry, Fitter, Metric, Plan, Simplex, Solver, StopCheck, brdf::Ggx, fit_entries,
+};
 
 /// The LTC that is nearest to a lobe.
 pub(super) fn fitted(ggx: &Ggx, wo: DVec3) -> Result<FittedEntry, FigureError> {
     let mut go_on = || ControlFlow::Continue(());
-    Fitter::new(&Preset::Paper.fit()).fit(ggx, wo, 0, &mut Pulse::new(&mut go_on)).ok_or(FigureError::Stopped)
+    Fitter::new(&Preset::Paper.fit()).fit(ggx, wo, 0, &mut StopCheck::new(&mut go_on)).ok_or(FigureError::Stopped)
 }
 
 /// Steps of a simplex from any start: far more than from a good one.

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::picture::{Panel, Picture, caption, grid, headed};
 use ltcforge_fit::{
-    FittedEntry, Fitter, Ltc, Metric, Pulse,
+    FittedEntry, Fitter, Ltc, Metric, StopCheck,
     brdf::{Brdf, Ggx},
     math::{direction, from_row_major},
 };
@@ -47,7 +47,8 @@ pub(super) fn draw() -> Result<Picture, FigureError> {
         let fitted = |metric: Metric| {
             let mut go_on = || ControlFlow::Continue(());
             let mut fitter = Fitter::new(&from_any_start(metric));
-            let entry = fitter.fit_from(&ggx, wo, start, &mut Pulse::new(&mut go_on)).ok_or(FigureError::Stopped)?;
+            let entry =
+                fitter.fit_from(&ggx, wo, start, &mut StopCheck::new(&mut go_on)).ok_or(FigureError::Stopped)?;
             Ok::<_, FigureError>((entry, fitter.frame(&ggx, wo) * start))
         };
         let (FittedEntry { matrix, amplitude, error, .. }, first) = fitted(Metric::L3)?;

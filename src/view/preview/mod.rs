@@ -30,7 +30,7 @@ pub use bounds::SceneFault;
 pub use choices::Choices;
 pub use error::PreviewError;
 pub use estimator::{Estimator, Stop};
-#[cfg(all(test, feature = "textures"))]
+#[cfg(test)]
 pub(super) use gpu::{GpuFailure, decoder::run as run_decoder};
 pub use gpu::{Variant, Weights};
 pub use named::NamedScene;
@@ -44,5 +44,5 @@ pub use table::{ShaderTable, TexelFormat};
 
 #[cfg(test)]
 mod tests;
-#[cfg(all(test, feature = "textures"))]
+#[cfg(test)]
 pub(super) use tests::tell_skipped;

@@ -123,7 +123,7 @@ impl ShaderTable {
 
     /// The number by which shaders know the layout.
     pub(super) fn layout_code(&self) -> u32 {
-        self.layout.rules().shader().number
+        self.layout.shader().number
     }
 }
 

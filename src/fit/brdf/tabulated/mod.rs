@@ -4,10 +4,12 @@ mod axes;
 mod check;
 mod fault;
 mod grid;
+#[cfg(any(test, feature = "testing"))]
+pub(crate) mod planted;
 mod surface;
 mod tabulate;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 
 pub use axes::TabulatedAxes;
 pub use check::{MOST_ALBEDO, MOST_VALUES};

@@ -5,7 +5,7 @@ use std::{
 
 use super::*;
 use crate::{
-    brdf::{BrdfKind, BrdfModel, TabulatedFile},
+    brdf::BrdfKind,
     math::{Lattice, direction},
 };
 
@@ -18,14 +18,7 @@ fn axes(alpha: &[f64], thetas: usize, phis: usize) -> TabulatedAxes {
     TabulatedAxes { alpha: alpha.to_vec(), theta_o: theta.clone(), theta_i: theta, phi: even(phis, PI) }
 }
 
-/// Oren-Nayar's reflection as numbers.
-pub(crate) fn planted() -> BrdfModel {
-    let brdf = TabulatedBrdf::tabulate(BrdfKind::OrenNayar, TabulatedAxes::spread(vec![0.05, 0.3, 1.0], 48, 24))
-        .expect("a BRDF");
-    BrdfModel::tabulated(TabulatedFile::new([7; 32], Arc::new(brdf)))
-}
-
-/// The same for all directions, `1 / pi`, is Lambert's reflection.
+/// A constant for all directions; `1 / pi` is Lambert's reflection.
 fn lambert(axes: TabulatedAxes, value: f64) -> Result<TabulatedBrdf, Vec<TabulatedFault>> {
     let count = axes.lengths().iter().product();
     TabulatedBrdf::new(axes, vec![value; count])

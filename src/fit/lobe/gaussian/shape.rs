@@ -14,7 +14,7 @@ pub struct SphericalGaussian<T> {
     /// The middle, of length one.
     pub axis: Triple<T>,
     /// The vectors whose products with a direction, projected, are x and y; perpendicular to the axis.
-    pub(crate) rows: [Triple<T>; 2],
+    pub rows: [Triple<T>; 2],
 }
 
 impl<T: Scalar> SphericalGaussian<T> {

@@ -15,7 +15,8 @@ use crate::{brdf::Mirrors, math::rotation_from_z};
 /// jumps where a lobe is far from the pole. Domain: `M` regular, its third column not along -z.
 ///
 /// The block is opened until its eigenvalues have at least the ratio `flattest`.
-pub(crate) fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
+#[must_use]
+pub fn align(m: &DMat3, mirrors: Mirrors, flattest: f64) -> DMat3 {
     let frame = rotation_from_z(m.z_axis.normalize());
     let mut local = frame.transpose() * *m;
     if local.determinant() < 0.0 {
@@ -34,7 +35,8 @@ pub(crate) fn align_to(reflection: &DMat3, m: &DMat3, mirrors: Mirrors, flattest
 
 /// Turns the first two columns by the polar factor of their upper block. The block becomes symmetric and, where its
 /// determinant is positive, positive definite.
-pub(crate) fn turned(mut local: DMat3) -> DMat3 {
+#[must_use]
+pub fn turned(mut local: DMat3) -> DMat3 {
     let (x, y) = (local.x_axis, local.y_axis);
     let (cos, sin) = (x.x + y.y, x.y - y.x);
     // Zero only for a block without positive determinant.

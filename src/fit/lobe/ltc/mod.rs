@@ -8,12 +8,13 @@ mod polygon;
 mod shapes;
 mod sphere;
 
-pub(crate) use align::{align, align_to, turned};
+pub(crate) use align::align_to;
+pub use align::{align, turned};
 pub use cone::Cone;
 pub use distribution::Ltc;
 pub(super) use model::Rules;
-#[cfg(test)]
-pub(crate) use polygon::quadrature;
+#[cfg(any(test, feature = "testing"))]
+pub use polygon::quadrature;
 pub use polygon::{Clip, MAX_VERTICES, Sides};
 pub use shapes::CosineSpace;
 pub use sphere::{cheap_form_factor, clipped_form_factor};

@@ -182,7 +182,7 @@ impl Ltc {
     }
 }
 
-#[cfg(test)]
-pub(crate) mod quadrature;
+#[cfg(any(test, feature = "testing"))]
+pub mod quadrature;
 #[cfg(test)]
 mod tests;

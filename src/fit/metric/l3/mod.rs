@@ -26,7 +26,7 @@ use super::distance::{Distance, Draws, Grain, Lobe, Loss, MetricRules, Samples};
 use crate::{
     brdf::Brdf,
     math::{Lattice, cosine_hemisphere, pow},
-    pulse::Pulse,
+    stop_check::StopCheck,
 };
 
 /// A coarse evaluation takes one sample in so many, but this many at least.
@@ -63,8 +63,8 @@ impl Distance for L3 {
         Box::new(self.clone())
     }
 
-    fn to<'a>(&'a mut self, lobe: &Lobe<'a>, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>> {
-        pulse.worked(lobe.target.points.len() * SAMPLE_WORK)?;
+    fn to<'a>(&'a mut self, lobe: &Lobe<'a>, stop_check: &mut StopCheck) -> Option<Box<dyn Loss + 'a>> {
+        stop_check.worked(lobe.target.points.len() * SAMPLE_WORK)?;
         Some(Box::new(L3Loss::new(*lobe, &self.cosines)))
     }
 }
@@ -242,9 +242,9 @@ impl Loss for L3Loss<'_> {
         self.spread
     }
 
-    fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
+    fn value(&mut self, m: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
         let cosines = &self.cosines[Grain::Full as usize];
-        pulse.worked(self.places.len() + SAMPLE_WORK * cosines.len())?;
+        stop_check.worked(self.places.len() + SAMPLE_WORK * cosines.len())?;
         let (count, density) = (cosines.len() as f64, Density::new(m));
         let mut sum = 0.0;
         for place in &self.places {
@@ -258,14 +258,14 @@ impl Loss for L3Loss<'_> {
         Some(self.loss(sum))
     }
 
-    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
+    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, DMat3)> {
         let held = if let Some(held) = self.held[grain as usize].take() {
             held
         } else {
-            pulse.worked(SAMPLE_WORK * self.cosines[grain as usize].len())?;
+            stop_check.worked(SAMPLE_WORK * self.cosines[grain as usize].len())?;
             self.hold(m, grain)
         };
-        pulse.worked(2 * held.len())?;
+        stop_check.worked(2 * held.len())?;
         let mut slopes = Slopes::new(Density::new(m));
         for place in &held {
             slopes.add(place.direction, place.lobe, 1.0 / place.drawn);
@@ -274,8 +274,8 @@ impl Loss for L3Loss<'_> {
         Some(self.of(&slopes, m))
     }
 
-    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, pulse: &mut Pulse) -> Option<DMat3> {
-        pulse.worked(2 * SAMPLE_WORK * draws.lobe.len())?;
+    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3> {
+        stop_check.worked(2 * SAMPLE_WORK * draws.lobe.len())?;
         let Lobe { brdf, wo, .. } = self.lobe;
         let images = draws.cosines.iter().map(|c| (*m * *c).normalize());
         let mut slopes = Slopes::new(Density::new(m));

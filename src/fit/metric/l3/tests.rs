@@ -4,7 +4,7 @@ use crate::{
     lobe::ltc::Ltc,
     math::{SquarePoint, direction},
     metric::{Metric, PlantedBrdf, Target},
-    pulse::unstopped,
+    stop_check::unstopped,
 };
 
 const GGX: Ggx = Ggx { alpha_x: 0.3, alpha_y: 0.3 };
@@ -15,12 +15,12 @@ fn target(brdf: &dyn Brdf, wo: DVec3) -> Target {
 }
 
 /// Calls `check` with the loss to a lobe over this many samples of the LTC.
-fn with_loss<T>(lobe: &Lobe, samples: usize, check: impl FnOnce(&mut dyn Loss, &mut Pulse) -> T) -> T {
+fn with_loss<T>(lobe: &Lobe, samples: usize, check: impl FnOnce(&mut dyn Loss, &mut StopCheck) -> T) -> T {
     let mut distance = Metric::L3.rules().distance(&Samples { count: samples, directions: 4, shift: [0.2, 0.7] });
-    let mut beat = unstopped;
-    let mut pulse = Pulse::new(&mut beat);
-    let mut loss = distance.to(lobe, &mut pulse).expect("nothing stops it");
-    check(&mut *loss, &mut pulse)
+    let mut go_on = unstopped;
+    let mut stop_check = StopCheck::new(&mut go_on);
+    let mut loss = distance.to(lobe, &mut stop_check).expect("nothing stops it");
+    check(&mut *loss, &mut stop_check)
 }
 
 /// A lobe near that of `GGX`, in its frame.
@@ -57,10 +57,10 @@ fn the_value_is_that_of_quadrature() {
         let lobe = Lobe { brdf: &ggx, wo, target: &target };
         let m = DMat3::from_cols(DVec3::X * 1.5 * alpha, DVec3::Y * 1.4 * alpha, DVec3::new(0.1 * alpha, 0.0, 1.0));
         let expected = by_quadrature(&lobe, &m);
-        let (found, held) = with_loss(&lobe, 2048, |loss, pulse| {
+        let (found, held) = with_loss(&lobe, 2048, |loss, stop_check| {
             let spread = loss.spread();
-            let value = loss.value(&m, pulse).expect("nothing stops it") / spread;
-            let (held, _) = loss.value_and_gradient(&m, Grain::Full, pulse).expect("nothing stops it");
+            let value = loss.value(&m, stop_check).expect("nothing stops it") / spread;
+            let (held, _) = loss.value_and_gradient(&m, Grain::Full, stop_check).expect("nothing stops it");
             (value, held / spread)
         });
         assert!((found / expected - 1.0).abs() < 0.02, "{alpha} {theta}: {found} {expected}");
@@ -74,19 +74,19 @@ fn the_gradient_is_that_of_central_differences() {
     let wo = direction(0.7, 0.0);
     let target = target(&GGX, wo);
     let lobe = Lobe { brdf: &GGX, wo, target: &target };
-    with_loss(&lobe, 512, |loss, pulse| {
+    with_loss(&lobe, 512, |loss, stop_check| {
         for grain in [Grain::Coarse, Grain::Full] {
-            let start = loss.value_and_gradient(&near(), grain, pulse).expect("nothing stops it").0;
+            let start = loss.value_and_gradient(&near(), grain, stop_check).expect("nothing stops it").0;
             // Beside the matrix whose samples are held.
             let m = near() * 1.03 + DMat3::from_cols(DVec3::Z * 0.01, DVec3::ZERO, DVec3::Y * 0.02);
-            let (value, gradient) = loss.value_and_gradient(&m, grain, pulse).expect("nothing stops it");
+            let (value, gradient) = loss.value_and_gradient(&m, grain, stop_check).expect("nothing stops it");
             assert!(value != start);
             for (column, row) in (0..3).flat_map(|column| (0..3).map(move |row| (column, row))) {
                 let step = 1e-5;
                 let mut at = |step: f64| {
                     let mut m = m;
                     m.col_mut(column)[row] += step;
-                    loss.value_and_gradient(&m, grain, pulse).expect("nothing stops it").0
+                    loss.value_and_gradient(&m, grain, stop_check).expect("nothing stops it").0
                 };
                 let expected = (at(step) - at(-step)) / (2.0 * step);
                 let found = gradient.col(column)[row];
@@ -104,7 +104,8 @@ fn only_the_lobe_itself_is_at_distance_zero() {
     let target = target(&planted, DVec3::Z);
     let lobe = Lobe { brdf: &planted, wo: DVec3::Z, target: &target };
     let own = target.frame.transpose() * planted.matrix();
-    let [same, other] = [own, own * DMat3::from_diagonal(DVec3::new(1.1, 1.0, 1.0))]
-        .map(|m| with_loss(&lobe, 512, |loss, pulse| loss.value(&m, pulse).expect("nothing stops it") / loss.spread()));
+    let [same, other] = [own, own * DMat3::from_diagonal(DVec3::new(1.1, 1.0, 1.0))].map(|m| {
+        with_loss(&lobe, 512, |loss, stop_check| loss.value(&m, stop_check).expect("nothing stops it") / loss.spread())
+    });
     assert!(same < 0.01 && other > 5.0 * same, "{same} {other}");
 }

@@ -27,7 +27,7 @@ use super::{
 };
 use crate::{
     math::{Lattice, fibonacci_hemisphere},
-    pulse::Pulse,
+    stop_check::StopCheck,
 };
 
 /// Directions whose gradients are added to the samples together.
@@ -86,8 +86,8 @@ impl Distance for SlicedWasserstein {
         })
     }
 
-    fn to<'a>(&'a mut self, lobe: &Lobe<'a>, pulse: &mut Pulse) -> Option<Box<dyn Loss + 'a>> {
-        Some(Box::new(SlicedLoss::new(lobe.target, &self.samples, &self.directions, &mut self.buffers, pulse)?))
+    fn to<'a>(&'a mut self, lobe: &Lobe<'a>, stop_check: &mut StopCheck) -> Option<Box<dyn Loss + 'a>> {
+        Some(Box::new(SlicedLoss::new(lobe.target, &self.samples, &self.directions, &mut self.buffers, stop_check)?))
     }
 }
 
@@ -154,18 +154,18 @@ impl Default for Row {
 }
 
 impl<'a> SlicedLoss<'a> {
-    /// Tabulates `target` along `directions` (unit vectors in the lobe's frame); `None` when `pulse` stops it.
+    /// Tabulates `target` along `directions` (unit vectors in the lobe's frame); `None` when `stop_check` stops it.
     fn new(
         target: &Target,
         samples: &'a [CosineSamples; 2],
         directions: &[DVec3],
         buffers: &'a mut Buffers,
-        pulse: &mut Pulse,
+        stop_check: &mut StopCheck,
     ) -> Option<Self> {
         let Buffers { target: sampled, histogram, .. } = &mut *buffers;
         sampled.fill(&target.points, &target.weights);
         let slice = |d: &DVec3| {
-            pulse.worked(target.points.len())?;
+            stop_check.worked(target.points.len())?;
             Some(Slice::new(sampled, &target.core, *d, histogram))
         };
         let slices: Vec<Slice> = directions.iter().map(slice).collect::<Option<_>>()?;
@@ -213,14 +213,14 @@ impl<'a> SlicedLoss<'a> {
     }
 
     /// The mean distance along the slices; leaves its gradient by each sample's direction in the buffers when asked to.
-    fn mean<const GRADIENT: bool>(&mut self, grain: Grain, pulse: &mut Pulse) -> Option<f64> {
+    fn mean<const GRADIENT: bool>(&mut self, grain: Grain, stop_check: &mut StopCheck) -> Option<f64> {
         let count = self.samples[grain as usize].count;
         let stride = Self::stride(grain);
         let work = &mut *self.buffers;
         let mut sum = 0.0;
         for group in self.slices.chunks(GROUP * stride) {
             for (slice, row) in group.iter().step_by(stride).zip(&mut work.rows) {
-                pulse.worked(count)?;
+                stop_check.worked(count)?;
                 slice.locate_all([&work.x, &work.y, &work.z], &mut row.places);
                 work.histogram.add_equal(&row.places, count);
                 sum += row.compare(slice, count, &mut work.histogram);
@@ -285,19 +285,19 @@ impl Loss for SlicedLoss<'_> {
         self.spread
     }
 
-    fn value(&mut self, m: &DMat3, pulse: &mut Pulse) -> Option<f64> {
+    fn value(&mut self, m: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
         self.transform(m, Grain::Full);
-        self.mean::<false>(Grain::Full, pulse)
+        self.mean::<false>(Grain::Full, stop_check)
     }
 
-    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, pulse: &mut Pulse) -> Option<(f64, DMat3)> {
+    fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, DMat3)> {
         self.transform(m, grain);
-        let value = self.mean::<true>(grain, pulse)?;
+        let value = self.mean::<true>(grain, stop_check)?;
         Some((value, self.pull_back(grain) * (1.0 / self.parts(grain) as f64)))
     }
 
-    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, pulse: &mut Pulse) -> Option<DMat3> {
-        sorted::step(m, rate, draws, pulse)
+    fn step(&self, m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3> {
+        sorted::step(m, rate, draws, stop_check)
     }
 
     fn images(&mut self) -> Option<&mut dyn ImageLoss> {
@@ -310,17 +310,17 @@ impl ImageLoss for SlicedLoss<'_> {
         self.samples[grain as usize].lattice
     }
 
-    fn slopes(&mut self, offsets: &Offsets, grain: Grain, pulse: &mut Pulse) -> Option<(f64, Offsets)> {
+    fn slopes(&mut self, offsets: &Offsets, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, Offsets)> {
         self.take(offsets, grain);
-        let value = self.mean::<true>(grain, pulse)?;
+        let value = self.mean::<true>(grain, stop_check)?;
         let (count, part) = (self.samples[grain as usize].count, 1.0 / self.parts(grain) as f32);
         let Buffers { gx, gy, gz, .. } = &*self.buffers;
         Some((value, [gx, gy, gz].map(|slopes| slopes[..count].iter().map(|slope| slope * part).collect())))
     }
 
-    fn value_of(&mut self, offsets: &Offsets, pulse: &mut Pulse) -> Option<f64> {
+    fn value_of(&mut self, offsets: &Offsets, stop_check: &mut StopCheck) -> Option<f64> {
         self.take(offsets, Grain::Full);
-        self.mean::<false>(Grain::Full, pulse)
+        self.mean::<false>(Grain::Full, stop_check)
     }
 }
 

@@ -2,20 +2,20 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::{metric::distance::Draws, pulse::Pulse};
+use crate::{metric::distance::Draws, stop_check::StopCheck};
 
 /// Work of a step for each sample and direction, in projections: two sorts.
 const SORTING: usize = 16;
 
 /// On each direction, the samples of lobe and LTC in the order of their projections are pairs, and the LTC's moves towards the
 /// lobe's. Back through `f = M c / |M c|` these slopes are the gradient by `M`, of which this is `rate` times.
-pub(super) fn step(m: &DMat3, rate: f64, draws: &Draws, pulse: &mut Pulse) -> Option<DMat3> {
+pub(super) fn step(m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3> {
     let Draws { lobe, cosines, directions } = draws;
     let n = lobe.len();
     let ltc: Vec<DVec3> = cosines.iter().map(|c| (*m * *c).normalize()).collect();
     let (mut slopes, mut wanted, mut order) = (vec![DVec3::ZERO; n], vec![0.0; n], vec![(0.0, 0_usize); n]);
     for d in directions {
-        pulse.worked(SORTING * n)?;
+        stop_check.worked(SORTING * n)?;
         wanted.iter_mut().zip(lobe).for_each(|(x, wi)| *x = d.dot(*wi));
         wanted.sort_unstable_by(f64::total_cmp);
         order.iter_mut().zip(&ltc).enumerate().for_each(|(i, (slot, f))| *slot = (d.dot(*f), i));

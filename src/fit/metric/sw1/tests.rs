@@ -1,7 +1,7 @@
 use glam::DVec2;
 
 use super::*;
-use crate::{brdf::Mirrors, metric::planted, pulse::unstopped};
+use crate::{brdf::Mirrors, metric::planted, stop_check::unstopped};
 
 const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
@@ -28,11 +28,12 @@ fn loss<'a>(
     directions: &[DVec3],
     buffers: &'a mut Buffers,
 ) -> SlicedLoss<'a> {
-    SlicedLoss::new(target, samples, directions, buffers, &mut Pulse::new(&mut unstopped)).expect("nothing stops it")
+    SlicedLoss::new(target, samples, directions, buffers, &mut StopCheck::new(&mut unstopped))
+        .expect("nothing stops it")
 }
 
 fn value(loss: &mut SlicedLoss<'_>, m: &DMat3) -> f64 {
-    loss.value(m, &mut Pulse::new(&mut unstopped)).expect("nothing stops it")
+    loss.value(m, &mut StopCheck::new(&mut unstopped)).expect("nothing stops it")
 }
 
 /// A neighbour of the lobe in its own frame.
@@ -82,7 +83,7 @@ fn any_number_of_samples_gives_the_distance() {
         let (samples, mut buffers) = (samples(count), Buffers::default());
         let mut loss = loss(&target, &samples, &directions, &mut buffers);
         let (value, gradient) =
-            loss.value_and_gradient(&m, Grain::Full, &mut Pulse::new(&mut unstopped)).expect("nothing stops it");
+            loss.value_and_gradient(&m, Grain::Full, &mut StopCheck::new(&mut unstopped)).expect("nothing stops it");
         let exact = by_sorting(&target, &m, &samples, &directions);
         assert!((value / exact - 1.0).abs() < 0.03, "{count}: {value} {exact}");
         assert!(gradient.to_cols_array().iter().all(|g| g.is_finite()), "{count}: {gradient}");
@@ -96,7 +97,7 @@ fn what_is_not_finite_has_a_place() {
     let (samples, directions, mut buffers) = (samples(64), directions(8), Buffers::default());
     let mut loss = loss(&target, &samples, &directions, &mut buffers);
     for m in [DMat3::ZERO, DMat3::IDENTITY * f64::NAN, DMat3::IDENTITY * f64::INFINITY, DMat3::IDENTITY * 1e-30] {
-        let value = loss.value_and_gradient(&m, Grain::Full, &mut Pulse::new(&mut unstopped));
+        let value = loss.value_and_gradient(&m, Grain::Full, &mut StopCheck::new(&mut unstopped));
         assert!(value.is_some_and(|(value, _)| value.is_nan() || value > 0.0), "{m}: {value:?}");
     }
 }
@@ -112,7 +113,7 @@ fn gradient_is_that_of_central_differences() {
         // distance has a kink.
         let far = DMat3::from_cols(DVec3::new(1.8, 0.3, 0.0), DVec3::new(0.3, 0.5, 0.1), DVec3::new(0.5, -0.4, 1.0));
         let m = near(&target, scale) * far;
-        let found = loss.value_and_gradient(&m, Grain::Full, &mut Pulse::new(&mut unstopped));
+        let found = loss.value_and_gradient(&m, Grain::Full, &mut StopCheck::new(&mut unstopped));
         let (at_m, gradient) = found.expect("nothing stops it");
         assert_eq!(at_m, value(&mut loss, &m));
         // Small compared with the lobe's width, large compared with the spacing of its samples, so that their kinks

@@ -25,7 +25,7 @@ use crate::{
     lobe::gaussian::{Gaussian, Images, SphericalGaussian},
     math::{exp, ln, symmetric_sqrt},
     metric::{Grain, ImageLoss, Offsets, Target},
-    pulse::Pulse,
+    stop_check::StopCheck,
 };
 
 /// The square of a deviation over the scatter of the lobe's core: the tails of GGX widen the best Gaussian.
@@ -130,24 +130,24 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Loss and cost, and their gradient by the free numbers: that of the loss by the images' directions is exact, and these
-    /// move by differences. `None` when `pulse` stops the search.
-    fn at(&mut self, v: &Vector, pulse: &mut Pulse) -> Option<(f64, Vector)> {
+    /// move by differences. `None` when `stop_check` stops the search.
+    fn at(&mut self, v: &Vector, stop_check: &mut StopCheck) -> Option<(f64, Vector)> {
         let Self { family, loss, inv_spread, grain, images, to_lobe, base, moved } = self;
         let (block, _) = family.parts(v);
         if block.determinant() <= 0.0 || block.x_axis.x <= 0.0 {
             return Some((f64::INFINITY, [0.0; VARIABLES]));
         }
         let shape = family.shape(v);
-        pulse.worked(IMAGE_WORK * images.len())?;
+        stop_check.worked(IMAGE_WORK * images.len())?;
         images.offsets(&shape, to_lobe, base);
-        let (value, slopes) = loss.slopes(&in_arrays(base), *grain, pulse)?;
+        let (value, slopes) = loss.slopes(&in_arrays(base), *grain, stop_check)?;
         let cost = family.cost(v, &shape);
         let (mut gradient, free) = ([0.0; VARIABLES], family.free());
         for (k, slope) in gradient.iter_mut().enumerate().filter(|(k, _)| free[*k]) {
             let mut beside = *v;
             beside[k] += STEP;
             let beside_shape = family.shape(&beside);
-            pulse.worked(IMAGE_WORK * images.len())?;
+            stop_check.worked(IMAGE_WORK * images.len())?;
             images.offsets(&beside_shape, to_lobe, moved);
             let by_directions = pulled(&slopes, base, moved) * *inv_spread;
             *slope = (by_directions + (family.cost(&beside, &beside_shape) - cost)) / STEP;
@@ -156,13 +156,13 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 }
 
-/// The columns of the Gaussian with the lowest loss, in the tangent frame; `None` when `pulse` stops the search.
+/// The columns of the Gaussian with the lowest loss, in the tangent frame; `None` when `stop_check` stops the search.
 pub(super) fn solve(
     gaussian: Gaussian,
     (loss, spread): (&mut dyn ImageLoss, f64),
     target: &Target,
     stop: StopRule,
-    pulse: &mut Pulse,
+    stop_check: &mut StopCheck,
 ) -> Option<DMat3> {
     let family = Family::of(gaussian, target);
     let (free, curvature) = (family.free(), [1.0; VARIABLES]);
@@ -171,7 +171,7 @@ pub(super) fn solve(
     for (grain, relative_decrease) in [(Grain::Coarse, COARSE_DECREASE), (Grain::Full, stop.relative_decrease)] {
         let stop = StopRule { relative_decrease, ..stop };
         let mut search = Search::new(&family, loss, spread, grain);
-        lowest = minimise(lowest, &curvature, &mut hessian, free, stop, |v| search.at(v, pulse))?;
+        lowest = minimise(lowest, &curvature, &mut hessian, free, stop, |v| search.at(v, stop_check))?;
     }
     let shape = family.shape(&lowest);
     let [x, y] = shape.deviations().map(DVec3::from);
@@ -197,22 +197,22 @@ mod tests {
         lobe::LobeModel,
         math::{Lattice, direction, row_major},
         metric::{Lobe, Metric, Samples, planted_directions},
-        pulse::unstopped,
+        stop_check::unstopped,
     };
 
     const NO_MIRRORS: Mirrors = Mirrors { x: false, y: false };
 
     fn fitted(gaussian: Gaussian, target: &Target) -> DMat3 {
         let mut distance = Metric::Sw1.rules().distance(&Samples { count: 1024, directions: 24, shift: [0.0; 2] });
-        let mut beat = unstopped;
-        let mut pulse = Pulse::new(&mut beat);
+        let mut go_on = unstopped;
+        let mut stop_check = StopCheck::new(&mut go_on);
         // The metric looks at the samples alone.
         let lobe = Lobe { brdf: &Ggx { alpha_x: 0.5, alpha_y: 0.5 }, wo: DVec3::Z, target };
-        let mut loss = distance.to(&lobe, &mut pulse).expect("nothing stops it");
+        let mut loss = distance.to(&lobe, &mut stop_check).expect("nothing stops it");
         let spread = loss.spread();
         let images = loss.images().expect("sw1 compares images");
         let stop = StopRule { steps: 60, relative_decrease: 1e-5 };
-        solve(gaussian, (images, spread), target, stop, &mut pulse).expect("nothing stops it")
+        solve(gaussian, (images, spread), target, stop, &mut stop_check).expect("nothing stops it")
     }
 
     /// A lobe that is itself a Gaussian cut at the horizon.
@@ -228,16 +228,16 @@ mod tests {
         let m = DMat3::from_cols(DVec3::X * 0.7, DVec3::Y * 0.5, direction(0.6, 0.4));
         let target = planted(LobeModel::Ltc, &m, NO_MIRRORS);
         let mut distance = Metric::Sw1.rules().distance(&Samples { count: 2048, directions: 32, shift: [0.0; 2] });
-        let mut beat = unstopped;
-        let mut pulse = Pulse::new(&mut beat);
+        let mut go_on = unstopped;
+        let mut stop_check = StopCheck::new(&mut go_on);
         let lobe = Lobe { brdf: &Ggx { alpha_x: 0.5, alpha_y: 0.5 }, wo: DVec3::Z, target: &target };
-        let mut loss = distance.to(&lobe, &mut pulse).expect("nothing stops it");
+        let mut loss = distance.to(&lobe, &mut stop_check).expect("nothing stops it");
         let spread = loss.spread();
         let images = loss.images().expect("sw1 compares images");
         for gaussian in [Gaussian::Sg, Gaussian::Asg] {
             let family = Family::of(gaussian, &target);
             let mut search = Search::new(&family, images, spread, Grain::Full);
-            let mut at = |v: &Vector| search.at(v, &mut pulse).expect("nothing stops it");
+            let mut at = |v: &Vector| search.at(v, &mut stop_check).expect("nothing stops it");
             let v = [0.3, 0.2, -0.2, 0.3, -0.25, 0.0, 0.0];
             let (_, gradient) = at(&v);
             for k in (0..VARIABLES).filter(|k| family.free()[*k]) {

@@ -34,7 +34,7 @@ use crate::{
     lobe::LobeModel,
     math::ln,
     metric::{Grain, Loss},
-    pulse::Pulse,
+    stop_check::StopCheck,
 };
 
 /// BFGS stops when two steps in a row lower the loss by less than this part: after some 7 evaluations. A limit of a
@@ -56,16 +56,16 @@ fn curvature(spread: f64) -> Vector {
 pub(super) struct Rules;
 
 impl SolverRules for Rules {
-    fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
+    fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
         let stop = StopRule { steps: objective.effort.steps, relative_decrease: RELATIVE_DECREASE };
         let target = objective.target;
         if let Some(gaussian) = objective.model.gaussian() {
             let spread = objective.loss.spread();
             // Recipes have a Gaussian with a metric that compares images alone.
-            return gaussian::solve(gaussian, (objective.loss.images()?, spread), target, stop, pulse);
+            return gaussian::solve(gaussian, (objective.loss.images()?, spread), target, stop, stop_check);
         }
         let guess = Guess::of(&target.core);
-        refine(objective.loss, &guess, target.mirrors, stop, pulse).map(|matrix| target.frame * matrix)
+        refine(objective.loss, &guess, target.mirrors, stop, stop_check).map(|matrix| target.frame * matrix)
     }
 
     fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64 {
@@ -139,9 +139,15 @@ impl Parts {
     }
 }
 
-/// The matrix near `guess` with the lowest loss; `None` when `pulse` stops the search. It maps cosine space to the
+/// The matrix near `guess` with the lowest loss; `None` when `stop_check` stops the search. It maps cosine space to the
 /// lobe's frame.
-fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, pulse: &mut Pulse) -> Option<DMat3> {
+fn refine(
+    loss: &mut dyn Loss,
+    guess: &Guess,
+    mirrors: Mirrors,
+    stop: StopRule,
+    stop_check: &mut StopCheck,
+) -> Option<DMat3> {
     // The loss is in units of the lobe's width, so that one set of step lengths serves sharp and broad lobes.
     let inv_spread = 1.0 / loss.spread();
     let mut lowest = [0.0; VARIABLES];
@@ -157,7 +163,7 @@ fn refine(loss: &mut dyn Loss, guess: &Guess, mirrors: Mirrors, stop: StopRule, 
                 return Some((f64::INFINITY, [0.0; VARIABLES]));
             }
             let flat = parts.flat(guess);
-            let (value, by_m) = loss.value_and_gradient(&parts.tilted(flat), grain, pulse)?;
+            let (value, by_m) = loss.value_and_gradient(&parts.tilted(flat), grain, stop_check)?;
             let mut gradient = parts.pull_back(guess, &flat, &(by_m * inv_spread));
             let (cost, by_cost) = parts.cost();
             gradient.iter_mut().zip(by_cost).for_each(|(slope, cost)| *slope += cost);
@@ -174,7 +180,7 @@ mod tests {
     use crate::{
         lobe::ltc::align,
         metric::{Lobe, Metric, PlantedBrdf, Samples, planted},
-        pulse::unstopped,
+        stop_check::unstopped,
     };
 
     const STOP: StopRule = StopRule { steps: 100, relative_decrease: 1e-6 };
@@ -183,12 +189,12 @@ mod tests {
         let target = planted(matrix, mirrors);
         let mut distance = metric.rules().distance(&Samples { count: 2048, directions: 24, shift: [0.0; 2] });
         let guess = Guess::of(&target.core);
-        let mut beat = unstopped;
-        let mut pulse = Pulse::new(&mut beat);
+        let mut go_on = unstopped;
+        let mut stop_check = StopCheck::new(&mut go_on);
         let surface = PlantedBrdf::new(matrix);
         let lobe = Lobe { brdf: &surface, wo: DVec3::Z, target: &target };
-        let mut loss = distance.to(&lobe, &mut pulse).expect("nothing stops it");
-        let found = refine(&mut *loss, &guess, mirrors, STOP, &mut pulse);
+        let mut loss = distance.to(&lobe, &mut stop_check).expect("nothing stops it");
+        let found = refine(&mut *loss, &guess, mirrors, STOP, &mut stop_check);
         target.frame * found.expect("nothing stops it")
     }
 

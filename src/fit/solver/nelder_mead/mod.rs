@@ -30,7 +30,7 @@ use crate::{
     lobe::LobeModel,
     math::exp,
     metric::{Loss, Target},
-    pulse::Pulse,
+    stop_check::StopCheck,
 };
 
 /// Side of the first simplex.
@@ -46,10 +46,10 @@ const LEAST: f64 = 1e-9;
 pub(super) struct Rules;
 
 impl SolverRules for Rules {
-    fn solve(&self, objective: Objective<'_>, pulse: &mut Pulse) -> Option<DMat3> {
+    fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
         let Objective { target, loss, effort, simplex, near, .. } = objective;
         let start = near.map_or_else(|| Numbers::guessed(target, simplex.shear), |m| Numbers::of(&m, simplex.shear));
-        search(loss, start, target, effort.steps, pulse).map(|matrix| target.frame * matrix)
+        search(loss, start, target, effort.steps, stop_check).map(|matrix| target.frame * matrix)
     }
 
     fn seconds(&self, _: LobeModel, effort: &Effort) -> f64 {
@@ -116,10 +116,16 @@ impl Numbers {
     }
 }
 
-/// The matrix near `start` with the lowest loss, in the lobe's frame; `None` when `pulse` stops the search. A lobe with two
-/// mirror symmetries, seen from above, has no skew.
-fn search(loss: &mut dyn Loss, start: Numbers, target: &Target, steps: u32, pulse: &mut Pulse) -> Option<DMat3> {
-    let mut at = |moved: Numbers| loss.value(&moved.matrix(), pulse);
+/// The matrix near `start` with the lowest loss, in the lobe's frame; `None` when `stop_check` stops the search. A lobe
+/// with two mirror symmetries, seen from above, has no skew.
+fn search(
+    loss: &mut dyn Loss,
+    start: Numbers,
+    target: &Target,
+    steps: u32,
+    stop_check: &mut StopCheck,
+) -> Option<DMat3> {
+    let mut at = |moved: Numbers| loss.value(&moved.matrix(), stop_check);
     let found = if target.mirrors.x && target.mirrors.y {
         let start = Numbers { skew: 0.0, ..start };
         let [x, y] = minimise([0.0; 2], SIDE, steps, |[x, y]| at(start.moved([*x, *y, 0.0])))?;

@@ -3,7 +3,7 @@ use crate::{
     brdf::Mirrors,
     math::{Lattice, SquarePoint},
     metric::{Lobe, Metric, PlantedBrdf, Samples},
-    pulse::unstopped,
+    stop_check::unstopped,
 };
 
 /// The three numbers that are found for the lobe of `m`, a matrix in the frame of its mean direction up to a small turn, from
@@ -13,11 +13,12 @@ fn found(metric: Metric, shear: Shear, m: DMat3, near: Option<DMat3>) -> DMat3 {
     let points: Vec<SquarePoint> = Lattice::new(4096, [0.3, 0.8]).points().map(SquarePoint::new).collect();
     let target = Target::sample(&planted, DVec3::Z, Mirrors { x: false, y: true }, &points);
     let mut distance = metric.rules().distance(&Samples { count: 2048, directions: 16, shift: [0.0; 2] });
-    let mut beat = unstopped;
-    let mut pulse = Pulse::new(&mut beat);
-    let mut loss = distance.to(&Lobe { brdf: &planted, wo: DVec3::Z, target: &target }, &mut pulse).expect("no stop");
+    let mut go_on = unstopped;
+    let mut stop_check = StopCheck::new(&mut go_on);
+    let mut loss =
+        distance.to(&Lobe { brdf: &planted, wo: DVec3::Z, target: &target }, &mut stop_check).expect("no stop");
     let start = near.map_or_else(|| Numbers::guessed(&target, shear), |m| Numbers::of(&m, shear));
-    let matrix = search(&mut *loss, start, &target, 200, &mut pulse).expect("nothing stops it");
+    let matrix = search(&mut *loss, start, &target, 200, &mut stop_check).expect("nothing stops it");
     target.frame * matrix
 }
 

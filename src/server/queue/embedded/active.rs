@@ -4,19 +4,21 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use jiff::Timestamp;
 
-use super::{record::JobRecord, task::TaskState};
-use crate::queue::{Job, JobState};
+use super::{
+    record::JobRecord,
+    task::{Task, TaskState},
+};
+use crate::queue::{Job, JobState, Lease};
 
 /// A job with its tasks. Task `n` fits shard `n`; the last task assembles the table, and can be leased only once every
 /// shard is finished.
 #[derive(Debug)]
 pub(super) struct ActiveJob {
     pub(super) record: JobRecord,
-    pub(super) tasks: Vec<TaskState>,
+    pub(super) tasks: Vec<Task>,
     waiting: BTreeSet<u32>,
     /// Leased tasks and the number of entries that each has reported.
     leased: BTreeMap<u32, u64>,
-    shards_unfinished: usize,
     entries_finished: u64,
     /// Number of the last lease of one of its tasks, of all that the queue gave; 0 before the first.
     pub(super) last_served: u64,
@@ -24,21 +26,18 @@ pub(super) struct ActiveJob {
 
 impl ActiveJob {
     /// The job of `record`; `tasks` has one state for each shard and one for the assembly.
-    pub(super) fn new(record: JobRecord, tasks: Vec<TaskState>) -> Self {
+    pub(super) fn new(record: JobRecord, tasks: Vec<Task>) -> Self {
         let mut active = Self {
-            shards_unfinished: record.shard_entries.len(),
             record,
+            tasks: vec![Task::default(); tasks.len()],
             waiting: BTreeSet::new(),
             leased: BTreeMap::new(),
             entries_finished: 0,
             last_served: 0,
-            tasks: vec![],
         };
-        active.tasks = vec![TaskState::new(); tasks.len()];
-        for (task, state) in (0..).zip(tasks) {
-            active.set(task, state);
+        for (number, task) in (0..).zip(tasks) {
+            active.set(number, task);
         }
-        active.update_assembly();
         active
     }
 
@@ -47,48 +46,29 @@ impl ActiveJob {
         self.record.shards()
     }
 
-    /// Sets the state of a task and updates the counts.
-    pub(super) fn set(&mut self, task: u32, state: TaskState) {
-        let Some(slot) = self.tasks.get_mut(task as usize) else { return };
-        let was_finished = matches!(slot, TaskState::Finished { .. });
-        self.record.job.attempts = self.record.job.attempts.max(state.attempt());
-        self.waiting.remove(&task);
-        self.leased.remove(&task);
-        let is_shard = (task as usize) < self.record.shard_entries.len();
-        match &state {
-            TaskState::Waiting { .. } if is_shard => drop(self.waiting.insert(task)),
-            TaskState::Leased { .. } => drop(self.leased.insert(task, 0)),
-            TaskState::Waiting { .. } | TaskState::Finished { .. } => {}
+    /// Sets a task and updates the counts.
+    pub(super) fn set(&mut self, number: u32, task: Task) {
+        let Some(slot) = self.tasks.get_mut(number as usize) else { return };
+        let entries = self.record.shard_entries.get(number as usize).copied().map_or(0, u64::from);
+        if slot.state == TaskState::Finished {
+            self.entries_finished -= entries;
         }
-        let is_finished = matches!(state, TaskState::Finished { .. });
-        *slot = state;
-        if is_shard && is_finished != was_finished {
-            let entries = u64::from(self.record.shard_entries[task as usize]);
-            if is_finished {
-                self.shards_unfinished -= 1;
-                self.entries_finished += entries;
-            } else {
-                self.shards_unfinished += 1;
-                self.entries_finished -= entries;
-            }
-        }
-        self.update_assembly();
-    }
-
-    fn update_assembly(&mut self) {
-        let task = self.assembly();
-        let ready =
-            self.shards_unfinished == 0 && matches!(self.tasks.get(task as usize), Some(TaskState::Waiting { .. }));
-        if ready {
-            self.waiting.insert(task);
-        } else {
-            self.waiting.remove(&task);
+        *slot = task;
+        self.record.job.attempts = self.record.job.attempts.max(task.attempt);
+        self.waiting.remove(&number);
+        self.leased.remove(&number);
+        match task.state {
+            TaskState::Waiting => drop(self.waiting.insert(number)),
+            TaskState::Leased { .. } => drop(self.leased.insert(number, 0)),
+            TaskState::Finished => self.entries_finished += entries,
         }
     }
 
-    /// The task to lease next, which may be a suspect one only if `with_suspects`.
+    /// The task to lease next, which may be a suspect one only if `with_suspects`. The assembly is last.
     pub(super) fn next_waiting(&self, with_suspects: bool) -> Option<u32> {
-        self.waiting.iter().copied().find(|task| with_suspects || !self.is_suspect(*task))
+        let next = self.waiting.iter().copied().find(|task| with_suspects || !self.is_suspect(*task))?;
+        let may_begin = next != self.assembly() || (self.waiting.len() == 1 && self.leased.is_empty());
+        may_begin.then_some(next)
     }
 
     /// Whether one of its suspect tasks is leased.
@@ -97,7 +77,7 @@ impl ActiveJob {
     }
 
     fn is_suspect(&self, task: u32) -> bool {
-        self.tasks.get(task as usize).is_some_and(TaskState::is_suspect)
+        self.tasks.get(task as usize).is_some_and(Task::is_suspect)
     }
 
     /// How many of its tasks are leased.
@@ -113,11 +93,13 @@ impl ActiveJob {
         }
     }
 
-    /// Leased tasks with the attempt and the expiry of each.
-    pub(super) fn leases(&self) -> impl Iterator<Item = (u32, u32, Timestamp)> + '_ {
-        self.leased.keys().filter_map(|task| match self.tasks.get(*task as usize)? {
-            TaskState::Leased { attempt, lease_until, .. } => Some((*task, *attempt, *lease_until)),
-            TaskState::Waiting { .. } | TaskState::Finished { .. } => None,
+    /// The current leases and the expiry of each.
+    pub(super) fn leases(&self) -> impl Iterator<Item = (Lease, Timestamp)> + '_ {
+        self.leased.keys().filter_map(|number| match *self.tasks.get(*number as usize)? {
+            Task { attempt, state: TaskState::Leased { until }, .. } => {
+                Some((Lease { submission: self.record.submission, task: *number, attempt }, until))
+            }
+            _ => None,
         })
     }
 

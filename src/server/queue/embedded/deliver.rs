@@ -1,36 +1,35 @@
-//! What a worker delivers under a lease: results, the table.
+//! Results that workers deliver under a lease.
 
 use std::collections::BTreeMap;
 
 use super::{
-    jobs::{EmbeddedQueue, conclusion},
     record,
-    task::TaskState,
+    state::EmbeddedQueue,
+    task::{Task, TaskState},
 };
 use crate::{
-    queue::{JobState, Lease, LeaseError, StaleLease},
+    queue::{Lease, LeaseError, StaleLease},
     store::{Batch, StoreError, Tree},
 };
-use ltcforge_files::digest::Digest;
 
 impl EmbeddedQueue {
-    /// The lock is not held while the disk is waited for, so that others lease and report meanwhile. Until then the tasks
-    /// count as leased: nothing is assembled of results that a power cut may undo, and what takes a lease back in between
-    /// writes its rows after these.
+    /// The lock is not held while the disk is waited for, so that others lease and report meanwhile. Until then the
+    /// tasks count as leased: nothing is assembled of results that a power cut may undo, and what takes a lease back
+    /// in between writes its rows after these.
     pub(super) fn complete_shards(&self, done: &[(Lease, &[u8])]) -> Result<Vec<Result<(), StaleLease>>, StoreError> {
         let mut state = self.lock();
         let mut batch = Batch::default();
         let (mut answers, mut accepted) = (Vec::with_capacity(done.len()), BTreeMap::new());
-        for (place, (lease, result)) in done.iter().enumerate() {
-            let finished = state.current(lease).and_then(|(active, task)| {
-                let is_shard = lease.task != active.assembly() && !accepted.contains_key(lease);
-                if is_shard { Ok((active.record.job.id, task.finish(lease.attempt)?)) } else { Err(StaleLease) }
-            });
-            answers.push(finished.as_ref().map(drop).map_err(|error| *error));
-            let Ok((id, finished)) = finished else { continue };
+        for (index, (lease, result)) in done.iter().enumerate() {
+            let current = state.current(lease).ok();
+            let current =
+                current.filter(|(active, _)| lease.task != active.assembly() && !accepted.contains_key(lease));
+            answers.push(current.map_or(Err(StaleLease), |_| Ok(())));
+            let Some((active, task)) = current else { continue };
+            let (id, finished) = (active.record.job.id, Task { state: TaskState::Finished, ..task });
             record::put_task(&mut batch, id, lease.task, &finished)?;
             batch.put(Tree::Results, record::task_key(id, lease.task), *result);
-            accepted.insert(*lease, (place, finished));
+            accepted.insert(*lease, (index, finished));
         }
         if accepted.is_empty() {
             return Ok(answers);
@@ -42,14 +41,14 @@ impl EmbeddedQueue {
         let until = self.expiry((self.clock)());
         for lease in accepted.keys() {
             // It was current a moment ago.
-            let _ = state.extend(lease, until);
+            let _ = state.renew(lease, until);
         }
         drop(state);
         self.rows.settle(staged)?;
         let mut state = self.lock();
-        for (lease, (place, finished)) in accepted {
-            answers[place] = state.current(&lease).map(drop);
-            if answers[place].is_ok() {
+        for (lease, (index, finished)) in accepted {
+            answers[index] = state.current(&lease).map(drop);
+            if answers[index].is_ok() {
                 self.set(&mut state, &lease, finished);
             }
         }
@@ -70,37 +69,18 @@ impl EmbeddedQueue {
             return Ok(true);
         }
         let mut state = self.lock();
-        let error = format!("the results of shards {lost:?} are lost or damaged");
-        self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, &error)?;
+        self.fail_task(&mut state, lease, &format!("the results of shards {lost:?} are lost or damaged"))?;
         if !state.active.contains_key(&lease.submission) {
             // That was its last attempt, and the job has failed.
             return Ok(false);
         }
         for shard in lost {
-            let waiting = TaskState::new();
             let mut batch = Batch::default();
-            record::put_task(&mut batch, id, shard, &waiting)?;
-            batch.remove(Tree::Results, record::task_key(id, shard));
+            record::remove_tasks(&mut batch, [record::task_key(id, shard)]);
             self.commit(&mut state, batch)?;
-            self.set(&mut state, &Lease { task: shard, ..*lease }, waiting);
+            self.set(&mut state, &Lease { task: shard, ..*lease }, Task::default());
         }
         Ok(false)
-    }
-
-    pub(super) fn finish_job(&self, lease: &Lease, table: Digest, with: Batch) -> Result<(), LeaseError> {
-        let mut state = self.lock();
-        let (active, _) = state.current(lease)?;
-        if lease.task != active.assembly() {
-            return Err(StaleLease.into());
-        }
-        let record = active.concluded(JobState::Done { table }, (self.clock)());
-        let mut batch = with;
-        let (conclusion, remains) = conclusion(&record)?;
-        batch.extend(conclusion);
-        self.commit(&mut state, batch)?;
-        state.conclude(&record, remains);
-        self.changed.notify_all();
-        Ok(())
     }
 }
 
@@ -125,6 +105,7 @@ mod tests {
             memory::{Meanwhile, MemoryRows},
         },
     };
+    use ltcforge_files::digest::Digest;
 
     const LEASE_SECONDS: i64 = 60;
 
@@ -163,7 +144,7 @@ mod tests {
             })));
         }
 
-        /// What is answered to a result, which was on its way as [`Self::meanwhile`] says.
+        /// The answer to a result that was on its way as [`Self::meanwhile`] says.
         fn complete(&self, task: &LeasedTask) -> Result<(), StaleLease> {
             let answers = self.queue.complete(&[(task.lease, b"result")]).unwrap();
             assert!(self.rows.while_settling.lock().unwrap().is_none(), "it was not waited for the disk");

@@ -6,29 +6,28 @@ use jiff::Timestamp;
 
 use super::{
     active::ActiveJob,
-    jobs::{EmbeddedQueue, QueueState},
     record,
-    task::TaskState,
+    state::{EmbeddedQueue, QueueState},
+    task::{Task, TaskState},
 };
 use crate::{
-    queue::{Demand, Failure, JobState, Lease, LeasedTask, Offer, StaleLease, TaskKind},
+    queue::{Demand, JobState, Lease, LeasedTask, Offer, StaleLease, TaskKind},
     store::Batch,
 };
 
 impl EmbeddedQueue {
-    pub(super) fn lease_tasks(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer {
+    pub(super) fn lease_tasks(&self, demand: Demand, most: NonZeroUsize) -> Offer {
         let mut state = self.lock();
         if state.closed {
             return Offer::Closed;
         }
-        self.remove_some(&mut state);
+        self.remove_leftovers(&mut state);
         let is_meant = |active: &ActiveJob| demand == Demand::Any || active.tasks_leased() == 0;
-        let tasks: Vec<LeasedTask> =
-            (0..most.get()).map_while(|_| self.lease_of(&mut state, worker, is_meant)).collect();
+        let tasks: Vec<LeasedTask> = (0..most.get()).map_while(|_| self.lease_of(&mut state, is_meant)).collect();
         if tasks.is_empty() { Offer::Nothing { seen: state.generation } } else { Offer::Tasks(tasks) }
     }
 
-    fn lease_of(&self, state: &mut QueueState, worker: u32, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
+    fn lease_of(&self, state: &mut QueueState, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
         let now = (self.clock)();
         let until = self.expiry(now);
         let with_suspects = !state.active.values().any(ActiveJob::has_suspect_leased);
@@ -37,12 +36,13 @@ impl EmbeddedQueue {
             waiting.filter_map(|(submission, active)| Some((*submission, active, active.next_waiting(with_suspects)?)));
         let next =
             waiting.min_by_key(|(submission, active, _)| (active.tasks_leased(), active.last_served, *submission));
-        let (submission, _, task) = next?;
+        let (submission, _, number) = next?;
         let active = state.active.get_mut(&submission)?;
-        let leased = active.tasks.get(task as usize)?.lease(worker, until).ok()?;
+        let task = *active.tasks.get(number as usize)?;
+        let task = Task { attempt: task.attempt + 1, state: TaskState::Leased { until }, ..task };
         state.leases += 1;
         active.last_served = state.leases;
-        let mut batch = Batch::default();
+        active.set(number, task);
         let job = &mut active.record.job;
         let first = job.state == JobState::Queued;
         if first {
@@ -50,23 +50,22 @@ impl EmbeddedQueue {
             job.started_at = Some(now);
         }
         let id = job.id;
-        let lease = Lease { submission, task, attempt: leased.attempt() };
-        active.set(task, leased.clone());
-        // A lease ends with the process. Its row only serves to count that, so the disk is waited for only while a task may
-        // be what ended the last process: within moments of its lease, and again and again.
+        // A lease ends with the process. Its row only serves to count that, so the disk is waited for only while a
+        // task may be what ended the last process: within moments of its lease, and again and again.
         let is_careful = state.careful_until.is_some_and(|until| now < until);
-        let mut stored = record::put_task(&mut batch, id, task, &leased);
+        let mut batch = Batch::default();
+        let mut stored = record::put_task(&mut batch, id, number, &task);
         if first {
             stored = stored.and_then(|()| record::put_job(&mut batch, &active.record));
         }
         let write =
             |batch: &Batch| if is_careful { self.rows.commit(batch) } else { self.rows.stage(batch).map(|_| ()) };
         if let Err(error) = stored.and_then(|()| write(&batch)) {
-            tracing::warn!(job = %id, task, %error, "the lease could not be recorded");
+            tracing::warn!(job = %id, task = number, %error, "the lease could not be recorded");
         }
         let leased = LeasedTask {
-            lease,
-            kind: if task == active.assembly() { TaskKind::Assemble } else { TaskKind::Shard(task) },
+            lease: Lease { submission, task: number, attempt: task.attempt },
+            kind: if number == active.assembly() { TaskKind::Assemble } else { TaskKind::Shard(number) },
             job: id,
             recipe: active.record.job.recipe.clone(),
             recipe_digest: active.record.job.recipe_digest,
@@ -86,39 +85,8 @@ impl EmbeddedQueue {
             Err(TryLockError::WouldBlock) => return Ok(()),
         };
         self.take_back_expired(&mut state);
-        state.extend(lease, until)?.report(lease.task, entries_done);
+        state.renew(lease, until)?.report(lease.task, entries_done);
         Ok(())
-    }
-
-    pub(super) fn give_task_back(&self, lease: &Lease) -> Result<(), StaleLease> {
-        let mut state = self.lock();
-        let (active, task) = state.current(lease)?;
-        let waiting = task.give_back(lease.attempt)?;
-        let mut batch = Batch::default();
-        let id = active.record.job.id;
-        let stored = record::put_task(&mut batch, id, lease.task, &waiting).and_then(|()| self.rows.stage(&batch));
-        if let Err(error) = stored {
-            tracing::warn!(job = %id, task = lease.task, %error, "giving the lease back could not be recorded");
-        }
-        self.set(&mut state, lease, waiting);
-        Ok(())
-    }
-
-    pub(super) fn abort_job(&self, lease: &Lease, error: Failure) -> Result<(), StaleLease> {
-        let mut state = self.lock();
-        state.current(lease)?;
-        self.fail_job(&mut state, lease.submission, error);
-        self.changed.notify_all();
-        Ok(())
-    }
-
-    pub(super) fn set(&self, state: &mut QueueState, lease: &Lease, task: TaskState) {
-        if let Some(active) = state.active.get_mut(&lease.submission) {
-            active.set(lease.task, task);
-            let id = active.record.job.id;
-            state.record_change(id);
-        }
-        self.changed.notify_all();
     }
 
     pub(super) fn expiry(&self, now: Timestamp) -> Timestamp {

@@ -1,23 +1,21 @@
-//! The queue of one process, with its jobs in [`crate::store::Rows`].
+//! The queue of one process.
+//!
+//! All jobs are in memory. [`crate::store::Rows`] has them on the disk, with the states and results of tasks; a
+//! change of a job is durable before it can be seen.
 //!
 //! Invariant: leases are not durable; they end with the process.
 
 mod active;
 mod deliver;
-mod export;
+mod failing;
 mod forget;
-mod jobs;
 mod lease;
-mod lookup;
 mod queue;
-mod reconcile;
 mod record;
-mod remains;
-mod remove;
 mod resume;
+mod state;
 mod submit;
 mod task;
 
-pub use export::{StoredJob, stored_jobs, stored_results};
-pub use jobs::{Clock, EmbeddedQueue};
-pub use reconcile::{ReconciledJobs, reconcile};
+pub use record::{JobRecord, stored_jobs, stored_results};
+pub use state::{Clock, EmbeddedQueue};

@@ -1,14 +1,14 @@
-//! The operations of [`Queue`], which are spread over the files of this folder.
+//! The operations of [`Queue`]; the longer ones are in other files of this folder.
 
-use std::{collections::BTreeSet, num::NonZeroUsize, time::Duration};
+use std::{cmp::Reverse, collections::BTreeSet, num::NonZeroUsize, sync::PoisonError, time::Duration};
 
 use jiff::Timestamp;
 
-use super::jobs::EmbeddedQueue;
+use super::{active::ActiveJob, record::JobRecord, state::EmbeddedQueue};
 use crate::{
     queue::{
-        Demand, Failure, Job, JobId, JobPage, Lease, LeaseError, NewJob, Offer, Queue, QueueError, StaleLease,
-        StateName, Submitted,
+        Demand, Failure, Job, JobId, JobPage, JobState, Lease, LeaseError, NewJob, Offer, Queue, QueueError,
+        StaleLease, StateName, Submitted,
     },
     store::{Batch, StoreError},
 };
@@ -24,11 +24,15 @@ impl Queue for EmbeddedQueue {
     }
 
     fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError> {
-        self.cancel_job(id)
+        let mut state = self.lock();
+        let Some(active) = state.active_job(id) else { return Ok(state.job(id)) };
+        let record = active.concluded(JobState::Cancelled, self.now());
+        self.conclude(&mut state, record, Batch::default())?;
+        Ok(state.job(id))
     }
 
-    fn lease(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer {
-        self.lease_tasks(worker, demand, most)
+    fn lease(&self, _worker: u32, demand: Demand, most: NonZeroUsize) -> Offer {
+        self.lease_tasks(demand, most)
     }
 
     fn progress(&self, lease: &Lease, entries_done: u64) -> Result<(), StaleLease> {
@@ -44,36 +48,62 @@ impl Queue for EmbeddedQueue {
     }
 
     fn finish(&self, lease: &Lease, table: Digest, with: Batch) -> Result<(), LeaseError> {
-        self.finish_job(lease, table, with)
+        let mut state = self.lock();
+        let (active, _) = state.current(lease)?;
+        if lease.task != active.assembly() {
+            return Err(StaleLease.into());
+        }
+        let record = active.concluded(JobState::Done { table }, self.now());
+        Ok(self.conclude(&mut state, record, with)?)
     }
 
     fn give_back(&self, lease: &Lease) -> Result<(), StaleLease> {
-        self.give_task_back(lease)
+        let mut state = self.lock();
+        let (_, task) = state.current(lease)?;
+        self.put_back(&mut state, lease, task, None);
+        Ok(())
     }
 
     fn fail(&self, lease: &Lease, error: &str) -> Result<(), StaleLease> {
-        let mut state = self.lock();
-        self.fail_task(&mut state, lease.submission, lease.task, lease.attempt, error)
+        self.fail_task(&mut self.lock(), lease, error)
     }
 
     fn abort(&self, lease: &Lease, error: Failure) -> Result<(), StaleLease> {
-        self.abort_job(lease, error)
+        let mut state = self.lock();
+        state.current(lease)?;
+        self.fail_job(&mut state, lease.submission, error);
+        Ok(())
     }
 
     fn job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
-        self.find(&self.lock(), id)
+        Ok(self.lock().job(id))
     }
 
     fn list(&self, wanted: Option<StateName>, before: Option<u64>, limit: usize) -> Result<JobPage, StoreError> {
-        self.list_jobs(wanted, before, limit)
+        let state = self.lock();
+        let earlier = ..before.unwrap_or(u64::MAX);
+        let is_wanted = |record: &JobRecord| wanted.is_none_or(|wanted| record.job.state.name() == wanted);
+        let active = state.active.range(earlier).rev().filter(|(_, active)| is_wanted(&active.record));
+        let ended = state.ended.range(earlier).rev().filter(|(_, record)| is_wanted(record));
+        let ended = ended.take(limit + 1).map(|(submission, record)| (*submission, record.job.clone()));
+        let mut jobs: Vec<(u64, Job)> =
+            active.map(|(submission, active)| (*submission, active.job())).chain(ended).collect();
+        jobs.sort_unstable_by_key(|(submission, _)| Reverse(*submission));
+        let has_more = jobs.len() > limit;
+        jobs.truncate(limit);
+        let next = jobs.last().map(|(submission, _)| *submission).filter(|_| has_more);
+        Ok((jobs.into_iter().map(|(_, job)| job).collect(), next))
     }
 
     fn counts(&self) -> Result<Vec<(StateName, u64)>, StoreError> {
-        Ok(self.count_jobs())
+        let state = self.lock();
+        let records = || state.active.values().map(|active| &active.record).chain(state.ended.values());
+        let count = |name| records().filter(|record| record.job.state.name() == name).count() as u64;
+        Ok(StateName::ALL.iter().map(|name| (*name, count(*name))).collect())
     }
 
     fn first_unfinished(&self) -> Result<Option<Job>, StoreError> {
-        Ok(self.lock().active.values().next().map(super::active::ActiveJob::job))
+        Ok(self.lock().active.values().next().map(ActiveJob::job))
     }
 
     fn failures(&self) -> (u64, u64) {
@@ -86,7 +116,9 @@ impl Queue for EmbeddedQueue {
     }
 
     fn pause(&self, time: Duration) {
-        self.pause_for(time);
+        let state = self.lock();
+        let waited = self.changed.wait_timeout_while(state, time, |state| !state.closed);
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
     }
 
     fn close(&self) {
@@ -104,6 +136,6 @@ impl Queue for EmbeddedQueue {
     }
 
     fn is_active(&self, id: JobId) -> Result<bool, StoreError> {
-        Ok(self.lock().by_id.contains_key(&id))
+        Ok(self.lock().active_job(id).is_some())
     }
 }

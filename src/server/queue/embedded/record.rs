@@ -1,22 +1,57 @@
 //! Jobs and tasks as rows.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
-use super::task::TaskState;
+use super::task::Task;
 use crate::{
     queue::{Job, JobId},
-    store::{Batch, StoreError, Tree},
+    store::{Batch, Rows, StoreError, Tree},
 };
+use ltcforge_files::hex::to_hex;
 
 /// A job's row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct JobRecord {
+pub struct JobRecord {
     /// Number of the submission. It orders the queue and distinguishes the leases of different submissions of a job.
     pub(super) submission: u64,
     /// Entries of each shard.
-    pub(super) shard_entries: Vec<u32>,
+    pub shard_entries: Vec<u32>,
     /// The job.
-    pub(super) job: Job,
+    pub job: Job,
+}
+
+/// All jobs, first submitted first.
+///
+/// # Errors
+/// When the database fails.
+pub fn stored_jobs(rows: &dyn Rows) -> Result<Vec<JobRecord>, StoreError> {
+    let mut records = Vec::new();
+    for row in rows.scan(Tree::Jobs, &[])? {
+        match serde_json::from_slice::<JobRecord>(&row.value.unwrap_or_default()) {
+            Ok(record) => records.push(record),
+            Err(error) => tracing::error!(job = to_hex(&row.key), %error, "the job cannot be read; it is lost"),
+        }
+    }
+    records.sort_by_key(|record| record.submission);
+    Ok(records)
+}
+
+/// The finished shards of a job with their results, in order.
+///
+/// # Errors
+/// When the database fails. Results that cannot be read are left out; their shards are fitted again.
+pub fn stored_results(rows: &dyn Rows, job: JobId) -> Result<Vec<(u32, Vec<u8>)>, StoreError> {
+    let results = rows.scan(Tree::Results, job.as_bytes())?.into_iter();
+    Ok(results.filter_map(|row| Some((task_of_key(&row.key)?, row.value?))).collect())
+}
+
+/// The stored tasks of a job; `None` for a damaged row.
+pub(super) fn stored_tasks(rows: &dyn Rows, id: JobId) -> Result<Vec<(u32, Option<Task>)>, StoreError> {
+    let rows = rows.scan(Tree::Shards, id.as_bytes())?.into_iter();
+    let read = |value: Option<Vec<u8>>| serde_json::from_slice(&value?).ok();
+    Ok(rows.filter_map(|row| Some((task_of_key(&row.key)?, read(row.value)))).collect())
 }
 
 /// Key of a task's row and of its result: job id and task, big-endian.
@@ -28,33 +63,39 @@ pub(super) fn task_key(job: JobId, task: u32) -> [u8; 20] {
 }
 
 /// The task in a key of [`task_key`].
-pub(super) fn task_of_key(key: &[u8]) -> Option<u32> {
+fn task_of_key(key: &[u8]) -> Option<u32> {
     Some(u32::from_be_bytes(key.get(16..)?.try_into().ok()?))
 }
 
-/// Puts a job's row, and its place in the order, into `batch`.
+/// Puts a job's row into `batch`.
 pub(super) fn put_job(batch: &mut Batch, record: &JobRecord) -> Result<(), StoreError> {
     batch.put(Tree::Jobs, *record.job.id.as_bytes(), encode(record)?);
-    batch.put(Tree::JobOrder, record.submission.to_be_bytes(), *record.job.id.as_bytes());
     Ok(())
 }
 
 /// Puts a task's row into `batch`.
-pub(super) fn put_task(batch: &mut Batch, job: JobId, task: u32, state: &TaskState) -> Result<(), StoreError> {
-    batch.put(Tree::Shards, task_key(job, task), encode(state)?);
+pub(super) fn put_task(batch: &mut Batch, job: JobId, number: u32, task: &Task) -> Result<(), StoreError> {
+    batch.put(Tree::Shards, task_key(job, number), encode(task)?);
     Ok(())
 }
 
-/// Removes the row of a task and its result.
-pub(super) fn remove_task(batch: &mut Batch, job: JobId, task: u32) {
-    batch.remove(Tree::Shards, task_key(job, task));
-    batch.remove(Tree::Results, task_key(job, task));
+/// Removes the rows of tasks and their results.
+pub(super) fn remove_tasks(batch: &mut Batch, keys: impl IntoIterator<Item = impl AsRef<[u8]>>) {
+    for key in keys {
+        batch.remove(Tree::Shards, key.as_ref());
+        batch.remove(Tree::Results, key.as_ref());
+    }
 }
 
 impl JobRecord {
     /// Number of shards.
     pub(super) fn shards(&self) -> u32 {
         u32::try_from(self.shard_entries.len()).unwrap_or(u32::MAX)
+    }
+
+    /// All tasks: one more than there are shards, the assembly.
+    pub(super) fn tasks(&self) -> Range<u32> {
+        0..self.shards().saturating_add(1)
     }
 }
 
@@ -91,8 +132,6 @@ mod tests {
                 finished_at: Some(Timestamp::MAX),
             };
             let record = JobRecord { submission: 7, shard_entries: vec![2, 1], job };
-            let mut batch = Batch::default();
-            put_job(&mut batch, &record).unwrap();
             assert_eq!(serde_json::from_slice::<JobRecord>(&encode(&record).unwrap()).unwrap(), record);
         }
         assert_eq!(task_of_key(&task_key(JobId::of_recipe(&digest), 513)), Some(513));

@@ -1,22 +1,19 @@
 //! Opening the queue and resuming the jobs of an earlier process.
 
 use std::{
-    collections::HashSet,
     sync::{Arc, Condvar, Mutex},
     time::Duration,
 };
 
 use super::{
     active::ActiveJob,
-    jobs::{Clock, EmbeddedQueue, QueueState},
-    reconcile::reconcile,
-    record::JobRecord,
-    remains::AT_ONCE,
-    task::TaskState,
+    record::{self, JobRecord},
+    state::{Clock, EmbeddedQueue, QueueState},
+    task::{Task, TaskState},
 };
 use crate::{
-    queue::{JobId, JobState, Limits},
-    store::{Batch, Rows, StoreError, Tree},
+    queue::Limits,
+    store::{Rows, StoreError},
 };
 
 /// How long after a start with unfinished jobs leases are written to the disk. A process that lives longer has written
@@ -24,38 +21,27 @@ use crate::{
 const CAREFUL: Duration = Duration::from_secs(10);
 
 impl EmbeddedQueue {
-    /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and are counted, apart from
-    /// failures; finished shards stay finished. Rows of jobs and the list of jobs are made to agree.
+    /// Opens the queue in `rows`. Unfinished jobs are resumed: leases of the dead process are void and are counted,
+    /// apart from failures; finished shards stay finished.
     ///
     /// # Errors
     /// When the database fails.
     pub fn open(rows: Arc<dyn Rows>, limits: Limits, clock: Clock) -> Result<Self, StoreError> {
         let queue = Self { rows, limits, clock, state: Mutex::new(QueueState::default()), changed: Condvar::new() };
-        reconcile(queue.rows.as_ref())?;
-        let mut keep = HashSet::new();
         {
             let mut state = queue.lock();
-            let last = queue.rows.page(Tree::JobOrder, None, 1)?;
-            let last = last.first().and_then(|row| Some(u64::from_be_bytes(row.key.as_slice().try_into().ok()?)));
-            state.next_submission = last.map_or(0, |last| last + 1);
-            for row in queue.rows.scan(Tree::Jobs, &[])? {
-                let record = row.value.and_then(|value| serde_json::from_slice::<JobRecord>(&value).ok());
-                let Some(record) = record else { continue };
-                match record.job.state {
-                    JobState::Queued | JobState::Running => {
-                        keep.insert(record.job.id);
-                        queue.resume(&mut state, record)?;
-                    }
-                    JobState::Failed { .. } => {
-                        keep.insert(record.job.id);
-                        *state.concluded.entry(record.job.state.name()).or_default() += 1;
-                    }
-                    JobState::Done { .. } | JobState::Cancelled => {
-                        *state.concluded.entry(record.job.state.name()).or_default() += 1;
-                    }
+            for mut record in record::stored_jobs(queue.rows.as_ref())? {
+                // No two have one number, even if a damaged journal says so.
+                record.submission = record.submission.max(state.next_submission);
+                state.next_submission = record.submission + 1;
+                state.by_id.insert(record.job.id, record.submission);
+                if record.job.state.name().is_final() {
+                    state.ended.insert(record.submission, record);
+                } else {
+                    queue.resume(&mut state, record)?;
                 }
             }
-            queue.sweep(&keep)?;
+            queue.sweep(&state)?;
             queue.forget_old(&mut state);
             if !state.active.is_empty() {
                 state.careful_until = (queue.clock)().checked_add(CAREFUL).ok();
@@ -65,38 +51,21 @@ impl EmbeddedQueue {
     }
 
     fn resume(&self, state: &mut QueueState, record: JobRecord) -> Result<(), StoreError> {
-        let mut tasks = vec![TaskState::new(); record.shard_entries.len() + 1];
-        let (id, submission) = (record.job.id, record.submission);
-        let mut crashed = Vec::new();
-        for (task, stored) in self.stored_tasks(id)? {
-            let Some((slot, stored)) = tasks.get_mut(task as usize).zip(stored) else { continue };
-            if let TaskState::Leased { attempt, .. } = stored {
-                crashed.push((task, attempt));
+        let mut tasks = vec![Task::default(); record.shard_entries.len() + 1];
+        for (number, stored) in record::stored_tasks(self.rows.as_ref(), record.job.id)? {
+            if let Some((slot, stored)) = tasks.get_mut(number as usize).zip(stored) {
+                *slot = stored;
             }
-            *slot = stored;
         }
-        let finished = tasks.iter().filter(|task| matches!(task, TaskState::Finished { .. })).count();
-        tracing::info!(job = %id, finished, shards = record.shard_entries.len(), "the job is resumed");
-        state.by_id.insert(id, submission);
-        state.active.insert(submission, ActiveJob::new(record, tasks));
-        for (task, attempt) in crashed {
+        let finished = tasks.iter().filter(|task| task.state == TaskState::Finished).count();
+        tracing::info!(job = %record.job.id, finished, shards = record.shard_entries.len(), "the job is resumed");
+        let submission = record.submission;
+        let active = ActiveJob::new(record, tasks);
+        let crashed: Vec<_> = active.leases().collect();
+        state.active.insert(submission, active);
+        for (lease, _) in crashed {
             // An error means that the job has just failed through another of its leases.
-            let _ = self.count_death(state, submission, task, attempt);
-        }
-        Ok(())
-    }
-
-    /// Removes tasks and results of jobs that no longer need them: the end of the last process, or a full disk, came first.
-    fn sweep(&self, keep: &HashSet<JobId>) -> Result<(), StoreError> {
-        let mut keys: Vec<_> = self.rows.scan(Tree::Shards, &[])?.into_iter().map(|row| row.key).collect();
-        keys.retain(|key| key.get(..16).and_then(JobId::from_slice).is_none_or(|id| !keep.contains(&id)));
-        for some in keys.chunks(AT_ONCE) {
-            let mut batch = Batch::default();
-            for key in some {
-                batch.remove(Tree::Results, key.as_slice());
-                batch.remove(Tree::Shards, key.as_slice());
-            }
-            self.rows.stage(&batch)?;
+            let _ = self.count_death(state, &lease);
         }
         Ok(())
     }
@@ -113,8 +82,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        queue::{Demand, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind},
-        store::{Store, copy_folder, memory::MemoryRows},
+        queue::{
+            Demand, JobId, JobState, Lease, MOST_DEATHS, NewJob, Offer, Queue as _, StaleLease, Submitted, TaskKind,
+        },
+        store::{Batch, Store, copy_folder, memory::MemoryRows},
     };
     use ltcforge_files::digest::Digest;
 
@@ -199,6 +170,27 @@ mod tests {
         let new = NewJob { recipe: name.to_owned(), recipe_digest, shard_entries: vec![1] };
         queue.submit(new, &|_| false).unwrap();
         JobId::of_recipe(&recipe_digest)
+    }
+
+    /// A damaged journal may have an earlier state of a job, with a number that was given again.
+    #[test]
+    fn two_jobs_of_one_submission_get_a_number_each_and_one_that_cannot_be_read_hides_no_other() {
+        let rows = Arc::new(MemoryRows::default());
+        let queue = after_kill(&rows);
+        let ids = ["a", "b", "c"].map(|name| submit_one(&queue, name));
+        let mut records = record::stored_jobs(rows.as_ref()).unwrap();
+        let mut batch = Batch::default();
+        records[1].submission = 0;
+        record::put_job(&mut batch, &records[1]).unwrap();
+        batch.put(crate::store::Tree::Jobs, [9; 16], "no job");
+        rows.commit(&batch).unwrap();
+        let queue = after_kill(&rows);
+        assert!(ids.iter().all(|id| queue.job(*id).unwrap().is_some()));
+        let all = queue.list(None, None, 9).unwrap().0;
+        assert_eq!(all.len(), 3);
+        assert_eq!(all[0].recipe, "c");
+        submit_one(&queue, "d");
+        assert_eq!(queue.list(None, None, 1).unwrap().0[0].recipe, "d");
     }
 
     #[test]

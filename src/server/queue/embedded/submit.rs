@@ -1,15 +1,14 @@
-//! Submitting and cancelling jobs.
+//! Submitting jobs.
 
 use super::{
     active::ActiveJob,
-    jobs::{EmbeddedQueue, conclusion},
     record::{self, JobRecord},
-    remains::Remains,
-    task::TaskState,
+    state::EmbeddedQueue,
+    task::{Task, TaskState},
 };
 use crate::{
     queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
-    store::{Batch, StoreError, Tree},
+    store::{Batch, StoreError},
 };
 use ltcforge_files::digest::Digest;
 
@@ -17,12 +16,12 @@ impl EmbeddedQueue {
     pub(super) fn submit_job(&self, new: NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {
         let id = JobId::of_recipe(&new.recipe_digest);
         let mut state = self.lock();
-        if let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) {
+        if let Some(active) = state.active_job(id) {
             return Ok(Submitted::Joined(active.job()));
         }
         self.forget_old(&mut state);
-        let former = self.record(&state, id)?;
-        if let Some(JobRecord { job: job @ Job { state: JobState::Done { table }, .. }, .. }) = &former
+        let former = state.ended_job(id);
+        if let Some(JobRecord { job: job @ Job { state: JobState::Done { table }, .. }, .. }) = former
             && has_table(*table)
         {
             return Ok(Submitted::Done(job.clone(), *table));
@@ -32,20 +31,14 @@ impl EmbeddedQueue {
         }
         let submission = state.next_submission;
         let record = self.new_record(new, submission);
-        let mut batch = Batch::default();
-        let mut tasks = vec![TaskState::new(); record.shard_entries.len() + 1];
-        if let Some(former) = &former {
-            batch.remove(Tree::JobOrder, former.submission.to_be_bytes());
-            if former.shard_entries == record.shard_entries {
-                self.keep_finished(&mut batch, &record, &mut tasks)?;
-            } else {
-                self.remove_all(former)?;
-            }
+        let (mut batch, mut tasks) = (Batch::default(), vec![Task::default(); record.shard_entries.len() + 1]);
+        if let Some(former) = former {
+            self.keep_finished(&mut batch, former, &record, &mut tasks)?;
         }
         record::put_job(&mut batch, &record)?;
         self.commit(&mut state, batch)?;
-        state.reclaim(id);
-        state.forget_concluded(former.as_ref());
+        state.forget(id);
+        state.leftovers.retain(|(job, _)| *job != id);
         state.next_submission += 1;
         let active = ActiveJob::new(record, tasks);
         let job = active.job();
@@ -72,15 +65,21 @@ impl EmbeddedQueue {
         JobRecord { submission, shard_entries: new.shard_entries, job }
     }
 
-    /// Keeps the finished shards of an earlier submission and removes the rows of all other tasks.
-    fn keep_finished(&self, batch: &mut Batch, record: &JobRecord, tasks: &mut [TaskState]) -> Result<(), StoreError> {
-        for (task, state) in self.stored_tasks(record.job.id)? {
-            let slot = tasks.get_mut(task as usize).filter(|_| task < record.shards());
-            match (slot, state) {
-                (Some(slot), Some(TaskState::Finished { .. })) => {
-                    *slot = TaskState::Finished { attempt: 0 };
-                }
-                _ => batch.remove(Tree::Shards, record::task_key(record.job.id, task)),
+    /// Keeps the finished shards of an earlier submission, if its shards were the same, and removes the rows of all
+    /// other tasks.
+    fn keep_finished(
+        &self,
+        batch: &mut Batch,
+        former: &JobRecord,
+        record: &JobRecord,
+        tasks: &mut [Task],
+    ) -> Result<(), StoreError> {
+        let has_same_shards = former.shard_entries == record.shard_entries;
+        for (number, stored) in record::stored_tasks(self.rows.as_ref(), record.job.id)? {
+            let is_finished = stored.is_some_and(|task| task.state == TaskState::Finished);
+            match tasks.get_mut(number as usize) {
+                Some(slot) if has_same_shards && is_finished => slot.state = TaskState::Finished,
+                _ => record::remove_tasks(batch, [record::task_key(record.job.id, number)]),
             }
         }
         Ok(())
@@ -88,40 +87,23 @@ impl EmbeddedQueue {
 
     pub(super) fn adopt_job(&self, done: Job) -> Result<Job, StoreError> {
         let mut state = self.lock();
-        if let Some(active) = state.by_id.get(&done.id).and_then(|submission| state.active.get(submission)) {
+        if let Some(active) = state.active_job(done.id) {
             return Ok(active.job());
         }
         self.forget_old(&mut state);
-        let former = self.record(&state, done.id)?;
-        let mut batch = Batch::default();
-        let mut remains = Remains::none(done.id);
-        if let Some(former) = &former {
-            if former.job.state == done.state {
-                return Ok(former.job.clone());
-            }
-            batch.remove(Tree::JobOrder, former.submission.to_be_bytes());
-            remains = Remains::of(former);
-            remains.remove_some(&mut batch);
+        let former = state.ended_job(done.id);
+        if let Some(former) = former.filter(|former| former.job.state == done.state) {
+            return Ok(former.job.clone());
         }
-        let record = JobRecord { submission: state.next_submission, shard_entries: vec![], job: done };
+        let leftovers = former.map(|former| (done.id, former.tasks()));
+        let record = JobRecord { submission: state.next_submission, shard_entries: vec![], job: done.clone() };
+        let mut batch = Batch::default();
         record::put_job(&mut batch, &record)?;
         self.commit(&mut state, batch)?;
-        state.forget_concluded(former.as_ref());
+        state.forget(done.id);
+        state.leftovers.extend(leftovers);
         state.next_submission += 1;
-        state.conclude(&record, remains);
-        Ok(record.job)
-    }
-
-    pub(super) fn cancel_job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
-        let mut state = self.lock();
-        let Some(active) = state.by_id.get(&id).and_then(|submission| state.active.get(submission)) else {
-            return self.find(&state, id);
-        };
-        let record = active.concluded(JobState::Cancelled, (self.clock)());
-        let (batch, remains) = conclusion(&record)?;
-        self.commit(&mut state, batch)?;
-        state.conclude(&record, remains);
-        self.changed.notify_all();
-        Ok(Some(record.job))
+        self.end(&mut state, record);
+        Ok(done)
     }
 }

@@ -82,6 +82,8 @@ impl Shared {
         for (lease, _) in &once {
             self.held.remove(lease);
         }
+        // An assembly may be available now.
+        self.note_change(None);
         Ok(answers)
     }
 

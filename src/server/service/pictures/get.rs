@@ -1,38 +1,35 @@
-//! Getting a picture: of which table, from memory or from the render thread.
+//! Getting a picture: choosing its table, then from memory or by the render thread.
 
-use std::{sync::Arc, time::Duration};
+use std::{io, sync::Arc, thread};
 
 use super::{
     picture::{CPU, PictureError, PictureFile, Subject, tag},
+    queue::{PendingPicture, PictureQueue, PictureRequest},
     ranking::Ranking,
-    request::{PictureRequest, Receipt, Reply},
-    threads::RenderThreads,
+    render_loop::{HUNG_AFTER, run},
+    renderer::Renderer,
 };
 use crate::service::{PictureCounts, PictureLimits, ServiceError, tables::Tables};
 use ltcforge_files::digest::Digest;
 use ltcforge_view::preview::Adapter;
 
-/// How often a waiting caller looks whether the render thread hung.
-const WATCH: Duration = Duration::from_secs(5);
-
 /// The pictures of the stored tables.
 #[derive(Debug)]
 pub(in crate::service) struct Pictures {
     tables: Arc<Tables>,
-    threads: RenderThreads,
+    queue: Arc<PictureQueue>,
     ranking: Ranking,
-    /// How long a picture may take, from when it starts to be rendered.
-    limit: Duration,
+    adapter: Adapter,
 }
 
 /// The answer to a request for a picture.
 #[derive(Debug)]
 pub enum PictureReply {
-    /// The caller has the picture already.
+    /// The picture is not in memory, and the caller has it.
     Known {
         /// Its tag.
         tag: Digest,
-        /// What would render it.
+        /// The adapter that would render it.
         adapter: Arc<str>,
     },
     /// The picture was in memory.
@@ -41,23 +38,15 @@ pub enum PictureReply {
     Pending(PendingPicture),
 }
 
-/// A picture that is not ready yet. Dropping this withdraws the request.
-#[derive(Debug)]
-pub struct PendingPicture {
-    receipt: Receipt,
-    threads: RenderThreads,
-    limit: Duration,
-}
-
 impl Pictures {
     /// Pictures that `adapter` renders within limits. No adapter is opened yet.
     pub(in crate::service) fn new(tables: Arc<Tables>, adapter: Adapter, limits: PictureLimits) -> Self {
-        let threads = RenderThreads::new(&tables, adapter, limits);
-        Self { tables, threads, ranking: Ranking::default(), limit: limits.time }
+        let queue = Arc::new(PictureQueue::new(adapter, limits));
+        Self { tables, queue, ranking: Ranking::default(), adapter }
     }
 
-    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one. `is_known`
-    /// tells whether the caller has the picture of a tag.
+    /// The picture of `subject` with a table; where it needs one and none is named, with the best stored one.
+    /// `is_known` tells whether the caller has the picture of a tag.
     pub(in crate::service) fn get(
         &self,
         table: Option<Digest>,
@@ -76,15 +65,11 @@ impl Pictures {
             named_or_none => named_or_none,
         };
         let key = tag(&subject, table, None)?;
-        if let Some(file) = self.threads.queue.cached(key) {
-            return Ok(if is_known(file.tag) {
-                PictureReply::Known { tag: file.tag, adapter: file.adapter }
-            } else {
-                PictureReply::Ready(file)
-            });
+        if let Some(file) = self.queue.cache.get(&key) {
+            return Ok(PictureReply::Ready(file));
         }
         let adapter = match &subject {
-            Subject::Scene(_) => self.threads.queue.adapter(),
+            Subject::Scene(_) => self.queue.state().adapter.clone(),
             Subject::Plot(_) => Some(CPU.into()),
         };
         if let Some(adapter) = adapter {
@@ -93,51 +78,24 @@ impl Pictures {
                 return Ok(PictureReply::Known { tag, adapter });
             }
         }
-        let (reply, receipt) = Reply::new();
-        let limit = self.limit;
-        self.threads.add(PictureRequest { key, table, subject, limit, replies: vec![reply] })?;
-        Ok(PictureReply::Pending(PendingPicture { receipt, threads: self.threads.clone(), limit }))
+        let request = PictureRequest::new(key, table, subject);
+        self.queue.add(request, || self.start_thread()).map(PictureReply::Pending)
+    }
+
+    /// Starts the thread that takes requests from the queue.
+    fn start_thread(&self) -> io::Result<()> {
+        let (queue, tables, adapter) = (Arc::clone(&self.queue), Arc::downgrade(&self.tables), self.adapter);
+        let run = move || run(&queue, adapter, HUNG_AFTER, |adapter| Renderer::new(adapter, tables.clone()));
+        thread::Builder::new().name("pictures".to_owned()).spawn(run).map(drop)
     }
 
     /// How many pictures ended in which way.
     pub(in crate::service) fn counts(&self) -> PictureCounts {
-        self.threads.queue.counts()
+        self.queue.state().counts
     }
 
     /// Accepts no more requests, drops the waiting ones and ends the render thread.
     pub(in crate::service) fn close(&self) {
-        self.threads.queue.close();
-    }
-
-    /// The queue, for tests.
-    #[cfg(test)]
-    pub(super) fn queue(&self) -> &super::queue::PictureQueue {
-        &self.threads.queue
-    }
-}
-
-impl PendingPicture {
-    /// The picture, once it is ready. It waits for as long as others are rendered before it; the time limit counts from
-    /// when it starts to be rendered.
-    ///
-    /// # Errors
-    /// See [`PictureError`].
-    pub async fn file(self) -> Result<PictureFile, PictureError> {
-        let Self { receipt: Receipt { mut started, file }, threads, limit } = self;
-        let mut watch = tokio::time::interval(WATCH);
-        let started = loop {
-            tokio::select! {
-                started = &mut started => break started,
-                _ = watch.tick() => threads.replace_hung(),
-            }
-        };
-        let result = match started {
-            Ok(deadline) => {
-                tokio::time::timeout_at(deadline.into(), file).await.map_err(|_| PictureError::too_slow(limit))?
-            }
-            // It never starts: the reason is there already, unless the service is stopping.
-            Err(_) => file.await,
-        };
-        result.unwrap_or(Err(PictureError::Stopping))
+        self.queue.close();
     }
 }

@@ -5,18 +5,14 @@
 
 mod get;
 mod picture;
-mod probe;
 mod queue;
 mod ranking;
-mod rate;
-mod rates;
-mod render_thread;
-mod request;
+mod render_loop;
+mod renderer;
 #[cfg(test)]
 mod tests;
-mod threads;
-mod waiting;
 
+pub use get::PictureReply;
 pub(super) use get::Pictures;
-pub use get::{PendingPicture, PictureReply};
 pub use picture::{PictureError, PictureFile, Subject};
+pub use queue::PendingPicture;

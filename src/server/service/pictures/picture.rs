@@ -1,6 +1,6 @@
-//! What a picture shows, its file, and why there may be none.
+//! Pictures: their subject, their file, and the errors in place of one.
 
-use std::{sync::Arc, time::Duration};
+use std::{io, sync::Arc, time::Duration};
 
 use serde::Serialize;
 use serde_json::json;
@@ -19,7 +19,12 @@ const RETRY_SLOW: Duration = Duration::from_secs(30);
 /// picture of some fifty million samples.
 const CONFIGURATION_COST: f64 = 32_768.0;
 
-/// What a picture shows.
+/// Samples of the reference that each thread of a fast CPU renders in a second, and that a fast GPU does. A scene whose
+/// samples do not fit into its time is refused at once. A scene below this limit may still turn out to be too slow.
+const SAMPLES_PER_CPU_THREAD: f64 = 1e7;
+const SAMPLES_PER_GPU: f64 = 6e8;
+
+/// The content of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Subject {
@@ -45,6 +50,21 @@ impl Subject {
             Self::Plot(plot) => f64::from(plot.configurations()) * CONFIGURATION_COST,
         }
     }
+
+    /// Refuses a scene of more samples than `adapter` may render within `time`. An unknown adapter counts as a GPU. A plot
+    /// is always accepted, because it takes seconds at most.
+    pub(super) fn check_cost(&self, adapter: Option<&str>, time: Duration) -> Result<(), PictureError> {
+        // The adapter of lavapipe, which renders on the CPU too, is called llvmpipe.
+        let is_cpu = adapter.is_some_and(|name| name == CPU || name.starts_with("llvmpipe"));
+        let cpu = || SAMPLES_PER_CPU_THREAD * rayon::current_num_threads() as f64;
+        let limit = time.as_secs_f64() * if is_cpu { cpu() } else { SAMPLES_PER_GPU };
+        match self {
+            Self::Scene(scene) if scene.cost() > limit => {
+                Err(PictureError::TooExpensive { samples: scene.cost(), limit })
+            }
+            Self::Scene(_) | Self::Plot(_) => Ok(()),
+        }
+    }
 }
 
 /// A rendered picture.
@@ -58,13 +78,13 @@ pub struct PictureFile {
     pub tag: Digest,
 }
 
-/// Why there is no picture.
+/// The reason that there is no picture.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum PictureError {
     /// There is no such table.
     #[error("no table with the digest {0} is stored")]
     UnknownTable(Digest),
-    /// There is no table at all.
+    /// No table is stored.
     #[error("no table is stored")]
     NoTable,
     /// Too many pictures are requested at the same time.
@@ -72,7 +92,7 @@ pub enum PictureError {
         "{limit} pictures are waiting or being rendered already; `--picture-queue` of the service raises the limit"
     )]
     QueueFull {
-        /// Most pictures that may wait or be rendered.
+        /// The most pictures that may wait or be rendered.
         limit: usize,
         /// When to try again.
         retry_after: Duration,
@@ -80,18 +100,18 @@ pub enum PictureError {
     /// The scene does not go with the table's scattering model.
     #[error("{0}")]
     OtherBrdf(String),
-    /// Rendering it would take too long.
+    /// The scene has more samples than are accepted.
     #[error(
-        "the picture is predicted to take {:.0} s on this machine, and a picture may take {} s; fewer pixels or samples take \
+        "the picture takes {:.1} million samples, and this service accepts {:.1} million; fewer pixels or samples take \
         less, and `--picture-seconds` of the service raises the limit",
-        .predicted.ceil(),
-        .limit.as_secs_f64()
+        .samples / 1e6,
+        .limit / 1e6
     )]
     TooExpensive {
-        /// Predicted seconds.
-        predicted: f64,
-        /// How long it may take.
-        limit: Duration,
+        /// Samples of the picture.
+        samples: f64,
+        /// The most samples that are accepted.
+        limit: f64,
     },
     /// Rendering it took too long.
     #[error(
@@ -120,6 +140,11 @@ impl PictureError {
     pub(super) fn too_slow(limit: Duration) -> Self {
         Self::TooSlow { limit, retry_after: RETRY_SLOW }
     }
+}
+
+/// The error of a thread that did not start.
+pub(super) fn no_thread(error: &io::Error) -> PictureError {
+    ServiceError::Lacking(format!("the render thread did not start: {error}")).into()
 }
 
 /// The digest of the canonical JSON of everything that determines a picture's bytes; without an adapter, of what is

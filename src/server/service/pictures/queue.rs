@@ -1,280 +1,209 @@
-//! The queue of requested pictures before the render thread, and the pictures that it rendered.
+//! The queue of requested pictures, and the rendered pictures that are kept in memory.
 
 use std::{
     io,
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
-use super::{
-    picture::{PictureError, PictureFile, Subject},
-    rate::Took,
-    rates::{Rates, RendererKind},
-    request::PictureRequest,
-    waiting::Waiting,
-};
-use crate::service::{PictureCounts, PictureLimits, ServiceError, cache::Cache};
+use quick_cache::{Weighter, sync::Cache};
+use tokio::sync::watch;
+
+use super::picture::{CPU, PictureError, PictureFile, Subject, no_thread};
+use crate::service::{PictureCounts, PictureLimits};
 use ltcforge_files::digest::Digest;
 use ltcforge_view::preview::Adapter;
 
 /// When to try again if the queue is full: most pictures take less than a second.
 const RETRY_FULL: Duration = Duration::from_secs(2);
-/// How long past its deadline a picture may be rendered before its thread counts as hung. The renderer itself gives a
-/// hanging driver up, and falls back to the CPU, after half of this time.
-const HUNG_AFTER: Duration = Duration::from_secs(20);
 /// How long the end of the service waits for the render thread.
 const CLOSE_LIMIT: Duration = Duration::from_secs(5);
+/// How often a picture may be overtaken by cheaper ones that were requested after it.
+const MAX_OVERTAKEN: u32 = 8;
+/// How many pictures the cache expects. A cache for more than 63 divides its bytes among several parts, and a large
+/// picture would fit into none of them.
+const EXPECTED_PICTURES: usize = 32;
 
-/// The queue and the pictures rendered so far.
+/// The picture, or the reason that there is none.
+pub(super) type Outcome = Result<PictureFile, PictureError>;
+
+/// A picture to render, for any number of callers.
+#[derive(Debug)]
+pub(super) struct PictureRequest {
+    /// The tag without an adapter: equal requests have equal keys.
+    pub(super) key: Digest,
+    /// The table that it shows, if any.
+    pub(super) table: Option<Digest>,
+    pub(super) subject: Subject,
+    outcome: watch::Sender<Option<Outcome>>,
+}
+
+/// A picture that is not ready yet. Dropping this withdraws the request, unless other callers wait for the picture.
+#[derive(Debug)]
+pub struct PendingPicture(watch::Receiver<Option<Outcome>>);
+
+/// The queue and the cache.
 #[derive(Debug)]
 pub(super) struct PictureQueue {
+    pub(super) limits: PictureLimits,
+    pub(super) cache: Cache<Digest, PictureFile, PngBytes>,
     state: Mutex<State>,
     changed: Condvar,
 }
 
-#[derive(Debug)]
-struct State {
-    waiting: Waiting,
-    /// Pictures that may wait or be rendered at the same time.
-    limit: usize,
-    /// The deadline of the picture that is being rendered.
-    rendering: Option<Instant>,
+/// A picture weighs as many bytes as its PNG file has.
+#[derive(Debug, Clone)]
+pub(super) struct PngBytes;
+
+#[derive(Debug, Default)]
+pub(super) struct State {
+    /// In order of arrival. Beside each request is how many that arrived after it were taken before it.
+    waiting: Vec<(Arc<PictureRequest>, u32)>,
+    is_rendering: bool,
     thread_runs: bool,
-    /// Number of the current render thread: how many before it hung and were abandoned.
-    thread: u32,
-    is_closed: bool,
-    cache: Cache<PictureFile>,
-    /// What may render scenes.
-    allowed: Adapter,
-    /// What rendered the last scene.
-    adapter: Option<Arc<str>>,
-    rates: Rates,
-    counts: PictureCounts,
+    pub(super) is_closed: bool,
+    /// What rendered the last scene. Before the first it is known only if the CPU is demanded.
+    pub(super) adapter: Option<Arc<str>>,
+    pub(super) counts: PictureCounts,
+}
+
+impl PictureRequest {
+    /// A request for which no caller waits yet.
+    pub(super) fn new(key: Digest, table: Option<Digest>, subject: Subject) -> Self {
+        Self { key, table, subject, outcome: watch::Sender::new(None) }
+    }
+
+    /// Whether all callers have gone.
+    pub(super) fn is_withdrawn(&self) -> bool {
+        self.outcome.is_closed()
+    }
+
+    /// Sends the outcome to every caller.
+    pub(super) fn reply(&self, outcome: Outcome) {
+        self.outcome.send_replace(Some(outcome));
+    }
+}
+
+impl PendingPicture {
+    /// The picture, once it is ready. It waits for as long as others are rendered before it; the time limit counts from
+    /// when it starts to be rendered.
+    ///
+    /// # Errors
+    /// See [`PictureError`].
+    pub async fn file(mut self) -> Result<PictureFile, PictureError> {
+        match self.0.wait_for(Option::is_some).await {
+            Ok(outcome) => outcome.clone().unwrap_or(Err(PictureError::Stopping)),
+            // The service dropped the request.
+            Err(_) => Err(PictureError::Stopping),
+        }
+    }
+}
+
+impl Weighter<Digest, PictureFile> for PngBytes {
+    fn weight(&self, _: &Digest, file: &PictureFile) -> u64 {
+        file.png.len() as u64
+    }
 }
 
 impl State {
-    /// What will render a picture.
-    fn kind(&self, subject: &Subject) -> RendererKind {
-        RendererKind::expected(subject, self.adapter.as_deref(), self.allowed)
-    }
-
-    /// Refuses a request whose picture is predicted to take longer than it may. What was never measured is not predicted.
-    fn check_cost(&mut self, request: &PictureRequest) -> Result<(), PictureError> {
-        let (subject, limit) = (&request.subject, request.limit);
-        let kind = self.kind(subject);
-        let predicted = self.rates.seconds(kind, subject.cost(), Instant::now());
-        if !self.rates.is_known(kind) || predicted <= limit.as_secs_f64() {
-            return Ok(());
-        }
-        self.counts.refused += 1;
-        Err(PictureError::TooExpensive { predicted, limit })
-    }
-
     fn remove_withdrawn(&mut self) {
-        self.counts.given_up += self.waiting.remove_withdrawn() as u64;
+        let before = self.waiting.len();
+        self.waiting.retain(|(request, _)| !request.is_withdrawn());
+        self.counts.given_up += (before - self.waiting.len()) as u64;
     }
 
-    /// Abandons a render thread that hung.
-    fn abandon_hung(&mut self) {
-        if self.rendering.is_some_and(|deadline| Instant::now() > deadline + HUNG_AFTER) {
-            tracing::warn!("the render thread hung; it is abandoned and another one takes its place");
-            self.thread += 1;
-            self.counts.given_up += 1;
-            (self.rendering, self.thread_runs) = (None, false);
+    /// Takes the next request: the first that was overtaken as often as it may be, else the first of the cheapest.
+    fn take(&mut self) -> Option<Arc<PictureRequest>> {
+        let rank = |(request, overtaken): &(Arc<PictureRequest>, u32)| {
+            if *overtaken < MAX_OVERTAKEN { request.subject.cost() } else { f64::NEG_INFINITY }
+        };
+        // `min_by` takes the first of equal ones.
+        let (next, _) = self.waiting.iter().enumerate().min_by(|(_, a), (_, b)| rank(a).total_cmp(&rank(b)))?;
+        for (_, overtaken) in &mut self.waiting[..next] {
+            *overtaken += 1;
         }
-    }
-
-    /// Starts a render thread if none runs.
-    fn ensure_thread(&mut self, start_thread: impl FnOnce(u32) -> io::Result<()>) -> Result<(), PictureError> {
-        if !self.thread_runs {
-            start_thread(self.thread)
-                .map_err(|error| ServiceError::Lacking(format!("the render thread did not start: {error}")))?;
-            self.thread_runs = true;
-        }
-        Ok(())
+        Some(self.waiting.remove(next).0)
     }
 }
 
 impl PictureQueue {
-    /// An empty queue of pictures whose scenes `allowed` renders.
-    pub(super) fn new(allowed: Adapter, limits: PictureLimits) -> Self {
-        let state = State {
-            waiting: Waiting::default(),
-            limit: limits.queue.get(),
-            rendering: None,
-            thread_runs: false,
-            thread: 0,
-            is_closed: false,
-            cache: Cache::new(limits.memory_bytes),
-            allowed,
-            adapter: None,
-            rates: Rates::new(Instant::now()),
-            counts: PictureCounts::default(),
-        };
-        Self { state: Mutex::new(state), changed: Condvar::new() }
+    /// An empty queue of pictures whose scenes `adapter` renders.
+    pub(super) fn new(adapter: Adapter, limits: PictureLimits) -> Self {
+        let adapter = (adapter == Adapter::Cpu).then(|| CPU.into());
+        let state = Mutex::new(State { adapter, ..State::default() });
+        let cache = Cache::with_weighter(EXPECTED_PICTURES, limits.memory_bytes as u64, PngBytes);
+        Self { limits, cache, state, changed: Condvar::new() }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    pub(super) fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A picture that was rendered before.
-    pub(super) fn cached(&self, key: Digest) -> Option<PictureFile> {
-        self.state().cache.get(key)
+    /// The error of a picture that was stopped before its end.
+    pub(super) fn stopped(&self) -> PictureError {
+        if self.state().is_closed { PictureError::Stopping } else { PictureError::too_slow(self.limits.time) }
     }
 
-    /// What rendered the last scene.
-    pub(super) fn adapter(&self) -> Option<Arc<str>> {
-        self.state().adapter.clone()
-    }
-
-    /// Adds a request, unless its picture is predicted to take too long. A request equal to a waiting one joins it and
-    /// takes no place of its own. If no render thread runs, or the current one hangs, `start_thread` starts one with the
-    /// given number.
+    /// Adds a request, unless its picture is too expensive. A request equal to a waiting one joins it and takes no room
+    /// of its own. `start_thread` starts the render thread if it does not run yet.
     pub(super) fn add(
         &self,
         request: PictureRequest,
-        start_thread: impl FnOnce(u32) -> io::Result<()>,
-    ) -> Result<(), PictureError> {
+        start_thread: impl FnOnce() -> io::Result<()>,
+    ) -> Result<PendingPicture, PictureError> {
         let mut state = self.state();
         if state.is_closed {
             return Err(PictureError::Stopping);
         }
-        state.abandon_hung();
         state.remove_withdrawn();
-        state.check_cost(&request)?;
-        if let Some(same) = state.waiting.find(request.key) {
-            same.replies.extend(request.replies);
-            return Ok(());
+        let checked = request.subject.check_cost(state.adapter.as_deref(), self.limits.time);
+        checked.inspect_err(|_| state.counts.refused += 1)?;
+        if let Some((same, _)) = state.waiting.iter().find(|(waiting, _)| waiting.key == request.key) {
+            return Ok(PendingPicture(same.outcome.subscribe()));
         }
-        if state.waiting.len() + usize::from(state.rendering.is_some()) >= state.limit {
+        let limit = self.limits.queue.get();
+        if state.waiting.len() + usize::from(state.is_rendering) >= limit {
             state.counts.refused += 1;
-            return Err(PictureError::QueueFull { limit: state.limit, retry_after: RETRY_FULL });
+            return Err(PictureError::QueueFull { limit, retry_after: RETRY_FULL });
         }
-        state.ensure_thread(start_thread)?;
-        state.waiting.add(request);
+        if !state.thread_runs {
+            start_thread().map_err(|error| no_thread(&error))?;
+            state.thread_runs = true;
+        }
+        let pending = PendingPicture(request.outcome.subscribe());
+        state.waiting.push((Arc::new(request), 0));
         self.changed.notify_all();
-        Ok(())
+        Ok(pending)
     }
 
-    /// Replaces the render thread if it hangs.
-    pub(super) fn replace_hung(&self, start_thread: impl FnOnce(u32) -> io::Result<()>) {
-        let mut state = self.state();
-        state.abandon_hung();
-        if !state.is_closed
-            && state.waiting.len() > 0
-            && let Err(error) = state.ensure_thread(start_thread)
-        {
-            tracing::warn!("{error}");
-        }
-    }
-
-    /// Waits for the next request of which a caller still waits, and tells it when its time ends; `None` if the queue is
-    /// closed or `thread` was abandoned. The request counts as being rendered until [`Self::finish`]. What was found to
-    /// be slow since a request came may have it refused.
-    pub(super) fn next(&self, thread: u32) -> Option<(PictureRequest, Instant)> {
-        let mut state = self.state();
-        loop {
-            if state.is_closed || state.thread != thread {
-                return None;
-            }
+    /// Waits for the next request for which a caller still waits; `None` once the queue is closed. The request counts
+    /// as being rendered until [`Self::finish`].
+    pub(super) fn next(&self) -> Option<Arc<PictureRequest>> {
+        let state = self.changed.wait_while(self.state(), |state| {
             state.remove_withdrawn();
-            let Some(mut request) = state.waiting.take() else {
-                state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
-                continue;
-            };
-            if let Err(error) = state.check_cost(&request) {
-                request.reply(&Err(error));
-                continue;
+            state.waiting.is_empty() && !state.is_closed
+        });
+        let mut state = state.unwrap_or_else(PoisonError::into_inner);
+        let request = state.take();
+        state.is_rendering = request.is_some();
+        request
+    }
+
+    /// Keeps and counts the outcome of a request, and sends it to the callers.
+    pub(super) fn finish(&self, request: &PictureRequest, outcome: Outcome) {
+        let mut state = self.state();
+        state.is_rendering = false;
+        match &outcome {
+            Ok(file) => {
+                self.cache.insert(request.key, file.clone());
+                state.counts.done += 1;
             }
-            let deadline = Instant::now() + request.limit;
-            state.rendering = Some(deadline);
-            request.start(deadline);
-            return Some((request, deadline));
-        }
-    }
-
-    /// What will render a picture.
-    pub(super) fn kind(&self, subject: &Subject) -> RendererKind {
-        self.state().kind(subject)
-    }
-
-    /// Whether the speed of what will render a scene is not known yet.
-    pub(super) fn needs_probe(&self, subject: &Subject) -> bool {
-        let state = self.state();
-        !state.rates.is_known(state.kind(subject))
-    }
-
-    /// Records what a probe found: by which the scenes that follow are predicted.
-    pub(super) fn set_probed(&self, adapter: &Arc<str>, rate: f64) {
-        let mut state = self.state();
-        state.rates.set_probed(RendererKind::of_scene(adapter), rate, Instant::now());
-        state.adapter = Some(Arc::clone(adapter));
-    }
-
-    /// Refuses a request whose picture is predicted, by what is known now, to take longer than it may.
-    pub(super) fn check_cost(&self, request: &PictureRequest) -> Result<(), PictureError> {
-        self.state().check_cost(request)
-    }
-
-    /// Takes into account what a picture took.
-    pub(super) fn learn(&self, kind: RendererKind, cost: f64, took: Took) {
-        self.state().rates.learn(kind, cost, took, Instant::now());
-    }
-
-    /// Keeps a picture in memory.
-    pub(super) fn keep(&self, key: Digest, file: PictureFile) {
-        self.state().cache.keep(key, file.png.len(), file);
-    }
-
-    /// Records what rendered a scene.
-    pub(super) fn set_adapter(&self, adapter: &Arc<str>) {
-        self.state().adapter = Some(Arc::clone(adapter));
-    }
-
-    /// Records that `thread` is done with its request.
-    pub(super) fn finish(&self, thread: u32, result: &Result<PictureFile, PictureError>) {
-        let mut state = self.state();
-        if state.thread != thread {
-            return;
-        }
-        state.rendering = None;
-        match result {
-            Ok(_) => state.counts.done += 1,
             Err(PictureError::TooSlow { .. } | PictureError::Stopping) => state.counts.given_up += 1,
-            // It was counted when it was refused.
-            Err(PictureError::TooExpensive { .. }) => {}
+            Err(PictureError::TooExpensive { .. }) => state.counts.refused += 1,
             Err(_) => state.counts.failed += 1,
         }
-    }
-
-    /// Records that `thread` has ended.
-    pub(super) fn thread_ended(&self, thread: u32) {
-        let mut state = self.state();
-        state.thread_runs &= state.thread != thread;
-        self.changed.notify_all();
-    }
-
-    /// Simulates a thread that renders a picture with this deadline, or with `None` one that has ended.
-    #[cfg(test)]
-    pub(super) fn simulate_rendering(&self, deadline: Option<Instant>) {
-        let mut state = self.state();
-        (state.thread_runs, state.rendering) = (deadline.is_some(), deadline);
-    }
-
-    /// Whether a render thread runs.
-    #[cfg(test)]
-    pub(super) fn thread_runs(&self) -> bool {
-        self.state().thread_runs
-    }
-
-    /// How many pictures ended in which way.
-    pub(super) fn counts(&self) -> PictureCounts {
-        self.state().counts
-    }
-
-    pub(super) fn is_closed(&self) -> bool {
-        self.state().is_closed
+        drop(state);
+        request.reply(outcome);
     }
 
     /// Accepts no more requests, drops the waiting ones and waits for the render thread to end.
@@ -287,5 +216,11 @@ impl PictureQueue {
         if waited.unwrap_or_else(PoisonError::into_inner).1.timed_out() {
             tracing::warn!("the render thread did not end; the service ends without it");
         }
+    }
+
+    /// Records that the render thread has ended.
+    pub(super) fn thread_ended(&self) {
+        self.state().thread_runs = false;
+        self.changed.notify_all();
     }
 }

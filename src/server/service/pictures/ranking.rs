@@ -1,7 +1,7 @@
-//! Which of the stored tables is the best.
+//! The choice of the best stored table.
 
 use std::{
-    cmp::Ordering,
+    cmp::Reverse,
     collections::HashMap,
     f64::consts::FRAC_PI_2,
     sync::{Mutex, PoisonError},
@@ -18,9 +18,9 @@ const PAGE: usize = 256;
 #[derive(Debug, Default)]
 pub(super) struct Ranking(Mutex<HashMap<Digest, Rank>>);
 
-/// What a table is ranked by. Its errors are measured within its own ranges, so the error of a table for a part of the
-/// domain cannot be compared with that of a table for all of it: the part covered is compared first.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The rank of a table: the fields are compared in order, and the greater rank is better. The error is measured within
+/// the table's own ranges, so it cannot be compared with that of a table that covers more of the domain.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 struct Rank {
     /// Whether it is of the scattering model that recipes have by default, as scenes have.
     is_default_brdf: bool,
@@ -29,7 +29,7 @@ struct Rank {
     /// A table without amplitudes reflects all light.
     has_terms: bool,
     /// `report.between.sw1.mean` of the manifest.
-    error: f64,
+    error: Reverse<f64>,
 }
 
 impl Rank {
@@ -37,37 +37,30 @@ impl Rank {
         let range = &recipe.range;
         let lengths = [(range.alpha, 1.0), (range.ratio, 1.0), (range.theta, FRAC_PI_2), (range.phi, FRAC_PI_2)];
         let coverage = lengths.into_iter().map(|([low, high], whole)| (high - low) / whole).product();
-        Self { is_default_brdf: recipe.brdf == BrdfKind::ALL[0], coverage, has_terms: recipe.terms, error }
-    }
-
-    /// `Less` if this rank is the better one.
-    fn compare(&self, other: &Self) -> Ordering {
-        let by_brdf = other.is_default_brdf.cmp(&self.is_default_brdf);
-        let by_coverage = by_brdf.then(other.coverage.total_cmp(&self.coverage));
-        by_coverage.then(other.has_terms.cmp(&self.has_terms)).then(self.error.total_cmp(&other.error))
+        let is_default_brdf = recipe.brdf == BrdfKind::ALL[0];
+        Self { is_default_brdf, coverage, has_terms: recipe.terms, error: Reverse(error) }
     }
 }
 
 impl Ranking {
-    /// The best table: of GGX, then most of the domain covered, then with terms, then the lowest mean distance between nodes, then
-    /// the newest. If no table has a manifest of the current version, the newest table.
+    /// The best table: GGX first, then the larger part of the domain, then terms, then the lower mean distance between
+    /// nodes, then the newer table. If no table has a manifest of the current version, the newest table.
     pub(super) fn best(&self, tables: &Tables) -> Result<Option<Digest>, ServiceError> {
-        let (mut newest, mut best) = (None, None::<(Rank, Digest)>);
-        let mut cursor = None;
+        let (mut best, mut cursor) = (None::<(Option<Rank>, Digest)>, None);
         loop {
             let (rows, next) = tables.catalogue.page(cursor.as_deref(), PAGE)?;
             for table in rows.iter().map(|row| row.digest) {
                 if !tables.contains(table)? {
                     continue;
                 }
-                newest.get_or_insert(table);
-                let Some(rank) = self.rank(tables, table)? else { continue };
-                if best.is_none_or(|(best, _)| rank.compare(&best).is_lt()) {
+                // A table without a rank is less than one with.
+                let rank = self.rank(tables, table)?;
+                if best.is_none_or(|(best, _)| rank > best) {
                     best = Some((rank, table));
                 }
             }
             if next.is_none() {
-                return Ok(best.map(|(_, table)| table).or(newest));
+                return Ok(best.map(|(_, table)| table));
             }
             cursor = next;
         }
@@ -107,7 +100,7 @@ mod tests {
         let isotropic = rank(r#"{"preset": "draft", "range": {"ratio": [1, 1], "phi": [0, 0]}}"#, 0.0001);
         let other = rank(r#"{"preset": "draft", "brdf": "beckmann"}"#, 0.0001);
         let mut ranked = [other, isotropic, bare, narrow, poor, good];
-        ranked.sort_by(Rank::compare);
+        ranked.sort_by(|a, b| b.partial_cmp(a).expect("numbers"));
         assert_eq!(ranked, [good, poor, bare, narrow, isotropic, other]);
     }
 }

@@ -6,7 +6,7 @@ use jiff::Timestamp;
 
 use super::{
     super::{Reconciled, TableRow, reconcile::reconcile},
-    fake_engine::FakeEngine,
+    fake_backend::FakeBackend,
 };
 use crate::store::{Batch, Catalogue, Store, Tree};
 use ltcforge_files::digest::Digest;
@@ -24,7 +24,7 @@ fn store() -> (tempfile::TempDir, Store, TableRow) {
 }
 
 fn reconciled(store: &Store) -> Reconciled {
-    reconcile(&store.rows, store.blobs.as_ref(), &FakeEngine(Arc::default())).unwrap()
+    reconcile(&store.rows, store.blobs.as_ref(), &FakeBackend(Arc::default())).unwrap()
 }
 
 fn listed(store: &Store) -> Vec<TableRow> {

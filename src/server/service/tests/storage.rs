@@ -3,18 +3,21 @@
 use std::{
     fs,
     sync::{Arc, atomic::Ordering},
+    thread,
     time::Duration,
 };
 
 use super::{
-    super::{downloads::ManifestError, *},
     config, end_of,
-    fake_engine::{FakeEngine, Shared},
-    fitted, start, submit,
+    fake_backend::{FakeBackend, Shared},
+    fitted, start, submit, *,
 };
 use crate::{
     queue::{FailureKind, JobId, JobState},
-    store::{Batch, Catalogue, ManifestRow, Rows, Store, Tree, memory::MemoryRows},
+    store::{
+        Batch, Catalogue, ManifestRow, Rows, Store, Tree,
+        memory::{Meanwhile, MemoryRows},
+    },
 };
 use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
 
@@ -24,7 +27,7 @@ fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() 
     let shared = Arc::new(Shared::default());
     let rows = Arc::new(MemoryRows::default());
     let store = Store::with_rows(dir.path(), rows.clone());
-    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
+    let service = Service::open_with(config(dir.path()), store, Arc::new(FakeBackend(Arc::clone(&shared)))).unwrap();
     let first = fitted(&service, "silver 1");
     shared.set(|b| b.held = true);
     let (id, _) = submit(&service, "gold 4");
@@ -97,38 +100,30 @@ fn a_lost_database_leaves_the_tables() {
 
 /// sled may lose rows when a write error closes it while the service runs.
 #[test]
-fn a_database_that_is_opened_again_gets_back_the_jobs_and_tables_that_it_lost() {
+fn a_database_that_is_opened_again_gets_back_the_tables_that_it_lost() {
     let dir = tempfile::tempdir().unwrap();
     let service = start(dir.path(), &Arc::new(Shared::default()));
     let table = fitted(&service, "gold 2");
     let without: Arc<dyn Rows> = Arc::new(MemoryRows::default());
-    service.state.tables.store.checks.run(&without).unwrap();
-    let id = JobId::of_recipe(&Digest::of(b"gold 2"));
-    assert!(without.get(Tree::Jobs, id.as_bytes()).unwrap().is_some());
+    service.state.tables.store.reopen_check.get().unwrap()(&without).unwrap();
     assert_eq!(Catalogue::new(without).page(None, 9).unwrap().0[0].digest, table);
 }
 
+/// The disk takes longer than a lease lasts.
 #[test]
-fn a_machine_that_lacks_a_thread_for_a_moment_costs_a_job_no_attempt() {
+fn a_lease_is_kept_while_its_result_is_being_stored() {
     let dir = tempfile::tempdir().unwrap();
     let shared = Arc::new(Shared::default());
-    let service = start(dir.path(), &shared);
-    let lacking = &service.state.threads.lacking;
-    // More often than a task may fail.
-    lacking.store(4, Ordering::Relaxed);
-    let (id, _) = submit(&service, "gold 1");
-    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
-    assert_eq!((lacking.load(Ordering::Relaxed), service.metrics().unwrap().shard_failures), (0, 0));
-    // A request is told so.
-    lacking.store(1, Ordering::Relaxed);
-    let Err(ManifestError::Lacking(error)) = service.state.make_manifest(b"TABLE", &|| true) else {
-        panic!("it had one")
-    };
-    let error = ServiceError::from(error);
-    assert!(
-        matches!(error, ServiceError::Lacking(_)) && error.to_string().contains("a thread that measures"),
-        "{error}"
-    );
+    let rows = Arc::new(MemoryRows::default());
+    let lease_ttl = Duration::from_secs(1);
+    *rows.while_settling.lock().unwrap() = Some(Meanwhile(Box::new(move || thread::sleep(lease_ttl * 5 / 2))));
+    let store = Store::with_rows(dir.path(), rows.clone());
+    let config = Config { lease_ttl, ..config(dir.path()) };
+    let service = Service::open_with(config, store, Arc::new(FakeBackend(Arc::clone(&shared)))).unwrap();
+    fitted(&service, "gold 4");
+    assert!(rows.while_settling.lock().unwrap().is_none());
+    let metrics = service.metrics().unwrap();
+    assert_eq!((metrics.leases_expired, metrics.shard_failures, shared.begun()), (0, 0, 4));
 }
 
 #[test]
@@ -176,19 +171,39 @@ fn a_job_outlasts_a_lack_of_descriptors() {
     let shared = Arc::new(Shared::default());
     let rows = Arc::new(MemoryRows::default());
     let store = Store::with_rows(dir.path(), rows.clone());
-    let service = Service::open_with(config(dir.path()), store, Box::new(FakeEngine(Arc::clone(&shared)))).unwrap();
+    let service = Service::open_with(config(dir.path()), store, Arc::new(FakeBackend(Arc::clone(&shared)))).unwrap();
     shared.set(|b| b.held = true);
     let (id, _) = submit(&service, "gold 4");
     shared.wait_for_begun(2);
     rows.without_descriptors.store(true, Ordering::Relaxed);
     shared.set(|b| b.held = false);
     while rows.refused.load(Ordering::Relaxed) < 2 {
-        std::thread::yield_now();
+        thread::yield_now();
     }
     rows.without_descriptors.store(false, Ordering::Relaxed);
     assert!(matches!(end_of(&service, id), JobState::Done { .. }));
     assert_eq!(service.metrics().unwrap().shard_failures, 0);
     assert!(shared.behaviour.lock().unwrap().begun.values().all(|begun| *begun == 1), "a fitted shard was thrown away");
+}
+
+#[test]
+fn a_lack_of_descriptors_costs_an_assembly_no_attempt() {
+    let dir = tempfile::tempdir().unwrap();
+    let shared = Arc::new(Shared::default());
+    let rows = Arc::new(MemoryRows::default());
+    let store = Store::with_rows(dir.path(), rows.clone());
+    let service = Service::open_with(config(dir.path()), store, Arc::new(FakeBackend(Arc::clone(&shared)))).unwrap();
+    shared.set(|b| b.endless_measure = Some("gold 1".to_owned()));
+    let (id, _) = submit(&service, "gold 1");
+    shared.wait_for_manifests(1);
+    rows.without_descriptors.store(true, Ordering::Relaxed);
+    shared.set(|b| b.endless_measure = None);
+    while rows.refused.load(Ordering::Relaxed) < 1 {
+        thread::yield_now();
+    }
+    rows.without_descriptors.store(false, Ordering::Relaxed);
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    assert_eq!(service.metrics().unwrap().shard_failures, 0);
 }
 
 /// Its recipe can be submitted again: the table answers.
@@ -198,8 +213,8 @@ fn a_job_that_is_forgotten_leaves_its_table() {
     let shared = Arc::new(Shared::default());
     let table = fitted(&start(dir.path(), &shared), "gold 2");
     let config = Config { keep_ended: Some(Duration::ZERO), ..config(dir.path()) };
-    let engine = Box::new(FakeEngine(Arc::clone(&shared)));
-    let service = Service::open_with(config, Store::open(dir.path()).unwrap(), engine).unwrap();
+    let backend = Arc::new(FakeBackend(Arc::clone(&shared)));
+    let service = Service::open_with(config, Store::open(dir.path()).unwrap(), backend).unwrap();
     assert!(service.job(JobId::of_recipe(&Digest::of(b"gold 2"))).unwrap().is_none());
     assert!(service.table(table).unwrap().is_some());
     let SubmitReply::Ready { table: again, .. } = service.submit(b"gold 2").unwrap() else { panic!("it is there") };

@@ -1,347 +1,233 @@
-use super::{
-    entries::{Entries, read},
-    *,
-};
-use crate::store::memory::MemoryRows;
-use ltcforge_files::hex::to_hex;
+use super::*;
+use crate::store::Tree;
 
-/// Opens the journal in `dir` of rows that had one.
-fn open(rows: MemoryRows, dir: &Path) -> (JournalledRows<MemoryRows>, Findings) {
-    open_with(rows, dir, true, Findings::default())
+fn open(dir: &Path) -> (Journal, Damage) {
+    open_with(dir, vec![])
 }
 
-fn open_with(
-    rows: MemoryRows,
-    dir: &Path,
-    was_journalled: bool,
-    mut found: Findings,
-) -> (JournalledRows<MemoryRows>, Findings) {
-    let (journal, database, quarantine) = (dir.join("jobs.log"), dir.join("db"), dir.join("quarantine"));
-    let paths = Paths { journal: &journal, database: &database, quarantine: &quarantine };
-    (JournalledRows::open(rows, paths, was_journalled, &mut found).unwrap(), found)
+/// Opens the journal in `dir`, with jobs that an earlier version had elsewhere.
+fn open_with(dir: &Path, earlier: Vec<Row>) -> (Journal, Damage) {
+    let mut damage = Damage::default();
+    let journal = Journal::open(&dir.join("jobs.log"), &dir.join("quarantine"), earlier, &mut damage).unwrap();
+    (journal, damage)
 }
 
-/// A database with these jobs, each last changed at its revision, and without the last entry of its journal.
-fn stored(jobs: &[(&str, &str, u64)]) -> MemoryRows {
-    let rows = MemoryRows::default();
-    for (key, value, revision) in jobs {
-        rows.commit(&with_revision(&job(key, Some(value)), *revision)).unwrap();
-    }
-    rows
-}
-
-/// Names as findings list them.
-fn named(keys: &[&str]) -> Vec<String> {
-    keys.iter().map(|key| to_hex(key.as_bytes())).collect()
-}
-
-fn job(key: &str, value: Option<&str>) -> Batch {
+/// The changes of some jobs; the value `-` removes one.
+fn batch(changes: &[(&str, &str)]) -> Batch {
     let mut batch = Batch::default();
-    match value {
-        Some(value) => {
-            batch.put(Tree::Jobs, key, value);
-            batch.put(Tree::JobOrder, format!("order of {key}"), key);
+    for (key, value) in changes {
+        match *value {
+            "-" => batch.remove(Tree::Jobs, *key),
+            value => batch.put(Tree::Jobs, *key, value),
         }
-        None => batch.remove(Tree::Jobs, key),
     }
-    // What is not a job's is not kept.
-    batch.put(Tree::Shards, key, "shard");
     batch
 }
 
-fn jobs(rows: &impl Rows) -> Vec<String> {
-    let rows = rows.scan(Tree::Jobs, &[]).unwrap();
+fn row(key: &str, value: Option<&str>) -> Row {
+    Row { key: key.into(), value: value.map(Into::into) }
+}
+
+fn jobs(journal: &Journal) -> Vec<String> {
+    let rows = journal.jobs().unwrap();
     rows.into_iter().map(|row| String::from_utf8(row.value.unwrap()).unwrap()).collect()
 }
 
-/// The journal of four jobs, of which one has changed and one was removed.
-fn journal(dir: &Path) {
-    let (rows, _) = open(MemoryRows::default(), dir);
+/// A journal of four jobs, of which one has changed and one was removed.
+fn four(dir: &Path) -> Journal {
+    let (mut journal, damage) = open(dir);
+    assert_eq!(damage, Damage::default());
     for key in ["a", "b", "c", "d"] {
-        rows.commit(&job(key, Some(&format!("{key} queued")))).unwrap();
+        journal.append(&batch(&[(key, &format!("{key} queued"))]), true).unwrap();
     }
-    rows.stage(&job("b", Some("b running"))).unwrap();
-    rows.commit(&job("b", Some("b done"))).unwrap();
-    rows.commit(&job("c", None)).unwrap();
+    journal.append(&batch(&[("b", "b running")]), false).unwrap();
+    journal.append(&batch(&[("b", "b done"), ("c", "-")]), true).unwrap();
+    journal
 }
 
+const AT_LAST: [&str; 3] = ["a queued", "b done", "d queued"];
+
 #[test]
-fn what_the_database_lost_or_has_older_is_as_in_the_journal() {
+fn the_last_change_of_each_job_counts_and_a_start_writes_it_alone() {
     let dir = tempfile::tempdir().unwrap();
-    journal(dir.path());
-    // a is as it was last, b and c are older, d is lost.
-    let partial = stored(&[("a", "a queued", 1), ("b", "b queued", 2), ("c", "c queued", 3)]);
-    let (rows, found) = open(partial, dir.path());
-    assert_eq!(jobs(&rows), ["a queued", "b done", "d queued"]);
-    assert_eq!(rows.get(Tree::JobOrder, b"order of d").unwrap().unwrap(), b"d");
-    assert_eq!((&found.restored_jobs, &found.reverted_jobs), (&named(&["d"]), &named(&["b", "c"])));
-    // b, c and d, and the place of d.
-    assert_eq!((found.restored_rows, found.damaged_journal_entries), (4, 0));
-    assert!(found.lost_jobs.is_empty() && !found.journal_is_incomplete, "{found:?}");
-    let kept = fs::read_to_string(dir.path().join("quarantine/jobs.log-1")).unwrap();
-    assert!(kept.contains(&to_hex(b"b done")) && kept.contains(&to_hex(b"c queued")), "{kept}");
-    // The journal was written anew, and nothing more is to restore.
-    let (rows, found) = open(rows.rows, dir.path());
-    assert_eq!(found, Findings::default());
-    drop(rows);
-    let (rows, found) = open(MemoryRows::default(), dir.path());
-    assert_eq!((jobs(&rows).len(), found.reverted_jobs.len(), found.restored_jobs.len()), (3, 0, 3));
-    assert!(!dir.path().join("quarantine/jobs.log-2").exists());
+    let journal = four(dir.path());
+    assert_eq!(jobs(&journal), AT_LAST);
+    for _ in 0..2 {
+        let (journal, damage) = open(dir.path());
+        assert_eq!((jobs(&journal), damage), (AT_LAST.map(str::to_owned).to_vec(), Damage::default()));
+    }
+    let text = fs::read_to_string(dir.path().join("jobs.log")).unwrap();
+    assert_eq!(text.lines().filter(|line| !line.is_empty()).count(), 1 + AT_LAST.len(), "{text}");
+    assert!(!dir.path().join("quarantine").exists());
 }
 
-/// The journal that is written anew has no entry of a job that was removed. It tells that there are no other jobs.
 #[test]
-fn a_job_that_was_removed_before_the_journal_was_written_anew_stays_removed() {
+fn a_journal_that_has_grown_too_long_is_written_anew() {
     let dir = tempfile::tempdir().unwrap();
-    journal(dir.path());
-    let (rows, _) = open(MemoryRows::default(), dir.path());
-    drop(rows);
-    let older = || stored(&[("a", "a queued", 1), ("b", "b done", 5), ("c", "c queued", 3), ("d", "d queued", 4)]);
-    let (rows, found) = open(older(), dir.path());
-    assert_eq!((jobs(&rows).len(), found.reverted_jobs), (3, named(&["c"])));
-    // If a row of the journal is damaged, it may have been that of c.
-    let entry = to_hex(b"a queued");
-    damage(dir.path(), |bytes| {
-        let at = bytes.windows(entry.len()).position(|found| found == entry.as_bytes()).unwrap();
-        bytes[at] ^= 1;
-    });
-    let (rows, found) = open(older(), dir.path());
-    assert_eq!((jobs(&rows).len(), found.damaged_journal_entries), (4, 1));
+    let mut journal = four(dir.path());
+    journal.most = 0;
+    journal.append(&batch(&[("e", "e queued")]), true).unwrap();
+    let text = fs::read_to_string(dir.path().join("jobs.log")).unwrap();
+    assert!(!text.contains(&to_hex(b"b running")), "{text}");
+    assert_eq!(jobs(&journal)[..3], AT_LAST);
+    assert_eq!(journal.most, MOST_APPENDED + journal.length - words(b"e", Some(b"e queued")).len() as u64 - 18);
+    drop(journal);
+    assert_eq!(jobs(&open(dir.path()).0).len(), 4);
 }
 
-/// A staged change is as new as the last commit, and the journal does not have it.
+/// Only the state at the last fsync survives.
 #[test]
-fn a_staged_change_stays_and_loses_against_a_later_commit() {
+fn a_power_cut_loses_nothing_acknowledged() {
     let dir = tempfile::tempdir().unwrap();
-    let (rows, _) = open(MemoryRows::default(), dir.path());
-    rows.commit(&job("a", Some("a queued"))).unwrap();
-    rows.commit(&job("b", Some("b queued"))).unwrap();
-    rows.stage(&job("a", Some("a running"))).unwrap();
-    let (rows, found) = open(rows.rows, dir.path());
-    assert_eq!((jobs(&rows), found), (vec!["a running".to_owned(), "b queued".to_owned()], Findings::default()));
-    rows.commit(&job("a", None)).unwrap();
-    let (rows, found) = open(stored(&[("a", "a running", 2), ("b", "b queued", 2)]), dir.path());
-    assert_eq!((jobs(&rows), found.reverted_jobs), (vec!["b queued".to_owned()], named(&["a"])));
+    let (path, disk) = (dir.path().join("jobs.log"), dir.path().join("disk"));
+    fs::create_dir(&disk).unwrap();
+    let mut journal = four(dir.path());
+    let to = disk.join("jobs.log");
+    journal.sync = Arc::new(move |_: &File| fs::copy(&path, &to).map(drop));
+    journal.append(&batch(&[("e", "e queued")]), false).unwrap();
+    assert!(!disk.join("jobs.log").exists(), "nobody waited for the disk");
+    journal.append(&batch(&[("f", "f queued")]), true).unwrap();
+    journal.append(&batch(&[("f", "f running")]), false).unwrap();
+    assert_eq!(jobs(&open(&disk).0)[3..], ["e queued", "f queued"]);
 }
 
-/// An entry that could not be appended is not missing from then on.
 #[test]
-fn after_a_failed_append_the_journal_is_written_anew() {
+fn a_change_whose_fsync_fails_is_not_acknowledged_and_the_next_one_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut journal = four(dir.path());
+    journal.sync = Arc::new(|_: &File| Err(io::ErrorKind::StorageFull.into()));
+    assert!(matches!(journal.append(&batch(&[("e", "e queued")]), true), Err(StoreError::DiskFull)));
+    journal.sync = Arc::new(File::sync_data);
+    journal.append(&batch(&[("f", "f queued")]), true).unwrap();
+    assert_eq!(jobs(&open(dir.path()).0)[3..], ["f queued"]);
+}
+
+/// A line that could not be written, or not whole, was not acknowledged.
+#[test]
+fn after_a_failed_append_nothing_of_it_is_left() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("jobs.log");
-    let (rows, _) = open(MemoryRows::default(), dir.path());
-    rows.commit(&job("a", Some("a queued"))).unwrap();
-    // Its descriptor does not write.
-    rows.end().file = File::open(&path).unwrap();
-    assert!(rows.commit(&job("b", Some("b queued"))).is_err());
-    rows.commit(&job("c", Some("c queued"))).unwrap();
-    let (rows, found) = open(rows.rows, dir.path());
-    assert_eq!((jobs(&rows).len(), found), (3, Findings::default()));
-}
-
-/// A crash between the two leaves the database one entry ahead; the database knows that entry.
-#[test]
-fn the_last_entry_in_the_database_stands_for_the_one_that_the_journal_lacks() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("jobs.log");
-    let (rows, _) = open(MemoryRows::default(), dir.path());
-    rows.commit(&job("a", Some("a queued"))).unwrap();
+    let mut journal = four(dir.path());
     let before = fs::read(&path).unwrap();
-    rows.commit(&job("a", Some("a cancelled"))).unwrap();
-    fs::write(&path, &before).unwrap();
-    // As if a page with the older row were back.
-    rows.rows.commit(&with_revision(&job("a", Some("a queued")), 1)).unwrap();
-    let (rows, found) = open(rows.rows, dir.path());
-    assert_eq!((jobs(&rows), found.reverted_jobs), (vec!["a cancelled".to_owned()], named(&["a"])));
-    rows.commit(&job("b", Some("b queued"))).unwrap();
-    rows.commit(&job("b", Some("b done"))).unwrap();
-    fs::write(&path, &before).unwrap();
-    let (rows, found) = open(rows.rows, dir.path());
-    assert!(found.journal_is_incomplete, "{found:?}");
-    assert_eq!(jobs(&rows), ["a cancelled", "b done"]);
+    let file = std::mem::replace(&mut journal.file, File::open(&path).unwrap());
+    assert!(journal.append(&batch(&[("e", "e queued")]), true).is_err(), "the descriptor does not write");
+    journal.file = file;
+    journal.file.write_all(b"\nhalf a li").unwrap();
+    journal.append(&batch(&[("f", "f queued")]), true).unwrap();
+    assert!(fs::read(&path).unwrap().starts_with(&before));
+    let (journal, damage) = open(dir.path());
+    assert_eq!((jobs(&journal).len(), damage), (4, Damage::default()));
+    assert_eq!(jobs(&journal)[3], "f queued");
+}
+
+/// Opens the journal in `dir` with other bytes.
+fn with_bytes(dir: &Path, bytes: &[u8]) -> (Journal, Damage) {
+    fs::write(dir.join("jobs.log"), bytes).unwrap();
+    open(dir)
 }
 
 #[test]
-fn an_entry_that_was_cut_off_hides_no_other() {
+fn every_flipped_bit_is_found_costs_one_line_at_most_and_names_its_jobs() {
     let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("jobs.log");
-    journal(dir.path());
-    let whole = fs::read(&path).unwrap();
-    let end = whole.len() - 1;
-    let last = whole[..end].iter().rposition(|byte| *byte == b'\n').unwrap();
-    for cut in last + 1..end {
-        fs::write(&path, &whole[..cut]).unwrap();
-        let (rows, restored) = open(MemoryRows::default(), dir.path());
-        // The last entry removed c.
-        assert_eq!(jobs(&rows), ["a queued", "b done", "c queued", "d queued"], "cut at {cut}");
-        assert_eq!(restored.damaged_journal_entries, 0);
-        rows.commit(&job("e", Some("e queued"))).unwrap();
+    drop(four(dir.path()));
+    let whole = fs::read(dir.path().join("jobs.log")).unwrap();
+    let places: Vec<_> = (0..whole.len()).filter(|at| whole[*at] != b'\n').collect();
+    for (n, at) in places.into_iter().enumerate() {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 1 << (n % 8);
+        let (journal, damage) = with_bytes(dir.path(), &bytes);
+        // A bit may also make a line break, and two damaged lines of one.
+        assert!((1..=2).contains(&damage.damaged_journal_entries), "byte {at}: {damage:?}");
+        let found = jobs(&journal);
+        let missing = AT_LAST.iter().filter(|job| !found.iter().any(|found| found == *job)).count();
+        assert!(missing <= 1, "byte {at}: {found:?}");
+        let line = whole[..at].split(|byte| *byte == b'\n').count() / 2 - 1;
+        let is_key = |key: &str| {
+            let word = format!(" jobs {} ", to_hex(key.as_bytes()));
+            let ends = whole.windows(word.len()).enumerate().filter(|(_, found)| *found == word.as_bytes());
+            ends.into_iter().any(|(start, _)| (start..start + word.len()).contains(&at))
+        };
+        // Lines 1, 4 and 6 are the last ones of jobs a, d, and b with c; a job whose name is damaged is not named.
+        for (key, last) in [("a", 1), ("d", 4), ("b", 6), ("c", 6)] {
+            let is_named = damage.lost_jobs.contains(&to_hex(key.as_bytes()));
+            assert!(is_named == (line == last) || is_key(key), "byte {at}, job {key}: {damage:?}");
+        }
+        // It was written anew.
+        assert_eq!(open(dir.path()).1, Damage::default());
+        assert_eq!(jobs(&open(dir.path()).0), found);
     }
-}
-
-/// A whole entry was acknowledged, even if it is the last one. What an older entry says of its job does not undo what
-/// the database has.
-#[test]
-fn a_damaged_last_entry_is_counted_and_reverts_nothing() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("jobs.log");
-    let (rows, _) = open(MemoryRows::default(), dir.path());
-    rows.commit(&job("a", Some("a queued"))).unwrap();
-    rows.commit(&job("a", Some("a cancelled"))).unwrap();
-    let mut bytes = fs::read(&path).unwrap();
-    let near_end = bytes.len() - 4;
-    bytes[near_end] ^= 1;
-    fs::write(&path, bytes).unwrap();
-    let (rows, restored) = open(rows.rows, dir.path());
-    assert_eq!(restored, Findings { damaged_journal_entries: 1, ..Findings::default() });
-    assert_eq!(jobs(&rows), ["a cancelled"]);
-}
-
-#[test]
-fn every_flipped_bit_is_found_and_costs_one_entry_at_most() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("jobs.log");
-    journal(dir.path());
-    let whole = fs::read(&path).unwrap();
-    for at in 0..whole.len() {
-        let mut flipped = whole.clone();
-        flipped[at] ^= 1 << (at % 8);
-        let Entries { latest, damaged, .. } = read(&flipped);
-        let known = |key: &str| latest.contains_key(&(Tree::Jobs, key.as_bytes().to_vec()));
-        let missing = ["a", "b", "c", "d"].iter().filter(|key| !known(key)).count();
-        // A line break that is gone, or a new one, concerns two entries.
-        assert!(damaged <= 2 && missing <= 2, "bit {} of byte {at}: {damaged} {missing}", at % 8);
-    }
-}
-
-/// Changes the bytes of the journal in `dir`; returns them as they are now.
-fn damage(dir: &Path, change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
-    let path = dir.join("jobs.log");
-    let mut bytes = fs::read(&path).unwrap();
-    change(&mut bytes);
-    fs::write(&path, &bytes).unwrap();
-    bytes
 }
 
 #[test]
 fn a_damaged_journal_is_copied_to_quarantine_before_it_is_written_anew() {
     let dir = tempfile::tempdir().unwrap();
-    journal(dir.path());
-    let damaged = damage(dir.path(), |bytes| {
-        let middle = bytes.len() / 2;
-        bytes[middle] ^= 1;
-    });
-    let (rows, found) = open(MemoryRows::default(), dir.path());
-    assert_eq!(found.damaged_journal_entries, 1);
-    assert_eq!(fs::read(dir.path().join("quarantine/jobs.log-1")).unwrap(), damaged);
-    // The new one is whole.
-    let (_, found) = open(rows.rows, dir.path());
-    assert_eq!(found, Findings::default());
+    drop(four(dir.path()));
+    let mut bytes = fs::read(dir.path().join("jobs.log")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    assert_eq!(with_bytes(dir.path(), &bytes).1.damaged_journal_entries, 1);
+    assert_eq!(fs::read(dir.path().join("quarantine/jobs.log-1")).unwrap(), bytes);
+    assert_eq!(open(dir.path()).1, Damage::default());
     assert!(!dir.path().join("quarantine/jobs.log-2").exists());
 }
 
-/// The seal of the entry is broken, and its job can be read. Neither the database nor another entry has the job.
 #[test]
-fn a_job_that_only_a_damaged_entry_has_is_named_as_doubtful() {
+fn a_line_that_was_cut_off_hides_no_other() {
     let dir = tempfile::tempdir().unwrap();
-    journal(dir.path());
-    let entry = format!(" jobs {} ", to_hex(b"a"));
-    damage(dir.path(), |bytes| {
-        let at = bytes.windows(entry.len()).position(|found| found == entry.as_bytes()).unwrap();
-        bytes[at - 1] = if bytes[at - 1] == b'0' { b'1' } else { b'0' };
-    });
-    let (rows, found) = open(MemoryRows::default(), dir.path());
-    assert_eq!(jobs(&rows), ["b done", "d queued"]);
-    assert_eq!((found.doubtful_jobs, found.restored_jobs), (named(&["a"]), named(&["b", "d"])));
-    assert!(found.lost_jobs.is_empty());
-}
-
-/// A whole database proves that no job is lost. One bit of an id in the journal makes no job of another name.
-#[test]
-fn a_misread_id_of_a_job_that_is_there_is_not_named() {
-    let dir = tempfile::tempdir().unwrap();
-    let ids = ["0123456789abcdef", "fedcba9876543210"];
-    let (rows, _) = open(MemoryRows::default(), dir.path());
-    for id in ids {
-        rows.commit(&job(id, Some("queued"))).unwrap();
-    }
+    drop(four(dir.path()));
     let whole = fs::read(dir.path().join("jobs.log")).unwrap();
-    let mut concerned = 0;
-    for at in 0..8 * whole.len() {
-        let (mut bytes, mut found) = (whole.clone(), Findings::default());
-        bytes[at / 8] ^= 1 << (at % 8);
-        comparison::compare(&rows.rows, Some(&bytes), true, &mut found).unwrap();
-        assert!(found.lost_jobs.is_empty() && found.doubtful_jobs.is_empty(), "bit {at}: {found:?}");
-        concerned += usize::from(found.damaged_journal_entries > 0);
-    }
-    assert!(concerned > 4 * whole.len(), "{concerned}");
-}
-
-/// A database that fell back and a journal whose end was cut off: the line that was cut had been acknowledged.
-#[test]
-fn what_both_have_lost_is_told_wherever_the_journal_was_cut() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("jobs.log");
-    let (rows, _) = open(MemoryRows::default(), dir.path());
-    let ids = ["0123456789abcdef", "1123456789abcdef", "fedcba9876543210"];
-    for id in ids {
-        rows.commit(&job(id, Some("queued"))).unwrap();
-    }
-    let whole = fs::read(&path).unwrap();
-    let older = || stored(&[(ids[0], "queued", 1)]);
-    let key = to_hex(ids[2].as_bytes());
-    let after_key = whole.windows(key.len()).position(|found| found == key.as_bytes()).unwrap() + key.len();
     let last = whole[..whole.len() - 1].iter().rposition(|byte| *byte == b'\n').unwrap() + 1;
-    for cut in last..whole.len() - 1 {
-        fs::write(&path, &whole[..cut]).unwrap();
-        let (opened, found) = open(older(), dir.path());
-        assert_eq!(jobs(&opened).len(), 2, "cut at {cut}");
-        assert!(found.database_is_older, "cut at {cut}: {found:?}");
-        assert_eq!(found.journal_is_incomplete, cut > last, "cut at {cut}: {found:?}");
-        let is_named = found.doubtful_jobs == named(&[ids[2]]);
-        assert_eq!(is_named, cut > after_key + 1, "cut at {cut}: {found:?}");
-        // A database that fell back no further than the journal's last whole line.
-        let level = stored(&[(ids[0], "queued", 1), (ids[1], "queued", 2)]);
-        fs::write(&path, &whole[..cut]).unwrap();
-        let (_, found) = open(level, dir.path());
-        assert_eq!((found.database_is_older, found.journal_is_incomplete), (false, cut > last), "cut at {cut}");
+    for cut in last + 1..whole.len() - 1 {
+        let (mut journal, damage) = with_bytes(dir.path(), &whole[..cut]);
+        assert_eq!(jobs(&journal), ["a queued", "b running", "c queued", "d queued"], "cut at {cut}");
+        assert_eq!(damage.damaged_journal_entries, 1);
+        journal.append(&batch(&[("e", "e queued")]), true).unwrap();
+        assert_eq!(jobs(&open(dir.path()).0).len(), 5);
     }
-    // After a crash between the two, the database has the change.
-    fs::write(&path, &whole[..after_key]).unwrap();
-    let (_, found) = open(rows.rows, dir.path());
-    assert_eq!(found, Findings::default());
 }
 
 #[test]
-fn a_journal_that_lacks_what_the_database_has_proves_nothing() {
-    let stored = || stored(&[("a", "a", 0), ("b", "b", 0), ("c", "c", 0)]);
-    let without = tempfile::tempdir().unwrap();
-    let empty = tempfile::tempdir().unwrap();
-    fs::write(empty.path().join("jobs.log"), "").unwrap();
-    let short = tempfile::tempdir().unwrap();
-    fs::write(short.path().join("jobs.log"), "\ne3b0c44298fc1c14\n").unwrap();
-    for dir in [&without, &empty, &short] {
-        let (rows, found) = open(stored(), dir.path());
-        assert_eq!(found, Findings { journal_is_incomplete: true, ..Findings::default() });
-        assert_eq!(jobs(&rows), ["a", "b", "c"]);
-        let (_, found) = open(rows.rows, dir.path());
-        assert_eq!(found, Findings::default(), "it was written anew");
-    }
-    assert!(empty.path().join("quarantine/jobs.log-1").exists() && short.path().join("quarantine/jobs.log-1").exists());
-
-    // A fresh store, one from before there was a journal, and one whose last commit a crash interrupted lack nothing.
-    let fresh = tempfile::tempdir().unwrap();
-    assert_eq!(open(MemoryRows::default(), fresh.path()).1, Findings::default());
-    let older = tempfile::tempdir().unwrap();
-    assert_eq!(open_with(stored(), older.path(), false, Findings::default()).1, Findings::default());
-    let crashed = tempfile::tempdir().unwrap();
-    fs::write(crashed.path().join("jobs.log"), "\ne3b0c44298fc1c14\n").unwrap();
-    assert_eq!(open(super::tests::stored(&[("a", "a", 0)]), crashed.path()).1, Findings::default());
-}
-
-#[test]
-fn an_empty_database_in_place_of_a_damaged_one_without_a_journal_is_told() {
+fn a_journal_that_lacks_lines_of_the_last_start_is_told() {
     let dir = tempfile::tempdir().unwrap();
-    let found = Findings { database_was_replaced: true, ..Findings::default() };
-    assert!(open_with(MemoryRows::default(), dir.path(), false, found).1.journal_is_incomplete);
+    drop(four(dir.path()));
+    drop(open(dir.path()));
+    let whole = fs::read(dir.path().join("jobs.log")).unwrap();
+    let ends: Vec<usize> = (2..whole.len()).filter(|at| whole[..*at].ends_with(b"\n\n")).map(|at| at - 1).collect();
+    assert_eq!(ends.len(), AT_LAST.len());
+    for (n, end) in ends.into_iter().enumerate() {
+        let (journal, damage) = with_bytes(dir.path(), &whole[..end]);
+        assert_eq!((jobs(&journal).len(), damage), (n, Damage { journal_is_incomplete: true, ..Damage::default() }));
+        assert!(dir.path().join(format!("quarantine/jobs.log-{}", n + 1)).exists());
+        assert_eq!(open(dir.path()).1, Damage::default());
+    }
+}
+
+/// Seals, revisions, a tree `job_order` and a head with a revision: the journal of an earlier version.
+#[test]
+fn journals_of_earlier_versions_are_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let of = |words: &[&str]| words.iter().map(|words| line(words)).collect::<String>();
+    let without_revisions = of(&[
+        "",
+        " jobs 61 00 job_order 31 61",
+        " jobs 62 01 job_order 32 62",
+        " jobs 61 02",
+        " jobs 62 - job_order 32 -",
+    ]);
+    let with_revisions = of(&[" head 7 2", " 4 jobs 61 00", " 4 job_order 31 61", " 8 job_order 31 - jobs 61 02"]);
+    for journal in [without_revisions, with_revisions] {
+        let (journal, damage) = with_bytes(dir.path(), journal.as_bytes());
+        assert_eq!((journal.jobs().unwrap(), damage), (vec![row("a", Some("\u{2}"))], Damage::default()));
+    }
+}
+
+#[test]
+fn jobs_of_earlier_versions_are_added_unless_the_journal_mentions_them() {
+    let dir = tempfile::tempdir().unwrap();
+    drop(four(dir.path()));
+    let earlier = [("a", Some("a old")), ("b", None), ("c", Some("c old")), ("x", Some("x old")), ("y", None)];
+    let earlier = earlier.map(|(key, value)| row(key, value)).to_vec();
+    let (journal, damage) = open_with(dir.path(), earlier);
+    assert_eq!(jobs(&journal), ["a queued", "b done", "d queued", "x old"]);
+    assert_eq!(damage, Damage { lost_jobs: vec![to_hex(b"y")], ..Damage::default() });
 }

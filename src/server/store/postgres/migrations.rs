@@ -9,7 +9,7 @@ use super::failure::DatabaseOpenError;
 use ltcforge_files::digest::Digest;
 
 /// All migrations, oldest first: number N is at index N - 1.
-pub(super) const ALL: &[&str] = &[include_str!("../../../../migrations/postgres/0001_initial.sql")];
+pub(super) const ALL: &[&str] = &[include_str!("../../migrations/postgres/0001_initial.sql")];
 
 /// Number of the advisory lock: «ltcforge» in ASCII.
 const LOCK: i64 = 0x6c74_6366_6f72_6765;

@@ -186,7 +186,7 @@ fn a_database_that_is_opened_again_is_checked_before_it_is_read() {
     // It comes back without its rows.
     fs::remove_dir_all(dir.path()).unwrap();
     fs::create_dir(dir.path()).unwrap();
-    rows.checks.add(|rows| rows.commit(&put("before")));
+    assert!(rows.reopen_check.set(Box::new(|rows| rows.commit(&put("before")))).is_ok());
     assert_eq!(rows.get(Tree::Jobs, b"before").unwrap().unwrap(), b"job");
 }
 
@@ -196,10 +196,11 @@ fn a_database_that_fails_a_check_stays_closed() {
     let rows = closed_by_an_error(dir.path());
     let passes = Arc::new(AtomicU32::new(0));
     let check = Arc::clone(&passes);
-    rows.checks.add(move |_| match check.load(Ordering::Relaxed) {
+    let check: ReopenCheck = Box::new(move |_| match check.load(Ordering::Relaxed) {
         0 => Err(StoreError::Database("not as it was".to_owned())),
         _ => Ok(()),
     });
+    assert!(rows.reopen_check.set(check).is_ok());
     for _ in 0..2 {
         assert!(rows.scan(Tree::Jobs, b"").unwrap_err().to_string().contains("not as it was"));
     }

@@ -6,8 +6,8 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use ltcforge_fit::{
-    BrdfKind, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Pulse, Recipe,
-    Shear, Simplex, Solver, Start,
+    BrdfKind, FITTER_VERSION, FitSettings, Fitter, Layout, LobeModel, Metric, PerAxis, Plan, Precision, Recipe, Shear,
+    Simplex, Solver, Start, StopCheck,
     brdf::Ggx,
     fit_rows,
     math::{direction, from_row_major},
@@ -80,8 +80,8 @@ pub(super) fn table_from_cosine() -> Vec<Fit> {
         let place = plan.place(index);
         let [alpha_x, alpha_y] = place.roughness();
         let mut go_on = || ControlFlow::Continue(());
-        let mut pulse = Pulse::new(&mut go_on);
-        fitter.fit_from(&Ggx { alpha_x, alpha_y }, place.view(), DMat3::IDENTITY, &mut pulse)
+        let mut stop_check = StopCheck::new(&mut go_on);
+        fitter.fit_from(&Ggx { alpha_x, alpha_y }, place.view(), DMat3::IDENTITY, &mut stop_check)
     };
     let indices: Vec<u64> = (0..plan.entries()).collect();
     let entries: Option<Vec<_>> = indices
@@ -112,8 +112,8 @@ fn plan(start: Start) -> Plan {
 /// The matrix of one lobe of GGX.
 pub(super) fn lobe(alpha: f64, theta: f64, shear: Shear) -> Option<DMat3> {
     let wo: DVec3 = direction(theta, 0.0);
-    let mut beat = || ControlFlow::Continue(());
+    let mut go_on = || ControlFlow::Continue(());
     let mut fitter = Fitter::new(&settings(shear, Start::Independent));
-    let entry = fitter.fit(&Ggx { alpha_x: alpha, alpha_y: alpha }, wo, 0, &mut Pulse::new(&mut beat))?;
+    let entry = fitter.fit(&Ggx { alpha_x: alpha, alpha_y: alpha }, wo, 0, &mut StopCheck::new(&mut go_on))?;
     Some(from_row_major(&entry.matrix))
 }

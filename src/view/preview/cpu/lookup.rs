@@ -76,8 +76,8 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
     let fold = Fold::of(alpha_x, alpha_y, wo);
     let nodes = &table.nodes;
     let counts = nodes.lengths();
-    let rules = table.layout.rules();
-    let place = |axis: usize, nodes: &[f32], x: f32| between(nodes, x, |x| rules.even_in_shader(axis, x));
+    let layout = table.layout;
+    let place = |axis: usize, nodes: &[f32], x: f32| between(nodes, x, |x| layout.even_in_shader(axis, x));
     let places = [
         place(0, &nodes.alpha, fold.alpha),
         place(1, &nodes.ratio, fold.ratio),
@@ -111,7 +111,7 @@ pub(super) fn lookup(table: &ShaderTable, alpha_x: f32, alpha_y: f32, wo: Vec3) 
     };
     let stored = ShaderNumbers { matrix: m, amplitude: terms[1], fresnel: terms[2] };
     let (alpha, ratio) = (nearest(&nodes.alpha, fold.alpha), nearest(&nodes.ratio, fold.ratio));
-    let lobe = rules.restore_in_shader(&stored, alpha, ratio, view);
+    let lobe = layout.restore_in_shader(&stored, alpha, ratio, view);
     let m = if table.turns_with_view { turned(lobe.matrix, fold.phi - nodes.phi[0]) } else { lobe.matrix };
     ShaderNumbers { matrix: fold.unfold(m), ..lobe }
 }

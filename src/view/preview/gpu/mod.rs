@@ -1,6 +1,6 @@
 //! The renderer on a GPU, or on lavapipe, a software rasteriser that Vulkan lists as one.
 
-#[cfg(all(test, feature = "textures"))]
+#[cfg(test)]
 pub(super) mod decoder;
 mod device;
 #[cfg(test)]

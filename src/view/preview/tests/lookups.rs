@@ -11,9 +11,8 @@ use crate::preview::{
     ShaderTable, TexelFormat, cpu,
     gpu::{GpuFailure, example},
 };
-use ltcforge_fit::{
-    Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Recipe, Table, fit_plan, math::direction,
-};
+use ltcforge_files::recipe_document;
+use ltcforge_fit::{Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Table, fit_plan, math::direction};
 use ltcforge_shaders::{Bound, table_reader};
 
 /// The lookup alone, of the configurations of a case.
@@ -47,9 +46,13 @@ fn looked_up(@builtin(local_invocation_index) index: u32) {
 
 /// A small table of the whole domain, or of isotropic surfaces alone, as the fit makes it.
 fn fitted(layout: Layout, precision: Precision, isotropic: bool) -> Table {
-    let builder = Recipe::builder().layout(layout).precision(precision).resolution("alpha", 6).resolution("theta", 5);
-    let builder = if isotropic { builder.isotropic() } else { builder.resolution("ratio", 5).resolution("phi", 4) };
-    let recipe = builder.samples(64).directions(6).steps(8).build().expect("a recipe");
+    let (ratio, phi) = if isotropic { (1, 1) } else { (5, 4) };
+    let range = if isotropic { r#", "range": {"ratio": [1, 1], "phi": [0, 0]}"# } else { "" };
+    let document = format!(
+        r#"{{"layout": "{layout}", "precision": "{precision}", "fit": {{"samples": 64, "directions": 6, "steps": 8}},
+            "resolution": {{"alpha": 6, "ratio": {ratio}, "theta": 5, "phi": {phi}}}{range}}}"#
+    );
+    let recipe = recipe_document::parse(document.as_bytes(), u64::MAX).expect("a recipe");
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 

@@ -9,8 +9,8 @@ use crate::preview::{
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::{
+    cases::{Draw, Lit, Roughness},
     normals::{WeightRule, reflected},
-    tests::cases::{Draw, Lit, Roughness},
 };
 use ltcforge_shaders::{Bound, joined, normals_functions};
 

@@ -7,7 +7,7 @@ use crate::preview::{
 };
 use ltcforge_fit::{
     Ltc, Sides, cheap_form_factor,
-    quadrature::{quadrature, random_cases},
+    testing::{polygon_quadrature as quadrature, random_cases},
 };
 use ltcforge_shaders::{Bound, joined};
 

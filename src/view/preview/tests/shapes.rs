@@ -11,7 +11,7 @@ use crate::preview::{
     TexelFormat, cpu,
     gpu::{GpuFailure, example},
 };
-use ltcforge_fit::{Ltc, Sides, quadrature::mirror_like};
+use ltcforge_fit::{Ltc, Sides, testing::mirror_like};
 use ltcforge_shaders::{Bound, joined};
 
 /// Each kind of light of a matrix and three vectors that a case gives.

@@ -10,7 +10,7 @@ use crate::preview::{
     Camera, Estimator, Light, LightKind, Material, Mode, Scene,
     light::{Ellipse, Shape},
 };
-use ltcforge_fit::{BrdfKind, BrdfModel, Table, TabulatedFile, brdf::planted_tabulated};
+use ltcforge_fit::{BrdfKind, BrdfModel, Table, TabulatedFile, testing::planted_tabulated};
 use ltcforge_light::LightModel;
 
 /// Of the energy that the light sends along.

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use super::tell_skipped;
 use crate::preview::gpu::{GpuFailure, example};
-use ltcforge_fit::{Configuration, IsotropicFunction, Layout, planted_isotropic};
-use ltcforge_shaders::{Language, Lights, Place};
+use ltcforge_fit::{Configuration, IsotropicFunction, Layout, testing::planted_isotropic};
+use ltcforge_shaders::Place;
+use ltcforge_shaders::{Language, Lights};
 use ltcforge_translate::include_function;
 
 #[test]

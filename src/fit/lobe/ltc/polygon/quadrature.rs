@@ -18,7 +18,8 @@ const GAUSS: [(f64, f64); 4] = [
 /// whose image lies inside the planes of all edges are an interval, over which the integral of the cosine is known.
 /// Gauss's rule integrates over the azimuth, between the azimuths at which the interval's ends change. The method has
 /// no edge integral, no clipping and no inverse.
-pub(crate) fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
+#[must_use]
+pub fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
     let n = polygon.len();
     let inside = polygon.iter().sum::<DVec3>();
     let planes: Vec<DVec3> = (0..n)
@@ -63,14 +64,15 @@ pub(crate) fn quadrature(m: DMat3, polygon: &[DVec3]) -> f64 {
 }
 
 /// A convex polygon on a plane through `centre`, inscribed in an ellipse.
-pub(crate) fn polygon(centre: DVec3, axes: [DVec3; 2], mut angles: Vec<f64>) -> Vec<DVec3> {
+#[must_use]
+pub fn polygon(centre: DVec3, axes: [DVec3; 2], mut angles: Vec<f64>) -> Vec<DVec3> {
     angles.sort_by(f64::total_cmp);
     angles.into_iter().map(|angle| centre + axes[0] * angle.cos() + axes[1] * angle.sin()).collect()
 }
 
 /// `count` cases, the same in every run. Each is a convex polygon of 3 to 8 vertices and a matrix; every other matrix
 /// is like that of a lobe.
-pub(crate) fn random_cases(count: usize) -> impl Iterator<Item = (Vec<DVec3>, DMat3)> {
+pub fn random_cases(count: usize) -> impl Iterator<Item = (Vec<DVec3>, DMat3)> {
     let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(4));
     (0..count).map(move |i| (draw.polygon(), draw.matrix(i)))
 }
@@ -104,7 +106,8 @@ impl Draw {
 }
 
 /// The limit of a sharp lobe: `[2 alpha_x (v_z x + v_x z), 2 alpha_y (v_z y + v_y z), r]`, `r` the mirror direction.
-pub(crate) fn mirror_like(alpha_x: f64, alpha_y: f64, theta: f64, phi: f64) -> DMat3 {
+#[must_use]
+pub fn mirror_like(alpha_x: f64, alpha_y: f64, theta: f64, phi: f64) -> DMat3 {
     let v = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
     DMat3::from_cols(
         2.0 * alpha_x * DVec3::new(v.z, 0.0, v.x),

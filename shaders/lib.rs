@@ -1,0 +1,60 @@
+//! The WGSL of ltcforge: each file of this folder as a text. `ltcforge-shaders` joins them for a model and a layout.
+
+/// `gaussians_example.wgsl`.
+pub const GAUSSIANS_EXAMPLE: &str = include_str!("gaussians_example.wgsl");
+/// `gaussians_light.wgsl`.
+pub const GAUSSIANS_LIGHT: &str = include_str!("gaussians_light.wgsl");
+/// `gaussians_table.wgsl`.
+pub const GAUSSIANS_TABLE: &str = include_str!("gaussians_table.wgsl");
+/// `gaussians_table_example.wgsl`.
+pub const GAUSSIANS_TABLE_EXAMPLE: &str = include_str!("gaussians_table_example.wgsl");
+/// `ggx_reference.wgsl`.
+pub const GGX_REFERENCE: &str = include_str!("ggx_reference.wgsl");
+/// `layout_isotropic.wgsl`.
+pub const LAYOUT_ISOTROPIC: &str = include_str!("layout_isotropic.wgsl");
+/// `layout_kt2022.wgsl`.
+pub const LAYOUT_KT2022: &str = include_str!("layout_kt2022.wgsl");
+/// `layout_reflected.wgsl`.
+pub const LAYOUT_REFLECTED: &str = include_str!("layout_reflected.wgsl");
+/// `ltc_decode.wgsl`.
+pub const LTC_DECODE: &str = include_str!("ltc_decode.wgsl");
+/// `ltc_example.wgsl`.
+pub const LTC_EXAMPLE: &str = include_str!("ltc_example.wgsl");
+/// `ltc_function.wgsl`.
+pub const LTC_FUNCTION: &str = include_str!("ltc_function.wgsl");
+/// `ltc_light.wgsl`.
+pub const LTC_LIGHT: &str = include_str!("ltc_light.wgsl");
+/// `ltc_math.wgsl`.
+pub const LTC_MATH: &str = include_str!("ltc_math.wgsl");
+/// `ltc_shapes.wgsl`.
+pub const LTC_SHAPES: &str = include_str!("ltc_shapes.wgsl");
+/// `ltc_smooth.wgsl`.
+pub const LTC_SMOOTH: &str = include_str!("ltc_smooth.wgsl");
+/// `ltc_table.wgsl`.
+pub const LTC_TABLE: &str = include_str!("ltc_table.wgsl");
+/// `nodes_storage.wgsl`.
+pub const NODES_STORAGE: &str = include_str!("nodes_storage.wgsl");
+/// `nodes_uniform.wgsl`.
+pub const NODES_UNIFORM: &str = include_str!("nodes_uniform.wgsl");
+/// `normals_corner.wgsl`.
+pub const NORMALS_CORNER: &str = include_str!("normals_corner.wgsl");
+/// `normals_edge.wgsl`.
+pub const NORMALS_EDGE: &str = include_str!("normals_edge.wgsl");
+/// `normals_example.wgsl`.
+pub const NORMALS_EXAMPLE: &str = include_str!("normals_example.wgsl");
+/// `normals_fan.wgsl`.
+pub const NORMALS_FAN: &str = include_str!("normals_fan.wgsl");
+/// `normals_light.wgsl`.
+pub const NORMALS_LIGHT: &str = include_str!("normals_light.wgsl");
+/// `normals_outline.wgsl`.
+pub const NORMALS_OUTLINE: &str = include_str!("normals_outline.wgsl");
+/// `normals_weight.wgsl`.
+pub const NORMALS_WEIGHT: &str = include_str!("normals_weight.wgsl");
+/// `reference_solids.wgsl`.
+pub const REFERENCE_SOLIDS: &str = include_str!("reference_solids.wgsl");
+/// `sphere.wgsl`.
+pub const SPHERE: &str = include_str!("sphere.wgsl");
+/// `texels_array.wgsl`.
+pub const TEXELS_ARRAY: &str = include_str!("texels_array.wgsl");
+/// `texels_volumes.wgsl`.
+pub const TEXELS_VOLUMES: &str = include_str!("texels_volumes.wgsl");

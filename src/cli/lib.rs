@@ -1,0 +1,54 @@
+//! The command line: parse, configure, run, exit code.
+//!
+//! Invariant: `cli` owns neither signals nor the environment; `main` hands both in. It holds no logic that
+//! [`ltcforge_server::service`] could hold.
+
+mod args;
+mod cluster;
+mod config_file;
+mod connections;
+mod context;
+mod csv;
+mod diff;
+mod exit;
+mod export;
+mod figures;
+mod fit;
+mod fsck;
+mod input;
+mod interrupt;
+mod jobs;
+mod light;
+mod light_case;
+mod lock;
+mod lookup;
+mod out_of_range;
+mod output;
+mod pins;
+mod plot;
+mod points;
+mod preview;
+mod preview_names;
+mod progress;
+mod pull;
+mod report;
+mod report_models;
+mod run;
+mod serve;
+mod service_settings;
+mod shader;
+mod sources;
+mod table_file;
+mod tabulated;
+mod tradeoff;
+mod tradeoff_models;
+mod verify;
+
+pub use args::{Cli, Command, OnInterrupt};
+pub use context::Context;
+pub use exit::{CommandFailure, Exit};
+pub use interrupt::Interrupt;
+pub use run::run;
+
+use context::{print, shown};
+use exit::{file_failure, lock_failure};

@@ -1,0 +1,334 @@
+//! Light cases: CSV lines of a surface, a view direction and a light.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::DVec3;
+
+use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
+use ltcforge_light::{AreaLight, LightError, LightShape, PolygonLight, ShapedLight};
+
+/// The names of the columns before the light.
+const COLUMNS: [&str; 4] = ["alpha_x", "alpha_y", "theta", "phi"];
+const MIN_VERTICES: usize = 3;
+
+/// A surface, a view direction and a light, which a line describes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LightCase {
+    pub(super) at: Configuration,
+    light: AnyLight,
+}
+
+/// A light of the shape that lines are read for.
+#[derive(Debug, Clone, PartialEq)]
+enum AnyLight {
+    Polygon(PolygonLight),
+    Shaped(ShapedLight),
+}
+
+impl LightCase {
+    pub(super) fn light(&self) -> AreaLight<'_> {
+        match &self.light {
+            AnyLight::Polygon(light) => light.into(),
+            AnyLight::Shaped(light) => light.into(),
+        }
+    }
+}
+
+/// The names of a light's columns, after those of the surface and the view. A polygon has further ones for its
+/// vertices.
+fn columns_of(shape: LightShape) -> &'static [&'static str] {
+    match shape {
+        LightShape::Polygon => &["sides"],
+        LightShape::Disk => &["sides", "cx", "cy", "cz", "ux", "uy", "uz", "vx", "vy", "vz"],
+        LightShape::Sphere => &["x", "y", "z", "radius"],
+        LightShape::Tube => &["ax", "ay", "az", "bx", "by", "bz", "radius"],
+        LightShape::Line => &["ax", "ay", "az", "bx", "by", "bz", "width"],
+    }
+}
+
+/// The name of a column. After the first five, a polygon has `x0`, `y0`, `z0`, `x1` ... `None` beyond the last column.
+fn column(shape: LightShape, index: usize) -> Option<String> {
+    let own = columns_of(shape);
+    if let Some(name) = COLUMNS.iter().chain(own).nth(index) {
+        return Some((*name).to_owned());
+    }
+    let number = index - COLUMNS.len() - own.len();
+    (shape == LightShape::Polygon).then(|| format!("{}{}", ["x", "y", "z"][number % 3], number / 3))
+}
+
+/// The columns that a line of a shape should have, for the message to a line that has others.
+fn expected(shape: LightShape) -> String {
+    let names = [&COLUMNS, columns_of(shape)].concat().join(",");
+    match shape {
+        LightShape::Polygon => format!("{names} and then x,y,z of {MIN_VERTICES} to {MAX_VERTICES} vertices"),
+        _ => names,
+    }
+}
+
+/// The fields of a line, and their faults.
+struct Fields<'a> {
+    shape: LightShape,
+    texts: Vec<&'a str>,
+    faults: Vec<String>,
+}
+
+impl Fields<'_> {
+    fn refuse(&mut self, index: usize, allowed: &str) {
+        let name = column(self.shape, index).unwrap_or_default();
+        self.faults.push(format!("{name} is «{}»; {allowed}", self.texts[index]));
+    }
+
+    /// The number of a field. If it is wrong, a fault is added, and the number is NaN.
+    fn number(&mut self, index: usize, is_allowed: impl Fn(f64) -> bool, allowed: &str) -> f64 {
+        match self.texts[index].parse::<f64>() {
+            Ok(value) if value.is_finite() && is_allowed(value) => value,
+            _ => {
+                self.refuse(index, allowed);
+                f64::NAN
+            }
+        }
+    }
+
+    fn roughness(&mut self, index: usize) -> f64 {
+        self.number(index, |x| x > 0.0 && x <= 1.0, "roughness is a number above 0, up to 1")
+    }
+
+    fn surface_and_view(&mut self) -> Configuration {
+        Configuration {
+            alpha_x: self.roughness(0),
+            alpha_y: self.roughness(1),
+            theta: self.number(
+                2,
+                |x| (0.0..FRAC_PI_2).contains(&x),
+                "a polar angle is a number from 0 to below pi/2, in radians",
+            ),
+            phi: self.number(3, |_| true, "an azimuth is a finite number, in radians"),
+        }
+    }
+
+    fn sides(&mut self, index: usize) -> Sides {
+        match self.texts[index] {
+            "1" => return Sides::One,
+            "2" => {}
+            _ => self.refuse(index, "a light has 1 or 2 lit sides"),
+        }
+        Sides::Two
+    }
+
+    fn point(&mut self, first: usize) -> DVec3 {
+        let [x, y, z] = [0, 1, 2].map(|i| self.number(first + i, |_| true, "a coordinate is a finite number"));
+        DVec3::new(x, y, z)
+    }
+
+    fn size(&mut self, index: usize, allowed: &str) -> f64 {
+        self.number(index, |x| x > 0.0, allowed)
+    }
+
+    /// The light, or its fault; `None` if a field has one.
+    fn light(&mut self) -> Option<Result<AnyLight, LightError>> {
+        let first = COLUMNS.len();
+        match self.shape {
+            LightShape::Polygon => {
+                let sides = self.sides(first);
+                let vertices: Vec<DVec3> =
+                    (first + 1..self.texts.len()).step_by(3).map(|index| self.point(index)).collect();
+                self.build(|| PolygonLight::new(vertices, sides).map(AnyLight::Polygon))
+            }
+            LightShape::Disk => {
+                let sides = self.sides(first);
+                let [centre, x, y] = [1, 4, 7].map(|index| self.point(first + index));
+                self.build(|| ShapedLight::ellipse(centre, [x, y], sides).map(AnyLight::Shaped))
+            }
+            LightShape::Sphere => {
+                let (centre, radius) = (self.point(first), self.size(first + 3, "a radius is a number above 0"));
+                self.build(|| ShapedLight::sphere(centre, radius).map(AnyLight::Shaped))
+            }
+            LightShape::Tube => {
+                let ends = [0, 3].map(|index| self.point(first + index));
+                let radius = self.size(first + 6, "a radius is a number above 0");
+                self.build(|| ShapedLight::tube(ends, radius).map(AnyLight::Shaped))
+            }
+            LightShape::Line => {
+                let ends = [0, 3].map(|index| self.point(first + index));
+                let width = self.size(first + 6, "a width is a number above 0");
+                self.build(|| ShapedLight::line(ends, width).map(AnyLight::Shaped))
+            }
+        }
+    }
+
+    fn build(&self, light: impl FnOnce() -> Result<AnyLight, LightError>) -> Option<Result<AnyLight, LightError>> {
+        self.faults.is_empty().then(light)
+    }
+}
+
+/// Reads a line for a shape; `None` for an empty line.
+///
+/// # Errors
+/// Every field that is wrong and the values that it may have, or the fault of a light whose fields are right.
+pub(super) fn parse(shape: LightShape, line: &str) -> Result<Option<LightCase>, String> {
+    if line.trim().is_empty() {
+        return Ok(None);
+    }
+    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+    let more = fields.len().checked_sub(COLUMNS.len() + columns_of(shape).len());
+    let is_whole = match shape {
+        LightShape::Polygon => {
+            more.is_some_and(|more| more.is_multiple_of(3) && (MIN_VERTICES..=MAX_VERTICES).contains(&(more / 3)))
+        }
+        _ => more == Some(0),
+    };
+    if !is_whole {
+        return Err(format!("{} fields; a {} has {}", fields.len(), kind(shape), expected(shape)));
+    }
+    let mut fields = Fields { shape, texts: fields, faults: Vec::new() };
+    let at = fields.surface_and_view();
+    match fields.light() {
+        Some(light) => Ok(Some(LightCase { at, light: light.map_err(|error| error.to_string())? })),
+        None => Err(fields.faults.join("; ")),
+    }
+}
+
+fn kind(shape: LightShape) -> &'static str {
+    match shape {
+        LightShape::Polygon => "light",
+        shape => shape.name(),
+    }
+}
+
+/// Whether a line is a header of a shape's columns. Those of polygons have any number of vertices.
+pub(super) fn is_header(shape: LightShape, line: &str) -> bool {
+    let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+    let min = COLUMNS.len() + columns_of(shape).len();
+    let min = if shape == LightShape::Polygon { min + 1 } else { min };
+    fields.len() >= min && fields.iter().enumerate().all(|(index, name)| column(shape, index).as_deref() == Some(*name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LightShape::Polygon, *};
+
+    const SQUARE: &str = "0.5,0.25,0.7,-7e1,1,-1,-1,2,1,-1,2,1,1,2,-1,1,2";
+
+    fn polygon(case: &LightCase) -> &PolygonLight {
+        let AnyLight::Polygon(light) = &case.light else { panic!("{case:?}") };
+        light
+    }
+
+    #[test]
+    fn a_line_is_a_surface_a_view_and_a_light() {
+        let case =
+            parse(Polygon, &format!(" {} \r", SQUARE.replace(',', " , "))).expect("a light case").expect("not empty");
+        assert_eq!(case.at, Configuration { alpha_x: 0.5, alpha_y: 0.25, theta: 0.7, phi: -70.0 });
+        assert_eq!((polygon(&case).vertices().len(), polygon(&case).sides()), (4, Sides::One));
+        assert_eq!(parse(Polygon, "  \r"), Ok(None));
+        let eight: String = [(4, 1), (3, 3), (1, 4), (-1, 4), (-3, 3), (-4, 1), (-4, -1), (0, -4)]
+            .map(|(x, y)| format!(",{x},{y},2"))
+            .concat();
+        let case = parse(Polygon, &format!("1,1,0,0,2{eight}")).expect("a light case").expect("not empty");
+        assert_eq!((polygon(&case).vertices().len(), polygon(&case).sides()), (8, Sides::Two));
+        assert!(parse(Polygon, &format!("1,1,0,0,2{eight},2,-3,2")).expect_err("nine vertices").contains("32 fields"));
+    }
+
+    #[test]
+    fn a_wrong_field_is_named_with_what_is_allowed() {
+        let with = |index: usize, field: &str| {
+            let mut fields: Vec<&str> = SQUARE.split(',').collect();
+            fields[index] = field;
+            fields.join(",")
+        };
+        let cases = [
+            (with(0, "1.5"), "alpha_x is «1.5»; roughness is a number above 0"),
+            (with(1, "0"), "alpha_y is «0»; roughness"),
+            (with(2, "1.5707963267948966"), "theta is «1.5707963267948966»; a polar angle is a number from 0 to below"),
+            (with(3, "inf"), "phi is «inf»; an azimuth"),
+            (with(4, "3"), "sides is «3»; a light has 1 or 2"),
+            (with(4, "one"), "sides is «one»"),
+            (with(6, "NaN"), "y0 is «NaN»; a coordinate"),
+            (with(13, "x"), "z2 is «x»; a coordinate"),
+            (with(16, ""), "z3 is «»"),
+            (with(16, "-9"), "not convex"),
+            (
+                "0.5,0.5,0,0".to_owned(),
+                "4 fields; a light has alpha_x,alpha_y,theta,phi,sides and then x,y,z of 3 to 8",
+            ),
+            ("0.5,0.5,0,0,1,0,0,1,0,1,1".to_owned(), "11 fields"),
+            (format!("{SQUARE},1"), "18 fields"),
+        ];
+        for (line, said) in cases {
+            let refused = parse(Polygon, &line).expect_err(&line);
+            assert!(refused.contains(said), "{line}: {refused}");
+        }
+    }
+
+    #[test]
+    fn the_header_is_known_by_its_names() {
+        assert!(is_header(Polygon, "alpha_x, alpha_y,theta,phi,sides,x0,y0,z0,x1,y1,z1,x2,y2,z2\r"));
+        assert!(is_header(Polygon, "alpha_x,alpha_y,theta,phi,sides,x0"));
+        assert!(!is_header(Polygon, "alpha_x,alpha_y,theta,phi"));
+        assert!(!is_header(Polygon, SQUARE));
+    }
+
+    /// A line of each shape except polygons, with the light that it describes.
+    fn shaped() -> [(LightShape, &'static str, ShapedLight); 4] {
+        let (a, b) = (DVec3::new(-1.0, 0.5, 2.0), DVec3::new(1.0, 0.0, 1.5));
+        let (x, y) = (DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.0, 0.2, 0.1));
+        [
+            (LightShape::Disk, "1,-1,0.5,2,0.5,0,0,0,0.2,0.1", ShapedLight::ellipse(a, [x, y], Sides::One)),
+            (LightShape::Sphere, "-1,0.5,2,0.25", ShapedLight::sphere(a, 0.25)),
+            (LightShape::Tube, "-1,0.5,2,1,0,1.5,0.25", ShapedLight::tube([a, b], 0.25)),
+            (LightShape::Line, "-1,0.5,2,1,0,1.5,0.01", ShapedLight::line([a, b], 0.01)),
+        ]
+        .map(|(shape, line, light)| (shape, line, light.expect("a light")))
+    }
+
+    #[test]
+    fn every_shape_has_its_columns_and_a_header_of_its_own() {
+        for (shape, light, wanted) in shaped() {
+            let case =
+                parse(shape, &format!("0.5,0.25,0.7,-7e1, {light}\r")).expect("a light case").expect("not empty");
+            assert_eq!(case.light, AnyLight::Shaped(wanted), "{shape}");
+            assert_eq!((case.at.phi, wanted.shape()), (-70.0, shape));
+            assert_eq!(parse(shape, " "), Ok(None));
+            let header = expected(shape);
+            assert!(is_header(shape, &format!("{header}\r")) && !is_header(shape, &format!("{header},x0")), "{header}");
+            assert!(!is_header(shape, header.rsplit_once(',').expect("columns").0) && !is_header(Polygon, &header));
+            let refused = parse(shape, &format!("0.5,0.25,0.7,0,{light},1")).expect_err("too many fields");
+            let count = light.split(',').count() + 5;
+            assert_eq!(refused, format!("{count} fields; a {shape} has {header}"));
+        }
+    }
+
+    #[test]
+    fn every_fault_of_a_line_is_told() {
+        let refused = |shape, light: &str| parse(shape, &format!("0.5,0.5,0,0,{light}")).expect_err(light);
+        let cases = [
+            (
+                LightShape::Disk,
+                "3,-1,0.5,2,0.5,0,0,0,x,0.1",
+                "sides is «3»; a light has 1 or 2 lit sides; vy is «x»; a coordinate",
+            ),
+            (LightShape::Disk, "1,-1,0.5,2,0.5,0,0.1,1,0,0.2", "the half axes are parallel or zero"),
+            (LightShape::Disk, "1,-1,0.5,2,0,0,0,1,0,0.2", "the half axes are parallel or zero"),
+            (LightShape::Disk, "1,0.5,0,0,1,0,0,0,1,0", "the shaded point lies inside the light"),
+            (
+                LightShape::Sphere,
+                "NaN,0.5,inf,-1",
+                "x is «NaN»; a coordinate is a finite number; z is «inf»; a coordinate is a finite number; radius is «-1»; a radius is a number above 0",
+            ),
+            (LightShape::Sphere, "0,0.5,1,0", "radius is «0»; a radius is a number above 0"),
+            (LightShape::Sphere, "0,0.5,1,1.2", "the shaded point lies inside the light"),
+            (LightShape::Sphere, "0,0,0,1e-9", "the shaded point lies inside the light"),
+            (LightShape::Tube, "-1,0,0.1,1,0,0.1,0.2", "the shaded point lies inside the light"),
+            (LightShape::Tube, "-1,0,,1,0,0.1,0", "az is «»; a coordinate is a finite number; radius is «0»"),
+            (LightShape::Line, "1,0,1,1,0,1,0.1", "the length of the line is 0; the two ends are points apart"),
+            (LightShape::Line, "-1,0,-1,2,0,2,0.1", "the shaded point lies inside the light"),
+            (LightShape::Line, "-1,0,1,2,0,2,0", "width is «0»; a width is a number above 0"),
+        ];
+        for (shape, light, said) in cases {
+            let refused = refused(shape, light);
+            assert!(refused.starts_with(said), "{shape} {light}: {refused}");
+        }
+        let all = parse(LightShape::Sphere, "2,0,9,inf,0,0,1,no").expect_err("six faults");
+        assert_eq!(all.matches(" is «").count(), 5, "{all}");
+    }
+}

@@ -1,0 +1,32 @@
+//! The REST client, and the lock file by which a project pins its tables.
+//!
+//! Invariant: `client` fits nothing and opens no store, and uses a download only after checking its hash. It reads no
+//! answer beyond a limit of bytes and time, and writes nothing outside the lock file's folder.
+
+mod answer;
+mod download;
+mod error;
+mod events;
+mod job;
+mod limits;
+mod lock_error;
+mod lock_file;
+mod lock_text;
+mod pin;
+mod pull;
+mod rest;
+mod source;
+#[cfg(test)]
+mod tests;
+
+pub use download::{Download, DownloadError};
+pub use error::ClientError;
+pub use job::{JobDocument, JobProgress, JobStatus};
+pub use limits::{Limits, SizeOrigin};
+pub use lock_error::LockFileError;
+pub use lock_file::{LockFile, read_text};
+pub use lock_text::with_pins;
+pub use pin::{ExportPin, FilePin, Pin, check_pins};
+pub use pull::{PinState, PullError, check, check_size, pull, pull_export, target};
+pub use rest::Client;
+pub use source::{Access, Source, SourcesError, fetch};

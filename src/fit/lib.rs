@@ -1,0 +1,59 @@
+//! Recipe to table: the fitting core.
+//!
+//! How a configuration becomes an entry: a [`Layout`] places it, `metric` samples its lobe, `solver` finds the matrix
+//! whose LTC is nearest to the lobe, and the layout decides which numbers are stored. [`Table`] looks them up.
+//! `measure` judges the table and shares nothing with the metric.
+//!
+//! Invariant: `fit` knows no clock, file, environment, JSON value or thread count; equal recipes give equal bytes.
+
+pub mod brdf;
+pub mod lobe;
+pub mod math;
+
+mod assemble;
+mod axes;
+mod between;
+mod cost;
+mod entry;
+mod expectation;
+mod layout;
+mod measure;
+mod metric;
+mod named_list;
+mod recipe;
+mod run;
+mod shard;
+mod solver;
+mod stop_check;
+mod table;
+mod terms;
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
+
+pub use assemble::assemble;
+pub use axes::{LEAST_ALPHA, PerAxis};
+pub use brdf::{
+    Asymmetry, BrdfKind, BrdfModel, MOST_ALBEDO, MOST_VALUES, TabulatedAxes, TabulatedBrdf, TabulatedFault,
+    TabulatedFile,
+};
+pub use cost::fit_seconds;
+pub use entry::{FittedEntry, Fitter};
+pub use expectation::{Expectation, expectation};
+pub use layout::{
+    ALPHA_FLOOR, FreeNumbers, Layout, LayoutShader, Precision, RATIO_FLOOR, Reflection, ShaderNumbers, THETA_CEILING,
+};
+pub use lobe::LobeModel;
+pub use lobe::ltc::{Clip, Cone, CosineSpace, Ltc, MAX_VERTICES, Sides, cheap_form_factor, clipped_form_factor};
+pub use measure::{
+    Accuracy, Corner, Difference, ErrorMap, Extent, Figures, Floors, Gap, GoOn, MOST_POINTS, Matrices, Moved,
+    POOR_WIDTH, Poor, REPORT_VERSION, Report, ReportPoints, Spread, TermError, Worst, difference, error_map,
+    error_map_while, extremes, figures_of, report, report_points, report_while, width_between,
+};
+pub use metric::Metric;
+pub use recipe::{FITTER_VERSION, FitSettings, Recipe};
+pub use run::{Progress, fit_entries, fit_plan};
+pub use shard::{Plan, ShardBytesError, fit_rows, fit_shard, shard_from_bytes, shard_to_bytes};
+pub use solver::{Shear, Simplex, Solver, Start};
+pub use stop_check::StopCheck;
+pub use table::{Configuration, FUNCTION_SIDE, FunctionError, IsotropicFunction, LookedUp, Table, Terms};
+pub use terms::{ggx_terms, terms_of};

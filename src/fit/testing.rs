@@ -1,0 +1,7 @@
+//! Tables, BRDFs and polygons whose numbers are known, for tests of the floors above.
+
+pub use super::{
+    brdf::planted_tabulated,
+    lobe::ltc::quadrature::{self, mirror_like, quadrature as polygon_quadrature, random_cases},
+    table::planted_isotropic,
+};

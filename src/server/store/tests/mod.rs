@@ -1,0 +1,3 @@
+//! Help for tests of the users of the store.
+
+pub(crate) mod memory;

@@ -1,0 +1,107 @@
+//! The comment at the top of the shader that lights by a Gaussian.
+
+use super::{
+    Language,
+    golden::{CASES, CORNERS},
+    header::{commented, fixed, listed},
+};
+use ltcforge_fit::Sides;
+use ltcforge_light::gaussians::{Gaussian, SgLight, reflected, reflected_sg};
+
+/// What the shader is, and under which terms.
+const ABOUT: &str = "\
+Area lights on anisotropic GGX by one Gaussian on the sphere: no table, cheap and coarse.
+Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
+
+FUNCTIONS
+  gaussians_view(kind, alpha_x, alpha_y, wo)  a surface seen from a direction, for all lights at the point. kind is 0
+      for a spherical Gaussian (sg), 1 for an anisotropic one (asg); give it as a constant. GGX roughness along x and y,
+      above 0; wo is the view direction in the tangent frame, normal +z, of unit length.
+{lights}";
+
+/// What a Gaussian lights by, with a table or without one.
+pub(super) const LIGHTS: &str =
+    "  gaussians_rectangle(view, corners, two_sided), gaussians_polygon(view, vertices, count, two_sided),
+  gaussians_disk(view, centre, half_x, half_y, two_sided)
+      what is reflected of a light of radiance one: for a Fresnel factor of one, and the part of it that Schlick's
+      (1 - cos)^5 weighs. The light's vertices are relative to the shaded point, in the tangent frame, convex, and run
+      clockwise seen from the lit side; a disk's is towards half_x x half_y.
+  gaussians_sg(view, axis, sharpness, amplitude)
+      the same of the light amplitude exp(sharpness (w . axis - 1)), as lightmaps and probes store it.
+  Light of radiance L arrives as L (f0 (x - y) + f90 y).
+";
+
+/// The program beside the functions.
+const EXAMPLE: &str = "\
+  gaussians_example calls them; it stands for your own code, and all bindings go with it.
+
+EXAMPLE
+  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, 0 for a disk, 1 for a
+  spherical Gaussian), 1 if it is lit from both sides, else 0, and the kind; then eight vertices with 0 after each, of a
+  disk centre, half_x and half_y, of a Gaussian its axis, and sharpness and amplitude.
+  Result: a vec4 of f32, the two parts and 0, 0.
+";
+
+/// How the functions are used where they are included.
+const USE: &str = "
+USE
+  gaussians_view once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y.
+  Nothing is bound. Diffuse light is not here: it is Lambert's form factor of the light.
+";
+
+/// The light of the check that is a spherical Gaussian.
+pub const SG_LIGHT: SgLight<f64> = SgLight { axis: [-0.48, 0.36, 0.8], sharpness: 12.0, amplitude: 1.5 };
+
+fn bindings(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => "  here      group 0: case 0, result 1",
+        Language::Spirv => "  here      set 0: case 0, result 1",
+        Language::Glsl | Language::Glsl330 | Language::GlslEs => "  here      uniform block 0, storage block 1",
+        Language::Hlsl => "  here      b0 and u1 of space0",
+        Language::Msl => "  here      buffers 0 and 1",
+    }
+}
+
+/// The comment of the program, in lines that begin with `//`.
+pub(super) fn gaussians_header(language: Language) -> String {
+    commented(&format!("{}{EXAMPLE}{}\n\n{}", about(), bindings(language), check()))
+}
+
+/// The comment of the text to include.
+#[must_use]
+pub fn gaussians_include_header() -> String {
+    commented(&format!("{}{USE}\n{}", about(), check()))
+}
+
+fn about() -> String {
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", LIGHTS)
+}
+
+/// The values to check a port against.
+fn check() -> String {
+    let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
+    let SgLight { axis, sharpness, amplitude } = SG_LIGHT;
+    let values: Vec<String> = CASES
+        .iter()
+        .map(|case| {
+            let alpha = [case.alpha_x, case.alpha_y];
+            let joined = |of: &dyn Fn(Gaussian) -> [f64; 2]| {
+                Gaussian::ALL.iter().map(|kind| of(*kind).map(fixed).join(" ")).collect::<Vec<_>>().join(" | ")
+            };
+            format!(
+                "  alpha_x {} alpha_y {} wo ({})\n    rectangle {}\n    gaussian {}\n",
+                case.alpha_x,
+                case.alpha_y,
+                listed(&case.wo),
+                joined(&|kind| reflected(kind, alpha, case.wo, &CORNERS, Sides::One)),
+                joined(&|kind| reflected_sg(kind, alpha, case.wo, &SG_LIGHT))
+            )
+        })
+        .collect();
+    format!(
+        "CHECK\n  The parts of the one-sided rectangle\n  {corners}, and of the spherical\n  Gaussian of axis ({}), sharpness \
+         {sharpness}, amplitude {amplitude}; by sg | asg.\n  A port in 32 bits comes within 0.00002 of each number.\n{}",
+        listed(&axis),
+        values.concat()
+    )
+}

@@ -1,0 +1,88 @@
+//! The comment at the top of the shader that lights by a table of Gaussians.
+
+use super::{
+    Bound, Language,
+    gaussians_header::LIGHTS,
+    golden::{CASES, CORNERS, Case},
+    header::{NODES_IN_STORAGE, bindings, bound_table, checked_table, commented, fixed, listed},
+};
+use super::{
+    Place, Reading,
+    header::{included_bindings, nodes_of_include},
+};
+use ltcforge_fit::Layout;
+use ltcforge_light::Gaussian;
+
+/// What the shader is, and under which terms.
+const ABOUT: &str = "\
+Area lights on anisotropic GGX by one Gaussian on the sphere, by a table that ltcforge fitted with lobe sg or asg.
+Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
+
+Reads tables of layout {layout}, and takes every table for one.
+
+FUNCTIONS
+  gaussians_lookup(kind, alpha_x, alpha_y, wo)  the table at a surface and a view, for all lights at the point. kind is 0
+      for a table of lobe sg, 1 for asg; give it as a constant. GGX roughness along x and y; wo is the view direction in
+      the tangent frame, normal +z, of unit length.
+{lights}";
+
+/// The program beside the functions.
+const EXAMPLE: &str = "\
+EXAMPLE
+  gaussians_table_example calls them; it stands for your own code. All but group 0 goes with it.
+  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, 0 for a disk, 1 for a
+  spherical Gaussian), 1 if it is lit from both sides, else 0, and the kind; then eight vertices with 0 after each, of a
+  disk centre, half_x and half_y, of a Gaussian its axis, and sharpness and amplitude.
+  Result: a vec4 of f32, the two parts and 0, 0.
+";
+
+/// How the functions are used where they are included.
+const USE: &str = "
+USE
+  gaussians_lookup once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y.
+  Diffuse light is not here: it is Lambert's form factor of the light.
+";
+
+fn about(layout: Layout) -> String {
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{layout}", layout.name()).replace("{lights}", LIGHTS)
+}
+
+/// The comment of the program, in lines that begin with `//`.
+pub(super) fn gaussians_table_header(language: Language, layout: Layout) -> String {
+    let (table, bindings) = (bound_table(Bound::Volumes, NODES_IN_STORAGE), bindings(language));
+    commented(&format!("{}\n{table}  {bindings}\n\n{EXAMPLE}\n{}", about(layout), check(layout)))
+}
+
+/// The comment of the text to include.
+#[must_use]
+pub fn gaussians_table_include_header(language: Language, layout: Layout, reading: Reading, place: &Place) -> String {
+    let (table, bindings) =
+        (bound_table(reading.bound, nodes_of_include(language)), included_bindings(language, reading, place));
+    commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))
+}
+
+/// The values to check a port against.
+fn check(layout: Layout) -> String {
+    let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
+    let values: String = CASES.iter().map(|case| shown(case, layout)).collect();
+    format!(
+        "\
+CHECK
+{}
+  What is reflected of the one-sided rectangle {corners}, for kind 0 | for
+  kind 1. A port in 32 bits comes within 0.00002 of each number.
+{values}",
+        checked_table(layout)
+    )
+}
+
+fn shown(case: &Case, layout: Layout) -> String {
+    let parts = Gaussian::ALL.iter().map(|kind| case.lit_by_gaussian(layout, *kind).map(fixed).join(" "));
+    format!(
+        "  alpha_x {} alpha_y {} wo ({})\n    rectangle {}\n",
+        case.alpha_x,
+        case.alpha_y,
+        listed(&case.wo),
+        parts.collect::<Vec<_>>().join(" | ")
+    )
+}

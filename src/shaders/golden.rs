@@ -1,0 +1,115 @@
+//! Values to check a port against, of a small table that a comment can describe.
+
+use glam::DVec3;
+
+use ltcforge_fit::{
+    BrdfKind, Configuration, Layout, LobeModel, Ltc, PerAxis, Sides, Table, Terms,
+    math::{atan2, from_row_major},
+};
+use ltcforge_light::{
+    Gaussian,
+    gaussians::{self, SphericalGaussian},
+};
+
+/// A surface and a view direction to look up. The cases try every fold, and a place outside the table.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    /// Roughness along x.
+    pub alpha_x: f64,
+    /// Roughness along y.
+    pub alpha_y: f64,
+    /// Of unit length, in decimals too.
+    pub wo: [f64; 3],
+}
+
+/// The cases.
+pub const CASES: [Case; 3] = [
+    Case { alpha_x: 0.3, alpha_y: 0.15, wo: [0.36, 0.48, 0.8] },
+    Case { alpha_x: 0.2, alpha_y: 0.6, wo: [-0.64, 0.48, 0.6] },
+    Case { alpha_x: 0.05, alpha_y: 0.02, wo: [0.576, -0.768, 0.28] },
+];
+
+/// A rectangle through the horizon, by its corners around the shaded point; lit towards that point.
+pub const CORNERS: [[f64; 3]; 4] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.5, -0.5], [-1.0, 1.5, -0.5]];
+
+/// The values that a port has to reproduce.
+#[derive(Debug, Clone, Copy)]
+pub struct Golden {
+    /// `M`, row-major.
+    pub matrix: [f64; 9],
+    /// Directional albedo for a Fresnel factor of one.
+    pub amplitude: f64,
+    /// The same weighted by Schlick's fifth power.
+    pub fresnel: f64,
+    /// The part of the lobe that the rectangle covers.
+    pub covered: f64,
+}
+
+/// How near a port in 32 bits comes to each value, as the header promises.
+pub const TOLERANCE: f64 = 2e-5;
+
+/// The step between the numbers of neighbouring entries: 2^-10, so that all numbers are exact in half floats.
+const STEP: f64 = 1.0 / 1024.0;
+
+/// The table: number `k` of entry `e`, both from 0 in storage order, is `I[k] + e (k + 1) / 1024`, where `I` is the
+/// identity, an amplitude of 1 and a Fresnel term of 0. Layouts of isotropic tables have one ratio and one phi.
+#[must_use]
+pub fn table(layout: Layout) -> Table {
+    const START: [f64; 11] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
+    let is_isotropic = layout.only_ranges().is_some_and(|ranges| ranges.ratio == [1.0; 2]);
+    let [ratio, phi] = if is_isotropic { [vec![1.0], vec![0.0]] } else { [vec![0.1, 1.0], vec![0.0, 0.6, 1.5]] };
+    let axes = PerAxis { alpha: vec![0.1, 0.4, 1.0], ratio, theta: vec![0.0, 0.7, 1.5], phi };
+    let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
+    let entries = alpha * ratio * theta * phi;
+    let number = |entry: usize, k: usize| (START[k] + (entry * (k + 1)) as f64 * STEP) as f32;
+    Table {
+        brdf: BrdfKind::Ggx.into(),
+        lobe: LobeModel::Ltc,
+        layout,
+        axes,
+        matrix: (0..entries).map(|entry| std::array::from_fn(|k| number(entry, k))).collect(),
+        terms: Some(Terms {
+            amplitude: (0..entries).map(|entry| number(entry, 9)).collect(),
+            fresnel: (0..entries).map(|entry| number(entry, 10)).collect(),
+        }),
+        node_error: vec![0.0; entries],
+    }
+}
+
+impl Case {
+    fn configuration(&self) -> Configuration {
+        let [x, y, z] = self.wo;
+        let theta = atan2((x * x + y * y).sqrt(), z);
+        Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: atan2(y, x) }
+    }
+
+    /// What the table gives here, in f64.
+    pub fn golden(&self, layout: Layout) -> Golden {
+        let found = table(layout).lookup(&self.configuration());
+        let light = CORNERS.map(DVec3::from_array);
+        Golden {
+            matrix: found.matrix,
+            amplitude: found.amplitude.unwrap_or(1.0),
+            fresnel: found.fresnel.unwrap_or(0.0),
+            covered: Ltc::new(from_row_major(&found.matrix)).map_or(0.0, |ltc| ltc.polygon(&light, Sides::One)),
+        }
+    }
+
+    /// What the table, taken for one of Gaussians, reflects of the rectangle: for a Fresnel factor of one, and its part
+    /// weighed by Schlick's, in f64.
+    #[must_use]
+    pub fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
+        let (shape, parts) = self.gaussian(layout, gaussian);
+        gaussians::reflected_by(&shape, parts, &CORNERS, Sides::One)
+    }
+
+    /// What the table, taken for one of Gaussians, has: the Gaussian, and its two parts.
+    #[must_use]
+    pub fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
+        let found = table(layout).lookup(&self.configuration());
+        let parts = [found.amplitude.unwrap_or(1.0), found.fresnel.unwrap_or(0.0)];
+        let m = from_row_major(&found.matrix);
+        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
+        (SphericalGaussian::of_columns(gaussian, columns), parts)
+    }
+}

@@ -1,0 +1,329 @@
+//! The comment at the top of a translation.
+
+use super::{
+    Bound, Language, Lights,
+    golden::{CASES, CORNERS, Case, Golden, table},
+};
+use super::{Filter, Place, Reading};
+use ltcforge_fit::{Layout, PerAxis};
+
+/// What the shader is, and under which terms.
+const ABOUT: &str = "\
+Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
+Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
+
+Reads tables of layout {layout}, and takes every table for one.
+
+FUNCTIONS
+  ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness along x and y; wo is the view direction in
+      the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
+{lights}";
+
+/// What both kinds of tables light by.
+#[must_use]
+pub fn functions_of(lights: Lights) -> &'static str {
+    match lights {
+        Lights::All => LIGHTS,
+        Lights::Polygons => POLYGONS,
+    }
+}
+
+const POLYGONS: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
+  ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided)
+      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
+      Vertices are convex and run clockwise seen from the lit side. Disks, spheres, tubes and lines were left out by
+      --lights polygons.
+  Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+";
+
+const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a factor, for all lights at the point.
+  ltc_rectangle(inverse, corners, two_sided), ltc_polygon(inverse, vertices, count, two_sided),
+  ltc_disk(inverse, centre, half_x, half_y, two_sided), ltc_sphere(inverse, centre, radius),
+  ltc_tube(inverse, start, end, radius), ltc_line(inverse, start, end, width)
+      the part of the lobe that a light covers, 0 to 1. All is relative to the shaded point, in the tangent frame.
+      Vertices are convex and run clockwise seen from the lit side; a disk's is towards half_x x half_y. A tube has
+      round ends; a line is the limit of a thin one, its width the diameter. Disks, spheres and tubes are exact.
+      LTC_CHEAP_HORIZON, a constant, makes all but tubes and lines cheaper, and too bright by up to 0.16 at the horizon.
+  Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
+";
+
+/// What the program has beside its functions.
+const CALLED: &str = "  ltc_example calls them; it stands for your own code. All but group 0 goes with it.\n";
+
+/// How the functions are used where they are included.
+const USE: &str = "
+USE
+  ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Isotropic surfaces have alpha_x =
+  alpha_y. Diffuse light is the albedo times one with the unit matrix for inverse.
+  A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
+";
+
+/// What a table consists of on the GPU, in every language.
+const TABLE: &str = "\
+BINDINGS OF A TABLE
+  uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; the layout's number, not read here
+            ({numbers});
+            1 if ratio has the one node 1 and phi has one node, else 0; 0; 0
+  nodes     {nodes}: alpha's nodes, then ratio's, theta's and phi's, ascending
+  {textures}  Texels stand in the order of the file's entries, but their numbers have to be put together from its tensors
+  matrix, amplitude and fresnel. Alpha is the larger roughness, ratio the smaller over it, theta and phi the view
+  direction's angles in radians.
+";
+
+/// A table in three textures.
+const VOLUMES: &str = "\
+  matrix_a  3D texture, RGBA, 32 or 16 bit float: m00 m01 m02 m10 of each entry; m01 is row 0, column 1
+  matrix_b  likewise: m11 m12 m20 m21
+  terms     likewise: m22 amplitude fresnel 0; a table without terms has amplitude 1, fresnel 0
+  The textures are phi wide, ratio * theta high and alpha deep: texel (p, r * theta_nodes + t, a) is entry [a, r, t, p]
+  of the file's tensors.
+";
+
+/// A table in one texture.
+const ARRAY: &str = "\
+  layers    2D array, RGBA, 32 or 16 bit float, phi wide, ratio * theta high, with three layers for each node of alpha.
+            Entry [a, r, t, p] of the file's tensors is at (p, r * theta_nodes + t): in layer a m00 m01 m02 m10, in layer
+            alpha_nodes + a m11 m12 m20 m21, in layer 2 alpha_nodes + a m22 amplitude fresnel 0; m01 is row 0, column 1; a
+            table without terms has amplitude 1, fresnel 0
+";
+
+/// The input and output of `ltc_example`.
+const EXAMPLE: &str = "\
+EXAMPLE
+  Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, what the light is (3 to 8 for as many vertices, 0 a disk, 1 a sphere,
+  2 a tube, 9 a line), 1 if it is lit from both sides, else 0, and radius or width; then eight vertices with 0 after
+  each, of a disk centre, half_x and half_y, of a sphere its centre, of tube and line both ends.
+  Result: 4 x vec4 of f32. The columns of M with 0 after each; amplitude, fresnel, covered, 0.
+";
+
+/// Where the program binds them.
+pub(super) fn bindings(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group 0: uniform 0, nodes 1, matrix_a 2, matrix_b 3, terms 4, sampler 5
+            group 1, of the example: case 0, result 1
+  The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
+  entries are weighed here and it may be any."
+        }
+        Language::Spirv => {
+            "\
+  here      set 0: uniform 0, nodes 1, matrix_a 2, matrix_b 3, terms 4
+            set 1, of the example: case 0, result 1
+  Sampled images, no sampler: the entries are weighed here."
+        }
+        Language::Glsl | Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniform block 0, nodes: storage block 1, textures: units 0, 1 and 2
+            of the example: uniform block 2, storage block 3
+  The entries are weighed here, texels are fetched: filter and wrap mode do not matter, but set filters without mipmaps."
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b0, nodes t1, matrix_a t2, matrix_b t3, terms t4, all of space0
+            of the example: b0 and u1 of space1
+  No sampler: the entries are weighed here."
+        }
+        Language::Msl => {
+            "\
+  here      buffers: uniform 0, nodes 1; textures: matrix_a 0, matrix_b 1, terms 2
+            of the example: buffers 2 and 3
+            buffer 4: one u32, the bytes of nodes; handed through, but nothing here depends on it
+  No sampler: the entries are weighed here."
+        }
+    }
+}
+
+/// Where a text to include binds them.
+pub(super) fn included_bindings(language: Language, reading: Reading, place: &Place) -> String {
+    let bound = match reading.bound {
+        Bound::Volumes => bound_volumes(language),
+        Bound::Array => bound_array(language),
+    };
+    let weighed = match (language, reading.filter) {
+        (Language::Wgsl, _) => {
+            "The sampler is used where ltc_hardware_filter is true: linear, clamped to the edge, textures filterable. Else the
+  entries are weighed here and it may be any."
+        }
+        (_, Filter::Exact) => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
+        (_, Filter::Hardware) => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
+    };
+    let (opengl, space) = match place.group {
+        0 => ("in OpenGL 4.3 textures are units", ""),
+        _ => ("OpenGL has no sets", ", all of space{group}"),
+    };
+    let bound = bound.replace("{opengl}", opengl).replace("{space}", space);
+    format!("{}\n  {weighed}", place.numbered(&bound))
+}
+
+/// Where three textures are bound.
+fn bound_volumes(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group {group}: uniform {0}, nodes {1}, matrix_a {2}, matrix_b {3}, terms {4}, sampler {5}"
+        }
+        Language::Glsl => {
+            "\
+  here      uniform block {0}, nodes: storage block {1}, textures ltc_matrix_a {2}, ltc_matrix_b {3}, ltc_terms {4}: in Vulkan
+            bindings of set {group}, the textures with samplers; {opengl}"
+        }
+        Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
+            the last; samplers ltc_matrix_a, ltc_matrix_b, ltc_terms"
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b{0}, nodes t{1}, matrix_a t{2}, matrix_b t{3}, terms t{4}, sampler s{5}{space}"
+        }
+        Language::Msl | Language::Spirv => {
+            "\
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_nodes,
+            ltc_matrix_a, ltc_matrix_b, ltc_terms and ltc_sampler; _mslBufferSizes may be any of its type"
+        }
+    }
+}
+
+/// Where the one array is bound.
+fn bound_array(language: Language) -> &'static str {
+    match language {
+        Language::Wgsl => {
+            "\
+  here      group {group}: uniform {0}, nodes {1}, layers {2}, sampler {3}"
+        }
+        Language::Glsl => {
+            "\
+  here      uniform block {0}, nodes: storage block {1}, texture ltc_layers {2}: in Vulkan bindings of set {group}, the texture
+            with a sampler; {opengl}"
+        }
+        Language::Glsl330 | Language::GlslEs => {
+            "\
+  here      uniforms ltc_table.nodes and ltc_table.reading, uvec4 each; ltc_nodes.four, 128 x vec4, four nodes each, 0 after
+            the last; sampler ltc_layers"
+        }
+        Language::Hlsl => {
+            "\
+  matrices  M[i] is column i of M here as in the other languages, what HLSL calls a row: M v is mul(v, M)
+  here      uniform b{0}, nodes t{1}, layers t{2}, sampler s{3}{space}"
+        }
+        Language::Msl | Language::Spirv => {
+            "\
+  here      nothing is bound: functions take what they read as arguments, which are called ltc_table, ltc_nodes, ltc_layers and
+            ltc_sampler; _mslBufferSizes may be any of its type"
+        }
+    }
+}
+
+/// The table and what it is called, with its nodes in a buffer or a uniform.
+fn about(layout: Layout, lights: Lights) -> String {
+    ABOUT
+        .replace("{version}", env!("CARGO_PKG_VERSION"))
+        .replace("{layout}", layout.name())
+        .replace("{lights}", functions_of(lights))
+}
+
+pub(super) fn bound_table(bound: Bound, nodes: &str) -> String {
+    let textures = match bound {
+        Bound::Volumes => VOLUMES,
+        Bound::Array => ARRAY,
+    };
+    let numbers = Layout::ALL.iter().map(|layout| format!("{layout} {}", layout.shader().number));
+    let text = TABLE.replace("{numbers}", &numbers.collect::<Vec<_>>().join(", "));
+    text.replace("{nodes}", nodes).replace("{textures}", textures)
+}
+
+/// Where nodes are in a program.
+pub(super) const NODES_IN_STORAGE: &str = "storage buffer of f32";
+
+/// The comment of the shader for `layout`, in lines that begin with `//`.
+pub(super) fn header(language: Language, layout: Layout) -> String {
+    let table = bound_table(Bound::Volumes, NODES_IN_STORAGE);
+    let text = format!(
+        "{}{CALLED}\n{table}  {}\n\n{EXAMPLE}\n{}",
+        about(layout, Lights::All),
+        bindings(language),
+        check(layout)
+    );
+    commented(&text)
+}
+
+/// The comment of a text to include that reads tables of `layout`.
+#[must_use]
+pub fn table_include_header(
+    language: Language,
+    layout: Layout,
+    reading: Reading,
+    lights: Lights,
+    place: &Place,
+) -> String {
+    let table = bound_table(reading.bound, nodes_of_include(language));
+    let bindings = included_bindings(language, reading, place);
+    commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout, lights), check(layout)))
+}
+
+/// Where nodes are in a text to include.
+pub(super) fn nodes_of_include(language: Language) -> &'static str {
+    let is_loose = matches!(language, Language::Glsl330 | Language::GlslEs);
+    if is_loose { "uniform of f32, at most 512" } else { NODES_IN_STORAGE }
+}
+
+/// The text in lines that begin with `//`.
+#[must_use]
+pub fn commented(text: &str) -> String {
+    text.lines().map(|line| format!("// {line}").trim_end().to_owned() + "\n").collect()
+}
+
+/// The values to check a port against.
+fn check(layout: Layout) -> String {
+    let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
+    let goldens: String = CASES.iter().map(|case| shown(case, &case.golden(layout))).collect();
+    format!(
+        "\
+CHECK
+{} Covered is by the
+  one-sided rectangle {corners}.
+  M is given by rows. A port in 32 bits comes within 0.00002 of each number.
+{goldens}",
+        checked_table(layout)
+    )
+}
+
+/// The table that ports are checked with, in words.
+pub(super) fn checked_table(layout: Layout) -> String {
+    let axes = table(layout).axes;
+    let PerAxis { ratio: ratios, theta: thetas, phi: phis, .. } = axes.lengths();
+    let nodes = axes.named().map(|(name, nodes)| format!("{name} {}; ", listed(nodes))).concat();
+    format!(
+        "\x20 Of the table with the nodes {}
+  whose entry number e = ((a * {ratios} + r) * {thetas} + t) * {phis} + p has the numbers I[k] + e * (k + 1) / 1024, k = 0 to 10: the nine
+  of the matrix by rows, amplitude, fresnel; I = 1 0 0 0 1 0 0 0 1 1 0. All are exact in 16 bits.",
+        nodes.trim_end_matches("; ")
+    )
+}
+
+fn shown(case: &Case, golden: &Golden) -> String {
+    let rows = golden.matrix.chunks(3).map(|row| row.iter().map(|x| fixed(*x)).collect::<Vec<_>>().join(" "));
+    format!(
+        "  alpha_x {} alpha_y {} wo ({})\n    M {}\n    amplitude {} fresnel {} covered {}\n",
+        case.alpha_x,
+        case.alpha_y,
+        listed(&case.wo),
+        rows.collect::<Vec<_>>().join(" | "),
+        fixed(golden.amplitude),
+        fixed(golden.fresnel),
+        fixed(golden.covered),
+    )
+}
+
+pub(super) fn listed(numbers: &[f64]) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// Six decimals, without a sign on zero.
+pub(super) fn fixed(x: f64) -> String {
+    let text = format!("{x:.6}");
+    if text == "-0.000000" { "0.000000".to_owned() } else { text }
+}

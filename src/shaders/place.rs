@@ -1,0 +1,209 @@
+//! What the names of a text to include begin with, and from which number on it binds: several texts stand in one shader.
+
+use std::str::FromStr;
+
+use super::{Language, LitBy};
+
+/// What a text to include takes for itself in the shader that it becomes a part of.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Place {
+    /// What every name begins with, in place of `ltc`, `normals` or `gaussians`.
+    pub prefix: Option<Prefix>,
+    /// The number of its first binding; the others follow. Texts that bind nothing by number do without.
+    pub first_binding: u16,
+    /// The group of its bindings: what WGSL calls group, Vulkan set and HLSL space. OpenGL has group 0 alone.
+    pub group: u16,
+}
+
+/// What names begin with: `sheen` gives `sheen_lookup`, `SheenLobe` and `SHEEN_LEAST_ALPHA`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Prefix(String);
+
+/// A text that names cannot begin with.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "«{}» is no prefix: a prefix has lower-case letters and digits, at most {LONGEST}, begins with a letter, and is none \
+    of {}", .0.escape_debug(), RESERVED.join(", ")
+)]
+pub struct BadPrefix(pub String);
+
+const LONGEST: usize = 32;
+/// Languages and naga have names that begin so.
+const RESERVED: [&str; 4] = ["gl", "metal", "naga", "type"];
+
+impl FromStr for Prefix {
+    type Err = BadPrefix;
+
+    fn from_str(text: &str) -> Result<Self, BadPrefix> {
+        let is_allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
+        let begins = text.starts_with(|c: char| c.is_ascii_lowercase());
+        let is_good = begins && text.len() <= LONGEST && text.chars().all(is_allowed) && !RESERVED.contains(&text);
+        if is_good { Ok(Self(text.to_owned())) } else { Err(BadPrefix(text.to_owned())) }
+    }
+}
+
+impl Place {
+    /// `text` in `language`, with the names that it has here: those of the light's own code, those of the arithmetic that all
+    /// lights share, and those that naga adds to a translation.
+    #[must_use]
+    pub fn named(&self, text: &str, language: Language, lit_by: LitBy) -> String {
+        let own = match lit_by {
+            LitBy::Table(_) => "ltc",
+            LitBy::Normals => "normals",
+            LitBy::Gaussian(_) | LitBy::GaussianTable(..) => "gaussians",
+        };
+        let prefix = self.prefix.as_ref().map_or(own, |Prefix(prefix)| prefix);
+        identifiers(text, |name, rest| {
+            // The files of `shaders/`, which comments speak of.
+            if rest.starts_with(".wgsl") {
+                return None;
+            }
+            let is_ours = language == Language::Wgsl || !is_of_naga(name);
+            // Shared arithmetic; a table's own names are in the first arm.
+            let is_shared = name.starts_with("ltc_");
+            // A table of Gaussians is read by the code of tables of LTCs, which may stand beside it.
+            if matches!(lit_by, LitBy::GaussianTable(..)) && is_ours {
+                if name.starts_with("Ltc") {
+                    return Some(format!("{}{name}", capital(prefix)));
+                }
+                if name.starts_with("LTC_") {
+                    return Some(format!("{}_{name}", prefix.to_uppercase()));
+                }
+            }
+            match with_prefix(name, own, prefix) {
+                Some(named) if is_ours => Some(named),
+                None if is_ours && !is_shared => None,
+                _ => Some(format!("{prefix}_{}", name.trim_start_matches('_'))),
+            }
+        })
+    }
+
+    /// The code with its bindings counted from the first, in its group. Group 0 is written in WGSL alone.
+    #[must_use]
+    pub fn bound(&self, code: &str, language: Language) -> String {
+        let group = self.group;
+        let written = |text: String| if group == 0 { String::new() } else { text };
+        let (sign, classes, before, behind): (_, &[char], _, _) = match language {
+            Language::Wgsl => ("@group(0) @binding(", &[], format!("@group({group}) @binding("), String::new()),
+            Language::Glsl => ("binding = ", &[], written(format!("set = {group}, ")) + "binding = ", String::new()),
+            Language::Hlsl => {
+                ("register(", &['b', 's', 't', 'u'], "register(".to_owned(), written(format!(", space{group}")))
+            }
+            Language::Glsl330 | Language::GlslEs | Language::Msl | Language::Spirv => return code.to_owned(),
+        };
+        let mut parts = code.split(sign);
+        let mut out = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let digits = part.strip_prefix(classes).unwrap_or(part);
+            let after = digits.trim_start_matches(|c: char| c.is_ascii_digit());
+            let class = &part[..part.len() - digits.len()];
+            match digits[..digits.len() - after.len()].parse::<u32>() {
+                Ok(number) => {
+                    let number = (number + u32::from(self.first_binding)).to_string();
+                    out.extend([before.as_str(), class, &number, &behind, after]);
+                }
+                Err(_) => out.extend([sign, part]),
+            }
+        }
+        out
+    }
+
+    /// A sentence with the bindings `{0}`, `{1}` and so on, and the group `{group}`.
+    pub(super) fn numbered(&self, sentence: &str) -> String {
+        (0..6).fold(sentence.replace("{group}", &self.group.to_string()), |text, n: u32| {
+            text.replace(&format!("{{{n}}}"), &(n + u32::from(self.first_binding)).to_string())
+        })
+    }
+}
+
+/// The text as names of types begin. Domain: it begins with an ASCII letter.
+fn capital(text: &str) -> String {
+    text[..1].to_uppercase() + &text[1..]
+}
+
+/// The name that begins with `to` where `name` begins with `from`, as a function, a type or a constant does.
+fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
+    if let Some(rest) = name.strip_prefix(from).filter(|rest| rest.starts_with('_')) {
+        return Some(format!("{to}{rest}"));
+    }
+    if let Some(rest) = name.strip_prefix(&from.to_uppercase()).filter(|rest| rest.starts_with('_')) {
+        return Some(format!("{}{rest}", to.to_uppercase()));
+    }
+    let rest = name.strip_prefix(&capital(from))?;
+    rest.starts_with(|c: char| c.is_ascii_uppercase()).then(|| format!("{}{rest}", capital(to)))
+}
+
+/// Whether naga's writers made this name: helpers of theirs, types that have no name in WGSL, the lengths of buffers.
+fn is_of_naga(name: &str) -> bool {
+    let name = name.trim_start_matches('_');
+    let begins = |start: &&str| name.starts_with(*start);
+    let is_numbered = name.strip_prefix("type_").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    is_numbered || ["naga", "Naga", "Construct", "ZeroValue", "ret_", "msl", "DefaultConstructible"].iter().any(begins)
+}
+
+/// The text with some of its identifiers replaced: `of` is asked for each one, and for what follows it.
+fn identifiers(text: &str, of: impl Fn(&str, &str) -> Option<String>) -> String {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let (mut out, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some(start) = rest.find(is_part) {
+        out += &rest[..start];
+        let word = &rest[start..];
+        let (name, after) = word.split_at(word.find(|c| !is_part(c)).unwrap_or(word.len()));
+        let replaced = (!name.starts_with(|c: char| c.is_ascii_digit())).then(|| of(name, after)).flatten();
+        out += replaced.as_deref().unwrap_or(name);
+        rest = after;
+    }
+    out + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ltcforge_fit::Layout;
+
+    #[test]
+    fn whole_names_get_a_prefix_and_their_parts_do_not() {
+        let place = |prefix: &str| Place { prefix: prefix.parse().ok(), ..Place::default() };
+        let hlsl = |prefix, text: &str| place(prefix).named(text, Language::Hlsl, Layout::Reflected.into());
+        assert_eq!(
+            hlsl(
+                "a1",
+                "ltc_x(LtcY, LTC_Z, my_ltc_x, ltcforge, Ltcx, 0ltc_, naga_div, ZeroValueLtcY, _naga, type_, type_1)"
+            ),
+            "a1_x(A1Y, A1_Z, my_ltc_x, ltcforge, Ltcx, 0ltc_, a1_naga_div, a1_ZeroValueLtcY, a1_naga, type_, a1_type_1)"
+        );
+        assert_eq!(hlsl("", "ltc_x naga_div ltc_math.wgsl"), "ltc_x ltc_naga_div ltc_math.wgsl");
+        let normals = |text: &str| Place::default().named(text, Language::Msl, LitBy::Normals);
+        assert_eq!(normals("normals_x NormalsY ltc_log normals"), "normals_x NormalsY normals_ltc_log normals");
+    }
+
+    #[test]
+    fn bindings_count_from_the_first() {
+        let place = Place { first_binding: 10, ..Place::default() };
+        assert_eq!(place.bound("register(t2); register(s5)", Language::Hlsl), "register(t12); register(s15)");
+        assert_eq!(place.bound("@group(0) @binding(4) var x: a;", Language::Wgsl), "@group(0) @binding(14) var x: a;");
+        assert_eq!(place.bound("layout(std140, binding = 0) x", Language::Glsl), "layout(std140, binding = 10) x");
+        assert_eq!(place.numbered("nodes {1}, {x}"), "nodes 11, {x}");
+    }
+
+    #[test]
+    fn bindings_are_of_the_group() {
+        let place = Place { group: 2, ..Place::default() };
+        assert_eq!(place.bound("register(t2); register(x)", Language::Hlsl), "register(t2, space2); register(x)");
+        assert_eq!(place.bound("@group(0) @binding(4) var x: a;", Language::Wgsl), "@group(2) @binding(4) var x: a;");
+        assert_eq!(
+            place.bound("layout(std140, binding = 0) x", Language::Glsl),
+            "layout(std140, set = 2, binding = 0) x"
+        );
+        assert_eq!(place.bound("binding = 0", Language::GlslEs), "binding = 0");
+        assert_eq!(place.numbered("group {group}: {0}"), "group 2: 0");
+    }
+
+    #[test]
+    fn a_prefix_that_languages_do_not_take_is_refused() {
+        for wrong in ["", "1a", "A", "a_b", "ä", "gl", "naga", &"a".repeat(33)] {
+            let error = wrong.parse::<Prefix>().expect_err(wrong).to_string();
+            assert!(error.contains(&format!("«{wrong}»")) && error.contains("lower-case"), "{error}");
+        }
+    }
+}

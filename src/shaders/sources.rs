@@ -1,0 +1,264 @@
+//! The sources in WGSL, and how they are joined.
+
+use super::Bound;
+use super::Lights;
+use super::LitBy;
+use ltcforge_fit::{Layout, LayoutShader};
+
+/// A file of `shaders/`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shader {
+    /// Its name, without the extension.
+    pub name: &'static str,
+    /// WGSL.
+    pub source: &'static str,
+}
+
+/// Every shader but the layouts' parts, each after those it needs.
+pub const SHADERS: [Shader; 26] = [
+    Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
+    Shader { name: "nodes_storage", source: ltcforge_wgsl::NODES_STORAGE },
+    Shader { name: "nodes_uniform", source: ltcforge_wgsl::NODES_UNIFORM },
+    Shader { name: "texels_volumes", source: ltcforge_wgsl::TEXELS_VOLUMES },
+    Shader { name: "texels_array", source: ltcforge_wgsl::TEXELS_ARRAY },
+    Shader { name: "ltc_smooth", source: ltcforge_wgsl::LTC_SMOOTH },
+    Shader { name: "ltc_function", source: ltcforge_wgsl::LTC_FUNCTION },
+    Shader { name: "ltc_decode", source: ltcforge_wgsl::LTC_DECODE },
+    Shader { name: "ltc_table", source: ltcforge_wgsl::LTC_TABLE },
+    Shader { name: "ltc_light", source: ltcforge_wgsl::LTC_LIGHT },
+    Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
+    Shader { name: "normals_corner", source: ltcforge_wgsl::NORMALS_CORNER },
+    Shader { name: "normals_edge", source: ltcforge_wgsl::NORMALS_EDGE },
+    Shader { name: "normals_outline", source: ltcforge_wgsl::NORMALS_OUTLINE },
+    Shader { name: "normals_weight", source: ltcforge_wgsl::NORMALS_WEIGHT },
+    Shader { name: "normals_fan", source: ltcforge_wgsl::NORMALS_FAN },
+    Shader { name: "normals_light", source: ltcforge_wgsl::NORMALS_LIGHT },
+    Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
+    Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },
+    Shader { name: "ltc_example", source: ltcforge_wgsl::LTC_EXAMPLE },
+    Shader { name: "normals_example", source: ltcforge_wgsl::NORMALS_EXAMPLE },
+    Shader { name: "gaussians_example", source: ltcforge_wgsl::GAUSSIANS_EXAMPLE },
+    Shader { name: "gaussians_table_example", source: ltcforge_wgsl::GAUSSIANS_TABLE_EXAMPLE },
+    Shader { name: "ggx_reference", source: ltcforge_wgsl::GGX_REFERENCE },
+    Shader { name: "reference_solids", source: ltcforge_wgsl::REFERENCE_SOLIDS },
+    Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
+];
+
+/// What a renderer takes, with the entry point that shows how to call it: with a table, and without.
+const PORTED: [&str; 7] =
+    ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light", "ltc_shapes", "ltc_example"];
+const PORTED_NORMALS: [&str; 8] = [
+    "ltc_math",
+    "normals_corner",
+    "normals_edge",
+    "normals_outline",
+    "normals_weight",
+    "normals_fan",
+    "normals_light",
+    "normals_example",
+];
+const PORTED_GAUSSIANS: [&str; 3] = ["ltc_math", "gaussians_light", "gaussians_example"];
+const PORTED_GAUSSIANS_TABLE: [&str; 7] = [
+    "ltc_math",
+    "nodes_storage",
+    "texels_volumes",
+    "ltc_table",
+    "gaussians_light",
+    "gaussians_table",
+    "gaussians_table_example",
+];
+/// What the preview takes: its own entry points in place of the example.
+const PREVIEWED: [&str; 17] = [
+    "ltc_math",
+    "nodes_storage",
+    "texels_volumes",
+    "ltc_table",
+    "ltc_light",
+    "ltc_shapes",
+    "normals_corner",
+    "normals_edge",
+    "normals_outline",
+    "normals_weight",
+    "normals_fan",
+    "normals_light",
+    "gaussians_light",
+    "gaussians_table",
+    "ggx_reference",
+    "reference_solids",
+    "sphere",
+];
+
+/// The functions that light a surface without a table: all that a renderer takes but the example.
+#[must_use]
+pub fn normals_functions() -> &'static [&'static str] {
+    &PORTED_NORMALS[..PORTED_NORMALS.len() - 1]
+}
+
+/// The named shaders as one text, in the order of [`SHADERS`].
+#[must_use]
+pub fn joined(names: &[&str]) -> String {
+    let sources: Vec<&str> = SHADERS.iter().filter(|s| names.contains(&s.name)).map(|shader| shader.source).collect();
+    sources.join("\n")
+}
+
+/// The named shaders as one module that reads tables of these layouts.
+///
+/// `ltc_restore` and `ltc_even` are written here: with one layout they call that one's parts, with several they ask the
+/// table.
+fn module(names: &[&str], layouts: &[Layout]) -> String {
+    let restore = |layout: &Layout| {
+        let LayoutShader { restore, .. } = layout.shader();
+        format!("return {restore}(stored, alpha_x, ratio, wo);")
+    };
+    let even = |layout: &Layout| {
+        layout.shader().even.map_or("return x;".to_owned(), |even| format!("return {even}(axis, x);"))
+    };
+    let mut parts: Vec<&str> = Vec::new();
+    for layout in layouts {
+        let LayoutShader { source, .. } = layout.shader();
+        if !parts.contains(&source) {
+            parts.push(source);
+        }
+    }
+    format!(
+        "{}\n{}\n\
+        /// The lobe of interpolated numbers, at a place within the table's ranges seen from wo in the first quadrant.\n\
+        fn ltc_restore(stored: LtcLobe, alpha_x: f32, ratio: f32, wo: vec3<f32>) -> LtcLobe {{\n{}}}\n\n\
+        /// The variable in which weights along an axis are linear: 0 is alpha, 1 ratio, 2 theta, 3 phi.\n\
+        fn ltc_even(axis: u32, x: f32) -> f32 {{\n{}}}\n",
+        joined(names),
+        parts.join("\n"),
+        body(layouts, "return stored;", restore),
+        body(layouts, "return x;", even),
+    )
+}
+
+/// The body of a function that does what `of` says for the table's layout; for an unknown layout, what `default` says.
+fn body(layouts: &[Layout], default: &str, of: impl Fn(&Layout) -> String) -> String {
+    if let [only] = layouts {
+        return format!("    {}\n", of(only));
+    }
+    let case = |layout: &Layout| format!("        case {}u: {{ {} }}\n", layout.shader().number, of(layout));
+    let cases: String = layouts.iter().map(case).collect();
+    format!("    switch ltc_table.reading.x {{\n{cases}        default: {{ {default} }}\n    }}\n")
+}
+
+/// The module of the preview, which reads tables of every layout.
+#[must_use]
+pub fn preview_module() -> String {
+    module(&PREVIEWED, Layout::ALL)
+}
+
+/// What reads tables of every layout, without an entry point.
+#[must_use]
+pub fn table_reader(bound: Bound) -> String {
+    module(&["ltc_math", "nodes_storage", texels(bound), "ltc_table"], Layout::ALL)
+}
+
+/// The module that other renderers take.
+#[must_use]
+pub fn ported(lit_by: LitBy) -> String {
+    match lit_by {
+        LitBy::Table(layout) => module(&PORTED, &[layout]),
+        LitBy::Normals => joined(&PORTED_NORMALS),
+        LitBy::Gaussian(_) => joined(&PORTED_GAUSSIANS),
+        LitBy::GaussianTable(_, layout) => module(&PORTED_GAUSSIANS_TABLE, &[layout]),
+    }
+}
+
+/// What reads the textures.
+fn texels(bound: Bound) -> &'static str {
+    match bound {
+        Bound::Volumes => "texels_volumes",
+        Bound::Array => "texels_array",
+    }
+}
+
+/// The functions alone that other renderers include; nodes come in a uniform where there are no storage buffers.
+#[must_use]
+pub fn functions(lit_by: LitBy, bound: Bound, lights: Lights, has_storage: bool) -> String {
+    let nodes = if has_storage { "nodes_storage" } else { "nodes_uniform" };
+    match lit_by {
+        LitBy::Table(layout) => {
+            let table = ["ltc_math", nodes, texels(bound), "ltc_table"];
+            module(&[&table[..], lights_by_table(lights)].concat(), &[layout])
+        }
+        LitBy::Normals => joined(normals_functions()),
+        LitBy::Gaussian(_) => joined(&["ltc_math", "gaussians_light"]),
+        LitBy::GaussianTable(_, layout) => {
+            module(&["ltc_math", nodes, texels(bound), "ltc_table", "gaussians_light", "gaussians_table"], &[layout])
+        }
+    }
+}
+
+/// What integrates an LTC over lights.
+fn lights_by_table(lights: Lights) -> &'static [&'static str] {
+    match lights {
+        Lights::All => &["ltc_light", "ltc_shapes"],
+        Lights::Polygons => &["ltc_light"],
+    }
+}
+
+/// The functions of a table's light that read no table: `smooth_at` has the coefficients.
+#[must_use]
+pub fn without_textures(smooth_at: &str, lights: Lights) -> String {
+    let LayoutShader { source, .. } = Layout::Reflected.shader();
+    let parts = ["ltc_math", "ltc_smooth", "ltc_function"];
+    format!("{}\n{source}\n{smooth_at}", joined(&[&parts[..], lights_by_table(lights)].concat()))
+}
+
+#[cfg(test)]
+mod tests {
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    use super::*;
+
+    /// Validates the named shaders, joined with the parts of layouts where they read a table.
+    fn validate(names: &[&str]) {
+        assert!(names.iter().all(|name| SHADERS.iter().any(|shader| shader.name == *name)), "{names:?}");
+        if names.contains(&"ltc_table") {
+            validate_text(names, &module(names, Layout::ALL));
+            for layout in Layout::ALL {
+                validate_text(names, &module(names, &[*layout]));
+            }
+        } else {
+            validate_text(names, &joined(names));
+        }
+    }
+
+    fn validate_text(names: &[&str], source: &str) {
+        let module =
+            naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        if let Err(error) = validator.validate(&module) {
+            panic!("{names:?}: {}", error.emit_to_string(source));
+        }
+    }
+
+    #[test]
+    fn each_shader_is_valid_with_what_it_says_it_needs() {
+        validate(&["ltc_math"]);
+        validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"]);
+        validate(&["ltc_math", "nodes_uniform", "texels_array", "ltc_table"]);
+        validate(&["ltc_math", "ltc_light"]);
+        validate(&["ltc_math", "ltc_light", "ltc_shapes"]);
+        validate(normals_functions());
+        validate(&["ltc_math", "nodes_storage", "texels_volumes", "ltc_table", "ltc_light"]);
+        validate(&PORTED);
+        validate(&PORTED_NORMALS);
+        validate(&["ltc_math", "gaussians_light"]);
+        validate(&PORTED_GAUSSIANS);
+        validate(&PORTED_GAUSSIANS_TABLE);
+        validate(&["ltc_math", "ltc_light", "ggx_reference", "reference_solids"]);
+        validate(&PREVIEWED);
+    }
+
+    #[test]
+    fn every_file_of_the_folder_is_listed() {
+        let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders")).expect("the folder");
+        let mut parts: Vec<&str> = Layout::ALL.iter().map(|layout| layout.shader().source).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        assert_eq!(SHADERS.len() + parts.len(), folder.count());
+    }
+}

@@ -1,0 +1,180 @@
+use std::{collections::BTreeSet, ops::ControlFlow};
+
+use super::*;
+use ltcforge_files::{
+    compact::planted::{planted, unmeasured},
+    digest::Digest,
+    recipe_document,
+};
+use ltcforge_fit::{Layout, Plan, fit_plan};
+
+fn table(document: &str) -> Table {
+    let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
+    fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")
+}
+
+#[test]
+fn a_name_is_that_of_one_export() {
+    let all: Vec<Export> = Export::all().collect();
+    let names: BTreeSet<String> = all.iter().map(ToString::to_string).collect();
+    assert_eq!(names.len(), all.len());
+    assert!(all.iter().all(|export| export.to_string().parse() == Ok(*export)));
+    for wrong in
+        ["", "unity", "ltc2017", "ltc2017.ktx2", "ltc2017.ktx2.f64", "ltc2017.ktx2.f16.", "Three", "compact.f16"]
+    {
+        let error = wrong.parse::<Export>().expect_err(wrong).to_string();
+        assert!(
+            error.contains(&format!("«{wrong}»")) && error.contains("ktx2-zstd") && error.contains("compact-wgsl"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn matrices_without_an_inverse_are_counted_and_the_first_is_named() {
+    let mut table = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
+    for entry in [9, 4] {
+        table.matrix[entry] = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 0.0, 1.0];
+    }
+    for name in ["wgpu", "reflected.npy.f16", "compact"] {
+        let export: Export = name.parse().expect("an export");
+        let error = export.bundle(&table, About::default()).expect_err(name);
+        assert!(matches!(error, ExportError::Singular { count: 2, entry: 4, .. }), "{name}: {error}");
+        assert_eq!(export.layout(&table), Err(error));
+    }
+}
+
+/// An engine would light its highlights with a table of sheen; our own shader and plain textures serve any model.
+#[test]
+fn engines_are_given_no_tables_but_those_of_ggx() {
+    let mut table = table(r#"{"layout": "godot", "resolution": {"alpha": 2, "theta": 2}}"#);
+    table.brdf = BrdfKind::Charlie.into();
+    let export = |name: &str| name.parse::<Export>().expect("an export");
+    let refused = export("godot").layout(&table).expect_err("not of GGX").to_string();
+    assert!(refused.contains("brdf charlie") && refused.contains("--layout godot"), "{refused}");
+    let refused = export("compact").layout(&table).expect_err("not near a reflection").to_string();
+    assert!(refused.contains("brdf charlie"), "{refused}");
+    assert!(export("wgpu").layout(&table).is_ok() && export("godot.ktx2.f32").layout(&table).is_ok());
+}
+
+/// Engines and decoders light by LTCs. The numbers alone are for a shader that lights by Gaussians.
+#[test]
+fn engines_and_decoders_are_given_no_gaussians() {
+    let small =
+        r#"{"resolution":{"alpha":2,"ratio":2,"theta":2,"phi":2},"fit":{"samples":64,"directions":4,"steps":5}}"#;
+    let table = Table { lobe: ltcforge_fit::LobeModel::Asg, ..table(small) };
+    let export = |name: &str| name.parse::<Export>().expect("an export");
+    for name in ["wgpu", "compact"] {
+        let refused = export(name).layout(&table).expect_err("no LTCs").to_string();
+        assert!(refused.contains("lobe asg"), "{name}: {refused}");
+    }
+    assert!(export("reflected.ktx2.f32").layout(&table).is_ok());
+}
+
+#[test]
+fn a_table_that_cannot_serve_is_told_which_recipe_does() {
+    let fit = r#""fit":{"samples":64,"directions":4,"steps":5}"#;
+    let own = table(&format!(r#"{{"resolution":{{"alpha":2,"ratio":2,"theta":2,"phi":2}},{fit}}}"#));
+    let small = table(&format!(r#"{{"layout":"ltc2017","resolution":{{"alpha":2,"theta":2}},{fit}}}"#));
+    let theirs =
+        table(&format!(r#"{{"layout":"kt2022","resolution":{{"alpha":2,"ratio":2,"theta":2,"phi":2}},{fit}}}"#));
+    let godot = table(&format!(r#"{{"layout":"godot","resolution":{{"alpha":2,"theta":2}},{fit}}}"#));
+    let refusal = |name: &str, table: &Table| {
+        let export: Export = name.parse().expect("an export");
+        export.bundle(table, About::default()).expect_err(name)
+    };
+    for (name, table, recipe) in [
+        ("three", &own, r#"{"layout": "ltc2017"}"#),
+        ("kt2022.dds.f32", &own, r#"{"layout": "kt2022"}"#),
+        ("ltc2016-3d.ktx2.f32", &small, r#"{"layout": "ltc2016"}"#),
+        ("three", &small, r#"{"layout": "ltc2017"}"#),
+        ("compact-rust", &theirs, r#"{"layout": "reflected"}"#),
+        ("compact", &godot, r#"{"layout": "ltc2017"}"#),
+    ] {
+        let refused = refusal(name, table);
+        assert_eq!(refused.recipe(), Some(recipe), "{name}: {refused}");
+        assert!(refused.to_string().contains(recipe), "{name}: {refused}");
+    }
+    for name in ["wgpu", "reflected.npz.f16", "compact-wgsl"] {
+        let export: Export = name.parse().expect("an export");
+        assert!(!export.bundle(&own, About::default()).expect(name).files.is_empty());
+    }
+    for table in [&small, &theirs, &godot] {
+        let wgpu: Export = "wgpu".parse().expect("an export");
+        assert_eq!(wgpu.bundle(table, About::default()).expect("every layout").files.len(), 5);
+    }
+}
+
+#[test]
+fn every_export_has_a_manifest_of_its_files() {
+    let table = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
+    for name in ["wgpu", "reflected.npy.f16", "reflected.dds.f32", "reflected.npz.f16", "compact", "compact-rust"] {
+        let export: Export = name.parse().expect("an export");
+        let about = About::new(["table 1234"]);
+        // Nobody measures a planted table.
+        let made = match export {
+            Export::Compact(container) => Export::compact_bundle(container, unmeasured(&table), &about),
+            Export::Engine(_) | Export::Textures { .. } => export.bundle(&table, about),
+        };
+        let Bundle { files, steps } = made.expect(name);
+        let (manifest, others) = files.split_last().expect("files");
+        assert_eq!(manifest.path, "ltcforge.json", "{name}");
+        let manifest: serde_json::Value = serde_json::from_slice(&manifest.bytes).expect("JSON");
+        let key = if name == "wgpu" { "for" } else { "export" };
+        assert_eq!((&manifest[key], &manifest["about"][0]), (&name.into(), &"table 1234".into()));
+        assert_eq!(manifest["steps"], serde_json::json!(steps), "{name}");
+        assert_eq!(manifest["files"].as_array().map(Vec::len), Some(others.len()), "{name}");
+        for (told, file) in manifest["files"].as_array().expect("files").iter().zip(others) {
+            assert_eq!((&told["path"], &told["bytes"]), (&file.path.as_str().into(), &file.bytes.len().into()));
+            assert_eq!(told["sha256"], Digest::of(&file.bytes).hex(), "{name}: {}", file.path);
+            assert_eq!(told["rounding"], serde_json::json!(file.rounding), "{name}: {}", file.path);
+        }
+    }
+}
+
+/// The texels of a KTX2 file with four channels of 32 bits, and its sides.
+fn texels(bundle: &Bundle, path: &str) -> ([usize; 3], Vec<f32>) {
+    let file = bundle.files.iter().find(|file| file.path == path).expect(path);
+    let reader = ktx2::Reader::new(&file.bytes).expect("KTX2");
+    let header = reader.header();
+    assert_eq!(header.format, Some(ktx2::Format::R32G32B32A32_SFLOAT));
+    let sides = [header.pixel_width, header.pixel_height, header.pixel_depth].map(|side| side as usize);
+    let data = reader.levels().next().expect("a level").data;
+    (sides, data.as_chunks::<4>().0.iter().map(|x| f32::from_le_bytes(*x)).collect())
+}
+
+#[test]
+fn our_shader_finds_every_number_of_a_table_of_every_layout() {
+    for &layout in Layout::ALL {
+        let sides = match layout.only_ranges() {
+            Some(_) => r#"{"alpha":3,"theta":2}"#,
+            None => r#"{"alpha":3,"ratio":2,"theta":2,"phi":3}"#,
+        };
+        let fit = r#""fit":{"samples":64,"directions":4,"steps":5}"#;
+        let table = table(&format!(r#"{{"layout":"{layout}","resolution":{sides},{fit}}}"#));
+        let bundle = Export::Engine(Engine::Wgpu).bundle(&table, About::default()).expect("textures");
+        let [a, b, terms] =
+            ["ltc_matrix_a", "ltc_matrix_b", "ltc_terms"].map(|name| texels(&bundle, &format!("{name}.ktx2")));
+        let counts = table.axes.lengths();
+        assert_eq!(a.0, [counts.phi, counts.ratio * counts.theta, counts.alpha], "{layout}");
+        assert!(a.0 == b.0 && a.0 == terms.0, "{layout}");
+        // As the shader does: texel (p, r * theta_nodes + t, a).
+        let at = |(sides, texels): &([usize; 3], Vec<f32>), [x, y, z]: [usize; 3]| -> [f32; 4] {
+            let start = 4 * ((z * sides[1] + y) * sides[0] + x);
+            texels[start..start + 4].try_into().expect("a texel")
+        };
+        let own = table.terms.as_ref().expect("terms");
+        let mut entry = 0;
+        for alpha in 0..counts.alpha {
+            for row in 0..counts.ratio * counts.theta {
+                for phi in 0..counts.phi {
+                    let [a, b, terms] = [&a, &b, &terms].map(|texture| at(texture, [phi, row, alpha]));
+                    assert_eq!([&a[..], &b[..], &terms[..1]].concat(), table.matrix[entry], "{layout}, {entry}");
+                    assert_eq!(terms[1..3], [own.amplitude()[entry], own.fresnel()[entry]], "{layout}, {entry}");
+                    entry += 1;
+                }
+            }
+        }
+        assert_eq!(entry, table.matrix.len(), "{layout}");
+    }
+}

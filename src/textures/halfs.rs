@@ -1,0 +1,245 @@
+//! Matrices in halfs: the numbers of a matrix are rounded together, so that its lobe moves least.
+//!
+//! Each number alone is nearest to one of two neighbouring halfs, but a sharp lobe's direction depends on differences of
+//! numbers that are many times its width apart: rounding each to the nearest may move it by most of its width. Every number
+//! becomes one of its two neighbours, and of these choices that one is taken whose lobe is displaced least,
+//!
+//! ```text
+//! d^2 = mean_k |w'_k - w_k|^2,   w_k = M c_k / |M c_k|
+//! ```
+//!
+//! with fixed directions `c_k` that stand for a clamped cosine. Of up to five numbers, as isotropic tables have them, all
+//! choices are tried; of nine, those that change one or two numbers at a time, until none is better.
+
+use glam::{DMat3, DVec3};
+use half::f16;
+use serde::Serialize;
+
+use ltcforge_fit::{ALPHA_FLOOR, Layout, PerAxis, Reflection, THETA_CEILING, Table, math::concentric_cosine};
+
+/// How far lobes moved when their matrices were rounded: the root of the mean square over a lobe's directions, as a part
+/// of the root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Displacement {
+    /// Mean over a table's entries.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Numbers of a texture as halfs that were chosen together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Halfs {
+    /// In the order of the texels.
+    pub numbers: Vec<f32>,
+    /// What that does to the lobes of the table.
+    pub displacement: Displacement,
+}
+
+/// Rings and sectors of the clamped cosine, one direction in each: for choices, and for what is told of them.
+const CHOOSING: [usize; 2] = [4, 8];
+const TELLING: [usize; 2] = [8, 16];
+/// Most numbers of which all choices are tried.
+const MOST_TOGETHER: usize = 5;
+/// What counts for a matrix that no choice keeps upright.
+const WITHOUT_LOBE: f64 = 1.0;
+/// Most rounds of changing one or two numbers.
+const MOST_ROUNDS: usize = 8;
+
+/// The table with matrices whose numbers are halfs, and how far its lobes moved.
+pub(super) fn halved(table: &Table) -> (Table, Displacement) {
+    let (choosing, telling) = (Cosine::new(CHOOSING), Cosine::new(TELLING));
+    let mut halved = table.clone();
+    let (mut sum, mut max) = (0.0, 0.0_f64);
+    for (entry, matrix) in halved.matrix.iter_mut().enumerate() {
+        let place = Place::of(table.layout, table.axes.node(entry));
+        let exact = *matrix;
+        *matrix = place.nearest_lobe(&exact, &choosing);
+        let moved = place.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
+        sum += moved;
+        max = max.max(moved);
+    }
+    let mean = sum / halved.matrix.len().max(1) as f64;
+    (halved, Displacement { mean, max })
+}
+
+/// The half next to a number and, where there is one, its neighbour on the other side of it. With a number that is not
+/// zero, neither is zero, and both are finite.
+pub(super) fn neighbours(x: f32) -> (f32, Option<f32>) {
+    let half = f16::from_f32_const(x);
+    if x == 0.0 || half.to_f32_const() == x {
+        return (x, None);
+    }
+    if half.is_infinite() {
+        return (f16::MAX.to_f32_const().copysign(x), None);
+    }
+    if half.to_f32_const() == 0.0 {
+        return (f16::MIN_POSITIVE_SUBNORMAL.to_f32_const().copysign(x), None);
+    }
+    let nearest = half.to_f32_const();
+    let bits = half.to_bits();
+    // Bits grow with the magnitude.
+    let other = f16::from_bits(if nearest.abs() < x.abs() { bits + 1 } else { bits - 1 });
+    let is_usable = other.is_finite() && other.to_f32_const() != 0.0;
+    (nearest, is_usable.then(|| other.to_f32_const()))
+}
+
+/// Directions that stand for a clamped cosine.
+struct Cosine(Vec<DVec3>);
+
+impl Cosine {
+    fn new([rings, sectors]: [usize; 2]) -> Self {
+        let middle = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+        let at = |i: usize| concentric_cosine([middle(i / sectors, rings), middle(i % sectors, sectors)]);
+        Self((0..rings * sectors).map(at).collect())
+    }
+
+    /// The directions of a lobe.
+    fn of(&self, m: &DMat3) -> Vec<DVec3> {
+        self.0.iter().map(|c| (*m * *c).normalize()).collect()
+    }
+}
+
+/// How an entry's stored matrix makes its lobe.
+struct Place {
+    is_inverse: bool,
+    /// What stands before the stored matrix.
+    before: DMat3,
+}
+
+impl Place {
+    fn of(layout: Layout, mut node: PerAxis<f64>) -> Self {
+        (node.alpha, node.theta) = (node.alpha.max(ALPHA_FLOOR), node.theta.min(THETA_CEILING));
+        let before = if layout == Layout::Reflected { Reflection::at(&node).matrix } else { DMat3::IDENTITY };
+        Self { is_inverse: layout.free_numbers().is_some_and(|free| free.is_inverse), before }
+    }
+
+    /// The lobe of a stored matrix; `None` where there is none.
+    fn lobe(&self, stored: &[f32; 9]) -> Option<DMat3> {
+        // The array has rows.
+        let stored = DMat3::from_cols_array(&stored.map(f64::from)).transpose();
+        let determinant = stored.determinant();
+        let lobe = self.before * if self.is_inverse { stored.inverse() } else { stored };
+        (determinant > 0.0 && lobe.is_finite()).then_some(lobe)
+    }
+
+    /// The displacement from one stored matrix to another; `None` where one has no lobe.
+    fn displacement(&self, exact: &[f32; 9], other: &[f32; 9], cosine: &Cosine) -> Option<f64> {
+        let exact = cosine.of(&self.lobe(exact)?);
+        let moved = mean_square(&exact, &cosine.of(&self.lobe(other)?));
+        let middle = exact.iter().sum::<DVec3>() / exact.len() as f64;
+        let width = exact.iter().map(|w| w.distance_squared(middle)).sum::<f64>() / exact.len() as f64;
+        let part = (moved / width).sqrt();
+        part.is_finite().then_some(part)
+    }
+
+    /// The halfs whose lobe is nearest to the matrix's own.
+    fn nearest_lobe(&self, exact: &[f32; 9], cosine: &Cosine) -> [f32; 9] {
+        let choices = exact.map(neighbours);
+        let free: Vec<usize> = (0..9).filter(|i| choices[*i].1.is_some()).collect();
+        let taken = |mask: u32| -> [f32; 9] {
+            std::array::from_fn(|i| {
+                let (nearest, other) = choices[i];
+                if mask >> i & 1 == 1 { other.unwrap_or(nearest) } else { nearest }
+            })
+        };
+        let Some(lobe) = self.lobe(exact) else { return taken(0) };
+        let wanted = cosine.of(&lobe);
+        let moved = |mask: u32| {
+            let moved = self.lobe(&taken(mask)).map(|lobe| mean_square(&wanted, &cosine.of(&lobe)));
+            moved.filter(|moved| moved.is_finite()).unwrap_or(f64::INFINITY)
+        };
+        let mut best = (0, moved(0));
+        let try_one = |mask: u32, best: &mut (u32, f64)| {
+            let moved = moved(mask);
+            if moved < best.1 {
+                *best = (mask, moved);
+            }
+        };
+        if free.len() <= MOST_TOGETHER {
+            for choice in 1..1_u32 << free.len() {
+                let mask = free.iter().enumerate().map(|(k, i)| (choice >> k & 1) << i).sum();
+                try_one(mask, &mut best);
+            }
+            return taken(best.0);
+        }
+        for _ in 0..MOST_ROUNDS {
+            let before = best.0;
+            for (k, one) in free.iter().enumerate() {
+                // The last of them changes one number, those before it two.
+                for other in free[k + 1..].iter().chain([one]) {
+                    let change = 1 << one | 1 << other;
+                    try_one(best.0 ^ change, &mut best);
+                }
+            }
+            if best.0 == before {
+                break;
+            }
+        }
+        taken(best.0)
+    }
+}
+
+fn mean_square(one: &[DVec3], other: &[DVec3]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| a.distance_squared(*b)).sum::<f64>() / one.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::round;
+    use ltcforge_files::compact::planted::planted;
+    use ltcforge_fit::Precision;
+
+    /// What rounding each number alone does to the lobes.
+    fn alone(table: &Table) -> Displacement {
+        let cosine = Cosine::new(TELLING);
+        let moved: Vec<f64> = (0..table.matrix.len())
+            .map(|entry| {
+                let nearest = round(&table.matrix[entry], Precision::F16).numbers;
+                let nearest: [f32; 9] = nearest.try_into().expect("nine");
+                let place = Place::of(table.layout, table.axes.node(entry));
+                place.displacement(&table.matrix[entry], &nearest, &cosine).unwrap_or(WITHOUT_LOBE)
+            })
+            .collect();
+        let mean = moved.iter().sum::<f64>() / moved.len() as f64;
+        Displacement { mean, max: moved.iter().copied().fold(0.0, f64::max) }
+    }
+
+    #[test]
+    fn lobes_move_less_than_where_each_number_is_rounded_alone() {
+        for (layout, nodes, part) in [
+            (Layout::Ltc2017, [24, 1, 24, 1], 0.75),
+            (Layout::Godot, [24, 1, 24, 1], 0.85),
+            (Layout::Kt2022, [6, 4, 6, 5], 0.7),
+            (Layout::Reflected, [6, 4, 6, 5], 0.7),
+        ] {
+            let table = planted(layout, nodes, true, |_, _| 0.0);
+            let (halved, moved) = halved(&table);
+            let alone = alone(&table);
+            assert!(moved.mean < part * alone.mean, "{layout}: {moved:?} {alone:?}");
+            // Of nine numbers not all choices are tried.
+            assert!(moved.max <= alone.max || table.layout.only_ranges().is_none(), "{layout}: {moved:?} {alone:?}");
+            assert!(moved.mean > 0.0 && halved.matrix != table.matrix, "{layout}");
+            let (again, unmoved) = super::halved(&halved);
+            assert!(again.matrix == halved.matrix && unmoved == Displacement::default(), "{layout}: {unmoved:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn neighbours_are_halfs_on_both_sides(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL) {
+            let (nearest, other) = neighbours(x);
+            for half in [Some(nearest), other].into_iter().flatten() {
+                prop_assert!(half.is_finite() && half != 0.0 && half.signum() == x.signum());
+                prop_assert_eq!(f16::from_f32_const(half).to_f32_const(), half);
+            }
+            prop_assert_eq!(nearest, round(&[x], Precision::F16).numbers[0]);
+            if let Some(other) = other {
+                prop_assert!((nearest < x) != (other < x) && (nearest - x).abs() <= (other - x).abs(), "{nearest} {x} {other}");
+            }
+        }
+    }
+}

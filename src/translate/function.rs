@@ -1,0 +1,83 @@
+//! An isotropic table's light as text to include, without any texture: the table's polynomials stand in the code.
+
+use std::fmt::Write as _;
+
+use super::{
+    PortError,
+    include::table_entry,
+    translation::{Included, translate_functions},
+};
+use ltcforge_fit::{IsotropicFunction, Layout};
+use ltcforge_shaders::{Language, Lights, Place, commented, functions_of, without_textures};
+
+/// What the text is, and how to call it.
+const ABOUT: &str = "\
+Linearly Transformed Cosines: area lights on isotropic surfaces, without a texture.
+Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0, of the numbers CC0-1.0
+
+FUNCTIONS
+  ltc_lookup(alpha_x, alpha_y, wo)  M, amplitude and fresnel. GGX roughness, the same twice; wo is the view direction in
+      the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
+{lights}
+USE
+  ltc_lookup and ltc_inverse once for a point and view, then one call for each light. Diffuse light is the albedo times
+  one with the unit matrix for inverse. Nothing is bound.
+
+TABLE
+";
+
+/// The functions in `language`, with the coefficients of `function`, under a comment that ends with the lines `about` the
+/// table. `place` keeps the lights of several tables in one shader apart; nothing is bound.
+///
+/// # Errors
+/// SPIR-V, which has no text, or a defect of the shaders or of naga.
+pub fn include_function(
+    language: Language,
+    function: &IsotropicFunction,
+    about: &[String],
+    lights: Lights,
+    place: &Place,
+) -> Result<String, PortError> {
+    let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_entry(lights));
+    let included = Included { source: &source, entry: "ltc_included", reading: None };
+    let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
+    let lines = about.join("\n  ");
+    let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", functions_of(lights));
+    let header = commented(&format!("{about}  {lines}"));
+    Ok(place.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
+}
+
+/// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in multiples of
+/// a step.
+pub(crate) fn smooth_at(function: &IsotropicFunction) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_smooth_at(&mut out, function);
+    out
+}
+
+fn write_smooth_at(out: &mut String, function: &IsotropicFunction) -> std::fmt::Result {
+    let ends = function.ends();
+    let pair = |of: fn([f64; 2]) -> f64| ends.map(|ends| format!("{:?}", of(ends) as f32)).join(", ");
+    writeln!(out, "/// Where sqrt(alpha) and 1 - sqrt(cos theta) begin, and one over how far they reach.")?;
+    writeln!(out, "const LTC_FUNCTION_START = vec2<f32>({});", pair(|[low, _]| low))?;
+    writeln!(out, "const LTC_FUNCTION_SCALE = vec2<f32>({});\n", pair(|[low, high]| 1.0 / (high - low)))?;
+    writeln!(out, "struct LtcSmooth {{\n    shape: vec3<f32>,\n    terms: vec3<f32>,\n}}\n")?;
+    writeln!(out, "/// The table's numbers. x: polynomials of the roughness, y: of the view.")?;
+    writeln!(out, "fn ltc_smooth_at(x: array<f32, 10>, y: array<f32, 10>) -> LtcSmooth {{")?;
+    let steps = IsotropicFunction::steps();
+    for (name, first) in [("shape", 0), ("terms", 3)] {
+        writeln!(out, "    var {name} = vec3<f32>(0.0);")?;
+        for (i, row) in function.coefficients().iter().enumerate() {
+            let vectors = row.map(|c| format!("vec3({}.0, {}.0, {}.0)", c[first], c[first + 1], c[first + 2]));
+            let list = vectors.join(", ");
+            writeln!(out, "    {name} += x[{i}] * ltc_sum(y, array<vec3<f32>, 10>({list}));")?;
+        }
+    }
+    let scale =
+        |first: usize| steps[first..first + 3].iter().map(|step| format!("{step:?}")).collect::<Vec<_>>().join(", ");
+    writeln!(out, "    return LtcSmooth(shape * vec3({}), terms * vec3({}));\n}}", scale(0), scale(3))
+}
+
+#[cfg(test)]
+mod tests;

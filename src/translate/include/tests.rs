@@ -1,0 +1,149 @@
+//! Several texts in one shader.
+
+use std::collections::BTreeSet;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use super::*;
+use crate::include_function;
+use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
+use ltcforge_light::Gaussian;
+use ltcforge_shaders::{Bound, Filter, Lights, Place};
+
+fn place(prefix: &str, first_binding: u16) -> Place {
+    Place { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
+}
+
+/// Six lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
+/// a table, a table of Gaussians, and the one without textures.
+fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
+    let text =
+        |lit_by: LitBy, place: &Place| include(language, lit_by, reading, Lights::All, place).expect("a translation");
+    let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
+    let function = include_function(language, &function, &[], Lights::All, &place("smooth", 0)).expect("a translation");
+    [
+        (text(Layout::Reflected.into(), &Place::default()), "ltc"),
+        (text(Layout::Ltc2017.into(), &place("iso2", 6)), "iso2"),
+        (text(LitBy::Normals, &Place::default()), "normals"),
+        (text(LitBy::Gaussian(Gaussian::Sg), &Place::default()), "gaussians"),
+        (text(LitBy::GaussianTable(Gaussian::Asg, Layout::Reflected), &place("fitted", 12)), "fitted"),
+        (function, "smooth"),
+    ]
+}
+
+fn texts() -> impl Iterator<Item = Language> {
+    Language::ALL.into_iter().filter(|language| language.has_includes())
+}
+
+/// What C-like code declares outside of functions: names after a type or keyword, outside of all brackets.
+fn globals(code: &str) -> BTreeSet<String> {
+    let is_code = |line: &&str| !["//", "#", "precision ", "using "].iter().any(|start| line.starts_with(start));
+    let code: String = code.lines().filter(is_code).flat_map(|line| [line, "\n"]).collect();
+    let code = code.replace("metal::", "");
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let (mut found, mut depth, mut before, mut rest) = (BTreeSet::new(), 0_i32, false, code.as_str());
+    while let Some(next) = rest.chars().next() {
+        let length = if is_part(next) { rest.find(|c| !is_part(c)).unwrap_or(rest.len()) } else { next.len_utf8() };
+        let (token, after) = rest.split_at(length);
+        rest = after.trim_start();
+        match next {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            _ if depth == 0 && is_part(next) && before && rest.starts_with(['(', '{', ';', '=', '[', ':']) => {
+                found.insert(token.to_owned());
+            }
+            _ => {}
+        }
+        before = is_part(next) || next == '>';
+    }
+    assert_eq!(depth, 0);
+    found
+}
+
+#[test]
+fn names_of_several_lights_differ_in_every_language() {
+    for reading in Reading::ALL {
+        for language in texts().filter(|language| *language != Language::Wgsl) {
+            let mut all = BTreeSet::new();
+            for (text, prefix) in lights(language, reading) {
+                let names = globals(&text);
+                let name = language.name();
+                assert!(names.len() > 15 && names.contains(&format!("{prefix}_disk")), "{name}: {names:?}");
+                let capital = prefix[..1].to_uppercase() + &prefix[1..];
+                for own in names {
+                    let begins = [format!("{prefix}_"), format!("{}_", prefix.to_uppercase()), capital.clone()];
+                    assert!(begins.iter().any(|begin| own.starts_with(begin)), "{name}, {prefix}: {own}");
+                    assert!(all.insert(own.clone()), "{name}: {own} twice");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn several_lights_are_one_module_of_wgsl() {
+    let entry = "
+@fragment
+fn shown() -> @location(0) vec4<f32> {
+    let wo = vec3(0.0, 0.0, 1.0);
+    let view = normals_view(0.5, 0.5, wo);
+    let corners = array<vec3<f32>, 4>(wo, wo, wo, wo);
+    return vec4(ltc_lookup(0.5, 0.5, wo).amplitude, iso2_lookup(0.5, 0.5, wo).amplitude,
+        smooth_lookup(0.5, 0.5, wo).amplitude, normals_rectangle(view, corners, true, NORMALS_FAN).x
+            + gaussians_rectangle(gaussians_view(GAUSSIANS_ASG, 0.5, 0.5, wo), corners, true).x
+            + fitted_rectangle(fitted_lookup(FITTED_ASG, 0.5, 0.5, wo), corners, true).x);
+}
+";
+    let source = lights(Language::Wgsl, Reading::default()).map(|(text, _)| text).concat() + entry;
+    let module =
+        naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+    let valid = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+    assert!(valid.is_ok(), "{valid:?}");
+    let mut bound: Vec<u32> =
+        module.global_variables.iter().filter_map(|(_, v)| v.binding.as_ref()).map(|b| b.binding).collect();
+    bound.sort_unstable();
+    assert_eq!(bound, (0..18).collect::<Vec<u32>>());
+}
+
+#[test]
+fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
+    for (language, line) in [
+        (Language::Wgsl, "group 0: uniform 6, nodes 7, matrix_a 8, matrix_b 9, terms 10, sampler 11"),
+        (Language::Glsl, "block 6, nodes: storage block 7, textures iso2_matrix_a 8, iso2_matrix_b 9, iso2_terms 10:"),
+        (Language::Hlsl, "uniform b6, nodes t7, matrix_a t8, matrix_b t9, terms t10, sampler s11"),
+        (Language::GlslEs, "uniforms iso2_table.nodes and iso2_table.reading"),
+        (Language::Msl, "iso2_mslBufferSizes may be any"),
+    ] {
+        let text = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &place("iso2", 6))
+            .expect("a translation");
+        let name = language.name();
+        assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
+        assert!(!text.contains("ltc_lookup"), "{name}");
+    }
+    for (language, line) in [
+        (Language::Wgsl, "group 3: uniform 6, nodes 7, matrix_a 8"),
+        (Language::Glsl, "bindings of set 3, the textures with samplers; OpenGL has no sets"),
+        (Language::Hlsl, "terms t10, sampler s11, all of space3"),
+    ] {
+        let place = Place { group: 3, ..place("iso2", 6) };
+        let text = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &place).expect("a translation");
+        assert!(text.contains(line), "{}:\n{text}", language.name());
+        if language == Language::Wgsl {
+            let module = naga::front::wgsl::parse_str(&text).expect("WGSL");
+            let bound = module.global_variables.iter().filter_map(|(_, variable)| variable.binding.as_ref());
+            let bound: BTreeSet<(u32, u32)> = bound.map(|bound| (bound.group, bound.binding)).collect();
+            assert_eq!(bound, (6..12).map(|number| (3, number)).collect());
+        }
+    }
+    let hlsl = include(
+        Language::Hlsl,
+        Layout::Ltc2017,
+        Reading { filter: Filter::Hardware, bound: Bound::Volumes },
+        Lights::All,
+        &place("iso2", 6),
+    )
+    .expect("a translation");
+    for register in ["b6)", "t7)", "t8)", "t9)", "t10)", "s11)"] {
+        assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
+    }
+}

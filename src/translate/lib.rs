@@ -1,0 +1,17 @@
+//! Shaders of `ltcforge-shaders` in the languages of other renderers.
+//!
+//! [`port()`] translates a shader with the example that calls it. [`include()`] does so without the example, and
+//! [`include_function()`] puts a table's polynomials in its place. WGSL is handed out as it is written, without naga.
+//!
+//! Invariants: only `translation` uses naga; equal arguments give equal bytes on every machine.
+
+mod function;
+mod include;
+mod port;
+#[cfg(test)]
+mod tests;
+mod translation;
+
+pub use function::include_function;
+pub use include::include;
+pub use port::{PortError, port};
