@@ -21,7 +21,7 @@ export NODEVICE_SELECT := 1
 export XDG_RUNTIME_DIR ?= /tmp
 NATIVE_TARGET := $(or $(CARGO_TARGET_DIR),target)/native
 
-.PHONY: help demo figures test test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
+.PHONY: help demo figures test test-units test-suites test-native lint lint-core lint-deploy lines fmt bench packages browser cluster clean
 
 help:
 	@echo 'make demo    build, serve, fit a table over HTTP, download it by its hash'
@@ -78,10 +78,18 @@ lint-deploy:
 		$(PYTHON_TARGET)/schemas/bin/check-jsonschema -q --builtin-schema vendor.compose-spec deploy/compose.yaml; \
 	else echo '*** SKIPPED: no kubernetes-validate and check-jsonschema of PyPI: deploy/ was not checked' >&2; fi
 
+# The suites that mostly wait, for processes, leases and browsers, run beside those that compute.
 test: EXTRA_PACKAGES := $(TEST_PACKAGES)
 test: packages browser cluster
-	$(CARGO) test --locked
+	$(CARGO) test --locked --workspace --no-run
+	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
 	@$(MAKE) --no-print-directory test-native
+
+test-units:
+	$(CARGO) test --locked --workspace --lib --bins
+test-suites:
+	$(CARGO) test --locked --workspace --test '*'
+	$(CARGO) test --locked --workspace --doc
 
 # The pinned bytes again, by the core alone, compiled for this machine's own processor, and for one with AVX2 and no AVX-512.
 NATIVE_CPUS := native $(if $(filter x86_64,$(shell uname -m)),$(shell grep -qw avx2 /proc/cpuinfo && echo x86-64-v3))
@@ -95,7 +103,7 @@ lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --no-default-features -- -D warnings
-	RUSTDOCFLAGS='-D warnings' $(CARGO) doc --locked --workspace --no-deps --document-private-items
+	RUSTDOCFLAGS='-D warnings -A rustdoc::private-intra-doc-links' $(CARGO) doc --locked --workspace --no-deps --document-private-items
 	@$(MAKE) --no-print-directory lint-core lint-deploy lines
 
 # Lines of code of each crate without comments, blank lines and tests, counted by awk.

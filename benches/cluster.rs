@@ -18,16 +18,22 @@ use ltcforge::{
     files::digest::Digest,
     server::{
         queue::{
-            Demand, Lease, Limits, NewJob, Offer, Queue as _,
+            Demand, JobId, Lease, Limits, NewJob, Offer, Queue as _,
             postgres::{PostgresQueue, Process},
         },
         store::Database,
     },
 };
 
-#[path = "../src/server/store/postgres/throwaway.rs"]
+#[path = "../src/server/store/postgres/tests/throwaway.rs"]
 mod throwaway;
 
+/// The first database of a server.
+const DATABASE: &str = "test0";
+/// The leased tasks of unfinished jobs.
+const LEASED: &str = "SELECT format('%s to %s', min(leased), max(leased)) FROM (
+    SELECT (SELECT count(*) FROM ltcforge.tasks AS t WHERE t.submission = s.submission AND t.state = 'leased') AS leased
+    FROM ltcforge.serving AS s) AS jobs";
 /// Shards of a large job: those of a table of 16 million entries.
 const SHARDS: usize = 250_000;
 /// Such jobs.
@@ -85,12 +91,14 @@ fn complete(queue: &PostgresQueue, leases: &[Lease], result: &[u8]) -> u64 {
     answers.iter().filter(|answer| answer.is_ok()).count() as u64
 }
 
-/// Shards a second that so many workers complete which sleep for each shard's time.
-fn rate(url: &str, at_once: usize, shard: Duration) -> (f64, String) {
+/// What workers that sleep for each shard's time do: shards a second, the tasks that each unfinished job has leased at least
+/// and at most, how long a new job waits for its first lease, and how long a lease takes.
+fn rate(server: &throwaway::Server, at_once: usize, shard: Duration) -> String {
+    let url = &server.url(DATABASE);
     let (ended, shards) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
     let workers: Vec<_> = (0..WORKERS)
         .map(|number| {
-            let (url, ended, shards) = (url.to_owned(), Arc::clone(&ended), Arc::clone(&shards));
+            let (url, ended, shards) = (url.clone(), Arc::clone(&ended), Arc::clone(&shards));
             thread::spawn(move || {
                 let queue = open(&url, &number.to_string());
                 let result: Vec<u8> = (0..RESULT).map(|byte| byte as u8).collect();
@@ -111,9 +119,22 @@ fn rate(url: &str, at_once: usize, shard: Duration) -> (f64, String) {
     let (start, before) = (Instant::now(), shards.load(Ordering::Relaxed));
     thread::sleep(TIME);
     let rate = (shards.load(Ordering::Relaxed) - before) as f64 / start.elapsed().as_secs_f64();
+    let leased = server.psql(DATABASE, LEASED);
+    let queue = open(url, "bench");
+    let name = format!("new {at_once} {shard:?} {rate}");
+    submit(&queue, &name, SMALL.0);
+    let (submitted, id) = (Instant::now(), JobId::of_recipe(&Digest::of(name.as_bytes())));
+    while queue.job(id).expect("an answer").is_some_and(|job| job.started_at.is_none()) {
+        thread::sleep(Duration::from_millis(1));
+    }
+    let waited = submitted.elapsed().as_secs_f64() * 1e3;
     ended.store(true, Ordering::Relaxed);
-    let times = workers.into_iter().flat_map(|worker| worker.join().expect("a worker")).collect();
-    (rate, quantiles(times))
+    let times = quantiles(workers.into_iter().flat_map(|worker| worker.join().expect("a worker")).collect());
+    format!(
+        "{WORKERS} workers that sleep {} ms a shard, {at_once} a lease: {rate:.0} shards a second; a job has {leased} leased; \
+         a new one waits {waited:.0} ms; a lease: {times}",
+        shard.as_millis()
+    )
 }
 
 fn main() {
@@ -134,10 +155,7 @@ fn main() {
     println!("  a lease of 16: {}", timed(300, || assert_eq!(lease(&queue, 16).len(), 16)));
     println!("  a page of 20 jobs: {}", timed(300, || drop(queue.list(None, None, 20).expect("a page"))));
     for (at_once, shard) in [(16, 1), (16, 4), (1, 1)] {
-        let (rate, times) = rate(&url, at_once, Duration::from_millis(shard));
-        println!(
-            "  {WORKERS} workers that sleep {shard} ms a shard, {at_once} a lease: {rate:.0} shards a second; a lease: {times}"
-        );
+        println!("  {}", rate(&server, at_once, Duration::from_millis(shard)));
     }
     for number in 0..SMALL.1 {
         submit(&queue, &format!("small {number}"), SMALL.0);
@@ -145,6 +163,5 @@ fn main() {
     println!("with {} jobs of {} shards as well", SMALL.1, SMALL.0);
     println!("  a lease of 16: {}", timed(300, || drop(lease(&queue, 16))));
     println!("  a page of 20 jobs: {}", timed(300, || drop(queue.list(None, None, 20).expect("a page"))));
-    let (rate, times) = rate(&url, 16, Duration::from_millis(1));
-    println!("  {WORKERS} workers that sleep 1 ms a shard, 16 a lease: {rate:.0} shards a second; a lease: {times}");
+    println!("  {}", rate(&server, 16, Duration::from_millis(1)));
 }

@@ -17,7 +17,7 @@ use ltcforge::server::{
 };
 
 mod default_config;
-#[path = "../src/server/store/postgres/throwaway.rs"]
+#[path = "../src/server/store/postgres/tests/throwaway.rs"]
 mod throwaway;
 
 use default_config::config;

@@ -1,48 +1,54 @@
-//! `work`, `gc` and `migrate`: what processes do that share a database and a store of tables.
+//! `work`, `gc` and `migrate`: commands on a database and a store of tables that several processes share.
 
-use std::num::NonZeroU64;
+use std::{num::NonZeroU64, path::PathBuf, time::Duration};
 
 use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
-    config_file::ServeSection,
+    args::{MigrateArgs, ReplicaArgs, SharedArgs, ThreadCount, WorkArgs},
     print,
-    service_settings::{default_config, failed, lease_ttl},
+    serve::failed,
+    settings::ServeSettings,
 };
-use ltcforge_server::service::{self, Config, Service, Shared};
+use ltcforge_server::service::{self, Config, DatabaseUrl, Service, Shared};
+use ltcforge_view::preview::Adapter;
 
-/// Megabytes of tables kept on disk, unless it is said.
+/// Megabytes of tables that are kept on disk by default.
 const DEFAULT_CACHE_MB: u64 = 4096;
 
-fn shared(args: SharedArgs) -> Shared {
-    let cache_bytes = args.cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20);
-    Shared { database: args.database, blobs: args.blobs, cache_bytes }
+fn shared(database: DatabaseUrl, blobs: String, cache_mb: Option<NonZeroU64>) -> Shared {
+    Shared { database, blobs, cache_bytes: cache_mb.map_or(DEFAULT_CACHE_MB, NonZeroU64::get).saturating_mul(1 << 20) }
 }
 
 /// What a replica shares; `None` for a service on a folder of its own.
 pub(super) fn replica(args: &ReplicaArgs) -> Option<Shared> {
-    let (database, blobs) = (args.database.clone()?, args.blobs.clone()?);
-    Some(shared(SharedArgs { database, blobs, cache_mb: args.cache_mb }))
+    Some(shared(args.database.clone()?, args.blobs.clone()?, args.cache_mb))
 }
 
 /// The configuration of a process that shares.
 pub(super) fn shared_config(config: Config, lease_seconds: Option<NonZeroU64>) -> Config {
-    Config { lease_ttl: lease_ttl(lease_seconds), ..config }
+    let lease_ttl = lease_seconds.map_or(config.lease_ttl, |seconds| Duration::from_secs(seconds.get()));
+    Config { lease_ttl, ..config }
 }
 
-/// Fits what the queue has until it is interrupted.
+/// The configuration of a process without HTTP, which neither renders nor forgets jobs.
+fn without_http(data: Option<PathBuf>, file: &ServeSettings) -> Config {
+    let config = file.config();
+    Config { data_dir: data.unwrap_or(config.data_dir), keep_ended: None, adapter: Adapter::Cpu, ..config }
+}
+
+/// Fits the shards of the queue until it is interrupted.
 pub(super) fn work(
     args: WorkArgs,
-    file: &ServeSection,
+    file: &ServeSettings,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let mut config = default_config(args.data.or_else(|| file.data.clone()));
-    config.workers = args.workers.or(file.workers).unwrap_or(config.workers);
-    let config = shared_config(config, args.lease_seconds);
-    let (workers, runtime, shared) = (config.workers, context.runtime.clone(), shared(args.shared));
+    let SharedArgs { database, blobs, cache_mb, data } = args.shared;
+    let mut config = shared_config(without_http(data, file), args.lease_seconds);
+    config.workers = args.workers.map_or(config.workers, ThreadCount::count);
+    let (workers, runtime, shared) = (config.workers, context.runtime.clone(), shared(database, blobs, cache_mb));
     runtime.block_on(async {
         let opened = tokio::task::spawn_blocking(move || Service::open_shared(config, &shared, true)).await;
         let service = opened.map_err(failed)?.map_err(failed)?;
@@ -55,30 +61,29 @@ pub(super) fn work(
 
 /// Removes tables that no job has made known for a day.
 pub(super) fn gc(
-    args: GcArgs,
-    file: &ServeSection,
+    args: SharedArgs,
+    file: &ServeSettings,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let config = default_config(args.data.or_else(|| file.data.clone()));
-    let removed = service::sweep(&config, &shared(args.shared)).map_err(failed)?;
+    let SharedArgs { database, blobs, cache_mb, data } = args;
+    let removed = service::sweep(&without_http(data, file), &shared(database, blobs, cache_mb)).map_err(failed)?;
     print(context.stdout, json, &json!({ "removed": removed }), &format!("{removed} orphans were removed"))?;
     Ok(Exit::Ok)
 }
 
-/// Takes a data folder's tables and jobs along.
+/// Copies the tables and jobs of a data folder.
 pub(super) fn migrate(
     args: MigrateArgs,
-    file: &ServeSection,
+    file: &ServeSettings,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let config = default_config(args.data.or_else(|| file.data.clone()));
-    let shared = shared(SharedArgs { database: args.to, blobs: args.blobs, cache_mb: None });
-    let done = service::migrate(&config, &shared).map_err(failed)?;
+    let done = service::migrate(&without_http(args.data, file), &shared(args.to, args.blobs, None)).map_err(failed)?;
     let service::Migrated { tables, missing, jobs, shards } = done;
     let text = format!(
-        "{tables} tables and {jobs} jobs with {shards} finished shards were taken along; {missing} tables have no sound file"
+        "{tables} tables and {jobs} jobs with {shards} finished shards were taken along; \
+         {missing} tables have no sound file"
     );
     print(context.stdout, json, &json!(done), &text)?;
     Ok(if missing == 0 { Exit::Ok } else { Exit::Mismatch })

@@ -23,19 +23,13 @@
 //! client_seconds = 30
 //! ```
 
-use std::{
-    io,
-    net::SocketAddr,
-    num::{NonZeroU64, NonZeroUsize},
-    path::{Path, PathBuf},
-};
+use std::{io, path::Path};
 
 use serde::Deserialize;
 
-use super::{CommandFailure, Exit, args::WaitSeconds, preview_names::AdapterName};
+use super::{CommandFailure, Exit, settings::ServeSettings};
 use ltcforge_client::Source;
 use ltcforge_files::bounded::read_file;
-use ltcforge_server::http::{AllowedHost, AllowedOrigin};
 
 /// The file that is read when none is named.
 const DEFAULT_FILE: &str = "ltcforge.toml";
@@ -46,40 +40,14 @@ const LIMIT_BYTES: u64 = 1 << 20;
 /// Where the client commands look for a service when nothing says otherwise.
 pub(super) const DEFAULT_SERVER: &str = "http://127.0.0.1:8317";
 
-/// The settings of a file; those it leaves out have their defaults.
+/// The settings of a file, and defaults for those that it leaves out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub(super) struct ConfigFile {
     pub(super) server: Option<String>,
     /// Where `lock` and `pull` look for tables before they ask the server.
-    #[serde(default)]
     pub(super) sources: Vec<Source>,
-    #[serde(default)]
-    pub(super) serve: ServeSection,
-}
-
-/// Settings of `serve`.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ServeSection {
-    pub(super) listen: Option<SocketAddr>,
-    pub(super) data: Option<PathBuf>,
-    pub(super) workers: Option<NonZeroUsize>,
-    pub(super) queue_limit: Option<NonZeroUsize>,
-    pub(super) entry_limit: Option<NonZeroU64>,
-    pub(super) job_seconds: Option<NonZeroU64>,
-    pub(super) job_days: Option<u32>,
-    pub(super) export_bytes: Option<usize>,
-    pub(super) adapter: Option<AdapterName>,
-    pub(super) picture_seconds: Option<WaitSeconds>,
-    pub(super) picture_queue: Option<NonZeroUsize>,
-    /// MiB.
-    pub(super) picture_memory: Option<u32>,
-    pub(super) allow_host: Option<Vec<AllowedHost>>,
-    pub(super) allow_origin: Option<Vec<AllowedOrigin>>,
-    pub(super) connections: Option<NonZeroUsize>,
-    pub(super) connections_per_address: Option<NonZeroUsize>,
-    pub(super) client_seconds: Option<WaitSeconds>,
+    pub(super) serve: ServeSettings,
 }
 
 impl ConfigFile {
@@ -107,7 +75,10 @@ impl ConfigFile {
 
 #[cfg(test)]
 mod tests {
+    use std::net::SocketAddr;
+
     use super::*;
+    use crate::preview_names::AdapterName;
     use ltcforge_view::preview::Adapter;
 
     #[test]
@@ -115,13 +86,15 @@ mod tests {
         let file = ConfigFile::parse("server = 'http://h'\n[serve]\nlisten = '[::1]:80'\nworkers = 3\nadapter = 'gpu'")
             .expect("good");
         assert_eq!(file.server.as_deref(), Some("http://h"));
-        assert_eq!(file.serve.listen, Some(SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 80))));
-        assert_eq!(file.serve.workers, NonZeroUsize::new(3));
-        assert_eq!(file.serve.adapter, Some(AdapterName(Adapter::Gpu)));
+        assert_eq!(file.serve.listen, SocketAddr::from(([0, 0, 0, 0, 0, 0, 0, 1], 80)));
+        assert_eq!(file.serve.workers, "3".parse().ok());
+        assert_eq!(file.serve.adapter, AdapterName(Adapter::Gpu));
         for text in [
             "colour = 1",
             "[serve]\nport = 1",
             "[serve]\nworkers = 0",
+            "[serve]\nworkers = 513",
+            "[serve]\ndatabase = 'postgres://h/d'",
             "[serve]\nlisten = 'x'",
             "[serve]\nadapter = 'x'",
             "[serve]\nclient_seconds = 86401",

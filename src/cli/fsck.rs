@@ -2,19 +2,17 @@
 
 use serde_json::json;
 
-use super::{
-    CommandFailure, Context, Exit, args::FsckArgs, config_file::ServeSection, print, service_settings::DEFAULT_DATA,
-};
+use super::{CommandFailure, Context, Exit, args::FsckArgs, print, settings::ServeSettings};
 use ltcforge_server::service::{CheckReport, check};
 
 /// Checks the folder, changes nothing in it, and tells what is wrong and what the next start does about it.
 pub(super) fn run(
     args: FsckArgs,
-    file: ServeSection,
+    file: ServeSettings,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let folder = args.data.or(file.data).unwrap_or_else(|| DEFAULT_DATA.into());
+    let folder = args.data.unwrap_or(file.data);
     if !folder.is_dir() {
         return Err(CommandFailure::new(Exit::Failed, format!("{}: no such folder", folder.display())));
     }

@@ -6,7 +6,6 @@
 mod args;
 mod cluster;
 mod config_file;
-mod connections;
 mod context;
 mod csv;
 mod diff;
@@ -35,7 +34,7 @@ mod report;
 mod report_models;
 mod run;
 mod serve;
-mod service_settings;
+mod settings;
 mod shader;
 mod sources;
 mod table_file;

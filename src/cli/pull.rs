@@ -17,7 +17,12 @@ use super::{
     table_file::check,
 };
 use ltcforge_client::{self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError};
-use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, replace::PairError, staged::Staged};
+use ltcforge_files::{
+    bounded::read_file,
+    container::TableFile,
+    digest::Digest,
+    replace::{PairError, Staged},
+};
 
 /// A pinned file, and the outcome for it.
 struct Done<'a> {

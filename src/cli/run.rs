@@ -21,7 +21,7 @@ pub fn run(cli: Cli, context: &mut Context<'_>) -> Result<Exit, CommandFailure> 
     let Cli { command, server, json, .. } = cli;
     let connect = || client(server.as_deref(), &file);
     match command {
-        Command::Serve(args) => serve::run(args, file.serve, json, context),
+        Command::Serve(args) => serve::run(&args.over(file.serve)?, json, context),
         Command::Work(args) => super::cluster::work(args, &file.serve, json, context),
         Command::Gc(args) => super::cluster::gc(args, &file.serve, json, context),
         Command::Migrate(args) => super::cluster::migrate(args, &file.serve, json, context),

@@ -10,7 +10,10 @@ use super::{
     pin::{ExportPin, FilePin, Pin},
     source::{Access, Exported, Source, SourcesError, Wanted, from_first},
 };
-use ltcforge_files::{digest::Digest, replace::folder_of, staged::Staged};
+use ltcforge_files::{
+    digest::Digest,
+    replace::{Staged, folder_of},
+};
 
 /// The state of a pinned file on the disk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,6 +9,5 @@ pub mod job;
 pub mod manifest;
 pub mod recipe_document;
 pub mod replace;
-pub mod staged;
 pub mod tabulated;
 mod tensor;

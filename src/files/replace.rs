@@ -1,17 +1,20 @@
-//! Files that are written completely or not at all.
+//! Files that are written whole or not at all.
+//!
+//! A file is written under a temporary name in its folder, brought to the disk with fsync and renamed. After a crash,
+//! on a full disk, and for concurrent readers, its path has the old file or the new one, never a part.
 
 use std::{
-    ffi::OsString,
-    fs::{self, File, OpenOptions},
+    fs::{self, File},
     io::{self, Write as _},
     path::{Path, PathBuf},
-    sync::atomic::{AtomicU64, Ordering},
 };
 
-/// Temporary files of other runs that are skipped before the search for a free name ends.
-const MOST_NAMES: usize = 1000;
+use tempfile::{NamedTempFile, TempPath};
 
-/// One of several files that belong together was not written.
+/// Beginning of the names of temporary files. A process that is killed leaves its own; they may be deleted.
+pub const TEMPORARY_PREFIX: &str = ".ltcforge.";
+
+/// A file that was not written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {source}", .path.display())]
 pub struct PairError {
@@ -21,41 +24,26 @@ pub struct PairError {
     pub source: io::Error,
 }
 
-/// Writes `bytes` to `path` and creates its folder if it is missing. After a crash, on a full disk, and for concurrent
-/// readers, `path` has the old file or the new one, never a part.
+/// Writes `bytes` to `path` and creates its folder if it is missing. A file that is replaced keeps its permissions.
 ///
 /// # Errors
 /// When the folder cannot be created or the file cannot be written; no temporary file is left then.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    replace_file_with(path, |file| file.write_all(bytes))
+    let mut staged = Staged::default();
+    staged.write(path, |file| file.write_all(bytes))?;
+    staged.place().map_err(|error| error.source)
 }
 
-/// Like [`replace_file`], of what `write` puts into a temporary file. The old file stays when `write` fails.
+/// Like [`replace_file`], in a folder that is there and without fsync: after a power cut the file may be empty or cut
+/// off. It is for caches, whose readers check what they read.
 ///
 /// # Errors
-/// That of `write`, or the system's; no temporary file is left then.
-pub fn replace_file_with<T, E: From<io::Error>>(
-    path: &Path,
-    write: impl FnOnce(&mut File) -> Result<T, E>,
-) -> Result<T, E> {
-    if path.file_name().is_none() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path names no file").into());
-    }
-    let folder = folder_of(path);
-    fs::create_dir_all(folder)?;
-    let (mut file, temporary) = temporary_file(folder)?;
-    let placed = write(&mut file).and_then(|written| {
-        file.sync_all()?;
-        fs::rename(&temporary, path)?;
-        Ok(written)
-    });
-    if placed.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&temporary);
-    }
-    let written = placed?;
-    File::open(folder)?.sync_all()?;
-    Ok(written)
+/// When the file cannot be written; no temporary file is left then.
+pub fn replace_cached_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = temporary_file(folder_of(path))?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
 }
 
 /// Writes two files that belong together, `first` before `second`. Where `second` cannot be written, a `first` that was
@@ -64,12 +52,14 @@ pub fn replace_file_with<T, E: From<io::Error>>(
 /// # Errors
 /// The file that cannot be written, and why.
 pub fn replace_pair(first: (&Path, &[u8]), second: (&Path, &[u8])) -> Result<(), PairError> {
-    let write = |(path, bytes): (&Path, &[u8])| {
-        replace_file(path, bytes).map_err(|source| PairError { path: path.to_owned(), source })
-    };
     let was_there = first.0.symlink_metadata().is_ok();
-    write(first)?;
-    write(second).inspect_err(|_| {
+    let mut staged = Staged::default();
+    // The file that is staged last is placed first.
+    for (path, bytes) in [second, first] {
+        let written = staged.write(path, |file| file.write_all(bytes));
+        written.map_err(|source| PairError { path: path.to_owned(), source })?;
+    }
+    staged.place().inspect_err(|_| {
         if !was_there {
             // The first error is the one to report.
             let _ = fs::remove_file(first.0);
@@ -77,18 +67,100 @@ pub fn replace_pair(first: (&Path, &[u8]), second: (&Path, &[u8])) -> Result<(),
     })
 }
 
-/// Whether a new file can be made in `folder`, or, while it is missing, in the folder that it would be made in. Finds out
-/// by making one and removing it again.
+/// Files that were written beside their places and are not in them yet. Those that are not placed are removed again,
+/// with the folders that were made for them.
+#[derive(Debug, Default)]
+pub struct Staged {
+    /// Temporary files, which are deleted when they are dropped, and their places.
+    files: Vec<(TempPath, PathBuf)>,
+    /// In the order in which they were made.
+    folders: Vec<PathBuf>,
+}
+
+impl Staged {
+    /// Has `write` fill a temporary file for `place`, in that folder, which is made if it is missing. A file that was
+    /// staged for this place before is dropped. A file that will be replaced passes on its permissions.
+    ///
+    /// # Errors
+    /// That of `write`, or the system's; then nothing is staged for this place.
+    pub fn write<T, E: From<io::Error>>(
+        &mut self,
+        place: &Path,
+        write: impl FnOnce(&mut File) -> Result<T, E>,
+    ) -> Result<T, E> {
+        self.files.retain(|(_, other)| other != place);
+        if place.file_name().is_none() {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path names no file").into());
+        }
+        let folder = folder_of(place);
+        self.make_folder(folder)?;
+        let (mut file, temporary) = temporary_file(folder)?.into_parts();
+        let written = write(&mut file)?;
+        if let Ok(old) = place.symlink_metadata()
+            && old.is_file()
+        {
+            file.set_permissions(old.permissions())?;
+        }
+        file.sync_all()?;
+        self.files.push((temporary, place.to_owned()));
+        Ok(written)
+    }
+
+    /// Where the file for `place` is now, if it was staged.
+    #[must_use]
+    pub fn path_of(&self, place: &Path) -> Option<&Path> {
+        self.files.iter().find(|(_, other)| other == place).map(|(temporary, _)| &**temporary)
+    }
+
+    /// Whether nothing is staged.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+
+    /// Puts every file in its place. Each place has the old file or the new one at any time, never a part; a crash in
+    /// between leaves new files in some places and old ones in others. The file that was staged last is placed first.
+    ///
+    /// # Errors
+    /// The first file that cannot be placed; those placed before it stay, the others are dropped.
+    pub fn place(mut self) -> Result<(), PairError> {
+        while let Some((temporary, place)) = self.files.pop() {
+            let placed = temporary.persist(&place).map_err(io::Error::from);
+            placed.and_then(|()| sync_folder(folder_of(&place))).map_err(|source| PairError { path: place, source })?;
+        }
+        Ok(())
+    }
+
+    /// Makes a folder and those that it lies in, and remembers which were missing.
+    fn make_folder(&mut self, folder: &Path) -> io::Result<()> {
+        let mut missing: Vec<&Path> =
+            folder.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists()).collect();
+        missing.reverse();
+        fs::create_dir_all(folder)?;
+        self.folders.extend(missing.into_iter().map(Path::to_owned));
+        Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        self.files.clear();
+        for folder in self.folders.iter().rev() {
+            // A folder that has files stays.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// Whether a new file can be made in `folder`, or, while it is missing, in the folder that it would be made in. Finds
+/// out by making one and removing it again.
 ///
 /// # Errors
 /// Why no file can be made there.
 pub fn check_folder(folder: &Path) -> io::Result<()> {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match fs::metadata(here) {
-        Ok(found) if found.is_dir() => {
-            let (_, probe) = temporary_file(here)?;
-            fs::remove_file(probe)
-        }
+        Ok(found) if found.is_dir() => temporary_file(here)?.close(),
         Ok(_) => Err(io::ErrorKind::NotADirectory.into()),
         Err(error) if error.kind() == io::ErrorKind::NotFound && here.symlink_metadata().is_err() => {
             match here.parent() {
@@ -109,20 +181,23 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A new file in `folder`, under a name of no other run, thread or file.
-pub(super) fn temporary_file(folder: &Path) -> io::Result<(File, PathBuf)> {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    for _ in 0..MOST_NAMES {
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let path = folder.join(OsString::from(format!(".ltcforge.{}.{count}.part", std::process::id())));
-        // A new file alone: a link of that name, laid by someone else, is not followed.
-        match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(file) => return Ok((file, path)),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(error),
-        }
+/// Makes the names in `folder` durable, where that takes a call of its own: only Unix can open a folder.
+///
+/// # Errors
+/// When the folder cannot be opened, or the disk fails.
+pub fn sync_folder(folder: &Path) -> io::Result<()> {
+    if cfg!(unix) {
+        File::open(folder)?.sync_all()?;
     }
-    Err(io::Error::new(io::ErrorKind::AlreadyExists, "too many temporary files of runs that were cut off"))
+    Ok(())
+}
+
+/// A new file in `folder`. It gets the permissions of any new file, where those of `tempfile` let only its owner read
+/// it.
+fn temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(TEMPORARY_PREFIX).suffix(".part");
+    builder.make_in(folder, |path| File::options().write(true).create_new(true).open(path))
 }
 
 #[cfg(test)]
@@ -168,13 +243,32 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table");
         replace_file(&path, b"old").expect("a file");
-        let failed: io::Result<()> = replace_file_with(&path, |file| {
+        let failed: io::Result<()> = Staged::default().write(&path, |file| {
             file.write_all(b"ne")?;
             Err(io::ErrorKind::StorageFull.into())
         });
         assert!(failed.is_err());
         assert_eq!(fs::read(&path).expect("the file"), b"old");
         assert_eq!(count(folder.path()), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_new_file_has_usual_permissions_and_a_replaced_one_keeps_its_own() {
+        use std::os::unix::fs::PermissionsExt as _;
+
+        let folder = tempfile::tempdir().expect("a folder");
+        let [usual, path] = ["usual", "table"].map(|name| folder.path().join(name));
+        let mode = |path: &Path| fs::metadata(path).expect("a file").permissions().mode();
+        fs::write(&usual, "").expect("a file");
+        replace_file(&path, b"one").expect("a new file");
+        assert_eq!(mode(&path), mode(&usual));
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("our file");
+        replace_file(&path, b"two").expect("a replaced file");
+        assert_eq!(mode(&path) & 0o777, 0o640);
+        replace_cached_file(&usual, b"three").expect("a replaced file");
+        assert_eq!(fs::read(&usual).expect("the file"), b"three");
+        assert_eq!(count(folder.path()), 2, "no temporary file is left");
     }
 
     #[test]
@@ -203,5 +297,51 @@ mod tests {
             assert!(check_folder(&wrong).is_err(), "{}", wrong.display());
         }
         assert_eq!(count(folder.path()), 1, "nothing is left");
+    }
+
+    fn write(staged: &mut Staged, place: &Path, bytes: &[u8]) {
+        staged.write(place, |file| file.write_all(bytes)).expect("a file");
+    }
+
+    #[test]
+    fn files_are_placed_together_or_none_is() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [old, new, twice] = ["old", "a/b/new", "a/twice"].map(|name| folder.path().join(name));
+        fs::write(&old, "old").expect("a file");
+        for is_placed in [false, true] {
+            let mut staged = Staged::default();
+            assert!(staged.is_empty());
+            write(&mut staged, &old, b"1");
+            write(&mut staged, &new, b"2");
+            write(&mut staged, &twice, b"first");
+            write(&mut staged, &twice, b"3");
+            assert_eq!(fs::read(staged.path_of(&twice).expect("staged")).expect("a file"), b"3");
+            assert_eq!(fs::read(&old).expect("the file"), b"old");
+            assert!(!new.exists() && !twice.exists());
+            let failed: io::Result<()> = staged.write(&old, |_| Err(io::ErrorKind::StorageFull.into()));
+            assert!(failed.is_err() && staged.path_of(&old).is_none());
+            write(&mut staged, &old, b"1");
+            if !is_placed {
+                drop(staged);
+                assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1, "folders go too");
+                assert_eq!(fs::read(&old).expect("the file"), b"old");
+                continue;
+            }
+            staged.place().expect("all placed");
+            assert_eq!([&old, &new, &twice].map(|path| fs::read(path).expect("a file")), [b"1", b"2", b"3"]);
+            assert_eq!(fs::read_dir(folder.path().join("a")).expect("the folder").count(), 2, "nothing else is left");
+        }
+    }
+
+    #[test]
+    fn a_place_that_is_taken_is_named_and_nothing_is_left() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let taken = folder.path().join("taken");
+        fs::create_dir(&taken).expect("a folder in the way");
+        let mut staged = Staged::default();
+        write(&mut staged, &folder.path().join("other"), b"y");
+        write(&mut staged, &taken, b"x");
+        assert_eq!(staged.place().expect_err("a folder is there").path, taken);
+        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
     }
 }

@@ -1,13 +1,11 @@
 //! From fitted entries to the table of a layout.
 
-use half::f16;
-
 use super::{
     between,
     brdf::{LobeTerms, Mirrors},
     entry::FittedEntry,
     layout::{LobeNumbers, Precision, Reflection},
-    math::{from_row_major, row_major},
+    math::{from_half_bits, from_row_major, half_bits_f64, row_major},
     shard::Plan,
     table::{Table, Terms},
 };
@@ -18,9 +16,8 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     let recipe = plan.recipe();
     let round = |x: f64| match recipe.precision {
         Precision::F32 => x as f32,
-        // The portable conversion of the crate `half`. The processor's own instruction rounds twice between f64 and
-        // f16.
-        Precision::F16 => f16::from_f64_const(x).to_f32_const(),
+        // Portable: a processor's own instruction rounds twice between f64 and f16.
+        Precision::F16 => from_half_bits(half_bits_f64(x)),
     };
     let own: Vec<LobeNumbers> = (0..).zip(entries).map(|(index, entry)| store(plan, index, entry)).collect();
     let stored = between::chosen(plan, entries, &own).unwrap_or(own);

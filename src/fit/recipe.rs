@@ -1,6 +1,6 @@
 //! Recipes: complete, checked descriptions of a fit, from which every byte of a table follows.
 //!
-//! Invariant: no defaults and no JSON here; [`ltcforge_files::recipe_document`] reads documents and fills presets in.
+//! Invariant: no defaults and no JSON here; `ltcforge_files::recipe_document` reads documents and fills presets in.
 
 use serde::Serialize;
 

@@ -30,7 +30,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of a recipe that [`ltcforge_files::recipe_document`] has checked.
+    /// The plan of a recipe that `ltcforge_files::recipe_document` has checked.
     #[must_use]
     pub fn new(recipe: &Recipe) -> Self {
         Self { recipe: recipe.clone(), nodes: recipe.nodes() }

@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use crate::{Shared, common::command::run, throwaway::Server};
 
-/// The complaint of `ltcforge work` about a database and a store.
+/// The error of `ltcforge work` for a database and a store.
 #[track_caller]
 fn complaint(folder: &Path, database: &str, blobs: &str) -> String {
     let args = ["work", "--database", database, "--blobs", blobs, "--data", "data"];
@@ -23,7 +23,7 @@ fn a_database_that_cannot_be_used_is_named_without_its_password() {
     let line = of("postgres://me:hunter2@127.0.0.1:1/tables");
     assert!(line.contains("tables on 127.0.0.1:1 cannot be reached"), "{line}");
     let line = of("mysql://me:hunter2@host/tables");
-    assert!(line.contains("cannot be read"), "{line}");
+    assert!(line.contains("the database URL is invalid"), "{line}");
     for password in ["pw@hunter2", "hunter2@more", "hun/hunter2", "a?hunter2", "hunter2#b@c"] {
         let line = of(&format!("postgres://me:{password}@127.0.0.1:1/tables"));
         assert!(line.contains("%40") || line.contains("cannot be reached"), "{line}");
@@ -57,7 +57,7 @@ fn a_wrong_password_and_a_newer_schema_are_told_apart() {
     fs::write(&rules, "local all me scram-sha-256\nlocal all all trust\n").expect("the server's rules");
     server.psql(name, "SELECT pg_reload_conf()");
     let with_password = url.replace("postgres@", "me:hunter2@");
-    // The server reads its rules when it gets to it.
+    // The server reloads its rules some time later.
     let line = crate::common::eventually("the new rules", || {
         let line = complaint(folder.path(), &with_password, &blobs);
         line.contains("password").then_some(line)
@@ -70,7 +70,7 @@ fn a_store_that_cannot_be_used_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(shared) = Shared::new(folder.path()) else { return };
     let of = |blobs: &str| complaint(folder.path(), &shared.database, blobs);
-    assert!(of("tables").contains("«tables» is no store of blobs"));
+    assert!(of("tables").contains("«tables» is not the URL of a blob store"));
     assert!(of("s3://key:hunter2@bucket/x").contains("read from the environment"));
     fs::write(folder.path().join("file"), "").expect("a file");
     let line = of(&format!("file://{}/file", folder.path().display()));

@@ -1,4 +1,4 @@
-//! What the processes of a cluster survive.
+//! Faults that the processes of a cluster survive.
 
 use std::{sync::Barrier, thread};
 
@@ -36,7 +36,7 @@ fn replicas_share_their_jobs_and_a_killed_worker_s_shards_are_done_by_another() 
     drop(doomed);
     one.kill();
 
-    // A replica and its clients lose nothing by another's end.
+    // The end of a replica is no loss for another and its clients.
     let _worker = Worker::start(&shared, folder.path(), "2");
     let job = other.finished(&id);
     assert_eq!(job["state"], "done", "{job:#}");
@@ -111,7 +111,7 @@ fn a_database_that_stops_for_a_while_costs_no_job() {
     assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
 }
 
-/// The database's own `pg_notify` only counts, so that nobody hears of jobs, of tasks and of their ends.
+/// A `pg_notify` of the database's own only counts, so that no process is notified of jobs, tasks and ends of jobs.
 #[test]
 fn lost_notifications_cost_no_job() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -128,7 +128,7 @@ fn lost_notifications_cost_no_job() {
     database.psql(&name, &silence);
     let replica = shared.replica(&folder.path().join("replica"));
     let _worker = Worker::start(&shared, folder.path(), "10");
-    // From the second on, the worker waits when a job comes.
+    // From the second job on, the worker is waiting when it is submitted.
     for seed in 0..3 {
         let id = text(&replica.submit(&seeded(seed)).with_status(202).json()["id"]).to_owned();
         let events = replica.events(&id, None).into_body().read_to_string().expect("a stream that ends");
@@ -172,7 +172,7 @@ fn a_standby_takes_over_with_all_that_was_acknowledged() {
     assert_eq!(replica.submit(SMALL).with_status(200).json()["table"], first);
 }
 
-/// Leases are as long by the database's clock, whatever that of a worker says.
+/// Leases expire by the database's clock, not by the worker's.
 #[test]
 fn workers_clocks_that_are_an_hour_off_have_no_effect() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -182,7 +182,7 @@ fn workers_clocks_that_are_an_hour_off_have_no_effect() {
         return;
     };
     let replica = shared.replica(&folder.path().join("replica"));
-    // Were leases as long as a worker's clock says, one of them would take the other's at once.
+    // If they expired by a worker's clock, one worker would take the other's at once.
     let _workers = ["-1h", "+1h"].map(|offset| {
         let clock = [("LD_PRELOAD", library.as_str()), ("FAKETIME", offset), ("FAKETIME_DONT_FAKE_MONOTONIC", "1")];
         let environment = clock.map(|(name, value)| (name.to_owned(), value.to_owned())).into();
@@ -192,7 +192,7 @@ fn workers_clocks_that_are_an_hour_off_have_no_effect() {
     assert_eq!((&job["state"], &job["attempts"]), (&"done".into(), &1.into()), "{job:#}");
 }
 
-/// The library that gives a program another clock, where Debian has it.
+/// The library that gives a program another clock, where Debian installs it.
 fn faketime() -> Option<String> {
     let folders = std::fs::read_dir("/usr/lib").ok()?.filter_map(Result::ok);
     let mut libraries = folders.map(|folder| folder.path().join("faketime/libfaketimeMT.so.1"));

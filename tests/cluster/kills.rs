@@ -1,4 +1,4 @@
-//! Kill -9 at random, under a stream of jobs: [`KILLS`] times, or as often as `LTCFORGE_TEST_KILLS` says.
+//! Kill -9 at random, under a stream of jobs: [`KILLS`] times, or `LTCFORGE_TEST_KILLS` times.
 
 use crate::{
     Shared, Worker,
@@ -11,7 +11,7 @@ use crate::{
     throwaway,
 };
 
-/// Two of them take about a second.
+/// Two kills take about a second.
 const KILLS: usize = 50;
 
 fn kills() -> usize {
@@ -31,7 +31,7 @@ impl Random {
     }
 }
 
-/// A recipe of four shards that nobody has fitted, some hundredths of a second long.
+/// A recipe of four shards that was not fitted before, some hundredths of a second long.
 fn recipe(number: usize) -> String {
     format!(
         r#"{{"preset":"draft","resolution":{{"alpha":4,"ratio":4,"theta":4,"phi":4}},
@@ -46,7 +46,7 @@ fn kills_lose_nothing_that_was_acknowledged() {
     let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
     shared.database = database.empty_database();
     let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
-    // A finished shard that is ever leased again would be written down here.
+    // Gets a row for each finished shard that is leased again.
     let replica = |number: usize| shared.replica(&folder.path().join(format!("replica-{number}")));
     let mut replicas: Vec<Option<Server>> = (0..2).map(|number| Some(replica(number))).collect();
     database.psql(
@@ -63,13 +63,13 @@ fn kills_lose_nothing_that_was_acknowledged() {
     let mut acknowledged = Vec::new();
     let kills = kills();
     for kill in 0..kills {
-        // Whom it hits comes back, before the next is hit; now and then it hits all at once.
+        // A process that is killed is started again before the next kill; sometimes all are killed at once.
         let hit = random.below(5);
         let submitted = recipe(kill);
         if let Some(server) = replicas.iter().flatten().next() {
             acknowledged.push((submitted.clone(), text(&server.submit(&submitted).json()["id"]).to_owned()));
         }
-        // As far as the job has come, which is another place each time.
+        // The job has got to another point each time.
         let wanted = random.below(5);
         let (_, id) = acknowledged.last().expect("a job");
         let finished = format!(

@@ -14,7 +14,7 @@ use crate::{
     throwaway,
 };
 
-/// A few shards, each long enough to be cut off in its middle.
+/// A few shards, each long enough for the link to be cut during it.
 const LONG_SHARDS: &str = r#"{"preset":"draft","resolution":{"alpha":4,"ratio":4,"theta":8,"phi":4},
     "fit":{"samples":4096,"directions":16,"steps":20}}"#;
 
@@ -28,7 +28,7 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     let expected = run_with_stdin(folder.path(), ["fit", "-", "-o", "fitted"], LONG_SHARDS).exited(0);
     let link = Proxy::start(Upstream::Unix(database.socket()));
     let replica = shared.replica(&folder.path().join("replica"));
-    // Who leases and who finishes which attempt, by the names of their connections.
+    // Which connection leases and which finishes an attempt.
     database.psql(
         &name,
         "CREATE TABLE writes (state text, worker text, task integer, attempt integer);
@@ -48,7 +48,7 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
 
     link.set(Link::Held);
     let other = Worker::start(&named(shared.clone(), "other"), folder.path(), "2");
-    // What it fitted meanwhile comes while another fits it again.
+    // Its late result arrives while another worker fits the shard again.
     eventually("another lease of what it had", || {
         let again = "SELECT count(*) FROM writes WHERE state = 'leased' AND worker = 'other' AND attempt > 1";
         (database.psql(&name, again) != "0").then_some(())
@@ -58,28 +58,29 @@ fn a_worker_that_was_cut_off_is_replaced_and_goes_on_later() {
     assert_eq!((&job["state"], &job["table"]), (&"done".into(), &expected.last_line().into()), "{job:#}");
     assert!(job["attempts"].as_u64().expect("a count") >= 2, "the shard was leased again: {job:#}");
     let of_another = "SELECT count(*) FROM writes AS f WHERE state = 'finished' AND NOT EXISTS (
-        SELECT FROM writes AS l WHERE l.state = 'leased' AND (l.worker, l.task, l.attempt) = (f.worker, f.task, f.attempt))";
+        SELECT FROM writes AS l
+        WHERE l.state = 'leased' AND (l.worker, l.task, l.attempt) = (f.worker, f.task, f.attempt))";
     assert_eq!(database.psql(&name, of_another), "0", "a late result was taken");
     drop(other);
 
-    // It works on what there is then.
+    // It goes on with other shards.
     let job = replica.finished(text(&replica.submit(SMALL).with_status(202).json()["id"]));
     assert_eq!(job["state"], "done", "{job:#}");
     drop(cut_off);
 }
 
-/// A network namespace whose only link loses a fifth of all packets in each direction. Gone when dropped.
+/// A network namespace whose only link loses a fifth of all packets in each direction. Removed when dropped.
 struct Lossy {
     name: String,
-    /// This machine's end of the link.
+    /// The address of this end of the link.
     here: Ipv4Addr,
 }
 
 impl Lossy {
-    /// `None`, told loudly, where namespaces cannot be made.
+    /// `None`, with a message, where namespaces cannot be made.
     fn new() -> Option<Self> {
         let process = std::process::id();
-        // Addresses of its own: a namespace whose test was killed may be left, and two links to the same network make none.
+        // Unique addresses: a test that was killed leaves its namespace, and two links to the same network do not work.
         let network = u32::from(Ipv4Addr::new(10, 213, 0, 0)) + process % 0x4000 * 4;
         let [here, there] = [1, 2].map(|end| Ipv4Addr::from(network + end));
         let (name, link) = (format!("ltcforge{process}"), format!("ltc{process}v"));
@@ -106,7 +107,7 @@ impl Lossy {
 
 impl Drop for Lossy {
     fn drop(&mut self) {
-        // It may not have been made.
+        // It may not exist.
         let _ = Command::new("ip").args(["netns", "del", &self.name]).stderr(Stdio::null()).status();
     }
 }
@@ -123,7 +124,7 @@ fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
     let replica = shared.replica(&folder.path().join("replica"));
     let by = ["ip", "netns", "exec", &lossy.name];
     let far = shared.by(link.address);
-    // One that has not got through when it gives up is started again, as by whatever runs it.
+    // A worker that ends because it cannot connect is started again, as a supervisor would.
     let _worker = eventually("a worker that connects", || Worker::start_by(&by, &far, folder.path(), "60"));
     let begun = Instant::now();
     let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
@@ -138,8 +139,7 @@ fn a_worker_that_loses_a_fifth_of_its_packets_does_all_there_is() {
     }
 }
 
-/// How long jobs follow each other on a link that loses packets: a minute, or as many seconds as `LTCFORGE_TEST_LOSS_SECONDS`
-/// says.
+/// How long jobs are run on a link that loses packets: a minute, or `LTCFORGE_TEST_LOSS_SECONDS`.
 fn lossy_time() -> Duration {
     let seconds =
         std::env::var("LTCFORGE_TEST_LOSS_SECONDS").map_or(60, |text| text.parse().expect("a number of seconds"));

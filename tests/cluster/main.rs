@@ -1,8 +1,8 @@
-//! Several processes of the binary on one PostgreSQL and one store of tables: a folder, which outlives them all.
+//! Several processes of the binary on one PostgreSQL and one blob store, a folder.
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../../src/server/store/postgres/throwaway.rs"]
+#[path = "../../src/server/store/postgres/tests/throwaway.rs"]
 mod throwaway;
 
 mod errors;
@@ -23,17 +23,17 @@ use std::{
 
 use common::{command::ltcforge, server::Server};
 
-/// What the processes of a test share.
+/// The database and the blob store that the processes of a test share.
 #[derive(Clone)]
 pub(crate) struct Shared {
     pub(crate) database: String,
     pub(crate) blobs: String,
-    /// Further variables in the environment of their processes.
+    /// Further environment variables of the processes.
     pub(crate) environment: Vec<(String, String)>,
 }
 
 impl Shared {
-    /// An empty database and an empty folder in `folder`; `None`, told loudly, where PostgreSQL is not installed.
+    /// An empty database and an empty folder in `folder`; `None`, with a message, where PostgreSQL is not installed.
     pub(crate) fn new(folder: &Path) -> Option<Self> {
         let blobs = folder.join("store");
         std::fs::create_dir_all(&blobs).expect("a folder");
@@ -41,7 +41,7 @@ impl Shared {
         Some(Self { database: throwaway::empty_database()?, blobs, environment: vec![] })
     }
 
-    /// The same through another link to the database.
+    /// The same, with the database at another address.
     pub(crate) fn by(&self, address: SocketAddr) -> Self {
         let (_, name) = self.database.split_once("@/").expect("a URL of a throw-away server");
         let name = name.split('?').next().unwrap_or(name);
@@ -55,22 +55,22 @@ impl Shared {
         Server::start_in(folder, &args, &self.environment)
     }
 
-    /// Their arguments.
+    /// The arguments of the processes.
     pub(crate) fn arguments(&self) -> [&str; 4] {
         ["--database", &self.database, "--blobs", &self.blobs]
     }
 }
 
-/// A process that works. Killed when dropped.
+/// A worker process. Killed when dropped.
 pub(crate) struct Worker(Child);
 
 impl Worker {
-    /// Starts one thread of work, with leases of `lease_seconds`.
+    /// Starts a worker of one thread, with leases of `lease_seconds`.
     pub(crate) fn start(shared: &Shared, folder: &Path, lease_seconds: &str) -> Self {
         Self::start_by(&[], shared, folder, lease_seconds).expect("a worker that connects")
     }
 
-    /// Has another command start it; `None` if it ended because it could not connect.
+    /// Starts it by another command; `None` if it ended because it could not connect.
     pub(crate) fn start_by(by: &[&str], shared: &Shared, folder: &Path, lease_seconds: &str) -> Option<Self> {
         let data = folder.join("worker");
         let data = data.to_str().expect("a path in UTF-8");

@@ -1,4 +1,4 @@
-//! Taking a data folder along.
+//! Migrating a data folder.
 
 use std::{fs, path::PathBuf};
 
@@ -41,8 +41,8 @@ fn tables_and_jobs_are_taken_along_once() {
     assert_eq!(replica.get(&format!("/v1/jobs/{endless}")).with_status(200).json()["state"], "queued");
 }
 
-/// Tables are taken along newest first. Something is where the oldest one's file would be, which ends the migration after
-/// the others and before the jobs.
+/// Tables are copied newest first. A folder is where the oldest table's file would be, so that the migration fails
+/// after the others and before the jobs.
 #[test]
 fn an_interrupted_migration_goes_on_where_it_ended() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! An object store that is down, slow, full, broken, or gives other bytes.
+//! An object store that is down, slow, full or broken, or sends other bytes.
 
 use ureq::Agent;
 
@@ -78,14 +78,14 @@ fn downloads_can_be_redirected_to_the_store() {
     assert_eq!(answer.status(), 307);
     let location = answer.headers()["location"].to_str().expect("a URL").to_owned();
     let bytes = agent.get(&location).call().expect("the object").body_mut().read_to_vec().expect("a whole body");
-    // Whoever has it is told so, and whoever wants a part is sent there too.
+    // Conditional requests are answered here; a request for a part of the table is redirected too.
     let etag = format!("\"{table}\"");
     let path = format!("/v1/tables/{table}");
     replica.request("GET", &path, &[("if-none-match", &etag)], None).with_status(304);
     replica.request("GET", &path, &[("if-match", "\"other\"")], None).with_status(412);
     let part = agent.get(&location).header("range", "bytes=1-4").call().expect("a part");
     assert_eq!((part.status().as_u16(), part.into_body().read_to_vec().expect("bytes")), (206, bytes[1..5].to_vec()));
-    // A request for the head is answered here, with the table's size.
+    // HEAD is answered here, with the table's size.
     let head = replica.request("HEAD", &format!("/v1/tables/{table}"), &[], None).with_status(200);
     assert_eq!(head.header("content-length"), Some(bytes.len().to_string().as_str()));
     let file = folder.path().join(format!("{}.safetensors", table.trim_start_matches("sha256:")));
@@ -109,7 +109,7 @@ fn a_store_without_the_bucket_or_the_permission_is_named() {
     };
     let complaint = |blobs: &str| complaint_with(blobs, &[]);
     let line = complaint_with("s3://tables/ltc", &[("AWS_ENDPOINT", "http://me:hunter2@127.0.0.1:1")]);
-    assert!(line.contains("AWS_ENDPOINT of the environment has a user or a password"), "{line}");
+    assert!(line.contains("the environment variable AWS_ENDPOINT has a user or a password"), "{line}");
     let line = complaint("s3://nowhere/ltc");
     assert!(line.contains("s3://nowhere/ltc does not exist"), "{line}");
     link.set(Link::Answers(403));

@@ -1,4 +1,4 @@
-//! A link to PostgreSQL or an object store that a test cuts, holds up, or answers in the other's place.
+//! A proxy for PostgreSQL or an object store that can cut or hold connections, or answer requests itself.
 
 use std::{
     io::{self, BufRead as _, BufReader, Read, Write},
@@ -21,23 +21,23 @@ pub(crate) enum Upstream {
     Tcp(SocketAddr),
 }
 
-/// What the link does.
+/// What the proxy does with connections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Link {
     Up,
-    /// A kilobyte gets through in each direction in a tenth of a second.
+    /// A kilobyte passes in each direction in a tenth of a second.
     Slow,
     /// Connections end at once.
     Down,
-    /// Connections stay, and nothing gets through until the link is another.
+    /// Connections stay open, and nothing passes until this changes.
     Held,
-    /// Each request of HTTP is answered with this status.
+    /// Each HTTP request is answered with this status.
     Answers(u16),
-    /// Each request of HTTP is answered with bytes that nobody stored.
+    /// Each HTTP request is answered with bytes that were never stored.
     OtherBytes,
 }
 
-/// A link on a port of this machine.
+/// A proxy on a local port.
 pub(crate) struct Proxy {
     pub(crate) address: SocketAddr,
     state: Arc<State>,
@@ -209,7 +209,7 @@ impl Proxy {
         Self::start_on(Ipv4Addr::LOCALHOST, upstream)
     }
 
-    /// A link on another address of this machine.
+    /// A proxy on another local address.
     pub(crate) fn start_on(address: Ipv4Addr, upstream: Upstream) -> Self {
         let listener = TcpListener::bind((address, 0)).expect("a port");
         let address = listener.local_addr().expect("its address");
@@ -219,14 +219,14 @@ impl Proxy {
         thread::spawn(move || {
             for client in listener.incoming().map_while(Result::ok) {
                 let state = Arc::clone(&accepting);
-                // A connection that fails is the test's purpose, not its failure.
+                // Failing connections are intended.
                 thread::spawn(move || drop(state.serve(Stream::Tcp(client))));
             }
         });
         Self { address, state }
     }
 
-    /// Changes the link. Connections that are open go on through a link that is up, slow or held, and end otherwise.
+    /// Changes the link. Open connections go on if it is up, slow or held, and end otherwise.
     pub(crate) fn set(&self, link: Link) {
         let mut inner = self.state.lock();
         let was = std::mem::replace(&mut inner.link, link);
@@ -238,7 +238,7 @@ impl Proxy {
         self.state.changed.notify_all();
     }
 
-    /// Leads the link elsewhere.
+    /// Changes the server behind the proxy.
     pub(crate) fn lead_to(&self, upstream: Upstream) {
         let mut inner = self.state.lock();
         inner.upstream = upstream;

@@ -1,4 +1,4 @@
-//! An S3 server of a test's own: moto, in Python. It keeps its objects in memory.
+//! An S3 server for tests: moto, in Python. It keeps its objects in memory.
 
 use std::{
     net::{SocketAddr, TcpListener, TcpStream},
@@ -15,13 +15,13 @@ pub(crate) struct S3 {
 }
 
 impl S3 {
-    /// Starts it; `None`, told loudly, where moto is not installed.
+    /// Starts it; `None`, with a message, where moto is not installed.
     pub(crate) fn start() -> Option<Self> {
         let Some(python) = python() else {
             tell_skipped("there is no Python with moto[server] here; `make cluster` installs it");
             return None;
         };
-        // The port is free now; nobody else on this machine asks for that one by number.
+        // The port is free now, and other processes are unlikely to choose it.
         let free = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = free.local_addr().expect("its address");
         drop(free);
@@ -35,7 +35,7 @@ impl S3 {
         Some(server)
     }
 
-    /// The environment of a process that uses it at `address`, which may be a link's.
+    /// The environment of a process that uses it at `address`, which may be a proxy's.
     pub(crate) fn environment(address: SocketAddr) -> Vec<(String, String)> {
         let variable = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
         let mut all: Vec<_> = [
@@ -59,7 +59,7 @@ impl Drop for S3 {
     }
 }
 
-/// A Python that has moto: the one that `make cluster` made, or the one on the path.
+/// A Python that has moto: the one of `make cluster`, or the one in `PATH`.
 fn python() -> Option<PathBuf> {
     let target = Path::new(env!("CARGO_BIN_EXE_ltcforge")).ancestors().nth(2)?;
     let has_moto = |python: &PathBuf| {

@@ -1,7 +1,6 @@
 //! The arguments of the command line. A flag goes before its environment variable, that before the configuration
 //! file, that before the default.
 
-mod connections;
 mod export;
 mod fitting;
 mod jobs;
@@ -19,17 +18,17 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
-pub(super) use connections::{ConnectionArgs, WaitSeconds};
+use super::settings::ServeArgs;
 pub(super) use export::{AnyContainer, ExportArgs, ExportChoice};
-pub(super) use fitting::{FitArgs, FsckArgs, PictureLimitArgs, ServeArgs, TradeoffArgs};
+pub(super) use fitting::{FitArgs, FsckArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use pictures::{FiguresArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
-pub(super) use shared::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
+pub(super) use shared::{MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 pub(super) use tabulate::TabulateArgs;
-pub(super) use threads::{Threads, cores};
+pub(super) use threads::{ThreadCount, Threads, WaitSeconds, cores};
 
 /// Fits, stores and serves Linearly Transformed Cosine tables for area lights on GGX materials.
 #[derive(Debug, Parser)]
@@ -60,7 +59,7 @@ pub enum Command {
     /// Fit what the queue of a shared database has, without HTTP
     Work(WorkArgs),
     /// Remove tables from a shared store that no job has made known for a day
-    Gc(GcArgs),
+    Gc(SharedArgs),
     /// Take the tables and jobs of a data folder along into a shared database and store
     Migrate(MigrateArgs),
     /// Check the data folder of a service that is not running, and tell what its next start would mend
@@ -139,21 +138,7 @@ impl Command {
         match self {
             Self::Serve(_) | Self::Work(_) | Self::Fsck(_) => OnInterrupt::Finishes,
             Self::Fit(_) | Self::Tradeoff(_) | Self::Lock(_) | Self::Pull(_) => OnInterrupt::Told,
-            Self::Gc(_)
-            | Self::Migrate(_)
-            | Self::Lookup(_)
-            | Self::Light(_)
-            | Self::Report(_)
-            | Self::Preview(_)
-            | Self::Plot(_)
-            | Self::Figures(_)
-            | Self::Shader(_)
-            | Self::Export(_)
-            | Self::Tabulate(_)
-            | Self::Jobs(_)
-            | Self::Verify(_)
-            | Self::Diff(_)
-            | Self::Completions { .. } => OnInterrupt::Ends,
+            _ => OnInterrupt::Ends,
         }
     }
 }

@@ -1,16 +1,13 @@
 //! What processes share: `serve`, `work`, `gc` and `migrate`.
 
-use std::{
-    num::{NonZeroU64, NonZeroUsize},
-    path::PathBuf,
-};
+use std::{num::NonZeroU64, path::PathBuf};
 
 use clap::Args;
 
-use super::threads::threads;
+use super::threads::ThreadCount;
 use ltcforge_server::service::DatabaseUrl;
 
-/// The database and the store of blobs of a command that needs both.
+/// `gc`, and what `work` has of it: the database, the store of tables and the folder of its cache.
 #[derive(Debug, Args)]
 pub struct SharedArgs {
     /// PostgreSQL database of the queue and the catalogue
@@ -22,11 +19,14 @@ pub struct SharedArgs {
     /// Megabytes of tables that are kept in the data folder [default: 4096]
     #[arg(long, env = "LTCFORGE_CACHE_MB", value_name = "N")]
     pub cache_mb: Option<NonZeroU64>,
+    /// Folder of the cache [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: Option<PathBuf>,
 }
 
-/// What makes `serve` one of several.
-#[derive(Debug, Default, Args)]
-pub struct ReplicaArgs {
+/// Flags that make `serve` one of several processes.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Args)]
+pub(crate) struct ReplicaArgs {
     /// PostgreSQL database of the queue and the catalogue, which any number of processes share
     #[arg(long, env = "LTCFORGE_DATABASE", hide_env_values = true, value_name = "URL", requires = "blobs")]
     pub database: Option<DatabaseUrl>,
@@ -50,29 +50,15 @@ pub struct ReplicaArgs {
 /// `work`.
 #[derive(Debug, Args)]
 pub struct WorkArgs {
-    /// What it shares
+    /// The database, the store and the folder
     #[command(flatten)]
     pub shared: SharedArgs,
-    /// Folder of the cache [default: ltcforge-data]
-    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
-    pub data: Option<PathBuf>,
     /// Shards fitted at the same time, 1 to 512 [default: one for each core]
-    #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N", value_parser = threads)]
-    pub workers: Option<NonZeroUsize>,
+    #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
+    pub workers: Option<ThreadCount>,
     /// Seconds after which another worker does what this one has not reported on [default: 60]
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N")]
     pub lease_seconds: Option<NonZeroU64>,
-}
-
-/// `gc`.
-#[derive(Debug, Args)]
-pub struct GcArgs {
-    /// What is cleaned up
-    #[command(flatten)]
-    pub shared: SharedArgs,
-    /// Folder of the cache [default: ltcforge-data]
-    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
-    pub data: Option<PathBuf>,
 }
 
 /// `migrate`.

@@ -1,8 +1,9 @@
-//! Threads of a command.
+//! Threads of a command, and other numbers with a greatest value.
 
-use std::{num::NonZeroUsize, thread};
+use std::{num::NonZeroUsize, str::FromStr, thread, time::Duration};
 
 use clap::Args;
+use serde::Deserialize;
 
 use super::super::{CommandFailure, Exit};
 
@@ -10,14 +11,14 @@ use super::super::{CommandFailure, Exit};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Args)]
 pub struct Threads {
     /// Threads to use, 1 to 512 [default: one for each core]
-    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N", value_parser = threads)]
-    pub threads: Option<NonZeroUsize>,
+    #[arg(long, env = "LTCFORGE_THREADS", value_name = "N")]
+    pub threads: Option<ThreadCount>,
 }
 
 impl Threads {
     /// The number of threads.
     pub(crate) fn count(self) -> NonZeroUsize {
-        self.threads.unwrap_or_else(cores)
+        self.threads.map_or_else(cores, ThreadCount::count)
     }
 
     /// A pool of them.
@@ -30,12 +31,53 @@ impl Threads {
     }
 }
 
-/// The most threads of a command: more only slow each other down, and thousands can make a machine unusable.
-const MOST_THREADS: usize = 512;
+/// A whole number from 1 to `MOST`, on the command line or in the configuration file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "u64")]
+pub struct UpTo<const MOST: u64>(u64);
 
-pub(super) fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    let count = text.parse().ok().filter(|count: &NonZeroUsize| count.get() <= MOST_THREADS);
-    count.ok_or_else(|| format!("it is a number from 1 to {MOST_THREADS}"))
+/// Threads of a command: more only slow each other down, and thousands can make a machine unusable.
+pub(crate) type ThreadCount = UpTo<512>;
+
+/// Seconds that the service waits for a client or a picture, at most a day.
+pub(crate) type WaitSeconds = UpTo<86_400>;
+
+impl<const MOST: u64> UpTo<MOST> {
+    /// `number`, or the nearest that is allowed.
+    pub(crate) fn clamped(number: u64) -> Self {
+        Self(number.clamp(1, MOST))
+    }
+}
+
+impl<const MOST: u64> TryFrom<u64> for UpTo<MOST> {
+    type Error = String;
+
+    fn try_from(number: u64) -> Result<Self, String> {
+        let is_allowed = (1..=MOST).contains(&number);
+        is_allowed.then_some(Self(number)).ok_or_else(|| format!("it is a number from 1 to {MOST}"))
+    }
+}
+
+impl<const MOST: u64> FromStr for UpTo<MOST> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::try_from(text.parse().unwrap_or(0))
+    }
+}
+
+impl ThreadCount {
+    /// As a count.
+    pub(crate) fn count(self) -> NonZeroUsize {
+        NonZeroUsize::new(self.0 as usize).unwrap_or(NonZeroUsize::MIN)
+    }
+}
+
+impl WaitSeconds {
+    /// As a time.
+    pub(crate) fn duration(self) -> Duration {
+        Duration::from_secs(self.0)
+    }
 }
 
 /// Cores that the process may use.

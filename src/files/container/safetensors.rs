@@ -8,11 +8,13 @@
 //!
 //! Equal recipe and table give equal bytes, and no other bytes decode to them.
 
-use half::f16;
 use safetensors::{Dtype, SafeTensors, serialize, tensor::Metadata};
 
 use crate::{recipe_document, tabulated::FindBrdf, tensor::Tensor};
-use ltcforge_fit::{BrdfModel, Precision, Recipe, Table, Terms, math::from_row_major};
+use ltcforge_fit::{
+    BrdfModel, Precision, Recipe, Table, Terms,
+    math::{from_half_bits, from_row_major, half_bits},
+};
 
 /// The metadata key that holds the recipe.
 const RECIPE_KEY: &str = "ltcforge";
@@ -86,7 +88,7 @@ fn tensor<'a>(precision: Precision, shape: &[usize], values: impl IntoIterator<I
     let values = values.into_iter();
     let (dtype, bytes) = match precision {
         Precision::F32 => (Dtype::F32, values.flat_map(|x| x.to_le_bytes()).collect()),
-        Precision::F16 => (Dtype::F16, values.flat_map(|x| f16::from_f32_const(*x).to_le_bytes()).collect()),
+        Precision::F16 => (Dtype::F16, values.flat_map(|x| half_bits(*x).to_le_bytes()).collect()),
     };
     Tensor { dtype, shape: shape.to_vec(), bytes }
 }
@@ -239,9 +241,9 @@ fn numbers<'a, const BYTES: usize>(
 fn finite(file: &SafeTensors, name: &str, precision: Precision, shape: &[usize]) -> Result<Vec<f32>, TableFileError> {
     let values: Vec<f32> = match precision {
         Precision::F32 => numbers::<4>(file, name, Dtype::F32, shape)?.map(f32::from_le_bytes).collect(),
-        Precision::F16 => {
-            numbers::<2>(file, name, Dtype::F16, shape)?.map(|bytes| f16::from_le_bytes(bytes).to_f32_const()).collect()
-        }
+        Precision::F16 => numbers::<2>(file, name, Dtype::F16, shape)?
+            .map(|bytes| from_half_bits(u16::from_le_bytes(bytes)))
+            .collect(),
     };
     match values.iter().position(|x| !x.is_finite()) {
         None => Ok(values),

@@ -4,6 +4,7 @@
 //! used, which IEEE 754 defines exactly; everything else comes from `libm` in portable code.
 
 mod frame;
+mod half;
 mod portable;
 mod scalar;
 mod sequence;
@@ -11,6 +12,7 @@ mod single;
 mod triple;
 
 pub use frame::{direction, from_row_major, rotation_from_z, row_major, symmetric_sqrt, turned_about_z};
+pub use half::{from_half_bits, half_bits, half_bits_f64};
 pub use portable::{atan2, cos, erfc, exp, ln, pow, sin, sin_cos};
 pub use scalar::Scalar;
 pub use sequence::{Lattice, SquarePoint, concentric_cosine, cosine_hemisphere, fibonacci_hemisphere, recurrence4};

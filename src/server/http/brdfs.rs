@@ -1,9 +1,9 @@
-//! The files of tabulated BRDFs: stored, and downloaded by digest.
+//! Files of tabulated BRDFs: store, and download by digest.
 
 use axum::{
     Json,
     extract::State,
-    http::{HeaderMap, HeaderValue, Method, StatusCode, header},
+    http::{HeaderMap, Method, StatusCode, header},
     response::{IntoResponse, Response},
 };
 
@@ -27,12 +27,8 @@ pub(super) async fn store(
     check_untagged(&headers)?;
     let (stored, was_there) = api.call(move |service| service.store_brdf(&bytes)).await?;
     let status = if was_there { StatusCode::OK } else { StatusCode::CREATED };
-    let location = HeaderValue::from_str(&format!("/v1/brdfs/{}", stored.digest));
-    let mut response = (status, Json(stored)).into_response();
-    if let Ok(location) = location {
-        response.headers_mut().insert(header::LOCATION, location);
-    }
-    Ok(response)
+    let location = [(header::LOCATION, format!("/v1/brdfs/{}", stored.digest))];
+    Ok((status, location, Json(stored)).into_response())
 }
 
 /// `GET` and `HEAD /v1/brdfs/{digest}`.

@@ -26,7 +26,8 @@ pub(super) fn unavailable() -> Problem {
     Problem::new(ProblemKind::Unavailable, "the database does not answer").with_retry_after(RESTART)
 }
 
-/// The problem of a machine that lacks something for a moment. It is the operator's to know, and no error of the service.
+/// The problem of a machine that lacks something for a moment. It is logged as a warning: the service itself is not at
+/// fault.
 pub(super) fn lacking(detail: String) -> Problem {
     tracing::warn!("{detail}");
     Problem::new(ProblemKind::Lacking, detail).with_retry_after(RESTART)
@@ -64,7 +65,7 @@ impl From<StoreBrdfError> for Problem {
             StoreBrdfError::Faults(TabulatedError(faults)) => {
                 let detail = format!("{} in the file", count(faults.len()));
                 let faults = faults.into_iter().map(|detail| Fault { pointer: String::new(), detail });
-                Self::new(ProblemKind::BadBrdf, detail).with_errors(faults.collect())
+                Self::new(ProblemKind::BadBrdf, detail).with_errors(faults)
             }
             StoreBrdfError::Store(error) => error.into(),
         }

@@ -36,7 +36,7 @@ use crate::{
 /// How often a comment tells proxies that the stream is alive.
 const HEARTBEAT: Duration = Duration::from_secs(15);
 
-/// The shortest time between two events of one stream. Of changes that come faster only the latest is sent.
+/// The shortest time between two events of one stream. If changes come faster, only the latest is sent.
 const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
 /// `GET /v1/jobs/{id}/events`.

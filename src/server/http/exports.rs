@@ -1,4 +1,4 @@
-//! Exports of a table: which there are, their files, and the files themselves.
+//! Exports of a table: the list of them, the files of each, and the files themselves.
 
 use std::sync::Arc;
 
@@ -22,10 +22,10 @@ use crate::service::{ExportedFile, MadeExport};
 use ltcforge_files::digest::Digest;
 use ltcforge_textures::{Export, RoundingError};
 
-/// What is made of a table changes with the version of the service, which the files state.
+/// Exports change with the version of the service, which the files state.
 const ONE_DAY: &str = "public, max-age=86400";
 
-/// A table, an export and a file's path, as far as the address goes.
+/// A table, and if the path of the request goes so far an export and the path of a file.
 pub(super) struct Address {
     table: Digest,
     export: Option<Export>,
@@ -61,7 +61,7 @@ struct ExportsView {
     items: Vec<ItemView>,
 }
 
-/// An export that there is.
+/// An export that the table has.
 #[derive(Debug, Serialize)]
 struct ItemView {
     name: String,
@@ -168,7 +168,7 @@ fn document(view: &impl Serialize) -> Result<File, Problem> {
     Ok(File { digest, bytes: Arc::new(bytes), media_type: "application/json", caching: ONE_DAY, name: None })
 }
 
-/// By the end of a file's name.
+/// The media type by the extension of a file's name.
 fn media_type(path: &str) -> &'static str {
     match path.rsplit('.').next().unwrap_or_default() {
         "json" => "application/json",

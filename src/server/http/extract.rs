@@ -1,14 +1,16 @@
-//! Parsing of path parameters, query strings and recipe bodies. A malformed value is a problem that names the value and
+//! Path parameters, query strings and bodies. A malformed value is a problem that names the value and
 //! the allowed form.
 
 use std::{fmt::Display, str::FromStr, time::Duration};
 
 use axum::{
     body::Bytes,
-    extract::{FromRequest, FromRequestParts, Path, Query, Request, rejection::BytesRejection},
+    extract::{FromRequest, FromRequestParts, Path, Query, Request},
     http::{HeaderMap, StatusCode, header, request::Parts},
 };
+use headers::{ContentLength, HeaderMapExt as _};
 use serde::{Deserialize, de::DeserializeOwned};
+use tokio::time::timeout;
 
 use super::{api::Api, kind::ProblemKind, problem::Problem};
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
@@ -73,11 +75,8 @@ impl QueryPairs {
 impl<S: Send + Sync> FromRequestParts<S> for QueryPairs {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Problem> {
-        let pairs = Query::try_from_uri(&parts.uri);
-        pairs
-            .map(|Query(pairs)| Self(pairs))
-            .map_err(|rejection| Problem::new(ProblemKind::BadParameter, rejection.body_text()))
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        QueryOf::from_request_parts(parts, state).await.map(|QueryOf(pairs)| Self(pairs))
     }
 }
 
@@ -115,17 +114,12 @@ impl FromRequest<Api> for RecipeBody {
     type Rejection = Problem;
 
     async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
-        check_content_type(request.headers())?;
-        check_content_length(request.headers())?;
-        let limit = api.limits.body;
-        let body = tokio::time::timeout(limit, Bytes::from_request(request, api))
-            .await
-            .map_err(|_| Problem::new(ProblemKind::SlowRequest, slow("body", limit)))?;
-        body.map(Self).map_err(|rejection| unreadable(&rejection))
+        check_recipe_type(request.headers())?;
+        read_body(request, api, "a recipe", BODY_LIMIT_BYTES as u64).await.map(Self)
     }
 }
 
-/// The bytes of a tabulated BRDF's file, not read yet. Its route raises the limit of bodies.
+/// The bytes of a tabulated BRDF's file, not decoded yet. Its route raises the limit of bodies.
 pub(super) struct BrdfBody(pub(super) Bytes);
 
 impl FromRequest<Api> for BrdfBody {
@@ -133,25 +127,32 @@ impl FromRequest<Api> for BrdfBody {
 
     async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
         check_brdf_type(request.headers())?;
-        let too_large = || {
-            let detail = format!("the file of a BRDF takes at most {TABULATED_LIMIT_BYTES} bytes");
-            Problem::new(ProblemKind::BodyTooLarge, detail)
-        };
-        if announced(request.headers()).is_some_and(|length| length > TABULATED_LIMIT_BYTES) {
-            return Err(too_large());
-        }
-        let limit = api.limits.body;
-        let body = tokio::time::timeout(limit, Bytes::from_request(request, api))
-            .await
-            .map_err(|_| Problem::new(ProblemKind::SlowRequest, slow("body", limit)))?;
-        body.map(Self).map_err(|rejection| match rejection.status() {
-            StatusCode::PAYLOAD_TOO_LARGE => too_large(),
-            _ => Problem::new(ProblemKind::BadBody, rejection.body_text()),
-        })
+        read_body(request, api, "the file of a BRDF", TABULATED_LIMIT_BYTES).await.map(Self)
     }
 }
 
-/// A page of another site can send forms without a preflight request, so what is sent says that it is a file.
+/// Reads the body of a request that sends `what`. A body that is announced as too large is refused before any of it is
+/// read: a client that waits for `100 Continue` then sends none of it.
+async fn read_body(request: Request, api: &Api, what: &str, limit_bytes: u64) -> Result<Bytes, Problem> {
+    let too_large = || Problem::new(ProblemKind::BodyTooLarge, format!("{what} takes at most {limit_bytes} bytes"));
+    if request.headers().typed_get::<ContentLength>().is_some_and(|length| length.0 > limit_bytes) {
+        return Err(too_large());
+    }
+    let body = timeout(api.limits.client, Bytes::from_request(request, api)).await;
+    let body = body.map_err(|_| Problem::new(ProblemKind::SlowRequest, slow("body", api.limits.client)))?;
+    body.map_err(|rejection| match rejection.status() {
+        StatusCode::PAYLOAD_TOO_LARGE => too_large(),
+        _ => Problem::new(ProblemKind::BadBody, rejection.body_text()),
+    })
+}
+
+/// The message about a `part` of a request that was not complete within `limit`.
+pub(super) fn slow(part: &str, limit: Duration) -> String {
+    let seconds = limit.as_secs_f64();
+    format!("the {part} of the request was not complete within {seconds} s; --client-seconds raises the limit")
+}
+
+/// Accepts `application/octet-stream` alone: a page of another site can send forms without a preflight request.
 fn check_brdf_type(headers: &HeaderMap) -> Result<(), Problem> {
     match headers.get(header::CONTENT_TYPE) {
         Some(value) if value.as_bytes().eq_ignore_ascii_case(b"application/octet-stream") => Ok(()),
@@ -163,38 +164,10 @@ fn check_brdf_type(headers: &HeaderMap) -> Result<(), Problem> {
     }
 }
 
-/// What is said of a `part` of a request that was not complete within `limit`.
-pub(super) fn slow(part: &str, limit: Duration) -> String {
-    let seconds = limit.as_secs_f64();
-    format!("the {part} of the request was not complete within {seconds} s; --client-seconds raises the limit")
-}
-
-fn too_large() -> Problem {
-    Problem::new(ProblemKind::BodyTooLarge, format!("a recipe takes at most {BODY_LIMIT_BYTES} bytes"))
-}
-
-/// Refuses a body that is announced as too large before any of it is read. A client that waits for `100 Continue` then
-/// sends none of it.
-fn check_content_length(headers: &HeaderMap) -> Result<(), Problem> {
-    if announced(headers).is_some_and(|length| length > BODY_LIMIT_BYTES as u64) { Err(too_large()) } else { Ok(()) }
-}
-
-fn announced(headers: &HeaderMap) -> Option<u64> {
-    headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok())
-}
-
-fn unreadable(rejection: &BytesRejection) -> Problem {
-    if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
-        too_large()
-    } else {
-        Problem::new(ProblemKind::BadBody, rejection.body_text())
-    }
-}
-
 /// Accepts `application/json`, `application/*+json`, no content type, and the default of `curl -d`,
 /// `application/x-www-form-urlencoded`. A page of another site can send that default without a preflight request, so a
 /// request with an `Origin` must say JSON.
-fn check_content_type(headers: &HeaderMap) -> Result<(), Problem> {
+fn check_recipe_type(headers: &HeaderMap) -> Result<(), Problem> {
     let Some(value) = headers.get(header::CONTENT_TYPE) else {
         return Ok(());
     };
@@ -249,7 +222,7 @@ mod tests {
             [("?sate=done", "sate"), ("?state=finished", "finished"), ("?limit=0", "«0»"), ("?limit=1001", "1001")];
         for (text, named) in cases {
             let problem = query(text).await.expect_err(text);
-            let view = serde_json::to_value(problem.into_view()).expect("a problem serialises");
+            let view = serde_json::to_value(problem).expect("a problem serialises");
             assert_eq!(view["status"], 400, "{text}");
             let detail = view["detail"].as_str().expect("a text");
             assert!(detail.contains(named) && !detail.contains("deserialize"), "{view}");
@@ -259,9 +232,9 @@ mod tests {
     #[test]
     fn recipes_are_sent_as_json_or_without_a_type() {
         let check = |value: &'static str| {
-            check_content_type(&HeaderMap::from_iter([(header::CONTENT_TYPE, HeaderValue::from_static(value))]))
+            check_recipe_type(&HeaderMap::from_iter([(header::CONTENT_TYPE, HeaderValue::from_static(value))]))
         };
-        assert!(check_content_type(&HeaderMap::new()).is_ok());
+        assert!(check_recipe_type(&HeaderMap::new()).is_ok());
         for good in ["application/json", "Application/JSON; charset=utf-8", "application/vnd.ltc+json"] {
             assert!(check(good).is_ok(), "{good}");
         }
@@ -269,7 +242,7 @@ mod tests {
         let from_page =
             [(header::CONTENT_TYPE, "application/x-www-form-urlencoded"), (header::ORIGIN, "http://a.example")];
         let from_page = from_page.map(|(name, value)| (name, HeaderValue::from_static(value)));
-        assert!(check_content_type(&HeaderMap::from_iter(from_page)).is_err(), "a form of another site's page");
+        assert!(check_recipe_type(&HeaderMap::from_iter(from_page)).is_err(), "a form of another site's page");
         for bad in ["text/plain", "application/jsonl", "json", ""] {
             let status = check(bad).expect_err(bad).into_response().status();
             assert_eq!(status, 415, "{bad}");

@@ -1,21 +1,16 @@
-//! A file in memory as an answer: whole, a part of it, or what the client has already.
+//! A file in memory as an answer: all of it, a part of it, or nothing if the client has it.
 
-use std::sync::Arc;
+use std::{ops::RangeInclusive, sync::Arc};
 
 use axum::{
-    body::{Body, Bytes},
-    http::{HeaderMap, HeaderValue, Method, Response as HttpResponse, StatusCode, header, response::Builder},
+    body::Bytes,
+    http::{HeaderMap, HeaderName, Method, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
+use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
-use super::{
-    conditional::EntityTag,
-    error,
-    kind::ProblemKind,
-    problem::Problem,
-    range::{self, Requested},
-};
+use super::{conditional::EntityTag, kind::ProblemKind, problem::Problem};
 use ltcforge_files::digest::Digest;
 
 /// The bytes never change under their address, because the address has their digest or that of all they follow from.
@@ -49,64 +44,62 @@ impl File {
     pub(super) fn respond(&self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
         let tag = EntityTag::strong(self.digest);
         tag.check_if_match(headers)?;
+        let validators = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, self.caching)];
         if tag.is_known_to(headers) {
-            return finish(self.validators(StatusCode::NOT_MODIFIED, &tag), Body::empty());
+            return Ok((StatusCode::NOT_MODIFIED, validators).into_response());
         }
         let bytes = Bytes::from_owner(Shared(Arc::clone(&self.bytes)));
         let length = bytes.len();
-        match requested(&tag, method, headers, length) {
-            Requested::Whole => finish(self.representation(StatusCode::OK, &tag), Body::from(bytes)),
-            Requested::Part(part) => {
-                let content_range = format!("bytes {}-{}/{length}", part.start, part.end - 1);
-                let head = self.representation(StatusCode::PARTIAL_CONTENT, &tag);
-                finish(head.header(header::CONTENT_RANGE, content_range), Body::from(bytes.slice(part)))
+        let representation = [
+            (header::CONTENT_TYPE, self.media_type.to_owned()),
+            (header::ACCEPT_RANGES, "bytes".to_owned()),
+            (HeaderName::from_static("repr-digest"), format!("sha-256=:{}:", STANDARD.encode(self.digest.as_bytes()))),
+        ];
+        let attachment = self.name.as_ref().map(|name| format!("attachment; filename=\"{name}\""));
+        let disposition = attachment.map(|value| [(header::CONTENT_DISPOSITION, value)]);
+        // `Range` applies to GET only, and only if `If-Range` allows it.
+        let applies = method == Method::GET && tag.allows_range(headers);
+        let field = headers.get(header::RANGE).filter(|_| applies);
+        let range = match field.map_or(Ok(None), |field| one_range(field.as_bytes(), length)) {
+            Ok(range) => range,
+            Err(refused) => {
+                let content_range = [(header::CONTENT_RANGE, format!("bytes */{length}"))];
+                return Ok((content_range, refused).into_response());
             }
-            Requested::Unsatisfiable => {
-                let detail = format!("the file has {length} bytes; none of them is in the range");
-                let mut response = Problem::new(ProblemKind::RangeNotSatisfiable, detail).into_response();
-                if let Ok(content_range) = HeaderValue::from_str(&format!("bytes */{length}")) {
-                    response.headers_mut().insert(header::CONTENT_RANGE, content_range);
-                }
-                Ok(response)
+        };
+        let (status, content_range, part) = match range {
+            None => (StatusCode::OK, None, bytes),
+            Some(range) => {
+                let content_range = format!("bytes {}-{}/{length}", range.start(), range.end());
+                (StatusCode::PARTIAL_CONTENT, Some([(header::CONTENT_RANGE, content_range)]), bytes.slice(range))
             }
-        }
-    }
-
-    fn validators(&self, status: StatusCode, tag: &EntityTag) -> Builder {
-        HttpResponse::builder()
-            .status(status)
-            .header(header::ETAG, tag.as_str())
-            .header(header::CACHE_CONTROL, self.caching)
-    }
-
-    fn representation(&self, status: StatusCode, tag: &EntityTag) -> Builder {
-        let head = self
-            .validators(status, tag)
-            .header(header::CONTENT_TYPE, self.media_type)
-            .header(header::ACCEPT_RANGES, "bytes")
-            .header("repr-digest", format!("sha-256=:{}:", STANDARD.encode(self.digest.as_bytes())));
-        match &self.name {
-            Some(name) => head.header(header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
-            None => head,
-        }
+        };
+        // `part` has a content type of its own, which the representation's replaces.
+        Ok((status, validators, representation, disposition, content_range, part).into_response())
     }
 }
 
-/// `Range` applies to GET only, and only if `If-Range` allows it.
-fn requested(tag: &EntityTag, method: &Method, headers: &HeaderMap, length: usize) -> Requested {
-    match headers.get(header::RANGE).and_then(|field| field.to_str().ok()) {
-        Some(field) if method == Method::GET && tag.allows_range(headers) => range::parse(field, length),
-        _ => Requested::Whole,
+/// The range that a `Range` field asks for in a file of `length` bytes. `None` if it is not a single valid byte range:
+/// then the field is ignored, as a server may.
+///
+/// # Errors
+/// 416 if none of its bytes exist.
+fn one_range(field: &[u8], length: usize) -> Result<Option<RangeInclusive<usize>>, Problem> {
+    let parsed = str::from_utf8(field).ok().and_then(|text| parse_range_header(text).ok());
+    let Some(ranges) = parsed.filter(|ranges| ranges.len() == 1) else { return Ok(None) };
+    match ranges.validate(length as u64) {
+        Ok(ranges) => Ok(ranges.first().map(|range| *range.start() as usize..=*range.end() as usize)),
+        Err(RangeUnsatisfiableError::Unsatisfiable) => {
+            let detail = format!("the file has {length} bytes; none of them is in the range");
+            Err(Problem::new(ProblemKind::RangeNotSatisfiable, detail))
+        }
+        Err(_) => Ok(None),
     }
-}
-
-fn finish(head: Builder, body: Body) -> Result<Response, Problem> {
-    head.body(body).map_err(|error| error::internal(&error))
 }
 
 #[cfg(test)]
 mod tests {
-    use axum::http::HeaderName;
+    use axum::http::HeaderValue;
 
     use super::*;
 
@@ -190,5 +183,38 @@ mod tests {
         assert_eq!(get(&[range.clone(), (header::IF_RANGE, &tag)]).status(), 206);
         assert_eq!(get(&[range.clone(), (header::IF_RANGE, "\"other\"")]).status(), 200);
         assert_eq!(request(&Method::HEAD, &[range]).status(), 200);
+    }
+
+    #[test]
+    fn one_range_is_cut_to_the_file() {
+        let cases = [
+            ("bytes=0-0", 0..=0),
+            ("bytes=2-5", 2..=5),
+            ("Bytes=2-", 2..=9),
+            ("bytes=-3", 7..=9),
+            ("bytes=-30", 0..=9),
+            ("bytes=9-99999999999999999999999", 9..=9),
+        ];
+        for (field, part) in cases {
+            assert_eq!(one_range(field.as_bytes(), 10).expect("bytes that exist"), Some(part), "{field}");
+        }
+    }
+
+    #[test]
+    fn bytes_beyond_the_end_are_refused() {
+        for field in ["bytes=10-", "bytes=10-20", "bytes=-0", "bytes=99999999999999999999999-"] {
+            let refused = one_range(field.as_bytes(), 10).expect_err(field);
+            assert_eq!(refused.status(), 416, "{field}");
+        }
+        assert!(one_range(b"bytes=0-", 0).is_err());
+    }
+
+    #[test]
+    fn anything_but_one_byte_range_is_ignored() {
+        for field in
+            ["", "bytes", "bytes=", "bytes=-", "bytes=5-2", "bytes=a-b", "bytes=0-1,4-5", "items=0-1", "bytes=+1-2"]
+        {
+            assert_eq!(one_range(field.as_bytes(), 10).expect("all bytes"), None, "{field}");
+        }
     }
 }

@@ -15,7 +15,7 @@ use super::{
     conditional::check_untagged,
     extract::{NoParameters, PageLimit, PathOf, QueryOf, RecipeBody},
     kind::ProblemKind,
-    problem::{Problem, retry_after_value},
+    problem::{Problem, whole_seconds},
     views::{JobView, PageView},
 };
 use crate::{
@@ -52,15 +52,9 @@ pub(super) async fn submit(
         Ok::<_, SubmitError>((status, job, expected))
     };
     let (status, job, expected) = api.call(submit).await?;
-    let mut response = (status, Json(JobView::new(&job, None, expected)?)).into_response();
-    let headers = response.headers_mut();
-    if let Ok(location) = HeaderValue::from_str(&format!("/v1/jobs/{}", job.id)) {
-        headers.insert(header::LOCATION, location);
-    }
-    if status == StatusCode::ACCEPTED {
-        headers.insert(header::RETRY_AFTER, retry_after(None));
-    }
-    Ok(response)
+    let location = [(header::LOCATION, format!("/v1/jobs/{}", job.id))];
+    let retry_after = (status == StatusCode::ACCEPTED).then(|| [(header::RETRY_AFTER, retry_after(None))]);
+    Ok((status, location, retry_after, Json(JobView::new(&job, None, expected)?)).into_response())
 }
 
 /// `GET /v1/jobs`.
@@ -91,7 +85,7 @@ pub(super) async fn cancel(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     if let Err(problem) = check_untagged(&headers) {
-        // A condition on a job that there is not is ignored.
+        // A condition on a job that does not exist is ignored.
         return Err(api.call(move |service| service.job(id)).await?.map_or_else(|| unknown(id), |_| problem));
     }
     let snapshot = api.call(move |service| service.cancel(id)).await?.ok_or_else(|| unknown(id))?;
@@ -105,16 +99,15 @@ pub(super) fn unknown(id: JobId) -> Problem {
 
 /// The response for a job: not cached, and with `Retry-After` while the job may change.
 fn answer(snapshot: &JobSnapshot) -> Result<Response, Problem> {
-    let mut headers = HeaderMap::from_iter([(header::CACHE_CONTROL, HeaderValue::from_static("no-store"))]);
-    if !snapshot.job.state.name().is_final() {
-        headers.insert(header::RETRY_AFTER, retry_after(snapshot.seconds_left));
-    }
-    Ok((headers, Json(JobView::of_snapshot(snapshot)?)).into_response())
+    let may_change = !snapshot.job.state.name().is_final();
+    let retry_after = may_change.then(|| [(header::RETRY_AFTER, retry_after(snapshot.seconds_left))]);
+    let caching = [(header::CACHE_CONTROL, "no-store")];
+    Ok((caching, retry_after, Json(JobView::of_snapshot(snapshot)?)).into_response())
 }
 
 fn retry_after(seconds_left: Option<f64>) -> HeaderValue {
     let expected = seconds_left.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()).unwrap_or_default();
-    retry_after_value(expected.min(LONGEST_RETRY))
+    HeaderValue::from(whole_seconds(expected.min(LONGEST_RETRY)))
 }
 
 #[cfg(test)]

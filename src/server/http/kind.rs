@@ -1,124 +1,90 @@
 //! The types of problems: the one table from a type to its status and title.
 
 use axum::http::StatusCode;
+use serde::{Serialize, Serializer};
 
-/// The type of a problem: decides its status, its title and the `type` in its document.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ProblemKind {
-    BadRequest,
-    NotJson,
-    BadRecipe,
-    BodyTooLarge,
-    BadBody,
-    NotJsonType,
-    BadParameter,
-    BadScene,
-    BadPlot,
-    ForeignOrigin,
-    NoSuchPath,
-    UnknownJob,
-    UnknownTable,
-    UnknownRecipe,
-    UnknownBrdf,
-    BadBrdf,
-    UnknownExport,
-    UnknownFile,
-    OtherBytes,
-    CannotExport,
-    MethodNotAllowed,
-    SlowRequest,
-    PreconditionFailed,
-    UriTooLong,
-    RangeNotSatisfiable,
-    TooExpensive,
-    WrongHost,
-    HeadTooLarge,
-    QueueFull,
-    TooManyConnections,
-    TooSlow,
-    RenderFailed,
-    Stopping,
-    Lacking,
-    DamagedBlob,
-    DiskFull,
-    Storage,
-    Unavailable,
-    FitFailed,
-    Internal,
-}
-
-/// A row of the table.
+/// A row of the table, as a problem's document shows it.
+#[derive(Serialize)]
 pub(super) struct KindRow {
+    /// A reference relative to the service, stable for the life of the interface.
+    r#type: &'static str,
+    title: &'static str,
+    #[serde(rename = "status")]
+    number: u16,
+    #[serde(skip)]
     pub(super) status: StatusCode,
-    /// Last segment of the problem's `type`.
-    pub(super) slug: &'static str,
-    pub(super) title: &'static str,
 }
 
-const fn row(status: StatusCode, slug: &'static str, title: &'static str) -> KindRow {
-    KindRow { status, slug, title }
-}
-
-impl ProblemKind {
-    /// The row of this type.
-    pub(super) const fn row(self) -> KindRow {
-        match self {
-            Self::BadRequest => row(StatusCode::BAD_REQUEST, "bad-request", "The request is malformed"),
-            Self::NotJson => row(StatusCode::BAD_REQUEST, "not-json", "The body is not JSON"),
-            Self::BadBody => row(StatusCode::BAD_REQUEST, "bad-body", "The body could not be read"),
-            Self::BadParameter => row(StatusCode::BAD_REQUEST, "bad-parameter", "A parameter is malformed"),
-            Self::BadScene => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-scene", "The scene has faults"),
-            Self::BadPlot => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-plot", "The plot has faults"),
-            Self::ForeignOrigin => row(StatusCode::FORBIDDEN, "foreign-origin", "The page is of another site"),
-            Self::NoSuchPath => row(StatusCode::NOT_FOUND, "no-such-path", "There is no such path"),
-            Self::UnknownJob => row(StatusCode::NOT_FOUND, "unknown-job", "There is no such job"),
-            Self::UnknownTable => row(StatusCode::NOT_FOUND, "unknown-table", "There is no such table"),
-            Self::UnknownRecipe => row(StatusCode::NOT_FOUND, "unknown-recipe", "There is no such recipe"),
-            Self::UnknownBrdf => row(StatusCode::NOT_FOUND, "unknown-brdf", "There is no such BRDF"),
-            Self::BadBrdf => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-brdf", "The BRDF has faults"),
-            Self::UnknownExport => row(StatusCode::NOT_FOUND, "unknown-export", "There is no such export"),
-            Self::UnknownFile => row(StatusCode::NOT_FOUND, "unknown-file", "The export has no such file"),
-            Self::OtherBytes => row(StatusCode::CONFLICT, "other-bytes", "The file has other bytes"),
-            Self::CannotExport => row(StatusCode::UNPROCESSABLE_ENTITY, "cannot-export", "The table has no such files"),
-            Self::MethodNotAllowed => {
-                row(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method")
-            }
-            Self::SlowRequest => {
-                row(StatusCode::REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive")
-            }
-            Self::PreconditionFailed => {
-                row(StatusCode::PRECONDITION_FAILED, "precondition-failed", "There is another version")
-            }
-            Self::UriTooLong => row(StatusCode::URI_TOO_LONG, "uri-too-long", "Path and query are too long"),
-            Self::BodyTooLarge => row(StatusCode::PAYLOAD_TOO_LARGE, "body-too-large", "The body is too large"),
-            Self::NotJsonType => {
-                row(StatusCode::UNSUPPORTED_MEDIA_TYPE, "not-json-type", "The body is of another media type")
-            }
-            Self::RangeNotSatisfiable => {
-                row(StatusCode::RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The range lies outside the file")
-            }
-            Self::BadRecipe => row(StatusCode::UNPROCESSABLE_ENTITY, "bad-recipe", "The recipe has faults"),
-            Self::TooExpensive => row(StatusCode::UNPROCESSABLE_ENTITY, "too-expensive", "It would take too long"),
-            Self::WrongHost => row(StatusCode::MISDIRECTED_REQUEST, "wrong-host", "The service has another name"),
-            Self::HeadTooLarge => {
-                row(StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE, "head-too-large", "The head is too large")
-            }
-            Self::QueueFull => row(StatusCode::TOO_MANY_REQUESTS, "queue-full", "The queue is full"),
-            Self::TooManyConnections => {
-                row(StatusCode::SERVICE_UNAVAILABLE, "too-many-connections", "Too many connections are open")
-            }
-            Self::TooSlow => row(StatusCode::SERVICE_UNAVAILABLE, "too-slow", "The picture took too long"),
-            Self::RenderFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed"),
-            Self::Stopping => row(StatusCode::SERVICE_UNAVAILABLE, "stopping", "The service is stopping"),
-            Self::Lacking => {
-                row(StatusCode::SERVICE_UNAVAILABLE, "lacking", "The machine lacks something for a moment")
-            }
-            Self::DamagedBlob => row(StatusCode::INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged"),
-            Self::DiskFull => row(StatusCode::INSUFFICIENT_STORAGE, "disk-full", "The disk is full"),
-            Self::Storage => row(StatusCode::INTERNAL_SERVER_ERROR, "storage", "The storage failed"),
-            Self::Unavailable => row(StatusCode::SERVICE_UNAVAILABLE, "unavailable", "The storage does not answer now"),
-            Self::FitFailed => row(StatusCode::INTERNAL_SERVER_ERROR, "fit-failed", "The fit failed"),
-            Self::Internal => row(StatusCode::INTERNAL_SERVER_ERROR, "internal", "The service is at fault"),
-        }
+impl Serialize for ProblemKind {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.row().serialize(to)
     }
+}
+
+/// Declares each type: its name, status, last segment of `type`, and title.
+macro_rules! problem_kinds {
+    ($($name:ident: $status:ident, $slug:literal, $title:literal;)*) => {
+        /// The type of a problem: decides its status, its title and the `type` in its document.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum ProblemKind {
+            $($name,)*
+        }
+
+        impl ProblemKind {
+            /// The row of this type.
+            pub(super) const fn row(self) -> KindRow {
+                match self {
+                    $(Self::$name => KindRow {
+                        r#type: concat!("/problems/", $slug),
+                        title: $title,
+                        number: StatusCode::$status.as_u16(),
+                        status: StatusCode::$status,
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+problem_kinds! {
+    BadRequest: BAD_REQUEST, "bad-request", "The request is malformed";
+    NotJson: BAD_REQUEST, "not-json", "The body is not JSON";
+    BadRecipe: UNPROCESSABLE_ENTITY, "bad-recipe", "The recipe has faults";
+    BodyTooLarge: PAYLOAD_TOO_LARGE, "body-too-large", "The body is too large";
+    BadBody: BAD_REQUEST, "bad-body", "The body could not be read";
+    NotJsonType: UNSUPPORTED_MEDIA_TYPE, "not-json-type", "The body is of another media type";
+    BadParameter: BAD_REQUEST, "bad-parameter", "A parameter is malformed";
+    BadScene: UNPROCESSABLE_ENTITY, "bad-scene", "The scene has faults";
+    BadPlot: UNPROCESSABLE_ENTITY, "bad-plot", "The plot has faults";
+    ForeignOrigin: FORBIDDEN, "foreign-origin", "The page is of another site";
+    NoSuchPath: NOT_FOUND, "no-such-path", "There is no such path";
+    UnknownJob: NOT_FOUND, "unknown-job", "There is no such job";
+    UnknownTable: NOT_FOUND, "unknown-table", "There is no such table";
+    UnknownRecipe: NOT_FOUND, "unknown-recipe", "There is no such recipe";
+    UnknownBrdf: NOT_FOUND, "unknown-brdf", "There is no such BRDF";
+    BadBrdf: UNPROCESSABLE_ENTITY, "bad-brdf", "The BRDF has faults";
+    UnknownExport: NOT_FOUND, "unknown-export", "There is no such export";
+    UnknownFile: NOT_FOUND, "unknown-file", "The export has no such file";
+    OtherBytes: CONFLICT, "other-bytes", "The file has other bytes";
+    CannotExport: UNPROCESSABLE_ENTITY, "cannot-export", "The table has no such files";
+    MethodNotAllowed: METHOD_NOT_ALLOWED, "method-not-allowed", "The path does not allow this method";
+    SlowRequest: REQUEST_TIMEOUT, "slow-request", "The request took too long to arrive";
+    PreconditionFailed: PRECONDITION_FAILED, "precondition-failed", "There is another version";
+    UriTooLong: URI_TOO_LONG, "uri-too-long", "Path and query are too long";
+    RangeNotSatisfiable: RANGE_NOT_SATISFIABLE, "range-not-satisfiable", "The range lies outside the file";
+    TooExpensive: UNPROCESSABLE_ENTITY, "too-expensive", "It would take too long";
+    WrongHost: MISDIRECTED_REQUEST, "wrong-host", "The service has another name";
+    HeadTooLarge: REQUEST_HEADER_FIELDS_TOO_LARGE, "head-too-large", "The head is too large";
+    QueueFull: TOO_MANY_REQUESTS, "queue-full", "The queue is full";
+    TooManyConnections: SERVICE_UNAVAILABLE, "too-many-connections", "Too many connections are open";
+    TooSlow: SERVICE_UNAVAILABLE, "too-slow", "The picture took too long";
+    RenderFailed: INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed";
+    Stopping: SERVICE_UNAVAILABLE, "stopping", "The service is stopping";
+    Lacking: SERVICE_UNAVAILABLE, "lacking", "The machine lacks something for a moment";
+    DamagedBlob: INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged";
+    DiskFull: INSUFFICIENT_STORAGE, "disk-full", "The disk is full";
+    Storage: INTERNAL_SERVER_ERROR, "storage", "The storage failed";
+    Unavailable: SERVICE_UNAVAILABLE, "unavailable", "The storage does not answer now";
+    FitFailed: INTERNAL_SERVER_ERROR, "fit-failed", "The fit failed";
+    Internal: INTERNAL_SERVER_ERROR, "internal", "The service is at fault";
 }

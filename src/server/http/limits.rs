@@ -1,4 +1,4 @@
-//! What the service grants to connections.
+//! Limits of connections.
 
 use std::time::Duration;
 
@@ -19,28 +19,17 @@ pub struct ConnectionLimits {
     pub connections: usize,
     /// Those of them that may come from one address. An IPv6 network of 64 bits counts as one address.
     pub per_address: usize,
-    /// How long a connection may go without the complete head of a request: from its start or from the end of its last
-    /// answer. It limits slow heads and idle connections alike.
-    pub head: Duration,
-    /// How long the body of a request may take to arrive.
-    pub body: Duration,
-    /// How long a client may take to read some more of an answer: 16 KiB, or the rest. A stream that has nothing to
-    /// send is not limited.
-    pub stall: Duration,
+    /// How long the service waits for a client: for the complete head of a request, from the start of the connection or
+    /// the end of its last answer; for the body; and until the client reads more of an answer. It limits slow and idle
+    /// connections alike. A stream that has nothing to send is not limited.
+    pub client: Duration,
     /// How long open answers may take once the service is told to stop.
     pub drain: Duration,
 }
 
 impl Default for ConnectionLimits {
     fn default() -> Self {
-        Self {
-            connections: 1024,
-            per_address: 512,
-            head: Duration::from_secs(30),
-            body: Duration::from_secs(30),
-            stall: Duration::from_secs(30),
-            drain: Duration::from_secs(10),
-        }
+        Self { connections: 1024, per_address: 512, client: Duration::from_secs(30), drain: Duration::from_secs(10) }
     }
 }
 

@@ -79,23 +79,23 @@ fn exposition(metrics: &Metrics) -> String {
     for (outcome, count) in [("done", done), ("failed", failed), ("given_up", given_up), ("refused", refused)] {
         let _ = writeln!(text, "ltcforge_pictures_total{{outcome=\"{outcome}\"}} {count}");
     }
-    let counters = [
-        ("entries_fitted", "Entries fitted since the start.", metrics.entries_fitted),
-        ("shard_failures", "Shards that failed since the start.", metrics.shard_failures),
-        ("leases_expired", "Leases that expired since the start.", metrics.leases_expired),
-        ("exports", "Exports made since the start, except those served from memory.", metrics.exports_made),
-        ("blobs_corrupt", "Blobs found damaged since the start.", metrics.blobs_corrupt),
+    let others = [
+        ("entries_fitted_total", "counter", "Entries fitted since the start.", metrics.entries_fitted),
+        ("shard_failures_total", "counter", "Shards that failed since the start.", metrics.shard_failures),
+        ("leases_expired_total", "counter", "Leases that expired since the start.", metrics.leases_expired),
+        (
+            "exports_total",
+            "counter",
+            "Exports made since the start, except those served from memory.",
+            metrics.exports_made,
+        ),
+        ("blobs_corrupt_total", "counter", "Blobs found damaged since the start.", metrics.blobs_corrupt),
+        ("tables", "gauge", "Tables in the catalogue.", metrics.tables),
+        ("table_bytes", "gauge", "Bytes of all tables.", metrics.table_bytes),
     ];
-    for (name, help, value) in counters {
-        let name = format!("ltcforge_{name}_total");
-        let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} counter\n{name} {value}");
-    }
-    let gauges = [
-        ("tables", "Tables in the catalogue.", metrics.tables),
-        ("table_bytes", "Bytes of all tables.", metrics.table_bytes),
-    ];
-    for (name, help, value) in gauges {
-        let _ = writeln!(text, "# HELP ltcforge_{name} {help}\n# TYPE ltcforge_{name} gauge\nltcforge_{name} {value}");
+    for (name, kind, help, value) in others {
+        let name = format!("ltcforge_{name}");
+        let _ = writeln!(text, "# HELP {name} {help}\n# TYPE {name} {kind}\n{name} {value}");
     }
     text
 }

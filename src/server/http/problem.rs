@@ -11,55 +11,25 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::kind::ProblemKind;
-use ltcforge_files::recipe_document::Fault;
-use ltcforge_view::parameters::ParameterFault;
 
 /// Faults that a problem lists: more would only repeat what a client has to mend first.
 const MOST_FAULTS: usize = 100;
 
-/// An error as it is reported to a client.
-#[derive(Debug)]
+/// An error as it is reported to a client, and the document that the client reads.
+#[derive(Debug, Serialize)]
 pub(super) struct Problem {
+    /// `type`, `title` and `status`.
+    #[serde(flatten)]
     kind: ProblemKind,
     detail: String,
-    errors: Vec<FaultView>,
-    recipe: Option<Value>,
-    retry_after: Option<Duration>,
-}
-
-/// The body of a problem. `type` is a reference relative to the service, stable for the life of the interface.
-#[derive(Debug, Serialize)]
-pub(super) struct ProblemView {
-    r#type: String,
-    title: &'static str,
-    status: u16,
-    detail: String,
+    /// The faults of the request: where each is, and what is wrong there.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    errors: Vec<FaultView>,
+    errors: Vec<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     recipe: Option<Value>,
-}
-
-/// One of the faults of a request: where it is, and what is wrong there.
-#[derive(Debug, Serialize)]
-#[serde(untagged)]
-pub(super) enum FaultView {
-    /// In a submitted document.
-    Field(Fault),
-    /// In a query string.
-    Parameter(ParameterFault),
-}
-
-impl From<Fault> for FaultView {
-    fn from(fault: Fault) -> Self {
-        Self::Field(fault)
-    }
-}
-
-impl From<ParameterFault> for FaultView {
-    fn from(fault: ParameterFault) -> Self {
-        Self::Parameter(fault)
-    }
+    /// Whole seconds for `Retry-After`.
+    #[serde(skip)]
+    retry_after: Option<u64>,
 }
 
 impl Problem {
@@ -69,12 +39,17 @@ impl Problem {
     }
 
     /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
-    pub(super) fn with_errors<F: Into<FaultView>>(self, errors: Vec<F>) -> Self {
+    pub(super) fn with_errors<I>(self, errors: I) -> Self
+    where
+        I: IntoIterator<Item: Serialize, IntoIter: ExactSizeIterator>,
+    {
+        let errors = errors.into_iter();
         let detail = match errors.len().checked_sub(MOST_FAULTS) {
             Some(more @ 1..) => format!("{}; the first {MOST_FAULTS} are listed, {more} more are not", self.detail),
             _ => self.detail,
         };
-        Self { detail, errors: errors.into_iter().take(MOST_FAULTS).map(Into::into).collect(), ..self }
+        let listed = errors.take(MOST_FAULTS).filter_map(|fault| serde_json::to_value(fault).ok());
+        Self { detail, errors: listed.collect(), ..self }
     }
 
     /// The same with a recipe whose table would serve, a document as it is submitted.
@@ -84,7 +59,7 @@ impl Problem {
 
     /// The same with a `Retry-After` field.
     pub(super) fn with_retry_after(self, after: Duration) -> Self {
-        Self { retry_after: Some(after), ..self }
+        Self { retry_after: Some(whole_seconds(after)), ..self }
     }
 
     /// The status to answer with.
@@ -94,55 +69,33 @@ impl Problem {
 
     /// The value of its `Retry-After` field, if it has one.
     pub(super) fn retry_after_seconds(&self) -> Option<u64> {
-        self.retry_after.map(whole_seconds)
-    }
-
-    /// The document that a client reads.
-    pub(super) fn into_view(self) -> ProblemView {
-        let row = self.kind.row();
-        ProblemView {
-            r#type: format!("/problems/{}", row.slug),
-            title: row.title,
-            status: row.status.as_u16(),
-            detail: self.detail,
-            errors: self.errors,
-            recipe: self.recipe,
-        }
+        self.retry_after
     }
 }
 
 /// Whole seconds for `Retry-After`, at least one.
-pub(super) fn retry_after_value(after: Duration) -> HeaderValue {
-    HeaderValue::from(whole_seconds(after))
-}
-
-fn whole_seconds(after: Duration) -> u64 {
+pub(super) fn whole_seconds(after: Duration) -> u64 {
     after.as_secs_f64().ceil().max(1.0) as u64
 }
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let status = self.status();
-        let retry_after = self.retry_after;
-        let mut response = (status, Json(self.into_view())).into_response();
-        let headers = response.headers_mut();
-        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
-        if let Some(after) = retry_after {
-            headers.insert(header::RETRY_AFTER, retry_after_value(after));
-        }
-        response
+        let retry_after = self.retry_after.map(|seconds| [(header::RETRY_AFTER, HeaderValue::from(seconds))]);
+        let content_type = [(header::CONTENT_TYPE, "application/problem+json")];
+        (self.status(), retry_after, content_type, Json(self)).into_response()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ltcforge_files::recipe_document::Fault;
 
     #[test]
     fn a_problem_carries_its_faults_and_when_to_retry() {
         let fault = Fault { pointer: "/fit/samples".into(), detail: "0 is below 1".into() };
-        let problem = Problem::new(ProblemKind::BadRecipe, "1 fault").with_errors(vec![fault]);
-        let view = serde_json::to_value(problem.into_view()).expect("a problem serialises");
+        let problem = Problem::new(ProblemKind::BadRecipe, "1 fault").with_errors([fault]);
+        let view = serde_json::to_value(problem).expect("a problem serialises");
         let expected = serde_json::json!({
             "type": "/problems/bad-recipe", "title": "The recipe has faults", "status": 422, "detail": "1 fault",
             "errors": [{ "pointer": "/fit/samples", "detail": "0 is below 1" }],
@@ -160,8 +113,7 @@ mod tests {
         let listed = |count: usize| {
             let faults = vec![Fault { pointer: "/x".into(), detail: "unknown field".into() }; count];
             let problem = Problem::new(ProblemKind::BadRecipe, format!("{count} faults")).with_errors(faults);
-            let view = problem.into_view();
-            (view.errors.len(), view.detail)
+            (problem.errors.len(), problem.detail)
         };
         assert_eq!(listed(100), (100, "100 faults".to_owned()));
         assert_eq!(listed(137), (100, "137 faults; the first 100 are listed, 37 more are not".to_owned()));
@@ -169,6 +121,6 @@ mod tests {
 
     #[test]
     fn retry_after_is_never_zero() {
-        assert_eq!(retry_after_value(Duration::ZERO), "1");
+        assert_eq!(whole_seconds(Duration::ZERO), 1);
     }
 }

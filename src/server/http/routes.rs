@@ -4,7 +4,7 @@ use axum::{
     Router,
     extract::DefaultBodyLimit,
     handler::Handler as _,
-    http::{HeaderValue, Method, Uri, header},
+    http::{Method, Uri, header},
     response::{IntoResponse, Response},
     routing::MethodRouter,
 };
@@ -91,11 +91,8 @@ fn allowed_methods(routes: &[Route]) -> String {
 
 fn method_not_allowed(method: &Method, uri: &Uri, allowed: &str) -> Response {
     let detail = format!("{method} is not allowed on «{}»; allowed: {allowed}", uri.path());
-    let mut response = Problem::new(ProblemKind::MethodNotAllowed, detail).into_response();
-    if let Ok(allowed) = HeaderValue::from_str(allowed) {
-        response.headers_mut().insert(header::ALLOW, allowed);
-    }
-    response
+    let problem = Problem::new(ProblemKind::MethodNotAllowed, detail);
+    ([(header::ALLOW, allowed.to_owned())], problem).into_response()
 }
 
 #[cfg(test)]

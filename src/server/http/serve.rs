@@ -16,18 +16,18 @@ use super::{
     conditional, connection,
     extract::BODY_LIMIT_BYTES,
     limits::ConnectionLimits,
+    origin_policy::{self, OriginPolicy},
     routes,
-    sites::{self, Sites},
 };
 use crate::service::Service;
 
-/// How the service meets its clients.
+/// Settings of the HTTP interface.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Options {
     /// The limits of connections.
     pub limits: ConnectionLimits,
     /// Names and origins that are served beyond the service's own.
-    pub sites: Sites,
+    pub origins: OriginPolicy,
     /// Whether clients that download a table are sent to the store of blobs, where it gives URLs for that.
     pub redirects: bool,
 }
@@ -43,7 +43,7 @@ pub async fn serve(
     let (stop, stopping) = watch::channel(false);
     let limits = Arc::new(options.limits);
     let api = Api { service, limits: Arc::clone(&limits), stopping: stopping.clone(), redirects: options.redirects };
-    let served = connection::serve(listener, router(api, options.sites), limits, stopping);
+    let served = connection::serve(listener, router(api, options.origins), limits, stopping);
     let stopped = async {
         shutdown.await;
         stop.send_replace(true);
@@ -51,9 +51,9 @@ pub async fn serve(
     tokio::join!(served, stopped);
 }
 
-/// The routes with what every request passes. A line for each request is logged at level `debug`: at the default level
-/// the log tells of the service, not of its clients.
-fn router(api: Api, sites: Sites) -> Router {
+/// The routes with the layers that every request passes. A line for each request is logged at level `debug`: at the
+/// default level the log tells of the service, not of its clients.
+fn router(api: Api, origins: OriginPolicy) -> Router {
     let trace = TraceLayer::new_for_http()
         .make_span_with(DefaultMakeSpan::new().level(Level::INFO))
         .on_response(DefaultOnResponse::new().level(Level::DEBUG))
@@ -62,7 +62,7 @@ fn router(api: Api, sites: Sites) -> Router {
         .fallback(routes::no_such_path)
         .layer(DefaultBodyLimit::max(BODY_LIMIT_BYTES))
         .layer(from_fn(conditional::require_if_match))
-        .layer(from_fn_with_state(Arc::new(sites), sites::check))
+        .layer(from_fn_with_state(Arc::new(origins), origin_policy::check))
         .layer(trace)
         .with_state(api)
 }

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
-use super::problem::{Problem, ProblemView};
+use super::problem::Problem;
 use crate::{
     queue::{Job, JobId, JobState, StateName},
     service::{Expected, JobSnapshot, Page},
@@ -20,10 +20,10 @@ pub(super) struct JobView {
     recipe: Box<RawValue>,
     recipe_digest: Digest,
     progress: ProgressView,
-    expected: Option<ExpectedView>,
+    expected: Option<Expected>,
     attempts: u32,
     table: Option<Digest>,
-    error: Option<ProblemView>,
+    error: Option<Problem>,
     created_at: Timestamp,
     started_at: Option<Timestamp>,
     finished_at: Option<Timestamp>,
@@ -34,13 +34,6 @@ struct ProgressView {
     entries_done: u64,
     entries_total: u64,
     seconds_left: Option<f64>,
-}
-
-/// What the fit was expected to take and to give.
-#[derive(Debug, Serialize)]
-struct ExpectedView {
-    seconds: f64,
-    error: f64,
 }
 
 /// A known recipe and its table.
@@ -65,6 +58,11 @@ impl JobView {
     /// # Errors
     /// When the stored recipe is not JSON.
     pub(super) fn new(job: &Job, seconds_left: Option<f64>, expected: Option<Expected>) -> Result<Self, Problem> {
+        let (table, error) = match &job.state {
+            JobState::Done { table } => (Some(*table), None),
+            JobState::Failed { error } => (None, Some(error.into())),
+            JobState::Queued | JobState::Running | JobState::Cancelled => (None, None),
+        };
         Ok(Self {
             id: job.id,
             state: job.state.name(),
@@ -75,16 +73,10 @@ impl JobView {
                 entries_total: job.entries_total,
                 seconds_left: seconds_left.filter(|seconds| seconds.is_finite()),
             },
-            expected: expected.map(|Expected { seconds, error }| ExpectedView { seconds, error }),
+            expected,
             attempts: job.attempts,
-            table: match job.state {
-                JobState::Done { table } => Some(table),
-                _ => None,
-            },
-            error: match &job.state {
-                JobState::Failed { error } => Some(Problem::from(error).into_view()),
-                _ => None,
-            },
+            table,
+            error,
             created_at: job.created_at,
             started_at: job.started_at,
             finished_at: job.finished_at,

@@ -1,4 +1,4 @@
-//! The service on a database and a store of blobs that any number of processes share.
+//! The service on a database and a blob store that any number of processes share.
 
 use std::{
     collections::{BTreeSet, HashMap},
@@ -29,14 +29,15 @@ use ltcforge_fit::FITTER_VERSION;
 /// How often the jobs that clients follow are looked at.
 const FOLLOW: std::time::Duration = std::time::Duration::from_millis(250);
 
-/// How long a blob that no row knows is kept: its row may be on its way.
+/// How long a blob without a row is kept: its row may be about to be written.
 const ORPHAN_AGE: SignedDuration = SignedDuration::from_hours(24);
 
-/// Jobs that are looked at together.
+/// Jobs of a page.
 const JOBS_AT_ONCE: usize = 256;
 
 /// The URL of a database, which may have a password and is never printed.
-#[derive(Clone, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq, serde::Deserialize)]
+#[serde(transparent)]
 pub struct DatabaseUrl(String);
 
 impl FromStr for DatabaseUrl {
@@ -53,18 +54,12 @@ impl fmt::Debug for DatabaseUrl {
     }
 }
 
-impl<'de> serde::Deserialize<'de> for DatabaseUrl {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer).map(Self)
-    }
-}
-
-/// What processes share.
+/// What the processes of a cluster share.
 #[derive(Debug, Clone)]
 pub struct Shared {
     /// The database of the queue and the catalogue.
     pub database: DatabaseUrl,
-    /// The store of blobs.
+    /// The URL of the blob store.
     pub blobs: String,
     /// Bytes of blobs that this process keeps in its data folder.
     pub cache_bytes: u64,
@@ -73,17 +68,17 @@ pub struct Shared {
 impl Shared {
     pub(super) fn open(&self, config: &Config, access: Access) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
         let cache = config.data_dir.join("cache");
-        // First, so that a mistake in its URL leaves the database as it was.
+        // First, so that the schema is not made if this URL is wrong.
         let blobs = Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?);
         Ok((Database::open(&self.database.0)?, blobs))
     }
 }
 
 impl Service {
-    /// As [`Service::open`], on what other processes use too. If it does not work, it only serves.
+    /// As [`Service::open`], on a shared database and blob store. Without `works` it only serves.
     ///
     /// # Errors
-    /// When the database or the store of blobs cannot be used.
+    /// When the database or the blob store cannot be used.
     pub fn open_shared(config: Config, shared: &Shared, works: bool) -> Result<Arc<Self>, OpenError> {
         let (database, blobs) = shared.open(&config, if works { Access::Write } else { Access::Read })?;
         let process = Process { name: process_name(), fitter: FITTER_VERSION };
@@ -98,7 +93,7 @@ impl Service {
     }
 }
 
-/// The machine, the process and when it began: no other process has this name.
+/// Host name, process id and start time: no other process has this name.
 fn process_name() -> String {
     let machine = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let machine: String = machine.trim().chars().take(64).collect();
@@ -106,7 +101,7 @@ fn process_name() -> String {
 }
 
 impl ServiceState {
-    /// Notifies clients of what other processes do to the jobs that they follow.
+    /// Notifies clients of changes that other processes make to the jobs that the clients follow.
     fn follow(&self) {
         let mut last = HashMap::new();
         while !self.is_stopping() {
@@ -125,7 +120,7 @@ impl ServiceState {
     }
 }
 
-/// The files of tabulated BRDFs that recipes of tables, and of jobs that wait or run, name.
+/// The tabulated BRDFs that are named by recipes of tables and of queued or running jobs.
 fn used_brdfs(catalogue: &Catalogue, queue: &dyn Queue) -> Result<BTreeSet<Digest>, StoreError> {
     let mut used: BTreeSet<Digest> = catalogue.recipes()?.iter().filter_map(|recipe| named_in(recipe)).collect();
     for state in [StateName::Queued, StateName::Running] {
@@ -135,7 +130,7 @@ fn used_brdfs(catalogue: &Catalogue, queue: &dyn Queue) -> Result<BTreeSet<Diges
     Ok(used)
 }
 
-/// The files of tabulated BRDFs that recipes of jobs submitted `since` name, whatever became of the jobs.
+/// The tabulated BRDFs that are named by recipes of jobs submitted `since`, whatever their state is now.
 fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Digest>, StoreError> {
     let (mut named, mut before) = (BTreeSet::new(), None);
     loop {
@@ -149,11 +144,11 @@ fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Dig
     }
 }
 
-/// Removes the blobs that no table of the catalogue has, that no recipe in use names, and that are older than a day.
-/// Returns how many.
+/// Removes blobs older than a day that are not tables of the catalogue and not named by a recipe in use. Returns how
+/// many.
 ///
 /// # Errors
-/// When the database or the store of blobs cannot be used.
+/// When the database or the blob store cannot be used.
 pub fn sweep(config: &Config, shared: &Shared) -> Result<usize, OpenError> {
     let (database, blobs) = shared.open(config, Access::Write)?;
     let process = Process { name: "gc".to_owned(), fitter: FITTER_VERSION };
@@ -183,7 +178,7 @@ mod tests {
     use ltcforge_fit::{BrdfKind, TabulatedAxes, TabulatedBrdf};
 
     #[test]
-    fn a_file_of_long_ago_is_kept_from_the_submission_of_a_job_that_names_it() {
+    fn an_old_brdf_is_kept_once_a_job_that_names_it_is_submitted() {
         let Some(url) = throwaway::empty_database() else { return };
         let dir = tempfile::tempdir().unwrap();
         let (store, config) = (dir.path().join("store"), config(&dir.path().join("data")));
@@ -209,7 +204,7 @@ mod tests {
             format!(r#"{{"brdf": "tabulated", "tabulated": "{}", "resolution": {{"alpha": 2, "theta": 3}}}}"#, named.0);
         service.submit(recipe.as_bytes()).unwrap();
         let stored_at = |file| fs::metadata(file).unwrap().modified().unwrap();
-        assert!(stored_at(&named.1) > stored_at(&other.1), "it was put again after the job was known");
+        assert!(stored_at(&named.1) > stored_at(&other.1), "it is put again once the job is known");
         age(&named.1);
         assert_eq!(sweep(&config, &shared).unwrap(), 1);
         assert!(named.1.exists() && !other.1.exists());

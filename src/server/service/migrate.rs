@@ -1,4 +1,4 @@
-//! Taking a data folder's tables and jobs along into a database and a store of blobs that processes share.
+//! Copying a data folder's tables and jobs into a shared database and blob store.
 
 use std::sync::Arc;
 
@@ -15,12 +15,12 @@ use crate::{
 };
 use ltcforge_fit::FITTER_VERSION;
 
-/// What was taken along. What was there already does not count.
+/// Counts of what was copied, without what was there already.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Migrated {
     /// Tables, with recipe and manifest.
     pub tables: usize,
-    /// Tables of the catalogue whose file is missing or damaged.
+    /// Tables that were not copied because their file is missing or damaged.
     pub missing: usize,
     /// Jobs.
     pub jobs: usize,
@@ -28,17 +28,17 @@ pub struct Migrated {
     pub shards: usize,
 }
 
-/// The version of the fitter that a stored recipe is for, which may be an older one: its workers alone go on with the job.
+/// The fitter version of a stored recipe. It may be an older one, and only workers of that version go on with the job.
 fn fitter_of(recipe: &str) -> u32 {
     let fitter = serde_json::from_str::<Value>(recipe).ok().and_then(|recipe| recipe.get("fitter")?.as_u64());
     fitter.and_then(|fitter| fitter.try_into().ok()).unwrap_or(FITTER_VERSION)
 }
 
-/// Takes everything in a data folder along. The folder is locked meanwhile and stays as it is; what is there already is
-/// passed over, so that it can be done again after an interruption.
+/// Copies the tables and jobs of a data folder. The folder is locked meanwhile and does not change. What was copied
+/// before is skipped, so that an interrupted migration can be run again.
 ///
 /// # Errors
-/// When the folder is in use or has no store, or one of the others cannot be used.
+/// When the folder is in use or has no store, or the database or the blob store cannot be used.
 pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> {
     let folder = &config.data_dir;
     if !folder.join("db").is_dir() {
@@ -66,7 +66,7 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
                     continue;
                 };
                 blobs.put(&file)?;
-                take_brdf(&store, &blobs, &recipe)?;
+                copy_brdf(&store, &blobs, &recipe)?;
                 let mut batch = Catalogue::entry(&row, &recipe)?;
                 let manifest = from.manifest(row.digest)?;
                 batch.extend(
@@ -82,7 +82,7 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
             }
         }
         for stored in stored_jobs(store.rows.as_ref())? {
-            take_brdf(&store, &blobs, &stored.job.recipe)?;
+            copy_brdf(&store, &blobs, &stored.job.recipe)?;
             let results = stored_results(store.rows.as_ref(), stored.job.id)?;
             if queue.import(&stored.job, fitter_of(&stored.job.recipe), &stored.shard_entries, &results)? {
                 done.jobs += 1;
@@ -95,8 +95,8 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
     Ok(done)
 }
 
-/// Takes the file of a tabulated BRDF along, if the recipe names one and it is there and sound.
-fn take_brdf(from: &Store, to: &ObjectBlobs, recipe: &str) -> Result<(), StoreError> {
+/// Copies the tabulated BRDF that the recipe names, if it names one and the file is not missing or damaged.
+fn copy_brdf(from: &Store, to: &ObjectBlobs, recipe: &str) -> Result<(), StoreError> {
     if let Some(digest) = named_in(recipe)
         && !to.contains(digest)?
         && let Ok(Some(file)) = from.blobs.get(digest)

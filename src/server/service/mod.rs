@@ -6,7 +6,6 @@
 mod api;
 mod backend;
 mod brdfs;
-mod cache;
 mod check;
 mod cluster;
 mod cursor;

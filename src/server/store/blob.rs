@@ -8,10 +8,7 @@ use std::{
 
 use jiff::Timestamp;
 
-use super::{
-    StoreError,
-    files::{self, TEMPORARY},
-};
+use super::{StoreError, files};
 use ltcforge_files::digest::Digest;
 
 /// One blob in a list.
@@ -75,7 +72,7 @@ impl FileBlobs {
         files::make_folder(root)?;
         let blobs = Self { root: root.to_owned(), quarantine: quarantine.to_owned() };
         for file in blobs.files()? {
-            if file.file_name().is_some_and(|name| name.to_string_lossy().starts_with(TEMPORARY)) {
+            if file.file_name().is_some_and(|name| files::is_temporary(&name.to_string_lossy())) {
                 fs::remove_file(&file).map_err(|source| StoreError::of_io(&file, source))?;
             }
         }
@@ -206,7 +203,9 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("blobs/ab");
         fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join(format!("{TEMPORARY}1-x")), b"half").unwrap();
+        for name in [".ltcforge.x.part", ".tmp-1-x"] {
+            fs::write(folder.join(name), b"half").unwrap();
+        }
         fs::write(folder.join("README"), b"a foreign file").unwrap();
         let blobs = blobs(dir.path());
         assert!(blobs.list().unwrap().is_empty());

@@ -1,45 +1,25 @@
-//! Files that are complete or absent after a power cut.
+//! The store's files and folders, and its quarantine.
 
 use std::{
-    fs::{self, File},
-    io::{self, Write as _},
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use super::StoreError;
+pub(super) use ltcforge_files::replace::sync_folder;
+use ltcforge_files::replace::{TEMPORARY_PREFIX, replace_file};
 
-/// Prefix of the names of files that are being written.
-pub(super) const TEMPORARY: &str = ".tmp-";
-
-/// Writes `bytes` to `path` so that a power cut leaves all of them or none: temporary file in the same folder, fsync,
-/// rename, fsync of the folder.
+/// Writes `bytes` to `path` so that a power cut leaves all of them or none.
 ///
 /// # Errors
 /// When the disk is full or a system call fails; no temporary file is left then.
 pub(super) fn write_durably(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let Some((folder, name)) = path.parent().zip(path.file_name()) else {
-        return Err(StoreError::of_io(path, io::ErrorKind::InvalidFilename.into()));
-    };
-    // Two threads may write the same file at once, each through its own temporary file.
-    let thread = format!("{:?}", std::thread::current().id()).replace(|c: char| !c.is_ascii_alphanumeric(), "");
-    let temporary = folder.join(format!("{TEMPORARY}{thread}-{}", name.to_string_lossy()));
-    let written = (|| {
-        let mut file = File::create(&temporary)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&temporary, path)?;
-        sync_folder(folder)
-    })();
-    written.map_err(|source| {
-        // The first error is reported. If this fails too, the next start removes the file.
-        let _ = fs::remove_file(&temporary);
-        StoreError::of_io(path, source)
-    })
+    replace_file(path, bytes).map_err(|source| StoreError::of_io(path, source))
 }
 
-/// Makes the names in `folder` durable.
-pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
-    File::open(folder)?.sync_all()
+/// Whether a file has the name of one that was being written when the process ended. Older versions began it otherwise.
+pub(super) fn is_temporary(name: &str) -> bool {
+    name.starts_with(TEMPORARY_PREFIX) || name.starts_with(".tmp-")
 }
 
 /// Creates `folder` and its parents, with durable names.

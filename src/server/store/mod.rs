@@ -42,9 +42,9 @@ pub use error::StoreError;
 pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
 pub use open::{ReopenCheck, Store, StoreOpenError};
 pub(crate) use postgres::apply;
-pub use postgres::{Database, DatabaseOpenError, PostgresRows};
 #[cfg(test)]
-pub(crate) use postgres::{test_database, throwaway};
+pub(crate) use postgres::tests::{self as test_database, throwaway};
+pub use postgres::{Database, DatabaseOpenError, PostgresRows};
 pub use rows::{Batch, Row, Rows, Staged};
 pub use sled_rows::SledRows;
 #[cfg(test)]

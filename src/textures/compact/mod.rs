@@ -14,7 +14,7 @@ use ltcforge_fit::{Layout, Table, named_list};
 named_list! {
     /// A file that holds a table's compact form.
     pub enum CompactContainer {
-        /// The bytes, as [`ltcforge_files::compact`] describes them.
+        /// The bytes, as `ltcforge_files::compact` describes them.
         Bytes = "compact",
         /// An ES module: the bytes in base64, and what makes textures of them.
         JavaScript = "compact-js",

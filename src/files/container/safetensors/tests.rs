@@ -1,5 +1,6 @@
 use std::f64::consts::FRAC_PI_2;
 
+use half::f16;
 use proptest::prelude::*;
 
 use super::*;

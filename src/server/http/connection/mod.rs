@@ -17,7 +17,11 @@ use std::{
 };
 
 use axum::{Router, extract::Request};
-use hyper::{body::Incoming, server::conn::http1, service::Service};
+use hyper::{
+    body::Incoming,
+    server::conn::http1,
+    service::{Service as _, service_fn},
+};
 use hyper_util::{
     rt::{TokioIo, TokioTimer},
     service::TowerToHyperService,
@@ -25,13 +29,13 @@ use hyper_util::{
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
     net::{TcpListener, TcpStream},
-    sync::{Semaphore, watch},
+    sync::watch,
     task::JoinSet,
     time::{sleep, timeout},
 };
 
 use self::{
-    open::{Admitted, OpenConnections, TooMany},
+    open::{OpenConnections, Token},
     stream::ClientStream,
 };
 use super::{
@@ -41,14 +45,14 @@ use super::{
     problem::Problem,
 };
 
-/// Connections beyond the limits that are told so at the same time; others are closed without an answer.
+/// Connections beyond the limits that are told so at the same time; further ones are closed without an answer.
 const REFUSALS: usize = 16;
 
-/// How long the service goes on reading after its last answer, so that the client gets to read it: a TCP connection
-/// that is closed with unread bytes is reset, and the answer lost.
+/// How long the service goes on reading after its last answer, so that the client gets to read it: closing a TCP
+/// connection with unread bytes resets it, and the answer is lost.
 const LINGER: Duration = Duration::from_secs(1);
 
-/// Bytes that it reads then.
+/// The most bytes that it then reads.
 const LINGER_BYTES: usize = 4 * 1024 * 1024;
 
 /// How long nothing is accepted after an error such as the lack of a file descriptor.
@@ -68,15 +72,15 @@ pub(super) async fn serve(
     limits: Arc<ConnectionLimits>,
     stopping: watch::Receiver<bool>,
 ) {
-    let open = OpenConnections::new(&limits);
-    let refusals = Arc::new(Semaphore::new(REFUSALS));
+    let mut open = OpenConnections::new(&limits);
     let mut warnings = Warnings::default();
-    let mut tasks = JoinSet::new();
+    let (mut tasks, mut refusals) = (JoinSet::new(), JoinSet::new());
     loop {
         let accepted = tokio::select! {
             accepted = listener.accept() => accepted,
             () = stopped(stopping.clone()) => break,
             Some(_) = tasks.join_next() => continue,
+            Some(_) = refusals.join_next() => continue,
         };
         let (tcp, remote) = match accepted {
             Ok(accepted) => accepted,
@@ -86,23 +90,20 @@ pub(super) async fn serve(
             }
         };
         match open.admit(remote.ip()) {
-            Ok(admitted) => {
-                let connection = Connection { admitted, app: app.clone(), limits: Arc::clone(&limits) };
-                tasks.spawn(connection.run(tcp, stopping.clone()));
+            Ok(token) => {
+                tasks.spawn(connection(tcp, app.clone(), Arc::clone(&limits), stopping.clone(), token));
             }
             Err(too_many) => {
                 warnings.warn(&format!("connections are refused: {too_many:?}"));
-                if let Ok(permit) = Arc::clone(&refusals).try_acquire_owned() {
-                    tasks.spawn(async move {
-                        refuse(tcp, too_many).await;
-                        drop(permit);
-                    });
+                if refusals.len() < REFUSALS {
+                    refusals.spawn(tell(tcp, too_many.into()));
                 }
             }
         }
     }
     drop(listener);
-    let drained = timeout(limits.drain, async { while tasks.join_next().await.is_some() {} }).await;
+    let ended = async { while tasks.join_next().await.is_some() || refusals.join_next().await.is_some() {} };
+    let drained = timeout(limits.drain, ended).await;
     if drained.is_err() {
         tracing::warn!("connections still open after {:?} were closed", limits.drain);
     }
@@ -113,7 +114,7 @@ async fn stopped(mut stopping: watch::Receiver<bool>) {
     let _ = stopping.wait_for(|stopping| *stopping).await;
 }
 
-/// A client that has gone again is its own affair. Any other error, such as a lack of file descriptors, lasts a while.
+/// Logs the error and waits, since a lack of file descriptors lasts a while; not for a client that has gone again.
 async fn after_accept_error(error: &io::Error, warnings: &mut Warnings) {
     let is_of_client = matches!(
         error.kind(),
@@ -140,42 +141,42 @@ impl Warnings {
     }
 }
 
-/// What one connection needs.
-struct Connection {
-    admitted: Admitted,
+/// Serves the requests of a connection until the client or the service ends it. It counts as open until then.
+async fn connection(
+    tcp: TcpStream,
     app: Router,
     limits: Arc<ConnectionLimits>,
-}
-
-impl Connection {
-    /// Serves requests until the client or the service ends the connection.
-    async fn run(self, tcp: TcpStream, stopping: watch::Receiver<bool>) {
-        let Self { admitted, app, limits } = self;
-        let Ok(local) = tcp.local_addr() else { return };
-        // Answers are written whole, so there is nothing to gather. A socket that refuses still works.
-        let _ = tcp.set_nodelay(true);
-        let mut builder = http1::Builder::new();
-        builder.timer(TokioTimer::new()).header_read_timeout(limits.head);
-        // The buffer may grow a little beyond its limit; the head may not.
-        builder.max_buf_size(HEAD_LIMIT_BYTES).max_header_size(HEAD_LIMIT_BYTES);
-        let service = WithAddress { app: TowerToHyperService::new(app), local: LocalAddress(local) };
-        let stream = TokioIo::new(ClientStream::new(tcp, limits.stall));
-        let mut connection = builder.serve_connection(stream, service);
-        let ended = tokio::select! {
-            ended = &mut connection => ended,
-            () = stopped(stopping.clone()) => {
-                std::pin::Pin::new(&mut connection).graceful_shutdown();
-                (&mut connection).await
-            }
-        };
-        let http1::Parts { io, read_buf, .. } = connection.into_parts();
-        let tcp = io.into_inner().into_tcp();
-        tokio::select! {
-            () = close(tcp, ended, !read_buf.is_empty(), limits.head) => {}
-            () = stopped(stopping) => {}
+    stopping: watch::Receiver<bool>,
+    token: Token,
+) {
+    let Ok(local) = tcp.local_addr().map(LocalAddress) else { return };
+    // Answers are written whole, so there is nothing to gather. A socket that refuses still works.
+    let _ = tcp.set_nodelay(true);
+    let mut builder = http1::Builder::new();
+    builder.timer(TokioTimer::new()).header_read_timeout(limits.client);
+    // The buffer may grow a little beyond its limit; the head may not.
+    builder.max_buf_size(HEAD_LIMIT_BYTES).max_header_size(HEAD_LIMIT_BYTES);
+    let app = TowerToHyperService::new(app);
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        request.extensions_mut().insert(local);
+        app.call(request)
+    });
+    let stream = TokioIo::new(ClientStream::new(tcp, limits.client));
+    let mut connection = builder.serve_connection(stream, service);
+    let ended = tokio::select! {
+        ended = &mut connection => ended,
+        () = stopped(stopping.clone()) => {
+            std::pin::Pin::new(&mut connection).graceful_shutdown();
+            (&mut connection).await
         }
-        drop(admitted);
+    };
+    let http1::Parts { io, read_buf, .. } = connection.into_parts();
+    let tcp = io.into_inner().into_tcp();
+    tokio::select! {
+        () = close(tcp, ended, !read_buf.is_empty(), limits.client) => {}
+        () = stopped(stopping) => {}
     }
+    drop(token);
 }
 
 /// Ends a connection so that the client gets to read the last answer, if there is one.
@@ -194,14 +195,10 @@ async fn close(tcp: TcpStream, ended: hyper::Result<()>, has_begun_head: bool, l
     }
 }
 
-/// Tells a client why its connection is not served.
-async fn refuse(tcp: TcpStream, too_many: TooMany) {
-    tell(tcp, too_many.into()).await;
-}
-
+/// Answers a connection that is not served, or no longer.
 async fn tell(mut tcp: TcpStream, problem: Problem) {
     let told = timeout(LINGER, async {
-        tcp.write_all(&raw::answer(problem)).await?;
+        tcp.write_all(&raw::answer(&problem)).await?;
         tcp.shutdown().await
     });
     if let Ok(Ok(())) = told.await {
@@ -221,23 +218,6 @@ async fn linger(mut tcp: TcpStream) {
             }
         }
     };
-    // Whether or not the client has closed its side: this was the last that is done for it.
+    // The connection is closed after that, whether or not the client has closed its side.
     let _ = timeout(LINGER, read).await;
-}
-
-/// Hands each request to the router, with the address at which it arrived.
-struct WithAddress {
-    app: TowerToHyperService<Router>,
-    local: LocalAddress,
-}
-
-impl Service<Request<Incoming>> for WithAddress {
-    type Response = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Response;
-    type Error = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Error;
-    type Future = <TowerToHyperService<Router> as Service<Request<Incoming>>>::Future;
-
-    fn call(&self, mut request: Request<Incoming>) -> Self::Future {
-        request.extensions_mut().insert(self.local);
-        self.app.call(request)
-    }
 }

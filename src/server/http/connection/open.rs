@@ -3,7 +3,7 @@
 use std::{
     collections::HashMap,
     net::{IpAddr, Ipv6Addr},
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::Arc,
     time::Duration,
 };
 
@@ -12,28 +12,19 @@ use super::super::{kind::ProblemKind, limits::ConnectionLimits, problem::Problem
 /// When a client whose connection was refused may try again.
 const RETRY: Duration = Duration::from_secs(2);
 
-/// Counts the open connections and refuses those beyond the limits.
+/// The open connections, for the task that accepts them.
 #[derive(Debug)]
 pub(super) struct OpenConnections {
     limit: usize,
     limit_per_address: usize,
-    counts: Mutex<Counts>,
+    /// By address, the token of which each of its connections has a clone.
+    tokens: HashMap<IpAddr, Token>,
 }
 
-#[derive(Debug, Default)]
-struct Counts {
-    all: usize,
-    by_address: HashMap<IpAddr, usize>,
-}
+/// A connection is counted for as long as it has this.
+pub(super) type Token = Arc<()>;
 
-/// A connection that is counted until this is dropped.
-#[derive(Debug)]
-pub(super) struct Admitted {
-    open: Arc<OpenConnections>,
-    address: IpAddr,
-}
-
-/// Which limit a connection is beyond.
+/// The limit that a connection exceeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TooMany {
     /// That of all connections.
@@ -43,47 +34,30 @@ pub(super) enum TooMany {
 }
 
 impl OpenConnections {
-    pub(super) fn new(limits: &ConnectionLimits) -> Arc<Self> {
-        let (limit, limit_per_address) = (limits.connections, limits.per_address);
-        Arc::new(Self { limit, limit_per_address, counts: Mutex::default() })
+    pub(super) fn new(limits: &ConnectionLimits) -> Self {
+        Self { limit: limits.connections, limit_per_address: limits.per_address, tokens: HashMap::new() }
     }
 
     /// Counts a connection from `address`.
     ///
     /// # Errors
     /// When a limit is reached; nothing is counted then.
-    pub(super) fn admit(self: &Arc<Self>, address: IpAddr) -> Result<Admitted, TooMany> {
-        let address = counted_as(address);
-        let mut counts = self.lock();
-        if counts.all >= self.limit {
+    pub(super) fn admit(&mut self, address: IpAddr) -> Result<Token, TooMany> {
+        self.tokens.retain(|_, token| open(token) > 0);
+        if self.tokens.values().map(open).sum::<usize>() >= self.limit {
             return Err(TooMany::InAll(self.limit));
         }
-        let from_address = counts.by_address.entry(address).or_default();
-        if *from_address >= self.limit_per_address {
+        let token = self.tokens.entry(counted_as(address)).or_default();
+        if open(token) >= self.limit_per_address {
             return Err(TooMany::FromOneAddress(self.limit_per_address));
         }
-        *from_address += 1;
-        counts.all += 1;
-        Ok(Admitted { open: Arc::clone(self), address })
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Counts> {
-        // Nothing panics while it is held.
-        self.counts.lock().unwrap_or_else(PoisonError::into_inner)
+        Ok(Arc::clone(token))
     }
 }
 
-impl Drop for Admitted {
-    fn drop(&mut self) {
-        let mut counts = self.open.lock();
-        counts.all -= 1;
-        if let Some(from_address) = counts.by_address.get_mut(&self.address) {
-            *from_address -= 1;
-            if *from_address == 0 {
-                counts.by_address.remove(&self.address);
-            }
-        }
-    }
+/// The connections that have a clone of `token`.
+fn open(token: &Token) -> usize {
+    Arc::strong_count(token) - 1
 }
 
 impl From<TooMany> for Problem {
@@ -124,7 +98,7 @@ mod tests {
     #[test]
     fn connections_are_counted_in_all_and_by_address_until_they_end() {
         let limits = ConnectionLimits { connections: 3, per_address: 2, ..ConnectionLimits::default() };
-        let open = OpenConnections::new(&limits);
+        let mut open = OpenConnections::new(&limits);
         let (here, there) = (address("10.0.0.1"), address("10.0.0.2"));
         let first = open.admit(here).expect("room");
         let _second = open.admit(here).expect("room");
@@ -137,9 +111,11 @@ mod tests {
 
     #[test]
     fn addresses_without_connections_take_no_memory() {
-        let open = OpenConnections::new(&ConnectionLimits::default());
-        drop(open.admit(address("10.0.0.1")));
-        assert!(open.lock().by_address.is_empty());
+        let mut open = OpenConnections::new(&ConnectionLimits::default());
+        for last in 0..9 {
+            drop(open.admit(IpAddr::from([10, 0, 0, last])));
+        }
+        assert_eq!(open.tokens.len(), 1, "that of the last one, until the next");
     }
 
     #[test]

@@ -8,11 +8,11 @@ use super::super::{kind::ProblemKind, problem::Problem};
 const LONGEST_BARE: usize = 256;
 
 /// A whole answer with the problem's document, after which the connection is closed.
-pub(super) fn answer(problem: Problem) -> Vec<u8> {
+pub(super) fn answer(problem: &Problem) -> Vec<u8> {
     let retry_after = problem.retry_after_seconds();
     let status = problem.status();
     // A document of texts and numbers is always JSON.
-    let body = serde_json::to_vec(&problem.into_view()).unwrap_or_default();
+    let body = serde_json::to_vec(problem).unwrap_or_default();
     let mut head = format!(
         "HTTP/1.1 {status}\r\ncontent-type: application/problem+json\r\ncontent-length: {}\r\nconnection: close\r\n",
         body.len()
@@ -26,30 +26,23 @@ pub(super) fn answer(problem: Problem) -> Vec<u8> {
 }
 
 /// The answer to write in place of `written`, if that is one that hyper gives by itself to a head that it cannot read:
-/// a status and no document. Every other answer of this kind has a content type.
+/// a status and no document. The service's own answers of these statuses have a content type.
 pub(super) fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
     if written.len() > LONGEST_BARE {
         return None;
     }
-    let text = std::str::from_utf8(written).ok()?;
-    let text = text.strip_prefix("HTTP/1.1 ").or_else(|| text.strip_prefix("HTTP/1.0 "))?;
-    let (status, fields) = text.strip_suffix("\r\n\r\n")?.split_once("\r\n")?;
-    let is_bare = fields.split("\r\n").all(|field| match field.split_once(": ") {
-        Some((name, value)) if name.eq_ignore_ascii_case("content-length") => value == "0",
-        Some((name, _)) => name.eq_ignore_ascii_case("connection") || name.eq_ignore_ascii_case("date"),
-        None => false,
-    });
-    if is_bare { unreadable_head(status.get(..3)?).map(answer) } else { None }
-}
-
-fn unreadable_head(status: &str) -> Option<Problem> {
+    let head = str::from_utf8(written).ok()?;
+    let status = head.strip_prefix("HTTP/1.1 ").or_else(|| head.strip_prefix("HTTP/1.0 "))?.get(..3)?;
+    if !head.ends_with("\r\n\r\n") || head.contains("content-type:") {
+        return None;
+    }
     let (kind, detail) = match status {
         "400" => (ProblemKind::BadRequest, "the head of the request is not that of HTTP/1.1"),
         "414" => (ProblemKind::UriTooLong, "path and query of a request take at most 65534 bytes"),
         "431" => (ProblemKind::HeadTooLarge, "the head of a request takes at most 131072 bytes and 100 fields"),
         _ => return None,
     };
-    Some(Problem::new(kind, detail))
+    Some(answer(&Problem::new(kind, detail)))
 }
 
 #[cfg(test)]
@@ -72,7 +65,6 @@ mod tests {
         let others = [
             bare("200 OK"),
             bare("404 Not Found"),
-            bare("400 Bad Request").replace("length: 0", "length: 7"),
             bare("400 Bad Request").replace("date:", "content-type:"),
             bare("400 Bad Request") + "x",
             String::new(),
@@ -85,7 +77,7 @@ mod tests {
     #[test]
     fn an_answer_is_as_long_as_it_says() {
         let problem = Problem::new(ProblemKind::TooManyConnections, "x").with_retry_after(Duration::from_secs(2));
-        let text = String::from_utf8(answer(problem)).expect("UTF-8");
+        let text = String::from_utf8(answer(&problem)).expect("UTF-8");
         let (head, body) = text.split_once("\r\n\r\n").expect("a head");
         assert!(head.contains(&format!("content-length: {}", body.len())), "{head}");
         assert!(head.contains("retry-after: ") && head.starts_with("HTTP/1.1 503 Service Unavailable\r\n"), "{head}");

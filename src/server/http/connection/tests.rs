@@ -19,7 +19,7 @@ const SHORT: Duration = Duration::from_millis(100);
 
 /// Limits that no test runs into by accident.
 fn generous() -> ConnectionLimits {
-    ConnectionLimits { head: DEADLINE, body: DEADLINE, stall: DEADLINE, drain: DEADLINE, ..ConnectionLimits::default() }
+    ConnectionLimits { client: DEADLINE, drain: DEADLINE, ..ConnectionLimits::default() }
 }
 
 struct Served {
@@ -74,7 +74,7 @@ async fn until_served(served: &Served) {
 
 #[tokio::test]
 async fn a_slow_head_is_told_so_and_an_idle_connection_is_closed() {
-    let served = start(ConnectionLimits { head: SHORT, ..generous() }).await;
+    let served = start(ConnectionLimits { client: SHORT, ..generous() }).await;
     let slow = rest(send(&served, "GET / HTTP/1.1\r\nhost:").await).await;
     assert!(slow.starts_with("HTTP/1.1 408 ") && slow.contains("/problems/slow-request"), "{slow}");
     assert!(slow.contains("within 0.1 s; --client-seconds raises the limit"), "{slow}");
@@ -85,7 +85,7 @@ async fn a_slow_head_is_told_so_and_an_idle_connection_is_closed() {
 
 #[tokio::test]
 async fn a_client_that_does_not_read_is_given_up() {
-    let served = start(ConnectionLimits { connections: 1, per_address: 1, stall: SHORT, ..generous() }).await;
+    let served = start(ConnectionLimits { connections: 1, per_address: 1, client: SHORT, ..generous() }).await;
     let unread = send(&served, "GET /endless HTTP/1.1\r\nhost: h\r\n\r\n").await;
     until_served(&served).await;
     drop(unread);
@@ -93,7 +93,7 @@ async fn a_client_that_does_not_read_is_given_up() {
 
 #[tokio::test]
 async fn an_answer_in_parts_lives_longer_than_every_limit() {
-    let served = start(ConnectionLimits { head: SHORT, body: SHORT, stall: SHORT, ..generous() }).await;
+    let served = start(ConnectionLimits { client: SHORT, ..generous() }).await;
     let whole = rest(send(&served, "GET /slow HTTP/1.0\r\n\r\n").await).await;
     assert!(whole.ends_with("part;part;part;"), "{whole}");
 }

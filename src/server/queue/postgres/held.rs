@@ -1,75 +1,115 @@
-//! The leases that this process holds.
+//! The leases that this process holds, and their renewal.
 
 use std::{
     collections::HashMap,
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError, mpsc},
     time::{Duration, Instant},
 };
 
-use crate::queue::{Lease, StaleLease};
+use super::fence::fence;
+use crate::{
+    queue::{Lease, StaleLease},
+    store::{Database, StoreError},
+};
+
+/// The interval of renewals, unless an eighth of a lease's duration is shorter. Most shards take less time.
+const RENEWAL: Duration = Duration::from_secs(2);
+
+pub(super) const RENEW: &str = "
+    UPDATE ltcforge.tasks AS t
+    SET entries_reported = least(g.entries, t.entries),
+        lease_until = (SELECT ltcforge.clock()) + make_interval(secs => $5)
+    FROM unnest($1::bigint[], $2::integer[], $3::integer[], $4::bigint[]) WITH ORDINALITY
+        AS g (submission, task, attempt, entries, n)
+    WHERE t.submission = g.submission AND t.task = g.task AND t.attempt = g.attempt
+        AND t.lease_until > (SELECT ltcforge.clock())
+    RETURNING g.n - 1";
 
 /// Leases of this process.
 #[derive(Debug, Default)]
-pub(super) struct Held(Mutex<HashMap<Lease, Holding>>);
+pub(super) struct Held(Mutex<HashMap<Lease, Progress>>);
 
 #[derive(Debug)]
-struct Holding {
+struct Progress {
     entries_done: u64,
     renewed: Instant,
-    /// Whether its worker has reported since it was renewed.
-    is_worked_on: bool,
-    is_lost: bool,
+    /// Whether its worker has reported since then.
+    is_reported: bool,
 }
 
 impl Held {
-    fn lock(&self) -> MutexGuard<'_, HashMap<Lease, Holding>> {
+    fn lock(&self) -> MutexGuard<'_, HashMap<Lease, Progress>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn add(&self, leases: impl Iterator<Item = Lease>) {
         let renewed = Instant::now();
-        let new = |lease| (lease, Holding { entries_done: 0, renewed, is_worked_on: false, is_lost: false });
-        self.lock().extend(leases.map(new));
+        self.lock().extend(leases.map(|lease| (lease, Progress { entries_done: 0, renewed, is_reported: false })));
     }
 
     pub(super) fn remove(&self, lease: &Lease) {
         self.lock().remove(lease);
     }
 
-    /// Voids the leases of a submission.
-    pub(super) fn lose(&self, submission: u64) {
-        let mut held = self.lock();
-        held.iter_mut()
-            .filter(|(lease, _)| lease.submission == submission)
-            .for_each(|(_, holding)| holding.is_lost = true);
+    /// Removes the leases of a submission, which are void.
+    pub(super) fn remove_all(&self, submission: u64) {
+        self.lock().retain(|lease, _| lease.submission != submission);
     }
 
+    /// Records the entries done so far; the lease is renewed later.
     pub(super) fn report(&self, lease: &Lease, entries_done: u64) -> Result<(), StaleLease> {
         let mut held = self.lock();
-        let holding = held.get_mut(lease).filter(|holding| !holding.is_lost).ok_or(StaleLease)?;
-        holding.entries_done = entries_done;
-        holding.is_worked_on = true;
+        let progress = held.get_mut(lease).ok_or(StaleLease)?;
+        progress.entries_done = entries_done;
+        progress.is_reported = true;
         Ok(())
     }
 
-    pub(super) fn due(&self, after: Duration) -> Vec<(Lease, u64)> {
-        let held = self.lock();
-        let is_due =
-            |holding: &&Holding| holding.is_worked_on && !holding.is_lost && after <= holding.renewed.elapsed();
-        let due = held.iter().filter(|(_, holding)| is_due(holding));
-        due.map(|(lease, holding)| (*lease, holding.entries_done)).collect()
-    }
-
-    pub(super) fn settle(&self, asked: &[(Lease, u64)], renewed: &[Lease], at: Instant) {
-        let mut held = self.lock();
-        for (lease, _) in asked {
-            let Some(holding) = held.get_mut(lease) else { continue };
-            if renewed.contains(lease) {
-                holding.renewed = at;
-                holding.is_worked_on = false;
-            } else {
-                holding.is_lost = true;
+    /// Renews the leases whose workers have reported, until `ended` has no sender any more.
+    pub(super) fn renew_until(&self, ended: &mpsc::Receiver<()>, database: &Database, lease_ttl: Duration) {
+        let every = RENEWAL.min(lease_ttl / 8);
+        while ended.recv_timeout(every / 2) == Err(mpsc::RecvTimeoutError::Timeout) {
+            let is_due = |progress: &Progress| progress.is_reported && every <= progress.renewed.elapsed();
+            let due: Vec<(Lease, u64)> = (self.lock().iter())
+                .filter(|(_, progress)| is_due(progress))
+                .map(|(lease, progress)| (*lease, progress.entries_done))
+                .collect();
+            if due.is_empty() {
+                continue;
+            }
+            let at = Instant::now();
+            match renew(database, &due, lease_ttl) {
+                Ok(renewed) => {
+                    let mut held = self.lock();
+                    for (lease, _) in &due {
+                        if !renewed.contains(lease) {
+                            held.remove(lease);
+                        } else if let Some(progress) = held.get_mut(lease) {
+                            (progress.renewed, progress.is_reported) = (at, false);
+                        }
+                    }
+                }
+                // They are renewed the next time, if they have not expired by then.
+                Err(error) => tracing::warn!(leases = due.len(), %error, "leases could not be renewed yet"),
             }
         }
     }
+}
+
+/// Renews leases; returns those that were current.
+pub(super) fn renew(
+    database: &Database,
+    leases: &[(Lease, u64)],
+    lease_ttl: Duration,
+) -> Result<Vec<Lease>, StoreError> {
+    let (submissions, tasks, attempts): (Vec<_>, Vec<_>, Vec<_>) =
+        leases.iter().map(|(lease, _)| fence(lease)).collect();
+    let entries: Vec<i64> = leases.iter().map(|(_, entries)| i64::try_from(*entries).unwrap_or(i64::MAX)).collect();
+    let rows = database.run(async |client| {
+        let statement = client.prepare_cached(RENEW).await?;
+        let seconds = lease_ttl.as_secs_f64();
+        Ok(client.query(&statement, &[&submissions, &tasks, &attempts, &entries, &seconds]).await?)
+    })?;
+    let place = |row: &tokio_postgres::Row| usize::try_from(row.get::<_, i64>(0)).ok();
+    Ok(rows.iter().filter_map(|row| Some(leases.get(place(row)?)?.0)).collect())
 }

@@ -4,78 +4,61 @@ use std::{sync::Arc, time::Duration};
 
 use tokio_postgres::AsyncMessage;
 
-use super::shared::Shared;
-use crate::queue::JobId;
+use super::{changes::Changes, held::Held};
+use crate::store::Database;
 
-/// How long until a lost connection is made again.
+/// The pause before a lost connection is made again.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// What a notification says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Message {
-    /// There may be a task.
-    Work,
-    /// This job was submitted, and there are tasks.
-    Begin(JobId),
-    /// This job has ended, and the leases of the submission are void.
-    End(JobId, u64),
-}
-
-impl Message {
-    fn parse(text: &str) -> Option<Self> {
-        let mut words = text.split(' ');
-        let message = match words.next()? {
-            "work" => Self::Work,
-            "begin" => Self::Begin(words.next()?.parse().ok()?),
-            "end" => Self::End(words.next()?.parse().ok()?, words.next()?.parse().ok()?),
-            _ => return None,
-        };
-        words.next().is_none().then_some(message)
-    }
-}
-
-/// Hears notifications for as long as the queue is open. While there is no connection, none is heard, and the callers ask
-/// now and then.
-pub(super) async fn listen(shared: &Arc<Shared>) {
+/// Listens for notifications while the queue is open. Without a connection none arrives, and the callers ask now and
+/// then.
+pub(super) async fn listen(database: &Database, held: &Arc<Held>, changes: &Arc<Changes>) {
     loop {
-        let hears = Arc::clone(shared);
-        let ended = shared.database.listen("LISTEN ltcforge", move |message| hear(&hears, &message)).await;
-        if let Err(error) = ended {
+        let on_message = |message| {
+            if let AsyncMessage::Notification(notification) = message {
+                hear(notification.payload(), held, changes);
+            }
+        };
+        if let Err(error) = database.listen("LISTEN ltcforge", on_message).await {
             tracing::debug!(%error, "the connection for notifications was lost");
         }
-        // Something may have been missed.
-        shared.note_change(None);
+        // Notifications may have been missed.
+        changes.note(None);
         tokio::time::sleep(PAUSE).await;
     }
 }
 
-fn hear(shared: &Shared, message: &AsyncMessage) {
-    let AsyncMessage::Notification(notification) = message else { return };
-    match Message::parse(notification.payload()) {
-        Some(Message::Work) => shared.note_change(None),
-        Some(Message::Begin(job)) => shared.note_change(Some(job)),
-        Some(Message::End(job, submission)) => {
-            shared.held.lose(submission);
-            shared.note_change(Some(job));
-        }
-        // A later version's.
-        None => {}
+/// The payload is `work` when there may be a task, `begin JOB` for a new job, and `end JOB SUBMISSION` for a job that
+/// has ended, whose leases are void. Later versions may send others.
+fn hear(payload: &str, held: &Held, changes: &Changes) {
+    let mut words = payload.split(' ').skip(1);
+    let job = words.next().and_then(|id| id.parse().ok());
+    if let Some(submission) = words.next().and_then(|submission| submission.parse().ok()) {
+        held.remove_all(submission);
     }
+    changes.note(job);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::queue::{JobId, Lease};
     use ltcforge_files::digest::Digest;
 
     #[test]
-    fn messages_are_read_and_others_ignored() {
-        let job = JobId::of_recipe(&Digest::of(b"recipe"));
-        assert_eq!(Message::parse("work"), Some(Message::Work));
-        assert_eq!(Message::parse(&format!("begin {job}")), Some(Message::Begin(job)));
-        assert_eq!(Message::parse(&format!("end {job} 7")), Some(Message::End(job, 7)));
-        for text in ["", "end", "end x 7", "work work", "begin 7"] {
-            assert_eq!(Message::parse(text), None, "{text}");
+    fn notifications_wake_callers_and_the_end_of_a_job_voids_its_leases() {
+        let (job, held, changes) = (JobId::of_recipe(&Digest::of(b"recipe")), Held::default(), Changes::default());
+        let lease = |submission| Lease { submission, task: 0, attempt: 1 };
+        held.add([lease(7), lease(8)].into_iter());
+        for text in ["work", "", "later", &format!("begin {job}"), "end x y"] {
+            let before = changes.generation();
+            hear(text, &held, &changes);
+            assert_ne!(changes.generation(), before, "{text}");
         }
+        assert_eq!(changes.take_jobs(), [job].into());
+        assert!(held.report(&lease(7), 1).is_ok());
+        hear(&format!("end {job} 7"), &held, &changes);
+        assert_eq!(changes.take_jobs(), [job].into());
+        assert!(held.report(&lease(7), 1).is_err() && held.report(&lease(8), 1).is_ok());
     }
 }

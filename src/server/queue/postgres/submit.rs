@@ -2,14 +2,12 @@
 
 use std::collections::HashSet;
 
-use deadpool_postgres::{GenericClient, Transaction};
-use tokio_postgres::{Error, Row};
+use deadpool_postgres::Transaction;
+use tokio_postgres::Error;
 
 use super::{
-    blocks::Blocks,
-    failing,
-    lookup::{COLUMNS, job},
-    shared::Shared,
+    PostgresQueue, blocks,
+    jobs::{self, COLUMNS, job},
 };
 use crate::{
     queue::{Job, JobId, JobState, NewJob, QueueError, Submitted},
@@ -20,73 +18,62 @@ use ltcforge_files::digest::Digest;
 /// Number of the advisory lock under which jobs are submitted: «submit» in ASCII. It makes the limit of jobs exact.
 const LOCK: i64 = 0x7375_626d_6974;
 
-const INSERT: &str = "
-    INSERT INTO ltcforge.jobs (submission, id, recipe_digest, recipe, fitter, shards, shards_digest, entries_total, state, created_at)
-    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, 'queued', (SELECT ltcforge.clock()))";
-
-pub(super) const INSERT_BLOCKS: &str = "
-    INSERT INTO ltcforge.blocks (submission, first, next, past, entries)
-    SELECT $1, first, first, past, entries FROM unnest($2::integer[], $3::integer[], $4::integer[]) AS b (first, past, entries)";
-
-pub(super) const INSERT_REST: &str = "
+/// `$1` the submission, `$2` its number of shards.
+const INSERT_REST: &str = "
     WITH assembly AS (
         INSERT INTO ltcforge.tasks (submission, task, is_assembly, entries, state) VALUES ($1, $2, true, 0, 'waiting')
     ), serving AS (
-        INSERT INTO ltcforge.serving (submission, fitter) SELECT submission, fitter FROM ltcforge.jobs WHERE submission = $1
-    ), kept AS (
-        INSERT INTO ltcforge.finished_entries (submission, slot, entries)
-        SELECT $1, 0, coalesce(sum(entries), 0) FROM ltcforge.tasks WHERE submission = $1 AND state = 'finished'
+        INSERT INTO ltcforge.serving (submission, fitter)
+        SELECT submission, fitter FROM ltcforge.jobs WHERE submission = $1
     )
-    SELECT pg_notify('ltcforge', $3)";
+    INSERT INTO ltcforge.finished_entries (submission, slot, entries)
+    SELECT $1, 0, coalesce(sum(entries), 0) FROM ltcforge.tasks WHERE submission = $1 AND state = 'finished'";
 
+const DELETE: &str = "DELETE FROM ltcforge.jobs WHERE submission = $1 RETURNING submission, shards_digest";
+
+/// Keeps the finished shards of a submission for another with equal shards.
 const KEEP: &str = "
-    UPDATE ltcforge.tasks SET submission = $2, attempt = 0, failures = 0, deaths = 0
-    WHERE submission = $1 AND state = 'finished' AND NOT is_assembly RETURNING task";
+    UPDATE ltcforge.tasks AS t SET submission = j.submission, attempt = 0, failures = 0, deaths = 0
+    FROM ltcforge.jobs AS j WHERE j.submission = $2 AND j.shards_digest = $3
+        AND t.submission = $1 AND t.state = 'finished' AND NOT t.is_assembly
+    RETURNING t.task";
 
-/// The digest of the entries of each shard.
-pub(super) fn shards_digest(shard_entries: &[u32]) -> Digest {
-    let bytes: Vec<u8> = shard_entries.iter().flat_map(|entries| entries.to_le_bytes()).collect();
-    Digest::of(&bytes)
+/// Inserts the tasks of an unfinished job, all but its `finished` ones, and tells all processes.
+pub(super) async fn insert_tasks(
+    client: &Transaction<'_>,
+    submission: i64,
+    id: JobId,
+    shard_entries: &[u32],
+    finished: &HashSet<i32>,
+) -> Result<(), Error> {
+    let shards = i32::try_from(shard_entries.len()).unwrap_or(i32::MAX);
+    client.execute(INSERT_REST, &[&submission, &shards]).await?;
+    blocks::insert(client, submission, shard_entries, finished).await?;
+    jobs::notify(client, &format!("begin {id}")).await
 }
 
-/// The job of a recipe as it was before a submission.
-enum Former {
-    None,
-    /// It is unfinished.
-    Open(Row),
-    /// It ended; its state as stored.
-    Ended(Row),
+async fn lock_submissions(client: &Transaction<'_>) -> Result<(), Error> {
+    client.execute("SELECT pg_advisory_xact_lock($1)", &[&LOCK]).await.map(drop)
 }
 
-impl Former {
-    async fn lock(client: &impl GenericClient, id: JobId) -> Result<Self, Error> {
-        let row =
-            client.query_opt(&format!("{COLUMNS} WHERE id = $1 FOR UPDATE"), &[&id.as_bytes().as_slice()]).await?;
-        Ok(match row {
-            None => Self::None,
-            Some(row) if matches!(row.get("state"), "queued" | "running") => Self::Open(row),
-            Some(row) => Self::Ended(row),
-        })
-    }
+/// Locks a job. Returns its submission and the job.
+async fn lock(client: &Transaction<'_>, id: JobId) -> Result<Option<(i64, Job)>, StoreError> {
+    let row = client.query_opt(&format!("{COLUMNS} WHERE id = $1 FOR UPDATE"), &[&id.as_bytes().as_slice()]).await?;
+    row.map(|row| Ok((row.get("submission"), job(&row)?))).transpose()
 }
 
-/// What a transaction has come to.
-enum Outcome {
-    Queued(Row),
-    Joined(Row),
-    /// Another process has made its table meanwhile.
-    Done,
-    Full,
+async fn read(client: &Transaction<'_>, submission: i64) -> Result<Job, StoreError> {
+    job(&client.query_one(&format!("{COLUMNS} WHERE submission = $1"), &[&submission]).await?)
 }
 
-impl Shared {
-    pub(super) fn submit(&self, new: &NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {
-        self.keep_house();
+impl PostgresQueue {
+    pub(super) fn submit_job(&self, new: &NewJob, has_table: &dyn Fn(Digest) -> bool) -> Result<Submitted, QueueError> {
+        self.forget_old_jobs();
         let id = JobId::of_recipe(&new.recipe_digest);
         loop {
-            // Whether the table is stored is asked outside of the transaction, which holds a lock.
+            // The blob store is asked before the transaction, which holds a lock.
             let mut without_table = None;
-            if let Some(former) = self.job(id)?
+            if let Some(former) = self.job_by_id(id)?
                 && let JobState::Done { table } = former.state
             {
                 if has_table(table) {
@@ -96,138 +83,108 @@ impl Shared {
             }
             let submitted = self.database.run(async |client| {
                 let transaction = client.transaction().await?;
-                let outcome = self.submit_in(&transaction, id, new, without_table).await?;
+                let submitted = self.submit_in(&transaction, id, new, without_table).await?;
                 transaction.commit().await?;
-                Ok(outcome)
+                Ok(submitted)
             })?;
-            return match submitted {
-                Outcome::Queued(row) => {
-                    self.note_change(Some(id));
-                    Ok(Submitted::Queued(job(&row)?))
+            if let Some(submitted) = submitted {
+                if let Ok(Submitted::Queued(_)) = submitted {
+                    self.changes.note(Some(id));
                 }
-                Outcome::Joined(row) => Ok(Submitted::Joined(job(&row)?)),
-                Outcome::Full => Err(QueueError::Full { limit: self.limits.jobs }),
-                Outcome::Done => continue,
-            };
+                return submitted;
+            }
         }
     }
 
+    /// `None` if another process has made the job's table meanwhile.
     async fn submit_in(
         &self,
         transaction: &Transaction<'_>,
         id: JobId,
         new: &NewJob,
         without_table: Option<Digest>,
-    ) -> Result<Outcome, Error> {
-        transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&LOCK]).await?;
-        let former = Former::lock(transaction, id).await?;
+    ) -> Result<Option<Result<Submitted, QueueError>>, StoreError> {
+        lock_submissions(transaction).await?;
+        let former = lock(transaction, id).await?;
         match &former {
-            Former::Open(row) => return Ok(Outcome::Joined(row.clone())),
-            Former::Ended(row) => {
-                let table: Option<&[u8]> = row.get("table_digest");
-                if table.is_some_and(|table| without_table.is_none_or(|gone| gone.as_bytes() != table)) {
-                    return Ok(Outcome::Done);
-                }
+            Some((_, job)) if !job.state.name().is_final() => {
+                return Ok(Some(Ok(Submitted::Joined(job.clone()))));
             }
-            Former::None => {}
-        }
-        let count = "SELECT count(*) FROM ltcforge.jobs WHERE state IN ('queued', 'running')";
-        let open: i64 = transaction.query_one(count, &[]).await?.get(0);
-        if usize::try_from(open).is_ok_and(|open| open >= self.limits.jobs) {
-            return Ok(Outcome::Full);
-        }
-        let shards_digest = shards_digest(&new.shard_entries);
-        let total: i64 = new.shard_entries.iter().copied().map(i64::from).sum();
-        let shards = i32::try_from(new.shard_entries.len()).unwrap_or(i32::MAX);
-        let mut finished = HashSet::new();
-        let submission: i64 = transaction.query_one("SELECT nextval('ltcforge.submissions')", &[]).await?.get(0);
-        if let Former::Ended(row) = &former {
-            let before: i64 = row.get("submission");
-            let removed = "DELETE FROM ltcforge.jobs WHERE submission = $1 RETURNING shards_digest";
-            let row = transaction.query_one(removed, &[&before]).await?;
-            if row.get::<_, &[u8]>(0) == shards_digest.as_bytes() {
-                let kept = transaction.query(KEEP, &[&before, &submission]).await?;
-                finished.extend(kept.iter().map(|row| row.get::<_, i32>(0).cast_unsigned()));
+            Some((_, Job { state: JobState::Done { table }, .. })) if without_table != Some(*table) => {
+                return Ok(None);
             }
-            failing::remove_tasks(transaction, before, false).await?;
+            _ => {}
         }
-        let (id_bytes, digest, recipe) =
-            (id.as_bytes().as_slice(), new.recipe_digest.as_bytes().as_slice(), &new.recipe);
-        let (fitter, shards_digest) = (self.process.fitter.cast_signed(), shards_digest.as_bytes().as_slice());
-        transaction
-            .execute(INSERT, &[&submission, &id_bytes, &digest, recipe, &fitter, &shards, &shards_digest, &total])
-            .await?;
-        let Blocks { first, past, entries } = Blocks::of(&new.shard_entries, &finished);
-        transaction.execute(INSERT_BLOCKS, &[&submission, &first, &past, &entries]).await?;
-        transaction.execute(INSERT_REST, &[&submission, &shards, &format!("begin {id}")]).await?;
-        let row = transaction.query_one(&format!("{COLUMNS} WHERE submission = $1"), &[&submission]).await?;
-        Ok(Outcome::Queued(row))
-    }
-
-    pub(super) fn adopt(&self, done: &Job) -> Result<Job, StoreError> {
-        let JobState::Done { table } = done.state else {
-            return Err(StoreError::Database("only a done job can be adopted".to_owned()));
+        let count =
+            "SELECT count(*), (SELECT ltcforge.clock()) FROM ltcforge.jobs WHERE state IN ('queued', 'running')";
+        let now = transaction.query_one(count, &[]).await?;
+        if usize::try_from(now.get::<_, i64>(0)).is_ok_and(|open| self.limits.jobs <= open) {
+            return Ok(Some(Err(QueueError::Full { limit: self.limits.jobs })));
+        }
+        let job = Job {
+            id,
+            recipe: new.recipe.clone(),
+            recipe_digest: new.recipe_digest,
+            state: JobState::Queued,
+            entries_total: new.shard_entries.iter().copied().map(u64::from).sum(),
+            entries_done: 0,
+            attempts: 0,
+            created_at: now.get(1),
+            started_at: None,
+            finished_at: None,
         };
-        let row = self.database.run(async |client| {
-            let transaction = client.transaction().await?;
-            transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&LOCK]).await?;
-            match Former::lock(&transaction, done.id).await? {
-                Former::Open(row) => return Ok(row),
-                Former::Ended(row) if row.get::<_, Option<&[u8]>>("table_digest") == Some(table.as_bytes()) => return Ok(row),
-                Former::Ended(row) => {
-                    let before: i64 = row.get("submission");
-                    transaction.execute("DELETE FROM ltcforge.jobs WHERE submission = $1", &[&before]).await?;
-                    failing::remove_tasks(&transaction, before, false).await?;
-                }
-                Former::None => {}
-            }
-            let adopt = "
-                INSERT INTO ltcforge.jobs (submission, id, recipe_digest, recipe, fitter, shards, shards_digest, entries_total,
-                    state, table_digest, entries_done, attempts, created_at, started_at, finished_at)
-                VALUES (nextval('ltcforge.submissions'), $1, $2, $3, $4, 0, '', $5, 'done', $6, $7, $8, $9, $10, $11)
-                RETURNING submission";
-            let (id, digest) = (done.id.as_bytes().as_slice(), done.recipe_digest.as_bytes().as_slice());
-            let (total, entries_done) = (done.entries_total.cast_signed(), done.entries_done.cast_signed());
-            let (fitter, attempts) = (self.process.fitter.cast_signed(), done.attempts.cast_signed());
-            let table = table.as_bytes().as_slice();
-            let adopted = transaction
-                .query_one(adopt, &[
-                    &id, &digest, &done.recipe, &fitter, &total, &table, &entries_done, &attempts, &done.created_at,
-                    &done.started_at, &done.finished_at,
-                ])
-                .await?;
-            let submission: i64 = adopted.get(0);
-            let row = transaction.query_one(&format!("{COLUMNS} WHERE submission = $1"), &[&submission]).await?;
-            transaction.commit().await?;
-            Ok(row)
-        })?;
-        self.note_change(Some(done.id));
-        job(&row)
+        let mut before = None;
+        if let Some((submission, _)) = former {
+            before = Some(transaction.query_one(DELETE, &[&submission]).await?);
+        }
+        let inserted = jobs::insert(transaction, &job, self.process.fitter, &new.shard_entries).await?;
+        // Not expected: only `import` inserts jobs without the lock.
+        let submission = inserted.ok_or_else(|| StoreError::Unavailable(format!("job {id} is being imported")))?;
+        let mut finished = HashSet::new();
+        if let Some(before) = before {
+            let (before, shards_digest): (i64, &[u8]) = (before.get(0), before.get(1));
+            let kept = transaction.query(KEEP, &[&before, &submission, &shards_digest]).await?;
+            finished.extend(kept.iter().map(|row| row.get::<_, i32>(0)));
+            jobs::remove_tasks(transaction, before, false).await?;
+        }
+        insert_tasks(transaction, submission, id, &new.shard_entries, &finished).await?;
+        Ok(Some(Ok(Submitted::Queued(read(transaction, submission).await?))))
     }
 
-    pub(super) fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError> {
+    pub(super) fn adopt_job(&self, done: &Job) -> Result<Job, StoreError> {
+        let adopted = self.database.run(async |client| {
+            let transaction = client.transaction().await?;
+            lock_submissions(&transaction).await?;
+            if let Some((submission, former)) = lock(&transaction, done.id).await? {
+                if !former.state.name().is_final() || former.state == done.state {
+                    return Ok(former);
+                }
+                transaction.execute(DELETE, &[&submission]).await?;
+                jobs::remove_tasks(&transaction, submission, false).await?;
+            }
+            jobs::insert(&transaction, done, self.process.fitter, &[]).await?;
+            transaction.commit().await?;
+            Ok(done.clone())
+        })?;
+        self.changes.note(Some(done.id));
+        Ok(adopted)
+    }
+
+    pub(super) fn cancel_job(&self, id: JobId) -> Result<Option<Job>, StoreError> {
         let cancelled = self.database.run(async |client| {
             let transaction = client.transaction().await?;
-            let Former::Open(row) = Former::lock(&transaction, id).await? else { return Ok(None) };
-            let submission: i64 = row.get("submission");
-            let cancel = format!(
-                "UPDATE ltcforge.jobs SET state = 'cancelled', finished_at = (SELECT ltcforge.clock()),
-                    attempts = {}, entries_done = (
-                        SELECT coalesce(sum(entries), 0) FROM ltcforge.finished_entries AS f
-                        WHERE f.submission = jobs.submission)
-                WHERE submission = $1",
-                failing::ATTEMPTS
-            );
-            transaction.execute(&cancel, &[&submission]).await?;
-            failing::remove_tasks(&transaction, submission, false).await?;
-            failing::notify_end(&transaction, submission, &id).await?;
+            let Some((submission, job)) = lock(&transaction, id).await? else { return Ok(None) };
+            if job.state.name().is_final() {
+                return Ok(None);
+            }
+            jobs::end(&transaction, submission, id, &JobState::Cancelled).await?;
             transaction.commit().await?;
             Ok(Some(submission))
         })?;
         if let Some(submission) = cancelled {
-            self.held.lose(submission.cast_unsigned());
-            self.note_change(Some(id));
+            self.held.remove_all(submission.cast_unsigned());
+            self.changes.note(Some(id));
         }
-        self.job(id)
+        self.job_by_id(id)
     }
 }

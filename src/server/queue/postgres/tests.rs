@@ -133,16 +133,8 @@ fn another_fitter_leaves_the_job_alone() {
     assert!(lease(&old).is_some());
 }
 
-/// Each has waited before, so that it has a row.
-fn give_all_back(queue: &PostgresQueue) {
-    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
-    for task in &tasks {
-        queue.give_back(&task.lease).unwrap();
-    }
-}
-
 fn execute(queue: &PostgresQueue, statement: &str) {
-    queue.shared.database.run(async |client| client.batch_execute(statement).await).unwrap();
+    queue.database.run(async |client| Ok(client.batch_execute(statement).await?)).unwrap();
 }
 
 #[test]
@@ -150,7 +142,6 @@ fn suspect_shards_run_one_at_a_time_beside_all_others() {
     let Some(queues) = queues(1, Duration::from_secs(60)) else { return };
     let queue = &queues[0];
     queue.submit(new("a", 3), &|_| false).unwrap();
-    give_all_back(queue);
     execute(queue, "UPDATE ltcforge.tasks SET deaths = 3 WHERE task < 2");
     let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
     assert_eq!(tasks.iter().map(|task| task.kind).collect::<Vec<_>>(), [TaskKind::Shard(0), TaskKind::Shard(2)]);
@@ -166,7 +157,6 @@ fn a_shard_that_ends_its_worker_each_time_fails_its_job_in_the_end() {
     let Some(queues) = queues(1, Duration::from_secs(1)) else { return };
     let queue = &queues[0];
     queue.submit(new("a", 2), &|_| false).unwrap();
-    give_all_back(queue);
     execute(queue, "UPDATE ltcforge.tasks SET deaths = 19 WHERE task = 1");
     lease(queue).unwrap();
     let deadly = lease(queue).unwrap();
@@ -176,6 +166,65 @@ fn a_shard_that_ends_its_worker_each_time_fails_its_job_in_the_end() {
     });
     let JobState::Failed { error } = job.state else { panic!("{job:?}") };
     assert_eq!(error.detail, "shard 1 was leased 20 times by workers that did not report any more");
+}
+
+/// All tasks that can be leased, in order.
+fn lease_all(queue: &PostgresQueue) -> Vec<LeasedTask> {
+    let mut tasks = vec![];
+    while let Offer::Tasks(more) = queue.lease(0, Demand::Any, NonZeroUsize::new(256).unwrap()) {
+        tasks.extend(more);
+    }
+    tasks.sort_by_key(|task| task.lease);
+    tasks
+}
+
+fn eager_queue() -> Option<PostgresQueue> {
+    let limits =
+        Limits { jobs: 9, lease_ttl: Duration::from_secs(600), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    Some(PostgresQueue::open_eager(Database::open(&throwaway::empty_database()?).unwrap(), limits))
+}
+
+#[test]
+fn a_large_job_gets_its_rows_as_it_goes_on() {
+    let Some(queue) = eager_queue() else { return };
+    queue.submit(new("large", 20_000), &|_| false).unwrap();
+    let count = "SELECT count(*) FROM ltcforge.tasks";
+    let rows = queue.database.run(async |client| Ok(client.query_one(count, &[]).await?.get::<_, i64>(0))).unwrap();
+    assert_eq!(rows, 513, "8 blocks of 64 shards, and the assembly");
+    let shards: Vec<TaskKind> = lease_all(&queue).into_iter().map(|task| task.kind).collect();
+    assert_eq!(shards, (0..20_000).map(TaskKind::Shard).collect::<Vec<_>>());
+}
+
+/// Earlier versions made the row of a shard when it was leased, and took it off its block.
+#[test]
+fn a_job_that_an_earlier_version_began_goes_on() {
+    let Some(queue) = eager_queue() else { return };
+    queue.submit(new("a", 70), &|_| false).unwrap();
+    execute(
+        &queue,
+        "DELETE FROM ltcforge.tasks WHERE NOT is_assembly;
+        INSERT INTO ltcforge.blocks SELECT submission, 0, 4, 64, 1 FROM ltcforge.jobs;
+        INSERT INTO ltcforge.blocks SELECT submission, 64, 64, 70, 1 FROM ltcforge.jobs;
+        INSERT INTO ltcforge.tasks (submission, task, is_assembly, entries, state, attempt, worker, lease_until)
+            SELECT submission, n, false, 1, 'leased', 1, 'ended', ltcforge.clock()
+            FROM ltcforge.jobs, generate_series(0, 3) AS n;
+        UPDATE ltcforge.tasks SET state = 'finished', worker = NULL, lease_until = NULL,
+            result = substring(sha256('result') FOR 8) || 'result' WHERE task = 2;
+        UPDATE ltcforge.finished_entries SET entries = 1;
+        UPDATE ltcforge.jobs SET state = 'running', started_at = ltcforge.clock()",
+    );
+    let tasks = lease_all(&queue);
+    assert_eq!(
+        tasks.iter().map(|task| task.lease.task).collect::<Vec<_>>(),
+        [0, 1].into_iter().chain(3..70).collect::<Vec<_>>()
+    );
+    let done: Vec<_> = tasks.iter().map(|task| (task.lease, b"result".as_slice())).collect();
+    assert_eq!(queue.complete(&done).unwrap(), [Ok(()); 69]);
+    let assembly = lease(&queue).unwrap();
+    assert_eq!(results(&queue, &assembly.lease).unwrap().unwrap(), [b"result"; 70]);
+    queue.finish(&assembly.lease, Digest::of(b"a"), Batch::default()).unwrap();
+    let job = queue.job(assembly.job).unwrap().unwrap();
+    assert_eq!((job.entries_done, job.attempts), (70, 2));
 }
 
 /// Works until all jobs are done; returns the shards that were completed, each as often as it was.
@@ -248,14 +297,14 @@ fn connections_that_are_cut_cost_no_job() {
     thread::scope(|scope| {
         let workers: Vec<_> = queues.iter().map(|queue| scope.spawn(|| work(queue, &jobs, &completed))).collect();
         scope.spawn(|| {
-            let database: &Arc<Database> = &queues[0].shared.database;
+            let database: &Arc<Database> = &queues[0].database;
             while !ended.load(Ordering::Relaxed) {
-                // The oldest connection but this one's own.
+                // The oldest of the other connections.
                 let done = database.run(async |client| {
                     let one =
                         "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database()
                         AND pid <> pg_backend_pid() ORDER BY query_start LIMIT 1";
-                    client.query(one, &[]).await
+                    Ok(client.query(one, &[]).await?)
                 });
                 cut.fetch_add(done.map_or(0, |rows| rows.len()), Ordering::Relaxed);
                 // A statement needs some time between two cuts.
@@ -286,19 +335,20 @@ fn statements_go_by_indexes_however_long_the_queue_is() {
             "PREPARE s ({}) AS {statement}; EXPLAIN (COSTS OFF) EXECUTE s ({arguments}); DEALLOCATE s",
             placeholders.join(", ")
         );
-        let messages = queues[0].shared.database.run(async |client| client.simple_query(&statements).await).unwrap();
+        let messages = queues[0].database.run(async |client| Ok(client.simple_query(&statements).await?)).unwrap();
         let lines = messages.iter().filter_map(|message| match message {
             tokio_postgres::SimpleQueryMessage::Row(row) => row.get(0).map(str::to_owned),
             _ => None,
         });
         lines.collect::<Vec<_>>().join("\n")
     };
-    let of_submission = format!("{} WHERE submission < $1 ORDER BY submission DESC LIMIT $2", super::lookup::COLUMNS);
+    let of_submission = format!("{} WHERE submission < $1 ORDER BY submission DESC LIMIT $2", super::jobs::COLUMNS);
     for (statement, arguments) in [
         (super::lease::LEASE.as_str(), "1, 16, 60, 'me', false, 3"),
+        (super::blocks::MAKE_ROWS, "NULL, 2048, 64, 1"),
         (super::deliver::COMPLETE, "'{1}', '{0}', '{1}', '{abc}', 8"),
         (super::fence::IS_CURRENT, "1, 0, 1"),
-        (super::renew::RENEW, "'{1}', '{0}', '{1}', '{1}', 60"),
+        (super::held::RENEW, "'{1}', '{0}', '{1}', '{1}', 60"),
         (of_submission.as_str(), "9, 20"),
     ] {
         let plan = explain(statement, arguments);

@@ -180,7 +180,7 @@ pub(super) struct PostgresWorld {
 
 impl PostgresWorld {
     fn execute(&self, statements: &str) {
-        let done = self.database.run(async |client| client.batch_execute(statements).await);
+        let done = self.database.run(async |client| Ok(client.batch_execute(statements).await?));
         done.unwrap();
     }
 }
@@ -234,7 +234,7 @@ impl World for PostgresWorld {
 
     fn results(&self) -> usize {
         let count = self.database.run(async |client| {
-            client.query_one("SELECT count(*) FROM ltcforge.tasks WHERE result IS NOT NULL", &[]).await
+            Ok(client.query_one("SELECT count(*) FROM ltcforge.tasks WHERE result IS NOT NULL", &[]).await?)
         });
         usize::try_from(count.unwrap().get::<_, i64>(0)).unwrap()
     }

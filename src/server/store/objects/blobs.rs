@@ -19,21 +19,20 @@ use super::{
 use crate::store::{BlobInfo, Blobs, StoreError};
 use ltcforge_files::digest::Digest;
 
-/// Bytes that are uploaded by one request, at most. A store that takes 350 kB a second takes two at once within the time
-/// that it may be silent.
+/// Bytes of one upload request, at most. A store that takes 350 kB a second takes two at once before the timeout.
 const PART: usize = 5 << 20;
 const PARTS_AT_ONCE: usize = 2;
 
-/// How long it is believed without asking that an object is there.
-const BELIEVED: Duration = Duration::from_secs(60);
+/// How long an object that was seen counts as present without another request.
+const SEEN_FOR: Duration = Duration::from_secs(60);
 
-/// Objects that are believed to be there, at most.
-const MOST_BELIEVED: usize = 1 << 16;
+/// Objects that are remembered as seen, at most.
+const MOST_SEEN: usize = 1 << 16;
 
 /// Blobs in an object store, as `PREFIX/ab/ab12...`.
 #[derive(Debug)]
 pub struct ObjectBlobs {
-    /// `None` while it is dropped.
+    /// `None` once this is being dropped.
     runtime: Option<Runtime>,
     connected: Connected,
     cache: BlobCache,
@@ -69,7 +68,7 @@ impl ObjectBlobs {
     }
 
     fn block_on<T>(&self, work: impl Future<Output = T>) -> T {
-        // It is taken out when this is dropped, and nothing is called then.
+        // Only `drop` takes it out.
         self.runtime.as_ref().unwrap_or_else(|| unreachable!("blobs that are being dropped were used")).block_on(work)
     }
 
@@ -80,7 +79,7 @@ impl ObjectBlobs {
 
     fn see(&self, digest: Digest) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        if seen.len() >= MOST_BELIEVED {
+        if seen.len() >= MOST_SEEN {
             seen.clear();
         }
         seen.insert(digest, Instant::now());
@@ -94,7 +93,7 @@ impl ObjectBlobs {
         let mut parts = WriteMultipart::new_with_chunk_size(store.put_multipart(path).await?, PART);
         for part in bytes.chunks(PART) {
             if let Err(error) = parts.wait_for_capacity(PARTS_AT_ONCE).await {
-                // Parts that cannot be removed either are left to a rule of the bucket.
+                // If this fails too, a lifecycle rule of the bucket removes the parts.
                 let _ = parts.abort().await;
                 return Err(error);
             }
@@ -112,9 +111,9 @@ impl ObjectBlobs {
         }
     }
 
-    /// Removes the blobs that were stored longer ago than `age` and that `is_known` does not know. Returns how many. One that
-    /// becomes known while it is removed is put back: whoever makes an old blob known puts it again afterwards, so that it is
-    /// there whichever comes first.
+    /// Removes the blobs that are older than `age` and not known by `is_known`. Returns how many. A blob that becomes
+    /// known while it is removed is put back. A process that makes an old blob known also puts it again afterwards, so
+    /// the blob stays whichever comes first.
     ///
     /// # Errors
     /// When the store, or `is_known`, fails.
@@ -157,8 +156,8 @@ fn info(object: &ObjectMeta) -> Option<BlobInfo> {
 }
 
 impl Blobs for ObjectBlobs {
-    /// Writes the object even if it is there: that renews its age, by which an orphan is told from one that is about to
-    /// become known, and mends one that is damaged.
+    /// Writes the object even if it exists. This renews its age, so that [`Self::sweep`] does not remove it before it
+    /// becomes known, and repairs a damaged object.
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
         let digest = Digest::of(bytes);
         self.block_on(self.upload(&self.path(digest), bytes)).map_err(|error| failure(&error))?;
@@ -167,7 +166,7 @@ impl Blobs for ObjectBlobs {
         Ok(digest)
     }
 
-    /// Bytes that do not have the digest are an error that passes: they may be a proxy's, and the object may be whole.
+    /// Bytes with another digest are a temporary error: a proxy may have sent them, and the object may be whole.
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
         if let Some(bytes) = self.cache.get(digest) {
             return Ok(Some(bytes));
@@ -186,7 +185,7 @@ impl Blobs for ObjectBlobs {
 
     fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner).get(&digest).copied();
-        if seen.is_some_and(|seen| seen.elapsed() < BELIEVED) {
+        if seen.is_some_and(|seen| seen.elapsed() < SEEN_FOR) {
             return Ok(true);
         }
         match self.block_on(self.connected.store.head(&self.path(digest))) {

@@ -9,54 +9,54 @@ use object_store::{
     path::Path, signer::Signer,
 };
 
-/// How long a request is tried again.
+/// How long a request is retried.
 const RETRY: Duration = Duration::from_secs(8);
-/// How long a store may be silent: until the answer to a request begins, and between two pieces of it. A large answer may
-/// take as long as it keeps coming.
-const SILENCE: Duration = Duration::from_secs(30);
+/// Timeout until the first byte of an answer, and between two reads of it. A large answer may take as long as it keeps
+/// coming.
+const READ_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Variables of the environment with addresses of stores.
+/// Environment variables with URLs of stores.
 const ENDPOINTS: [&str; 5] =
     ["AWS_ENDPOINT", "AWS_ENDPOINT_URL", "AWS_ENDPOINT_URL_S3", "AZURE_STORAGE_ENDPOINT", "GOOGLE_BASE_URL"];
 
-/// The object that shows whether the store can be written.
+/// The object that is written to find out whether the store can be written.
 const MARK: &str = "ltcforge";
 
-/// What a process does with a store of blobs.
+/// What a process needs a blob store for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
-    /// It reads.
+    /// Only reading.
     Read,
-    /// It also writes.
+    /// Writing too.
     Write,
 }
 
-/// Why a store of blobs cannot be used.
+/// Why a blob store cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ObjectsOpenError {
-    /// The URL cannot be read.
-    #[error("«{url}» is no store of blobs: {reason}; it is s3://BUCKET/PREFIX, gs://, az:// or file:///FOLDER")]
+    /// The URL is invalid.
+    #[error("«{url}» is not the URL of a blob store: {reason}; use s3://BUCKET/PREFIX, gs://, az:// or file:///FOLDER")]
     BadUrl {
         /// The URL.
         url: String,
         /// What is wrong.
         reason: String,
     },
-    /// An address in the environment has a user or a password.
+    /// An environment variable with a URL has a user or a password.
     #[error(
-        "{0} of the environment has a user or a password, which errors would show: credentials have variables of their own"
+        "the environment variable {0} has a user or a password, which errors would show; use variables for credentials"
     )]
     SecretInEndpoint(&'static str),
-    /// The bucket or folder does not exist.
-    #[error("the store of blobs {url} does not exist: {reason}")]
+    /// There is no such bucket or folder.
+    #[error("the blob store {url} does not exist: {reason}")]
     Missing {
         /// The URL.
         url: String,
         /// The store's answer.
         reason: String,
     },
-    /// The credentials do not suffice.
-    #[error("the store of blobs {url} cannot be {verb}: {reason}")]
+    /// The credentials are invalid, or have no permission for this.
+    #[error("the blob store {url} cannot be {verb}: {reason}")]
     Refused {
         /// The URL.
         url: String,
@@ -65,8 +65,8 @@ pub enum ObjectsOpenError {
         /// The store's answer.
         reason: String,
     },
-    /// It does not answer.
-    #[error("the store of blobs {url} cannot be reached: {reason}")]
+    /// It does not respond.
+    #[error("the blob store {url} cannot be reached: {reason}")]
     Unreachable {
         /// The URL.
         url: String,
@@ -75,7 +75,7 @@ pub enum ObjectsOpenError {
     },
 }
 
-/// A store, and what signs URLs of its objects.
+/// A store, and the signer of its URLs if it has signed URLs.
 #[derive(Debug, Clone)]
 pub(super) struct Connected {
     pub(super) store: Arc<dyn ObjectStore>,
@@ -94,7 +94,7 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
         });
     }
     let (scheme, prefix) = ObjectStoreScheme::parse(&parsed).map_err(|error| bad(error.to_string()))?;
-    // reqwest needs to be told which library of cryptography it uses. Who was told before has it already.
+    // The provider of cryptography that reqwest uses. This fails if one was installed before, which is fine.
     let _ = rustls::crypto::ring::default_provider().install_default();
     for name in ENDPOINTS {
         let endpoint = std::env::var(name).ok().and_then(|value| reqwest::Url::parse(&value).ok());
@@ -102,31 +102,29 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
             return Err(ObjectsOpenError::SecretInEndpoint(name));
         }
     }
-    let client = ClientOptions::new().with_timeout_disabled().with_read_timeout(SILENCE).with_connect_timeout(RETRY);
+    let client = ClientOptions::new().with_timeout_disabled();
+    let client = client.with_read_timeout(READ_TIMEOUT).with_connect_timeout(RETRY);
     let retry = RetryConfig { retry_timeout: RETRY, ..RetryConfig::default() };
     let failed = |error: Error| bad(error.to_string());
+    macro_rules! signing {
+        ($builder:expr) => {{
+            let store = Arc::new($builder.with_url(url).with_retry(retry).build().map_err(failed)?);
+            (Arc::clone(&store) as _, Some(store as _))
+        }};
+    }
+    // `from_env` also reads AWS_ALLOW_HTTP and AWS_ENDPOINT.
+    let is_plain = std::env::var_os("AWS_ALLOW_HTTP").is_some_and(|value| value == "true");
     let (store, signer): (Arc<dyn ObjectStore>, Option<Arc<dyn Signer>>) = match scheme {
         ObjectStoreScheme::AmazonS3 => {
-            // `from_env` also reads AWS_ALLOW_HTTP and AWS_ENDPOINT.
-            let is_plain = std::env::var_os("AWS_ALLOW_HTTP").is_some_and(|value| value == "true");
-            let builder = AmazonS3Builder::from_env().with_url(url).with_retry(retry);
-            let store = builder.with_client_options(client.with_allow_http(is_plain)).build().map_err(failed)?;
-            let store = Arc::new(store);
-            (Arc::clone(&store) as _, Some(store))
+            signing!(AmazonS3Builder::from_env().with_client_options(client.with_allow_http(is_plain)))
         }
         ObjectStoreScheme::GoogleCloudStorage => {
-            let builder = GoogleCloudStorageBuilder::from_env().with_url(url).with_retry(retry);
-            let store = Arc::new(builder.with_client_options(client).build().map_err(failed)?);
-            (Arc::clone(&store) as _, Some(store))
+            signing!(GoogleCloudStorageBuilder::from_env().with_client_options(client))
         }
-        ObjectStoreScheme::MicrosoftAzure => {
-            let builder = MicrosoftAzureBuilder::from_env().with_url(url).with_retry(retry);
-            let store = Arc::new(builder.with_client_options(client).build().map_err(failed)?);
-            (Arc::clone(&store) as _, Some(store))
-        }
+        ObjectStoreScheme::MicrosoftAzure => signing!(MicrosoftAzureBuilder::from_env().with_client_options(client)),
         ObjectStoreScheme::Local => {
             // A network folder that is not mounted must not become a local one.
-            let folder = parsed.to_file_path().map_err(|()| bad("it is no path of this machine".to_owned()))?;
+            let folder = parsed.to_file_path().map_err(|()| bad("it is not a path on this machine".to_owned()))?;
             if !folder.is_dir() {
                 let reason = "there is no such folder".to_owned();
                 return Err(ObjectsOpenError::Missing { url: url.to_owned(), reason });

@@ -1,14 +1,17 @@
 //! Connections to PostgreSQL.
 
-use std::{fmt, sync::Arc, time::Duration};
+use std::{fmt, future::poll_fn, sync::Arc, time::Duration};
 
 use deadpool_postgres::{Manager, ManagerConfig, Pool, PoolError, RecyclingMethod, Runtime as PoolRuntime, Timeouts};
-use tokio::runtime::{Builder, Runtime};
+use tokio::{
+    io::{AsyncRead, AsyncWrite},
+    runtime::{Builder, Runtime},
+    time::Instant,
+};
 use tokio_postgres::{
     AsyncMessage, Config, Connection, NoTls, Socket,
     config::{Host, SslMode},
     error::SqlState,
-    tls::MakeTlsConnect,
 };
 use tokio_postgres_rustls::MakeRustlsConnect;
 
@@ -28,31 +31,33 @@ const CONNECTIONS: usize = 16;
 const PLANS: &str = "-c jit=off -c enable_seqscan=off -c enable_bitmapscan=off -c enable_hashjoin=off \
     -c enable_mergejoin=off -c plan_cache_mode=force_generic_plan";
 
-/// How long a connection may take to be made, and how long it may stay unanswered.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// How long connecting may take, and how long the server may not respond.
+const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long an operation is tried again after its connection was lost.
-const RECOVERY: Duration = Duration::from_secs(5);
+/// How long an operation is retried after its connection was lost.
+const RETRY: Duration = Duration::from_secs(5);
 
-/// How long an operation waits before it is tried again, at first and at most.
+/// The first pause between two tries, and the longest.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(20), Duration::from_millis(500));
 
-const STRAY_AT: &str = "a user or a password with one of @ : / ? # has to have it encoded, as %40 %3A %2F %3F %23";
+const STRAY_AT: &str = "in a user or a password, @ : / ? # are written as %40 %3A %2F %3F %23";
 
-/// Whether a URL has an `@` that does not end the user and the password: parsers then take a piece of the password for the
-/// host or the name, and errors would show it.
+/// Whether a URL has an `@` that does not end the user and the password. Parsers would take a part of the password for
+/// the host or the name, and errors would show it.
 fn has_stray_at(url: &str) -> bool {
     let Some((_, rest)) = url.split_once("://") else { return false };
     let authority = rest.split(['/', '?', '#']).next().unwrap_or(rest);
     rest.matches('@').count() != authority.matches('@').count() || authority.matches('@').count() > 1
 }
 
-/// A PostgreSQL database with the schema of this program. Its methods block, and must not be called by tasks of tokio.
+/// A PostgreSQL database with the schema of this program. Its methods block: do not call them in async tasks.
 pub struct Database {
-    /// Drives the connections.
+    /// Runs the connections. `None` once this is being dropped.
     runtime: Option<Runtime>,
     pool: Pool,
     config: Config,
+    /// `None` if the URL disables TLS.
+    tls: Option<MakeRustlsConnect>,
     /// Host, port and name.
     name: String,
 }
@@ -81,15 +86,15 @@ impl Database {
             return Err(DatabaseOpenError::BadUrl(STRAY_AT.to_owned()));
         }
         let mut config: Config = url.parse().map_err(|error: tokio_postgres::Error| {
-            // The text names a parameter, never its value.
+            // The text has the name of a parameter, never its value.
             DatabaseOpenError::BadUrl(failure::text(&error))
         })?;
         if config.get_hosts().is_empty() {
-            return Err(DatabaseOpenError::BadUrl("it names no host".to_owned()));
+            return Err(DatabaseOpenError::BadUrl("it has no host".to_owned()));
         }
-        config.connect_timeout(PATIENCE).keepalives_idle(PATIENCE).tcp_user_timeout(2 * PATIENCE);
-        // Each statement is meant to go by an index, whatever the statistics and its arguments say: it is planned once for a
-        // connection, and none is worth compiling.
+        config.connect_timeout(TIMEOUT).keepalives_idle(TIMEOUT).tcp_user_timeout(2 * TIMEOUT);
+        // Each statement is to use indexes, whatever the statistics and the arguments. It is planned once for a
+        // connection, and compiling it is not worth while.
         let options = config.get_options().unwrap_or_default();
         config.options(format!("{options} {PLANS}"));
         if config.get_application_name().is_none() {
@@ -100,14 +105,15 @@ impl Database {
         let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("database").enable_all().build();
         let runtime = runtime.map_err(|error| failed(&error))?;
         let manager_config = ManagerConfig { recycling_method: RecyclingMethod::Fast };
-        let manager = match config.get_ssl_mode() {
-            SslMode::Disable => Manager::from_config(config.clone(), NoTls, manager_config),
-            _ => Manager::from_config(config.clone(), tls()?, manager_config),
+        let tls = if config.get_ssl_mode() == SslMode::Disable { None } else { Some(tls()?) };
+        let manager = match &tls {
+            None => Manager::from_config(config.clone(), NoTls, manager_config),
+            Some(tls) => Manager::from_config(config.clone(), tls.clone(), manager_config),
         };
-        let timeouts = Timeouts { wait: Some(6 * PATIENCE), create: Some(2 * PATIENCE), recycle: Some(PATIENCE) };
+        let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
         let pool = Pool::builder(manager).max_size(CONNECTIONS).timeouts(timeouts).runtime(PoolRuntime::Tokio1).build();
         let pool = pool.map_err(|error| failed(&error))?;
-        let database = Self { runtime: Some(runtime), pool, config, name };
+        let database = Self { runtime: Some(runtime), pool, config, tls, name };
         database.block_on(async {
             let mut client = database.pool.get().await.map_err(|error| database.refusal(&error))?;
             migrations::apply(&mut client, migrations::ALL).await
@@ -122,7 +128,7 @@ impl Database {
         };
         let reason = failure::text(error);
         match error.code() {
-            // The server's rules have no entry for a connection without TLS.
+            // pg_hba.conf has no entry for a connection without TLS.
             Some(code)
                 if *code == SqlState::INVALID_AUTHORIZATION_SPECIFICATION && reason.contains("no encryption") =>
             {
@@ -146,103 +152,73 @@ impl Database {
         self.runtime().block_on(work)
     }
 
-    /// What runs tasks beside the callers.
+    /// The runtime for background tasks.
     pub(crate) fn runtime(&self) -> &Runtime {
-        // It is taken out when this is dropped, and nothing is called then.
+        // Only `drop` takes it out.
         self.runtime.as_ref().unwrap_or_else(|| unreachable!("a database that is being dropped was used"))
     }
 
     /// A connection.
     pub(crate) async fn client(&self) -> Result<Client, StoreError> {
-        self.pool.get().await.map_err(|error| match &error {
-            PoolError::Backend(error) => failure::store_error(error),
+        self.pool.get().await.map_err(|error| match error {
+            PoolError::Backend(error) => error.into(),
             other => StoreError::Unavailable(other.to_string()),
         })
     }
 
-    /// Runs `work` on a connection; again, for some seconds, if the connection was lost or the transaction was in another's
-    /// way. `work` has to bear that it was committed before.
+    /// Runs `work` on a connection. If the connection is lost, or a transaction conflicts with another, `work` is
+    /// retried for some seconds. Its transaction may have been committed the first time.
     ///
     /// # Errors
     /// [`StoreError::Unavailable`] if it may succeed later, or the database's error.
-    pub(crate) fn run<T>(
-        &self,
-        work: impl AsyncFn(&mut Client) -> Result<T, tokio_postgres::Error>,
-    ) -> Result<T, StoreError> {
-        self.block_on(self.retry(work))
-    }
-
-    async fn retry<T>(
-        &self,
-        work: impl AsyncFn(&mut Client) -> Result<T, tokio_postgres::Error>,
-    ) -> Result<T, StoreError> {
-        let until = tokio::time::Instant::now() + RECOVERY;
-        let mut pause = PAUSES.0;
-        loop {
-            let done = async {
-                let mut client = self.client().await?;
-                work(&mut client).await.map_err(|error| failure::store_error(&error))
-            };
-            match done.await {
-                Err(StoreError::Unavailable(_)) if tokio::time::Instant::now() + pause < until => {
-                    tokio::time::sleep(pause).await;
-                    pause = (2 * pause).min(PAUSES.1);
+    #[expect(clippy::needless_pass_by_value, reason = "callers pass closures")]
+    pub(crate) fn run<T>(&self, work: impl AsyncFn(&mut Client) -> Result<T, StoreError>) -> Result<T, StoreError> {
+        self.block_on(async {
+            let until = Instant::now() + RETRY;
+            let mut pause = PAUSES.0;
+            loop {
+                let done = async { work(&mut self.client().await?).await };
+                match done.await {
+                    Err(StoreError::Unavailable(_)) if Instant::now() + pause < until => {
+                        tokio::time::sleep(pause).await;
+                        pause = (2 * pause).min(PAUSES.1);
+                    }
+                    done => return done,
                 }
-                done => return done,
             }
-        }
+        })
     }
 
-    /// Whether it answers.
+    /// Whether it responds.
     pub(crate) fn is_reachable(&self) -> bool {
         let asked = async { self.client().await.ok()?.query_one("SELECT 1", &[]).await.ok() };
-        self.block_on(async { tokio::time::timeout(PATIENCE, asked).await }).is_ok_and(|answer| answer.is_some())
+        self.block_on(async { tokio::time::timeout(TIMEOUT, asked).await }).is_ok_and(|answer| answer.is_some())
     }
 
-    /// A connection of its own, whose messages `on_message` gets. Returns once the connection ends.
-    pub(crate) async fn listen(
-        &self,
-        statement: &str,
-        on_message: impl FnMut(AsyncMessage) + Send + 'static,
-    ) -> Result<(), String> {
-        match self.config.get_ssl_mode() {
-            SslMode::Disable => listen(&self.config, NoTls, statement, on_message).await,
-            _ => listen(&self.config, tls().map_err(|error| error.to_string())?, statement, on_message).await,
+    /// Opens another connection, runs `statement`, and passes all messages to `on_message`. Returns when the connection
+    /// ends.
+    pub(crate) async fn listen(&self, statement: &str, on_message: impl FnMut(AsyncMessage)) -> Result<(), StoreError> {
+        match &self.tls {
+            None => listen(self.config.connect(NoTls).await?, statement, on_message).await?,
+            Some(tls) => listen(self.config.connect(tls.clone()).await?, statement, on_message).await?,
         }
+        Ok(())
     }
 }
 
-async fn listen<T>(
-    config: &Config,
-    tls: T,
+async fn listen<S: AsyncRead + AsyncWrite + Unpin>(
+    (client, mut connection): (tokio_postgres::Client, Connection<Socket, S>),
     statement: &str,
-    on_message: impl FnMut(AsyncMessage) + Send + 'static,
-) -> Result<(), String>
-where
-    T: MakeTlsConnect<Socket>,
-    T::Stream: Send + 'static,
-{
-    let text = |error: tokio_postgres::Error| failure::text(&error);
-    let (client, connection) = config.connect(tls).await.map_err(text)?;
-    let driven = tokio::spawn(drive(connection, on_message));
-    client.batch_execute(statement).await.map_err(text)?;
-    // It ends with the connection; the client is kept until then.
-    driven.await.map_err(|error| error.to_string())?.map_err(text)?;
-    drop(client);
-    Ok(())
-}
-
-async fn drive<S>(
-    mut connection: Connection<Socket, S>,
     mut on_message: impl FnMut(AsyncMessage),
-) -> Result<(), tokio_postgres::Error>
-where
-    S: tokio::io::AsyncRead + tokio::io::AsyncWrite + Unpin,
-{
-    while let Some(message) = std::future::poll_fn(|context| connection.poll_message(context)).await {
-        on_message(message?);
-    }
-    Ok(())
+) -> Result<(), tokio_postgres::Error> {
+    let messages = async {
+        while let Some(message) = poll_fn(|context| connection.poll_message(context)).await {
+            on_message(message?);
+        }
+        Ok(())
+    };
+    // The client is alive until the connection ends.
+    tokio::try_join!(client.batch_execute(statement), messages).map(drop)
 }
 
 /// TLS with the system's certificates, or those of `SSL_CERT_FILE`.

@@ -1,4 +1,4 @@
-//! What PostgreSQL's errors mean.
+//! Errors of PostgreSQL, and which of them are temporary.
 
 use std::{error::Error as _, fmt::Write as _};
 
@@ -9,10 +9,10 @@ use crate::store::StoreError;
 /// Why a database cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum DatabaseOpenError {
-    /// The URL cannot be read.
-    #[error("the URL of the database cannot be read: {0}; it is postgres://USER:PASSWORD@HOST:PORT/NAME?sslmode=MODE")]
+    /// The URL is invalid.
+    #[error("the database URL is invalid: {0}; use postgres://USER:PASSWORD@HOST:PORT/NAME?sslmode=MODE")]
     BadUrl(String),
-    /// The password, or the user, is refused.
+    /// The server refuses the user or the password.
     #[error("{database} refuses the user or the password: {reason}")]
     Refused {
         /// Which database.
@@ -20,17 +20,15 @@ pub enum DatabaseOpenError {
         /// The server's answer.
         reason: String,
     },
-    /// TLS is asked for and not to be had, or its certificate is not trusted.
-    #[error(
-        "{database}: {reason}; `sslmode` of the URL is `disable`, `prefer` or `require`, and certificates are always verified"
-    )]
+    /// The server requires TLS or does not support it, or its certificate is not trusted.
+    #[error("{database}: {reason}; `sslmode` is `disable`, `prefer` or `require`; certificates are always verified")]
     Tls {
         /// Which database.
         database: String,
         /// What failed.
         reason: String,
     },
-    /// It does not answer.
+    /// It does not respond.
     #[error("{database} cannot be reached: {reason}")]
     Unreachable {
         /// Which database.
@@ -46,7 +44,7 @@ pub enum DatabaseOpenError {
         /// The newest schema this program knows.
         known: usize,
     },
-    /// Its schema was made by another program.
+    /// Another program made its schema.
     #[error("migration {0} differs from the one that was applied to the database")]
     Changed(usize),
     /// A statement failed.
@@ -60,14 +58,14 @@ impl From<tokio_postgres::Error> for DatabaseOpenError {
     }
 }
 
-/// Whether the same transaction may succeed if it is tried again soon: the connection was lost, the server is starting or
-/// stopping, or two transactions stood in each other's way.
-pub(super) fn is_passing(error: &Error) -> bool {
+/// Whether the same transaction may succeed if it is retried soon: the connection was lost, the server is starting or
+/// stopping, or two transactions conflicted.
+pub(super) fn is_temporary(error: &Error) -> bool {
     let Some(code) = error.code() else {
-        // No answer of the server's: the connection failed, except where the client itself refuses.
+        // The server did not answer: the connection failed, unless the client itself found the error.
         return error.is_closed() || io_error(error).is_some();
     };
-    let passing = [
+    let temporary = [
         SqlState::ADMIN_SHUTDOWN,
         SqlState::CRASH_SHUTDOWN,
         SqlState::CANNOT_CONNECT_NOW,
@@ -75,12 +73,12 @@ pub(super) fn is_passing(error: &Error) -> bool {
         SqlState::TOO_MANY_CONNECTIONS,
         SqlState::T_R_SERIALIZATION_FAILURE,
         SqlState::T_R_DEADLOCK_DETECTED,
-        // A standby before it is promoted.
+        // A standby that is not promoted yet.
         SqlState::READ_ONLY_SQL_TRANSACTION,
         SqlState::QUERY_CANCELED,
         SqlState::LOCK_NOT_AVAILABLE,
     ];
-    passing.contains(code) || code.code().starts_with("08")
+    temporary.contains(code) || code.code().starts_with("08")
 }
 
 fn io_error(error: &Error) -> Option<&std::io::Error> {
@@ -94,16 +92,17 @@ fn io_error(error: &Error) -> Option<&std::io::Error> {
     None
 }
 
-/// The error for the users of the store.
-pub(super) fn store_error(error: &Error) -> StoreError {
-    if error.code() == Some(&SqlState::DISK_FULL) {
-        return StoreError::DiskFull;
+impl From<Error> for StoreError {
+    fn from(error: Error) -> Self {
+        if error.code() == Some(&SqlState::DISK_FULL) {
+            return Self::DiskFull;
+        }
+        let text = text(&error);
+        if is_temporary(&error) { Self::Unavailable(text) } else { Self::Database(text) }
     }
-    let text = text(error);
-    if is_passing(error) { StoreError::Unavailable(text) } else { StoreError::Database(text) }
 }
 
-/// The error in one line: the server's own words if it has answered, otherwise all causes.
+/// The error in one line: the server's message if it has answered, otherwise all causes.
 pub(super) fn text(error: &Error) -> String {
     if let Some(answer) = error.as_db_error() {
         return answer.message().replace('\n', " ");

@@ -1,7 +1,7 @@
 //! Changes of the schema in PostgreSQL, each applied once, in order.
 //!
 //! Invariant: an applied migration never changes; its digest is stored and compared at every start. Each is applied in
-//! one transaction under an advisory lock, so that of many processes that start at once one applies it.
+//! one transaction under an advisory lock: if many processes start at once, one of them applies it.
 
 use deadpool_postgres::{Client, GenericClient};
 
@@ -22,7 +22,7 @@ const PREPARE: &str = "
         applied_at timestamptz NOT NULL DEFAULT now()
     )";
 
-/// What has been applied, in order.
+/// The digests of the migrations that have been applied, in order.
 async fn applied(client: &impl GenericClient) -> Result<Vec<Vec<u8>>, tokio_postgres::Error> {
     let is_there = client.query_one("SELECT to_regclass('ltcforge.migrations') IS NOT NULL", &[]).await?;
     if !is_there.get::<_, bool>(0) {
@@ -42,8 +42,8 @@ fn compare(applied: &[Vec<u8>], migrations: &[&str]) -> Result<usize, DatabaseOp
     changed.map_or(Ok(applied.len()), |at| Err(DatabaseOpenError::Changed(at + 1)))
 }
 
-/// Applies those of `migrations` that were not applied yet. A role that may not change the schema can use one that is up
-/// to date.
+/// Applies those of `migrations` that were not applied yet. If there are none, the role needs no right to change the
+/// schema.
 pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<(), DatabaseOpenError> {
     if compare(&applied(&*client).await?, migrations)? == migrations.len() {
         return Ok(());
@@ -71,13 +71,13 @@ pub(super) async fn apply(client: &mut Client, migrations: &[&str]) -> Result<()
 #[cfg(test)]
 mod tests {
     use super::{
-        super::{test_database, throwaway},
+        super::tests::{database, throwaway},
         *,
     };
 
     #[test]
     fn a_newer_database_and_a_changed_migration_are_refused() {
-        let Some(database) = test_database::database() else { return };
+        let Some(database) = database() else { return };
         let refused = |migrations: &[&str]| {
             let done = database.block_on(async {
                 let mut client = database.client().await.unwrap();

@@ -1,4 +1,4 @@
-//! [`Rows`] in PostgreSQL: the catalogue, which small tables of sled's kind suffice for.
+//! [`Rows`] in PostgreSQL: the catalogue, as keys and values in one table.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ impl PostgresRows {
 
 /// Applies a batch in the transaction of `client`.
 pub(crate) async fn apply(client: &impl GenericClient, batch: &Batch) -> Result<(), tokio_postgres::Error> {
-    // The last change of a key is the one that counts.
+    // In order: the last change of a key counts.
     for (tree, key, value) in &batch.changes {
         if let Some(value) = value {
             let put = "INSERT INTO ltcforge.rows (tree, key, value) VALUES ($1, $2, $3)
@@ -45,14 +45,6 @@ pub(crate) async fn apply(client: &impl GenericClient, batch: &Batch) -> Result<
     Ok(())
 }
 
-/// The first key after all that begin with `prefix`; `None` if there is none.
-fn end_of(prefix: &[u8]) -> Option<Vec<u8>> {
-    let last = prefix.iter().rposition(|byte| *byte < u8::MAX)?;
-    let mut end = prefix[..=last].to_vec();
-    end[last] += 1;
-    Some(end)
-}
-
 impl Rows for PostgresRows {
     fn get(&self, tree: Tree, key: &[u8]) -> Result<Option<Vec<u8>>, StoreError> {
         let statement = "SELECT key, value FROM ltcforge.rows WHERE tree = $1 AND key = $2 LIMIT $3";
@@ -60,12 +52,9 @@ impl Rows for PostgresRows {
     }
 
     fn scan(&self, tree: Tree, prefix: &[u8]) -> Result<Vec<Row>, StoreError> {
-        let from = "SELECT key, value FROM ltcforge.rows WHERE tree = $1 AND key >= $2 ORDER BY key LIMIT $3";
-        let mut rows = self.rows(from, tree, prefix, i64::MAX)?;
-        if let Some(end) = end_of(prefix) {
-            rows.retain(|row| row.key < end);
-        }
-        Ok(rows)
+        let scan = "SELECT key, value FROM ltcforge.rows
+            WHERE tree = $1 AND key >= $2 AND substring(key FOR octet_length($2)) = $2 ORDER BY key LIMIT $3";
+        self.rows(scan, tree, prefix, i64::MAX)
     }
 
     fn page(&self, tree: Tree, before: Option<&[u8]>, limit: usize) -> Result<Vec<Row>, StoreError> {
@@ -82,7 +71,7 @@ impl Rows for PostgresRows {
     fn totals(&self) -> Result<Option<(u64, u64)>, StoreError> {
         let row = self.database.run(async |client| {
             let sums = "SELECT coalesce(sum(tables), 0)::bigint, coalesce(sum(bytes), 0)::bigint FROM ltcforge.totals";
-            client.query_one(&client.prepare_cached(sums).await?, &[]).await
+            Ok(client.query_one(&client.prepare_cached(sums).await?, &[]).await?)
         })?;
         let [tables, bytes] = [0, 1].map(|column| u64::try_from(row.get::<_, i64>(column)).unwrap_or(0));
         Ok(Some((tables, bytes)))
@@ -92,7 +81,7 @@ impl Rows for PostgresRows {
         self.database.run(async |client| {
             let transaction = client.transaction().await?;
             apply(&transaction, batch).await?;
-            transaction.commit().await
+            Ok(transaction.commit().await?)
         })
     }
 
@@ -108,13 +97,13 @@ impl Rows for PostgresRows {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::test_database, *};
+    use super::{super::tests::database, *};
     use crate::store::{Catalogue, TableRow};
     use ltcforge_files::digest::Digest;
 
     #[test]
     fn rows_are_found_by_key_by_prefix_and_in_order() {
-        let Some(database) = test_database::database() else { return };
+        let Some(database) = database() else { return };
         let rows = PostgresRows::new(database);
         let mut batch = Batch::default();
         for key in [b"a\xff".as_slice(), b"a\xff\xff", b"b", b""] {
@@ -140,7 +129,7 @@ mod tests {
 
     #[test]
     fn tables_are_counted_as_they_come_change_and_go() {
-        let Some(database) = test_database::database() else { return };
+        let Some(database) = database() else { return };
         let rows: Arc<dyn Rows> = Arc::new(PostgresRows::new(database));
         let catalogue = Catalogue::new(Arc::clone(&rows));
         assert_eq!(catalogue.totals().unwrap(), (0, 0));

@@ -10,7 +10,7 @@ use ltcforge_fit::{
     math::{atan2_upper, sin_cos_turns},
 };
 
-/// See [`ltcforge_fit::LEAST_ALPHA`].
+/// See `ltcforge_fit::LEAST_ALPHA`.
 pub(super) const LEAST_ALPHA: f32 = 1e-5;
 
 struct Fold {

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{Database, throwaway};
+use super::Database;
 
-/// An empty database with the current schema; `None`, told loudly, where PostgreSQL is not installed.
+pub(crate) mod throwaway;
+
+/// An empty database with the current schema; `None`, with a message, where PostgreSQL is not installed.
 pub(crate) fn database() -> Option<Arc<Database>> {
     Some(Database::open(&throwaway::empty_database()?).unwrap())
 }

@@ -1,4 +1,4 @@
-//! Which names the service answers to, and which web pages it listens to.
+//! The names that the service answers to, and the web pages whose requests it serves.
 //!
 //! A browser lets any page send requests to any address. Two fields of a request say where it comes from. `Host` is the
 //! name that the page was told to ask for: an attacker's domain may resolve to this machine, and its pages then count
@@ -8,78 +8,55 @@ use std::{fmt, net::IpAddr, str::FromStr, sync::Arc};
 
 use axum::{
     extract::{Request, State},
-    http::{HeaderMap, Uri, Version, header, uri::Authority},
+    http::{HeaderMap, Version, header, uri::Authority},
     middleware::Next,
     response::{IntoResponse as _, Response},
 };
-use serde::Deserialize;
 
 use super::{connection::LocalAddress, kind::ProblemKind, problem::Problem};
 
 /// Names and origins that the service serves beyond its own.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Sites {
+pub struct OriginPolicy {
     /// Names by which clients may call the service.
     pub hosts: Vec<AllowedHost>,
     /// Origins of web pages that may send requests.
     pub origins: Vec<AllowedOrigin>,
 }
 
-/// A name or an address, with a port if only that one is meant.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-#[serde(try_from = "String")]
+/// A name or an address in lower case, an IPv6 address in brackets; with a port if it stands for that one only.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AllowedHost {
     name: String,
     port: Option<u16>,
 }
 
 /// The origin of a web page: scheme, host, and port if it is not the usual one.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-#[serde(try_from = "String")]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AllowedOrigin(String);
 
-/// Why a text is not a host or an origin.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("«{text}» is not {expected}")]
-pub struct SiteError {
-    text: String,
-    expected: &'static str,
-}
-
 impl FromStr for AllowedHost {
-    type Err = SiteError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, SiteError> {
-        let expected = "a host: a host is a name or an address, such as farm.example or farm.example:8317";
-        host(text).ok_or_else(|| SiteError { text: text.to_owned(), expected })
+    fn from_str(text: &str) -> Result<Self, String> {
+        host(text).ok_or_else(|| {
+            let form = "a host is a name or an address, such as farm.example or farm.example:8317";
+            format!("«{text}» is not a host: {form}")
+        })
     }
 }
 
 impl FromStr for AllowedOrigin {
-    type Err = SiteError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, SiteError> {
+    fn from_str(text: &str) -> Result<Self, String> {
         let is_origin = text.split_once("://").is_some_and(|(scheme, authority)| {
             !scheme.is_empty() && scheme.bytes().all(|byte| byte.is_ascii_alphanumeric()) && host(authority).is_some()
         });
-        let expected = "an origin: an origin is a scheme and a host without a path, such as https://farm.example";
-        if is_origin { Ok(Self(text.to_ascii_lowercase())) } else { Err(SiteError { text: text.to_owned(), expected }) }
-    }
-}
-
-impl TryFrom<String> for AllowedHost {
-    type Error = SiteError;
-
-    fn try_from(text: String) -> Result<Self, SiteError> {
-        text.parse()
-    }
-}
-
-impl TryFrom<String> for AllowedOrigin {
-    type Error = SiteError;
-
-    fn try_from(text: String) -> Result<Self, SiteError> {
-        text.parse()
+        is_origin.then(|| Self(text.to_ascii_lowercase())).ok_or_else(|| {
+            let form = "an origin is a scheme and a host without a path, such as https://farm.example";
+            format!("«{text}» is not an origin: {form}")
+        })
     }
 }
 
@@ -90,64 +67,56 @@ impl fmt::Display for AllowedHost {
     }
 }
 
-/// Host and port of an authority, the host in lower case and an IPv6 address in brackets.
+/// Host and port of an authority. An authority may also have a user and a port that is not a number; a host has
+/// neither.
 fn host(text: &str) -> Option<AllowedHost> {
     let authority: Authority = text.parse().ok()?;
-    let name = authority.host().to_ascii_lowercase();
-    let port = authority.port_u16();
-    let length = name.len() + authority.port().map_or(0, |port| 1 + port.as_str().len());
-    // An authority may also have a user and a port that is no number; a host has neither.
-    (!name.is_empty() && length == text.len() && port.is_some() == authority.port().is_some())
-        .then_some(AllowedHost { name, port })
+    let host = AllowedHost { name: authority.host().to_ascii_lowercase(), port: authority.port_u16() };
+    (!host.name.is_empty() && host.to_string().eq_ignore_ascii_case(text)).then_some(host)
 }
 
-impl Sites {
-    /// Whether a request is for this service, and from no foreign page.
+impl OriginPolicy {
+    /// Whether a request is for this service, and not sent by a page of another site.
     ///
     /// # Errors
     /// The problem to answer with: 400, 421 or 403.
     fn check(&self, request: &Request) -> Result<(), Problem> {
         let local = request.extensions().get::<LocalAddress>().copied();
-        let asked = asked_host(request.uri(), request.headers(), request.version())?;
-        if let Some(asked) = &asked {
-            self.check_host(asked, local)?;
+        let host = requested_host(request)?;
+        if let Some(host) = &host {
+            self.check_host(host, local)?;
         }
         let mut origins = request.headers().get_all(header::ORIGIN).iter();
         let Some(origin) = origins.next() else {
             return self.check_embedding(request.headers());
         };
         if origins.next().is_some() {
-            let detail = "the request has more than one Origin field";
-            return Err(Problem::new(ProblemKind::BadRequest, detail));
+            return Err(Problem::new(ProblemKind::BadRequest, "the request has more than one Origin field"));
         }
         let origin = String::from_utf8_lossy(origin.as_bytes()).to_ascii_lowercase();
         // A page that the service has served itself, or a proxy in front of it.
-        let own = asked.is_some_and(|asked| {
-            let site = asked.to_string();
-            origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://")) == Some(site.as_str())
-        });
+        let own = host.is_some_and(|host| [format!("http://{host}"), format!("https://{host}")].contains(&origin));
         if own || self.origins.iter().any(|allowed| allowed.0 == origin) {
             return Ok(());
         }
         let detail = format!(
-            "pages of «{origin}» may not send requests to this service; `ltcforge serve --allow-origin` allows an origin"
+            "pages of «{origin}» may not send requests to this service; \
+             `ltcforge serve --allow-origin` allows an origin"
         );
         Err(Problem::new(ProblemKind::ForeignOrigin, detail))
     }
 
-    /// Refuses what a page of another site embeds, such as an image: browsers send no origin then, but these fields. A link
-    /// that somebody follows is no embedding, and a page of an allowed origin may embed.
+    /// Refuses requests by which a page of another site embeds an image or the like: browsers send no origin with them,
+    /// but these fields. Links are served, and a page of an allowed origin may embed.
     fn check_embedding(&self, headers: &HeaderMap) -> Result<(), Problem> {
         let says = |name: &str, value: &str| headers.get(name).is_some_and(|field| field == value);
-        if !says("sec-fetch-site", "cross-site") || says("sec-fetch-mode", "navigate") {
-            return Ok(());
-        }
         let page = headers.get(header::REFERER).and_then(|field| field.to_str().ok()).unwrap_or_default();
         let page = page.to_ascii_lowercase();
         let is_of = |allowed: &AllowedOrigin| {
             page.strip_prefix(&allowed.0).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
         };
-        if self.origins.iter().any(is_of) {
+        let is_embedded = says("sec-fetch-site", "cross-site") && !says("sec-fetch-mode", "navigate");
+        if !is_embedded || self.origins.iter().any(is_of) {
             return Ok(());
         }
         let detail = "pages of another site may link to this service, but not embed what it makes; \
@@ -155,54 +124,53 @@ impl Sites {
         Err(Problem::new(ProblemKind::ForeignOrigin, detail))
     }
 
-    fn check_host(&self, asked: &AllowedHost, local: Option<LocalAddress>) -> Result<(), Problem> {
-        let is_own = local.is_some_and(|local| is_own(asked, local));
+    fn check_host(&self, host: &AllowedHost, local: Option<LocalAddress>) -> Result<(), Problem> {
+        let is_own = local.is_some_and(|local| is_own(host, local));
         let is_allowed = |allowed: &AllowedHost| {
-            allowed.name == asked.name && allowed.port.is_none_or(|port| asked.port.unwrap_or(80) == port)
+            allowed.name == host.name && allowed.port.is_none_or(|port| host.port.unwrap_or(80) == port)
         };
         if is_own || self.hosts.iter().any(is_allowed) {
             return Ok(());
         }
         let detail =
-            format!("«{asked}» is not a name of this service; `ltcforge serve --allow-host {}` adds it", asked.name);
+            format!("«{host}» is not a name of this service; `ltcforge serve --allow-host {}` adds it", host.name);
         Err(Problem::new(ProblemKind::WrongHost, detail))
     }
 }
 
 /// Whether a host is the address at which the request arrived. On a loopback address, all loopback addresses and
 /// `localhost` are the same.
-fn is_own(asked: &AllowedHost, LocalAddress(local): LocalAddress) -> bool {
+fn is_own(host: &AllowedHost, LocalAddress(local): LocalAddress) -> bool {
     let ip = local.ip().to_canonical();
-    let literal = asked.name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
+    let literal = host.name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
     let is_same = match literal {
         Ok(literal) => literal.to_canonical() == ip || (literal.is_loopback() && ip.is_loopback()),
-        Err(_) => asked.name == "localhost" && ip.is_loopback(),
+        Err(_) => host.name == "localhost" && ip.is_loopback(),
     };
-    is_same && asked.port.unwrap_or(80) == local.port()
+    is_same && host.port.unwrap_or(80) == local.port()
 }
 
-/// The host that a request asks for: that of an absolute URI, which a proxy is sent, and else the field `Host`. `None`
-/// if neither is there, which only HTTP/1.0 allows.
-fn asked_host(uri: &Uri, headers: &HeaderMap, version: Version) -> Result<Option<AllowedHost>, Problem> {
-    let refuse = |detail: String| Problem::new(ProblemKind::BadRequest, detail);
-    let mut fields = headers.get_all(header::HOST).iter();
+/// The host that a request is for: that of an absolute URI, which clients send to a proxy, or else the field `Host`.
+/// `None` if it has neither, which only HTTP/1.0 allows.
+fn requested_host(request: &Request) -> Result<Option<AllowedHost>, Problem> {
+    let refuse = |detail: &str| Err(Problem::new(ProblemKind::BadRequest, detail));
+    let mut fields = request.headers().get_all(header::HOST).iter();
     let field = fields.next();
     if fields.next().is_some() {
-        return Err(refuse("the request has more than one Host field".to_owned()));
+        return refuse("the request has more than one Host field");
     }
-    let text = match (uri.authority(), field) {
+    let text = match (request.uri().authority(), field) {
         (Some(authority), _) => authority.as_str(),
         (None, Some(field)) => field.to_str().unwrap_or_default(),
-        (None, None) if version == Version::HTTP_10 => return Ok(None),
-        (None, None) => return Err(refuse("the request has no Host field".to_owned())),
+        (None, None) if request.version() == Version::HTTP_10 => return Ok(None),
+        (None, None) => return refuse("the request has no Host field"),
     };
-    let host = host(text).ok_or_else(|| refuse(format!("«{text}» is not a host with an optional port")))?;
-    Ok(Some(host))
+    host(text).map_or_else(|| refuse(&format!("«{text}» is not a host with an optional port")), |host| Ok(Some(host)))
 }
 
-/// The layer that refuses requests by [`Sites::check`].
-pub(super) async fn check(State(sites): State<Arc<Sites>>, request: Request, next: Next) -> Response {
-    match sites.check(&request) {
+/// The layer that refuses requests by [`OriginPolicy::check`].
+pub(super) async fn check(State(policy): State<Arc<OriginPolicy>>, request: Request, next: Next) -> Response {
+    match policy.check(&request) {
         Ok(()) => next.run(request).await,
         Err(problem) => problem.into_response(),
     }
@@ -216,7 +184,7 @@ mod tests {
 
     /// The status with which a request is refused, `None` if it is served.
     fn refused(local: &str, uri: &str, fields: &[(&str, &str)]) -> Option<u16> {
-        let sites = Sites {
+        let policy = OriginPolicy {
             hosts: vec!["farm".parse().expect("a host"), "[2001:db8::1]:80".parse().expect("a host")],
             origins: vec!["https://wiki.example".parse().expect("an origin")],
         };
@@ -226,7 +194,7 @@ mod tests {
         }
         let mut request = request.body(Body::empty()).expect("a request");
         request.extensions_mut().insert(LocalAddress(local.parse().expect("an address")));
-        sites.check(&request).err().map(|problem| problem.status().as_u16())
+        policy.check(&request).err().map(|problem| problem.status().as_u16())
     }
 
     const LOOPBACK: &str = "127.0.0.1:8317";

@@ -1,4 +1,4 @@
-//! A PostgreSQL server of a test's own: made on first use, gone with the process.
+//! A PostgreSQL server for tests: started on first use, removed when the process ends.
 #![allow(dead_code, unreachable_pub, reason = "the library's tests and those of the binary each use their own part")]
 
 use std::{
@@ -14,8 +14,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Makes a cluster in `$1` with the programs in `$2`, or a copy of the one that serves the socket in `$4`, serves it with
-/// arguments `$3` until standard input ends, and removes it. The server refuses to run as root, so root runs it as `nobody`.
+/// Makes a database cluster in `$1` with the programs in `$2`, or copies the one whose socket is in `$4`. Runs the
+/// server with the arguments `$3` until standard input ends, then removes it. The server refuses to run as root, so
+/// root runs it as `nobody`.
 const SCRIPT: &str = r#"
 as=''; if [ "$(id -u)" = 0 ]; then as='setpriv --reuid=65534 --regid=65534 --clear-groups'; chown 65534:65534 "$1"; fi
 cd "$1"
@@ -39,7 +40,7 @@ exec $as "$@"
 /// How long the server may take to start.
 const DEADLINE: Duration = Duration::from_secs(60);
 
-/// A running server. Its shell stops it when this process ends, however it ends.
+/// A running server. Its shell stops it when this process ends, even if it is killed.
 pub struct Server {
     folder: PathBuf,
     programs: PathBuf,
@@ -48,16 +49,16 @@ pub struct Server {
     databases: AtomicU32,
 }
 
-/// The server that the tests of this process share. Nothing of it is to survive, so it does not wait for the disk.
+/// The server that the tests of this process share. Its data need not survive, so it does not wait for the disk.
 static SHARED: LazyLock<Option<Server>> = LazyLock::new(|| Server::start("-c fsync=off"));
 
-/// The URL of an empty database on the shared server; `None`, told loudly, where PostgreSQL is not installed.
+/// The URL of an empty database on the shared server; `None`, with a message, where PostgreSQL is not installed.
 pub fn empty_database() -> Option<String> {
     SHARED.as_ref().map(Server::empty_database)
 }
 
 impl Server {
-    /// Starts a server with further arguments; `None`, told loudly, where PostgreSQL is not installed.
+    /// Starts a server with further arguments; `None`, with a message, where PostgreSQL is not installed.
     pub fn start(arguments: &str) -> Option<Self> {
         Self::start_as(arguments, None)
     }
@@ -142,12 +143,12 @@ impl Server {
         self.folder.join(".s.PGSQL.5432")
     }
 
-    /// Its folder, in which its socket is.
+    /// Its folder, which has its socket.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// A program of PostgreSQL's, told where the server is.
+    /// One of PostgreSQL's programs, with arguments that connect to this server.
     pub fn client(&self, program: &str) -> Command {
         let mut command = Command::new(self.programs.join(program));
         command.arg("-h").arg(&self.folder).args(["-U", "postgres"]);
@@ -171,7 +172,7 @@ impl Drop for Server {
     }
 }
 
-/// Where the server's programs are: on the path, or where Debian puts them.
+/// The folder of the server's programs: where Debian puts them, or in `PATH`.
 fn programs() -> Option<PathBuf> {
     let on_path = env::split_paths(&env::var_os("PATH")?).collect::<Vec<_>>();
     let mut debian: Vec<PathBuf> = fs::read_dir("/usr/lib/postgresql")
@@ -187,9 +188,9 @@ fn programs() -> Option<PathBuf> {
     debian.into_iter().chain(on_path).find(has_all)
 }
 
-/// Says past the harness, which would keep it to itself, that the running test leaves something out, and why.
+/// Prints why the running test is skipped, past the test harness, which would hide it.
 fn tell_skipped(reason: &str) {
     let name = thread::current().name().unwrap_or_default().to_owned();
-    // A line that cannot be printed is no failure of what is tested.
+    // The test does not fail if this cannot be printed.
     let _ = std::io::stderr().write_all(format!("\n*** SKIPPED: {name}: {reason}\n\n").as_bytes());
 }

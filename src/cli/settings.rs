@@ -1,0 +1,335 @@
+//! Settings of the service. Each is declared once, in [`ServeSettings`]: for the command line, the environment and the
+//! section `[serve]` of the configuration file. A flag goes before its variable, that before the file, that before the
+//! default.
+
+use std::{
+    fmt::Display,
+    net::{Ipv4Addr, SocketAddr},
+    num::{NonZeroU64, NonZeroUsize},
+    path::PathBuf,
+    str::FromStr,
+    time::Duration,
+};
+
+use clap::{ArgMatches, Args, Command, FromArgMatches};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use serde::{Deserialize, Deserializer, de::Error as _};
+
+use super::{
+    CommandFailure, Exit,
+    args::{ThreadCount, WaitSeconds, cores},
+    preview_names::AdapterName,
+};
+use ltcforge_files::recipe_document::DEFAULT_ENTRY_LIMIT;
+use ltcforge_server::{
+    http::{self, AllowedHost, AllowedOrigin, ConnectionLimits, OriginPolicy},
+    service::{Config, PictureLimits},
+};
+use ltcforge_view::preview::Adapter;
+
+/// How long a lease lasts. A worker renews it several times a second.
+const LEASE_TTL: Duration = Duration::from_secs(60);
+
+/// How often a task may fail before its job does.
+const MAX_ATTEMPTS: u32 = 3;
+
+/// Settings of `serve`. The defaults are those of [`Self::default`].
+#[derive(Debug, Clone, PartialEq, Eq, Args, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct ServeSettings {
+    /// Address to listen on; port 0 takes a free one [default: 127.0.0.1:8317]
+    #[arg(long, env = "LTCFORGE_LISTEN", value_name = "ADDRESS")]
+    pub listen: SocketAddr,
+    /// Folder of jobs and tables, made when missing [default: ltcforge-data]
+    #[arg(long, env = "LTCFORGE_DATA", value_name = "DIR")]
+    pub data: PathBuf,
+    /// Shards fitted at the same time, 1 to 512 [default: one for each core]
+    #[arg(long, env = "LTCFORGE_WORKERS", value_name = "N")]
+    pub workers: Option<ThreadCount>,
+    /// Jobs that may wait or run at the same time [default: 64]
+    #[arg(long, env = "LTCFORGE_QUEUE_LIMIT", value_name = "N")]
+    pub queue_limit: NonZeroUsize,
+    /// Entries a table may have [default: 2000000]
+    #[arg(long, env = "LTCFORGE_ENTRY_LIMIT", value_name = "N")]
+    pub entry_limit: NonZeroU64,
+    /// Seconds that a job may take, as predicted when it is submitted [default: 86400]
+    #[arg(long, env = "LTCFORGE_JOB_SECONDS", value_name = "N")]
+    pub job_seconds: NonZeroU64,
+    /// Days after which a job that has ended is forgotten; 0 keeps it for good. Tables stay [default: 90]
+    #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
+    pub job_days: u32,
+    /// Bytes of exports that are kept in memory, so that they are not made again; 0 keeps none [default: 268435456]
+    #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
+    pub export_bytes: usize,
+    /// What renders previews [default: any]
+    #[arg(long, value_enum, env = "LTCFORGE_ADAPTER")]
+    pub adapter: AdapterName,
+    /// Seconds that a picture may take, as predicted and while it is rendered, 1 to 86400 [default: 30]
+    #[arg(long, env = "LTCFORGE_PICTURE_SECONDS", value_name = "N")]
+    pub picture_seconds: WaitSeconds,
+    /// Pictures that may wait or be rendered at the same time [default: 9]
+    #[arg(long, env = "LTCFORGE_PICTURE_QUEUE", value_name = "N")]
+    pub picture_queue: NonZeroUsize,
+    /// MiB of rendered pictures that are kept in memory; 0 keeps none [default: 64]
+    #[arg(long, env = "LTCFORGE_PICTURE_MEMORY", value_name = "MIB")]
+    pub picture_memory: u32,
+    /// Name by which clients may call the service, beside its own address; may be repeated
+    #[arg(long, env = "LTCFORGE_ALLOW_HOST", value_name = "HOST[:PORT]", value_delimiter = ',')]
+    #[serde(deserialize_with = "from_texts")]
+    pub allow_host: Vec<AllowedHost>,
+    /// Origin of web pages that may send requests, such as <https://wiki.example>; may be repeated
+    #[arg(long, env = "LTCFORGE_ALLOW_ORIGIN", value_name = "ORIGIN", value_delimiter = ',')]
+    #[serde(deserialize_with = "from_texts")]
+    pub allow_origin: Vec<AllowedOrigin>,
+    /// Connections open at the same time; fewer if the process may not open as many files [default: 1024]
+    #[arg(long, env = "LTCFORGE_CONNECTIONS", value_name = "N")]
+    pub connections: Option<NonZeroUsize>,
+    /// Connections open at the same time from one address [default: half of --connections]
+    #[arg(long, env = "LTCFORGE_CONNECTIONS_PER_ADDRESS", value_name = "N")]
+    pub connections_per_address: Option<NonZeroUsize>,
+    /// Seconds that a client may take to send a request's head, to send its body, or to read more of an answer, 1 to
+    /// 86400 [default: 30]
+    #[arg(long, env = "LTCFORGE_CLIENT_SECONDS", value_name = "N")]
+    pub client_seconds: WaitSeconds,
+    /// The database and the store that it shares, which the file does not have
+    #[command(flatten)]
+    #[serde(skip)]
+    pub replica: super::args::ReplicaArgs,
+}
+
+impl Default for ServeSettings {
+    fn default() -> Self {
+        let (pictures, connections) = (PictureLimits::default(), ConnectionLimits::default());
+        Self {
+            listen: SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8317),
+            data: "ltcforge-data".into(),
+            workers: None,
+            queue_limit: const { NonZeroUsize::new(64).unwrap() },
+            entry_limit: const { NonZeroU64::new(DEFAULT_ENTRY_LIMIT).unwrap() },
+            job_seconds: const { NonZeroU64::new(86_400).unwrap() },
+            job_days: 90,
+            export_bytes: 256 << 20,
+            adapter: AdapterName(Adapter::Any),
+            picture_seconds: WaitSeconds::clamped(pictures.time.as_secs()),
+            picture_queue: pictures.queue,
+            picture_memory: (pictures.memory_bytes >> 20) as u32,
+            allow_host: Vec::new(),
+            allow_origin: Vec::new(),
+            connections: None,
+            connections_per_address: None,
+            client_seconds: WaitSeconds::clamped(connections.client.as_secs()),
+            replica: super::args::ReplicaArgs::default(),
+        }
+    }
+}
+
+/// A list of texts in a file, each read as on the command line.
+fn from_texts<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(from: D) -> Result<Vec<T>, D::Error> {
+    let texts = Vec::<String>::deserialize(from)?;
+    texts.iter().map(|text| text.parse().map_err(D::Error::custom)).collect()
+}
+
+/// The flags and variables of `serve`: some of its settings, before the file's are known.
+#[derive(Debug)]
+pub struct ServeArgs(ArgMatches);
+
+impl ServeArgs {
+    /// The settings of a configuration file with these in their place. A list replaces a list.
+    ///
+    /// # Errors
+    /// None is known: the flags were checked when they were parsed.
+    pub(super) fn over(mut self, mut file: ServeSettings) -> Result<ServeSettings, CommandFailure> {
+        let merged = file.update_from_arg_matches_mut(&mut self.0);
+        merged.map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+        Ok(file)
+    }
+}
+
+impl FromArgMatches for ServeArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Self(matches.clone()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        self.0 = matches.clone();
+        Ok(())
+    }
+}
+
+impl Args for ServeArgs {
+    fn augment_args(command: Command) -> Command {
+        // Flags that may be left out.
+        ServeSettings::augment_args_for_update(command)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        ServeSettings::augment_args_for_update(command)
+    }
+}
+
+impl ServeSettings {
+    /// The settings of the service behind the HTTP interface.
+    pub(super) fn config(&self) -> Config {
+        Config {
+            data_dir: self.data.clone(),
+            workers: self.workers.map_or_else(cores, ThreadCount::count),
+            queue_limit: self.queue_limit.get(),
+            entry_limit: self.entry_limit.get(),
+            job_seconds: self.job_seconds.get(),
+            keep_ended: (self.job_days > 0).then(|| Duration::from_secs(u64::from(self.job_days) * 86_400)),
+            lease_ttl: LEASE_TTL,
+            max_attempts: MAX_ATTEMPTS,
+            adapter: self.adapter.0,
+            pictures: PictureLimits {
+                time: self.picture_seconds.duration(),
+                queue: self.picture_queue,
+                memory_bytes: (self.picture_memory as usize).saturating_mul(1 << 20),
+            },
+            export_bytes: self.export_bytes,
+        }
+    }
+
+    /// The settings of the HTTP interface. `descriptors` is the number of file descriptors that the process may have,
+    /// `None` if there is no limit.
+    pub(super) fn http(&self, descriptors: Option<u64>) -> http::Options {
+        let default = ConnectionLimits { client: self.client_seconds.duration(), ..ConnectionLimits::default() };
+        let wanted = self.connections.map_or(default.connections, NonZeroUsize::get);
+        let limits = ConnectionLimits { connections: wanted, ..default }.within(descriptors.unwrap_or(u64::MAX));
+        let connections = limits.connections;
+        if connections < wanted && self.connections.is_some() {
+            tracing::warn!(
+                "{wanted} connections need more open files than the system allows; {connections} are accepted"
+            );
+        }
+        let per_address = self.connections_per_address.map_or(connections.div_ceil(2), NonZeroUsize::get);
+        http::Options {
+            limits: ConnectionLimits { per_address: per_address.min(connections), ..limits },
+            origins: OriginPolicy { hosts: self.allow_host.clone(), origins: self.allow_origin.clone() },
+            redirects: self.replica.redirect,
+        }
+    }
+}
+
+/// Lets the process open as many files as the system permits it, and returns how many that are; `None` if there is no
+/// limit. Many systems begin with 1024, for the sake of programs that cannot handle more.
+pub(super) fn raise_descriptor_limit() -> Option<u64> {
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    if current == maximum {
+        return current;
+    }
+    match setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum }) {
+        Ok(()) => maximum,
+        // Then there are as many as before.
+        Err(_) => current,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+    use crate::{Cli, Command as CliCommand};
+
+    /// The settings of a file and of flags.
+    fn settings(file: &str, flags: &[&str]) -> ServeSettings {
+        let line = ["ltcforge", "serve"].iter().chain(flags);
+        let CliCommand::Serve(args) = Cli::try_parse_from(line).expect("good flags").command else { panic!() };
+        args.over(toml_edit::de::from_str(file).expect("a good file")).expect("settings")
+    }
+
+    #[test]
+    fn a_flag_goes_before_the_file_and_that_before_the_default() {
+        let file = "data = 'file'\nqueue_limit = 5\nadapter = 'cpu'\njob_days = 7";
+        let merged = settings(file, &["--data", "flag", "--job-days", "0"]);
+        let by_hand = ServeSettings {
+            data: "flag".into(),
+            queue_limit: NonZeroUsize::new(5).expect("not zero"),
+            adapter: AdapterName(Adapter::Cpu),
+            job_days: 0,
+            ..ServeSettings::default()
+        };
+        assert_eq!(merged, by_hand);
+    }
+
+    #[test]
+    fn every_setting_is_known_to_the_file_and_to_the_command_line() {
+        let file = "listen = '[::1]:80'\ndata = 'd'\nworkers = 3\nqueue_limit = 4\nentry_limit = 5\njob_seconds = 6\n\
+                    job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
+                    picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
+                    connections_per_address = 13\nclient_seconds = 14";
+        let flags: Vec<String> = file
+            .lines()
+            .map(|line| {
+                let (key, value) = line.split_once(" = ").expect("a setting");
+                format!("--{}={}", key.replace('_', "-"), value.trim_matches(['[', ']']).trim_matches('\''))
+            })
+            .map(|flag| flag.replace("=::1]", "=[::1]"))
+            .collect();
+        let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+        assert_eq!(settings(file, &[]), settings("", &flags));
+        let command = ServeSettings::augment_args_for_update(Command::new("serve"));
+        let in_file = command.get_arguments().filter(|argument| file.contains(&format!("{} = ", argument.get_id())));
+        assert_eq!(in_file.count(), file.lines().count());
+    }
+
+    #[test]
+    fn help_states_the_defaults() {
+        let command = ServeSettings::augment_args_for_update(Command::new("serve"));
+        let stated = command.get_arguments().filter_map(|argument| {
+            let help = argument.get_help()?.to_string();
+            let (_, default) = help.rsplit_once("[default: ")?;
+            Some(format!("--{}={}", argument.get_long()?, default.strip_suffix(']')?))
+        });
+        // Those in words follow from the machine and from other flags; those of a replica need its database.
+        let stated: Vec<String> = stated
+            .filter(|flag| !flag.contains(' ') && !flag.contains("--cache-mb") && !flag.contains("--lease-"))
+            .collect();
+        assert!(stated.len() > 10, "{stated:?}");
+        let flags: Vec<&str> = stated.iter().map(String::as_str).collect();
+        let shown =
+            |settings: &ServeSettings| format!("{:?}", (settings.listen, settings.config(), settings.http(None)));
+        assert_eq!(shown(&settings("", &flags)), shown(&ServeSettings::default()));
+    }
+
+    #[test]
+    fn pictures_and_jobs_have_limits() {
+        let config = settings("", &[]).config();
+        assert_eq!(config.pictures, PictureLimits::default());
+        assert_eq!(config.keep_ended, Some(Duration::from_secs(90 * 86_400)));
+        let file = "picture_seconds = 60\npicture_queue = 3\npicture_memory = 0\njob_days = 7";
+        let config = settings(file, &["--picture-seconds", "5"]).config();
+        let PictureLimits { time, queue, memory_bytes } = config.pictures;
+        assert_eq!((time, queue.get(), memory_bytes), (Duration::from_secs(5), 3, 0));
+        assert_eq!(config.keep_ended, Some(Duration::from_secs(7 * 86_400)));
+        assert_eq!(settings(file, &["--job-days", "0"]).config().keep_ended, None, "jobs are kept for good");
+    }
+
+    #[test]
+    fn limits_of_connections_follow_from_settings_and_descriptors() {
+        let limits = |file, flags: &[&str], descriptors| {
+            let limits = settings(file, flags).http(descriptors).limits;
+            (limits.connections, limits.per_address, limits.client.as_secs())
+        };
+        assert_eq!(limits("", &[], None), (1024, 512, 30));
+        assert_eq!(limits("", &[], Some(128)), (48, 24, 30));
+        let file = "connections = 10\nconnections_per_address = 9\nclient_seconds = 5";
+        assert_eq!(limits(file, &[], None), (10, 9, 5));
+        assert_eq!(limits(file, &["--connections", "8"], None), (8, 8, 5));
+    }
+
+    #[test]
+    fn a_list_of_flags_replaces_that_of_the_file() {
+        let hosts = |flags| settings("allow_host = ['farm']", flags).http(None).origins.hosts;
+        let names = |names: &[&str]| names.iter().map(|name| name.parse().expect("a host")).collect::<Vec<_>>();
+        assert_eq!(hosts(&[]), names(&["farm"]));
+        assert_eq!(hosts(&["--allow-host", "a", "--allow-host", "b,c"]), names(&["a", "b", "c"]));
+    }
+
+    #[test]
+    fn the_process_gets_as_many_descriptors_as_it_may_have() {
+        let raised = raise_descriptor_limit();
+        assert_eq!(getrlimit(Resource::Nofile).current, raised);
+        assert!(raised.is_none_or(|raised| raised > 64), "{raised:?}");
+    }
+}
