@@ -11,6 +11,7 @@ use ltcforge::{
 };
 
 use crate::{
+    l3::Sampled,
     lights::Spread,
     tables::{best, fitted, looked_up, materials},
 };
@@ -38,7 +39,11 @@ impl Judged {
     }
 
     fn compare(&self, table: &Table) -> Comparison {
-        let found = figures(&looked_up(table, &self.places));
+        self.compare_lookups(&looked_up(table, &self.places))
+    }
+
+    fn compare_lookups(&self, found: &[(Configuration, LookedUp)]) -> Comparison {
+        let found = figures(found);
         let pairs = || found.iter().zip(&self.best);
         let mean = |of: &[Figures]| of.iter().map(|f| f.sw1).sum::<f64>() / of.len() as f64;
         let ratio_where = |keep: fn(&Configuration) -> bool| {
@@ -152,13 +157,17 @@ fn grid() -> Vec<Configuration> {
     (0..GRID.pow(4)).step_by(EVERY).map(node).collect()
 }
 
-/// Isotropic tables as engines read them, at preset `standard`.
+/// Isotropic tables as engines read them, at preset `standard`, and the textures that engines ship.
 ///
 /// # Errors
-/// None, unless a layout is no recipe.
-pub fn isotropic() -> Result<String, ltcforge::Error> {
+/// Files that cannot be read.
+pub fn isotropic(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::error::Error>> {
     let judged = Judged::at(materials(MATERIALS[1], true));
     let mut out = HEAD.to_owned();
+    if let Some(shipped) = shipped.map(Sampled::read).transpose()? {
+        let found: Vec<_> = judged.places.iter().map(|at| (*at, shipped.lookup(at))).collect();
+        out += &judged.compare_lookups(&found).row("shipped with engines", "64 KiB");
+    }
     let tables = [
         (Layout::Ltc2017, 64, Preset::Standard),
         (Layout::Ltc2016, 64, Preset::Standard),

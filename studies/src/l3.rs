@@ -1,15 +1,15 @@
 //! The L3 distance between isotropic lobes of GGX and tables as engines read them: the tables of docs/isotropic.md.
 
-use std::{fmt::Write as _, path::Path};
+use std::{fmt::Write as _, ops::ControlFlow, path::Path};
 
 use glam::{DMat3, DVec3};
-use half::f16;
 use ltcforge::{
     Configuration, Layout, LookedUp, Metric, Recipe, RecipeDocument as _, Shear, Solver, Start, Table,
     fit::{
-        Ltc,
+        FittedEntry, Ltc, Plan,
         brdf::{Brdf, Ggx},
-        math::{direction, from_row_major, row_major},
+        fit_entries,
+        math::{direction, from_half_bits, from_row_major, row_major},
     },
 };
 use rayon::prelude::*;
@@ -55,56 +55,83 @@ pub fn distance(at: &Configuration, found: &LookedUp, side: u32) -> f64 {
     (apart / whole).cbrt()
 }
 
-/// The textures `LTC_1` and `LTC_2` of 2017 as engines sample them.
-pub struct Shipped {
-    texels: [Vec<[f64; 4]>; 2],
+/// What a stored matrix is of `M`: itself or its inverse, over one of its elements or the length of its third column.
+#[derive(Debug, Clone, Copy)]
+struct Form {
+    is_inverse: bool,
+    over: Option<fn(&DMat3) -> f64>,
 }
 
-impl Shipped {
-    /// Reads both files: DDS with 64 x 64 texels of four halves.
+impl Form {
+    fn stored(self, matrix: &DMat3) -> DMat3 {
+        let stored = if self.is_inverse { matrix.inverse() } else { *matrix };
+        self.over.map_or(stored, |over| stored * (1.0 / over(&stored)))
+    }
+
+    fn restored(self, stored: &DMat3) -> DMat3 {
+        if self.is_inverse { stored.inverse() } else { *stored }
+    }
+}
+
+/// Matrices and amplitudes over perceptual roughness and `sqrt(1 - cos theta)`, both even from 0 to 1, as engines sample them:
+/// bilinear between the nodes.
+pub(crate) struct Sampled {
+    side: usize,
+    form: Form,
+    nodes: Vec<(DMat3, f64)>,
+}
+
+impl Sampled {
+    /// The textures `LTC_1` and `LTC_2` of 2017: DDS with 64 x 64 texels of four halves.
     ///
     /// # Errors
     /// A file that cannot be read or has another length.
-    pub fn read(matrices: &Path, terms: &Path) -> Result<Self, Box<dyn std::error::Error>> {
+    pub(crate) fn read([matrices, terms]: [&Path; 2]) -> Result<Self, Box<dyn std::error::Error>> {
         let texels = |path: &Path| -> Result<Vec<[f64; 4]>, Box<dyn std::error::Error>> {
             let bytes = std::fs::read(path)?;
             if !bytes.starts_with(b"DDS ") || bytes.len() != HEADER + 8 * TEXELS * TEXELS {
                 return Err(format!("{}: not a DDS file of 64 x 64 texels of four halves", path.display()).into());
             }
-            let half = |pair: &[u8]| f64::from(f16::from_le_bytes([pair[0], pair[1]]));
+            let half = |pair: &[u8]| f64::from(from_half_bits(u16::from_le_bytes([pair[0], pair[1]])));
             let texel = |bytes: &[u8]| [0, 2, 4, 6].map(|i| half(&bytes[i..i + 2]));
             Ok(bytes[HEADER..].chunks_exact(8).map(texel).collect())
         };
-        Ok(Self { texels: [texels(matrices)?, texels(terms)?] })
+        let matrix = |[m00, m20, m02, m22]: [f64; 4]| {
+            DMat3::from_cols(DVec3::new(m00, 0.0, m20), DVec3::Y, DVec3::new(m02, 0.0, m22))
+        };
+        let nodes = texels(matrices)?.into_iter().map(matrix).zip(texels(terms)?.into_iter().map(|terms| terms[0]));
+        Ok(Self { side: TEXELS, form: Form { is_inverse: true, over: None }, nodes: nodes.collect() })
     }
 
-    /// Bilinear between the centres of texels, which are nodes.
-    fn sampled(&self, texture: usize, x: f64, y: f64) -> [f64; 4] {
+    /// Entries as they were fitted, by alpha and after it by theta, in a form.
+    fn of(entries: &[FittedEntry], side: usize, form: Form) -> Self {
+        let node = |x: usize, y: usize| {
+            let entry = &entries[x * side + y];
+            (form.stored(&from_row_major(&entry.matrix)), entry.amplitude)
+        };
+        let nodes = (0..side).flat_map(|y| (0..side).map(move |x| (x, y))).map(|(x, y)| node(x, y)).collect();
+        Self { side, form, nodes }
+    }
+
+    pub(crate) fn lookup(&self, at: &Configuration) -> LookedUp {
         let place = |u: f64| {
-            let at = u.clamp(0.0, 1.0) * (TEXELS - 1) as f64;
-            let low = (at as usize).min(TEXELS - 2);
+            let at = u.clamp(0.0, 1.0) * (self.side - 1) as f64;
+            let low = (at as usize).min(self.side - 2);
             (low, at - low as f64)
         };
-        let ((x, along), (y, up)) = (place(x), place(y));
-        let texel = |dx: usize, dy: usize| self.texels[texture][(y + dy) * TEXELS + x + dx];
-        let corners = [
+        let ((x, along), (y, up)) = (place(at.alpha_x.sqrt()), place((1.0 - at.theta.cos()).sqrt()));
+        let (mut matrix, mut amplitude) = (DMat3::ZERO, 0.0);
+        for (dx, dy, weight) in [
             (0, 0, (1.0 - along) * (1.0 - up)),
             (1, 0, along * (1.0 - up)),
             (0, 1, (1.0 - along) * up),
             (1, 1, along * up),
-        ];
-        corners.iter().fold([0.0; 4], |sum, (dx, dy, weight)| {
-            let texel = texel(*dx, *dy);
-            std::array::from_fn(|i| sum[i] + weight * texel[i])
-        })
-    }
-
-    fn lookup(&self, at: &Configuration) -> LookedUp {
-        let (x, y) = (at.alpha_x.sqrt(), (1.0 - at.theta.cos()).sqrt());
-        let [m00, m20, m02, m22] = self.sampled(0, x, y);
-        let inverse = DMat3::from_cols(DVec3::new(m00, 0.0, m20), DVec3::Y, DVec3::new(m02, 0.0, m22));
-        let [amplitude, fresnel, ..] = self.sampled(1, x, y);
-        LookedUp { matrix: row_major(&inverse.inverse()), amplitude: Some(amplitude), fresnel: Some(fresnel) }
+        ] {
+            let (of_node, term) = self.nodes[(y + dy) * self.side + x + dx];
+            matrix += of_node * weight;
+            amplitude += term * weight;
+        }
+        LookedUp { matrix: row_major(&self.form.restored(&matrix)), amplitude: Some(amplitude), fresnel: None }
     }
 }
 
@@ -138,11 +165,10 @@ fn recipes() -> Result<[(&'static str, Recipe); 5], ltcforge::Error> {
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn tables(shipped: Option<(&Path, &Path)>) -> Result<String, Box<dyn std::error::Error>> {
-    let shipped = shipped.map(|(matrices, terms)| Shipped::read(matrices, terms)).transpose()?;
-    let of_shipped = shipped.as_ref().map(|shipped| distances(|at| shipped.lookup(at)));
+pub fn tables(shipped: Option<[&Path; 2]>) -> Result<String, Box<dyn std::error::Error>> {
+    let of_shipped = shipped.map(Sampled::read).transpose()?.map(|shipped| distances(|at| shipped.lookup(at)));
     let mut out = "\
-| table | mean distance | over the shipped one's: mean | median of the cubes' ratios | seconds of a processor |
+| table | mean distance | over the shipped one's: mean | median, p95 of the cubes' ratios | seconds of a processor |
 |---|---|---|---|---|
 "
     .to_owned();
@@ -152,11 +178,11 @@ pub fn tables(shipped: Option<(&Path, &Path)>) -> Result<String, Box<dyn std::er
             let over = mean_found / mean(shipped.iter().copied());
             let mut cubes: Vec<f64> = found.iter().zip(shipped).map(|(a, b)| (a / b).powi(3)).collect();
             cubes.sort_by(f64::total_cmp);
-            format!("{over:.3} | {:.3}", cubes[cubes.len() / 2])
+            format!("{over:.3} | {:.3}, {:.2}", cubes[cubes.len() / 2], cubes[cubes.len() * 95 / 100])
         });
-        let seconds = seconds.map_or(String::new(), |seconds| format!("{seconds:.1}"));
+        let seconds = seconds.map_or(String::new(), |seconds| format!("{seconds:.1} "));
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "| {name} | {mean_found:.4} | {beside} | {seconds} |");
+        let _ = writeln!(out, "| {name} | {mean_found:.4} | {beside} | {seconds}|");
     };
     if let Some(shipped) = &of_shipped {
         row("shipped with engines", shipped, None);
@@ -167,7 +193,48 @@ pub fn tables(shipped: Option<(&Path, &Path)>) -> Result<String, Box<dyn std::er
         let seconds = start.seconds();
         row(name, &distances(|at| table.lookup(at)), Some(seconds));
     }
+    out += "\n| stored | 64 x 64 | 32 x 32 | 16 x 16 |\n|---|---|---|---|\n";
+    let fits = [64, 32, 16].map(|side| Ok::<_, ltcforge::Error>((side, entries(side)?)));
+    for (name, form) in FORMS {
+        let _ = write!(out, "| {name} |");
+        for fit in &fits {
+            let (side, entries) = fit.as_ref().map_err(ToString::to_string)?;
+            let sampled = Sampled::of(entries, *side as usize, form);
+            let _ = write!(out, " {} |", with_digits(mean(distances(|at| sampled.lookup(at)).into_iter())));
+        }
+        out.push('\n');
+    }
     Ok(out)
+}
+
+/// Three digits.
+fn with_digits(x: f64) -> String {
+    if x < 0.1 { format!("{x:.4}") } else { format!("{x:.3}") }
+}
+
+/// The forms in which entries may be stored.
+const FORMS: [(&str, Form); 7] = [
+    ("`M = B m`", Form { is_inverse: false, over: None }),
+    (
+        "`M` over the length of its third column (`godot`)",
+        Form { is_inverse: false, over: Some(|m| m.z_axis.length()) },
+    ),
+    ("`M` over its last element (`matrix33`)", Form { is_inverse: false, over: Some(|m| m.z_axis.z) }),
+    ("`M^-1` (`inverse`)", Form { is_inverse: true, over: None }),
+    ("`M^-1` over its first element (`ltc2016`)", Form { is_inverse: true, over: Some(|m| m.x_axis.x) }),
+    ("`M^-1` over its middle element (`ltc2017`)", Form { is_inverse: true, over: Some(|m| m.y_axis.y) }),
+    ("`M^-1` over its last element (`hdrp`)", Form { is_inverse: true, over: Some(|m| m.z_axis.z) }),
+];
+
+/// The entries of the first fit, with another number of nodes.
+///
+/// # Errors
+/// None, unless there are too few nodes.
+fn entries(side: u32) -> Result<Vec<FittedEntry>, ltcforge::Error> {
+    let builder = Recipe::builder().layout(Layout::Ltc2017).metric(Metric::L3).solver(Solver::NelderMead).steps(60);
+    let builder = builder.samples(512).directions(16).resolution("alpha", side).resolution("theta", side);
+    let plan = Plan::new(&builder.build()?);
+    fit_entries(&plan, &|_| ControlFlow::Continue(())).ok_or(ltcforge::Error::Stopped)
 }
 
 /// The mean distance of a table at a few materials.

@@ -1,6 +1,10 @@
 //! Programs that find the constants of the sources anew and print rows of the documents: see studies/README.md.
 
-use std::{error::Error, path::PathBuf, process::ExitCode};
+use std::{
+    error::Error,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use clap::{Parser, Subcommand};
 use ltcforge::light::WeightRule;
@@ -53,6 +57,9 @@ enum Study {
         /// The table of docs/layouts.md: isotropic tables of engines
         #[arg(long)]
         isotropic: bool,
+        /// The textures that engines ship, .dds: matrices and terms
+        #[arg(long, num_args = 2, requires = "isotropic")]
+        shipped: Option<Vec<PathBuf>>,
     },
     /// The table of docs/isotropic.md: isotropic tables by the L3 distance
     L3 {
@@ -84,13 +91,9 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Expected => expected::tell(|line| println!("{line}"))?,
         Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
         Study::Models => print!("{}", models::tables(1.0)?),
-        Study::Best { isotropic: true, .. } => print!("{}", best::isotropic()?),
+        Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
-        Study::L3 { shipped } => {
-            let shipped =
-                shipped.as_deref().and_then(|paths| Some((paths.first()?.as_path(), paths.get(1)?.as_path())));
-            print!("{}", l3::tables(shipped)?);
-        }
+        Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
         Study::Weight { rule, standing: true, .. } => print_numbers(rule, &weight::numbers(rule.forms())),
         Study::Weight { rule, cold, lights, rounds, seed, .. } => {
             let asked = Asked { rule, is_cold: cold, lights, rounds, seed };
@@ -106,6 +109,13 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+fn pair(paths: Option<&[PathBuf]>) -> Option<[&Path; 2]> {
+    match paths? {
+        [matrices, terms] => Some([matrices, terms]),
+        _ => None,
+    }
 }
 
 fn print_numbers(rule: WeightRule, numbers: &[f64]) {
