@@ -88,7 +88,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Five minutes on two cores.
+    /// Some minutes on two cores.
     pub const WHOLE: Self = Self {
         points: 512,
         scales: &[0.4, 0.6, 0.8, 1.25, 1.6],
