@@ -55,7 +55,7 @@ mod tests {
     use super::*;
     use crate::{Fitter, Metric, Solver, brdf::Ggx, math::direction, stop_check::work_of};
 
-    /// A fit counts its work in projections of a sample on a direction. `cargo bench --bench cost` measures the seconds.
+    /// A fit counts its work in projections of a sample on a direction. `ltcforge-studies costs` measures the seconds.
     #[test]
     fn the_seconds_of_each_solver_are_those_of_the_work_that_it_counts() {
         let ggx = Ggx { alpha_x: 0.4, alpha_y: 0.1 };

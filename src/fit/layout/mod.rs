@@ -108,7 +108,8 @@ impl Layout {
 
     /// The step between neighbouring nodes of each axis, in the variable in which they are evenly spaced, as a part of
     /// the whole domain: 1 for two nodes at the domain's ends, 0 for a single node.
-    pub(crate) fn steps(self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<f64> {
+    #[must_use]
+    pub fn steps(self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<f64> {
         spacing::steps(&self.rules().spacing(), range, resolution)
     }
 }

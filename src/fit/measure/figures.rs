@@ -7,23 +7,37 @@ use super::{
     light::light_error,
     lobe::Lobe,
 };
-use crate::{ALPHA_FLOOR, Configuration, LEAST_ALPHA, Table, lobe::LobeDistribution, math::direction};
+use crate::{
+    ALPHA_FLOOR, BrdfModel, Configuration, LEAST_ALPHA, LobeModel, LookedUp, Table, lobe::LobeDistribution,
+    math::direction,
+};
 
 /// Asked whether a measurement is to go on. Several threads ask.
 pub type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// The figures of one configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Figures {
-    pub(super) at: Configuration,
+pub struct Figures {
+    /// The configuration.
+    pub at: Configuration,
     /// Sliced Wasserstein-1 distance between the lobe and the distribution that stands for it.
-    pub(super) sw1: f64,
+    pub sw1: f64,
     /// The same as a part of the lobe's width.
-    pub(super) width: f64,
+    pub width: f64,
     /// Mean absolute error of the energy in a few square lights.
-    pub(super) light: f64,
-    /// Absolute errors of amplitude and Fresnel term, where the table has them.
-    pub(super) terms: Option<[f64; 2]>,
+    pub light: f64,
+    /// Absolute errors of amplitude and Fresnel term, where they are known.
+    pub terms: Option<[f64; 2]>,
+}
+
+/// The figures of numbers that stand for lobes, whether they come from a table or not, in order. Runs on the current rayon
+/// pool; its size changes nothing.
+#[must_use]
+pub fn figures_of(brdf: &BrdfModel, lobe: LobeModel, found: &[(Configuration, LookedUp)]) -> Vec<Figures> {
+    let probe = Probe::new();
+    let measure =
+        |work: &mut Workspace, (at, found): &(Configuration, LookedUp)| of_numbers(brdf, lobe, at, found, &probe, work);
+    found.par_iter().with_max_len(4).map_init(Workspace::default, measure).collect()
 }
 
 /// The figures at each place, in order.
@@ -41,10 +55,20 @@ pub(super) fn all_while(go_on: &GoOn, table: &Table, places: &[Configuration]) -
 }
 
 fn one(table: &Table, at: &Configuration, probe: &Probe, work: &mut Workspace) -> Figures {
-    let surface = table.brdf.surface([at.alpha_x.max(ALPHA_FLOOR), at.alpha_y.max(LEAST_ALPHA)]);
+    of_numbers(&table.brdf, table.lobe, at, &table.lookup(at), probe, work)
+}
+
+fn of_numbers(
+    brdf: &BrdfModel,
+    lobe_model: LobeModel,
+    at: &Configuration,
+    found: &LookedUp,
+    probe: &Probe,
+    work: &mut Workspace,
+) -> Figures {
+    let surface = brdf.surface([at.alpha_x.max(ALPHA_FLOOR), at.alpha_y.max(LEAST_ALPHA)]);
     let lobe = Lobe::sample(&*surface, direction(at.theta, at.phi));
-    let found = table.lookup(at);
-    let model = table.lobe.distribution(&found.matrix);
+    let model = lobe_model.distribution(&found.matrix);
     let model = model.as_deref();
     let LobeDistance { sw1, spread } = probe.distance(&lobe, model, work);
     let light = model.map_or(1.0, |model| light_error(&lobe, model));

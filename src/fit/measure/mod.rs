@@ -25,14 +25,13 @@ pub use accuracy::{Accuracy, Spread, TermError, Worst};
 pub use difference::{Difference, Gap, difference};
 pub use effort::{MOST_POINTS, ReportPoints, report_points};
 pub use extremes::{Corner, extremes};
-pub use figures::GoOn;
+pub use figures::{Figures, GoOn, figures_of};
 pub use floors::{Floors, Moved};
 pub use map::{ErrorMap, error_map, error_map_while};
 pub use matrices::{Extent, Matrices};
 pub use poor::{POOR_WIDTH, Poor};
 
 use crate::{Configuration, PerAxis, Table};
-use figures::Figures;
 
 /// Version of the report. Raised whenever the same table gets another report.
 pub const REPORT_VERSION: u32 = 6;

@@ -28,12 +28,12 @@ mod model;
 mod outline;
 mod weight;
 
-pub use self::model::by_normals;
+pub use self::{model::by_normals, weight::Forms};
 pub(super) use self::{cone::cos_of_third, edge::arc_bend, model::Rules};
 use self::{
     edge::{curved_part, shared},
     outline::{Corner, Outline, Parts},
-    weight::{Forms, Numbers, Sample, View},
+    weight::{Numbers, Sample, View},
 };
 use ltcforge_fit::{
     Sides,
@@ -64,49 +64,55 @@ impl WeightRule {
     }
 
     /// The numbers of the triangles' means; [`Self::Mean`] has no triangles.
-    fn forms(self) -> Forms {
+    #[must_use]
+    pub fn forms(self) -> &'static Forms {
         match self {
-            Self::Mean | Self::Fan => Forms {
-                usual: [
-                    [0.01, 0.494, 0.326, -0.194],
-                    [0.091, -0.105, -0.051, 0.253],
-                    [0.643, -0.07, -0.335, -0.279],
-                    [0.069, 0.187, 0.02, -0.022],
-                    [0.272, -0.173, 0.133, -0.086],
-                    [0.32, -0.352, 0.276, 0.206],
-                ],
-                wide: [
-                    [-0.303, 0.484, 1.059, -0.565, -0.076, 0.531],
-                    [-0.001, 0.01, -0.078, 0.059, -0.017, 0.23],
-                    [1.146, -0.263, -0.744, 0.218, -0.263, -0.369],
-                    [0.03, 0.155, 0.259, -0.116, 0.01, -0.164],
-                    [0.484, -0.201, -0.096, 0.125, -0.012, -0.06],
-                    [0.698, -0.541, -0.123, 0.685, 0.103, -0.169],
-                ],
-                inner: [[0.078, -0.025, 0.422, -0.025, 0.051, -0.225], [-0.863, -0.268, 0.688, 0.266, 1.221, -0.86]],
-            },
-            Self::Fine => Forms {
-                usual: [
-                    [0.952, -0.667, -1.181, 1.403],
-                    [0.077, -0.076, -0.007, 0.141],
-                    [0.129, 0.436, 0.083, -0.708],
-                    [0.074, 0.198, 0.0, -0.14],
-                    [0.303, -0.249, 0.105, 0.162],
-                    [0.297, -0.32, 0.311, 0.402],
-                ],
-                wide: [
-                    [0.061, 0.135, 0.495, -0.396, -0.247, 1.007],
-                    [-0.007, 0.017, -0.052, -0.014, 0.002, 0.246],
-                    [0.653, 0.23, -0.327, -0.132, -0.295, -0.367],
-                    [0.098, 0.13, 0.148, -0.114, -0.042, -0.109],
-                    [0.413, -0.148, -0.007, 0.102, 0.074, -0.133],
-                    [0.521, -0.351, 0.097, 0.526, 0.202, -0.225],
-                ],
-                inner: [[0.179, -0.041, 0.263, 0.041, 0.157, -0.296], [-0.736, -0.213, 0.534, 0.183, 0.869, -0.469]],
-            },
+            Self::Mean | Self::Fan => &FAN,
+            Self::Fine => &FINE,
         }
     }
 }
+
+/// `ltcforge-studies weight` finds such numbers; so for [`FINE`].
+const FAN: Forms = Forms {
+    usual: [
+        [0.01, 0.494, 0.326, -0.194],
+        [0.091, -0.105, -0.051, 0.253],
+        [0.643, -0.07, -0.335, -0.279],
+        [0.069, 0.187, 0.02, -0.022],
+        [0.272, -0.173, 0.133, -0.086],
+        [0.32, -0.352, 0.276, 0.206],
+    ],
+    wide: [
+        [-0.303, 0.484, 1.059, -0.565, -0.076, 0.531],
+        [-0.001, 0.01, -0.078, 0.059, -0.017, 0.23],
+        [1.146, -0.263, -0.744, 0.218, -0.263, -0.369],
+        [0.03, 0.155, 0.259, -0.116, 0.01, -0.164],
+        [0.484, -0.201, -0.096, 0.125, -0.012, -0.06],
+        [0.698, -0.541, -0.123, 0.685, 0.103, -0.169],
+    ],
+    inner: [[0.078, -0.025, 0.422, -0.025, 0.051, -0.225], [-0.863, -0.268, 0.688, 0.266, 1.221, -0.86]],
+};
+
+const FINE: Forms = Forms {
+    usual: [
+        [0.952, -0.667, -1.181, 1.403],
+        [0.077, -0.076, -0.007, 0.141],
+        [0.129, 0.436, 0.083, -0.708],
+        [0.074, 0.198, 0.0, -0.14],
+        [0.303, -0.249, 0.105, 0.162],
+        [0.297, -0.32, 0.311, 0.402],
+    ],
+    wide: [
+        [0.061, 0.135, 0.495, -0.396, -0.247, 1.007],
+        [-0.007, 0.017, -0.052, -0.014, 0.002, 0.246],
+        [0.653, 0.23, -0.327, -0.132, -0.295, -0.367],
+        [0.098, 0.13, 0.148, -0.114, -0.042, -0.109],
+        [0.413, -0.148, -0.007, 0.102, 0.074, -0.133],
+        [0.521, -0.351, 0.097, 0.526, 0.202, -0.225],
+    ],
+    inner: [[0.179, -0.041, 0.263, 0.041, 0.157, -0.296], [-0.736, -0.213, 0.534, 0.183, 0.869, -0.469]],
+};
 
 /// What GGX reflects of a polygon of radiance one towards `wo`: for a Fresnel factor of one, and its part weighed by
 /// Schlick's `(1 - wo . h)^5`, both in [0, 1].
@@ -115,6 +121,19 @@ impl WeightRule {
 /// that from which they run clockwise. Domain: `alpha` in [1e-5, 1], `wo` of length one with `z > 0`, finite vertices.
 #[must_use]
 pub fn reflected<T: Scalar>(
+    alpha: [T; 2],
+    wo: Triple<T>,
+    vertices: &[Triple<T>],
+    sides: Sides,
+    rule: WeightRule,
+) -> [T; 2] {
+    reflected_with(rule.forms(), alpha, wo, vertices, sides, rule)
+}
+
+/// [`reflected`] with other numbers of the triangles' means than the rule's own.
+#[must_use]
+pub fn reflected_with<T: Scalar>(
+    forms: &Forms,
     alpha: [T; 2],
     wo: Triple<T>,
     vertices: &[Triple<T>],
@@ -141,7 +160,7 @@ pub fn reflected<T: Scalar>(
     } else {
         let fan = Fan {
             view: &view,
-            numbers: Numbers::new(&rule.forms(), &view, outline.wide),
+            numbers: Numbers::new(forms, &view, outline.wide),
             tip: mean_normal,
             to_part,
             at_tip: view.weight(mean_normal),

@@ -34,7 +34,7 @@ impl Formula for Rules {
     }
 }
 
-/// What a surface reflects of a light by the closed form in the space of normals, in f64. Shapes are lit as the
+/// The light that a surface reflects by the closed form in the space of normals, in f64. Shapes are lit as the
 /// polygons that [`ShapedLight::outline`](crate::ShapedLight::outline) tells.
 ///
 /// # Errors

@@ -38,14 +38,16 @@ pub(super) struct Numbers<T> {
 /// The numbers of a rule for all views: each is the product of its row and `(1, mu_o, alpha, alpha mu_o, r, r alpha)`, or its
 /// first four, with the larger alpha and the ratio r of the smaller to it; all but `within` at least zero. They have the least
 /// error over random lights.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Forms {
-    /// `outer` to `tip` of [`Numbers`].
-    pub(super) usual: [[f64; 4]; 6],
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forms {
+    /// How much the outer sample of a triangle counts, and each outer corner; how far beyond the centroid the sample is; of a
+    /// triangle on the horizon the rate of its weight, how far beyond the centroid its sample is, and the tip's part of
+    /// Schlick's factor.
+    pub usual: [[f64; 4]; 6],
     /// The same where the edge on or near the horizon is wide.
-    pub(super) wide: [[f64; 6]; 6],
-    /// `inner`, zero where no edge is wide, and `within`.
-    pub(super) inner: [[f64; 6]; 2],
+    pub wide: [[f64; 6]; 6],
+    /// By how much a second normal counts there, zero where no edge is wide, and how far beyond the centroid it is.
+    pub inner: [[f64; 6]; 2],
 }
 
 /// A rate of zero would divide zero by zero.

@@ -24,7 +24,7 @@ const MOST_HANGS: u32 = 2;
 const SAMPLES: u32 = 1 << 18;
 
 named_list! {
-    /// What renders.
+    /// The adapter that renders.
     pub enum Adapter {
         /// A GPU if Vulkan lists one, else the CPU.
         Any = "any",

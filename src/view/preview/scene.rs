@@ -129,7 +129,7 @@ pub struct LobeView {
 }
 
 named_list! {
-    /// What is shown of a scene.
+    /// The mode in which a scene is shown.
     pub enum Mode {
         /// Light by the model.
         Ltc = "ltc",

@@ -1,0 +1,362 @@
+//! The seconds of a fit, as `fit_seconds` predicts them: constants of `src/fit/cost.rs`, `metric` and `solver`.
+//!
+//! Each solver's fits of a few lobes are measured, in processor seconds of one thread, at several samples and directions; the
+//! constants are those with the least relative error. How fast a machine is changes all of them by one factor, which is told
+//! beside them: their proportions count.
+
+use std::{fmt::Write as _, ops::ControlFlow};
+
+use ltcforge::{
+    BrdfKind, LobeModel, Metric, Recipe, RecipeDocument as _, Solver, Start,
+    fit::{Plan, fit_seconds, fit_shard, width_between},
+};
+
+use crate::{
+    clock::Clock,
+    linear::{Measured, least_squares, predicted, relative_error},
+    source::number,
+    tables::fitted,
+};
+
+/// What a constant is called, where it stands, and which of a list it is.
+struct Constant {
+    name: &'static str,
+    file: &'static str,
+    source: &'static str,
+    index: usize,
+}
+
+macro_rules! constant {
+    ($name:literal, $file:literal, $index:literal) => {
+        Constant { name: $name, file: $file, source: include_str!(concat!("../../src/fit/", $file)), index: $index }
+    };
+}
+
+const CONSTANTS: [Constant; 11] = [
+    constant!("EVALUATION_SECONDS", "metric/sw1/mod.rs", 0),
+    constant!("DIRECTION_SECONDS", "metric/sw1/mod.rs", 0),
+    constant!("SAMPLE_SECONDS", "metric/l3/mod.rs", 0),
+    constant!("IMAGE_SECONDS", "solver/bfgs/gaussian.rs", 0),
+    constant!("DRAW_SECONDS", "solver/sgd.rs", 0),
+    constant!("SORT_SECONDS", "solver/sgd.rs", 0),
+    constant!("SORT_SECONDS", "solver/sgd.rs", 1),
+    constant!("DENSITY_SECONDS", "solver/sgd.rs", 0),
+    constant!("REST_SECONDS", "solver/sgd.rs", 0),
+    constant!("SAMPLING_SECONDS", "cost.rs", 0),
+    constant!("ENTRY_SECONDS", "cost.rs", 0),
+];
+const STEP_SAMPLING: Constant = constant!("STEP_SAMPLING", "cost.rs", 0);
+const POINT: Constant = constant!("POINT_SECONDS", "measure/effort.rs", 0);
+/// Evaluations of a fit by `bfgs`, by `nelder_mead`, and of one of the latter's steps: conventions of the model, to which the
+/// seconds of an evaluation belong.
+const EVALUATIONS: [Constant; 3] = [
+    constant!("EVALUATIONS", "solver/bfgs/mod.rs", 0),
+    constant!("EVALUATIONS", "solver/nelder_mead/mod.rs", 0),
+    constant!("STEP_EVALUATIONS", "solver/nelder_mead/mod.rs", 0),
+];
+
+impl Constant {
+    /// As it stands. NaN if the source has no such constant, which a test finds out.
+    fn standing(&self) -> f64 {
+        number(self.source, self.name, self.index).unwrap_or(f64::NAN)
+    }
+}
+
+/// Lobes of a measured fit: no two of its table's share one.
+const ISOTROPIC_LOBES: u32 = 9;
+const LOBES: u32 = 18;
+
+/// A fit to be measured.
+#[derive(Debug, Clone, Copy)]
+struct Task {
+    brdf: BrdfKind,
+    lobe: LobeModel,
+    metric: Metric,
+    solver: Solver,
+    samples: u32,
+    directions: u32,
+    steps: u32,
+}
+
+const USUAL: Task = Task {
+    brdf: BrdfKind::Ggx,
+    lobe: LobeModel::Ltc,
+    metric: Metric::Sw1,
+    solver: Solver::Bfgs,
+    samples: 512,
+    directions: 16,
+    steps: 60,
+};
+
+impl Task {
+    fn is_isotropic(&self) -> bool {
+        self.solver == Solver::NelderMead || self.brdf.is_isotropic()
+    }
+
+    /// # Errors
+    /// Settings out of their bounds.
+    fn recipe(&self) -> Result<Recipe, ltcforge::Error> {
+        let Self { brdf, lobe, metric, solver, samples, directions, steps } = *self;
+        let builder = Recipe::builder().brdf(brdf).lobe(lobe).metric(metric).solver(solver);
+        let builder = builder.samples(samples).directions(directions).steps(steps);
+        let builder =
+            builder.range("alpha", 0.1, 0.9).resolution("alpha", 3).range("theta", 0.2, 1.3).resolution("theta", 3);
+        let builder = if solver == Solver::NelderMead { builder.start(Start::Independent) } else { builder };
+        if self.is_isotropic() {
+            return builder.isotropic().build();
+        }
+        builder.range("ratio", 0.3, 0.3).range("phi", 0.3, 1.2).resolution("phi", 2).build()
+    }
+
+    /// Seconds of an entry for each constant's unit.
+    fn factors(&self) -> [f64; CONSTANTS.len()] {
+        let [samples, directions, steps] = [self.samples, self.directions, self.steps].map(f64::from);
+        let [bfgs, simplex, of_step] = EVALUATIONS.map(|constant| constant.standing());
+        let evaluations = match self.solver {
+            Solver::Bfgs => steps.min(bfgs),
+            Solver::NelderMead => (steps * of_step).min(simplex),
+            Solver::Sgd => 0.0,
+        };
+        let is_sw1 = self.metric == Metric::Sw1;
+        let sw1 = if is_sw1 { evaluations } else { 0.0 };
+        let numbers = match self.lobe {
+            LobeModel::Ltc => 0.0,
+            LobeModel::Sg => 4.0,
+            LobeModel::Asg => 6.0,
+        };
+        let drawn = if self.solver == Solver::Sgd { steps * samples } else { 0.0 };
+        let sorted = if is_sw1 { drawn * directions } else { 0.0 };
+        let is_descent = if self.solver == Solver::Sgd { 1.0 } else { 0.0 };
+        [
+            sw1 * directions * samples,
+            sw1 * directions,
+            (evaluations - sw1) * samples,
+            evaluations * samples * numbers,
+            drawn,
+            sorted,
+            sorted * samples.log2(),
+            if is_sw1 { 0.0 } else { drawn },
+            is_descent * samples * directions,
+            samples,
+            1.0,
+        ]
+    }
+
+    /// Processor seconds of an entry: the least of some runs.
+    fn measure(&self, runs: usize) -> Result<f64, ltcforge::Error> {
+        let lobes = if self.is_isotropic() { ISOTROPIC_LOBES } else { LOBES };
+        Ok(seconds_of(&self.recipe()?, runs) / f64::from(lobes))
+    }
+
+    fn standing(&self) -> Result<f64, ltcforge::Error> {
+        let lobes = if self.is_isotropic() { ISOTROPIC_LOBES } else { LOBES };
+        Ok(fit_seconds(&self.recipe()?) / f64::from(lobes))
+    }
+
+    fn name(&self) -> String {
+        let Self { brdf, lobe, metric, solver, samples, directions, steps } = self;
+        format!("{brdf} {lobe}, `{metric}` by `{solver}` | {samples} x {directions} x {steps}")
+    }
+}
+
+/// The samples and directions of the fits that the constants are found by, each with each, and of others.
+#[derive(Debug, Clone, Copy)]
+pub struct Efforts {
+    /// Of the former.
+    pub seen: [&'static [u32]; 2],
+    /// Of the latter.
+    pub held_out: [&'static [u32]; 2],
+    /// Runs of each fit, of which the shortest counts.
+    pub runs: usize,
+}
+
+impl Efforts {
+    /// Half a minute.
+    pub const WHOLE: Self = Self { seen: [&[128, 512, 4096], &[8, 64]], held_out: [&[256, 1024], &[32]], runs: 5 };
+}
+
+/// The fits of GGX.
+fn tasks([samples, directions]: [&'static [u32]; 2]) -> Vec<Task> {
+    let grid = || samples.iter().flat_map(|s| directions.iter().map(|d| Task { samples: *s, directions: *d, ..USUAL }));
+    let few = || samples.iter().map(|s| Task { samples: (*s).min(2048), ..USUAL });
+    let mut tasks: Vec<Task> = grid().collect();
+    tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 10, ..task }));
+    // What is outside of the steps shows where there are few.
+    tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 1, ..task }));
+    tasks.extend(few().map(|task| Task { metric: Metric::L3, ..task }));
+    tasks.extend(few().map(|task| Task { metric: Metric::L3, solver: Solver::NelderMead, ..task }));
+    tasks.extend(few().map(|task| Task { metric: Metric::L3, solver: Solver::Sgd, steps: 10, ..task }));
+    for lobe in [LobeModel::Sg, LobeModel::Asg] {
+        tasks.extend(few().map(|task| Task { lobe, ..task }));
+    }
+    tasks
+}
+
+/// The constants that were found, how far measured seconds are from theirs, and from those that stand.
+#[derive(Debug, Clone)]
+struct Found {
+    /// In the order of the printed table.
+    constants: [f64; CONSTANTS.len()],
+    /// Relative errors of the fits that they were found by, and of others.
+    relative_errors: [f64; 2],
+    /// Measured seconds over those of the constants that stand, of every fit.
+    over_standing: Vec<f64>,
+}
+
+/// Finds the constants from the seconds that `seconds_of` tells of each fit.
+fn find(
+    efforts: &Efforts,
+    seconds_of: impl Fn(&Task) -> Result<f64, ltcforge::Error>,
+    mut tell: impl FnMut(&str, f64, f64),
+) -> Result<Found, ltcforge::Error> {
+    let mut over_standing = Vec::new();
+    let mut measure = |tasks: Vec<Task>| -> Result<Vec<Measured<11>>, ltcforge::Error> {
+        let measured = tasks.iter().map(|task| {
+            let (value, standing) = (seconds_of(task)?, task.standing()?);
+            tell(&task.name(), value, standing);
+            over_standing.push(value / standing);
+            Ok(Measured { factors: task.factors(), value })
+        });
+        measured.collect()
+    };
+    let (seen, held_out) = (measure(tasks(efforts.seen))?, measure(tasks(efforts.held_out))?);
+    let constants = least_squares(&seen);
+    let relative_errors = [&seen, &held_out].map(|measured| relative_error(measured, &constants));
+    Ok(Found { constants, relative_errors, over_standing })
+}
+
+fn median(mut ratios: Vec<f64>) -> f64 {
+    ratios.sort_by(f64::total_cmp);
+    ratios[ratios.len() / 2]
+}
+
+/// The constants as text: as they stand, as found, and as found on a machine as fast as that of those that stand.
+///
+/// # Errors
+/// None, unless a fit's settings are out of bounds.
+pub fn text(efforts: &Efforts) -> Result<String, ltcforge::Error> {
+    let runs = efforts.runs;
+    let mut out =
+        "| fit | samples x directions x steps | measured, ms | over those that stand |\n|---|---|---|---|\n".to_owned();
+    // Writing to a String cannot fail.
+    let found = find(efforts, |task| task.measure(runs), |name, measured, standing| {
+        let _ = writeln!(out, "| {name} | {:.3} | {:.2} |", 1e3 * measured, measured / standing);
+    })?;
+    let speed = median(found.over_standing.clone());
+    let [seen, held_out] = found.relative_errors.map(|error| 100.0 * error);
+    let _ = writeln!(
+        out,
+        "\nThis machine takes {speed:.2} times as long. Relative error of what was found: {seen:.0} % of the fits that it was found by, {held_out:.0} % of others.\n"
+    );
+    out += "| constant | file | stands | found | as fast as the machine of those that stand |\n|---|---|---|---|---|\n";
+    let mut line = |constant: &Constant, found: f64| {
+        let Constant { name, file, index, .. } = constant;
+        let _ = writeln!(
+            out,
+            "| `{name}`, {index} | `src/fit/{file}` | {:.2e} | {found:.1e} | {:.1e} |",
+            constant.standing(),
+            found / speed
+        );
+    };
+    for (constant, found) in CONSTANTS.iter().zip(found.constants) {
+        line(constant, found);
+    }
+    line(&POINT, point_seconds()?);
+    out += &factors(runs, &found.constants)?;
+    Ok(out)
+}
+
+/// Seconds of one configuration of a report, on all threads.
+fn point_seconds() -> Result<f64, ltcforge::Error> {
+    const POINTS: usize = 256;
+    let table = fitted(&Recipe::builder().preset(ltcforge::Preset::Draft).build()?);
+    let start = Clock::of_process();
+    let _ = width_between(&table, POINTS);
+    Ok(start.seconds() / POINTS as f64)
+}
+
+/// How much longer samples of other scattering models take, and which part of a step they are.
+fn factors(runs: usize, constants: &[f64; 11]) -> Result<String, ltcforge::Error> {
+    let few = Task { samples: 4096, directions: 4, steps: 1, ..USUAL };
+    let sampling = constants[9] * f64::from(few.samples);
+    let mut out = "\n| model | its samples take, over GGX's |\n|---|---|\n".to_owned();
+    let (mut beckmann, of_ggx) = (1.0, few.measure(runs)?);
+    for brdf in BrdfKind::formulas().filter(|kind| *kind != BrdfKind::Ggx) {
+        // GGX's of isotropic lobes where the model has no others.
+        let beside = if brdf.is_isotropic() { isotropic_ggx(&few, runs)? } else { of_ggx };
+        let over = 1.0 + (Task { brdf, ..few }.measure(runs)? - beside) / sampling;
+        if brdf == BrdfKind::Beckmann {
+            beckmann = over;
+        }
+        let _ = writeln!(out, "| `{brdf}` | {over:.1} |");
+    }
+    let descent = Task { metric: Metric::L3, solver: Solver::Sgd, steps: 10, samples: 2048, ..USUAL };
+    let rest = |over: f64| {
+        predicted(&Task { steps: 0, ..descent }.factors(), constants)
+            + constants[9] * (over - 1.0) * f64::from(descent.samples)
+    };
+    let steps = Task { brdf: BrdfKind::Beckmann, ..descent }.measure(runs)? - rest(beckmann);
+    let of_ggx = descent.measure(runs)? - rest(1.0);
+    let found = (steps / of_ggx - 1.0) / (beckmann - 1.0);
+    let _ = writeln!(out, "\n`STEP_SAMPLING`: {:.2} stands, {found:.2} found", STEP_SAMPLING.standing());
+    Ok(out)
+}
+
+/// A task's seconds by GGX for lobes of isotropic surfaces.
+fn isotropic_ggx(task: &Task, runs: usize) -> Result<f64, ltcforge::Error> {
+    let builder = Recipe::builder().samples(task.samples).directions(task.directions).steps(task.steps);
+    let builder =
+        builder.range("alpha", 0.1, 0.9).resolution("alpha", 3).range("theta", 0.2, 1.3).resolution("theta", 3);
+    Ok(seconds_of(&builder.isotropic().build()?, runs) / f64::from(ISOTROPIC_LOBES))
+}
+
+/// Processor seconds of a recipe's fits on one thread: the least of some runs.
+fn seconds_of(recipe: &Recipe, runs: usize) -> f64 {
+    let plan = Plan::new(recipe);
+    let run = || {
+        let start = Clock::of_thread();
+        for shard in 0..plan.shards() {
+            let _ = fit_shard(&plan, shard, &mut |_| ControlFlow::Continue(()));
+        }
+        start.seconds()
+    };
+    (0..runs).map(|_| run()).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The factors of the study are those of the model: the constants that stand give `fit_seconds`.
+    #[test]
+    fn the_constants_that_stand_predict_what_the_model_does() {
+        let standing = CONSTANTS.map(|constant| constant.standing());
+        assert!(standing.iter().chain([&STEP_SAMPLING.standing(), &POINT.standing()]).all(|x| x.is_finite()));
+        for task in tasks(Efforts::WHOLE.seen) {
+            let [found, wanted] = [predicted(&task.factors(), &standing), task.standing().expect("a recipe")];
+            assert!((found / wanted - 1.0).abs() < 1e-9, "{task:?}: {found} {wanted}");
+        }
+    }
+
+    /// On a machine whose constants are others, none of them in the same proportion, these are found.
+    #[test]
+    fn planted_seconds_give_planted_constants() {
+        let mut planted = CONSTANTS.map(|constant| constant.standing());
+        for (i, constant) in planted.iter_mut().enumerate() {
+            *constant *= 1.0 + 0.2 * (i % 4) as f64;
+        }
+        let seconds_of = |task: &Task| Ok(predicted(&task.factors(), &planted));
+        let found = find(&Efforts::WHOLE, seconds_of, |_, _, _| {}).expect("recipes");
+        assert!(found.relative_errors.iter().all(|error| *error < 1e-6), "{found:?}");
+        for (found, planted) in found.constants.iter().zip(planted) {
+            assert!((found / planted - 1.0).abs() < 1e-3, "{found:e} {planted:e}");
+        }
+    }
+
+    /// A clock that runs tells a time above zero for a fit, whatever the machine.
+    #[test]
+    fn a_fit_takes_time() {
+        let few = Task { samples: 64, directions: 4, steps: 1, ..USUAL };
+        assert!(few.measure(1).expect("a recipe") > 0.0);
+    }
+}

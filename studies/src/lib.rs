@@ -1,0 +1,17 @@
+//! Where constants of the sources come from, and rows of the documents.
+//!
+//! Each study has its generator, its objective and what it holds out; all are seeded. studies/README.md has the commands.
+
+pub mod best;
+pub mod clock;
+pub mod costs;
+pub mod expected;
+pub mod l3;
+pub mod lights;
+pub mod linear;
+pub mod markdown;
+pub mod models;
+pub mod search;
+pub mod source;
+pub mod tables;
+pub mod weight;

@@ -1,0 +1,320 @@
+//! Random surfaces and polygon lights of several kinds, the same for a seed in every run, and what GGX reflects of them.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use ltcforge::{
+    fit::{
+        Configuration, Sides,
+        brdf::{Brdf, Ggx},
+        math::direction,
+    },
+    light::{LightError, PolygonLight, TRUTH_TOLERANCE, truth_within},
+};
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+/// The truth's tolerance: a thirtieth of the mean error of the best model.
+const TOLERANCE: f64 = 1e-5;
+/// The same where lobes may be so sharp that a high one overlooks them.
+const TOLERANCE_OF_EXTREMES: f64 = TRUTH_TOLERANCE;
+
+/// What a case's surface, view and light are drawn from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// Any surface, and a rectangle half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that the
+    /// lobe reflects.
+    Random,
+    /// The same on surfaces of alpha 0.1 to 0.6 and ratio 0.03 to 0.23.
+    Anisotropic,
+    /// Rectangles of 50 radii, which fill nearly half of all directions.
+    Huge,
+    /// Alpha and ratio over decades, sizes from 0.002 to 50, views to 89.9 degrees.
+    Extreme,
+    /// An upright wall across from the viewer: the middle of its lower edge is `foot` times its height above the surface, one
+    /// end of that edge `tilt` times as much higher and the other lower.
+    Wall {
+        /// Height of the lower edge's middle.
+        foot: f64,
+        /// How much higher one of its ends is.
+        tilt: f64,
+    },
+    /// Walls with any foot from -0.1 to 0.25 and any tilt to 0.05.
+    NearHorizon,
+    /// Walls far wider than high or the other way round, and larger: floors and ceilings as a wall sees them.
+    Floor,
+    /// A rectangle near the shaded point, which it surrounds.
+    Around,
+    /// Rectangles twenty times as long as wide and more.
+    Sliver,
+    /// Views from 75 to 89 degrees.
+    Grazing,
+}
+
+impl Kind {
+    /// The ten kinds of which the numbers of a weight are found.
+    pub const ALL: [Self; 10] = [
+        Self::Random,
+        Self::Anisotropic,
+        Self::Huge,
+        Self::Extreme,
+        Self::Wall { foot: 0.0, tilt: 0.0 },
+        Self::NearHorizon,
+        Self::Floor,
+        Self::Around,
+        Self::Sliver,
+        Self::Grazing,
+    ];
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Anisotropic => "random, strongly anisotropic",
+            Self::Huge => "of 50 radii, nearly half of all directions",
+            Self::Extreme => "extremes: alpha 1e-4 to 1, sizes 0.002 to 50, views to 89.9 degrees",
+            Self::Wall { .. } => "walls",
+            Self::NearHorizon => "walls near the surface",
+            Self::Floor => "floors and ceilings",
+            Self::Around => "around the shaded point",
+            Self::Sliver => "slivers",
+            Self::Grazing => "grazing views",
+        }
+    }
+}
+
+/// A surface seen from a direction, and the vertices of a light that is seen from both sides.
+#[derive(Debug, Clone)]
+pub struct Lit {
+    /// The surface and the view.
+    pub at: Configuration,
+    /// The vertices around the shaded point.
+    pub vertices: Vec<[f64; 3]>,
+}
+
+impl Lit {
+    /// Roughness along x and y.
+    #[must_use]
+    pub fn alpha(&self) -> [f64; 2] {
+        [self.at.alpha_x, self.at.alpha_y]
+    }
+
+    /// The direction from which the surface is seen.
+    #[must_use]
+    pub fn wo(&self) -> [f64; 3] {
+        direction(self.at.theta, self.at.phi).to_array()
+    }
+
+    /// The light.
+    ///
+    /// # Errors
+    /// What [`PolygonLight::new`] refuses.
+    pub fn light(&self) -> Result<PolygonLight, LightError> {
+        PolygonLight::new(self.vertices.iter().map(|v| DVec3::from_array(*v)).collect(), Sides::Two)
+    }
+}
+
+/// A light, and what GGX reflects of it: for a Fresnel factor of one, and weighed by Schlick's fifth power.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// The surface and the light.
+    pub lit: Lit,
+    /// The true light.
+    pub truth: [f64; 2],
+}
+
+/// `count` cases of a kind. Equal arguments give equal cases.
+#[must_use]
+pub fn cases(kind: Kind, seed: u64, count: usize) -> Vec<Case> {
+    let mut draw = Draw(Xoshiro256PlusPlus::seed_from_u64(seed));
+    let drawn: Vec<(Lit, PolygonLight)> = (0..count).map(|_| draw.valid(kind)).collect();
+    let case = |(lit, light): (Lit, PolygonLight)| {
+        let tolerance = if kind == Kind::Extreme { TOLERANCE_OF_EXTREMES } else { TOLERANCE };
+        let truth = truth_within(tolerance, &lit.at, &light).map_or([0.0; 2], |truth| [truth.energy, truth.fresnel]);
+        Case { lit, truth }
+    };
+    drawn.into_par_iter().map(case).collect()
+}
+
+/// Absolute errors over cases: mean, 95th percentile, largest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// The error that one case in twenty exceeds.
+    pub p95: f64,
+    /// The error that one case in a thousand exceeds.
+    pub p999: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Domain: at least one error.
+    #[must_use]
+    pub fn of(mut errors: Vec<f64>) -> Self {
+        errors.sort_by(f64::total_cmp);
+        let count = errors.len();
+        let mean = errors.iter().sum::<f64>() / count as f64;
+        Self { mean, p95: errors[count * 95 / 100], p999: errors[count * 999 / 1000], max: errors[count - 1] }
+    }
+}
+
+/// Errors of the energy and of Schlick's part that `reflected` finds.
+#[must_use]
+pub fn errors(cases: &[Case], reflected: impl Fn(&Lit) -> [f64; 2] + Sync) -> [Spread; 2] {
+    let both: Vec<[f64; 2]> = cases
+        .par_iter()
+        .map(|case| {
+            let found = reflected(&case.lit);
+            [0, 1].map(|part| (found[part] - case.truth[part]).abs())
+        })
+        .collect();
+    [0, 1].map(|part| Spread::of(both.iter().map(|errors| errors[part]).collect()))
+}
+
+struct Draw(Xoshiro256PlusPlus);
+
+/// Where roughness, ratio and theta are drawn from.
+struct Surfaces {
+    alpha: fn(&mut Draw) -> f64,
+    ratio: fn(&mut Draw) -> f64,
+    /// Least roughness across.
+    least: f64,
+    /// Degrees.
+    theta: [f64; 2],
+}
+
+const ALL: Surfaces = Surfaces {
+    alpha: |draw| draw.within(0.0, 1.0).powi(2).max(0.01),
+    ratio: |draw| draw.within(0.0, 1.0),
+    least: 0.005,
+    theta: [0.0, 88.0],
+};
+const ANISOTROPIC: Surfaces =
+    Surfaces { alpha: |draw| draw.within(0.1, 0.6), ratio: |draw| draw.within(0.03, 0.23), ..ALL };
+const EXTREME: Surfaces = Surfaces {
+    alpha: |draw| draw.logarithmic(1e-4, 1.0),
+    ratio: |draw| draw.within(0.05, 1.0),
+    least: 1e-5,
+    theta: [0.0, 89.9],
+};
+const GRAZING: Surfaces = Surfaces { theta: [75.0, 89.0], ..ALL };
+
+/// Half the width of a light at distance one, before one side is stretched by up to e and the other shrunk.
+const USUAL: [f64; 2] = [0.05, 1.2];
+
+impl Draw {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
+        self.within(low.ln(), high.ln()).exp()
+    }
+
+    /// A vector of normally distributed numbers.
+    fn vector(&mut self) -> DVec3 {
+        let mut normal = || (-2.0 * (1.0 - self.within(0.0, 1.0)).ln()).sqrt() * self.within(0.0, TAU).cos();
+        DVec3::new(normal(), normal(), normal())
+    }
+
+    fn configuration(&mut self, surfaces: &Surfaces) -> Configuration {
+        let long = (surfaces.alpha)(self);
+        let short = (long * (surfaces.ratio)(self)).max(surfaces.least);
+        let [alpha_x, alpha_y] = if self.within(0.0, 1.0) < 0.5 { [long, short] } else { [short, long] };
+        let [low, high] = surfaces.theta.map(f64::to_radians);
+        Configuration { alpha_x, alpha_y, theta: self.within(low, high), phi: self.within(0.0, TAU) }
+    }
+
+    /// Draws until what comes is a light; a rectangle that the surface sees edge on may not look convex.
+    fn valid(&mut self, kind: Kind) -> (Lit, PolygonLight) {
+        loop {
+            let (at, vertices) = self.lit(kind);
+            let lit = Lit { at, vertices: vertices.map(|v| v.to_array()).to_vec() };
+            if let Ok(light) = lit.light() {
+                return (lit, light);
+            }
+        }
+    }
+
+    fn lit(&mut self, kind: Kind) -> (Configuration, [DVec3; 4]) {
+        match kind {
+            Kind::Random => self.around_lobe(&ALL, USUAL, 1.0),
+            Kind::Anisotropic => self.around_lobe(&ANISOTROPIC, USUAL, 1.0),
+            Kind::Huge => self.around_lobe(&ALL, [50.0, 50.0], 1.0),
+            Kind::Extreme => self.around_lobe(&EXTREME, [0.002, 50.0], 1.0),
+            Kind::Sliver => self.around_lobe(&ALL, USUAL, 3.0),
+            Kind::Grazing => self.around_lobe(&GRAZING, USUAL, 1.0),
+            Kind::Around => {
+                let at = self.configuration(&ALL);
+                let size = self.logarithmic(2.0, 50.0);
+                let centre = self.vector().normalize() * self.within(0.2, 1.0);
+                (at, self.rectangle(centre, [size, size]))
+            }
+            Kind::Wall { foot, tilt } => self.wall([0.1, 1.2], [0.1, 2.0], foot, tilt),
+            Kind::NearHorizon => {
+                let (foot, tilt) = (self.within(-0.1, 0.25), self.within(-0.05, 0.05));
+                self.wall([0.1, 1.2], [0.1, 2.0], foot, tilt)
+            }
+            Kind::Floor => {
+                let (width, height) = (self.logarithmic(0.3, 20.0), self.logarithmic(0.3, 20.0));
+                self.wall([width, width], [height, height], 0.0, 0.0)
+            }
+        }
+    }
+
+    /// A rectangle at distance one around a direction that the lobe reflects, one side up to `e^stretch` times longer and the
+    /// other shorter.
+    fn around_lobe(&mut self, surfaces: &Surfaces, sizes: [f64; 2], stretch: f64) -> (Configuration, [DVec3; 4]) {
+        loop {
+            let at = self.configuration(surfaces);
+            let ggx = Ggx { alpha_x: at.alpha_x, alpha_y: at.alpha_y };
+            let u = [self.within(0.0, 1.0), self.within(0.0, 1.0)];
+            let centre = ggx.sample(direction(at.theta, at.phi), u).wi;
+            if centre.z > 0.0 {
+                let size = self.logarithmic(sizes[0], sizes[1]);
+                let least = if stretch > 1.0 { 1.5 } else { -stretch };
+                let aspect = self.within(least, stretch).exp();
+                return (at, self.rectangle(centre, [size * aspect, size / aspect]));
+            }
+        }
+    }
+
+    /// A rectangle around a place, turned and tilted at random, with these half sides.
+    fn rectangle(&mut self, centre: DVec3, [width, height]: [f64; 2]) -> [DVec3; 4] {
+        let normal = (0.5 * self.vector() - centre).normalize();
+        let x = normal.cross(self.vector()).normalize();
+        let (x, y) = (x * width, normal.cross(x) * height);
+        [centre - x - y, centre + x - y, centre + x + y, centre - x + y]
+    }
+
+    fn wall(&mut self, half_width: [f64; 2], height: [f64; 2], foot: f64, tilt: f64) -> (Configuration, [DVec3; 4]) {
+        let at = self.configuration(&ALL);
+        let towards = at.phi + TAU * self.within(0.4, 0.6);
+        let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.within(0.3, 2.0);
+        let x = DVec3::new(-towards.sin(), towards.cos(), 0.0) * self.within(half_width[0], half_width[1]);
+        let top = DVec3::Z * self.within(height[0], height[1]);
+        let (low, x) = (middle + top * foot, x + top * tilt);
+        (at, [low - x, low + x, low + x + top, low - x + top])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_of_each_kind_come_again_and_are_seen() {
+        for (i, kind) in Kind::ALL.into_iter().enumerate() {
+            let [once, again] = [0; 2].map(|_| cases(kind, i as u64, 60));
+            let vertices = |cases: &[Case]| cases.iter().map(|case| case.lit.vertices.clone()).collect::<Vec<_>>();
+            assert_eq!(vertices(&once), vertices(&again), "{}", kind.name());
+            let mean = once.iter().map(|case| case.truth[0]).sum::<f64>() / 60.0;
+            assert!((0.05..0.95).contains(&mean), "{}: {mean}", kind.name());
+            assert!(once.iter().all(|case| (0.0..=case.truth[0] + 1e-6).contains(&case.truth[1])), "{}", kind.name());
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Programs that find the constants of the sources anew and print rows of the documents: see studies/README.md.
+
+use std::{
+    error::Error,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use clap::{Parser, Subcommand};
+use ltcforge::light::WeightRule;
+use ltcforge_studies::{
+    best, costs, expected, l3, models,
+    weight::{self, Asked},
+};
+
+#[derive(Parser)]
+#[command(about = "Finds constants of the sources anew, and prints rows of the documents")]
+struct Arguments {
+    #[command(subcommand)]
+    study: Study,
+}
+
+#[derive(Subcommand)]
+enum Study {
+    /// The numbers of the weight of model `normals`: Forms in src/light/normals, and shaders/normals_weight.wgsl
+    Weight {
+        /// The rule: fan or fine
+        #[arg(default_value = "fan", value_parser = rule)]
+        rule: WeightRule,
+        /// Start from constants, not from the numbers that stand
+        #[arg(long)]
+        cold: bool,
+        /// Lights of the search, and as many that it does not see
+        #[arg(long, default_value_t = 10_000)]
+        lights: usize,
+        /// Most steps
+        #[arg(long, default_value_t = 60)]
+        rounds: usize,
+        /// Seed of the lights
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Print the numbers that stand, and search for none
+        #[arg(long)]
+        standing: bool,
+    },
+    /// The expected errors of tables: numbers of src/fit/expectation.rs and of the layouts
+    Expected,
+    /// The seconds of fits: constants of src/fit/cost.rs, metrics and solvers
+    Costs,
+    /// The tables of docs/normals.md and docs/light.md: model `normals` over random lights
+    Models,
+    /// The table of README.md: tables beside the best LTCs
+    Best {
+        /// A table as KT et al. published theirs, .npy
+        #[arg(long)]
+        published: Option<PathBuf>,
+        /// The table of docs/layouts.md: isotropic tables of engines
+        #[arg(long)]
+        isotropic: bool,
+        /// The textures that engines ship, .dds: matrices and terms
+        #[arg(long, num_args = 2, requires = "isotropic")]
+        shipped: Option<Vec<PathBuf>>,
+    },
+    /// The table of docs/isotropic.md: isotropic tables by the L3 distance
+    L3 {
+        /// The textures that engines ship, .dds: matrices and terms
+        #[arg(long, num_args = 2)]
+        shipped: Option<Vec<PathBuf>>,
+    },
+}
+
+fn rule(name: &str) -> Result<WeightRule, String> {
+    match WeightRule::from_name(name) {
+        Some(rule) if rule != WeightRule::Mean => Ok(rule),
+        _ => Err("a rule with numbers is fan or fine".to_owned()),
+    }
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().study) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(study: Study) -> Result<(), Box<dyn Error>> {
+    match study {
+        Study::Expected => expected::tell(|line| println!("{line}"))?,
+        Study::Costs => print!("{}", costs::text(&costs::Efforts::WHOLE)?),
+        Study::Models => print!("{}", models::tables(1.0)?),
+        Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
+        Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
+        Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
+        Study::Weight { rule, standing: true, .. } => print_numbers(rule, &weight::numbers(rule.forms())),
+        Study::Weight { rule, cold, lights, rounds, seed, .. } => {
+            let asked = Asked { rule, is_cold: cold, lights, rounds, seed };
+            let found = weight::find(&asked, |round, objective| eprintln!("{round:3}  {objective:.7}"));
+            let standing = weight::numbers(rule.forms());
+            println!("mean error of energy and Schlick's part   start     standing  found");
+            for (name, [start, standing, found]) in [("seen", found.seen), ("held out", found.held_out)] {
+                println!("{name:40}  {start:.6}  {standing:.6}  {found:.6}");
+            }
+            let candidates: [(&str, &[f64]); 2] = [("standing", &standing), ("found", &found.numbers)];
+            println!("\n{}", weight::by_kind(rule, seed, lights, &candidates));
+            print_numbers(rule, &found.numbers);
+        }
+    }
+    Ok(())
+}
+
+fn pair(paths: Option<&[PathBuf]>) -> Option<[&Path; 2]> {
+    match paths? {
+        [matrices, terms] => Some([matrices, terms]),
+        _ => None,
+    }
+}
+
+fn print_numbers(rule: WeightRule, numbers: &[f64]) {
+    let forms = weight::forms(numbers);
+    println!("{}", weight::as_rust(&rule.name().to_uppercase(), &forms));
+    print!("{}", weight::as_wgsl(&forms, rule == WeightRule::Fine));
+}

@@ -1,0 +1,99 @@
+//! The tables of docs/normals.md and docs/light.md: how far model `normals` is off over random lights, beside a table of LTCs.
+
+use std::fmt::Write as _;
+
+use ltcforge::{
+    Preset, Recipe, RecipeDocument as _,
+    fit::{Sides, Table},
+    light::{
+        WeightRule, by_table,
+        normals::{reflected, reflected_with},
+    },
+};
+
+use crate::{
+    lights::{Case, Kind, Lit, Spread, cases, errors},
+    markdown::{short, spread},
+    tables::fitted,
+};
+
+/// Lights of a row of the first table, of its tail, and of a row of walls.
+const LIGHTS: [usize; 3] = [4000, 20_000, 600];
+const RULES: [WeightRule; 3] = [WeightRule::Mean, WeightRule::Fan, WeightRule::Fine];
+/// The rows of walls: what they are called, and height and tilt of the lower edge.
+const WALLS: [(&str, f64, f64); 7] = [
+    ("on the surface", 0.0, 0.0),
+    (".01 above", 0.01, 0.0),
+    (".06 above", 0.06, 0.0),
+    (".2 above", 0.2, 0.0),
+    (".06 below", -0.06, 0.0),
+    ("one end .05 above, the other .01 below", 0.02, 0.03),
+    ("one end .01 above, the other .05 below", -0.02, 0.03),
+];
+
+/// By a rule of the weight.
+#[must_use]
+pub fn by_rule(rule: WeightRule, lit: &Lit) -> [f64; 2] {
+    reflected(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule)
+}
+
+fn by_ltc(table: &Table, lit: &Lit) -> [f64; 2] {
+    let found = lit.light().and_then(|light| by_table(table, &lit.at, &light));
+    found.map_or([f64::NAN; 2], |found| [found.energy, found.fresnel])
+}
+
+/// The tables, a `part` of the lights in each row.
+///
+/// # Errors
+/// None, unless preset `paper` is no recipe.
+pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
+    let [lights, tail, walls] = LIGHTS.map(|count| ((count as f64 * part) as usize).max(20));
+    let table = fitted(&Recipe::builder().preset(Preset::Paper).build()?);
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "docs/normals.md, {lights} lights a row:\n");
+    out += "| lights | LTC, default table | `mean` | `fan` | `fine` |\n|---|---|---|---|---|\n";
+    let mut fresnel = Vec::new();
+    for (i, kind) in [Kind::Random, Kind::Anisotropic, Kind::Huge, Kind::Extreme].into_iter().enumerate() {
+        let cases = cases(kind, 1000 + i as u64, lights);
+        let [ltc, _] = errors(&cases, |lit| by_ltc(&table, lit));
+        let [mean, fan, fine] = RULES.map(|rule| errors(&cases, |lit| by_rule(rule, lit)));
+        fresnel.push(short(fan[1].mean, 2));
+        let cells = [ltc, mean[0], fan[0], fine[0]].map(spread).join(" | ");
+        let _ = writeln!(out, "| {} | {cells} |", kind.name());
+    }
+    let _ = writeln!(out, "\nSchlick's part, mean of `fan`: {}", fresnel.join(", "));
+    let [Spread { p999, max, .. }, _] = errors(&cases(Kind::Random, 1010, tail), |lit| by_rule(WeightRule::Fan, lit));
+    let _ = writeln!(
+        out,
+        "of {tail} more of the first row: one in a thousand {}, largest {}",
+        short(p999, 2),
+        short(max, 2)
+    );
+
+    let _ = writeln!(out, "\ndocs/normals.md, {walls} walls a row:\n");
+    out += "| lower edge, in heights of the wall | `fan` | `fine` |\n|---|---|---|\n";
+    for (i, (name, foot, tilt)) in WALLS.into_iter().enumerate() {
+        let cases = cases(Kind::Wall { foot, tilt }, 1020 + i as u64, walls);
+        let cells = [WeightRule::Fan, WeightRule::Fine].map(|rule| spread(errors(&cases, |lit| by_rule(rule, lit))[0]));
+        let _ = writeln!(out, "| {name} | {} |", cells.join(" | "));
+    }
+
+    out += "\ndocs/light.md:\n\n| lights | rule | energy: mean, p95, max | Fresnel part: mean, p95, max |\n|---|---|---|---|\n";
+    for (kind, seed, count) in [(Kind::Random, 1030, 10 * lights / 4), (Kind::Anisotropic, 1031, 3 * lights / 4)] {
+        let cases = cases(kind, seed, count);
+        for rule in [WeightRule::Fan, WeightRule::Fine, WeightRule::Mean] {
+            let [energy, fresnel] = errors(&cases, |lit| by_rule(rule, lit)).map(|x| spread(x).replace(" /", ","));
+            let _ = writeln!(out, "| {}, {count} | `{rule}` | {energy} | {fresnel} |", kind.name());
+        }
+    }
+    Ok(out)
+}
+
+/// Mean errors of the energy by the numbers that stand, and by those of another rule with the same triangles, which are wrong.
+#[must_use]
+pub fn standing_and_wrong(cases: &[Case]) -> [f64; 2] {
+    let wrong = WeightRule::Fine.forms();
+    let by_wrong = |lit: &Lit| reflected_with(wrong, lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, WeightRule::Fan);
+    [errors(cases, |lit| by_rule(WeightRule::Fan, lit))[0].mean, errors(cases, by_wrong)[0].mean]
+}

@@ -1,0 +1,127 @@
+//! Shortened studies find what the sources have, and print what the documents have.
+
+use ltcforge::{Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver, light::WeightRule};
+use ltcforge_studies::{
+    best, expected,
+    expected::Extent,
+    l3, models,
+    tables::fitted,
+    weight::{self, Asked, find},
+};
+
+const NORMALS: &str = include_str!("../../src/light/normals/mod.rs");
+const SHADER: &str = include_str!("../../shaders/normals_weight.wgsl");
+const NORMALS_PAGE: &str = include_str!("../../docs/normals.md");
+const LIGHT_PAGE: &str = include_str!("../../docs/light.md");
+const README: &str = include_str!("../../README.md");
+const ISOTROPIC_PAGE: &str = include_str!("../../docs/isotropic.md");
+
+/// The numbers are printed as they stand, in Rust and in the shader, which have the same ones.
+#[test]
+fn the_numbers_of_the_weight_are_printed_as_the_sources_have_them() {
+    for (rule, name) in [(WeightRule::Fan, "FAN"), (WeightRule::Fine, "FINE")] {
+        let numbers = weight::numbers(rule.forms());
+        let forms = weight::forms(&numbers);
+        assert_eq!((numbers.len(), &forms, weight::rounded(&numbers)), (weight::COUNT, rule.forms(), numbers.clone()));
+        let rust = weight::as_rust(name, &forms);
+        assert!(NORMALS.contains(&rust), "{rust}");
+        let shader = weight::as_wgsl(&forms, rule == WeightRule::Fine);
+        assert!(SHADER.contains(&shader), "{shader}");
+    }
+}
+
+/// From constants alone a short search comes near to the numbers that stand, and from these it gains little: on lights that
+/// neither saw.
+#[test]
+fn a_short_search_comes_near_to_the_numbers_of_the_weight() {
+    for (rule, is_cold, most) in [(WeightRule::Fan, true, 1.2), (WeightRule::Fine, false, 1.15)] {
+        let found = find(&Asked { rule, is_cold, lights: 1000, rounds: 8, seed: 7 }, |_, _| {});
+        let [start, standing, end] = found.held_out;
+        println!("{rule}: {start:.6} to {end:.6}; stands: {standing:.6}; seen: {:.6?}", found.seen);
+        assert!(!is_cold || start > 2.0 * standing, "{rule}: {found:?}");
+        assert!((0.85..most).contains(&(end / standing)) && found.seen[2] < most * found.seen[1], "{rule}: {found:?}");
+    }
+}
+
+/// Tables that the law was not found by have about the error of the found law, and of the law that stands.
+#[test]
+fn a_short_run_finds_the_expected_errors_of_tables() {
+    expected::find(&[Layout::Reflected], &Extent::SHORT, |found| {
+        println!("{found:.3?}");
+        for ratios in &found.held_out {
+            assert!(ratios.iter().all(|ratio| (0.75..1.35).contains(ratio)), "{found:?}");
+        }
+    })
+    .expect("recipes");
+}
+
+/// The numbers in a cell of a table of markdown.
+fn numbers(cell: &str) -> Vec<f64> {
+    cell.split([' ', ',']).filter_map(|word| word.trim().parse().ok()).collect()
+}
+
+/// The rows of a text that begin with the same cells, and the first number of each other cell.
+fn rows(text: &str, named: usize) -> Vec<(String, Vec<f64>)> {
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.strip_prefix("| ")?.strip_suffix(" |")?.split(" | ").collect();
+        let (names, rest) = cells.split_at_checked(named)?;
+        let firsts: Option<Vec<f64>> = rest.iter().map(|cell| numbers(cell).first().copied()).collect();
+        Some((names.join(" | "), firsts?))
+    };
+    text.lines().filter_map(row).filter(|(_, numbers)| !numbers.is_empty()).collect()
+}
+
+/// Every row that a shortened study prints is in a document, and its means are about as large.
+fn check_rows(document: &str, printed: &str, named: usize, factor: f64) -> usize {
+    let (documented, printed) = (rows(document, named), rows(printed, named));
+    for (name, found) in &printed {
+        let row = documented.iter().find(|(other, _)| other == name);
+        let (_, wanted) = row.unwrap_or_else(|| panic!("no row {name}"));
+        assert_eq!(found.len(), wanted.len(), "{name}");
+        for (found, wanted) in found.iter().zip(wanted) {
+            assert!((1.0 / factor..factor).contains(&(found / wanted)), "{name}: {found} printed, {wanted} documented");
+        }
+    }
+    printed.len()
+}
+
+#[test]
+fn the_documents_have_the_rows_of_model_normals() {
+    let printed = models::tables(0.2).expect("a recipe");
+    let (errors, light) = printed.split_once("docs/light.md").expect("two documents");
+    assert_eq!(check_rows(NORMALS_PAGE, errors, 1, 1.6), 4 + 7);
+    // Their names tell how many lights there are.
+    let few = |text: &str| {
+        text.replace(", 10000 |", " |").replace(", 3000 |", " |").replace(", 2000 |", " |").replace(", 600 |", " |")
+    };
+    assert_eq!(check_rows(&few(LIGHT_PAGE), &few(light), 2, 1.6), 6);
+}
+
+#[test]
+fn the_documents_have_the_ratio_to_the_best_ltcs() {
+    let recipe = Recipe::builder().preset(Preset::Draft).build().expect("a recipe");
+    let found = best::compared(&recipe, 60);
+    let row = README.lines().find(|line| line.starts_with("| preset `draft` | 162 KiB |")).expect("a row");
+    let ratio = numbers(row.split(" | ").nth(3).expect("a ratio"))[0];
+    println!("{found:?}, documented {ratio}");
+    assert!((found.ratio.mean - ratio).abs() < 0.06 && found.ratio.max < 3.0, "{found:?} {ratio}");
+}
+
+#[test]
+fn the_documents_have_the_l3_distances() {
+    let distance = |metric: Metric, solver: Solver| {
+        let recipe =
+            Recipe::builder().layout(Layout::Ltc2017).metric(metric).solver(solver).samples(128).directions(16);
+        let recipe = recipe.steps(40).resolution("alpha", 32).resolution("theta", 32).build().expect("a recipe");
+        l3::mean_distance(&fitted(&recipe), 60, 60)
+    };
+    let found = [distance(Metric::L3, Solver::NelderMead), distance(Metric::L3, Solver::Bfgs)];
+    let documented = ["| `l3`, `nelder_mead` |", "| `l3`, `bfgs` |"].map(|start| {
+        let row = ISOTROPIC_PAGE.lines().find(|line| line.starts_with(start)).expect("a row");
+        numbers(row.split(" | ").nth(1).expect("a distance"))[0]
+    });
+    println!("{found:?}, documented {documented:?}");
+    for (found, documented) in found.iter().zip(documented) {
+        assert!((0.6..1.7).contains(&(found / documented)), "{found} {documented}");
+    }
+}
