@@ -91,7 +91,7 @@ fn complete(queue: &PostgresQueue, leases: &[Lease], result: &[u8]) -> u64 {
     answers.iter().filter(|answer| answer.is_ok()).count() as u64
 }
 
-/// What workers that sleep for each shard's time do: shards a second, the tasks that each unfinished job has leased at least
+/// Figures of workers that sleep for each shard's time: shards a second, the tasks that each unfinished job has leased at least
 /// and at most, how long a new job waits for its first lease, and how long a lease takes.
 fn rate(server: &throwaway::Server, at_once: usize, shard: Duration) -> String {
     let url = &server.url(DATABASE);

@@ -181,7 +181,7 @@ fn text(args: &ExportArgs, files: &[TextureFile], compared: Option<&Compared>, s
     out
 }
 
-/// A line on the numbers that are too large or too small for 16 bits; `None` if there are none.
+/// A line about numbers that are too large or too small for 16 bits; `None` if all fit.
 fn beyond(clamped: u64, raised: u64) -> Option<String> {
     let told = [(clamped, "65504"), (raised, "6.0e-8 in place of 0")].map(|(count, became)| match count {
         0 => None,

@@ -53,7 +53,7 @@ pub enum LightError {
     /// A table tells how lobes look and not how much they reflect.
     #[error("the table has no amplitude and no Fresnel term")]
     NoTerms,
-    /// A model lights by tables alone, and there is none.
+    /// The model needs a table, and none was given.
     #[error("model {0} lights by a table: name one, or choose --model normals")]
     NeedsTable(crate::LightModel),
     /// A closed form is of another scattering model than what it is compared with.

@@ -46,7 +46,7 @@ impl LightModel {
         Self::ALL.iter().copied().find(|model| model.lobe() == Some(lobe)).unwrap_or(Self::Ltc)
     }
 
-    /// What stands for a lobe in the model's tables; `None` for a model that reads none.
+    /// The lobe model of the model's tables; `None` for a model without a table.
     #[must_use]
     pub fn lobe(self) -> Option<LobeModel> {
         self.rules().lobe()
@@ -126,7 +126,7 @@ impl ClosedForm {
         (!self.model.weights().is_empty()).then_some(self.rule)
     }
 
-    /// What a surface reflects of a light. Shapes are lit as the polygons that
+    /// The light that a surface reflects. Shapes are lit as the polygons that
     /// [`ShapedLight::outline`](super::ShapedLight::outline) tells.
     ///
     /// # Errors
@@ -144,7 +144,7 @@ impl ClosedForm {
 }
 
 impl Lighting<'_> {
-    /// What a surface reflects of a light.
+    /// The light that a surface reflects.
     ///
     /// # Errors
     /// Those of [`ClosedForm::reflected`] and [`by_table`].

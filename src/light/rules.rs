@@ -1,4 +1,4 @@
-//! What a model of light is, and what every model does: a checked surface, and what is reflected.
+//! Models of light and what they have in common: a checked surface, and the reflected light.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,14 +10,14 @@ use ltcforge_fit::{
     math::{Triple, direction},
 };
 
-/// What a model of light is: a formula, a table of lobes, or either.
+/// A model of light: a formula, a table of lobes, or either.
 pub(crate) trait ModelOfLight: Sync {
     /// The light of GGX without a table; `None` for a model that has tables alone.
     fn formula(&self) -> Option<&dyn Formula> {
         None
     }
 
-    /// What stands for a lobe in its tables; `None` for a model that reads none.
+    /// The lobe model of its tables; `None` for a model without a table.
     fn lobe(&self) -> Option<LobeModel> {
         None
     }
@@ -38,7 +38,7 @@ pub(crate) trait Formula: Sync {
     /// The cost of a pixel, in samples of the preview's reference.
     fn cost(&self) -> u32;
 
-    /// What is reflected of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
+    /// The reflected light of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
     /// `(1 - wo . h)^5`.
     fn reflected(&self, lit: &LitPoint<'_, f64>, rule: WeightRule) -> [f64; 2];
 
@@ -53,13 +53,13 @@ pub struct LitPoint<'a, T> {
     pub alpha: [T; 2],
     /// The direction of the viewer, of length one.
     pub wo: Triple<T>,
-    /// Of a convex polygon.
+    /// The reflected light of a convex polygon.
     pub vertices: &'a [Triple<T>],
     /// From where it is lit.
     pub sides: Sides,
 }
 
-/// What GGX reflects of a light of radiance one towards the viewer.
+/// The light that GGX reflects towards the viewer, of a light of radiance one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflected {
     /// For a Fresnel factor of one: in [0, 1].
@@ -72,7 +72,7 @@ impl Reflected {
     /// Nothing.
     pub const NONE: Self = Self { energy: 0.0, fresnel: 0.0 };
 
-    /// What is reflected by Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence:
+    /// The reflected light with Schlick's Fresnel factor, `f0` face on and `f90` at grazing incidence:
     /// `f0 (energy - fresnel) + f90 fresnel`.
     #[must_use]
     pub fn schlick(&self, f0: f64, f90: f64) -> f64 {
@@ -97,7 +97,7 @@ pub(super) fn surface_and_view(at: &Configuration) -> Result<([f64; 2], DVec3), 
     Ok(([at.alpha_x.max(LEAST_ALPHA), at.alpha_y.max(LEAST_ALPHA)], direction(at.theta, at.phi)))
 }
 
-/// What `of` says of a surface, a view and a light that are checked.
+/// The light that `of` gives for a checked surface, view and light.
 pub(super) fn lit(
     at: &Configuration,
     light: AreaLight<'_>,

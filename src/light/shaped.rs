@@ -21,7 +21,7 @@ named_list! {
     }
 }
 
-/// What describes a light of a shape, in the order in which it is given.
+/// The parameters of a light of a shape, in the order in which they are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShapeParameter {
     /// How many sides are lit: 1 or 2.
@@ -35,7 +35,7 @@ pub enum ShapeParameter {
 }
 
 impl LightShape {
-    /// What describes a light of the shape.
+    /// The parameters of a light of the shape.
     #[must_use]
     pub fn parameters(self) -> &'static [ShapeParameter] {
         use ShapeParameter::{Length, Point, Sides, Vertices};

@@ -1,9 +1,9 @@
-//! What a shader lights by.
+//! Models of light with the layouts of their tables, as shaders know them.
 
 use ltcforge_fit::{Layout, named_list};
 use ltcforge_light::LightModel;
 
-/// What a shader for other renderers lights by: a model, and the layout of the tables that it reads, if it reads any. The
+/// How a shader for other renderers lights: by a model, and by tables of a layout if the model reads any. The
 /// text of models `sg` and `asg` is the same: which one is an argument of its functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LitBy {
@@ -81,7 +81,7 @@ named_list! {
 pub struct Reading {
     /// Who interpolates.
     pub filter: Filter,
-    /// What the table is in.
+    /// The textures of the table.
     pub bound: Bound,
 }
 

@@ -1,11 +1,11 @@
-//! What the shader of a model of light is made of.
+//! The parts of the shader of a model of light.
 
 use super::{Language, Lights, Place, Reading};
 use ltcforge_fit::Layout;
 
 /// The shader of a model of light.
 pub struct ModelShader {
-    /// What its names begin with.
+    /// The beginning of its names.
     pub(super) prefix: &'static str,
     /// The files of its functions, beside those that all models share and those that read tables.
     pub(super) functions: fn(Lights) -> &'static [&'static str],

@@ -8,7 +8,7 @@ use ltcforge_fit::Layout;
 use ltcforge_light::LightModel;
 
 impl LitBy {
-    /// What the shader is made of.
+    /// The parts of the shader.
     #[must_use]
     pub fn shader(self) -> &'static ModelShader {
         match (self.model(), self.layout()) {

@@ -46,7 +46,7 @@ pub const SHADERS: [Shader; 26] = [
     Shader { name: "sphere", source: ltcforge_wgsl::SPHERE },
 ];
 
-/// What reads a table whose nodes are in storage and whose entries are in volumes.
+/// Parts that read a table with nodes in storage and entries in volumes.
 const TABLE: [&str; 4] = ["ltc_math", "nodes_storage", "texels_volumes", "ltc_table"];
 
 /// The named shaders as one text, in the order of [`SHADERS`].
@@ -112,7 +112,7 @@ pub fn preview_module() -> String {
     module(&previewed(), Layout::ALL)
 }
 
-/// What reads tables of every layout, without an entry point.
+/// The module that reads tables of every layout, without an entry point.
 #[must_use]
 pub fn table_reader(bound: Bound) -> String {
     module(&["ltc_math", "nodes_storage", texels(bound), "ltc_table"], Layout::ALL)
@@ -133,7 +133,7 @@ fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) 
     }
 }
 
-/// What reads the textures.
+/// The part that reads the textures.
 fn texels(bound: Bound) -> &'static str {
     match bound {
         Bound::Volumes => "texels_volumes",

@@ -41,6 +41,7 @@ impl Clock {
 }
 
 #[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "other systems have None")]
 fn processor_seconds(counted: Counted) -> Option<f64> {
     use rustix::time::{ClockId, clock_gettime};
     let time = clock_gettime(match counted {

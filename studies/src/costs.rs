@@ -239,9 +239,13 @@ pub fn text(efforts: &Efforts) -> Result<String, ltcforge::Error> {
     let mut out =
         "| fit | samples x directions x steps | measured, ms | over those that stand |\n|---|---|---|---|\n".to_owned();
     // Writing to a String cannot fail.
-    let found = find(efforts, |task| task.measure(runs), |name, measured, standing| {
-        let _ = writeln!(out, "| {name} | {:.3} | {:.2} |", 1e3 * measured, measured / standing);
-    })?;
+    let found = find(
+        efforts,
+        |task| task.measure(runs),
+        |name, measured, standing| {
+            let _ = writeln!(out, "| {name} | {:.3} | {:.2} |", 1e3 * measured, measured / standing);
+        },
+    )?;
     let speed = median(found.over_standing.clone());
     let [seen, held_out] = found.relative_errors.map(|error| 100.0 * error);
     let _ = writeln!(

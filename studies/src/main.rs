@@ -22,7 +22,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Study {
-    /// The numbers of the weight of model `normals`: Forms in src/light/normals, and shaders/normals_weight.wgsl
+    /// The numbers of the weight of model `normals`: Forms in src/light/normals, and `shaders/normals_weight.wgsl`
     Weight {
         /// The rule: fan or fine
         #[arg(default_value = "fan", value_parser = rule)]

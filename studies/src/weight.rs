@@ -19,7 +19,7 @@ use crate::{
 /// How many numbers a rule has.
 pub const COUNT: usize = 6 * 4 + 6 * 6 + 2 * 6;
 /// Digits behind the point, as the source has them.
-const DIGITS: usize = 3;
+const DIGITS: i32 = 3;
 
 /// A rule of the weight, to be found numbers for.
 pub struct Weight(pub WeightRule);
@@ -74,7 +74,7 @@ pub fn drawn(seed: u64, count: usize) -> Vec<Case> {
 /// As the source has it.
 #[must_use]
 pub fn rounded(numbers: &[f64]) -> Vec<f64> {
-    let one = 10_f64.powi(DIGITS as i32);
+    let one = 10_f64.powi(DIGITS);
     // Not -0.
     numbers.iter().map(|x| (x * one).round() / one + 0.0).collect()
 }
@@ -86,11 +86,13 @@ fn row(numbers: &[f64]) -> String {
 /// The numbers as `src/light/normals/mod.rs` has them.
 #[must_use]
 pub fn as_rust(name: &str, Forms { usual, wide, inner }: &Forms) -> String {
-    let lines = |rows: &[&[f64]]| rows.iter().map(|numbers| format!("        {},\n", row(numbers))).collect::<String>();
+    let lines = |rows: &[&[f64]]| {
+        rows.iter().map(|numbers| format!("        {},", row(numbers))).collect::<Vec<_>>().join("\n")
+    };
     let [usual, wide] = [usual.each_ref().map(|x| &x[..]), wide.each_ref().map(|x| &x[..])].map(|rows| lines(&rows));
     let inner = inner.each_ref().map(|numbers| row(numbers)).join(", ");
     format!(
-        "const {name}: Forms = Forms {{\n    usual: [\n{usual}    ],\n    wide: [\n{wide}    ],\n    inner: [{inner}],\n}};\n"
+        "const {name}: Forms = Forms {{\n    usual: [\n{usual}\n    ],\n    wide: [\n{wide}\n    ],\n    inner: [{inner}],\n}};\n"
     )
 }
 
@@ -103,13 +105,13 @@ pub fn as_wgsl(forms: &Forms, is_declared: bool) -> String {
     let mut matrices = |name: &str, rows: &[&[f64]]| {
         let columns = |from: usize, to: usize| {
             let column = |k: usize| rows.iter().map(|row| format!("{:?}", row[k])).collect::<Vec<_>>().join(", ");
-            (from..to).map(|k| format!("{indent}    {},\n", column(k))).collect::<String>()
+            (from..to).map(|k| format!("{indent}    {},", column(k))).collect::<Vec<_>>().join("\n")
         };
         let height = rows.len();
         // Writing to a String cannot fail.
-        let _ = write!(out, "{indent}{var}{name} = mat4x{height}(\n{}{indent}) * at", columns(0, 4));
+        let _ = write!(out, "{indent}{var}{name} = mat4x{height}(\n{}\n{indent}) * at", columns(0, 4));
         if rows[0].len() > 4 {
-            let _ = write!(out, " + mat2x{height}(\n{}{indent}) * by_ratio", columns(4, 6));
+            let _ = write!(out, " + mat2x{height}(\n{}\n{indent}) * by_ratio", columns(4, 6));
         }
         out.push_str(";\n");
     };
@@ -166,14 +168,16 @@ pub fn find(asked: &Asked, tell: impl FnMut(usize, f64)) -> Found {
 #[must_use]
 pub fn by_kind(rule: WeightRule, seed: u64, count: usize, candidates: &[(&str, &[f64])]) -> String {
     let mut out = "| lights |".to_owned();
-    out += &candidates.iter().map(|(name, _)| format!(" {name}: mean / p95 / max |")).collect::<String>();
-    out += &format!("\n|---|{}\n", "---|".repeat(candidates.len()));
+    for (name, _) in candidates {
+        let _ = write!(out, " {name}: mean / p95 / max |");
+    }
+    let _ = writeln!(out, "\n|---|{}", "---|".repeat(candidates.len()));
     for (i, kind) in Kind::ALL.into_iter().enumerate() {
         let cases = cases(kind, 100 * (seed + 1) + i as u64, count / Kind::ALL.len());
-        out += &format!("| {} |", kind.name());
+        let _ = write!(out, "| {} |", kind.name());
         for (_, numbers) in candidates {
             let [energy, _] = errors(&cases, |lit| Weight(rule).reflected(numbers, lit));
-            out += &format!(" {} |", spread(energy));
+            let _ = write!(out, " {} |", spread(energy));
         }
         out.push('\n');
     }

@@ -1,4 +1,4 @@
-//! What a program does with a table in memory.
+//! Methods of a table in memory.
 
 use super::{TableFile, TableFileError, decode, encode};
 use crate::{

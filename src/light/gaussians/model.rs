@@ -43,7 +43,7 @@ impl Formula for Rules {
     }
 }
 
-/// What a surface reflects of a light by a Gaussian, in f64. Shapes are lit as by [`by_normals`](crate::by_normals).
+/// The light that a surface reflects by a Gaussian, in f64. Shapes are lit as by [`by_normals`](crate::by_normals).
 ///
 /// # Errors
 /// As [`by_normals`](crate::by_normals).

@@ -28,13 +28,13 @@ mod model;
 mod outline;
 mod weight;
 
-pub use self::{model::by_normals, weight::Forms};
 pub(super) use self::{cone::cos_of_third, edge::arc_bend, model::Rules};
 use self::{
     edge::{curved_part, shared},
     outline::{Corner, Outline, Parts},
     weight::{Numbers, Sample, View},
 };
+pub use self::{model::by_normals, weight::Forms};
 use ltcforge_fit::{
     Sides,
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},

@@ -23,7 +23,7 @@ use ltcforge_fit::{
 };
 use ltcforge_textures::{About, Bundle, Export};
 
-/// What the service needs of a fitter. Tests have their own.
+/// A fitter, as far as the service needs one. Tests have their own.
 pub(super) trait Backend: Send + Sync {
     /// Reads a recipe document and plans its job.
     fn plan(&self, document: &[u8], entry_limit: u64) -> Result<NewJob, SubmitError>;
@@ -99,7 +99,7 @@ pub(super) struct FitBackend {
     plans: Cache<Digest, Arc<Plan>>,
     /// Files of tabulated BRDFs by their names.
     files: Cache<String, TabulatedFile>,
-    /// Where these files are; without it, there are none.
+    /// The store of these files; `None` for a backend without files.
     blobs: Option<Arc<dyn Blobs>>,
 }
 

@@ -54,7 +54,7 @@ impl fmt::Debug for DatabaseUrl {
     }
 }
 
-/// What the processes of a cluster share.
+/// The database and the store of blobs that the processes of a cluster share.
 #[derive(Debug, Clone)]
 pub struct Shared {
     /// The database of the queue and the catalogue.

@@ -1,4 +1,4 @@
-//! What several processes do to one queue. What every queue does is in [`crate::queue`]'s own tests.
+//! Several processes on one queue. The tests of every queue are [`crate::queue`]'s.
 
 use std::{
     num::{NonZeroU32, NonZeroUsize},

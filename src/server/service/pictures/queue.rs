@@ -62,7 +62,7 @@ pub(super) struct State {
     is_rendering: bool,
     thread_runs: bool,
     pub(super) is_closed: bool,
-    /// What rendered the last scene. Before the first it is known only if the CPU is demanded.
+    /// The adapter that rendered the last scene. Before the first it is known only if the CPU is demanded.
     pub(super) adapter: Option<Arc<str>>,
     pub(super) counts: PictureCounts,
 }

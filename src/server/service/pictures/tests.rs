@@ -129,7 +129,7 @@ fn a_picture_of_too_many_samples_is_refused_at_once() {
     let text = refused.to_string();
     let names_both = text.contains("17213.4 million samples") && text.contains(&format!("{:.1} million;", limit / 1e6));
     assert!(names_both && text.contains("`--picture-seconds`"), "{text}");
-    // What the caller has is not rendered, so it is not refused either.
+    // A picture that the caller has already is not rendered, so it is not refused either.
     let known = service.picture(Some(table), largest(), |_| true);
     assert!(matches!(known, Ok(PictureReply::Known { .. })), "{known:?}");
     let counts = service.state.pictures.counts();

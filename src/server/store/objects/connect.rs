@@ -22,7 +22,7 @@ const ENDPOINTS: [&str; 5] =
 /// The object that is written to find out whether the store can be written.
 const MARK: &str = "ltcforge";
 
-/// What a process needs a blob store for.
+/// The use that a process has for a blob store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
     /// Only reading.

@@ -167,10 +167,10 @@ impl Device {
     }
 }
 
-/// What of `sphere.wgsl` an estimator is.
+/// The entry point of `sphere.wgsl` for an estimator, with its constants.
 struct Program {
     entry_point: &'static str,
-    /// By which it lights, if it lights by one.
+    /// The Gaussian, for an estimator that lights by one.
     gaussian: Gaussian,
     /// The number of the rule by which model `normals` averages its weight.
     rule: u32,
