@@ -13,9 +13,9 @@ named_list! {
     /// How the light that a surface reflects is found.
     pub enum LightModel: ModelOfLight {
         /// The closed form in the space of normals, without a table.
-        Normals = "normals" => normals::Rules,
+        Normals = "normals" => normals::NormalsModel,
         /// A table of LTCs.
-        Ltc = "ltc" => ltc::Rules,
+        Ltc = "ltc" => ltc::LtcModel,
         /// A spherical Gaussian, without a table or by one.
         Sg = "sg" => gaussians::SG,
         /// An anisotropic spherical Gaussian, without a table or by one.

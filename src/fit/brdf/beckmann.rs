@@ -18,9 +18,9 @@ pub struct Beckmann {
 }
 
 /// Beckmann as an item of [`super::BrdfKind`].
-pub(super) struct Rules;
+pub(super) struct BeckmannRules;
 
-impl BrdfRules for Rules {
+impl BrdfRules for BeckmannRules {
     fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
         Box::new(Beckmann { alpha_x, alpha_y })
     }

@@ -25,9 +25,9 @@ pub struct BurleyDiffuse {
 }
 
 /// Burley's diffuse reflection as an item of [`super::BrdfKind`].
-pub(super) struct Rules;
+pub(super) struct BurleyDiffuseRules;
 
-impl BrdfRules for Rules {
+impl BrdfRules for BurleyDiffuseRules {
     fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
         Box::new(BurleyDiffuse { roughness: alpha_x.max(alpha_y).sqrt() })
     }

@@ -18,9 +18,9 @@ pub struct Charlie {
 }
 
 /// Charlie with the visibility of Estevez and Kulla as an item of [`super::BrdfKind`].
-pub(super) struct Rules;
+pub(super) struct CharlieRules;
 
-impl BrdfRules for Rules {
+impl BrdfRules for CharlieRules {
     fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
         Box::new(Charlie::new(alpha_x.max(alpha_y)))
     }

@@ -17,9 +17,9 @@ pub struct CharlieNeubelt {
 }
 
 /// Charlie with the visibility of Neubelt and Pettineo as an item of [`super::BrdfKind`].
-pub(super) struct Rules;
+pub(super) struct CharlieNeubeltRules;
 
-impl BrdfRules for Rules {
+impl BrdfRules for CharlieNeubeltRules {
     fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
         Box::new(CharlieNeubelt::new(alpha_x.max(alpha_y)))
     }

@@ -17,9 +17,9 @@ pub struct Ggx {
 }
 
 /// GGX as an item of [`super::BrdfKind`].
-pub(super) struct Rules;
+pub(super) struct GgxRules;
 
-impl BrdfRules for Rules {
+impl BrdfRules for GgxRules {
     fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
         Box::new(Ggx { alpha_x, alpha_y })
     }

@@ -36,19 +36,19 @@ named_list! {
     /// The scattering model that is fitted.
     pub enum BrdfKind: BrdfRules {
         /// Anisotropic GGX with height-correlated Smith masking.
-        Ggx = "ggx" => ggx::Rules,
+        Ggx = "ggx" => ggx::GgxRules,
         /// Anisotropic Beckmann with height-correlated Smith masking.
-        Beckmann = "beckmann" => beckmann::Rules,
+        Beckmann = "beckmann" => beckmann::BeckmannRules,
         /// Sheen: Charlie with the visibility of Estevez and Kulla.
-        Charlie = "charlie" => charlie::Rules,
+        Charlie = "charlie" => charlie::CharlieRules,
         /// Sheen: Charlie with the visibility of Neubelt and Pettineo, as in glTF.
-        CharlieNeubelt = "charlie_neubelt" => charlie_neubelt::Rules,
+        CharlieNeubelt = "charlie_neubelt" => charlie_neubelt::CharlieNeubeltRules,
         /// Burley's diffuse reflection.
-        BurleyDiffuse = "burley_diffuse" => burley_diffuse::Rules,
+        BurleyDiffuse = "burley_diffuse" => burley_diffuse::BurleyDiffuseRules,
         /// Energy-preserving Oren-Nayar [Portsmouth, Kutz and Hill 2024].
-        OrenNayar = "oren_nayar" => oren_nayar::Rules,
+        OrenNayar = "oren_nayar" => oren_nayar::OrenNayarRules,
         /// An isotropic BRDF given as numbers in a file.
-        Tabulated = "tabulated" => tabulated::Rules,
+        Tabulated = "tabulated" => tabulated::TabulatedRules,
     }
 }
 

@@ -29,9 +29,9 @@ pub struct OrenNayar {
 }
 
 /// Energy-preserving Oren-Nayar as an item of [`super::BrdfKind`].
-pub(super) struct Rules;
+pub(super) struct OrenNayarRules;
 
-impl BrdfRules for Rules {
+impl BrdfRules for OrenNayarRules {
     fn surface(&self, [alpha_x, alpha_y]: [f64; 2]) -> Box<dyn Brdf> {
         Box::new(OrenNayar { roughness: alpha_x.max(alpha_y).sqrt() })
     }

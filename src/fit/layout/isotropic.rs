@@ -35,7 +35,7 @@ use crate::{
 };
 
 /// `sqrt(1 - cos theta)`; `M^-1` over its middle element.
-pub(super) const LTC2017: Rules = Rules {
+pub(super) const LTC2017: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [1, 1] },
     side: 64,
     theta: Spacing::Versine,
@@ -43,7 +43,7 @@ pub(super) const LTC2017: Rules = Rules {
     interpolation: [0.045, 6.0, 17.0],
 };
 /// theta; `M^-1` over its first element.
-pub(super) const LTC2016: Rules = Rules {
+pub(super) const LTC2016: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [0, 0] },
     side: 32,
     theta: Spacing::Even,
@@ -51,10 +51,10 @@ pub(super) const LTC2016: Rules = Rules {
     interpolation: [0.04, 11.0, 11.0],
 };
 /// theta; `M` with a third column of unit length.
-pub(super) const GODOT: Rules =
-    Rules { stored: Stored::Matrix, side: 64, theta: Spacing::Even, number: 4, interpolation: [0.039, 5.4, 2.1] };
+pub(super) const GODOT: Isotropic =
+    Isotropic { stored: Stored::Matrix, side: 64, theta: Spacing::Even, number: 4, interpolation: [0.039, 5.4, 2.1] };
 /// `sqrt(1 - cos theta)`; `M^-1` over its last element.
-pub(super) const HDRP: Rules = Rules {
+pub(super) const HDRP: Isotropic = Isotropic {
     stored: Stored::InverseOver { divisor: [2, 2] },
     side: 64,
     theta: Spacing::Versine,
@@ -64,13 +64,13 @@ pub(super) const HDRP: Rules = Rules {
 /// `sqrt(1 - cos theta)`; `M^-1` of the `M` with a third column of unit length.
 ///
 /// How its error depends on the nodes is taken to be as with [`HDRP`]: with 64 x 64 nodes it is two thirds of that.
-pub(super) const INVERSE: Rules =
-    Rules { stored: Stored::Inverse, side: 64, theta: Spacing::Versine, number: 6, interpolation: [0.05, 14.0, 4.0] };
+pub(super) const INVERSE: Isotropic =
+    Isotropic { stored: Stored::Inverse, side: 64, theta: Spacing::Versine, number: 6, interpolation: [0.05, 14.0, 4.0] };
 /// `sqrt(1 - cos theta)`; `M` over its last element.
 ///
 /// How its error depends on the nodes is taken to be as with [`HDRP`], which is right with 64 x 64 nodes and too little with
 /// fewer.
-pub(super) const MATRIX33: Rules = Rules {
+pub(super) const MATRIX33: Isotropic = Isotropic {
     stored: Stored::MatrixOverLast,
     side: 64,
     theta: Spacing::Versine,
@@ -100,8 +100,8 @@ impl Stored {
     }
 }
 
-/// One of the layouts.
-pub(super) struct Rules {
+/// A layout of isotropic tables.
+pub(super) struct Isotropic {
     stored: Stored,
     /// Texels along each side of the engines' tables.
     side: u32,
@@ -115,7 +115,7 @@ pub(super) struct Rules {
 /// The largest number that is stored: within half floats. Sharp lobes near the horizon have larger ones in some layouts.
 const MOST: f64 = 60_000.0;
 
-impl Rules {
+impl Isotropic {
     /// The least number on a stored diagonal: a normal one of the format.
     fn least(precision: Precision) -> f64 {
         match precision {
@@ -125,7 +125,7 @@ impl Rules {
     }
 }
 
-impl LayoutRules for Rules {
+impl LayoutRules for Isotropic {
     /// The engines' tables.
     fn default_resolution(&self) -> PerAxis<u32> {
         PerAxis { alpha: self.side, ratio: 1, theta: self.side, phi: 1 }

@@ -16,9 +16,9 @@ use crate::{
     lobe::ltc::align,
 };
 
-pub(super) struct Rules;
+pub(super) struct Kt2022;
 
-impl LayoutRules for Rules {
+impl LayoutRules for Kt2022 {
     /// The paper's resolution.
     fn default_resolution(&self) -> PerAxis<u32> {
         PerAxis { alpha: 8, ratio: 8, theta: 8, phi: 8 }

@@ -30,9 +30,9 @@ named_list! {
     pub enum Layout: LayoutRules {
         /// Nodes denser where lobes change faster; the matrix between the lobe and its [`Reflection`], with a third
         /// column of unit length, and terms in proportion to the reflection's.
-        Reflected = "reflected" => reflected::Rules,
+        Reflected = "reflected" => reflected::Reflected,
         /// Uniform axes; `M` with a third column of unit length [KT et al. 2022, sections 6 to 8].
-        Kt2022 = "kt2022" => kt2022::Rules,
+        Kt2022 = "kt2022" => kt2022::Kt2022,
         /// Isotropic: `M^-1` over its middle element, by roughness and `sqrt(1 - cos theta)` [Hill and Heitz 2017].
         Ltc2017 = "ltc2017" => isotropic::LTC2017,
         /// Isotropic: `M^-1` over its first element, by roughness and theta [Heitz et al. 2016].

@@ -19,9 +19,9 @@ use crate::{
     math::pow,
 };
 
-pub(super) struct Rules;
+pub(super) struct Reflected;
 
-impl LayoutRules for Rules {
+impl LayoutRules for Reflected {
     /// At most as many entries as the paper's 8^4, spread where they lower the error most.
     fn default_resolution(&self) -> PerAxis<u32> {
         PerAxis { alpha: 10, ratio: 6, theta: 9, phi: 7 }

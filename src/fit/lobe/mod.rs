@@ -14,7 +14,7 @@ named_list! {
     /// The distribution that stands for a lobe in a table.
     pub enum LobeModel: LobeModelRules {
         /// A linearly transformed cosine [Heitz et al. 2016].
-        Ltc = "ltc" => ltc::Rules,
+        Ltc = "ltc" => ltc::LtcLobeModel,
         /// A spherical Gaussian, cut at the horizon.
         Sg = "sg" => gaussian::SG,
         /// An anisotropic spherical Gaussian [Xu et al. 2013], cut at the horizon.

@@ -19,9 +19,9 @@ named_list! {
     /// The distance between lobe and LTC that a fit minimises.
     pub enum Metric: MetricRules {
         /// Sliced Wasserstein-1 distance [KT et al. 2022, equation 9].
-        Sw1 = "sw1" => sw1::Rules,
+        Sw1 = "sw1" => sw1::Sw1,
         /// The L3 norm of the difference of densities, by multiple importance sampling [Heitz et al. 2016].
-        L3 = "l3" => l3::Rules,
+        L3 = "l3" => l3::L3,
     }
 }
 

@@ -19,12 +19,12 @@ named_list! {
     /// How a distance is minimised.
     pub enum Solver: SolverRules {
         /// BFGS on the seven free numbers, over fixed low-discrepancy samples.
-        Bfgs = "bfgs" => bfgs::Rules,
+        Bfgs = "bfgs" => bfgs::Bfgs,
         /// Stochastic gradient descent on all nine numbers, over random samples [KT et al. 2022, Algorithm 3].
-        Sgd = "sgd" => sgd::Rules,
+        Sgd = "sgd" => sgd::Sgd,
         /// Nelder and Mead's simplex on three numbers in the frame of the mean direction, for isotropic surfaces
         /// [Heitz et al. 2016].
-        NelderMead = "nelder_mead" => nelder_mead::Rules,
+        NelderMead = "nelder_mead" => nelder_mead::NelderMead,
     }
 }
 

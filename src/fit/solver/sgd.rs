@@ -34,9 +34,9 @@ const DENSITY_SECONDS: f64 = 0.1e-6;
 const REST_SECONDS: f64 = 20e-9;
 
 /// The published descent as an item of [`super::Solver`].
-pub(super) struct Rules;
+pub(super) struct Sgd;
 
-impl SolverRules for Rules {
+impl SolverRules for Sgd {
     fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
         descend(&objective, stop_check)
     }

@@ -8,14 +8,14 @@ use crate::{
 use ltcforge_fit::{Configuration, LobeModel};
 
 /// A model as an item of [`crate::LightModel`].
-pub(crate) struct Rules(Gaussian);
+pub(crate) struct GaussianModel(Gaussian);
 
 /// The round one.
-pub(crate) const SG: Rules = Rules(Gaussian::Sg);
+pub(crate) const SG: GaussianModel = GaussianModel(Gaussian::Sg);
 /// The stretched one.
-pub(crate) const ASG: Rules = Rules(Gaussian::Asg);
+pub(crate) const ASG: GaussianModel = GaussianModel(Gaussian::Asg);
 
-impl ModelOfLight for Rules {
+impl ModelOfLight for GaussianModel {
     fn formula(&self) -> Option<&dyn Formula> {
         Some(self)
     }
@@ -29,7 +29,7 @@ impl ModelOfLight for Rules {
     }
 }
 
-impl Formula for Rules {
+impl Formula for GaussianModel {
     fn cost(&self) -> u32 {
         6
     }

@@ -12,9 +12,9 @@ use super::rules::ModelOfLight;
 use ltcforge_fit::LobeModel;
 
 /// The model as an item of [`crate::LightModel`].
-pub(super) struct Rules;
+pub(super) struct LtcModel;
 
-impl ModelOfLight for Rules {
+impl ModelOfLight for LtcModel {
     fn lobe(&self) -> Option<LobeModel> {
         Some(LobeModel::Ltc)
     }

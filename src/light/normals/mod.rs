@@ -28,7 +28,7 @@ mod model;
 mod outline;
 mod weight;
 
-pub(super) use self::{cone::cos_of_third, edge::arc_bend, model::Rules};
+pub(super) use self::{cone::cos_of_third, edge::arc_bend, model::NormalsModel};
 use self::{
     edge::{curved_part, shared},
     outline::{Corner, Outline, Parts},

@@ -8,15 +8,15 @@ use crate::{
 use ltcforge_fit::Configuration;
 
 /// The model as an item of [`crate::LightModel`].
-pub(crate) struct Rules;
+pub(crate) struct NormalsModel;
 
-impl ModelOfLight for Rules {
+impl ModelOfLight for NormalsModel {
     fn formula(&self) -> Option<&dyn Formula> {
         Some(self)
     }
 }
 
-impl Formula for Rules {
+impl Formula for NormalsModel {
     fn weights(&self) -> &'static [WeightRule] {
         WeightRule::ALL
     }
@@ -44,5 +44,5 @@ pub fn by_normals<'a>(
     light: impl Into<AreaLight<'a>>,
     rule: WeightRule,
 ) -> Result<Reflected, LightError> {
-    lit(at, light.into(), |lit| Rules.reflected(lit, rule))
+    lit(at, light.into(), |lit| NormalsModel.reflected(lit, rule))
 }

@@ -10,9 +10,9 @@ use ltcforge_fit::Precision;
 ///
 /// The guard and the arrays have names of their own for each table and layout, so that headers of several can be included
 /// together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
-pub(super) struct Rules;
+pub(super) struct CHeader;
 
-impl ContainerRules for Rules {
+impl ContainerRules for CHeader {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         let suffix = about.suffix();
         let guard = format!("ltcforge_{stem}{suffix}_h").to_ascii_uppercase();

@@ -12,9 +12,9 @@ use ltcforge_fit::Precision;
 /// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of several
 /// tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halfs, which is
 /// what Unity's `Texture2D.SetPixelData` takes.
-pub(super) struct Rules;
+pub(super) struct CSharp;
 
-impl ContainerRules for Rules {
+impl ContainerRules for CSharp {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         let mut text = format!("{}\npublic static class Ltcforge{}\n{{", about.comment(), about.suffix());
         for stored in textures {

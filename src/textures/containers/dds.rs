@@ -17,11 +17,11 @@ use ltcforge_fit::Precision;
 const NAME: &str = "DDS";
 
 /// DDS with either header.
-pub(super) struct Rules {
+pub(super) struct Dds {
     pub(super) always_dx10: bool,
 }
 
-impl ContainerRules for Rules {
+impl ContainerRules for Dds {
     fn files(&self, _stem: &str, textures: &[Stored<'_>], _about: &About) -> Result<Vec<Written>, TextureFileError> {
         one_each(textures, "dds", |texture| match legacy_format(texture) {
             Some(format) if !self.always_dx10 => legacy(texture, format),

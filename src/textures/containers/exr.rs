@@ -17,9 +17,9 @@ use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// `OpenEXR`.
-pub(super) struct Rules;
+pub(super) struct Exr;
 
-impl ContainerRules for Rules {
+impl ContainerRules for Exr {
     fn files(&self, _stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         one_each(textures, "exr", |texture| encode(texture, about))
     }

@@ -10,9 +10,9 @@ use crate::{about::About, digits::shortest, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// One module with all textures: `Float32Array`, or a `Uint16Array` of the bits of halfs, which is what WebGL takes.
-pub(super) struct Rules;
+pub(super) struct JavaScript;
 
-impl ContainerRules for Rules {
+impl ContainerRules for JavaScript {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         let mut text = about.comment();
         for stored in textures {

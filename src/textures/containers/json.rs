@@ -8,9 +8,9 @@ use ltcforge_fit::Precision;
 
 /// One document with all textures. Numbers have the shortest digits from which the stored number comes back, for 16 bits
 /// the stored half.
-pub(super) struct Rules;
+pub(super) struct Json;
 
-impl ContainerRules for Rules {
+impl ContainerRules for Json {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         let texts: Vec<String> = textures.iter().map(texture).collect();
         let about = json!(about.lines());

@@ -29,11 +29,11 @@ const SIGNED_FLOAT: u8 = 0x80 | 0x40;
 const NAME: &str = "KTX2";
 
 /// KTX2, compressed or not.
-pub(super) struct Rules {
+pub(super) struct Ktx2 {
     pub(super) zstd: bool,
 }
 
-impl ContainerRules for Rules {
+impl ContainerRules for Ktx2 {
     fn files(&self, _stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         one_each(textures, "ktx2", |texture| encode(texture, self.zstd, about))
     }

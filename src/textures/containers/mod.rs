@@ -33,31 +33,31 @@ named_list! {
     /// A file format that holds textures.
     pub enum TextureContainer: ContainerRules {
         /// Khronos' KTX 2.0, uncompressed: what any loader of KTX2 reads.
-        Ktx2 = "ktx2" => ktx2::Rules { zstd: false },
+        Ktx2 = "ktx2" => ktx2::Ktx2 { zstd: false },
         /// KTX 2.0 with zstd supercompression.
-        Ktx2Zstd = "ktx2-zstd" => ktx2::Rules { zstd: true },
+        Ktx2Zstd = "ktx2-zstd" => ktx2::Ktx2 { zstd: true },
         /// `DirectDraw` Surface with the header of Direct3D 9, or, where that cannot hold the texture, of Direct3D 10.
-        Dds = "dds" => dds::Rules { always_dx10: false },
+        Dds = "dds" => dds::Dds { always_dx10: false },
         /// `DirectDraw` Surface with the header of Direct3D 10.
-        DdsDx10 = "dds-dx10" => dds::Rules { always_dx10: true },
+        DdsDx10 = "dds-dx10" => dds::Dds { always_dx10: true },
         /// `OpenEXR` with named channels, a part for each slice.
-        Exr = "exr" => exr::Rules,
+        Exr = "exr" => exr::Exr,
         /// `NumPy`'s array, C order.
-        Npy = "npy" => npy::Rules,
+        Npy = "npy" => npy::Npy,
         /// `NumPy`'s archive of arrays, uncompressed.
-        Npz = "npz" => npz::Rules,
+        Npz = "npz" => npz::Npz,
         /// The numbers alone, little-endian, beside a JSON document that says what they are.
-        Raw = "raw" => raw::Rules,
+        Raw = "raw" => raw::Raw,
         /// Arrays for C and C++.
-        CHeader = "c" => c_header::Rules,
+        CHeader = "c" => c_header::CHeader,
         /// Statics for Rust.
-        RustModule = "rust" => rust_module::Rules,
+        RustModule = "rust" => rust_module::RustModule,
         /// A static class for C#.
-        CSharp = "csharp" => csharp::Rules,
+        CSharp = "csharp" => csharp::CSharp,
         /// An ES module that exports typed arrays.
-        JavaScript = "js" => javascript::Rules,
+        JavaScript = "js" => javascript::JavaScript,
         /// Arrays of numbers.
-        Json = "json" => json::Rules,
+        Json = "json" => json::Json,
     }
 }
 

@@ -10,9 +10,9 @@ const ALIGNMENT: usize = 64;
 
 /// An array a file, of the shape that [`crate::Texture::shape`] tells. The format has no place for what
 /// a file says of itself.
-pub(super) struct Rules;
+pub(super) struct Npy;
 
-impl ContainerRules for Rules {
+impl ContainerRules for Npy {
     fn files(&self, _stem: &str, textures: &[Stored<'_>], _about: &About) -> Result<Vec<Written>, TextureFileError> {
         one_each(textures, "npy", |texture| Ok(encode(texture)))
     }

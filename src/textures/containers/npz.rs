@@ -11,9 +11,9 @@ use super::{
 use crate::{about::About, file::TextureFileError};
 
 /// All textures in one file; what it says of itself is a member `about.txt`.
-pub(super) struct Rules;
+pub(super) struct Npz;
 
-impl ContainerRules for Rules {
+impl ContainerRules for Npz {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         let arrays = textures.iter().map(|texture| (format!("{}.npy", texture.texture.name), npy::encode(texture)));
         let text = ("about.txt".to_owned(), (about.lines().join("\n") + "\n").into_bytes());

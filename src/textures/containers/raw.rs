@@ -10,9 +10,9 @@ use crate::{about::About, file::TextureFileError, rounding::RoundingError};
 use ltcforge_files::digest::Digest;
 
 /// `NAME.bin` and `NAME.json` for each texture.
-pub(super) struct Rules;
+pub(super) struct Raw;
 
-impl ContainerRules for Rules {
+impl ContainerRules for Raw {
     fn files(&self, _stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         let files = textures.iter().flat_map(|stored| {
             let bytes = stored.rounded.little_endian();

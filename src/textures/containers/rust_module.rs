@@ -10,9 +10,9 @@ use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// One module with all textures: statics of `f32`, or of `u16` that are the bits of halfs.
-pub(super) struct Rules;
+pub(super) struct RustModule;
 
-impl ContainerRules for Rules {
+impl ContainerRules for RustModule {
     fn files(&self, stem: &str, textures: &[Stored<'_>], about: &About) -> Result<Vec<Written>, TextureFileError> {
         let mut text = about.comment();
         for stored in textures {

@@ -10,9 +10,9 @@ use crate::{bundle::Bundle, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// Babylon.js.
-pub(super) struct Rules;
+pub(super) struct Babylon;
 
-impl EngineRules for Rules {
+impl EngineRules for Babylon {
     fn layout(&self) -> Option<&'static str> {
         Some("ltc2017")
     }

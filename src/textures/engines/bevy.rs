@@ -8,9 +8,9 @@ use crate::{bundle::Bundle, containers::ktx2, file::TextureFileError, halfs::Hal
 use ltcforge_fit::Precision;
 
 /// Bevy.
-pub(super) struct Rules;
+pub(super) struct Bevy;
 
-impl EngineRules for Rules {
+impl EngineRules for Bevy {
     fn layout(&self) -> Option<&'static str> {
         Some("ltc2017")
     }

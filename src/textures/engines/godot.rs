@@ -8,9 +8,9 @@ use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// Godot.
-pub(super) struct Rules;
+pub(super) struct Godot;
 
-impl EngineRules for Rules {
+impl EngineRules for Godot {
     fn layout(&self) -> Option<&'static str> {
         Some("godot")
     }

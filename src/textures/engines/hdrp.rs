@@ -10,9 +10,9 @@ use crate::{bundle::Bundle, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// Unity's High Definition Render Pipeline.
-pub(super) struct Rules;
+pub(super) struct Hdrp;
 
-impl EngineRules for Rules {
+impl EngineRules for Hdrp {
     fn layout(&self) -> Option<&'static str> {
         Some("hdrp")
     }

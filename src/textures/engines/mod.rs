@@ -21,21 +21,21 @@ named_list! {
     /// A renderer that has area lights by LTC tables, or that takes ours.
     pub enum Engine: EngineRules {
         /// three.js.
-        Three = "three" => three::Rules,
+        Three = "three" => three::Three,
         /// Babylon.js.
-        Babylon = "babylon" => babylon::Rules,
+        Babylon = "babylon" => babylon::Babylon,
         /// `PlayCanvas`.
-        PlayCanvas = "playcanvas" => playcanvas::Rules,
+        PlayCanvas = "playcanvas" => playcanvas::PlayCanvas,
         /// Bevy.
-        Bevy = "bevy" => bevy::Rules,
+        Bevy = "bevy" => bevy::Bevy,
         /// Godot.
-        Godot = "godot" => godot::Rules,
+        Godot = "godot" => godot::Godot,
         /// Open 3D Engine.
-        O3de = "o3de" => o3de::Rules,
+        O3de = "o3de" => o3de::O3de,
         /// Unity's High Definition Render Pipeline.
-        Hdrp = "hdrp" => hdrp::Rules,
+        Hdrp = "hdrp" => hdrp::Hdrp,
         /// A renderer of one's own with the shader that `ltcforge shader` writes.
-        Wgpu = "wgpu" => wgpu::Rules,
+        Wgpu = "wgpu" => wgpu::Wgpu,
     }
 }
 

@@ -10,12 +10,12 @@ use crate::{bundle::Bundle, containers::dx10, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// Open 3D Engine.
-pub(super) struct Rules;
+pub(super) struct O3de;
 
 /// The size that its shader is written for.
 const SHADER_SIZE: u32 = 32;
 
-impl EngineRules for Rules {
+impl EngineRules for O3de {
     fn layout(&self) -> Option<&'static str> {
         Some("ltc2016")
     }

@@ -14,9 +14,9 @@ use crate::{bundle::Bundle, digits::shortest, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// `PlayCanvas`.
-pub(super) struct Rules;
+pub(super) struct PlayCanvas;
 
-impl EngineRules for Rules {
+impl EngineRules for PlayCanvas {
     fn layout(&self) -> Option<&'static str> {
         Some("ltc2017")
     }

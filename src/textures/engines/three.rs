@@ -14,12 +14,12 @@ use crate::{bundle::Bundle, containers::Stored, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// three.js.
-pub(super) struct Rules;
+pub(super) struct Three;
 
 /// Makes the four textures with the classes of the page's own three.js.
 const FUNCTION: &str = include_str!("create_ltc.js");
 
-impl EngineRules for Rules {
+impl EngineRules for Three {
     fn layout(&self) -> Option<&'static str> {
         Some("ltc2017")
     }

@@ -13,9 +13,9 @@ use crate::{
 use ltcforge_fit::Precision;
 
 /// A renderer of one's own.
-pub(super) struct Rules;
+pub(super) struct Wgpu;
 
-impl EngineRules for Rules {
+impl EngineRules for Wgpu {
     fn layout(&self) -> Option<&'static str> {
         None
     }

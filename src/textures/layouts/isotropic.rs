@@ -20,7 +20,7 @@ const THETA: TextureAxis =
 const AMPLITUDE: &str = "reflectance is f0 (amplitude - fresnel) + f90 fresnel";
 
 /// three.js, Babylon.js, `PlayCanvas`, Bevy, Blender, Unreal.
-pub(super) const LTC2017: Rules = Rules {
+pub(super) const LTC2017: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Ltc2017,
         axes: &[ROUGHNESS, VERSINE],
@@ -47,7 +47,7 @@ pub(super) const LTC2017: Rules = Rules {
 };
 
 /// Open 3D Engine.
-pub(super) const LTC2016: Rules = Rules {
+pub(super) const LTC2016: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Ltc2016,
         axes: &[ROUGHNESS, THETA],
@@ -69,7 +69,7 @@ pub(super) const LTC2016: Rules = Rules {
 };
 
 /// Godot.
-pub(super) const GODOT: Rules = Rules {
+pub(super) const GODOT: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Godot,
         axes: &[ROUGHNESS, THETA],
@@ -95,7 +95,7 @@ pub(super) const GODOT: Rules = Rules {
 };
 
 /// Unity's High Definition Render Pipeline.
-pub(super) const HDRP: Rules = Rules {
+pub(super) const HDRP: EngineTextures = EngineTextures {
     sampling: TextureSampling {
         table: Layout::Hdrp,
         axes: &[ROUGHNESS, VERSINE],
@@ -122,14 +122,14 @@ enum Number {
     Zero,
 }
 
-/// One of the layouts.
-pub(super) struct Rules {
+/// The 2D textures of one layout of tables.
+pub(super) struct EngineTextures {
     pub(super) sampling: TextureSampling,
     /// The numbers of each texture's channels.
     numbers: &'static [&'static [Number]],
 }
 
-impl TextureRules for Rules {
+impl TextureRules for EngineTextures {
     fn sampling(&self) -> TextureSampling {
         self.sampling
     }

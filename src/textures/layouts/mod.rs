@@ -34,7 +34,7 @@ named_list! {
         /// The three textures of layout `kt2022` as one 2D array.
         Kt2022Array = "kt2022-array" => volumes::KT2022_ARRAY,
         /// The 3D texture of KT et al. 2022's demo.
-        Kt2022Volume = "kt2022-volume" => published::Rules,
+        Kt2022Volume = "kt2022-volume" => published::Kt2022Volume,
         /// Two 2D textures of layout `ltc2017`.
         Ltc2017 = "ltc2017" => isotropic::LTC2017,
         /// Two 2D textures of layout `ltc2016`.

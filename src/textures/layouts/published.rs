@@ -9,15 +9,15 @@ use super::{
 use crate::texture::Texture;
 use ltcforge_fit::{Layout, PerAxis, Table};
 
-/// The layout.
-pub(super) struct Rules;
+/// The texture of the demo of KT et al. 2022.
+pub(super) struct Kt2022Volume;
 
 /// Nodes on each axis: they are written into the demo's shader.
 const NODES: u32 = 8;
 const TEXTURES: &[TexturesOf] =
     &[TexturesOf { name: "ltc_rows", channels: &["column_0", "column_1", "column_2", "zero"], meaning: "a row of M" }];
 
-impl TextureRules for Rules {
+impl TextureRules for Kt2022Volume {
     fn sampling(&self) -> TextureSampling {
         TextureSampling {
             table: Layout::Kt2022,

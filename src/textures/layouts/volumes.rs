@@ -45,43 +45,43 @@ const TOGETHER: &[TexturesOf] = &[TexturesOf {
 }];
 const COLUMN: &str = "the stored matrix, its third column of unit length";
 
-pub(super) const REFLECTED: Rules =
-    Rules { table: Layout::Reflected, is_array: false, normalisation: COLUMN, recipe: r#"{"layout": "reflected"}"# };
-pub(super) const KT2022: Rules = Rules { table: Layout::Kt2022, recipe: r#"{"layout": "kt2022"}"#, ..REFLECTED };
-pub(super) const LTC2017: Rules = of(&isotropic::LTC2017);
-pub(super) const LTC2016: Rules = of(&isotropic::LTC2016);
-pub(super) const GODOT: Rules = of(&isotropic::GODOT);
-pub(super) const HDRP: Rules = of(&isotropic::HDRP);
-pub(super) const INVERSE: Rules = Rules {
+pub(super) const REFLECTED: ShaderTextures =
+    ShaderTextures { table: Layout::Reflected, is_array: false, normalisation: COLUMN, recipe: r#"{"layout": "reflected"}"# };
+pub(super) const KT2022: ShaderTextures = ShaderTextures { table: Layout::Kt2022, recipe: r#"{"layout": "kt2022"}"#, ..REFLECTED };
+pub(super) const LTC2017: ShaderTextures = of(&isotropic::LTC2017);
+pub(super) const LTC2016: ShaderTextures = of(&isotropic::LTC2016);
+pub(super) const GODOT: ShaderTextures = of(&isotropic::GODOT);
+pub(super) const HDRP: ShaderTextures = of(&isotropic::HDRP);
+pub(super) const INVERSE: ShaderTextures = ShaderTextures {
     table: Layout::Inverse,
     normalisation: "the stored matrix, the inverse of the one with a third column of unit length",
     recipe: r#"{"layout": "inverse"}"#,
     ..REFLECTED
 };
-pub(super) const MATRIX33: Rules = Rules {
+pub(super) const MATRIX33: ShaderTextures = ShaderTextures {
     table: Layout::Matrix33,
     normalisation: "the stored matrix over its last element",
     recipe: r#"{"layout": "matrix33"}"#,
     ..REFLECTED
 };
-pub(super) const REFLECTED_ARRAY: Rules = Rules { is_array: true, ..REFLECTED };
-pub(super) const KT2022_ARRAY: Rules = Rules { is_array: true, ..KT2022 };
+pub(super) const REFLECTED_ARRAY: ShaderTextures = ShaderTextures { is_array: true, ..REFLECTED };
+pub(super) const KT2022_ARRAY: ShaderTextures = ShaderTextures { is_array: true, ..KT2022 };
 
-/// Of the tables whose 2D textures these are.
-const fn of(engines: &isotropic::Rules) -> Rules {
+/// The textures for our shader of the tables from which `engines` makes 2D textures.
+const fn of(engines: &isotropic::EngineTextures) -> ShaderTextures {
     let TextureSampling { table, normalisation, recipe, .. } = engines.sampling;
-    Rules { table, is_array: false, normalisation, recipe }
+    ShaderTextures { table, is_array: false, normalisation, recipe }
 }
 
-/// One of the layouts.
-pub(super) struct Rules {
+/// Textures with the entries of a table in their order, as our own shader reads them.
+pub(super) struct ShaderTextures {
     table: Layout,
     is_array: bool,
     normalisation: &'static str,
     recipe: &'static str,
 }
 
-impl TextureRules for Rules {
+impl TextureRules for ShaderTextures {
     fn sampling(&self) -> TextureSampling {
         let (axes, textures) = if self.is_array { (ARRAY, TOGETHER) } else { (VOLUME, PARTS) };
         TextureSampling { table: self.table, axes, textures, normalisation: self.normalisation, recipe: self.recipe }

@@ -19,9 +19,9 @@ pub use grid::{Asymmetry, TabulatedBrdf};
 use super::scattering::{Brdf, BrdfRules, Compared};
 
 /// Tabulated BRDFs as an item of [`super::BrdfKind`]. Their surfaces are those of a file: see [`super::BrdfModel`].
-pub(super) struct Rules;
+pub(super) struct TabulatedRules;
 
-impl BrdfRules for Rules {
+impl BrdfRules for TabulatedRules {
     fn surface(&self, _: [f64; 2]) -> Box<dyn Brdf> {
         panic!("a tabulated model has surfaces with its file alone")
     }

@@ -15,14 +15,14 @@ use crate::{
 
 /// Gaussians as items of [`crate::LobeModel`]; the nine numbers are the matrix of [`SphericalGaussian::of_columns`],
 /// row-major.
-pub(in crate::lobe) struct Rules(Gaussian);
+pub(in crate::lobe) struct GaussianLobeModel(Gaussian);
 
 /// The round one.
-pub(in crate::lobe) const SG: Rules = Rules(Gaussian::Sg);
+pub(in crate::lobe) const SG: GaussianLobeModel = GaussianLobeModel(Gaussian::Sg);
 /// The stretched one.
-pub(in crate::lobe) const ASG: Rules = Rules(Gaussian::Asg);
+pub(in crate::lobe) const ASG: GaussianLobeModel = GaussianLobeModel(Gaussian::Asg);
 
-impl LobeModelRules for Rules {
+impl LobeModelRules for GaussianLobeModel {
     fn distribution(&self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
         let m = from_row_major(numbers);
         let determinant = m.determinant();

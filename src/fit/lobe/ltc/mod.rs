@@ -9,7 +9,7 @@ mod sphere;
 pub(crate) use align::align_to;
 pub use align::{align, turned};
 pub use distribution::Ltc;
-pub(super) use model::Rules;
+pub(super) use model::LtcLobeModel;
 #[cfg(any(test, feature = "testing"))]
 pub use polygon::quadrature;
 pub use polygon::{Clip, MAX_VERTICES, Sides};

@@ -9,9 +9,9 @@ use crate::{
 };
 
 /// LTCs as an item of [`crate::LobeModel`]; the nine numbers are the matrix, row-major.
-pub(in crate::lobe) struct Rules;
+pub(in crate::lobe) struct LtcLobeModel;
 
-impl LobeModelRules for Rules {
+impl LobeModelRules for LtcLobeModel {
     fn distribution(&self, numbers: &[f64; 9]) -> Option<Box<dyn LobeDistribution>> {
         Ltc::new(from_row_major(numbers)).map(|ltc| Box::new(ltc) as Box<dyn LobeDistribution>)
     }

@@ -38,13 +38,13 @@ const SAMPLE_WORK: usize = 8;
 const SAMPLE_SECONDS: f64 = 70e-9;
 
 /// The L3 norm as an item of [`super::Metric`].
-pub(super) struct Rules;
+pub(super) struct L3;
 
-impl MetricRules for Rules {
+impl MetricRules for L3 {
     fn distance(&self, samples: &Samples) -> Box<dyn Distance> {
         let coarse = (samples.count / COARSE).max(LEAST_COARSE).min(samples.count);
         let cosines = |count| Lattice::new(count, samples.shift).points().map(cosine_hemisphere).collect();
-        Box::new(L3 { cosines: Arc::new([cosines(coarse), cosines(samples.count)]) })
+        Box::new(L3Distance { cosines: Arc::new([cosines(coarse), cosines(samples.count)]) })
     }
 
     fn seconds(&self, samples: usize, _: usize) -> f64 {
@@ -54,11 +54,11 @@ impl MetricRules for Rules {
 
 /// The metric with its fixed samples of the clamped cosine, coarse and full, shared by all entries.
 #[derive(Debug, Clone)]
-struct L3 {
+struct L3Distance {
     cosines: Arc<[Vec<DVec3>; 2]>,
 }
 
-impl Distance for L3 {
+impl Distance for L3Distance {
     fn another(&self) -> Box<dyn Distance> {
         Box::new(self.clone())
     }

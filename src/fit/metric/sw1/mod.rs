@@ -44,9 +44,9 @@ const EVALUATION_SECONDS: f64 = 2.4e-9;
 const DIRECTION_SECONDS: f64 = 0.48e-6;
 
 /// The sliced Wasserstein distance as an item of [`super::Metric`].
-pub(super) struct Rules;
+pub(super) struct Sw1;
 
-impl MetricRules for Rules {
+impl MetricRules for Sw1 {
     fn compares_images(&self) -> bool {
         true
     }

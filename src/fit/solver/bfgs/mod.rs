@@ -53,9 +53,9 @@ fn curvature(spread: f64) -> Vector {
 }
 
 /// BFGS as an item of [`super::Solver`].
-pub(super) struct Rules;
+pub(super) struct Bfgs;
 
-impl SolverRules for Rules {
+impl SolverRules for Bfgs {
     fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
         let stop = StopRule { steps: objective.effort.steps, relative_decrease: RELATIVE_DECREASE };
         let target = objective.target;

@@ -43,9 +43,9 @@ const STEP_EVALUATIONS: f64 = 1.8;
 const LEAST: f64 = 1e-9;
 
 /// The simplex as an item of [`super::Solver`].
-pub(super) struct Rules;
+pub(super) struct NelderMead;
 
-impl SolverRules for Rules {
+impl SolverRules for NelderMead {
     fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3> {
         let Objective { target, loss, effort, simplex, near, .. } = objective;
         let start = near.map_or_else(|| Numbers::guessed(target, simplex.shear), |m| Numbers::of(&m, simplex.shear));
