@@ -14,11 +14,11 @@ use ltcforge_files::replace::{check_folder, folder_of, replace_file};
 pub(super) struct OutputFile {
     /// As the user named it.
     path: PathBuf,
-    place: Place,
+    destination: Destination,
 }
 
 #[derive(Debug)]
-enum Place {
+enum Destination {
     /// A file, existing or new, that is replaced as a whole.
     File(PathBuf),
     /// A device or a pipe, to which bytes are written.
@@ -32,18 +32,18 @@ impl OutputFile {
     /// When it is a folder, its folder is missing, or one of the two cannot be written.
     pub(super) fn check(path: &Path) -> Result<Self, CommandFailure> {
         let refuse = |error: &dyn std::fmt::Display| file_failure(path, error);
-        let place = match fs::metadata(path) {
+        let destination = match fs::metadata(path) {
             Ok(found) if found.is_dir() => return Err(refuse(&"this is a folder; name a file in it")),
             Ok(found) if found.is_file() => {
                 // The file is opened to see whether that is allowed. A link stays a link, and its target is replaced.
                 OpenOptions::new().write(true).open(path).map_err(|error| refuse(&error))?;
-                Place::File(fs::canonicalize(path).map_err(|error| refuse(&error))?)
+                Destination::File(fs::canonicalize(path).map_err(|error| refuse(&error))?)
             }
-            Ok(_) => Place::Stream,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Place::File(path.to_owned()),
+            Ok(_) => Destination::Stream,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Destination::File(path.to_owned()),
             Err(error) => return Err(refuse(&error)),
         };
-        if let Place::File(file) = &place {
+        if let Destination::File(file) = &destination {
             let folder = folder_of(file);
             if file.file_name().is_none() {
                 return Err(refuse(&"this names no file"));
@@ -53,7 +53,7 @@ impl OutputFile {
             }
             check_folder(folder).map_err(|error| refuse(&format!("no file can be made in its folder: {error}")))?;
         }
-        Ok(Self { path: path.to_owned(), place })
+        Ok(Self { path: path.to_owned(), destination })
     }
 
     /// Writes the file. If that fails, the old one stays as it was.
@@ -61,9 +61,9 @@ impl OutputFile {
     /// # Errors
     /// When it cannot be written.
     pub(super) fn write(&self, bytes: &[u8]) -> Result<(), CommandFailure> {
-        let written = match &self.place {
-            Place::File(file) => replace_file(file, bytes),
-            Place::Stream => fs::write(&self.path, bytes),
+        let written = match &self.destination {
+            Destination::File(file) => replace_file(file, bytes),
+            Destination::Stream => fs::write(&self.path, bytes),
         };
         written.map_err(|error| file_failure(&self.path, &error))
     }
