@@ -52,8 +52,8 @@ struct Cut<T> {
     entries: Vec<Triple<T>>,
 }
 
-/// A place on an arc: the direction, and how far it is along.
-type Place<T> = (Triple<T>, T);
+/// A point on an arc: the direction, and how far it is along.
+type ArcPoint<T> = (Triple<T>, T);
 
 impl<T: Scalar> Cut<T> {
     /// Keeps what of an arc is inside.
@@ -112,7 +112,7 @@ impl<T: Scalar> Cut<T> {
     }
 
     /// Keeps a piece of an arc. `[enters, exits]`: which of its ends are on the circle.
-    fn keep(&mut self, arc: &Arc<T>, (from, start): Place<T>, (to, end): Place<T>, [enters, exits]: [bool; 2]) {
+    fn keep(&mut self, arc: &Arc<T>, (from, start): ArcPoint<T>, (to, end): ArcPoint<T>, [enters, exits]: [bool; 2]) {
         if enters {
             self.entries.push(from);
         }
@@ -219,7 +219,7 @@ impl<'a, T: Scalar> Track<'a, T> {
     }
 
     /// A crossing at an angle, or the end past which rounding put it.
-    fn snapped_within(&self, w: Triple<T>, angle: T) -> Place<T> {
+    fn snapped_within(&self, w: Triple<T>, angle: T) -> ArcPoint<T> {
         if angle > T::ZERO && angle < self.end {
             (w, angle)
         } else if angle > T::of(0.5) * self.end {
@@ -230,7 +230,7 @@ impl<'a, T: Scalar> Track<'a, T> {
     }
 
     /// The only crossing on the arc, or the end past which rounding put it.
-    fn snapped(&self, w: Triple<T>) -> Place<T> {
+    fn snapped(&self, w: Triple<T>) -> ArcPoint<T> {
         let angle = self.along(w);
         if angle < self.end {
             (w, angle)

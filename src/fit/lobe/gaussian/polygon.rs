@@ -38,20 +38,20 @@ pub fn covered<T: Scalar>(lobe: &SphericalGaussian<T>, vertices: &[Triple<T>], s
         return T::ZERO;
     }
     let square = Square { lobe, origin: lobe.at(*last).map(half_erf) };
-    let mut before = square.place(*last);
+    let mut before = square.projected(*last);
     let mut cut = None;
     let mut area = T::ZERO;
     for vertex in vertices {
-        let now = square.place(*vertex);
+        let now = square.projected(*vertex);
         if before.w[2] > T::ZERO || now.w[2] > T::ZERO {
             let (mut from, mut to) = (before, now);
             let (enters, leaves) = cut.unwrap_or((now, now));
             if before.w[2] <= T::ZERO {
-                from = square.place(crossing(before.w, now.w));
+                from = square.projected(crossing(before.w, now.w));
                 cut = Some((from, leaves));
             }
             if now.w[2] <= T::ZERO {
-                to = square.place(crossing(before.w, now.w));
+                to = square.projected(crossing(before.w, now.w));
                 cut = Some((enters, to));
             }
             area = area + square.under(from, to);
@@ -88,27 +88,27 @@ struct Square<'a, T> {
 
 /// A direction of any length, and its image relative to the origin.
 #[derive(Clone, Copy)]
-struct Place<T> {
+struct Projected<T> {
     w: Triple<T>,
     image: [T; 2],
 }
 
 impl<T: Scalar> Square<'_, T> {
-    fn place(&self, w: Triple<T>) -> Place<T> {
+    fn projected(&self, w: Triple<T>) -> Projected<T> {
         let [x, y] = self.lobe.at(w).map(half_erf);
-        Place { w, image: [x - self.origin[0], y - self.origin[1]] }
+        Projected { w, image: [x - self.origin[0], y - self.origin[1]] }
     }
 
     /// The area between the origin and the image of an edge.
-    fn under(&self, from: Place<T>, to: Place<T>) -> T {
+    fn under(&self, from: Projected<T>, to: Projected<T>) -> T {
         let beside = around_foot(self.lobe, from.w, to.w)
-            .map(|t| self.place(plus(from.w, scaled(minus(to.w, from.w), t))).image);
+            .map(|t| self.projected(plus(from.w, scaled(minus(to.w, from.w), t))).image);
         let area = |a: [T; 2], b: [T; 2]| a[0] * b[1] - a[1] * b[0];
         T::of(0.5) * (area(from.image, beside[0]) + area(beside[0], beside[1]) + area(beside[1], to.image))
     }
 }
 
-/// 1 where an edge's foot is so far from the axis that its place is uncertain, 0 where it is well known; see [`FAR`].
+/// 1 where an edge's foot is so far from the axis that its position is uncertain, 0 where it is well known; see [`FAR`].
 fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> T {
     let normal = cross(from, to);
     let (height, normal2) = (dot(normal, lobe.axis), dot(normal, normal).max(T::of(1e-36)));

@@ -71,11 +71,11 @@ impl Distance for L3Distance {
 
 /// A direction in the lobe's frame at which the densities are compared.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct DensitySample {
     direction: DVec3,
     /// The lobe's density `g`.
     lobe: f64,
-    /// The density with which the place was drawn, times the number of samples: by the lobe's sampler alone, or by both.
+    /// The density with which it was drawn, times the number of samples: by the lobe's sampler alone, or by both.
     drawn: f64,
 }
 
@@ -99,7 +99,7 @@ impl Density {
     }
 }
 
-/// The integral of the cubes and its slopes, place by place.
+/// The integral of the cubes and its slopes, sample by sample.
 ///
 /// With `N = M^-1`, `c = N w` and `D = c_z |det N| / (pi |c|^4)`:
 ///
@@ -145,14 +145,14 @@ struct L3Loss<'a> {
     lobe: Lobe<'a>,
     cosines: &'a [Vec<DVec3>; 2],
     /// The lobe's samples.
-    places: Vec<Place>,
+    samples: Vec<DensitySample>,
     /// `albedo`.
     albedo: f64,
     /// `1 / integral g^3`.
     inv_whole: f64,
     spread: f64,
     /// The samples of lobe and LTC that gradients are taken at: those of the first matrix that was asked about.
-    held: [Option<Vec<Place>>; 2],
+    held: [Option<Vec<DensitySample>>; 2],
 }
 
 impl<'a> L3Loss<'a> {
@@ -160,7 +160,7 @@ impl<'a> L3Loss<'a> {
         let Lobe { brdf, wo, target } = lobe;
         let count = target.drawn as f64;
         let (mut albedo, mut cubes) = (0.0, 0.0);
-        let mut places = Vec::with_capacity(target.points.len());
+        let mut samples = Vec::with_capacity(target.points.len());
         for point in &target.points {
             let direction = *point + DVec3::Z;
             let [value, pdf] = seen(brdf, wo, target.frame * direction);
@@ -168,27 +168,27 @@ impl<'a> L3Loss<'a> {
             if pdf > 0.0 {
                 albedo += value / pdf;
                 cubes += value * value * value / pdf;
-                places.push(Place { direction, lobe: value, drawn: count * pdf });
+                samples.push(DensitySample { direction, lobe: value, drawn: count * pdf });
             }
         }
         albedo /= count;
         let inv_albedo = 1.0 / albedo;
-        for place in &mut places {
-            place.lobe *= inv_albedo;
+        for sample in &mut samples {
+            sample.lobe *= inv_albedo;
         }
         let whole = cubes / count * inv_albedo * inv_albedo * inv_albedo;
         let half_trace = 0.5 * (target.core.scatter.x_axis.x + target.core.scatter.y_axis.y);
-        Self { lobe, cosines, places, albedo, inv_whole: 1.0 / whole, spread: half_trace.sqrt(), held: [None, None] }
+        Self { lobe, cosines, samples, albedo, inv_whole: 1.0 / whole, spread: half_trace.sqrt(), held: [None, None] }
     }
 
     /// The sample of the LTC of `m` that a clamped cosine's sample becomes.
-    fn moved(&self, m: &DMat3, factor: f64, cosine: DVec3, count: f64) -> (Place, f64) {
+    fn moved(&self, m: &DMat3, factor: f64, cosine: DVec3, count: f64) -> (DensitySample, f64) {
         let image = *m * cosine;
         let length = image.length();
         let direction = image * (1.0 / length);
         let density = cosine.z * factor * (length * length * length);
         let [value, pdf] = seen(self.lobe.brdf, self.lobe.wo, self.lobe.target.frame * direction);
-        (Place { direction, lobe: value / self.albedo, drawn: count * pdf }, density)
+        (DensitySample { direction, lobe: value / self.albedo, drawn: count * pdf }, density)
     }
 
     /// `spread (sum / integral g^3)^(1/3)` for an estimate of the integral of the cube.
@@ -204,17 +204,19 @@ impl<'a> L3Loss<'a> {
         (loss, slopes.by_matrix(m) * scale)
     }
 
-    fn hold(&self, m: &DMat3, grain: Grain) -> Vec<Place> {
+    fn hold(&self, m: &DMat3, grain: Grain) -> Vec<DensitySample> {
         let cosines = &self.cosines[grain as usize];
         let (count, density) = (cosines.len() as f64, Density::new(m));
         let stride = self.stride(grain);
         let share = 1.0 / stride as f64;
-        let of_lobe = self.places.iter().step_by(stride);
-        let own =
-            of_lobe.map(|place| Place { drawn: place.drawn * share + count * density.at(place.direction).1, ..*place });
+        let of_lobe = self.samples.iter().step_by(stride);
+        let own = of_lobe.map(|sample| DensitySample {
+            drawn: sample.drawn * share + count * density.at(sample.direction).1,
+            ..*sample
+        });
         let of_ltc = cosines.iter().map(|cosine| {
-            let (place, density) = self.moved(m, density.factor, *cosine, self.lobe.target.drawn as f64 * share);
-            Place { drawn: place.drawn + count * density, ..place }
+            let (sample, density) = self.moved(m, density.factor, *cosine, self.lobe.target.drawn as f64 * share);
+            DensitySample { drawn: sample.drawn + count * density, ..sample }
         });
         own.chain(of_ltc).collect()
     }
@@ -244,16 +246,16 @@ impl Loss for L3Loss<'_> {
 
     fn value(&mut self, m: &DMat3, stop_check: &mut StopCheck) -> Option<f64> {
         let cosines = &self.cosines[Grain::Full as usize];
-        stop_check.worked(self.places.len() + SAMPLE_WORK * cosines.len())?;
+        stop_check.worked(self.samples.len() + SAMPLE_WORK * cosines.len())?;
         let (count, density) = (cosines.len() as f64, Density::new(m));
         let mut sum = 0.0;
-        for place in &self.places {
-            let (_, ltc) = density.at(place.direction);
-            sum += cube((place.lobe - ltc).abs()) / (place.drawn + count * ltc);
+        for sample in &self.samples {
+            let (_, ltc) = density.at(sample.direction);
+            sum += cube((sample.lobe - ltc).abs()) / (sample.drawn + count * ltc);
         }
         for cosine in cosines {
-            let (place, ltc) = self.moved(m, density.factor, *cosine, self.lobe.target.drawn as f64);
-            sum += cube((place.lobe - ltc).abs()) / (place.drawn + count * ltc);
+            let (sample, ltc) = self.moved(m, density.factor, *cosine, self.lobe.target.drawn as f64);
+            sum += cube((sample.lobe - ltc).abs()) / (sample.drawn + count * ltc);
         }
         Some(self.loss(sum))
     }
@@ -267,8 +269,8 @@ impl Loss for L3Loss<'_> {
         };
         stop_check.worked(2 * held.len())?;
         let mut slopes = Slopes::new(Density::new(m));
-        for place in &held {
-            slopes.add(place.direction, place.lobe, 1.0 / place.drawn);
+        for sample in &held {
+            slopes.add(sample.direction, sample.lobe, 1.0 / sample.drawn);
         }
         self.held[grain as usize] = Some(held);
         Some(self.of(&slopes, m))
