@@ -52,10 +52,10 @@ pub(super) fn halved(table: &Table) -> (Table, Displacement) {
     let mut halved = table.clone();
     let (mut sum, mut max) = (0.0, 0.0_f64);
     for (entry, matrix) in halved.matrix.iter_mut().enumerate() {
-        let place = Place::of(table.layout, table.axes.node(entry));
+        let decoder = LobeDecoder::of(table.layout, table.axes.node(entry));
         let exact = *matrix;
-        *matrix = place.nearest_lobe(&exact, &choosing);
-        let moved = place.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
+        *matrix = decoder.nearest_lobe(&exact, &choosing);
+        let moved = decoder.displacement(&exact, matrix, &telling).unwrap_or(WITHOUT_LOBE);
         sum += moved;
         max = max.max(moved);
     }
@@ -100,14 +100,14 @@ impl Cosine {
     }
 }
 
-/// How an entry's stored matrix makes its lobe.
-struct Place {
+/// Makes the lobe of an entry from its stored matrix.
+struct LobeDecoder {
     is_inverse: bool,
-    /// What stands before the stored matrix.
+    /// The factor to the left of the stored matrix.
     before: DMat3,
 }
 
-impl Place {
+impl LobeDecoder {
     fn of(layout: Layout, mut node: PerAxis<f64>) -> Self {
         (node.alpha, node.theta) = (node.alpha.max(ALPHA_FLOOR), node.theta.min(THETA_CEILING));
         let before = if layout == Layout::Reflected { Reflection::at(&node).matrix } else { DMat3::IDENTITY };
@@ -200,8 +200,8 @@ mod tests {
             .map(|entry| {
                 let nearest = round(&table.matrix[entry], Precision::F16).numbers;
                 let nearest: [f32; 9] = nearest.try_into().expect("nine");
-                let place = Place::of(table.layout, table.axes.node(entry));
-                place.displacement(&table.matrix[entry], &nearest, &cosine).unwrap_or(WITHOUT_LOBE)
+                let decoder = LobeDecoder::of(table.layout, table.axes.node(entry));
+                decoder.displacement(&table.matrix[entry], &nearest, &cosine).unwrap_or(WITHOUT_LOBE)
             })
             .collect();
         let mean = moved.iter().sum::<f64>() / moved.len() as f64;
