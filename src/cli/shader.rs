@@ -13,7 +13,7 @@ use super::{
 };
 use ltcforge_fit::{FUNCTION_SIDE, FunctionError, IsotropicFunction, Table, report};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Place, Reading};
+use ltcforge_shaders::{Bound, Filter, Language, Lights, LitBy, Namespace, Reading};
 use ltcforge_textures::About;
 use ltcforge_translate::{include, include_function, port};
 
@@ -42,7 +42,7 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
             let filter = if args.hardware_filter { Filter::Hardware } else { Filter::Exact };
             let lights = args.lights.unwrap_or(Lights::ALL[0]);
             let bound = if args.texture_array { Bound::Array } else { Bound::Volumes };
-            include(language, lit_by, Reading { filter, bound }, lights, &place(args)).map(String::into_bytes)
+            include(language, lit_by, Reading { filter, bound }, lights, &namespace(args)).map(String::into_bytes)
         }
         ShaderForm::Example => port(language, lit_by),
     }
@@ -52,8 +52,8 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
 }
 
 /// The names and bindings of a text in the shader that includes it.
-fn place(args: &ShaderArgs) -> Place {
-    Place {
+fn namespace(args: &ShaderArgs) -> Namespace {
+    Namespace {
         prefix: args.prefix.clone(),
         first_binding: args.first_binding.unwrap_or(0),
         group: args.group.unwrap_or(0),
@@ -92,7 +92,7 @@ fn without_textures(
         "mean error of the polynomials: {width:.4} of the lobe's width; of the table: {table_width:.4}"
     )]);
     let shader =
-        include_function(language, &function, about.lines(), args.lights.unwrap_or(Lights::ALL[0]), &place(args))
+        include_function(language, &function, about.lines(), args.lights.unwrap_or(Lights::ALL[0]), &namespace(args))
             .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
             .into_bytes();
     let value = json!({

@@ -7,7 +7,7 @@ use super::{
     header::{NODES_IN_STORAGE, bindings, bound_table, checked_table, commented, fixed, listed},
 };
 use super::{
-    Lights, Place, Reading,
+    Lights, Namespace, Reading,
     header::{included_bindings, nodes_of_include},
     model_shader::ModelShader,
 };
@@ -70,10 +70,10 @@ fn gaussians_table_include_header(
     layout: Layout,
     reading: Reading,
     _: Lights,
-    place: &Place,
+    namespace: &Namespace,
 ) -> String {
     let (table, bindings) =
-        (bound_table(reading.bound, nodes_of_include(language)), included_bindings(language, reading, place));
+        (bound_table(reading.bound, nodes_of_include(language)), included_bindings(language, reading, namespace));
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout), check(layout)))
 }
 

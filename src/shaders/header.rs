@@ -5,7 +5,7 @@ use super::{
     Bound, Language, Lights,
     golden::{CASES, CORNERS, Case, Golden, table},
 };
-use super::{Filter, Place, Reading};
+use super::{Filter, Namespace, Reading};
 use ltcforge_fit::{Layout, PerAxis};
 
 /// The light of a table of LTCs.
@@ -174,7 +174,7 @@ pub(super) fn bindings(language: Language) -> &'static str {
 }
 
 /// Where a text to include binds them.
-pub(super) fn included_bindings(language: Language, reading: Reading, place: &Place) -> String {
+pub(super) fn included_bindings(language: Language, reading: Reading, namespace: &Namespace) -> String {
     let bound = match reading.bound {
         Bound::Volumes => bound_volumes(language),
         Bound::Array => bound_array(language),
@@ -187,12 +187,12 @@ pub(super) fn included_bindings(language: Language, reading: Reading, place: &Pl
         (_, Filter::Exact) => "The entries are weighed here, texels are fetched: filter and wrap mode do not matter.",
         (_, Filter::Hardware) => "The sampler weighs entries: filter linearly, clamp to the edge, no mipmaps.",
     };
-    let (opengl, space) = match place.group {
+    let (opengl, space) = match namespace.group {
         0 => ("in OpenGL 4.3 textures are units", ""),
         _ => ("OpenGL has no sets", ", all of space{group}"),
     };
     let bound = bound.replace("{opengl}", opengl).replace("{space}", space);
-    format!("{}\n  {weighed}", place.numbered(&bound))
+    format!("{}\n  {weighed}", namespace.numbered(&bound))
 }
 
 /// Where three textures are bound.
@@ -289,9 +289,15 @@ fn header(language: Language, layout: Layout) -> String {
 }
 
 /// The comment of a text to include that reads tables of `layout`.
-fn table_include_header(language: Language, layout: Layout, reading: Reading, lights: Lights, place: &Place) -> String {
+fn table_include_header(
+    language: Language,
+    layout: Layout,
+    reading: Reading,
+    lights: Lights,
+    namespace: &Namespace,
+) -> String {
     let table = bound_table(reading.bound, nodes_of_include(language));
-    let bindings = included_bindings(language, reading, place);
+    let bindings = included_bindings(language, reading, namespace);
     commented(&format!("{}{USE}\n{table}  {bindings}\n\n{}", about(layout, lights), check(layout)))
 }
 

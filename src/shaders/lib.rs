@@ -15,8 +15,8 @@ mod language;
 mod lit_by;
 mod model_shader;
 mod models;
+mod namespace;
 mod normals_header;
-mod place;
 mod sources;
 mod text;
 
@@ -26,6 +26,6 @@ pub use header::{commented, functions_of, table_caller};
 pub use language::Language;
 pub use lit_by::{Bound, Filter, Lights, LitBy, LitByError, Reading};
 pub use model_shader::ModelShader;
-pub use place::{BadPrefix, Place, Prefix};
+pub use namespace::{BadPrefix, Namespace, Prefix};
 pub use sources::{SHADERS, Shader, functions, joined, ported, preview_module, table_reader, without_textures};
 pub use text::wgsl;

@@ -1,6 +1,6 @@
 //! The parts of the shader of a model of light.
 
-use super::{Language, Lights, Place, Reading};
+use super::{Language, Lights, Namespace, Reading};
 use ltcforge_fit::Layout;
 
 /// The shader of a model of light.
@@ -16,7 +16,7 @@ pub struct ModelShader {
     /// The comment at the top of the program, in lines that begin with `//`; of a formula it is the same for all layouts.
     pub(super) program_comment: fn(Language, Layout) -> String,
     /// The comment at the top of the text to include, likewise.
-    pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Place) -> String,
+    pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Namespace) -> String,
 }
 
 /// A fragment shader that looks up what `lookup` says, and goes on as `calls` say with the vertices of a light.

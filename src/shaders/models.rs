@@ -1,7 +1,7 @@
 //! The shader of each model of light.
 
 use super::{
-    Language, Lights, LitBy, ModelShader, Place, Reading, gaussians_header, gaussians_table_header, header,
+    Language, Lights, LitBy, ModelShader, Namespace, Reading, gaussians_header, gaussians_table_header, header,
     normals_header,
 };
 use ltcforge_fit::Layout;
@@ -27,8 +27,14 @@ impl LitBy {
 
     /// The comment at the top of the text to include.
     #[must_use]
-    pub fn include_comment(self, language: Language, reading: Reading, lights: Lights, place: &Place) -> String {
+    pub fn include_comment(
+        self,
+        language: Language,
+        reading: Reading,
+        lights: Lights,
+        namespace: &Namespace,
+    ) -> String {
         let layout = self.layout().unwrap_or(Layout::ALL[0]);
-        (self.shader().include_comment)(language, layout, reading, lights, place)
+        (self.shader().include_comment)(language, layout, reading, lights, namespace)
     }
 }

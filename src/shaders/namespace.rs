@@ -1,13 +1,13 @@
-//! What the names of a text to include begin with, and from which number on it binds: several texts stand in one shader.
+//! The prefix of the names of a text to include, and its first binding: several such texts can stand in one shader.
 
 use std::str::FromStr;
 
 use super::{Language, LitBy};
 
-/// What a text to include takes for itself in the shader that it becomes a part of.
+/// The names and bindings that a text to include uses in its host shader.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Place {
-    /// What every name begins with, in place of `ltc`, `normals` or `gaussians`.
+pub struct Namespace {
+    /// The prefix of every name, in place of `ltc`, `normals` or `gaussians`.
     pub prefix: Option<Prefix>,
     /// The number of its first binding; the others follow. Texts that bind nothing by number do without.
     pub first_binding: u16,
@@ -15,7 +15,7 @@ pub struct Place {
     pub group: u16,
 }
 
-/// What names begin with: `sheen` gives `sheen_lookup`, `SheenLobe` and `SHEEN_LEAST_ALPHA`.
+/// The prefix of names: `sheen` gives `sheen_lookup`, `SheenLobe` and `SHEEN_LEAST_ALPHA`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Prefix(String);
 
@@ -42,7 +42,7 @@ impl FromStr for Prefix {
     }
 }
 
-impl Place {
+impl Namespace {
     /// `text` in `language`, with the names that it has here: those of the light's own code, those of the arithmetic that all
     /// lights share, and those that naga adds to a translation.
     #[must_use]
@@ -160,8 +160,8 @@ mod tests {
 
     #[test]
     fn whole_names_get_a_prefix_and_their_parts_do_not() {
-        let place = |prefix: &str| Place { prefix: prefix.parse().ok(), ..Place::default() };
-        let hlsl = |prefix, text: &str| place(prefix).named(text, Language::Hlsl, Layout::Reflected.into());
+        let namespace = |prefix: &str| Namespace { prefix: prefix.parse().ok(), ..Namespace::default() };
+        let hlsl = |prefix, text: &str| namespace(prefix).named(text, Language::Hlsl, Layout::Reflected.into());
         assert_eq!(
             hlsl(
                 "a1",
@@ -171,30 +171,36 @@ mod tests {
         );
         assert_eq!(hlsl("", "ltc_x naga_div ltc_math.wgsl"), "ltc_x ltc_naga_div ltc_math.wgsl");
         let normals = LitBy::new(LightModel::Normals, None).expect("a formula");
-        let normals = |text: &str| Place::default().named(text, Language::Msl, normals);
+        let normals = |text: &str| Namespace::default().named(text, Language::Msl, normals);
         assert_eq!(normals("normals_x NormalsY ltc_log normals"), "normals_x NormalsY normals_ltc_log normals");
     }
 
     #[test]
     fn bindings_count_from_the_first() {
-        let place = Place { first_binding: 10, ..Place::default() };
-        assert_eq!(place.bound("register(t2); register(s5)", Language::Hlsl), "register(t12); register(s15)");
-        assert_eq!(place.bound("@group(0) @binding(4) var x: a;", Language::Wgsl), "@group(0) @binding(14) var x: a;");
-        assert_eq!(place.bound("layout(std140, binding = 0) x", Language::Glsl), "layout(std140, binding = 10) x");
-        assert_eq!(place.numbered("nodes {1}, {x}"), "nodes 11, {x}");
+        let namespace = Namespace { first_binding: 10, ..Namespace::default() };
+        assert_eq!(namespace.bound("register(t2); register(s5)", Language::Hlsl), "register(t12); register(s15)");
+        assert_eq!(
+            namespace.bound("@group(0) @binding(4) var x: a;", Language::Wgsl),
+            "@group(0) @binding(14) var x: a;"
+        );
+        assert_eq!(namespace.bound("layout(std140, binding = 0) x", Language::Glsl), "layout(std140, binding = 10) x");
+        assert_eq!(namespace.numbered("nodes {1}, {x}"), "nodes 11, {x}");
     }
 
     #[test]
     fn bindings_are_of_the_group() {
-        let place = Place { group: 2, ..Place::default() };
-        assert_eq!(place.bound("register(t2); register(x)", Language::Hlsl), "register(t2, space2); register(x)");
-        assert_eq!(place.bound("@group(0) @binding(4) var x: a;", Language::Wgsl), "@group(2) @binding(4) var x: a;");
+        let namespace = Namespace { group: 2, ..Namespace::default() };
+        assert_eq!(namespace.bound("register(t2); register(x)", Language::Hlsl), "register(t2, space2); register(x)");
         assert_eq!(
-            place.bound("layout(std140, binding = 0) x", Language::Glsl),
+            namespace.bound("@group(0) @binding(4) var x: a;", Language::Wgsl),
+            "@group(2) @binding(4) var x: a;"
+        );
+        assert_eq!(
+            namespace.bound("layout(std140, binding = 0) x", Language::Glsl),
             "layout(std140, set = 2, binding = 0) x"
         );
-        assert_eq!(place.bound("binding = 0", Language::GlslEs), "binding = 0");
-        assert_eq!(place.numbered("group {group}: {0}"), "group 2: 0");
+        assert_eq!(namespace.bound("binding = 0", Language::GlslEs), "binding = 0");
+        assert_eq!(namespace.numbered("group {group}: {0}"), "group 2: 0");
     }
 
     #[test]

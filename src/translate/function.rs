@@ -7,7 +7,7 @@ use super::{
     translation::{Included, translate_functions},
 };
 use ltcforge_fit::{IsotropicFunction, Layout};
-use ltcforge_shaders::{Language, Lights, Place, commented, functions_of, table_caller, without_textures};
+use ltcforge_shaders::{Language, Lights, Namespace, commented, functions_of, table_caller, without_textures};
 
 /// What the text is, and how to call it.
 const ABOUT: &str = "\
@@ -26,7 +26,7 @@ TABLE
 ";
 
 /// The functions in `language`, with the coefficients of `function`, under a comment that ends with the lines `about` the
-/// table. `place` keeps the lights of several tables in one shader apart; nothing is bound.
+/// table. `namespace` keeps the lights of several tables in one shader apart; nothing is bound.
 ///
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shaders or of naga.
@@ -35,7 +35,7 @@ pub fn include_function(
     function: &IsotropicFunction,
     about: &[String],
     lights: Lights,
-    place: &Place,
+    namespace: &Namespace,
 ) -> Result<String, PortError> {
     let source = format!("{}{}", without_textures(&smooth_at(function), lights), table_caller(lights));
     let included = Included { source: &source, entry: "ltc_included", reading: None };
@@ -43,7 +43,7 @@ pub fn include_function(
     let lines = about.join("\n  ");
     let about = ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{lights}", functions_of(lights));
     let header = commented(&format!("{about}  {lines}"));
-    Ok(place.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
+    Ok(namespace.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
 }
 
 /// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in multiples of

@@ -4,13 +4,13 @@ use super::{
     PortError,
     translation::{Included, translate_functions},
 };
-use ltcforge_shaders::{Language, Lights, LitBy, Place, Reading, functions};
+use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading, functions};
 
 /// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a port
 /// has to reproduce.
 ///
 /// `reading` says how a table's entries are read; models without a table have none. Who interpolates is the constant
-/// `ltc_hardware_filter` in WGSL, and the text is the same for both. `place` keeps several texts apart that are to stand in one
+/// `ltc_hardware_filter` in WGSL, and the text is the same for both. `namespace` keeps several texts apart that are to stand in one
 /// shader; a table's, that of model normals and that of the Gaussians need none. `lights` says which lights a table of LTCs has
 /// functions for; of other models it says nothing.
 ///
@@ -21,7 +21,7 @@ pub fn include(
     lit_by: impl Into<LitBy>,
     reading: Reading,
     lights: Lights,
-    place: &Place,
+    namespace: &Namespace,
 ) -> Result<String, PortError> {
     let lit_by = lit_by.into();
     let has_storage = !matches!(language, Language::Glsl330 | Language::GlslEs);
@@ -30,8 +30,8 @@ pub fn include(
     let source = format!("{}{}", functions(lit_by, bound, lights, has_storage), (lit_by.shader().caller)(lights));
     let included = Included { source: &source, entry: "ltc_included", reading };
     let text = translate_functions(language, &included).map_err(|reason| PortError { language, reason })?;
-    let header = lit_by.include_comment(language, reading.unwrap_or_default(), lights, place);
-    Ok(place.named(&format!("{header}\n{}", place.bound(&text, language)), language, lit_by))
+    let header = lit_by.include_comment(language, reading.unwrap_or_default(), lights, namespace);
+    Ok(namespace.named(&format!("{header}\n{}", namespace.bound(&text, language)), language, lit_by))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::*;
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Place, Reading};
+use ltcforge_shaders::{Bound, CASES, Filter, Language, Lights, LitBy, Namespace, Reading};
 
 pub(super) fn lit_by(model: LightModel, layout: Option<Layout>) -> LitBy {
     LitBy::new(model, layout).expect("a model that lights so")
@@ -260,7 +260,7 @@ fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     languages.flat_map(move |language| {
         lights.into_iter().flat_map(move |lit_by| {
             Reading::ALL.into_iter().map(move |reading| {
-                let text = include(language, lit_by, reading, Lights::All, &Place::default())
+                let text = include(language, lit_by, reading, Lights::All, &Namespace::default())
                     .unwrap_or_else(|error| panic!("{lit_by:?}: {error}"));
                 (language, lit_by, text)
             })
@@ -309,8 +309,8 @@ fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
     let texts = |language, lights| {
         let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
         [
-            include(language, Layout::Reflected, Reading::default(), lights, &Place::default()),
-            include_function(language, &function, &[], lights, &Place::default()),
+            include(language, Layout::Reflected, Reading::default(), lights, &Namespace::default()),
+            include_function(language, &function, &[], lights, &Namespace::default()),
         ]
         .map(|text| text.expect("a translation"))
     };
@@ -326,7 +326,7 @@ fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
             assert!(polygons.len() + 10_000 < all.len(), "{name}: {} {}", polygons.len(), all.len());
         }
         let normals = [Lights::All, Lights::Polygons].map(|lights| {
-            include(language, lit_by(LightModel::Normals, None), Reading::default(), lights, &Place::default())
+            include(language, lit_by(LightModel::Normals, None), Reading::default(), lights, &Namespace::default())
         });
         assert_eq!(normals[0].as_ref().ok(), normals[1].as_ref().ok(), "{name}");
     }
@@ -336,7 +336,7 @@ fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
 fn what_is_included_binds_what_its_comment_says() {
     let included_from = |language, filter, bound| {
         let reading = Reading { filter, bound };
-        code(&include(language, Layout::Reflected, reading, Lights::All, &Place::default()).expect("a text"))
+        code(&include(language, Layout::Reflected, reading, Lights::All, &Namespace::default()).expect("a text"))
     };
     let included = |language, filter| included_from(language, filter, Bound::Volumes);
     let glsl = included(Language::Glsl, Filter::Exact);
@@ -374,7 +374,7 @@ fn what_is_included_binds_what_its_comment_says() {
         assert_eq!(hlsl.matches(&format!("register({register}")).count(), 1, "{register}");
     }
     assert_eq!(hlsl.matches("register(").count(), 4);
-    let refused = include(Language::Spirv, Layout::Reflected, Reading::default(), Lights::All, &Place::default())
+    let refused = include(Language::Spirv, Layout::Reflected, Reading::default(), Lights::All, &Namespace::default())
         .expect_err("no text");
     assert!(refused.to_string().contains("include"), "{refused}");
     assert!(

@@ -64,8 +64,13 @@ pub(super) const HDRP: Isotropic = Isotropic {
 /// `sqrt(1 - cos theta)`; `M^-1` of the `M` with a third column of unit length.
 ///
 /// How its error depends on the nodes is taken to be as with [`HDRP`]: with 64 x 64 nodes it is two thirds of that.
-pub(super) const INVERSE: Isotropic =
-    Isotropic { stored: Stored::Inverse, side: 64, theta: Spacing::Versine, number: 6, interpolation: [0.05, 14.0, 4.0] };
+pub(super) const INVERSE: Isotropic = Isotropic {
+    stored: Stored::Inverse,
+    side: 64,
+    theta: Spacing::Versine,
+    number: 6,
+    interpolation: [0.05, 14.0, 4.0],
+};
 /// `sqrt(1 - cos theta)`; `M` over its last element.
 ///
 /// How its error depends on the nodes is taken to be as with [`HDRP`], which is right with 64 x 64 nodes and too little with

@@ -45,9 +45,14 @@ const TOGETHER: &[TexturesOf] = &[TexturesOf {
 }];
 const COLUMN: &str = "the stored matrix, its third column of unit length";
 
-pub(super) const REFLECTED: ShaderTextures =
-    ShaderTextures { table: Layout::Reflected, is_array: false, normalisation: COLUMN, recipe: r#"{"layout": "reflected"}"# };
-pub(super) const KT2022: ShaderTextures = ShaderTextures { table: Layout::Kt2022, recipe: r#"{"layout": "kt2022"}"#, ..REFLECTED };
+pub(super) const REFLECTED: ShaderTextures = ShaderTextures {
+    table: Layout::Reflected,
+    is_array: false,
+    normalisation: COLUMN,
+    recipe: r#"{"layout": "reflected"}"#,
+};
+pub(super) const KT2022: ShaderTextures =
+    ShaderTextures { table: Layout::Kt2022, recipe: r#"{"layout": "kt2022"}"#, ..REFLECTED };
 pub(super) const LTC2017: ShaderTextures = of(&isotropic::LTC2017);
 pub(super) const LTC2016: ShaderTextures = of(&isotropic::LTC2016);
 pub(super) const GODOT: ShaderTextures = of(&isotropic::GODOT);

@@ -8,25 +8,27 @@ use super::*;
 use crate::{include_function, tests::lit_by};
 use ltcforge_fit::{IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_light::LightModel;
-use ltcforge_shaders::{Bound, Filter, Lights, Place};
+use ltcforge_shaders::{Bound, Filter, Lights, Namespace};
 
-fn place(prefix: &str, first_binding: u16) -> Place {
-    Place { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
+fn namespace(prefix: &str, first_binding: u16) -> Namespace {
+    Namespace { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
 }
 
 /// Six lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
 /// a table, a table of Gaussians, and the one without textures.
 fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
-    let text =
-        |lit_by: LitBy, place: &Place| include(language, lit_by, reading, Lights::All, place).expect("a translation");
+    let text = |lit_by: LitBy, namespace: &Namespace| {
+        include(language, lit_by, reading, Lights::All, namespace).expect("a translation")
+    };
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
-    let function = include_function(language, &function, &[], Lights::All, &place("smooth", 0)).expect("a translation");
+    let function =
+        include_function(language, &function, &[], Lights::All, &namespace("smooth", 0)).expect("a translation");
     [
-        (text(Layout::Reflected.into(), &Place::default()), "ltc"),
-        (text(Layout::Ltc2017.into(), &place("iso2", 6)), "iso2"),
-        (text(lit_by(LightModel::Normals, None), &Place::default()), "normals"),
-        (text(lit_by(LightModel::Sg, None), &Place::default()), "gaussians"),
-        (text(lit_by(LightModel::Asg, Some(Layout::Reflected)), &place("fitted", 12)), "fitted"),
+        (text(Layout::Reflected.into(), &Namespace::default()), "ltc"),
+        (text(Layout::Ltc2017.into(), &namespace("iso2", 6)), "iso2"),
+        (text(lit_by(LightModel::Normals, None), &Namespace::default()), "normals"),
+        (text(lit_by(LightModel::Sg, None), &Namespace::default()), "gaussians"),
+        (text(lit_by(LightModel::Asg, Some(Layout::Reflected)), &namespace("fitted", 12)), "fitted"),
         (function, "smooth"),
     ]
 }
@@ -114,7 +116,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         (Language::GlslEs, "uniforms iso2_table.nodes and iso2_table.reading"),
         (Language::Msl, "iso2_mslBufferSizes may be any"),
     ] {
-        let text = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &place("iso2", 6))
+        let text = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &namespace("iso2", 6))
             .expect("a translation");
         let name = language.name();
         assert!(text.contains(line) && text.contains("//   iso2_lookup(alpha_x, alpha_y, wo)"), "{name}:\n{text}");
@@ -125,8 +127,9 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         (Language::Glsl, "bindings of set 3, the textures with samplers; OpenGL has no sets"),
         (Language::Hlsl, "terms t10, sampler s11, all of space3"),
     ] {
-        let place = Place { group: 3, ..place("iso2", 6) };
-        let text = include(language, Layout::Ltc2017, Reading::default(), Lights::All, &place).expect("a translation");
+        let namespace = Namespace { group: 3, ..namespace("iso2", 6) };
+        let text =
+            include(language, Layout::Ltc2017, Reading::default(), Lights::All, &namespace).expect("a translation");
         assert!(text.contains(line), "{}:\n{text}", language.name());
         if language == Language::Wgsl {
             let module = naga::front::wgsl::parse_str(&text).expect("WGSL");
@@ -140,7 +143,7 @@ fn a_second_table_s_comment_names_its_own_functions_and_bindings() {
         Layout::Ltc2017,
         Reading { filter: Filter::Hardware, bound: Bound::Volumes },
         Lights::All,
-        &place("iso2", 6),
+        &namespace("iso2", 6),
     )
     .expect("a translation");
     for register in ["b6)", "t7)", "t8)", "t9)", "t10)", "s11)"] {

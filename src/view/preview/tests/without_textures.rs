@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::tell_skipped;
 use crate::preview::gpu::{GpuFailure, example};
 use ltcforge_fit::{Configuration, IsotropicFunction, Layout, testing::planted_isotropic};
-use ltcforge_shaders::Place;
+use ltcforge_shaders::Namespace;
 use ltcforge_shaders::{Language, Lights};
 use ltcforge_translate::include_function;
 
@@ -25,7 +25,7 @@ fn tried_once() {
 }
 ";
     let function = IsotropicFunction::of(&planted_isotropic(Layout::Reflected)).expect("a function");
-    let source = include_function(Language::Wgsl, &function, &[], Lights::All, &Place::default()).expect("WGSL");
+    let source = include_function(Language::Wgsl, &function, &[], Lights::All, &Namespace::default()).expect("WGSL");
     let mut tried = Vec::new();
     for alpha in [0.0002, 0.01, 0.13, 0.6, 1.0] {
         for theta in [0.0, 0.3, 1.0, 1.4, 1.56] {
