@@ -118,5 +118,5 @@ pub use glam;
 #[cfg(feature = "shaders")]
 pub use library::shader;
 pub use library::{Error, Fit, RecipeBuilder, RecipeDocument, cached, fit, light, light_by_table, write_table};
-pub use light::{LightError, LightModel, PolygonLight, Reflected};
+pub use light::{LightError, LightModel, PolygonLight, ReflectedLight};
 pub use shaders::{Language, LitBy, wgsl};

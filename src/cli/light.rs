@@ -12,7 +12,7 @@ use super::{
     light_case, tabulated,
 };
 use ltcforge_fit::{BrdfKind, Table};
-use ltcforge_light::{LightError, LightModel, Lighting, Reflected, TRUTH_TOLERANCE, truth_of};
+use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, truth_of};
 
 /// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
@@ -84,17 +84,17 @@ fn choose(args: &LightArgs) -> Result<Option<Table>, CommandFailure> {
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.
-fn write_row(out: &mut dyn Write, found: &Reflected, true_light: Option<&Reflected>) -> io::Result<()> {
+fn write_row(out: &mut dyn Write, found: &ReflectedLight, true_light: Option<&ReflectedLight>) -> io::Result<()> {
     write!(out, "{},{}", found.energy, found.fresnel)?;
-    if let Some(Reflected { energy, fresnel }) = true_light {
+    if let Some(ReflectedLight { energy, fresnel }) = true_light {
         write!(out, ",{energy},{fresnel}")?;
     }
     writeln!(out)
 }
 
-fn write_json(out: &mut dyn Write, found: &Reflected, true_light: Option<&Reflected>) -> io::Result<()> {
+fn write_json(out: &mut dyn Write, found: &ReflectedLight, true_light: Option<&ReflectedLight>) -> io::Result<()> {
     let mut line = json!({ "energy": found.energy, "fresnel": found.fresnel });
-    if let Some(Reflected { energy, fresnel }) = true_light {
+    if let Some(ReflectedLight { energy, fresnel }) = true_light {
         line["true_energy"] = json!(energy);
         line["true_fresnel"] = json!(fresnel);
     }

@@ -2,7 +2,7 @@
 
 use super::Error;
 use ltcforge_fit::{Configuration, Table};
-use ltcforge_light::{AreaLight, Reflected, WeightRule, by_normals, by_table};
+use ltcforge_light::{AreaLight, ReflectedLight, WeightRule, by_normals, by_table};
 
 /// What a surface reflects of a light of radiance one, in closed form and without a table; see
 /// [`mod@ltcforge_light`] for other rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
@@ -10,7 +10,7 @@ use ltcforge_light::{AreaLight, Reflected, WeightRule, by_normals, by_table};
 ///
 /// # Errors
 /// [`Error::Light`] for a roughness outside [0, 1] or a view direction on or below the horizon.
-pub fn light<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, Error> {
+pub fn light<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<ReflectedLight, Error> {
     Ok(by_normals(at, light, WeightRule::Fan)?)
 }
 
@@ -22,6 +22,6 @@ pub fn light_by_table<'a>(
     table: &Table,
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
-) -> Result<Reflected, Error> {
+) -> Result<ReflectedLight, Error> {
     Ok(by_table(table, at, light)?)
 }

@@ -30,7 +30,7 @@ pub use model::{ClosedForm, LightModel, Lighting};
 pub use normals::{WeightRule, by_normals};
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;
-pub use rules::{LitPoint, Reflected};
+pub use rules::{LitPoint, ReflectedLight};
 pub use shaped::{AnyLight, AreaLight, LightShape, ShapeParameter, ShapedLight};
 pub use shapes::{ELLIPSE_VERTICES, TubeEnds, disk, ellipse, line, rectangle, tube};
 pub use truth::{TRUTH_TOLERANCE, truth, truth_of, truth_within};

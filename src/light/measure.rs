@@ -7,7 +7,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::{LightError, Lighting, PolygonLight, Reflected, truth_of};
+use super::{LightError, Lighting, PolygonLight, ReflectedLight, truth_of};
 use ltcforge_fit::{
     BrdfModel, Configuration, PerAxis, Sides, Spread, Table,
     math::{cos, direction, ln, pow},
@@ -98,7 +98,7 @@ pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread,
 /// # Errors
 /// Those of `reflected`.
 pub fn light_error_by(
-    reflected: impl Fn(&Configuration, &PolygonLight) -> Result<Reflected, LightError>,
+    reflected: impl Fn(&Configuration, &PolygonLight) -> Result<ReflectedLight, LightError>,
     lights: &RandomLights,
 ) -> Result<Spread, LightError> {
     let pairs = lights.lit.iter().zip(&lights.energy);

@@ -5,7 +5,7 @@ use super::{
     ltc::by_table,
     normals,
     normals::WeightRule,
-    rules::{Formula, LitPoint, ModelOfLight, Reflected, lit},
+    rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit},
 };
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, LobeModel, Table, named_list};
 
@@ -131,7 +131,11 @@ impl ClosedForm {
     ///
     /// # Errors
     /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the outline.
-    pub fn reflected<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, LightError> {
+    pub fn reflected<'a>(
+        self,
+        at: &Configuration,
+        light: impl Into<AreaLight<'a>>,
+    ) -> Result<ReflectedLight, LightError> {
         let formula = self.model.rules().formula();
         lit(at, light.into(), |lit| formula.map_or([0.0; 2], |formula| formula.reflected(lit, self.rule)))
     }
@@ -148,7 +152,11 @@ impl Lighting<'_> {
     ///
     /// # Errors
     /// Those of [`ClosedForm::reflected`] and [`by_table`].
-    pub fn reflected<'a>(self, at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, LightError> {
+    pub fn reflected<'a>(
+        self,
+        at: &Configuration,
+        light: impl Into<AreaLight<'a>>,
+    ) -> Result<ReflectedLight, LightError> {
         match self {
             Self::ClosedForm(form) => form.reflected(at, light),
             Self::Table(table) => by_table(table, at, light),

@@ -61,14 +61,14 @@ pub struct LitPoint<'a, T> {
 
 /// The light that GGX reflects towards the viewer, of a light of radiance one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reflected {
+pub struct ReflectedLight {
     /// For a Fresnel factor of one: in [0, 1].
     pub energy: f64,
     /// The same weighed by Schlick's `(1 - wo . h)^5`: in [0, 1].
     pub fresnel: f64,
 }
 
-impl Reflected {
+impl ReflectedLight {
     /// Nothing.
     pub const NONE: Self = Self { energy: 0.0, fresnel: 0.0 };
 
@@ -102,11 +102,11 @@ pub(super) fn lit(
     at: &Configuration,
     light: AreaLight<'_>,
     of: impl FnOnce(&LitPoint<'_, f64>) -> [f64; 2],
-) -> Result<Reflected, LightError> {
+) -> Result<ReflectedLight, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
     let (vertices, sides) = light.polygon()?;
     let [energy, fresnel] = of(&LitPoint { alpha, wo: wo.to_array(), vertices: &vertices, sides });
-    Ok(Reflected { energy, fresnel })
+    Ok(ReflectedLight { energy, fresnel })
 }
 
 #[cfg(test)]
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn schlicks_factor_goes_from_f0_to_f90() {
-        let parts = Reflected { energy: 0.5, fresnel: 0.125 };
+        let parts = ReflectedLight { energy: 0.5, fresnel: 0.125 };
         assert_eq!(parts.schlick(1.0, 1.0), 0.5);
         assert_eq!(parts.schlick(0.0, 1.0), 0.125);
         assert_eq!(parts.schlick(1.0, 0.0), 0.375);

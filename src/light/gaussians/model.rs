@@ -2,7 +2,7 @@
 
 use super::{Gaussian, Warp, reflected, reflected_around};
 use crate::{
-    AreaLight, LightError, Reflected, WeightRule,
+    AreaLight, LightError, ReflectedLight, WeightRule,
     rules::{Formula, LitPoint, ModelOfLight, lit},
 };
 use ltcforge_fit::{Configuration, LobeModel};
@@ -51,7 +51,7 @@ pub fn by_gaussian<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
     gaussian: Gaussian,
-) -> Result<Reflected, LightError> {
+) -> Result<ReflectedLight, LightError> {
     by_warp(at, light, gaussian, Warp::Visible)
 }
 
@@ -64,6 +64,6 @@ pub fn by_warp<'a>(
     light: impl Into<AreaLight<'a>>,
     gaussian: Gaussian,
     warp: Warp,
-) -> Result<Reflected, LightError> {
+) -> Result<ReflectedLight, LightError> {
     lit(at, light.into(), |lit| reflected_around(warp, gaussian, (lit.alpha, lit.wo), lit.vertices, lit.sides))
 }

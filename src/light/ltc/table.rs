@@ -2,7 +2,7 @@
 
 use super::CosineSpace;
 use crate::{
-    AreaLight, LightError, Reflected,
+    AreaLight, LightError, ReflectedLight,
     gaussians::{SphericalGaussian, reflected_by},
     rules::surface_and_view,
     shaped::Form,
@@ -22,7 +22,7 @@ pub fn by_table<'a>(
     table: &Table,
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
-) -> Result<Reflected, LightError> {
+) -> Result<ReflectedLight, LightError> {
     surface_and_view(at)?;
     let light = light.into();
     let found = table.lookup(at);
@@ -31,7 +31,7 @@ pub fn by_table<'a>(
     let Some(gaussian) = table.lobe.gaussian() else {
         let ltc = Ltc::new(matrix).ok_or(LightError::Singular)?;
         let covered = covered(&ltc, light);
-        return Ok(Reflected { energy: amplitude * covered, fresnel: fresnel * covered });
+        return Ok(ReflectedLight { energy: amplitude * covered, fresnel: fresnel * covered });
     };
     let determinant = matrix.determinant();
     if determinant == 0.0 || !determinant.is_finite() {
@@ -41,7 +41,7 @@ pub fn by_table<'a>(
     let (vertices, sides) = light.polygon()?;
     let shape = SphericalGaussian::of_columns(gaussian, columns);
     let [energy, fresnel] = reflected_by(&shape, [amplitude, fresnel], &vertices, sides);
-    Ok(Reflected { energy, fresnel })
+    Ok(ReflectedLight { energy, fresnel })
 }
 
 /// The part of an LTC that a light covers.

@@ -2,7 +2,7 @@
 
 use super::{WeightRule, reflected};
 use crate::{
-    AreaLight, LightError, Reflected,
+    AreaLight, LightError, ReflectedLight,
     rules::{Formula, LitPoint, ModelOfLight, lit},
 };
 use ltcforge_fit::Configuration;
@@ -43,6 +43,6 @@ pub fn by_normals<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
     rule: WeightRule,
-) -> Result<Reflected, LightError> {
+) -> Result<ReflectedLight, LightError> {
     lit(at, light.into(), |lit| NormalsModel.reflected(lit, rule))
 }

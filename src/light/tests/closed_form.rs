@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness};
 use crate::{
-    Reflected, WeightRule, by_normals,
+    ReflectedLight, WeightRule, by_normals,
     normals::{reflected, visible},
     truth::integral,
     truth_within,
@@ -19,7 +19,7 @@ fn triples(vertices: &[DVec3]) -> Vec<[f64; 3]> {
     vertices.iter().map(DVec3::to_array).collect()
 }
 
-fn found(lit: &Lit, rule: WeightRule) -> Reflected {
+fn found(lit: &Lit, rule: WeightRule) -> ReflectedLight {
     by_normals(&lit.at, &lit.light(Sides::Two), rule).expect("a surface")
 }
 
@@ -43,14 +43,14 @@ const HUGE: [f64; 2] = [50.0, 50.0];
 fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec<(WeightRule, [f64; 3], [f64; 3])> {
     let mut draw = Draw::new(seed);
     let cases: Vec<Lit> = (0..count).map(|_| draw.lit_by(roughness, sizes)).collect();
-    let wanted: Vec<Reflected> = cases
+    let wanted: Vec<ReflectedLight> = cases
         .par_iter()
         .map(|lit| truth_within(TOLERANCE, &lit.at, &lit.light(Sides::Two)).expect("a surface"))
         .collect();
     let mean = wanted.iter().map(|wanted| wanted.energy).sum::<f64>() / count as f64;
     assert!(mean > 0.2, "lights that lobes miss tell nothing: {mean}");
     let of = |rule: WeightRule| {
-        let found: Vec<Reflected> = cases.par_iter().map(|lit| found(lit, rule)).collect();
+        let found: Vec<ReflectedLight> = cases.par_iter().map(|lit| found(lit, rule)).collect();
         let pairs = || found.iter().zip(&wanted);
         let energy = spread(pairs().map(|(found, wanted)| (found.energy - wanted.energy).abs()).collect());
         let fresnel = spread(pairs().map(|(found, wanted)| (found.fresnel - wanted.fresnel).abs()).collect());
@@ -206,7 +206,7 @@ fn a_hundred_thousand_configurations_are_right() {
         let error = |(i, lit): (usize, &Lit)| {
             let double = found(lit, WeightRule::Fan);
             let [energy, fresnel] = in_f32(lit, WeightRule::Fan).map(f64::from);
-            let fan = Reflected { energy, fresnel };
+            let fan = ReflectedLight { energy, fresnel };
             for part in [double.energy, double.fresnel, energy, fresnel] {
                 assert!((0.0..=1.0).contains(&part), "{fan:?} {double:?} {lit:?}");
             }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::shaped_lights::{Case, cases};
 use crate::cases::{Draw, Lit, Roughness, cosine, over_area_of};
 use crate::{
-    LightError, LightModel, Lighting, PolygonLight, RandomLights, Reflected, light_error, light_map, rectangle,
+    LightError, LightModel, Lighting, PolygonLight, RandomLights, ReflectedLight, light_error, light_map, rectangle,
     truth_of,
 };
 use ltcforge_fit::{
@@ -25,7 +25,7 @@ fn models() -> impl Iterator<Item = BrdfModel> {
     BrdfKind::formulas().filter(|kind| *kind != BrdfKind::Ggx).map(BrdfModel::from).chain([planted_tabulated()])
 }
 
-fn to(tolerance: f64, brdf: &BrdfModel, lit: &Lit) -> Reflected {
+fn to(tolerance: f64, brdf: &BrdfModel, lit: &Lit) -> ReflectedLight {
     truth_of(brdf, tolerance, &lit.at, &lit.light(Sides::Two)).expect("a surface")
 }
 
@@ -35,7 +35,7 @@ fn is_broad(lit: &Lit) -> bool {
 }
 
 /// How far a pair of numbers is off the finer of two sums, beyond what that differs from the coarser.
-fn beyond(found: Reflected, [coarse, fine]: [[f64; 2]; 2]) -> f64 {
+fn beyond(found: ReflectedLight, [coarse, fine]: [[f64; 2]; 2]) -> f64 {
     let off = |found: f64, i: usize| (found - fine[i]).abs() - (fine[i] - coarse[i]).abs();
     off(found.energy, 0).max(off(found.fresnel, 1))
 }

@@ -5,7 +5,7 @@ use std::{f64::consts::FRAC_PI_2, ops::ControlFlow};
 use glam::DVec3;
 
 use crate::{
-    EVERYWHERE, Gaussian, LightError, LightModel, Lighting, RandomLights, Reflected, by_gaussian, by_table,
+    EVERYWHERE, Gaussian, LightError, LightModel, Lighting, RandomLights, ReflectedLight, by_gaussian, by_table,
     light_error, rectangle, truth,
 };
 use ltcforge_fit::{
@@ -103,7 +103,7 @@ fn a_table_of_gaussians_reflects_no_more_than_there_is() {
         let at = Configuration { alpha_x: alpha, alpha_y: 0.7 * alpha, theta, phi: 0.9 };
         for half in [0.05, 0.5, 20.0] {
             let light = rectangle(DVec3::Z * 0.3, [DVec3::X * half, DVec3::Y * half], Sides::Two).expect("a square");
-            let Reflected { energy, fresnel } = by_table(&table, &at, &light).expect("a table");
+            let ReflectedLight { energy, fresnel } = by_table(&table, &at, &light).expect("a table");
             assert!((0.0..=1.0).contains(&energy) && (0.0..=energy).contains(&fresnel), "{at:?} {half}: {energy}");
         }
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Roughness};
 use crate::{
-    CosineSpace, Gaussian, LightError, LightShape, Reflected, ShapedLight, WeightRule, by_gaussian, by_normals,
+    CosineSpace, Gaussian, LightError, LightShape, ReflectedLight, ShapedLight, WeightRule, by_gaussian, by_normals,
     by_table, truth, truth_within,
 };
 use ltcforge_fit::{
@@ -217,7 +217,7 @@ fn a_table_lights_by_the_shape_and_other_models_by_its_outline() {
             Case::Tube(ends, radius) => space.tube(ends, radius),
             Case::Line(ends, width) => space.line(ends, width),
         };
-        let wanted = Reflected { energy: 0.75 * covered, fresnel: 0.25 * covered };
+        let wanted = ReflectedLight { energy: 0.75 * covered, fresnel: 0.25 * covered };
         let found = by_table(&table(rows, LobeModel::Ltc), &at, &light).expect("a lobe");
         let off = (found.energy - wanted.energy).abs().max((found.fresnel - wanted.fresnel).abs());
         assert!(off < 1e-12, "{case:?}: {found:?} {wanted:?}");

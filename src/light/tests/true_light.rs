@@ -4,14 +4,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness, over_area};
-use crate::{PolygonLight, Reflected, WeightRule, by_normals, truth, truth_within};
+use crate::{PolygonLight, ReflectedLight, WeightRule, by_normals, truth, truth_within};
 use ltcforge_fit::{
     Configuration, Sides,
     brdf::{Brdf, Ggx},
     math::{Lattice, direction},
 };
 
-fn true_light(lit: &Lit, sides: Sides) -> Reflected {
+fn true_light(lit: &Lit, sides: Sides) -> ReflectedLight {
     truth(&lit.at, &lit.light(sides)).expect("a surface")
 }
 
@@ -140,6 +140,9 @@ fn one_side_is_lit() {
         turned.vertices.reverse();
         let [front, back] = [&lit, &turned].map(|lit| true_light(lit, Sides::One));
         let (lit_side, dark) = if front.energy > 0.0 { (front, back) } else { (back, front) };
-        assert!((lit_side.energy - both.energy).abs() < 1e-8 && dark == Reflected::NONE, "{front:?} {back:?} {both:?}");
+        assert!(
+            (lit_side.energy - both.energy).abs() < 1e-8 && dark == ReflectedLight::NONE,
+            "{front:?} {back:?} {both:?}"
+        );
     }
 }

@@ -28,7 +28,7 @@ use self::{
     microfacets::{GgxNormals, Normals},
     space::Space,
 };
-use super::{AreaLight, LightError, Reflected, rules::surface_and_view, shaped::Form};
+use super::{AreaLight, LightError, ReflectedLight, rules::surface_and_view, shaped::Form};
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, Sides};
 
 #[cfg(test)]
@@ -43,7 +43,7 @@ pub const TRUTH_TOLERANCE: f64 = 1e-9;
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
-pub fn truth<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<Reflected, LightError> {
+pub fn truth<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<ReflectedLight, LightError> {
     truth_within(TRUTH_TOLERANCE, at, light)
 }
 
@@ -55,13 +55,13 @@ pub fn truth_within<'a>(
     tolerance: f64,
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
-) -> Result<Reflected, LightError> {
+) -> Result<ReflectedLight, LightError> {
     truth_of(&BrdfKind::Ggx.into(), tolerance, at, light)
 }
 
 /// What a surface of any scattering model reflects of a light, with a tolerance for each part of an edge.
 ///
-/// Of a model without Fresnel factor [`Reflected::fresnel`] is weighed by Schlick's fifth power of the angle between view and half
+/// Of a model without Fresnel factor [`ReflectedLight::fresnel`] is weighed by Schlick's fifth power of the angle between view and half
 /// vector all the same, as the terms of its tables are. A model that reflects more light than it receives has an energy above one.
 /// What a line reflects is proportional to its width, for a lobe around a reflection up to one.
 ///
@@ -72,7 +72,7 @@ pub fn truth_of<'a>(
     tolerance: f64,
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
-) -> Result<Reflected, LightError> {
+) -> Result<ReflectedLight, LightError> {
     if !brdf.is_complete() {
         return Err(LightError::NoBrdfFile);
     }
@@ -90,10 +90,10 @@ pub fn truth_of<'a>(
 }
 
 /// What is reflected of a light, in [0, `most`].
-fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64) -> Reflected {
+fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64) -> ReflectedLight {
     let bounded = |parts: [f64; 2]| {
         let [energy, fresnel] = parts.map(|part| part.clamp(0.0, most));
-        Reflected { energy, fresnel }
+        ReflectedLight { energy, fresnel }
     };
     let (border, sides) = match light {
         AreaLight::Polygon(light) => (border::of_polygon(light.vertices()), light.sides()),

@@ -34,7 +34,7 @@ fn a_lobe_is_the_same_in_every_space() {
     }
 }
 
-fn assert_same(one: Reflected, other: Reflected, tolerance: f64) {
+fn assert_same(one: ReflectedLight, other: ReflectedLight, tolerance: f64) {
     let apart = (one.energy - other.energy).abs().max((one.fresnel - other.fresnel).abs());
     assert!(apart < tolerance, "{one:?} {other:?}");
 }
