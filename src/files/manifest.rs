@@ -25,7 +25,7 @@ struct Manifest<'a> {
     report: &'a Report,
     #[serde(skip_serializing_if = "Option::is_none")]
     tabulated: Option<Tabulated>,
-    exports: Vec<Export>,
+    exports: Vec<ExportEntry>,
 }
 
 /// The file that a table was fitted to.
@@ -39,7 +39,7 @@ struct Tabulated {
 
 /// Another file of the same table.
 #[derive(Debug, Serialize)]
-struct Export {
+struct ExportEntry {
     name: String,
     digest: Digest,
     bytes: usize,

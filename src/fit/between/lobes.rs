@@ -15,7 +15,7 @@ use crate::{
 use super::least_squares::corners;
 
 /// A lobe between nodes.
-pub(super) struct Between {
+pub(super) struct InterpolatedLobe {
     pub(super) place: PerAxis<f64>,
     pub(super) lobe: LobeNumbers,
     /// The error of such a fit.
@@ -69,7 +69,7 @@ impl Lobes {
     }
 
     /// The lobe in the cell after the node at `row` and `column`, `at` being the parts of the cell's sides.
-    pub(super) fn between(&self, [row, column]: [usize; 2], at: [f64; 2]) -> Between {
+    pub(super) fn between(&self, [row, column]: [usize; 2], at: [f64; 2]) -> InterpolatedLobe {
         let middle = |steps: &[f64], part: f64| steps[0] + (steps[1] - steps[0]) * part;
         let place = within_limits(PerAxis {
             alpha: self.spacing.alpha.value(middle(&self.alpha[row..], at[0])),
@@ -86,6 +86,6 @@ impl Lobes {
             error += of_fit * phi;
         }
         let beside = LobeNumbers { matrix, terms: LobeTerms { amplitude, fresnel } };
-        Between { place, lobe: self.smooth.rules().restore(&place, &beside), error }
+        InterpolatedLobe { place, lobe: self.smooth.rules().restore(&place, &beside), error }
     }
 }

@@ -29,7 +29,7 @@ use self::{
     distance::Displacement,
     five::{matrix, numbers},
     least_squares::{Grid, Normal, corners},
-    lobes::{Between, Lobes},
+    lobes::{InterpolatedLobe, Lobes},
 };
 use super::{
     brdf::LobeTerms,
@@ -90,7 +90,7 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
     for _ in 0..ROUNDS {
         let mut normal = Normal::new(grid);
         for (cell, at) in observed(grid) {
-            let Between { place, lobe, error } = lobes.between(cell, at);
+            let InterpolatedLobe { place, lobe, error } = lobes.between(cell, at);
             let stored = if free.is_inverse { lobe.matrix.inverse() } else { lobe.matrix };
             let stored = stored * (1.0 / rules.norm(&stored));
             let (target, mut weight) = (numbers(&stored), displacement.form(&stored, free));
@@ -129,7 +129,7 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
 /// than what was fitted.
 fn errors_between(grid: Grid, lobes: &Lobes, stored: &[DMat3], free: FreeNumbers, displacement: &Displacement) -> f64 {
     let error = |(cell, at): ([usize; 2], [f64; 2])| {
-        let Between { place, lobe, error } = lobes.between(cell, at);
+        let InterpolatedLobe { place, lobe, error } = lobes.between(cell, at);
         let of =
             |(down, right, phi): (usize, usize, f64)| stored[(cell[0] + down) * grid.columns + cell[1] + right] * phi;
         let found = corners(at).into_iter().map(of).fold(DMat3::ZERO, |sum, part| sum + part);
@@ -184,7 +184,7 @@ fn terms(grid: Grid, lobes: &Lobes, own: &[LobeNumbers]) -> Vec<LobeTerms> {
     let own: Vec<[f64; 2]> = own.iter().map(|stored| [stored.terms.amplitude, stored.terms.fresnel]).collect();
     let mut normal = Normal::new(grid);
     for (cell, at) in observed(grid) {
-        let Between { place, lobe, .. } = lobes.between(cell, at);
+        let InterpolatedLobe { place, lobe, .. } = lobes.between(cell, at);
         let weight = seen(place.theta) * lobes.angle(cell[1]);
         normal.observe(cell, at, &[[weight, 0.0], [0.0, weight]], &[lobe.terms.amplitude, lobe.terms.fresnel]);
     }

@@ -19,16 +19,16 @@ pub struct LookedUp {
     pub fresnel: Option<f64>,
 }
 
-/// A place between two neighbouring nodes of an axis.
+/// The two nodes of an axis that bracket a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Between {
+struct Bracket {
     lower: usize,
     /// Weight of the node after `lower`, in [0, 1]; zero when there is none.
     weight: f64,
 }
 
-impl Between {
-    /// The place of `x` among ascending nodes; outside them, the nearest node. The weight is linear in the steps of
+impl Bracket {
+    /// The nodes around `x`, of ascending ones; outside them, the nearest node. The weight is linear in the steps of
     /// `spacing`.
     fn find(nodes: &[f64], x: f64, spacing: Spacing) -> Self {
         let upper = nodes.partition_point(|node| *node <= x);
@@ -91,10 +91,10 @@ impl Table {
         let axes = &self.axes;
         let spacing = self.layout.rules().weights();
         let place = PerAxis {
-            alpha: Between::find(&axes.alpha, place.alpha, spacing.alpha),
-            ratio: Between::find(&axes.ratio, place.ratio, spacing.ratio),
-            theta: Between::find(&axes.theta, place.theta, spacing.theta),
-            phi: Between::find(&axes.phi, place.phi, spacing.phi),
+            alpha: Bracket::find(&axes.alpha, place.alpha, spacing.alpha),
+            ratio: Bracket::find(&axes.ratio, place.ratio, spacing.ratio),
+            theta: Bracket::find(&axes.theta, place.theta, spacing.theta),
+            phi: Bracket::find(&axes.phi, place.phi, spacing.phi),
         };
         let (mut matrix, mut terms) = ([0.0; 9], [0.0; 2]);
         for (index, weight) in self.corners(&place) {
@@ -111,7 +111,7 @@ impl Table {
     }
 
     /// The entries around a place, with weights whose sum is one.
-    fn corners(&self, place: &PerAxis<Between>) -> impl Iterator<Item = (usize, f64)> {
+    fn corners(&self, place: &PerAxis<Bracket>) -> impl Iterator<Item = (usize, f64)> {
         let PerAxis { ratio, theta, phi, .. } = self.axes.lengths();
         let place = *place;
         place.alpha.corners().flat_map(move |(a, wa)| {
