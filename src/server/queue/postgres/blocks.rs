@@ -23,11 +23,11 @@ const LOCK: i64 = 0x726f_7773;
 
 /// `$1` a submission, or NULL for all; `$2` [`FEW`]; `$3` blocks of each at once; `$4` [`LOCK`].
 pub(super) const MAKE_ROWS: &str = "
-    WITH turn AS MATERIALIZED (
+    WITH lock AS MATERIALIZED (
         SELECT $1::bigint IS NOT NULL OR pg_try_advisory_xact_lock($4) AS is_mine
     ), jobs AS MATERIALIZED (
-        SELECT s.submission FROM turn, ltcforge.serving AS s
-        WHERE turn.is_mine AND s.submission = coalesce($1, s.submission)
+        SELECT s.submission FROM lock, ltcforge.serving AS s
+        WHERE lock.is_mine AND s.submission = coalesce($1, s.submission)
             AND (SELECT true FROM ltcforge.blocks AS b WHERE b.submission = s.submission LIMIT 1)
     ), taken AS (
         DELETE FROM ltcforge.blocks WHERE (submission, first) IN (

@@ -3,10 +3,10 @@
 use std::{panic::AssertUnwindSafe, thread};
 
 use super::*;
-use ltcforge_textures::{Engine as Engine3d, Export};
+use ltcforge_textures::{Engine, Export};
 
-const THREE: Export = Export::Engine(Engine3d::Three);
-const BABYLON: Export = Export::Engine(Engine3d::Babylon);
+const THREE: Export = Export::Engine(Engine::Three);
+const BABYLON: Export = Export::Engine(Engine::Babylon);
 
 #[test]
 fn an_export_is_made_once_until_others_push_it_out() {
@@ -27,7 +27,7 @@ fn an_export_is_made_once_until_others_push_it_out() {
     text(BABYLON);
     text(THREE);
     assert_eq!(exports(), 2);
-    text(Export::Engine(Engine3d::O3de));
+    text(Export::Engine(Engine::O3de));
     text(THREE);
     assert_eq!(exports(), 3);
     text(BABYLON);
@@ -70,9 +70,9 @@ fn an_export_that_fails_leaves_room_for_others() {
     let service = start(dir.path(), &Arc::new(Shared::default()));
     let table = fitted(&service, "gold 1");
     for _ in 0..20 {
-        let refused = service.export(table, Export::Engine(Engine3d::Godot)).expect_err("too large");
+        let refused = service.export(table, Export::Engine(Engine::Godot)).expect_err("too large");
         assert!(matches!(refused, ExportFailure::TooLarge { .. }), "{refused}");
-        let bevy = AssertUnwindSafe(|| service.export(table, Export::Engine(Engine3d::Bevy)));
+        let bevy = AssertUnwindSafe(|| service.export(table, Export::Engine(Engine::Bevy)));
         assert!(std::panic::catch_unwind(bevy).is_err());
     }
     assert_eq!(service.state.exports.waiting(), 0);
