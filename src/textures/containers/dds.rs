@@ -5,8 +5,8 @@
 //! channels of 32 bits. The format has no place for what a file says of itself.
 
 use ddsfile::{
-    AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, Dds, DxgiFormat, FourCC, NewD3dParams, NewDxgiParams,
-    PixelFormat, PixelFormatFlags,
+    AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, DxgiFormat, FourCC, NewD3dParams, NewDxgiParams, PixelFormat,
+    PixelFormatFlags,
 };
 
 use super::rules::{ContainerRules, Stored, Written, one_each};
@@ -56,7 +56,7 @@ fn legacy(stored: &Stored<'_>, format: D3DFormat) -> Result<Vec<u8>, TextureFile
     small_enough(stored)?;
     let (depth, caps2) = depth(stored);
     let (width, height) = (stored.texture.width, stored.texture.height);
-    let dds = Dds::new_d3d(NewD3dParams { height, width, depth, format, mipmap_levels: None, caps2 });
+    let dds = ddsfile::Dds::new_d3d(NewD3dParams { height, width, depth, format, mipmap_levels: None, caps2 });
     written(dds, fourcc(format), stored)
 }
 
@@ -93,7 +93,7 @@ pub(crate) fn dx10(stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
         }
     };
     let (depth, caps2) = depth(stored);
-    let dds = Dds::new_dxgi(NewDxgiParams {
+    let dds = ddsfile::Dds::new_dxgi(NewDxgiParams {
         height: texture.height,
         width: texture.width,
         depth,
@@ -123,7 +123,11 @@ fn small_enough(stored: &Stored<'_>) -> Result<(), TextureFileError> {
 
 /// The bytes of a file with this `FourCC`. The crate marks formats of a known width as plain colours with masks, which they
 /// are not: 113 is told by its `FourCC` alone.
-fn written(dds: Result<Dds, ddsfile::Error>, fourcc: u32, stored: &Stored<'_>) -> Result<Vec<u8>, TextureFileError> {
+fn written(
+    dds: Result<ddsfile::Dds, ddsfile::Error>,
+    fourcc: u32,
+    stored: &Stored<'_>,
+) -> Result<Vec<u8>, TextureFileError> {
     let refused = |error: ddsfile::Error| TextureFileError::Refused { container: NAME, reason: error.to_string() };
     let mut dds = dds.map_err(refused)?;
     dds.header.spf =
