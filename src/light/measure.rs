@@ -15,8 +15,8 @@ use ltcforge_fit::{
 };
 
 /// Roughnesses below these are not drawn: a lobe of theirs is inside a light or outside.
-const LEAST_ALPHA: f64 = 0.01;
-const LEAST_ACROSS: f64 = 0.005;
+const LEAST_DRAWN_ALPHA: f64 = 0.01;
+const LEAST_DRAWN_ACROSS: f64 = 0.005;
 /// The lowest view, as an angle from the normal: 88 degrees.
 const STEEPEST: f64 = 88.0 / 360.0 * TAU;
 /// Half the width of a light at distance one, and half its height, before one is stretched by up to e and the other
@@ -28,7 +28,7 @@ const SEED: u64 = 1;
 
 /// Every surface and view for which errors are told.
 pub const EVERYWHERE: PerAxis<[f64; 2]> =
-    PerAxis { alpha: [LEAST_ALPHA, 1.0], ratio: [0.0, 1.0], theta: [0.0, STEEPEST], phi: [0.0, 0.25 * TAU] };
+    PerAxis { alpha: [LEAST_DRAWN_ALPHA, 1.0], ratio: [0.0, 1.0], theta: [0.0, STEEPEST], phi: [0.0, 0.25 * TAU] };
 
 /// A surface, a view of it, and a light.
 #[derive(Debug, Clone)]
@@ -134,7 +134,7 @@ pub fn light_map(
     let own: Vec<_> = models.iter().map(|model| with_terms(*model, brdf)).collect::<Result<_, _>>()?;
     let models = models.iter().zip(&own).map(|(model, own)| own.as_ref().map_or(*model, Lighting::Table));
     let models: Vec<Lighting<'_>> = models.collect();
-    let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_ALPHA, 1.0).sqrt());
+    let roughness = range.alpha.map(|alpha| alpha.clamp(LEAST_DRAWN_ALPHA, 1.0).sqrt());
     let theta = range.theta.map(|theta| theta.min(STEEPEST));
     let part = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / cells as f64;
     let both = |ends: [f64; 2], i: usize| [part(ends, i), part(ends, i + 1)];
@@ -187,9 +187,9 @@ impl Draw {
     }
 
     fn configuration(&mut self, range: &PerAxis<[f64; 2]>) -> Configuration {
-        let roughness = self.within(range.alpha.map(|alpha| alpha.max(LEAST_ALPHA).sqrt()));
-        let alpha = (roughness * roughness).clamp(LEAST_ALPHA, 1.0);
-        let across = (alpha * self.within(range.ratio)).max(LEAST_ACROSS);
+        let roughness = self.within(range.alpha.map(|alpha| alpha.max(LEAST_DRAWN_ALPHA).sqrt()));
+        let alpha = (roughness * roughness).clamp(LEAST_DRAWN_ALPHA, 1.0);
+        let across = (alpha * self.within(range.ratio)).max(LEAST_DRAWN_ACROSS);
         let theta = self.within(range.theta.map(|theta| theta.min(STEEPEST)));
         Configuration { alpha_x: alpha, alpha_y: across, theta, phi: self.within(range.phi) }
     }

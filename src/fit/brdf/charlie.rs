@@ -95,21 +95,21 @@ impl Brdf for Charlie {
 /// that they reflect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fibres {
-    /// Roughness, from [`Fibres::LEAST_ALPHA`] to 1.
+    /// Roughness, from [`Fibres::SMOOTHEST_ALPHA`] to 1.
     alpha: f64,
 }
 
 impl Fibres {
     /// Smoother fibres are those of this roughness, 0.07 of perceptual roughness, as renderers limit it: seen from above, such
     /// a surface reflects 1e-30 of the light already, and a little further no number that is not zero.
-    pub(super) const LEAST_ALPHA: f64 = 0.0049;
+    pub(super) const SMOOTHEST_ALPHA: f64 = 0.0049;
     /// The sampler is so many times as wide as the exponent alone is, since shadowing removes the lowest light.
     const WIDER: f64 = 2.0;
 
     /// Fibres of a roughness, the square of the sheen roughness of glTF: `alpha` in [0, 1], raised to
-    /// [`Fibres::LEAST_ALPHA`].
+    /// [`Fibres::SMOOTHEST_ALPHA`].
     pub(super) fn new(alpha: f64) -> Self {
-        Self { alpha: alpha.max(Self::LEAST_ALPHA) }
+        Self { alpha: alpha.max(Self::SMOOTHEST_ALPHA) }
     }
 
     /// `D(wm) = (2 + 1/alpha) sin(theta_m)^(1/alpha) / (2 pi)` of the normal between two directions

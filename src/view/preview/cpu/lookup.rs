@@ -10,8 +10,8 @@ use ltcforge_fit::{
     math::{atan2_upper, sin_cos_turns},
 };
 
-/// See `ltcforge_fit::LEAST_ALPHA`.
-pub(super) const LEAST_ALPHA: f32 = 1e-5;
+/// The floor of both roughnesses, in the numbers of a shader.
+pub(super) const LEAST_ALPHA: f32 = ltcforge_fit::LEAST_ALPHA as f32;
 
 struct Fold {
     alpha: f32,
