@@ -10,8 +10,11 @@ struct LtcLobe {
     fresnel: f32,
 }
 
-/// The least roughness that is fitted.
-const LTC_LEAST_ALPHA: f32 = 1e-4;
+/// The floor of the smaller roughness.
+const LTC_LEAST_ALPHA: f32 = 1e-5;
+/// The floor of the larger roughness: smoother lobes are not fitted, and those that are here serve for them, as in a table
+/// with textures. No light tells them from a mirror's.
+const LTC_ALPHA_FLOOR: f32 = 1e-4;
 /// The cosine of the most grazing view that is fitted.
 const LTC_LEAST_COSINE: f32 = 1.570796e-4;
 
@@ -37,7 +40,7 @@ fn ltc_sum(t: array<f32, 10>, c: array<vec3<f32>, 10>) -> vec3<f32> {
 /// The lobe of an isotropic surface, alpha_x = alpha_y; of an anisotropic one that of its larger roughness. wo: view
 /// direction in the tangent frame, normal +z, of unit length.
 fn ltc_lookup(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> LtcLobe {
-    let alpha = clamp(max(alpha_x, alpha_y), LTC_LEAST_ALPHA, 1.0);
+    let alpha = clamp(max(alpha_x, alpha_y), LTC_ALPHA_FLOOR, 1.0);
     let height = clamp(wo.z, LTC_LEAST_COSINE, 1.0);
     let place = 2.0 * (vec2(sqrt(alpha), 1.0 - sqrt(height)) - LTC_FUNCTION_START) * LTC_FUNCTION_SCALE - vec2(1.0);
     let bounded = clamp(place, vec2(-1.0), vec2(1.0));

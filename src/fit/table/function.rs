@@ -1,19 +1,19 @@
 //! A table of isotropic surfaces as a function: polynomials in roughness and view that a shader evaluates without a
 //! texture.
 //!
-//! Six of the nine numbers of [`Table::smooth_numbers`] differ from zero where a surface is isotropic and seen from phi 0.
-//! Each is a polynomial in `x` and `y`,
+//! Six of the nine numbers of [`Table::smooth_numbers`] differ from zero where a surface is isotropic and seen from phi
+//! 0. Each is a polynomial in `x` and `y`,
 //!
 //! ```text
 //! sum over i, j < 10 of c_ij T_i(x) T_j(y)
 //! x = from -1 to 1 over the table's roughness sqrt(alpha),    y = the same over its 1 - sqrt(cos theta)
 //! ```
 //!
-//! with Chebyshev's polynomials `T`. The coefficients are those of least squares at the nodes, weighed by the roughness and
-//! the angle for which a node stands, and rounded to multiples of 1/8192 or 1/16384 that 16 bits hold.
+//! with Chebyshev's polynomials `T`. The coefficients are those of least squares at the nodes, weighed by the roughness
+//! and the angle for which a node stands, and rounded to multiples of 1/8192 or 1/16384 that 16 bits hold.
 //!
-//! Fitted lobes scatter a little from one to the next. Least squares average this away, so that the function comes nearer
-//! to the truth than a fine table of layout `reflected`.
+//! Fitted lobes scatter a little from one to the next. Least squares average this away, so that the function comes
+//! nearer to the truth than a fine table of layout `reflected`.
 
 use super::{Configuration, LookedUp, Table};
 use crate::{
@@ -165,14 +165,14 @@ impl IsotropicFunction {
         Ok(found)
     }
 
-    /// The coefficients in multiples of [`Self::steps`], by power of roughness, of view, and channel: `p`, `q`, the slant of
-    /// the third column, the last row, and the two terms, as `shaders/ltc_function.wgsl` takes them.
+    /// The coefficients in multiples of [`Self::steps`], by power of roughness, of view, and channel: `p`, `q`, the
+    /// slant of the third column, the last row, and the two terms, as `shaders/ltc_function.wgsl` takes them.
     #[must_use]
     pub fn coefficients(&self) -> &[[[i16; 6]; FUNCTION_SIDE]; FUNCTION_SIDE] {
         &self.coefficients
     }
 
-    /// What one of a channel's coefficients is a multiple of.
+    /// The step of each channel: its coefficients are multiples of it.
     #[must_use]
     pub fn steps() -> [f64; 6] {
         STEPS
@@ -184,8 +184,8 @@ impl IsotropicFunction {
         [self.roughness, self.view]
     }
 
-    /// The function as a table of layout `reflected` whose nodes are so near to each other that interpolation adds nothing,
-    /// to be measured.
+    /// The function as a table of layout `reflected` whose nodes are so near to each other that interpolation adds
+    /// nothing, to be measured.
     #[must_use]
     pub fn table(&self, source: &Table) -> Table {
         let range = |nodes: &[f64]| [nodes[0], nodes[nodes.len() - 1]];
@@ -202,7 +202,8 @@ impl IsotropicFunction {
         Table::of_smooth_numbers((source.brdf(), source.lobe, Layout::Reflected), axes, &numbers, true)
     }
 
-    /// What a shader computes: the lobe of the larger roughness, turned with the view.
+    /// The numbers that a shader computes: the lobe of the larger roughness, which is raised to [`ALPHA_FLOOR`], turned
+    /// with the view.
     #[must_use]
     pub fn lobe(&self, configuration: &Configuration) -> LookedUp {
         let Configuration { alpha_x, alpha_y, theta, phi } = *configuration;

@@ -19,6 +19,17 @@ fn planted_polynomials_are_found() {
 }
 
 #[test]
+fn below_the_floor_function_and_table_have_the_lobe_of_the_floor() {
+    let table = planted(Layout::Reflected);
+    let function = IsotropicFunction::of(&table).expect("a function");
+    let at = |alpha| Configuration { alpha_x: alpha, alpha_y: alpha, theta: 0.9, phi: 0.4 };
+    for alpha in [0.0, 1e-5, 5e-5] {
+        assert_eq!(function.lobe(&at(alpha)), function.lobe(&at(ALPHA_FLOOR)), "{alpha}");
+        assert_eq!(table.lookup(&at(alpha)), table.lookup(&at(ALPHA_FLOOR)), "{alpha}");
+    }
+}
+
+#[test]
 fn the_measured_table_is_the_function() {
     let source = planted(Layout::Reflected);
     let found = IsotropicFunction::of(&source).expect("a function");
