@@ -1,8 +1,8 @@
 //! What the queue in PostgreSQL does by itself: no shard is fitted.
 //!
-//! `cargo bench -p ltcforge-benches --bench cluster`, or with `--profile dev` what the tests have compiled already. It starts a
-//! PostgreSQL of its own that waits for its disk, as Debian's package has it, and needs about 500 MB in the folder for
-//! temporary files.
+//! `cargo bench -p ltcforge-benches --bench cluster`, or with `--profile dev` what the tests have compiled already. It
+//! starts a PostgreSQL of its own that waits for its disk, as Debian's package has it, and needs about 500 MB in the
+//! folder for temporary files.
 
 use std::{
     num::{NonZeroU32, NonZeroUsize},
@@ -91,8 +91,8 @@ fn complete(queue: &PostgresQueue, leases: &[Lease], result: &[u8]) -> u64 {
     answers.iter().filter(|answer| answer.is_ok()).count() as u64
 }
 
-/// Figures of workers that sleep for each shard's time: shards a second, the tasks that each unfinished job has leased at least
-/// and at most, how long a new job waits for its first lease, and how long a lease takes.
+/// Figures of workers that sleep for each shard's time: shards a second, the tasks that each unfinished job has leased
+/// at least and at most, how long a new job waits for its first lease, and how long a lease takes.
 fn rate(server: &throwaway::Server, at_once: usize, shard: Duration) -> String {
     let url = &server.url(DATABASE);
     let (ended, shards) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));

@@ -1,9 +1,9 @@
 //! What it costs to share a database and a store of tables, and what a second worker gains.
 //!
-//! `cargo bench -p ltcforge-benches --bench hosts`, or with `-- PART` only a part of it: `tables`, `large`, `workers`, `threads`
-//! or `start`. The shared service is compared with the embedded one, job by job in turn;
-//! two workers with one, on several jobs at once, and on one larger job. PostgreSQL is one of the bench's own that waits for its
-//! disk, the store a folder. Times are those of the queue's clock, so that asking for them takes no processor's.
+//! `cargo bench -p ltcforge-benches --bench hosts`, or with `-- PART` only a part of it: `tables`, `large`, `workers`,
+//! `threads` or `start`. The shared service is compared with the embedded one, job by job in turn; two workers with
+//! one, on several jobs at once, and on one larger job. PostgreSQL is one of the bench's own that waits for its disk,
+//! the store a folder. Times are those of the queue's clock, so that asking for them takes no processor's.
 
 use std::{
     num::NonZeroUsize,

@@ -1,7 +1,7 @@
 //! What a picture costs: the first one, one of each estimator once warm, and what of it is the lookup.
 //!
-//! `cargo bench --bench preview`. The lookup's cost is the difference between a frame and one whose lookup is replaced by
-//! a constant; all variants take turns, so that a busy machine slows all of them.
+//! `cargo bench --bench preview`. The lookup's cost is the difference between a frame and one whose lookup is replaced
+//! by a constant; all variants take turns, so that a busy machine slows all of them.
 #![allow(missing_docs, reason = "criterion's macros define undocumented functions")]
 
 use std::{

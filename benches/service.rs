@@ -1,8 +1,9 @@
 //! What the service adds to a fit and to a download.
 //!
-//! `cargo bench -p ltcforge-benches --bench service`. A job is compared with the same recipe fitted, encoded and measured
-//! without a service, by processor time; a download with a bare server that reads, hashes and sends the same file over
-//! the same kind of connection. Both take turns with what they are compared with, so that a busy machine slows both.
+//! `cargo bench -p ltcforge-benches --bench service`. A job is compared with the same recipe fitted, encoded and
+//! measured without a service, by processor time; a download with a bare server that reads, hashes and sends the same
+//! file over the same kind of connection. Both take turns with what they are compared with, so that a busy machine
+//! slows both.
 
 use std::{
     fs,

@@ -82,9 +82,10 @@
 //!
 //! # Crates
 //!
-//! Each module of this list is a crate of its own, `ltcforge-fit` and so on. [`mod@fit`] is the core: equal arguments give equal
-//! bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] documents and containers, [`shaders`]
-//! the WGSL. The others are built on them. Vectors and matrices in signatures are those of [`glam`].
+//! Each module of this list is a crate of its own, `ltcforge-fit` and so on. [`mod@fit`] is the core: equal arguments
+//! give equal bytes on every machine. [`mod@light`] has the models of light and the truth, [`files`] documents and
+//! containers, [`shaders`] the WGSL. The others are built on them. Vectors and matrices in signatures are those of
+//! [`glam`].
 
 mod library;
 

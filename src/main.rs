@@ -63,9 +63,9 @@ fn main() -> ExitCode {
 
 /// Starts this program anew in this process with an environment in which Mesa does not look for a display.
 ///
-/// Without an `XDG_RUNTIME_DIR` that is a full path, Mesa's layer for choosing devices has libwayland complain on standard error that
-/// it found none, since wgpu enables the surface extensions of every instance. `NODEVICE_SELECT` turns the layer off; a
-/// process may not change its own environment without unsafe code.
+/// Without an `XDG_RUNTIME_DIR` that is a full path, Mesa's layer for choosing devices has libwayland complain on
+/// standard error that it found none, since wgpu enables the surface extensions of every instance. `NODEVICE_SELECT`
+/// turns the layer off; a process may not change its own environment without unsafe code.
 #[cfg(unix)]
 fn keep_vulkan_from_looking_for_a_display() {
     use std::os::unix::process::CommandExt as _;

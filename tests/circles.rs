@@ -1,8 +1,8 @@
-//! No two files of a crate use each other in a circle, and no file lies beside the tree of modules. Which crate uses which, the
-//! manifests say, and cargo refuses circles.
+//! No two files of a crate use each other in a circle, and no file lies beside the tree of modules. Which crate uses
+//! which, the manifests say, and cargo refuses circles.
 //!
-//! Files are read as text: `use` declarations with `crate`, `super` or `self` outside of tests are resolved through modules
-//! and re-exports to the file that defines the item. A path in the middle of code is not looked at.
+//! Files are read as text: `use` declarations with `crate`, `super` or `self` outside of tests are resolved through
+//! modules and re-exports to the file that defines the item. A path in the middle of code is not looked at.
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -95,7 +95,7 @@ pub struct MeanError {
 }
 
 impl MeanError {
-    /// What a report tells.
+    /// The mean error in a report.
     #[must_use]
     pub fn of(report: &Report) -> Self {
         Self { width: report.between.width.mean, places: report.between.points }

@@ -281,7 +281,7 @@ mod tests {
         assert_eq!(failed.path, second);
         assert!(!first.exists());
 
-        // What was there before stays: it may belong to an older second file.
+        // The old file stays: it may belong to an older second file.
         fs::write(&first, "old").expect("a file");
         assert!(replace_pair((&first, b"1"), (&second, b"2")).is_err());
         assert!(first.exists());

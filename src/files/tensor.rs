@@ -1,4 +1,4 @@
-//! What safetensors files are made of.
+//! Tensors, the parts of safetensors files.
 
 use std::borrow::Cow;
 

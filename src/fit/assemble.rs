@@ -36,7 +36,7 @@ pub fn assemble(plan: &Plan, entries: &[FittedEntry]) -> Table {
     }
 }
 
-/// What a layout stores for the lobe of an entry.
+/// The numbers that a layout stores for the lobe of an entry.
 fn store(plan: &Plan, index: u64, entry: &FittedEntry) -> LobeNumbers {
     let (place, recipe) = (plan.place(index), plan.recipe());
     let FittedEntry { matrix, amplitude, fresnel, .. } = *entry;

@@ -20,7 +20,8 @@ use super::{
 /// Samples of the lobe for each sample of the LTC. The lobe can have more, because its samples are projected once and
 /// those of the LTC in every evaluation.
 const TARGET_SAMPLES_PER_SAMPLE: usize = 2;
-/// Samples of the lobe that tell its terms, for each sample of the LTC. They are drawn and no more, so they cost little.
+/// Samples of the lobe that tell its terms, for each sample of the LTC. They are drawn and no more, so they cost
+/// little.
 const TERM_SAMPLES_PER_SAMPLE: usize = 4;
 /// The held-out sequences are those of the fit, shifted by these parts of a turn. Both parts are far from any fraction
 /// with a small denominator.
@@ -34,8 +35,8 @@ const ERROR_METRIC: Metric = Metric::Sw1;
 pub struct FittedEntry {
     /// `M` in the tangent frame, row-major.
     pub matrix: [f64; 9],
-    /// Directional albedo for a Fresnel factor of one; of a Gaussian over its part above the horizon, so that what it has
-    /// over a light is multiplied by this.
+    /// Directional albedo for a Fresnel factor of one; of a Gaussian over its part above the horizon, so that what it
+    /// has over a light is multiplied by this.
     pub amplitude: f64,
     /// The same, weighted by Schlick's fifth power.
     pub fresnel: f64,
@@ -143,8 +144,8 @@ impl Fitter {
         self.seen.target(brdf, wo).frame
     }
 
-    /// [`Fitter::fit`], for solvers that start from the matrix of a lobe next to this one, and the matrix with which to start
-    /// the next one: each in the frame of its own lobe.
+    /// [`Fitter::fit`], for solvers that start from the matrix of a lobe next to this one, and the matrix with which to
+    /// start the next one: each in the frame of its own lobe.
     pub(super) fn fit_near(
         &mut self,
         brdf: &dyn Brdf,

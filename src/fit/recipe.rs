@@ -37,8 +37,8 @@ pub struct FitSettings {
     /// Shifts the sample sequences of `bfgs`, seeds the generator of `sgd`.
     #[doc(hidden)]
     pub seed: u64,
-    /// The choices of a solver with a simplex. The canonical form names them with such a solver only, so that recipes keep
-    /// their digests.
+    /// The choices of a solver with a simplex. The canonical form names them with such a solver only, so that recipes
+    /// keep their digests.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     #[doc(hidden)]
     pub simplex: Option<Simplex>,

@@ -20,9 +20,9 @@ const SHARD_ENTRIES: u64 = 64;
 
 /// A recipe's nodes and how they are cut into shards; the recipe alone decides both.
 ///
-/// The entries that share alpha, ratio and theta are a view. They also share work where symmetry makes them equal. A row is
-/// one view or, where each view starts from the last, all views that share alpha and ratio. A shard is a whole number of
-/// rows, so that its entries do not depend on any other's.
+/// The entries that share alpha, ratio and theta are a view. They also share work where symmetry makes them equal. A
+/// row is one view or, where each view starts from the last, all views that share alpha and ratio. A shard is a whole
+/// number of rows, so that its entries do not depend on any other's.
 #[derive(Debug, Clone)]
 pub struct Plan {
     recipe: Recipe,
@@ -102,8 +102,8 @@ impl Plan {
 
 /// Fits the entries of `shard` in storage order.
 ///
-/// `on_progress` gets the count of the shard's finished entries after every entry, and at intervals within a long one. It
-/// may stop the fit; then the result is `None` and nothing of the shard is kept.
+/// `on_progress` gets the count of the shard's finished entries after every entry, and at intervals within a long one.
+/// It may stop the fit; then the result is `None` and nothing of the shard is kept.
 pub fn fit_shard(
     plan: &Plan,
     shard: u32,
@@ -149,8 +149,8 @@ fn fit_row(
     Some(())
 }
 
-/// The matrix, in the frame of its lobe, from which the first view of a row with warm starts begins: of the lobe seen from
-/// above, down from the plan's roughest one in halves, each found from the last.
+/// The matrix, in the frame of its lobe, from which the first view of a row with warm starts begins: of the lobe seen
+/// from above, down from the plan's roughest one in halves, each found from the last.
 fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut StopCheck) -> Option<DMat3> {
     let mut rough = plan.place(plan.entries() - 1).alpha;
     let mut near = None;
@@ -165,9 +165,9 @@ fn from_above(plan: &Plan, alpha: f64, fitter: &mut Fitter, stop_check: &mut Sto
     }
 }
 
-/// Fits the entries of the view whose first entry is `first`, each lobe once. It starts from `near`, if there is one, and
-/// leaves there what the next view starts from.
-/// Seen from above, the lobe is the same for every phi. On an isotropic surface it turns with phi.
+/// Fits the entries of the view whose first entry is `first`, each lobe once. It starts from `near`, if there is one,
+/// and leaves there what the next view starts from. Seen from above, the lobe is the same for every phi. On an
+/// isotropic surface it turns with phi.
 fn fit_view(
     plan: &Plan,
     first: u64,

@@ -19,8 +19,8 @@ pub fn ggx_terms(layout: Layout, axes: &PerAxis<Vec<f64>>) -> Terms {
     terms_of(&BrdfKind::Ggx.into(), layout, axes)
 }
 
-/// A scattering model's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on the current
-/// rayon pool; its size changes nothing.
+/// A scattering model's amplitude and Fresnel term at every node, as a layout stores them, in storage order. Runs on
+/// the current rayon pool; its size changes nothing.
 ///
 /// Domain: nodes that a fit could have, and a model that [is complete](BrdfModel::is_complete).
 #[must_use]

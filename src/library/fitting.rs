@@ -50,8 +50,8 @@ impl<'a> Fit<'a> {
     /// Runs the fit to its end.
     ///
     /// # Errors
-    /// [`Error::Stopped`] when the progress callback says so, [`Error::Threads`], [`Error::Table`] for a recipe without the file
-    /// of its tabulated BRDF.
+    /// [`Error::Stopped`] when the progress callback says so, [`Error::Threads`], [`Error::Table`] for a recipe without
+    /// the file of its tabulated BRDF.
     pub fn run(self) -> Result<TableFile, Error> {
         if !self.recipe.model().is_complete() {
             let missing = "a recipe that was read from a table has none; build it anew".to_owned();

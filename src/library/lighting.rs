@@ -1,11 +1,11 @@
-//! What a surface reflects of an area light.
+//! Area lights: the light that a surface reflects.
 
 use super::Error;
 use ltcforge_fit::{Configuration, Table};
 use ltcforge_light::{AreaLight, ReflectedLight, WeightRule, by_normals, by_table};
 
-/// What a surface reflects of a light of radiance one, in closed form and without a table; see
-/// [`mod@ltcforge_light`] for other rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
+/// The reflection of a light of radiance one, in closed form and without a table; see [`mod@ltcforge_light`] for other
+/// rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
 /// [`ShapedLight`](ltcforge_light::ShapedLight).
 ///
 /// # Errors

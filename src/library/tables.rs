@@ -40,8 +40,8 @@ pub fn cached(recipe: &Recipe, folder: impl AsRef<Path>) -> Result<TableFile, Er
 }
 
 /// Writes a table and its manifest into `folder`, both named by the table's digest, and measures the table for the
-/// manifest. Gives the digest and the table's path. The manifest's path ends in `.manifest.json`. The file of a tabulated
-/// BRDF is the caller's to keep.
+/// manifest. Gives the digest and the table's path. The manifest's path ends in `.manifest.json`. The file of a
+/// tabulated BRDF is the caller's to keep.
 ///
 /// # Errors
 /// [`Error::File`] where one of them cannot be written; then no half-written file is left, and no manifest without its

@@ -110,7 +110,8 @@ impl Draw {
         Configuration { alpha_x, alpha_y, theta: self.within(0.0, most.to_radians()), phi: self.within(0.0, TAU) }
     }
 
-    /// A rectangle, half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that the lobe reflects.
+    /// A rectangle, half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that the lobe
+    /// reflects.
     pub fn lit(&mut self, roughness: Roughness) -> Lit {
         self.lit_by(roughness, [0.05, 1.2])
     }
@@ -135,8 +136,8 @@ impl Draw {
         }
     }
 
-    /// An upright rectangle across from the viewer. The middle of its lower edge is `foot` times its height above the surface,
-    /// one end of that edge `tilt` times as much higher and the other lower.
+    /// An upright rectangle across from the viewer. The middle of its lower edge is `foot` times its height above the
+    /// surface, one end of that edge `tilt` times as much higher and the other lower.
     pub fn wall(&mut self, roughness: Roughness, foot: f64, tilt: f64) -> Lit {
         let at = self.configuration(roughness);
         let towards = at.phi + TAU * self.within(0.4, 0.6);
@@ -155,14 +156,14 @@ impl Draw {
     }
 }
 
-/// What GGX reflects of a parallelogram of radiance one, by [`over_area_of`].
+/// The light of a parallelogram of radiance one that GGX reflects, by [`over_area_of`].
 #[cfg(test)]
 pub(super) fn over_area(lit: &Lit, n: u32) -> [f64; 2] {
     over_area_of(&Ggx { alpha_x: lit.at.alpha_x, alpha_y: lit.at.alpha_y }, lit, n)
 }
 
-/// What is reflected of a parallelogram of radiance one, by the midpoint rule on its area with `n` by `n` cells and the
-/// BRDF itself: for a Fresnel factor of one, and weighed by Schlick's fifth power.
+/// The reflected light of a parallelogram of radiance one, by the midpoint rule on its area with `n` by `n` cells and
+/// the BRDF itself: for a Fresnel factor of one, and weighed by Schlick's fifth power.
 #[cfg(test)]
 pub(super) fn over_area_of(brdf: &dyn Brdf, lit: &Lit, n: u32) -> [f64; 2] {
     let wo = lit.wo();

@@ -37,7 +37,7 @@ pub enum LightError {
     Length {
         /// Which length.
         what: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
     /// A surface or a view direction that has no reflection.
@@ -45,9 +45,9 @@ pub enum LightError {
     Domain {
         /// Which number.
         what: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
-        /// What it may be.
+        /// The allowed values.
         allowed: &'static str,
     },
     /// A table tells how lobes look and not how much they reflect.
@@ -67,9 +67,9 @@ pub enum LightError {
         "the lights are around what brdf {lights} reflects, and the table is of brdf {table}: draw lights for the table's own"
     )]
     OtherLights {
-        /// What the lights were drawn for.
+        /// The scattering model for which the lights were drawn.
         lights: BrdfKind,
-        /// What the table is of.
+        /// The scattering model of the table.
         table: BrdfKind,
     },
     /// A tabulated model has no numbers at hand.

@@ -1,4 +1,4 @@
-//! What a surface reflects or transmits of an area light, by each model: a table of LTCs, the closed form in the space of
+//! The light that a surface reflects or transmits, by each model: a table of LTCs, the closed form in the space of
 //! normals, or one Gaussian; and the truth, by quadrature.
 //!
 //! Invariant: `light` fits nothing and reads no file.

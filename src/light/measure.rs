@@ -37,7 +37,8 @@ struct Lit {
     light: PolygonLight,
 }
 
-/// Random rectangles around what random surfaces of a scattering model reflect, and the energy that is reflected of each.
+/// Random rectangles around what random surfaces of a scattering model reflect, and the energy that is reflected of
+/// each.
 ///
 /// Equal arguments give equal lights.
 #[derive(Debug, Clone)]
@@ -50,12 +51,14 @@ pub struct RandomLights {
 impl RandomLights {
     /// `count` lights on surfaces and views within the ranges of a table of a scattering model.
     ///
-    /// The square root of alpha, ratio and angles are even; alpha is 0.01 at least and theta 88 degrees at most. A light
-    /// stands at distance one around a direction that the model's sampler draws (for GGX the reflection of a visible normal), turned
-    /// and tilted at random, half as wide as 0.05 to 1.2. Domain: at least one light. Runs on the current rayon pool; its size changes nothing.
+    /// The square root of alpha, ratio and angles are even; alpha is 0.01 at least and theta 88 degrees at most. A
+    /// light stands at distance one around a direction that the model's sampler draws (for GGX the reflection of a
+    /// visible normal), turned and tilted at random, half as wide as 0.05 to 1.2. Domain: at least one light. Runs on
+    /// the current rayon pool; its size changes nothing.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for ranges that no table has, [`LightError::NoBrdfFile`] for a tabulated model without its numbers.
+    /// [`LightError::Domain`] for ranges that no table has, [`LightError::NoBrdfFile`] for a tabulated model without
+    /// its numbers.
     pub fn draw(brdf: &BrdfModel, range: &PerAxis<[f64; 2]>, count: usize) -> Result<Self, LightError> {
         if !brdf.is_complete() {
             return Err(LightError::NoBrdfFile);
@@ -81,12 +84,12 @@ impl RandomLights {
     }
 }
 
-/// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights: in [0, 1] for a scattering
-/// model that gains no light.
+/// Absolute error of the energy that a model reflects, for a Fresnel factor of one, over random lights: in [0, 1] for a
+/// scattering model that gains no light.
 ///
 /// # Errors
-/// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherLights`] for one of another scattering model than the
-/// lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
+/// [`LightError::Singular`] for a table that does not tell, [`LightError::OtherLights`] for one of another scattering
+/// model than the lights, [`LightError::OtherBrdf`] for a closed form where that is not GGX.
 pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread, LightError> {
     let own = with_terms(model, &lights.brdf)?;
     let model = own.as_ref().map_or(model, Lighting::Table);
@@ -117,8 +120,9 @@ pub struct LightMap {
     pub errors: Vec<Vec<f64>>,
 }
 
-/// Measures models of light, for surfaces of one scattering model, on `count` random lights in each of `cells` by `cells` parts of a range, over all of its ratios and
-/// azimuths. The lights are those of [`RandomLights`]; neighbouring cells have like ones.
+/// Measures models of light, for surfaces of one scattering model, on `count` random lights in each of `cells` by
+/// `cells` parts of a range, over all of its ratios and azimuths. The lights are those of [`RandomLights`];
+/// neighbouring cells have like ones.
 ///
 /// Domain: at least one cell and one light. Runs on the current rayon pool; its size changes nothing.
 ///
@@ -155,8 +159,8 @@ fn spread(mut errors: Vec<f64>) -> Spread {
     Spread { mean, p95: errors[count * 95 / 100], max: errors[count - 1] }
 }
 
-/// The table of a model whose own has no terms, with those of its scattering model. Every model is measured by the truth of what
-/// it stands for.
+/// The table of a model whose own has no terms, with those of its scattering model. Every model is measured by the
+/// truth of what it stands for.
 fn with_terms(model: Lighting<'_>, brdf: &BrdfModel) -> Result<Option<Table>, LightError> {
     model.check_brdf(brdf)?;
     let Lighting::Table(table) = model else { return Ok(None) };

@@ -64,8 +64,8 @@ impl LightModel {
         self.rules().formula().map_or(&[], Formula::weights)
     }
 
-    /// The model without a table; `None` where it needs one. The rule is the default where none is chosen, and where the
-    /// model has no choice.
+    /// The model without a table; `None` where it needs one. The rule is the default where none is chosen, and where
+    /// the model has no choice.
     #[must_use]
     pub fn closed_form(self, rule: Option<WeightRule>) -> Option<ClosedForm> {
         let usual = WeightRule::ALL[0];
@@ -79,7 +79,8 @@ impl LightModel {
         rules.iter().filter_map(move |rule| self.closed_form(Some(*rule)))
     }
 
-    /// The cost of a pixel of a preview by a formula, in samples of its reference; by a table where the model needs one.
+    /// The cost of a pixel of a preview by a formula, in samples of its reference; by a table where the model needs
+    /// one.
     #[must_use]
     pub fn cost(self) -> u32 {
         self.rules().formula().map_or(self.table_cost(), Formula::cost)
@@ -130,7 +131,8 @@ impl ClosedForm {
     /// [`ShapedLight::outline`](super::ShapedLight::outline) tells.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the outline.
+    /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of
+    /// the outline.
     pub fn reflected<'a>(
         self,
         at: &Configuration,

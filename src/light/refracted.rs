@@ -1,4 +1,4 @@
-//! What an interface transmits of a light, with its arguments checked.
+//! The light that an interface transmits, with its arguments checked.
 
 use glam::DVec3;
 
@@ -9,12 +9,12 @@ use super::{
 };
 use ltcforge_fit::Configuration;
 
-/// What a rough interface transmits of a light below it, in f64: [`transmitted`] of a surface and a light that are checked.
-/// `eta` is the index on the light's side over that on the viewer's.
+/// The transmission of a light below a rough interface, in f64: [`transmitted`] of a surface and a light that are
+/// checked. `eta` is the index on the light's side over that on the viewer's.
 ///
 /// # Errors
-/// [`LightError::Domain`] for a roughness outside [0, 1], a view direction on or below the horizon, and an index outside
-/// [`ETA_RANGE`] or within [`ETA_APART`] of one.
+/// [`LightError::Domain`] for a roughness outside [0, 1], a view direction on or below the horizon, and an index
+/// outside [`ETA_RANGE`] or within [`ETA_APART`] of one.
 pub fn by_refraction(at: &Configuration, eta: f64, light: &PolygonLight) -> Result<Transmitted<f64>, LightError> {
     let (alpha, wo) = surface_and_view(at)?;
     let is_known = (ETA_RANGE[0]..=ETA_RANGE[1]).contains(&eta) && (eta - 1.0).abs() >= ETA_APART;

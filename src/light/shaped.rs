@@ -72,12 +72,12 @@ const PARALLEL: f64 = 1e-12;
 /// A length below this part of the light's largest number is none.
 const TOUCHING: f64 = 1e-12;
 
-/// A light of radiance one that is no polygon, as seen from a shaded point in its tangent frame, normal +z. The shaded point is
-/// outside of it.
+/// A light of radiance one that is no polygon, as seen from a shaded point in its tangent frame, normal +z. The shaded
+/// point is outside of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapedLight(Form);
 
-/// What it is, scaled so that the largest number is one: what is seen of a light depends on directions alone.
+/// The shape, scaled so that the largest number is one: the visible part of a light depends on directions alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Form {
     Ellipse { centre: DVec3, half_axes: [DVec3; 2], sides: Sides },
@@ -87,12 +87,12 @@ pub(super) enum Form {
 }
 
 impl ShapedLight {
-    /// The ellipse `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two half axes; a disk where they are as long as each
-    /// other and perpendicular. Its lit side is that of `half_axes[0] x half_axes[1]`.
+    /// The ellipse `centre + cos t half_axes[0] + sin t half_axes[1]`, for any two half axes; a disk where they are as
+    /// long as each other and perpendicular. Its lit side is that of `half_axes[0] x half_axes[1]`.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for a coordinate that is not finite, [`LightError::Flat`] for half axes that are parallel or zero,
-    /// [`LightError::Inside`] for a shaded point in the ellipse.
+    /// [`LightError::Domain`] for a coordinate that is not finite, [`LightError::Flat`] for half axes that are parallel
+    /// or zero, [`LightError::Inside`] for a shaded point in the ellipse.
     pub fn ellipse(centre: DVec3, half_axes: [DVec3; 2], sides: Sides) -> Result<Self, LightError> {
         let [x, y] = half_axes;
         check_points([("the centre", centre), ("the first half axis", x), ("the second half axis", y)])?;
@@ -113,8 +113,8 @@ impl ShapedLight {
     /// A sphere.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for a coordinate that is not finite and a radius that is not above zero, [`LightError::Inside`] for a
-    /// shaded point in the sphere or on it.
+    /// [`LightError::Domain`] for a coordinate that is not finite and a radius that is not above zero,
+    /// [`LightError::Inside`] for a shaded point in the sphere or on it.
     pub fn sphere(centre: DVec3, radius: f64) -> Result<Self, LightError> {
         check_points([("the centre", centre)])?;
         check_above_zero("the radius", radius)?;
@@ -125,7 +125,8 @@ impl ShapedLight {
         Ok(Self(Form::Sphere { centre, radius }))
     }
 
-    /// A tube with round ends: all points up to `radius` from the line between `ends`. Where both are one it is a sphere.
+    /// A tube with round ends: all points up to `radius` from the line between `ends`. Where both are one it is a
+    /// sphere.
     ///
     /// # Errors
     /// As [`Self::sphere`].
@@ -139,11 +140,12 @@ impl ShapedLight {
         Ok(Self(Form::Tube { ends: [a, b], radius }))
     }
 
-    /// A line of a small width that faces the shaded point everywhere: the limit of a thin tube whose diameter is the width.
+    /// A line of a small width that faces the shaded point everywhere: the limit of a thin tube whose diameter is the
+    /// width.
     ///
     /// # Errors
-    /// [`LightError::Domain`] for a coordinate that is not finite, a width that is not above zero and a line without length,
-    /// [`LightError::Inside`] for a shaded point on the line.
+    /// [`LightError::Domain`] for a coordinate that is not finite, a width that is not above zero and a line without
+    /// length, [`LightError::Inside`] for a shaded point on the line.
     pub fn line(ends: [DVec3; 2], width: f64) -> Result<Self, LightError> {
         check_points([("the first end", ends[0]), ("the second end", ends[1])])?;
         check_above_zero("the width", width)?;
@@ -169,7 +171,8 @@ impl ShapedLight {
         }
     }
 
-    /// The convex polygon that stands for it where a model knows polygons alone: see [`ellipse`], [`tube`] and [`line()`].
+    /// The convex polygon that stands for it where a model knows polygons alone: see [`ellipse`], [`tube`] and
+    /// [`line()`].
     ///
     /// # Errors
     /// [`LightError::OnOutline`] for a shaded point on the polygon that stands for an ellipse.

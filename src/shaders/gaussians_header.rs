@@ -29,7 +29,7 @@ const CALLS: &str = "    let disk = gaussians_disk(view, vertices[0], vertices[1
     return vec4(gaussians_rectangle(view, corners, true) + polygon, disk);
 ";
 
-/// What the shader is, and under which terms.
+/// The opening comment: what the shader is, and its licence.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere: no table, cheap and coarse.
 Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
@@ -40,7 +40,7 @@ FUNCTIONS
       above 0; wo is the view direction in the tangent frame, normal +z, of unit length.
 {lights}";
 
-/// What a Gaussian lights by, with a table or without one.
+/// The functions of a Gaussian's lights, with a table or without one.
 pub(super) const LIGHTS: &str =
     "  gaussians_rectangle(view, corners, two_sided), gaussians_polygon(view, vertices, count, two_sided),
   gaussians_disk(view, centre, half_x, half_y, two_sided)

@@ -24,7 +24,7 @@ pub(super) const SHADER: ModelShader = ModelShader {
     include_comment: gaussians_table_include_header,
 };
 
-/// What the shader is, and under which terms.
+/// The opening comment: what the shader is, and its licence.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX by one Gaussian on the sphere, by a table that ltcforge fitted with lobe sg or asg.
 Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0

@@ -18,7 +18,7 @@ pub struct Case {
     pub alpha_x: f64,
     /// Roughness along y.
     pub alpha_y: f64,
-    /// Of unit length, in decimals too.
+    /// The view direction, of unit length in decimals too.
     pub wo: [f64; 3],
 }
 
@@ -83,7 +83,7 @@ impl Case {
         Configuration { alpha_x: self.alpha_x, alpha_y: self.alpha_y, theta, phi: atan2(y, x) }
     }
 
-    /// What the table gives here, in f64.
+    /// The lookup of the table here, in f64.
     pub fn golden(&self, layout: Layout) -> Golden {
         let found = table(layout).lookup(&self.configuration());
         let light = CORNERS.map(DVec3::from_array);
@@ -95,15 +95,15 @@ impl Case {
         }
     }
 
-    /// What the table, taken for one of Gaussians, reflects of the rectangle: for a Fresnel factor of one, and its part
-    /// weighed by Schlick's, in f64.
+    /// The light of the rectangle reflected by the table, taken for one of Gaussians: for a Fresnel factor of one, and
+    /// its part weighed by Schlick's, in f64.
     #[must_use]
     pub fn lit_by_gaussian(&self, layout: Layout, gaussian: Gaussian) -> [f64; 2] {
         let (shape, parts) = self.gaussian(layout, gaussian);
         gaussians::reflected_by(&shape, parts, &CORNERS, Sides::One)
     }
 
-    /// What the table, taken for one of Gaussians, has: the Gaussian, and its two parts.
+    /// The lookup of the table, taken for one of Gaussians: the Gaussian, and its two parts.
     #[must_use]
     pub fn gaussian(&self, layout: Layout, gaussian: Gaussian) -> (SphericalGaussian<f64>, [f64; 2]) {
         let found = table(layout).lookup(&self.configuration());

@@ -45,7 +45,7 @@ const POLYGONS_CALLED: &str =
     "    let polygon = ltc_rectangle(inverse, corners, true) + ltc_polygon(inverse, vertices, 4u, true);
 ";
 
-/// What the shader is, and under which terms.
+/// The opening comment: what the shader is, and its licence.
 const ABOUT: &str = "\
 Linearly Transformed Cosines: area lights on anisotropic GGX, by a table that ltcforge fitted.
 Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
@@ -57,7 +57,7 @@ FUNCTIONS
       the tangent frame, normal +z, of unit length. M maps the clamped cosine to the lobe, in that frame.
 {lights}";
 
-/// What both kinds of tables light by.
+/// The functions of lights that both kinds of tables have.
 #[must_use]
 pub fn functions_of(lights: Lights) -> &'static str {
     match lights {
@@ -85,7 +85,7 @@ const LIGHTS: &str = "  ltc_inverse(M)                    the inverse up to a fa
   Light of radiance L arrives as L (f0 (amplitude - fresnel) + f90 fresnel) covered.
 ";
 
-/// What the program has beside its functions.
+/// The sentence about a program's entry point.
 const CALLED: &str = "  ltc_example calls them; it stands for your own code. All but group 0 goes with it.\n";
 
 /// How the functions are used where they are included.
@@ -96,7 +96,7 @@ USE
   A second table in the same shader needs names and bindings of its own: ltcforge shader --prefix --first-binding.
 ";
 
-/// What a table consists of on the GPU, in every language.
+/// The bindings of a table, in every language.
 const TABLE: &str = "\
 BINDINGS OF A TABLE
   uniform   8 x u32: how many nodes alpha, ratio, theta and phi have; the layout's number, not read here

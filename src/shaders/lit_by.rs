@@ -115,8 +115,8 @@ pub enum Filter {
     /// The shader: 16 fetches a texture, weights of 32 bits, any texture format.
     #[default]
     Exact,
-    /// The sampler along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array; many GPUs have weights of 8 bits, which shows on sharp
-    /// lobes. Textures have to be filterable.
+    /// The sampler along phi and theta, and along alpha in volumes: 2 fetches a texture, 4 in an array; many GPUs have
+    /// weights of 8 bits, which shows on sharp lobes. Textures have to be filterable.
     Hardware,
 }
 

@@ -13,7 +13,8 @@ pub struct ModelShader {
     pub example: &'static str,
     /// A fragment shader that calls every function, named `ltc_included`.
     pub caller: fn(Lights) -> String,
-    /// The comment at the top of the program, in lines that begin with `//`; of a formula it is the same for all layouts.
+    /// The comment at the top of the program, in lines that begin with `//`; of a formula it is the same for all
+    /// layouts.
     pub(super) program_comment: fn(Language, Layout) -> String,
     /// The comment at the top of the text to include, likewise.
     pub(super) include_comment: fn(Language, Layout, Reading, Lights, &Namespace) -> String,

@@ -43,8 +43,8 @@ impl FromStr for Prefix {
 }
 
 impl Namespace {
-    /// `text` in `language`, with the names that it has here: those of the light's own code, those of the arithmetic that all
-    /// lights share, and those that naga adds to a translation.
+    /// `text` in `language`, with the names that it has here: those of the light's own code, those of the arithmetic
+    /// that all lights share, and those that naga adds to a translation.
     #[must_use]
     pub fn named(&self, text: &str, language: Language, lit_by: LitBy) -> String {
         let own = lit_by.shader().prefix;

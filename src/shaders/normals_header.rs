@@ -25,7 +25,7 @@ const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1],
     return vec4(normals_rectangle(view, corners, true, 0u) + normals_polygon(view, &vertices, 4u, true, 0u), disk);
 ";
 
-/// What the shader is, and under which terms.
+/// The opening comment: what the shader is, and its licence.
 const ABOUT: &str = "\
 Area lights on anisotropic GGX in closed form, in the space of its normals: no table.
 Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0

@@ -1,4 +1,4 @@
-//! What a file says of itself.
+//! The comment that a file carries about itself.
 
 use ltcforge_files::{digest::Digest, manifest::MeanError, recipe_document};
 use ltcforge_fit::{BrdfKind, Recipe};
@@ -39,8 +39,8 @@ impl About {
         Self { lines: clean, table: None, layout: None }
     }
 
-    /// What is known of a table: its digest and its recipe's, its mean error between nodes (`report.between` of its
-    /// manifest), licence and papers.
+    /// The known facts about a table: its digest and its recipe's, its mean error between nodes (`report.between` of
+    /// its manifest), licence and papers.
     #[must_use]
     pub fn of_table(table: Digest, recipe: Option<&Recipe>, error: Option<MeanError>) -> Self {
         let mut lines = vec![format!("ltcforge {}", env!("CARGO_PKG_VERSION")), format!("table {table}")];
@@ -65,8 +65,8 @@ impl About {
         Self { layout: Some(layout), ..self }
     }
 
-    /// What tells this table's names in code from those of others: the layout and the first digits of the table's digest,
-    /// as far as they are known, each behind an underscore. ASCII letters, digits and underscores.
+    /// A suffix that tells this table's names in code from those of others: the layout and the first digits of the
+    /// table's digest, as far as they are known, each behind an underscore. ASCII letters, digits and underscores.
     pub(super) fn suffix(&self) -> String {
         let digits = self.table.map(|table| table.hex()[..DIGITS].to_owned());
         let parts = self.layout.map(|layout| layout.replace('-', "_")).into_iter().chain(digits);

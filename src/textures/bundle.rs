@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{about::About, file::TextureFile, rounding::RoundingError};
 use ltcforge_files::digest::Digest;
 
-/// What the file beside the others is called.
+/// The name of the manifest beside the other files.
 const MANIFEST: &str = "ltcforge.json";
 
 /// The files of an export.
@@ -13,7 +13,7 @@ const MANIFEST: &str = "ltcforge.json";
 pub struct Bundle {
     /// The files; the last tells what the others are.
     pub files: Vec<TextureFile>,
-    /// What to do with them, a sentence each.
+    /// Instructions, a sentence each.
     pub steps: Vec<String>,
 }
 

@@ -4,8 +4,8 @@ use half::f16;
 
 use ltcforge_fit::Precision;
 
-/// The shortest decimal that is read back as `x`, which is a number of the precision: for 32 bits as an f32, for 16 bits
-/// as a half, whether it is read directly, as an f32 that is then rounded, or as an f64. A valid number in JSON,
+/// The shortest decimal that is read back as `x`, which is a number of the precision: for 32 bits as an f32, for 16
+/// bits as a half, whether it is read directly, as an f32 that is then rounded, or as an f64. A valid number in JSON,
 /// JavaScript, and with a decimal point also in C, C# and Rust.
 pub(super) fn shortest(x: f32, precision: Precision) -> String {
     let exponential = match precision {

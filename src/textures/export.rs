@@ -9,20 +9,20 @@ use super::{
 use ltcforge_files::compact::encode;
 use ltcforge_fit::{BrdfKind, Precision, Table};
 
-/// What files that hold all textures are called.
+/// The name of files that hold all textures.
 const STEM: &str = "ltc";
-/// Under what the manifest of files that are no engine's has the export's name.
+/// The key of the export's name in the manifest of files that are not for an engine.
 const MANIFEST_KEY: &str = "export";
 
-/// Files that can be made of a table. Its name is that of an engine, layout, format and numbers with dots between, or that
-/// of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
+/// Files that can be made of a table. Its name is that of an engine, layout, format and numbers with dots between, or
+/// that of a compact form: `three`, `ltc2017.ktx2.f16`, `compact-js`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Export {
     /// The files of an engine, under its names.
     Engine(Engine),
     /// Textures of a layout in a format of one's own choice.
     Textures {
-        /// What axes, texels and channels are.
+        /// The layout of axes, texels and channels.
         layout: TextureLayout,
         /// The files' format.
         container: TextureContainer,
@@ -55,7 +55,7 @@ pub enum ExportError {
     /// It has, of other sizes than the engine takes.
     #[error("{source}; this recipe gives a table that has them: {recipe}")]
     Sizes {
-        /// What the engine takes, and what there is.
+        /// The sizes that the engine takes, and those that there are.
         source: Box<TextureFileError>,
         /// A recipe that serves.
         recipe: String,
@@ -124,8 +124,8 @@ impl Export {
         }
     }
 
-    /// The files, their manifest, and what to do with them. They follow from the arguments and this program alone. `about` says what the
-    /// table is; how its textures are sampled is added.
+    /// The files, their manifest, and what to do with them. They follow from the arguments and this program alone.
+    /// `about` says what the table is; how its textures are sampled is added.
     ///
     /// # Errors
     /// When the table has no such files.

@@ -9,7 +9,7 @@ pub struct TextureFile {
     pub path: String,
     /// Its bytes.
     pub bytes: Vec<u8>,
-    /// What rounding changed.
+    /// The changes by rounding.
     pub rounding: RoundingError,
 }
 
@@ -33,13 +33,13 @@ pub enum TextureFileError {
     Unsupported {
         /// The texture.
         name: String,
-        /// What of it.
+        /// The property that does not fit.
         field: &'static str,
         /// Its value.
         value: String,
         /// The format.
         container: &'static str,
-        /// What the format allows.
+        /// The values that the format allows.
         allowed: String,
     },
     /// An engine needs a texture that is not there.
@@ -49,9 +49,9 @@ pub enum TextureFileError {
         engine: &'static str,
         /// The texture's name.
         name: &'static str,
-        /// What the engine needs.
+        /// The texture that the engine needs.
         wanted: String,
-        /// What there is.
+        /// The textures that there are.
         found: String,
     },
     /// The crate that writes the format refuses.

@@ -1,15 +1,15 @@
 //! Matrices in halfs: the numbers of a matrix are rounded together, so that its lobe moves least.
 //!
-//! Each number alone is nearest to one of two neighbouring halfs, but a sharp lobe's direction depends on differences of
-//! numbers that are many times its width apart: rounding each to the nearest may move it by most of its width. Every number
-//! becomes one of its two neighbours, and of these choices that one is taken whose lobe is displaced least,
+//! Each number alone is nearest to one of two neighbouring halfs, but a sharp lobe's direction depends on differences
+//! of numbers that are many times its width apart: rounding each to the nearest may move it by most of its width. Every
+//! number becomes one of its two neighbours, and of these choices that one is taken whose lobe is displaced least,
 //!
 //! ```text
 //! d^2 = mean_k |w'_k - w_k|^2,   w_k = M c_k / |M c_k|
 //! ```
 //!
-//! with fixed directions `c_k` that stand for a clamped cosine. Of up to five numbers, as isotropic tables have them, all
-//! choices are tried; of nine, those that change one or two numbers at a time, until none is better.
+//! with fixed directions `c_k` that stand for a clamped cosine. Of up to five numbers, as isotropic tables have them,
+//! all choices are tried; of nine, those that change one or two numbers at a time, until none is better.
 
 use glam::{DMat3, DVec3};
 use half::f16;
@@ -17,8 +17,8 @@ use serde::Serialize;
 
 use ltcforge_fit::{ALPHA_FLOOR, Layout, PerAxis, Reflection, THETA_CEILING, Table, math::concentric_cosine};
 
-/// How far lobes moved when their matrices were rounded: the root of the mean square over a lobe's directions, as a part
-/// of the root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
+/// How far lobes moved when their matrices were rounded: the root of the mean square over a lobe's directions, as a
+/// part of the root mean square of their distance from their middle. 1 for a matrix that makes no lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Displacement {
     /// Mean over a table's entries.
@@ -32,7 +32,7 @@ pub struct Displacement {
 pub struct Halfs {
     /// In the order of the texels.
     pub numbers: Vec<f32>,
-    /// What that does to the lobes of the table.
+    /// The displacement of the table's lobes.
     pub displacement: Displacement,
 }
 
@@ -41,7 +41,7 @@ const CHOOSING: [usize; 2] = [4, 8];
 const TELLING: [usize; 2] = [8, 16];
 /// Most numbers of which all choices are tried.
 const MOST_TOGETHER: usize = 5;
-/// What counts for a matrix that no choice keeps upright.
+/// The displacement of a matrix that no choice keeps upright.
 const WITHOUT_LOBE: f64 = 1.0;
 /// Most rounds of changing one or two numbers.
 const MOST_ROUNDS: usize = 8;
@@ -193,7 +193,7 @@ mod tests {
     use ltcforge_files::compact::planted::planted;
     use ltcforge_fit::Precision;
 
-    /// What rounding each number alone does to the lobes.
+    /// The displacement where each number is rounded alone.
     fn alone(table: &Table) -> Displacement {
         let cosine = Cosine::new(TELLING);
         let moved: Vec<f64> = (0..table.matrix.len())
@@ -220,7 +220,7 @@ mod tests {
             let (halved, moved) = halved(&table);
             let alone = alone(&table);
             assert!(moved.mean < part * alone.mean, "{layout}: {moved:?} {alone:?}");
-            // Of nine numbers not all choices are tried.
+            // Not all choices of nine numbers are tried.
             assert!(moved.max <= alone.max || table.layout.only_ranges().is_none(), "{layout}: {moved:?} {alone:?}");
             assert!(moved.mean > 0.0 && halved.matrix != table.matrix, "{layout}");
             let (again, unmoved) = super::halved(&halved);

@@ -1,7 +1,7 @@
 //! Textures as files: what engines load, include or compile in.
 //!
-//! A [`Texture`] is numbers with sizes and names. A container writes some of them in one format, an engine's bundle writes
-//! the files that this engine has, under its names.
+//! A [`Texture`] is numbers with sizes and names. A container writes some of them in one format, an engine's bundle
+//! writes the files that this engine has, under its names.
 //!
 //! Invariant: equal arguments give equal bytes. No clock, no environment, no file is read or written here.
 

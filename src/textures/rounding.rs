@@ -12,7 +12,7 @@ use ltcforge_fit::Precision;
 /// Numbers of a precision, as 32-bit numbers that hold them exactly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rounded {
-    /// What they are stored as.
+    /// The number format.
     pub precision: Precision,
     /// The numbers.
     pub numbers: Vec<f32>,
@@ -23,8 +23,8 @@ pub struct Rounded {
 /// How far rounded numbers are from the originals; all zero for 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct RoundingError {
-    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halfs have 11 bits. Unless numbers
-    /// were clamped it is at most 2^-11 = 4.9e-4, and where they were chosen together 2^-10.
+    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halfs have 11 bits. Unless
+    /// numbers were clamped it is at most 2^-11 = 4.9e-4, and where they were chosen together 2^-10.
     pub relative: f64,
     /// The largest |rounded - x| of smaller numbers, between which halfs are 2^-24 = 6.0e-8 apart.
     pub absolute_of_small: f64,
@@ -67,8 +67,9 @@ impl RoundingError {
     }
 }
 
-/// Rounds finite numbers to the nearest of a precision, ties to even. With halfs, a number beyond the largest half becomes
-/// that, and none but zero becomes zero: where a table has a divisor or a determinant that is small, it stays positive.
+/// Rounds finite numbers to the nearest of a precision, ties to even. With halfs, a number beyond the largest half
+/// becomes that, and none but zero becomes zero: where a table has a divisor or a determinant that is small, it stays
+/// positive.
 #[must_use]
 pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
     let mut error = RoundingError::default();

@@ -8,7 +8,7 @@ const MOST_TEXELS: u32 = 1 << 16;
 /// A texture of 32-bit numbers. Its fields can be changed, so writers call [`Texture::check`] before they read them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// What files and code call it: a letter, then letters, digits and underscores.
+    /// Its name in files and code: a letter, then letters, digits and underscores.
     pub name: String,
     /// Texels along x.
     pub width: u32,
@@ -18,11 +18,11 @@ pub struct Texture {
     pub depth: u32,
     /// Layers of an array; 1 for a texture that is no array.
     pub layers: u32,
-    /// What each number of a texel is, in order.
+    /// The names of a texel's numbers, in order.
     pub channels: Vec<String>,
     /// The numbers: channel fastest, then x, y, z, layer.
     pub texels: Vec<f32>,
-    /// What they become in 16 bits where numbers of different texels or channels belong together; `None` where each is
+    /// The numbers in 16 bits where those of different texels or channels belong together; `None` where each is
     /// rounded to the nearest half.
     pub halfs: Option<Halfs>,
 }
@@ -175,8 +175,8 @@ impl Texture {
         }
     }
 
-    /// Lengths from the slowest index to the fastest, as arrays of other programs have them: layers and depth only where
-    /// there are several, then height, width, channels.
+    /// Lengths from the slowest index to the fastest, as arrays of other programs have them: layers and depth only
+    /// where there are several, then height, width, channels.
     #[must_use]
     pub fn shape(&self) -> Vec<usize> {
         let several = [self.layers, self.depth].into_iter().filter(|n| *n > 1);

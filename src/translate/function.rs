@@ -9,7 +9,7 @@ use super::{
 use ltcforge_fit::{IsotropicFunction, Layout};
 use ltcforge_shaders::{Language, Lights, Namespace, commented, functions_of, table_caller, without_textures};
 
-/// What the text is, and how to call it.
+/// The opening comment: what the text is, and how to call it.
 const ABOUT: &str = "\
 Linearly Transformed Cosines: area lights on isotropic surfaces, without a texture.
 Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0, of the numbers CC0-1.0
@@ -25,8 +25,8 @@ USE
 TABLE
 ";
 
-/// The functions in `language`, with the coefficients of `function`, under a comment that ends with the lines `about` the
-/// table. `namespace` keeps the lights of several tables in one shader apart; nothing is bound.
+/// The functions in `language`, with the coefficients of `function`, under a comment that ends with the lines `about`
+/// the table. `namespace` keeps the lights of several tables in one shader apart; nothing is bound.
 ///
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shaders or of naga.
@@ -46,8 +46,8 @@ pub fn include_function(
     Ok(namespace.named(&format!("{header}\n{text}"), language, Layout::Reflected.into()))
 }
 
-/// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in multiples of
-/// a step.
+/// The part of the shader that the table alone decides: where the polynomials begin, and their coefficients in
+/// multiples of a step.
 pub(crate) fn smooth_at(function: &IsotropicFunction) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.

@@ -6,13 +6,13 @@ use super::{
 };
 use ltcforge_shaders::{Language, Lights, LitBy, Namespace, Reading, functions};
 
-/// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a port
-/// has to reproduce.
+/// The functions in `language`, under a comment that explains how to call them, what to bind where, and which values a
+/// port has to reproduce.
 ///
 /// `reading` says how a table's entries are read; models without a table have none. Who interpolates is the constant
-/// `ltc_hardware_filter` in WGSL, and the text is the same for both. `namespace` keeps several texts apart that are to stand in one
-/// shader; a table's, that of model normals and that of the Gaussians need none. `lights` says which lights a table of LTCs has
-/// functions for; of other models it says nothing.
+/// `ltc_hardware_filter` in WGSL, and the text is the same for both. `namespace` keeps several texts apart that are to
+/// stand in one shader; a table's, that of model normals and that of the Gaussians need none. `lights` says which
+/// lights a table of LTCs has functions for; of other models it says nothing.
 ///
 /// # Errors
 /// SPIR-V, which has no text, or a defect of the shaders or of naga.

@@ -4,18 +4,19 @@ use ltcforge_shaders::{Language, LitBy, ported, wgsl};
 
 use super::translation::translate;
 
-/// Why there is no translation: a language that has no such text ([`Language::has_programs`], [`Language::has_includes`]), or a
-/// defect of the shaders or of naga.
+/// Why there is no translation: a language that has no such text ([`Language::has_programs`],
+/// [`Language::has_includes`]), or a defect of the shaders or of naga.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {reason}", language.name())]
 pub struct PortError {
     /// The language asked for.
     pub language: Language,
-    /// What naga says.
+    /// The message of naga.
     pub reason: String,
 }
 
-/// The shader that lights by a table of some layout, or without one, in `language`: UTF-8, or the words of SPIR-V in little-endian order.
+/// The shader that lights by a table of some layout, or without one, in `language`: UTF-8, or the words of SPIR-V in
+/// little-endian order.
 ///
 /// SPIR-V holds the comment in its `OpSource`.
 ///

@@ -68,7 +68,7 @@ fn every_language_has_header_and_functions_of_either_layout() {
     }
 }
 
-/// What lights without a table, with its comment and its functions.
+/// The models of light that need no table, each with its comment and its functions.
 fn without_a_table(language: Language) -> [(LitBy, String, &'static [&'static str]); 2] {
     [
         (lit_by(LightModel::Normals, None), lit_by(LightModel::Normals, None).comment(language), &NORMALS_FUNCTIONS),

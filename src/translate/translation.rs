@@ -39,7 +39,7 @@ const TABLELESS_SLOTS: [Slot; 2] = [
 /// Metal's buffer of the lengths of arrays.
 const SIZES_SLOT: u8 = 4;
 
-/// What a slot is for.
+/// The use of a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Resource {
     Buffer,
@@ -66,7 +66,7 @@ const INCLUDED_ARRAY_SLOTS: [Slot; 4] = [
     (ResourceBinding { group: 0, binding: 3 }, 3, Resource::Sampler),
 ];
 
-/// What a translation starts from: the function that keeps all others in it, and where resources go.
+/// The start of a translation: the function that keeps all others in it, and where resources go.
 struct Entry<'a> {
     stage: ShaderStage,
     name: &'a str,
@@ -95,7 +95,7 @@ pub(super) fn translate(language: Language, lit_by: LitBy, source: &str) -> Resu
     }
 }
 
-/// What is translated: WGSL with a fragment shader that calls every function, which is then cut off.
+/// The input of a translation: WGSL with a fragment shader that calls every function, which is then cut off.
 pub(super) struct Included<'a> {
     pub(super) source: &'a str,
     pub(super) entry: &'a str,

@@ -1,8 +1,8 @@
 //! The seconds of a fit, as `fit_seconds` predicts them: constants of `src/fit/cost.rs`, `metric` and `solver`.
 //!
-//! Each solver's fits of a few lobes are measured, in processor seconds of one thread, at several samples and directions; the
-//! constants are those with the least relative error. How fast a machine is changes all of them by one factor, which is told
-//! beside them: their proportions count.
+//! Each solver's fits of a few lobes are measured, in processor seconds of one thread, at several samples and
+//! directions; the constants are those with the least relative error. How fast a machine is changes all of them by one
+//! factor, which is told beside them: their proportions count.
 
 use std::{fmt::Write as _, ops::ControlFlow};
 
@@ -47,8 +47,8 @@ const CONSTANTS: [Constant; 11] = [
 ];
 const STEP_SAMPLING: Constant = constant!("STEP_SAMPLING", "cost.rs", 0);
 const POINT: Constant = constant!("POINT_SECONDS", "measure/effort.rs", 0);
-/// Evaluations of a fit by `bfgs`, by `nelder_mead`, and of one of the latter's steps: conventions of the model, to which the
-/// seconds of an evaluation belong.
+/// Evaluations of a fit by `bfgs`, by `nelder_mead`, and of one of the latter's steps: conventions of the model, to
+/// which the seconds of an evaluation belong.
 const EVALUATIONS: [Constant; 3] = [
     constant!("EVALUATIONS", "solver/bfgs/mod.rs", 0),
     constant!("EVALUATIONS", "solver/nelder_mead/mod.rs", 0),

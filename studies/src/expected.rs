@@ -1,8 +1,8 @@
-//! The expected error of a table, as `expectation` predicts it from its recipe: numbers of `src/fit/expectation.rs`, the
-//! layouts, and the factors of scattering and lobe models.
+//! The expected error of a table, as `expectation` predicts it from its recipe: numbers of `src/fit/expectation.rs`,
+//! the layouts, and the factors of scattering and lobe models.
 //!
-//! Tables are fitted and measured by a report's figure, `between.width.mean`. The law is a sum of powers, whose factors are found
-//! by least squares of relative errors, and the two exponents by trying: see docs/tradeoff.md.
+//! Tables are fitted and measured by a report's figure, `between.width.mean`. The law is a sum of powers, whose factors
+//! are found by least squares of relative errors, and the two exponents by trying: see docs/tradeoff.md.
 
 use ltcforge::{
     BrdfKind, Layout, LobeModel, Preset, Recipe, RecipeDocument as _,

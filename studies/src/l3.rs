@@ -27,8 +27,8 @@ const TEXELS: usize = 64;
 /// Bytes of a DDS header of Direct3D 9.
 const HEADER: usize = 128;
 
-/// The L3 norm of the difference between a lobe of GGX and the LTC of `found` times its amplitude, over the lobe's own norm:
-/// metric `l3`, but for the amplitude, which is the table's.
+/// The L3 norm of the difference between a lobe of GGX and the LTC of `found` times its amplitude, over the lobe's own
+/// norm: metric `l3`, but for the amplitude, which is the table's.
 ///
 /// Both are drawn at the points of a square; by multiple importance sampling with the balance heuristic the sum of
 /// `|f - g|^3 / (p_f + p_g)` is the integral of the cube. Directions below the surface are the LTC's to find.
@@ -73,8 +73,8 @@ impl Form {
     }
 }
 
-/// Matrices and amplitudes over perceptual roughness and `sqrt(1 - cos theta)`, both even from 0 to 1, as engines sample them:
-/// bilinear between the nodes.
+/// Matrices and amplitudes over perceptual roughness and `sqrt(1 - cos theta)`, both even from 0 to 1, as engines
+/// sample them: bilinear between the nodes.
 pub(crate) struct Sampled {
     side: usize,
     form: Form,

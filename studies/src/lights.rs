@@ -1,4 +1,5 @@
-//! Random surfaces and polygon lights of several kinds, the same for a seed in every run, and what GGX reflects of them.
+//! Random surfaces and polygon lights of several kinds, the same for a seed in every run, and what GGX reflects of
+//! them.
 
 use std::f64::consts::TAU;
 
@@ -23,8 +24,8 @@ const TOLERANCE_OF_EXTREMES: f64 = TRUTH_TOLERANCE;
 /// What a case's surface, view and light are drawn from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// Any surface, and a rectangle half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that the
-    /// lobe reflects.
+    /// Any surface, and a rectangle half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that
+    /// the lobe reflects.
     Random,
     /// The same on surfaces of alpha 0.1 to 0.6 and ratio 0.03 to 0.23.
     Anisotropic,
@@ -32,8 +33,8 @@ pub enum Kind {
     Huge,
     /// Alpha and ratio over decades, sizes from 0.002 to 50, views to 89.9 degrees.
     Extreme,
-    /// An upright wall across from the viewer: the middle of its lower edge is `foot` times its height above the surface, one
-    /// end of that edge `tilt` times as much higher and the other lower.
+    /// An upright wall across from the viewer: the middle of its lower edge is `foot` times its height above the
+    /// surface, one end of that edge `tilt` times as much higher and the other lower.
     Wall {
         /// Height of the lower edge's middle.
         foot: f64,
@@ -266,8 +267,8 @@ impl Draw {
         }
     }
 
-    /// A rectangle at distance one around a direction that the lobe reflects, one side up to `e^stretch` times longer and the
-    /// other shorter.
+    /// A rectangle at distance one around a direction that the lobe reflects, one side up to `e^stretch` times longer
+    /// and the other shorter.
     fn around_lobe(&mut self, surfaces: &Surfaces, sizes: [f64; 2], stretch: f64) -> (Configuration, [DVec3; 4]) {
         loop {
             let at = self.configuration(surfaces);

@@ -11,8 +11,8 @@ pub struct Measured<const N: usize> {
     pub value: f64,
 }
 
-/// The numbers, none below zero, for which the sum of squares of relative errors is least. A number that would be negative is
-/// zero, the most negative first; one whose factors are all zero is zero.
+/// The numbers, none below zero, for which the sum of squares of relative errors is least. A number that would be
+/// negative is zero, the most negative first; one whose factors are all zero is zero.
 #[must_use]
 pub fn least_squares<const N: usize>(measured: &[Measured<N>]) -> [f64; N] {
     let mut free: Vec<usize> = (0..N).filter(|i| measured.iter().any(|measured| measured.factors[*i] != 0.0)).collect();

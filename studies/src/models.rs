@@ -1,4 +1,5 @@
-//! The tables of docs/normals.md and docs/light.md: how far model `normals` is off over random lights, beside a table of LTCs.
+//! The tables of docs/normals.md and docs/light.md: how far model `normals` is off over random lights, beside a table
+//! of LTCs.
 
 use std::fmt::Write as _;
 
@@ -90,7 +91,8 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     Ok(out)
 }
 
-/// Mean errors of the energy by the numbers that stand, and by those of another rule with the same triangles, which are wrong.
+/// Mean errors of the energy by the numbers that stand, and by those of another rule with the same triangles, which are
+/// wrong.
 #[must_use]
 pub fn standing_and_wrong(cases: &[Case]) -> [f64; 2] {
     let wrong = WeightRule::Fine.forms();

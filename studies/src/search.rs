@@ -1,8 +1,8 @@
 //! The least sum of absolute errors of a model of light over cases, by its numbers.
 //!
-//! Errors are taken to be linear in small changes of the numbers; the least sum of their squares, each weighed by one over its
-//! size, is nearly that of the sizes (reweighted least squares). A step is damped until it makes the sum smaller (Levenberg and
-//! Marquardt). Derivatives are differences, so that a model has nothing but its formula.
+//! Errors are taken to be linear in small changes of the numbers; the least sum of their squares, each weighed by one
+//! over its size, is nearly that of the sizes (reweighted least squares). A step is damped until it makes the sum
+//! smaller (Levenberg and Marquardt). Derivatives are differences, so that a model has nothing but its formula.
 
 use rayon::prelude::*;
 

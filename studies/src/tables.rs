@@ -22,8 +22,8 @@ pub fn fitted(recipe: &Recipe) -> Table {
     fit_plan(&Plan::new(recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// Materials and views as artists set them: even in perceptual roughness from 0.05 to 1, in ratio from 0.05 to 1, and in the
-/// view's angles, to 89 degrees.
+/// Materials and views as artists set them: even in perceptual roughness from 0.05 to 1, in ratio from 0.05 to 1, and
+/// in the view's angles, to 89 degrees.
 #[must_use]
 pub fn materials(count: usize, is_isotropic: bool) -> Vec<Configuration> {
     let material = |i: usize| {

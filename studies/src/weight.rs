@@ -49,9 +49,9 @@ pub fn numbers(forms: &Forms) -> Vec<f64> {
     [usual.as_flattened(), wide.as_flattened(), inner.as_flattened()].concat()
 }
 
-/// Where a search starts that knows nothing: constants, which are those of a straight edge where there are such. The outer
-/// sample is the middle of the edge and counts as much as the centroid; the corners count nothing; near a straight horizon the
-/// sample is at 13/15 of the way, and the rate there 2/13.
+/// Where a search starts that knows nothing: constants, which are those of a straight edge where there are such. The
+/// outer sample is the middle of the edge and counts as much as the centroid; the corners count nothing; near a
+/// straight horizon the sample is at 13/15 of the way, and the rate there 2/13.
 #[must_use]
 pub fn plain() -> Vec<f64> {
     let constants = [1.0, 0.02, 0.5, 0.154, 0.3, 0.02];

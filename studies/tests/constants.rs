@@ -30,8 +30,8 @@ fn the_numbers_of_the_weight_are_printed_as_the_sources_have_them() {
     }
 }
 
-/// From constants alone a short search comes near to the numbers that stand, and from these it gains little: on lights that
-/// neither saw.
+/// From constants alone a short search comes near to the numbers that stand, and from these it gains little: on lights
+/// that neither saw.
 #[test]
 fn a_short_search_comes_near_to_the_numbers_of_the_weight() {
     for (rule, is_cold, most) in [(WeightRule::Fan, true, 1.2), (WeightRule::Fine, false, 1.15)] {

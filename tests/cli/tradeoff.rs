@@ -58,7 +58,8 @@ fn a_small_family_is_written_three_times_over() {
     models_are_measured(&document, &svg, &ended.stdout);
 }
 
-/// The table of preset `paper`, both fitted Gaussians, the three rules of the closed form and both Gaussians of their own, by the same lights and on the same adapter.
+/// The table of preset `paper`, both fitted Gaussians, the three rules of the closed form and both Gaussians of their
+/// own, by the same lights and on the same adapter.
 #[track_caller]
 fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     let models = &document["models"];

@@ -1,9 +1,9 @@
 //! Area lights in real engines, drawn in a browser and held to the truth.
 //!
-//! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test` installs
-//! what this needs; where it cannot, the tests say that they are skipped.
-//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/normals.glsl`, `table.glsl` and `table/` anew,
-//! `UPDATE_PICTURES=1 cargo test --test engines` the pictures in `docs/engines/`.
+//! `node` runs the engines in Chromium, see `run.js` and `example.js`; here their errors are judged. `make test`
+//! installs what this needs; where it cannot, the tests say that they are skipped.
+//! `UPDATE_GOLDEN=three cargo test --test engines` writes `examples/three/normals.glsl`, `table.glsl` and `table/`
+//! anew, `UPDATE_PICTURES=1 cargo test --test engines` the pictures in `docs/engines/`.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -135,8 +135,9 @@ impl fmt::Display for Report {
 /// what engines do at the horizon make them. A wrong scene, unit or Fresnel number is worse by far.
 const STOCK_ERROR: [f64; 2] = [0.0075, 0.0018];
 
-/// Our mean error on black plastic lies below: 0.0025, where stock tables have 0.0015. Tables are fitted to the lobe of white
-/// metal, and Fresnel's factor bends that of plastic towards the surface, as far as the stock tables' lobes happen to lie.
+/// Our mean error on black plastic lies below: 0.0025, where stock tables have 0.0015. Tables are fitted to the lobe of
+/// white metal, and Fresnel's factor bends that of plastic towards the surface, as far as the stock tables' lobes
+/// happen to lie.
 const OUR_PLASTIC_ERROR: f64 = 0.0028;
 
 /// What `docs/compact.md` promises: 2,831 bytes of a table for engines, 14,748 of the default one.

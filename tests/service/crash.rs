@@ -47,8 +47,8 @@ fn a_job_stopped_in_the_middle_goes_on_after_the_restart() {
     assert_ne!(server.metric("ltcforge_entries_fitted_total"), 0, "the job was over before it could be stopped");
 }
 
-/// Wherever a bit of the database flips after the process was killed, a job that was acknowledged is there or named in the
-/// log.
+/// Wherever a bit of the database flips after the process was killed, a job that was acknowledged is there or named in
+/// the log.
 #[test]
 fn no_acknowledged_job_is_lost_silently_by_kill_9_and_a_flipped_bit() {
     const PLACES: usize = 8;

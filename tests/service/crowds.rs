@@ -1,5 +1,5 @@
-//! Crowds of clients that are slow, idle or do not read, against the limits that the service has on its own. Each crowd is
-//! gone within its time, and meanwhile others are served.
+//! Crowds of clients that are slow, idle or do not read, against the limits that the service has on its own. Each crowd
+//! is gone within its time, and meanwhile others are served.
 
 use std::{
     io::{Read as _, Write as _},
@@ -11,8 +11,8 @@ use std::{
 
 use crate::common::{DEADLINE, eventually, server::Server, tell_skipped};
 
-/// The limit of a client's silence, lower than the default so that the test ends soon, and how much longer a crowd may take
-/// to be gone on a busy machine.
+/// The limit of a client's silence, lower than the default so that the test ends soon, and how much longer a crowd may
+/// take to be gone on a busy machine.
 const CLIENT: Duration = Duration::from_secs(5);
 const SLACK: Duration = Duration::from_secs(30);
 

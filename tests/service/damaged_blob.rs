@@ -21,8 +21,8 @@ fn holding(folder: &Path, bytes: &[u8]) -> Vec<PathBuf> {
     files(folder).into_iter().filter(|path| fs::read(path).is_ok_and(|found| found == bytes)).collect()
 }
 
-/// Fits a table, stops the service and flips a bit of the one file that holds it. The digest, the bytes as they were and
-/// as they are, and the file.
+/// Fits a table, stops the service and flips a bit of the one file that holds it. The digest, the bytes as they were
+/// and as they are, and the file.
 fn damage(folder: &Path) -> (String, Vec<u8>, Vec<u8>, PathBuf) {
     let server = Server::start(folder, &[]);
     let digest = server.fit(SMALL);

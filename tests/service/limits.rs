@@ -137,7 +137,8 @@ fn the_answer_of_each_limit_says_which_it_was() {
     let limits = documented();
     assert!(limits.len() > 15, "{limits:#?}");
     for Limit { name, kind, flag } in limits {
-        // Only a picture within the limit of samples meets it, on a slow machine; `http::error` tests what its answer says.
+        // Only a picture within the limit of samples meets it, on a slow machine; `http::error` tests what its answer
+        // says.
         if name.starts_with("time of a picture") {
             continue;
         }

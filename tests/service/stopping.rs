@@ -8,8 +8,8 @@ use crate::common::{
 /// Entries of a shard.
 const SHARD: u64 = 64;
 
-/// Processor seconds that the service may spend on a shard that has to stop, and on all else meanwhile. It asks after some
-/// hundredths of a second; a step of the dearest recipe takes six seconds.
+/// Processor seconds that the service may spend on a shard that has to stop, and on all else meanwhile. It asks after
+/// some hundredths of a second; a step of the dearest recipe takes six seconds.
 const MOST_SECONDS: f64 = 3.0;
 
 /// Four shards, each of which takes a minute or hours, by the dearest legal settings.

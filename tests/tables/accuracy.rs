@@ -73,8 +73,8 @@ fn on_the_materials_of_figure_14_a_draft_is_nearer_than_the_published_table() {
     assert_eq!(rendered.errors.len(), PUBLISHED.len());
 }
 
-/// Isotropic materials between the texels of the table that engines read. The table that they ship has 5 times the error
-/// of the best fits.
+/// Isotropic materials between the texels of the table that engines read. The table that they ship has 5 times the
+/// error of the best fits.
 #[test]
 fn the_isotropic_table_of_engines_is_near_between_its_texels() {
     let table = table(r#"{"layout": "ltc2017"}"#);

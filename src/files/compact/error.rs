@@ -24,7 +24,7 @@ pub enum CompactError {
         field: String,
         /// Its value.
         value: String,
-        /// What is allowed.
+        /// The allowed values.
         allowed: String,
     },
     /// Nodes that are not those of the table's layout over a range.

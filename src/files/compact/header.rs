@@ -15,7 +15,7 @@
 use super::{error::CompactError, polynomials::MOST_POLYNOMIALS};
 use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis};
 
-/// What a compact file begins with, its version last.
+/// The first bytes of a compact file; the last of them is its version.
 pub const COMPACT_MAGIC: &[u8; 8] = b"LTCcomp1";
 /// The layouts with a compact form.
 pub const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
@@ -28,7 +28,7 @@ const MOST_NODES: u16 = 16_384;
 /// Most entries of a table, so that a short file cannot ask for all memory.
 pub(super) const MOST_ENTRIES: usize = 1 << 20;
 
-/// What the header says.
+/// The contents of the header.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     pub(super) brdf: BrdfKind,
@@ -40,7 +40,7 @@ pub(super) struct Header {
     /// The step of each stored channel.
     pub(super) steps: [Option<f32>; CHANNELS],
     pub(super) corrected: [bool; CHANNELS],
-    /// What a correction is a multiple of, in steps of its channel.
+    /// The unit of corrections, in steps of their channel.
     pub(super) correction_steps: f32,
 }
 

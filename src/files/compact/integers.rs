@@ -11,7 +11,7 @@ pub(super) const MOST_BITS: usize = 24;
 /// Neighbourhoods that are told apart.
 const NEIGHBOURHOODS: usize = 13;
 
-/// What was learnt of one kind of array.
+/// The adaptive models of one kind of array.
 pub(super) struct Models {
     /// By neighbourhood and bits so far: whether the magnitude is longer.
     lengths: [[Chance; MOST_BITS]; NEIGHBOURHOODS],

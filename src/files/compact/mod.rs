@@ -1,12 +1,12 @@
 //! The compact form of a table: a hundredth of a byte to four bytes an entry, to ship where a texture is too long.
 //!
-//! An entry becomes nine numbers that vary smoothly, one a channel (`fit::layout::smooth`). Over the nodes a channel
-//! is a sum of products of Gram's polynomials, whose coefficients are rounded to multiples of a step and coded by a range
-//! coder. What the rounded sum misses at a node by more than five steps is corrected there, so that an edge
-//! in a table costs bytes and not accuracy. A decoder rebuilds the numbers of the table's own layout.
+//! An entry becomes nine numbers that vary smoothly, one a channel (`fit::layout::smooth`). Over the nodes a channel is
+//! a sum of products of Gram's polynomials, whose coefficients are rounded to multiples of a step and coded by a range
+//! coder. What the rounded sum misses at a node by more than five steps is corrected there, so that an edge in a table
+//! costs bytes and not accuracy. A decoder rebuilds the numbers of the table's own layout.
 //!
-//! The steps are parts of a lobe's width: see `rounding`. What they do to the table is measured, and they become finer until
-//! the decoded table is at most 1 % worse.
+//! The steps are parts of a lobe's width: see `rounding`. What they do to the table is measured, and they become finer
+//! until the decoded table is at most 1 % worse.
 //!
 //! Invariant: equal tables give equal bytes, equal bytes equal tables, on every machine. Hostile bytes give an error,
 //! never a panic.
@@ -33,7 +33,7 @@ use ltcforge_fit::{Spread, Table, width_between};
 
 /// Coefficients are rounded down up to this part beyond a half, which costs less accuracy than it saves bytes.
 const ROUND_UP: f64 = 0.4;
-/// What a number may miss, in steps of its channel.
+/// The largest error of a number, in steps of its channel.
 const MOST_MISSED: f64 = 5.0;
 
 /// The most that the mean error of a decoded table between nodes may be, in those of the table itself.
@@ -62,13 +62,13 @@ pub fn encode(table: &Table) -> Result<Vec<u8>, CompactError> {
     encode_measured(table).map(|encoded| encoded.bytes)
 }
 
-/// The compact form of a table, whose mean error between nodes is at most 1 % above the table's. `node_error` is not kept.
-/// Runs on the current rayon pool, for about a second on two cores, and for half a second more each time that the steps have
-/// to be finer; the pool's size changes nothing.
+/// The compact form of a table, whose mean error between nodes is at most 1 % above the table's. `node_error` is not
+/// kept. Runs on the current rayon pool, for about a second on two cores, and for half a second more each time that the
+/// steps have to be finer; the pool's size changes nothing.
 ///
 /// # Errors
-/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a matrix whose
-/// determinant is not positive, an amplitude of zero, or lobes that no step makes near enough.
+/// When the table has a layout without a compact form, too many entries, nodes that are not its layout's, a matrix
+/// whose determinant is not positive, an amplitude of zero, or lobes that no step makes near enough.
 pub fn encode_measured(table: &Table) -> Result<Encoded, CompactError> {
     if !LAYOUTS.contains(&table.layout()) {
         return Err(CompactError::Layout { layout: table.layout().to_string() });
@@ -156,8 +156,8 @@ fn encode_rounded(
     Ok(bytes)
 }
 
-/// The table of a compact form, in the layout that was encoded. Its `node_error` is NaN throughout. The nodes are exact,
-/// the numbers as near as the lobes need.
+/// The table of a compact form, in the layout that was encoded. Its `node_error` is NaN throughout. The nodes are
+/// exact, the numbers as near as the lobes need.
 ///
 /// # Errors
 /// When the bytes are not those of a table.
@@ -230,8 +230,8 @@ fn bases(header: &Header) -> Bases {
     Bases::new(header.nodes.map(usize::from), header.polynomials.map(usize::from))
 }
 
-/// Numbers as multiples of a step; a fraction of at least `1 - up` is rounded away from zero. `None` for a number that is
-/// too large.
+/// Numbers as multiples of a step; a fraction of at least `1 - up` is rounded away from zero. `None` for a number that
+/// is too large.
 fn rounded(numbers: &[f64], step: f64, up: f64) -> Option<Vec<i32>> {
     let most = f64::from(1_u32 << MOST_BITS);
     let multiple = |x: &f64| {

@@ -1,4 +1,4 @@
-//! What a decoder in another language has to know of a compact form before it reads the coded bytes.
+//! The data of a compact form that a decoder in another language needs before it reads the coded bytes.
 
 use super::{
     error::CompactError,
@@ -19,7 +19,7 @@ pub struct Outline {
     pub steps: [f32; CHANNELS],
     /// Channels with corrections.
     pub corrected: [bool; CHANNELS],
-    /// What a correction is a multiple of, in steps of its channel.
+    /// The unit of corrections, in steps of their channel.
     pub correction_steps: f32,
     /// Whether there are amplitude and Fresnel term.
     pub has_terms: bool,

@@ -13,8 +13,8 @@
 /// The most polynomials of any axis.
 pub(super) const MOST_POLYNOMIALS: usize = 28;
 
-/// As many polynomials as the three terms keep orthonormal: to 1e-12, and in 32 bits to 1e-3. The recurrence loses digits as
-/// their number comes near that of the nodes.
+/// As many polynomials as the three terms keep orthonormal: to 1e-12, and in 32 bits to 1e-3. The recurrence loses
+/// digits as their number comes near that of the nodes.
 pub(super) fn most_polynomials(nodes: usize) -> usize {
     nodes.min(16).max((nodes / 2 + 4).min(MOST_POLYNOMIALS).min(nodes))
 }

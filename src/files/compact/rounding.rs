@@ -1,7 +1,7 @@
 //! How finely a table's numbers are rounded, and where a rounded sum is corrected.
 //!
-//! Measured on tables of the presets and of 64 x 64 nodes in layouts `reflected` and `ltc2017`: the mean error between nodes
-//! grows by less than 1 %. For tables where it grows by more, steps become finer.
+//! Measured on tables of the presets and of 64 x 64 nodes in layouts `reflected` and `ltc2017`: the mean error between
+//! nodes grows by less than 1 %. For tables where it grows by more, steps become finer.
 
 use super::header::{CHANNELS, TERMS};
 use ltcforge_fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
@@ -24,7 +24,7 @@ const OUTLIER: f64 = 8.0;
 /// The error of a Fresnel term that is not corrected, in steps.
 const UNSEEN: f64 = 0.08;
 
-/// What steps are multiplied by where they are too coarse.
+/// The factor on steps that are too coarse.
 const FINER: f64 = 0.8;
 
 /// How a table is rounded.
@@ -32,8 +32,8 @@ const FINER: f64 = 0.8;
 pub(super) struct Rounding {
     pub(super) part_of_width: f64,
     pub(super) correction_steps: f32,
-    /// Whether numbers are chosen for the error between nodes. Those of least roughness, and at the horizon, then depend on
-    /// what lies beside them more than on their own lobes.
+    /// Whether numbers are chosen for the error between nodes. Those of least roughness, and at the horizon, then
+    /// depend on what lies beside them more than on their own lobes.
     is_chosen: bool,
 }
 
@@ -63,9 +63,9 @@ impl Rounding {
         self.part_of_width * coarser / WEIGHTS[channel]
     }
 
-    /// The numbers that polynomials are to follow, of a channel with this step. Where numbers are chosen, those of the least
-    /// roughness and at the horizon are taken from their neighbours and left to corrections, and so are numbers that stand
-    /// out of theirs, because a polynomial would bend all around them.
+    /// The numbers that polynomials are to follow, of a channel with this step. Where numbers are chosen, those of the
+    /// least roughness and at the horizon are taken from their neighbours and left to corrections, and so are numbers
+    /// that stand out of theirs, because a polynomial would bend all around them.
     pub(super) fn smoothed(self, table: &Table, step: f64, mut exact: Vec<f64>) -> Vec<f64> {
         if self.is_chosen {
             let columns = table.axes().theta.len();
@@ -81,7 +81,8 @@ impl Rounding {
         exact
     }
 
-    /// What a number may miss, as a part of what others may: a lobe that is narrow beside its reflection needs finer numbers.
+    /// The error allowed for a number, relative to that of others: a lobe that is narrow beside its reflection needs
+    /// finer numbers.
     pub(super) fn tolerance(self, channel: usize, numbers: &[f64; CHANNELS]) -> f64 {
         let narrow = numbers[0].min(numbers[2]);
         if self.is_chosen && !TERMS.contains(&channel) { (narrow * narrow).min(1.0) } else { 1.0 }
@@ -107,8 +108,8 @@ impl Rounding {
     }
 }
 
-/// Numbers in rows of `columns`, where those that are farther than `most` from the median of the nine around them are that
-/// median.
+/// Numbers in rows of `columns`, where those that are farther than `most` from the median of the nine around them are
+/// that median.
 fn without_outliers(numbers: &[f64], columns: usize, most: f64) -> Vec<f64> {
     let rows = numbers.len() / columns;
     let median = |row: usize, column: usize| {

@@ -14,8 +14,8 @@ use ltcforge_fit::{Layout, Plan, Recipe, fit_plan};
 /// A Fresnel term that is off by less is as good as the other, whatever its stored root.
 const UNSEEN_TERM: f32 = 1e-4;
 
-/// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound what they store, so that
-/// their numbers there are not those that were planted.
+/// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound what they store, so
+/// that their numbers there are not those that were planted.
 fn misses(one: &Table, other: &Table) -> [f64; CHANNELS] {
     let rounding = Rounding::of(one);
     let is_bounded = |entry: usize| one.layout() != Layout::Reflected && one.axes().node(entry).theta >= 1.57;
@@ -44,7 +44,8 @@ fn smooth_tables_of_every_layout_come_back_in_few_bytes() {
             assert_eq!(again.terms().is_some(), has_terms);
             assert!(again.node_error().iter().all(|error| error.is_nan()));
             let misses = misses(&table, &again);
-            // What is not corrected, and the 32 bits of a matrix that is nearly singular at the horizon.
+            // The errors left uncorrected, and the rounding to 32 bits of a matrix that is nearly singular at the
+            // horizon.
             let most = if *layout == Layout::Reflected { 4.1 } else { 6.0 };
             assert!(misses.iter().all(|miss| *miss < most), "{layout}: {misses:?}");
             assert!(bytes.len() < 1500, "{layout}: {} bytes", bytes.len());
@@ -118,8 +119,8 @@ fn fitted(preset: &str, layout: Layout, nodes: [u32; 4]) -> Table {
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("a table")
 }
 
-/// Few nodes need finer steps than those that 64 x 64 take. The lengths of whole tables are tested where these are fitted
-/// anyway, in `tests/engines`.
+/// Few nodes need finer steps than those that 64 x 64 take. The lengths of whole tables are tested where these are
+/// fitted anyway, in `tests/engines`.
 #[test]
 fn no_table_becomes_worse_by_more_than_a_hundredth() {
     for (preset, layout, nodes, most_bytes) in [

@@ -24,8 +24,8 @@ impl TableFile {
         encode(&self.recipe, &self.table)
     }
 
-    /// Gives a table that was fitted to a tabulated BRDF the bytes of its file, which no table's file has and which measuring
-    /// needs. A table that was just fitted has them.
+    /// Gives a table that was fitted to a tabulated BRDF the bytes of its file, which no table's file has and which
+    /// measuring needs. A table that was just fitted has them.
     ///
     /// # Errors
     /// [`TableFileError::Brdf`] for bytes that are no tabulated BRDF, or another one.

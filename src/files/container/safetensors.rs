@@ -75,7 +75,7 @@ pub enum TableFileError {
     Tensor {
         /// Which tensor.
         name: String,
-        /// What is wrong with it.
+        /// The fault.
         detail: String,
     },
     /// The parts are fine, but the bytes are not those that [`encode`] writes: other tensors, order or spacing.
@@ -124,8 +124,8 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
         .map_err(|error| TableFileError::Container(error.to_string()))
 }
 
-/// The length of a file that begins so, if it is canonical: by its header, which has to be whole, and the table that the
-/// recipe in it stands for. Tells a file that is none before it is read.
+/// The length of a file that begins so, if it is canonical: by its header, which has to be whole, and the table that
+/// the recipe in it stands for. Tells a file that is none before it is read.
 ///
 /// # Errors
 /// When the header is not whole, is none, or has no recipe.

@@ -38,7 +38,7 @@ const MOST_SEED: u64 = (1 << 53) - 1;
 /// A file's ends in f32 are not those that a document has in decimals.
 const FILE_TOLERANCE: f64 = 1e-6;
 
-/// What the range of each axis lies within, and its default for anisotropic surfaces, for every preset.
+/// The bounds of each axis's range, which are its default for anisotropic surfaces in every preset.
 const DOMAIN: PerAxis<[f64; 2]> =
     PerAxis { alpha: [0.0, 1.0], ratio: [0.0, 1.0], theta: [0.0, FRAC_PI_2], phi: [0.0, FRAC_PI_2] };
 /// The only ratio of isotropic surfaces, and the one azimuth that tells all of them.
@@ -182,7 +182,7 @@ fn read_layout(root: &Object, brdf: BrdfKind, lobe: LobeModel, faults: &mut Faul
     default
 }
 
-/// What a lobe model that is not the default needs of the rest of a recipe.
+/// Checks what a lobe model other than the default requires of the rest of a recipe.
 fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: bool, faults: &mut Faults) {
     let FitSettings { solver, metric, .. } = *fit;
     if lobe.gaussian().is_some() && !metric.compares_images() {
@@ -201,8 +201,8 @@ fn check_lobe(root: &Object, lobe: LobeModel, fit: &FitSettings, terms: bool, fa
     }
 }
 
-/// The ranges of a layout that has only one domain are its own, and isotropic surfaces have one ratio: a document may repeat
-/// them, and name no others. Those of a tabulated BRDF lie within its file's.
+/// The ranges of a layout that has only one domain are its own, and isotropic surfaces have one ratio: a document may
+/// repeat them, and name no others. Those of a tabulated BRDF lie within its file's.
 fn read_range(root: &Object, model: &BrdfModel, layout: Layout, faults: &mut Faults) -> PerAxis<[f64; 2]> {
     let brdf = model.kind();
     let object = root.object("range", &AXES, faults);

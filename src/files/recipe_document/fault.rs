@@ -5,6 +5,6 @@
 pub struct Fault {
     /// RFC 6901 pointer to the field.
     pub pointer: String,
-    /// What is wrong with it: the value, and what is allowed.
+    /// The fault: the value, and what is allowed.
     pub detail: String,
 }

@@ -38,8 +38,8 @@ fn list(faults: &[Fault]) -> String {
 /// Reads a recipe document that is to be fitted, fills in its preset and the defaults, and checks it.
 ///
 /// # Errors
-/// Every fault of the document at once. The version of another fitter is a fault, and so is a tabulated BRDF, whose file
-/// [`parse_with`] finds.
+/// Every fault of the document at once. The version of another fitter is a fault, and so is a tabulated BRDF, whose
+/// file [`parse_with`] finds.
 pub fn parse(json: &[u8], entry_limit: u64) -> Result<Recipe, RecipeError> {
     parse_with(json, entry_limit, &no_files)
 }
@@ -52,7 +52,8 @@ pub fn parse_with(json: &[u8], entry_limit: u64, find: &FindBrdf<'_>) -> Result<
     read(json, entry_limit, FITTER_VERSION..=FITTER_VERSION, find)
 }
 
-/// Reads the recipe that a stored table carries, which may be an older fitter's. The file of a tabulated BRDF is not read.
+/// Reads the recipe that a stored table carries, which may be an older fitter's. The file of a tabulated BRDF is not
+/// read.
 ///
 /// # Errors
 /// As [`parse`].

@@ -25,17 +25,17 @@ pub fn kept_name(digest: &[u8; 32]) -> String {
 
 /// A file that was found.
 pub struct Located {
-    /// What a recipe has of it.
+    /// The part of it that a recipe holds.
     pub file: TabulatedFile,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
-/// Finds files on disk. A digest is that of a file under its [`kept_name`] in one of `folders`; anything else is a path,
-/// relative to the first of them.
+/// Finds files on disk. A digest is that of a file under its [`kept_name`] in one of `folders`; anything else is a
+/// path, relative to the first of them.
 ///
 /// # Errors
-/// Of a file that is not there, cannot be read, is no tabulated BRDF, or is another than its name says.
+/// When the file is missing, cannot be read, is no tabulated BRDF, or has another digest than its name says.
 pub fn locate(folders: &[PathBuf], name: &str) -> Result<Located, Vec<String>> {
     let digest: Option<Digest> = name.parse().ok();
     let Some(digest) = digest else {

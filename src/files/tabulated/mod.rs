@@ -105,7 +105,7 @@ fn numbers(tensor: &TensorView) -> Option<Vec<f64>> {
 /// The file of a tabulated BRDF: axes in f64, values in f32.
 ///
 /// # Errors
-/// Of the container; there is none for axes and values that were checked.
+/// Those of the container; checked axes and values give none.
 pub fn encode(brdf: &TabulatedBrdf) -> Result<Vec<u8>, TabulatedError> {
     let axes = brdf.axes();
     let named = axes.named().into_iter().filter(|(_, nodes)| !nodes.is_empty());

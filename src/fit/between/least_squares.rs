@@ -59,8 +59,8 @@ impl<const D: usize> Normal<D> {
         }
     }
 
-    /// Draws each number of a node towards `x`, by this part of the weight that it has already; and where it is pinned, to
-    /// its pin.
+    /// Draws each number of a node towards `x`, by this part of the weight that it has already; and where it is pinned,
+    /// to its pin.
     pub(super) fn hold(&mut self, x: &[[f64; D]], part: f64, pins: &[[Option<f64>; D]]) {
         for (((blocks, right), x), pins) in self.blocks.iter_mut().zip(&mut self.right).zip(x).zip(pins) {
             for k in 0..D {
@@ -161,7 +161,7 @@ fn cholesky<const D: usize>(block: &[[f64; D]; D]) -> [[f64; D]; D] {
         for j in 0..=i {
             let known: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
             let left = block[i][j] - known;
-            // What rounding leaves of a direction without weight must not turn negative.
+            // Rounding must not make the pivot of a direction without weight negative.
             lower[i][j] = if i == j { left.max(1e-12 * block[i][i]).sqrt() } else { left / lower[j][j] };
         }
     }

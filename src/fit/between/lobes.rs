@@ -22,8 +22,8 @@ pub(super) struct InterpolatedLobe {
     pub(super) error: f64,
 }
 
-/// The fitted lobes in numbers that change little between nodes: what is left of them beside their reflections, where they
-/// have some.
+/// The fitted lobes in numbers that change little between nodes: what is left of them beside their reflections, where
+/// they have some.
 pub(super) struct Lobes {
     spacing: PerAxis<Spacing>,
     /// The layout whose numbers change little between nodes.
@@ -37,7 +37,7 @@ pub(super) struct Lobes {
 }
 
 impl Lobes {
-    /// Of a plan with one ratio and one phi.
+    /// The lobes of a plan with one ratio and one phi.
     pub(super) fn of(plan: &Plan, entries: &[FittedEntry]) -> Self {
         let nodes = plan.nodes();
         let spacing = plan.recipe().layout.rules().weights();

@@ -1,14 +1,14 @@
 //! Entries that are chosen for the error *between* nodes.
 //!
-//! A reader interpolates stored numbers. Where these are not linear between nodes, entries that fit their own lobes best
-//! leave an error in the middle of each cell. Layouts whose readers are given let the fit choose: the numbers whose
-//! interpolation comes nearest to the best lobes, all over the cells.
+//! A reader interpolates stored numbers. Where these are not linear between nodes, entries that fit their own lobes
+//! best leave an error in the middle of each cell. Layouts whose readers are given let the fit choose: the numbers
+//! whose interpolation comes nearest to the best lobes, all over the cells.
 //!
-//! The best lobes between nodes need no fits of their own. Beside their reflection (layout `reflected`), or themselves where
-//! they do not follow one, lobes hardly change between neighbouring nodes, so that the fitted ones give them.
+//! The best lobes between nodes need no fits of their own. Beside their reflection (layout `reflected`), or themselves
+//! where they do not follow one, lobes hardly change between neighbouring nodes, so that the fitted ones give them.
 //!
-//! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. Adding `dN`
-//! to `N` moves a direction `w` of the lobe by
+//! The distance is a quadratic form of the stored numbers. Let `M` be the lobe's matrix and `N` its inverse. Adding
+//! `dN` to `N` moves a direction `w` of the lobe by
 //!
 //! ```text
 //! d(w) = -P M dN w,    P = I - w w^T;    likewise d(w) = P dM N w
@@ -16,7 +16,8 @@
 //!
 //! up to higher orders. The mean of its square over the lobe, in units of the square of the fit's own error there, is
 //! `dN^T W dN`. A sliced Wasserstein distance is a mean of absolute displacements, so that one of `r` errors adds about
-//! `sqrt(1 + r^2) - 1` of the error: rounds of least squares, each weighed by the last one's `r`, take this into account.
+//! `sqrt(1 + r^2) - 1` of the error: rounds of least squares, each weighed by the last one's `r`, take this into
+//! account.
 
 mod distance;
 mod five;
@@ -44,7 +45,8 @@ const MOST_ENTRIES: usize = 65_536;
 const ROUNDS: usize = 2;
 /// Where a cell is observed along either side.
 const POINTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
-/// How much an entry is held where it is, as a part of its weight: what the neighbours say little about stays as fitted.
+/// How much an entry is held where it is, as a part of its weight: what the neighbours say little about stays as
+/// fitted.
 const HOLD: f64 = 1e-3;
 /// Views beyond this part of a right angle hardly count: most of the lobe is below the horizon, and a picture shows
 /// nothing of the lobe.
@@ -52,8 +54,8 @@ const STEEPEST: f64 = 0.99;
 /// The weight of such a view.
 const UNSEEN: f64 = 0.02;
 
-/// The stored numbers of each entry, before rounding, given those that fit its own lobe; `None` for a layout whose entries
-/// are stored as fitted, and for a table that gains nothing.
+/// The stored numbers of each entry, before rounding, given those that fit its own lobe; `None` for a layout whose
+/// entries are stored as fitted, and for a table that gains nothing.
 pub(super) fn chosen(plan: &Plan, entries: &[FittedEntry], own: &[LobeNumbers]) -> Option<Vec<LobeNumbers>> {
     let recipe = plan.recipe();
     let rules = recipe.layout.rules();
@@ -140,7 +142,7 @@ fn errors_between(grid: Grid, lobes: &Lobes, stored: &[DMat3], free: FreeNumbers
     observed(grid).map(error).sum()
 }
 
-/// What a view counts.
+/// The weight of a view.
 fn seen(theta: f64) -> f64 {
     if theta > STEEPEST * THETA_CEILING { UNSEEN } else { 1.0 }
 }
@@ -150,8 +152,8 @@ fn is_from_above(grid: Grid, node: usize) -> bool {
     node.is_multiple_of(grid.columns)
 }
 
-/// What holds for the round lobe of a view from above: the numbers beside the diagonal are zero, and the first two on it
-/// are equal, one if either is.
+/// The constraints of the round lobe of a view from above: the numbers beside the diagonal are zero, and the first two
+/// on it are equal, one if either is.
 fn from_above(grid: Grid, node: usize, own: &[f64; 5], free: FreeNumbers) -> Pins {
     let mut pins = [None; 5];
     if is_from_above(grid, node) {

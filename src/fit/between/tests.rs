@@ -40,7 +40,7 @@ fn fitted(layout: Layout, nodes: u32, precision: Precision) -> (Plan, Vec<Fitted
     (plan, entries)
 }
 
-/// What is stored of entries that fit their own lobes best.
+/// The stored numbers of entries that fit their own lobes best.
 fn own_numbers(plan: &Plan, entries: &[FittedEntry]) -> Vec<LobeNumbers> {
     let rules = plan.recipe().layout.rules();
     let own = |(index, entry): (u64, &FittedEntry)| {

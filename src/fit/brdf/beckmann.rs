@@ -34,8 +34,8 @@ impl BrdfRules for BeckmannRules {
 const MOST_EXPONENT: f64 = 700.0;
 
 impl Beckmann {
-    /// Density of microfacet normals: `D(wm) = exp(-(x^2/ax^2 + y^2/ay^2) / z^2) / (pi ax ay z^4)`. Per steradian; zero below
-    /// the horizon.
+    /// Density of microfacet normals: `D(wm) = exp(-(x^2/ax^2 + y^2/ay^2) / z^2) / (pi ax ay z^4)`. Per steradian; zero
+    /// below the horizon.
     #[must_use]
     pub fn distribution(&self, wm: DVec3) -> f64 {
         if wm.z <= 0.0 {
@@ -63,8 +63,8 @@ impl Beckmann {
         a / (a + lambda_a)
     }
 
-    /// `G2 / G1(wo)` of heights that are correlated: `1 / G2 = 1 / G1(wo) + 1 / G1(wi) - 1`. In [0, 1]; zero when `wi` is not
-    /// above the horizon.
+    /// `G2 / G1(wo)` of heights that are correlated: `1 / G2 = 1 / G1(wo) + 1 / G1(wi) - 1`. In [0, 1]; zero when `wi`
+    /// is not above the horizon.
     fn g2_over_g1(&self, wo: DVec3, wi: DVec3) -> f64 {
         if wi.z <= 0.0 {
             return 0.0;
@@ -73,8 +73,8 @@ impl Beckmann {
         i / (o + i * (1.0 - o))
     }
 
-    /// A normal visible from `wo`. In the space where both roughnesses are one, the slopes along and across the view are
-    /// independent [Heitz and d'Eon 2014].
+    /// A normal visible from `wo`. In the space where both roughnesses are one, the slopes along and across the view
+    /// are independent [Heitz and d'Eon 2014].
     fn visible_normal(&self, wo: DVec3, u: [f64; 2]) -> DVec3 {
         let stretched = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
         let flat = stretched.truncate();
@@ -86,9 +86,9 @@ impl Beckmann {
     }
 }
 
-/// The distribution of slopes `x` along the view that are seen from a direction, on a surface of roughness one: the density
-/// `max(0, cos - x sin) exp(-x^2) / sqrt(pi)`, which is not normalised. For a view along the normal, or for slopes across the
-/// view, it is the normal distribution itself.
+/// The distribution of slopes `x` along the view that are seen from a direction, on a surface of roughness one: the
+/// density `max(0, cos - x sin) exp(-x^2) / sqrt(pi)`, which is not normalised. For a view along the normal, or for
+/// slopes across the view, it is the normal distribution itself.
 struct SeenSlope {
     cos: f64,
     sin: f64,
@@ -97,13 +97,14 @@ struct SeenSlope {
 impl SeenSlope {
     /// Slopes farther out are rarer than 1e-16.
     const STEEPEST: f64 = 6.0;
-    /// Halley's method leaves about the cube of its last step, over the square of the distance to the steepest slope seen: far
-    /// less than 1e-8 of the lobe's width.
+    /// Halley's method leaves about the cube of its last step, over the square of the distance to the steepest slope
+    /// seen: far less than 1e-8 of the lobe's width.
     const LAST_STEP: f64 = 1e-5;
     /// Steps at most: halving alone finds a slope in so many. Halley's method takes three or four.
     const STEPS: usize = 64;
 
-    /// The integral of the density up to `x`: `cos erfc(-x) / 2 + sin exp(-x^2) / (2 sqrt(pi))`, and `exp(-x^2) / sqrt(pi)`.
+    /// The integral of the density up to `x`: `cos erfc(-x) / 2 + sin exp(-x^2) / (2 sqrt(pi))`, and
+    /// `exp(-x^2) / sqrt(pi)`.
     fn below(&self, x: f64) -> (f64, f64) {
         let bell = 0.5 * FRAC_2_SQRT_PI * exp(-x * x);
         (0.5 * (self.cos * erfc(-x) + self.sin * bell), bell)

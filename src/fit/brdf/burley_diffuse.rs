@@ -16,8 +16,8 @@ use crate::math::SquarePoint;
 /// f = (1 + (F - 1) (1 - cos i)^5) (1 + (F - 1) (1 - cos o)^5) / pi,    F = 1/2 + 2 r cos^2 d
 /// ```
 ///
-/// with the angle `d` between light and half vector. It is reciprocal and does not conserve energy: rough surfaces seen at
-/// grazing angles reflect up to 1.6 times the light that they receive.
+/// with the angle `d` between light and half vector. It is reciprocal and does not conserve energy: rough surfaces seen
+/// at grazing angles reflect up to 1.6 times the light that they receive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BurleyDiffuse {
     /// Perceptual roughness `r`, the square root of a table's alpha, in [0, 1].

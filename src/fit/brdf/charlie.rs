@@ -8,8 +8,8 @@ use super::scattering::{Bends, Brdf, BrdfRules, BrdfSample, Compared};
 use crate::math::{SquarePoint, exp, pow};
 
 /// The sheen of Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
-/// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator, which makes the model depend on
-/// which direction is the light's, is left out: this one is reciprocal.
+/// `f = D / (4 cos o cos i (1 + Lambda(o) + Lambda(i)))`. Their softening of the terminator, which makes the model
+/// depend on which direction is the light's, is left out: this one is reciprocal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Charlie {
     fibres: Fibres,
@@ -91,8 +91,8 @@ impl Brdf for Charlie {
     }
 }
 
-/// The Charlie distribution of normals, which stand off the surface's own normal like fibres, and a sampler for the light
-/// that they reflect.
+/// The Charlie distribution of normals, which stand off the surface's own normal like fibres, and a sampler for the
+/// light that they reflect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fibres {
     /// Roughness, from [`Fibres::SMOOTHEST_ALPHA`] to 1.
@@ -100,8 +100,8 @@ pub(super) struct Fibres {
 }
 
 impl Fibres {
-    /// Smoother fibres are those of this roughness, 0.07 of perceptual roughness, as renderers limit it: seen from above, such
-    /// a surface reflects 1e-30 of the light already, and a little further no number that is not zero.
+    /// Smoother fibres are those of this roughness, 0.07 of perceptual roughness, as renderers limit it: seen from
+    /// above, such a surface reflects 1e-30 of the light already, and a little further no number that is not zero.
     pub(super) const SMOOTHEST_ALPHA: f64 = 0.0049;
     /// The sampler is so many times as wide as the exponent alone is, since shadowing removes the lowest light.
     const WIDER: f64 = 2.0;
@@ -112,9 +112,8 @@ impl Fibres {
         Self { alpha: alpha.max(Self::SMOOTHEST_ALPHA) }
     }
 
-    /// `D(wm) = (2 + 1/alpha) sin(theta_m)^(1/alpha) / (2 pi)` of the normal between two directions
-    /// [Estevez and Kulla 2017, equation 2], `sin^2 = 1 - (z_o + z_i)^2 / (2 + 2 wo . wi)`. Per steradian. Domain: both above
-    /// the horizon.
+    /// `D(wm) = (2 + 1/alpha) sin(theta_m)^(1/alpha) / (2 pi)` of the normal between two directions [Estevez and Kulla
+    /// 2017, equation 2], `sin^2 = 1 - (z_o + z_i)^2 / (2 + 2 wo . wi)`. Per steradian. Domain: both above the horizon.
     pub(super) fn distribution(self, wo: DVec3, wi: DVec3) -> f64 {
         let wm = (wo + wi).normalize();
         let exponent = 1.0 / self.alpha;

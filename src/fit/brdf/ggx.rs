@@ -57,7 +57,7 @@ impl Ggx {
         seen / (seen + self.smith_lambda(wi))
     }
 
-    /// What sampling needs of a view direction.
+    /// The quantities of a view direction that sampling needs.
     fn seen_from(&self, wo: DVec3) -> Seen {
         let stretched = DVec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z);
         Seen {
@@ -111,14 +111,14 @@ impl Seen {
 const LANES: usize = 8;
 
 impl Seen {
-    /// The terms by [`Seen::sample`] at `points`, in f32 and without a direction of length one: `wi` and its weight only
-    /// matter in proportion. Means keep the digits that a table stores.
+    /// The terms by [`Seen::sample`] at `points`, in f32 and without a direction of length one: `wi` and its weight
+    /// only matter in proportion. Means keep the digits that a table stores.
     fn terms(&self, points: &[SquarePoint]) -> LobeTerms {
         let [alpha_x, alpha_y, mu] = [self.alpha.x, self.alpha.y, self.mu].map(|x| x as f32);
         let (wo, wo_std) = (self.wo.as_vec3(), self.wo_std.as_vec3());
         let mut sums = [[0.0_f64; LANES]; 2];
         for chunk in points.chunks(LANES) {
-            // What fills up the last chunk counts nothing.
+            // The padding of the last chunk counts nothing.
             let [mut cap, mut sin, mut cos, mut counts] = [[0.0_f32; LANES]; 4];
             for (k, point) in chunk.iter().enumerate() {
                 (cap[k], sin[k], cos[k], counts[k]) =

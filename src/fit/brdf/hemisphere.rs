@@ -6,11 +6,11 @@ use glam::DVec3;
 
 use crate::math::SquarePoint;
 
-/// The density `(u + 2 (1 - u) cos(theta)) / (2 pi)` over the hemisphere, per steradian: a part `u` of all directions is
-/// uniform, the others follow the cosine.
+/// The density `(u + 2 (1 - u) cos(theta)) / (2 pi)` over the hemisphere, per steradian: a part `u` of all directions
+/// is uniform, the others follow the cosine.
 ///
-/// Diffuse lobes near the horizon have more light at low directions than a cosine has; the uniform part keeps their weights
-/// bounded.
+/// Diffuse lobes near the horizon have more light at low directions than a cosine has; the uniform part keeps their
+/// weights bounded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hemisphere {
     /// The uniform part, in [0, 1].

@@ -46,7 +46,8 @@ impl BrdfModel {
     /// The surface of these roughnesses along x and y. Domain: both in (0, 1].
     ///
     /// # Panics
-    /// Where [`BrdfModel::is_complete`] does not hold. What reads recipes and tables attaches files, or refuses to go on.
+    /// Where [`BrdfModel::is_complete`] does not hold. What reads recipes and tables attaches files, or refuses to go
+    /// on.
     #[must_use]
     pub fn surface(&self, roughness: [f64; 2]) -> Box<dyn Brdf> {
         if !self.kind.needs_file() {
@@ -129,7 +130,7 @@ impl TabulatedFile {
         &self.digest
     }
 
-    /// What the file holds, if it was read.
+    /// The contents of the file, if it was read.
     #[must_use]
     pub fn data(&self) -> Option<&Arc<TabulatedBrdf>> {
         self.data.as_ref()

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::math::{SquarePoint, atan2};
 
-/// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one: Fujii's Oren-Nayar, and the light that it loses
-/// returned as that of further bounces.
+/// The EON model of Portsmouth, Kutz and Hill 2024 with an albedo of one: Fujii's Oren-Nayar, and the light that it
+/// loses returned as that of further bounces.
 ///
 /// ```text
 /// f = A (1 + r s / t) / pi + (1 - E(o)) (1 - E(i)) / (pi (1 - E')),    A = 1 / (1 + c r),   c = 1/2 - 2 / (3 pi)

@@ -9,8 +9,8 @@ use crate::math::SquarePoint;
 pub struct BrdfSample {
     /// Light direction, unit length. Below the horizon where `weight` is zero.
     pub wi: DVec3,
-    /// `f(wo, wi) cos(theta_i) / pdf`, for a Fresnel factor of one. In [0, 1] where visible normals are drawn, else finite and
-    /// not negative.
+    /// `f(wo, wi) cos(theta_i) / pdf`, for a Fresnel factor of one. In [0, 1] where visible normals are drawn, else
+    /// finite and not negative.
     pub weight: f64,
     /// Cosine between view direction and microfacet normal, which is halfway between view and light.
     pub cos_theta_d: f64,
@@ -46,8 +46,9 @@ pub trait Brdf: Sync {
     /// `f(wo, wi) cos(theta_i)`, per steradian; zero when either direction is below the horizon.
     fn eval_cos(&self, wo: DVec3, wi: DVec3) -> f64;
 
-    /// What the normals around `wm` reflect, per steradian of normals: `4 (wo . wm) f(wo, wi) cos(theta_i)` for the `wi` that `wm`
-    /// reflects. A model of microfacets may know `wm` better than half the way between two directions tells.
+    /// The light that the normals around `wm` reflect, per steradian of normals: `4 (wo . wm) f(wo, wi) cos(theta_i)`
+    /// for the `wi` that `wm` reflects. A model of microfacets may know `wm` better than half the way between two
+    /// directions tells.
     fn eval_normal(&self, wo: DVec3, wm: DVec3) -> f64 {
         let cosine = wo.dot(wm);
         if cosine <= 0.0 {
@@ -56,8 +57,8 @@ pub trait Brdf: Sync {
         4.0 * cosine * self.eval_cos(wo, 2.0 * cosine * wm - wo)
     }
 
-    /// Where [`Brdf::eval_cos`] bends as a function of `wi`, as far as quadratures gain from knowing it; nowhere unless a model says
-    /// so.
+    /// Where [`Brdf::eval_cos`] bends as a function of `wi`, as far as quadratures gain from knowing it; nowhere unless
+    /// a model says so.
     fn bends(&self, _wo: DVec3) -> Bends {
         Bends::default()
     }
@@ -65,8 +66,8 @@ pub trait Brdf: Sync {
     /// Draws a light direction for `wo` from a point of the unit square. Domain: `wo.z > 0`.
     fn sample(&self, wo: DVec3, u: [f64; 2]) -> BrdfSample;
 
-    /// Draws a light direction for `wo` from each of `points` and hands it on, in their order: [`Brdf::sample`] of all of
-    /// them. A model may do here once what it does there for each.
+    /// Draws a light direction for `wo` from each of `points` and hands it on, in their order: [`Brdf::sample`] of all
+    /// of them. A model may do here once what it does there for each.
     fn sample_all(&self, wo: DVec3, points: &[SquarePoint], drawn: &mut Vec<BrdfSample>) {
         drawn.extend(points.iter().map(|point| self.sample(wo, point.u)));
     }
@@ -117,14 +118,14 @@ pub(crate) trait BrdfRules: Sync {
     /// The surface of these roughnesses along x and y, both in (0, 1].
     fn surface(&self, roughness: [f64; 2]) -> Box<dyn Brdf>;
 
-    /// Whether a surface is the same in all azimuths. Its roughness is then the larger of the two, and tables have a ratio of
-    /// one only.
+    /// Whether a surface is the same in all azimuths. Its roughness is then the larger of the two, and tables have a
+    /// ratio of one only.
     fn is_isotropic(&self) -> bool {
         false
     }
 
-    /// Whether lobes lie around GGX's reflection, as layouts need that store lobes relative to it. Diffuse reflection and
-    /// sheen do not.
+    /// Whether lobes lie around GGX's reflection, as layouts need that store lobes relative to it. Diffuse reflection
+    /// and sheen do not.
     fn follows_reflection(&self) -> bool {
         true
     }
@@ -134,7 +135,7 @@ pub(crate) trait BrdfRules: Sync {
         false
     }
 
-    /// What a prediction of a fit of GGX is multiplied by to be one of this model's.
+    /// The factors from a prediction for GGX to one for this model.
     fn compared(&self) -> Compared {
         Compared { sample: 1.0, error: 1.0 }
     }

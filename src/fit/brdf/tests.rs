@@ -1,4 +1,4 @@
-//! What every scattering model promises, tested on all of them.
+//! Tests of the promises that every scattering model makes.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -88,9 +88,9 @@ fn the_mean_weight_is_the_albedo() {
     }
 }
 
-/// The most that a model reflects of even light, over roughness and view to 89 degrees. Masked microfacets lose light, and
-/// Oren-Nayar's further bounces return all of it. Smooth sheen and Burley's diffuse reflection gain light at grazing angles:
-/// docs/recipe.md has these figures.
+/// The most that a model reflects of even light, over roughness and view to 89 degrees. Masked microfacets lose light,
+/// and Oren-Nayar's further bounces return all of it. Smooth sheen and Burley's diffuse reflection gain light at
+/// grazing angles: docs/recipe.md has these figures.
 #[test]
 fn no_furnace_glows_more_than_its_model_says() {
     let most = |model: &BrdfModel| {
@@ -108,7 +108,7 @@ fn no_furnace_glows_more_than_its_model_says() {
             BrdfKind::CharlieNeubelt => (3.2, 3.4),
             BrdfKind::BurleyDiffuse => (1.5, 1.6),
             BrdfKind::OrenNayar => (1.0 - 1e-3, 1.0 + 1e-3),
-            // What is planted is Oren-Nayar's reflection between nodes, and files may not reflect more.
+            // The planted file is Oren-Nayar's reflection between nodes, and files may not reflect more.
             BrdfKind::Tabulated => (0.99, MOST_ALBEDO + 1e-3),
         };
         let most = most(&model);
@@ -167,7 +167,8 @@ fn isotropic_models_know_no_azimuth() {
     }
 }
 
-/// From mirrors to the roughest surface, from above to the horizon, at the ends of the square: no NaN, nothing negative.
+/// From mirrors to the roughest surface, from above to the horizon, at the ends of the square: no NaN, nothing
+/// negative.
 #[test]
 fn extremes_are_finite() {
     let ends = [0.0, f64::EPSILON, 0.3, 0.5, 1.0 - f64::EPSILON / 2.0];
@@ -243,8 +244,8 @@ fn samples_follow_the_density() {
             cells += 1.0;
         }
         assert!(cells > 10.0, "{name}");
-        // Chi-square with n degrees of freedom has mean n and variance 2 n. A value five standard deviations above the mean
-        // does not occur.
+        // Chi-square with n degrees of freedom has mean n and variance 2 n. A value five standard deviations above the
+        // mean does not occur.
         let limit = cells + 5.0 * f64::sqrt(2.0 * cells);
         assert!(chi2 < limit, "{name}: {chi2} over {cells} cells");
         assert!((rare.0 - rare.1).abs() < 5.0 * f64::sqrt(rare.1 + 1.0), "{name}: {rare:?}");

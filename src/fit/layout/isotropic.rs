@@ -1,9 +1,9 @@
-//! The layouts of isotropic tables: `ltc2017`, `ltc2016`, `godot` and `hdrp`, which engines read, and `inverse` and `matrix33`,
-//! the forms that no engine has, to compare; one description each.
+//! The layouts of isotropic tables: `ltc2017`, `ltc2016`, `godot` and `hdrp`, which engines read, and `inverse` and
+//! `matrix33`, the forms that no engine has, to compare; one description each.
 //!
-//! All are tables of perceptual roughness `u = sqrt(alpha)` and of the view's polar angle, evenly divided from 0 to 1 and
-//! from the normal to the horizon. Ratio and phi have one node. The lobe is symmetric in the plane of incidence, so that
-//! five numbers of a matrix differ from zero:
+//! All are tables of perceptual roughness `u = sqrt(alpha)` and of the view's polar angle, evenly divided from 0 to 1
+//! and from the normal to the horizon. Ratio and phi have one node. The lobe is symmetric in the plane of incidence, so
+//! that five numbers of a matrix differ from zero:
 //!
 //! ```text
 //!     | m00  0  m02 |
@@ -14,9 +14,9 @@
 //! A lookup interpolates what is stored between the four nodes around a place, as an engine's sampler does, and inverts
 //! the result where `M^-1` is stored.
 //!
-//! Nodes stand where the engines' texel centres are, those of `inverse` and `matrix33` where those of `ltc2017` are: the first
-//! at a roughness of 0, the last at the horizon. The lobes there are those of the least roughness and the most grazing view
-//! that are fitted.
+//! Nodes stand where the engines' texel centres are, those of `inverse` and `matrix33` where those of `ltc2017` are:
+//! the first at a roughness of 0, the last at the horizon. The lobes there are those of the least roughness and the
+//! most grazing view that are fitted.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -73,8 +73,8 @@ pub(super) const INVERSE: Isotropic = Isotropic {
 };
 /// `sqrt(1 - cos theta)`; `M` over its last element.
 ///
-/// How its error depends on the nodes is taken to be as with [`HDRP`], which is right with 64 x 64 nodes and too little with
-/// fewer.
+/// How its error depends on the nodes is taken to be as with [`HDRP`], which is right with 64 x 64 nodes and too little
+/// with fewer.
 pub(super) const MATRIX33: Isotropic = Isotropic {
     stored: Stored::MatrixOverLast,
     side: 64,
@@ -83,7 +83,7 @@ pub(super) const MATRIX33: Isotropic = Isotropic {
     interpolation: [0.05, 14.0, 4.0],
 };
 
-/// What an entry holds of `M`.
+/// The form in which an entry holds `M`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stored {
     /// `M` with a third column of unit length.
@@ -117,7 +117,8 @@ pub(super) struct Isotropic {
     interpolation: [f64; 3],
 }
 
-/// The largest number that is stored: within half floats. Sharp lobes near the horizon have larger ones in some layouts.
+/// The largest number that is stored: within half floats. Sharp lobes near the horizon have larger ones in some
+/// layouts.
 const MOST: f64 = 60_000.0;
 
 impl Isotropic {
@@ -230,8 +231,9 @@ impl LayoutRules for Isotropic {
         }
     }
 
-    // The numbers are read off tables of 12 to 64 nodes an axis, fitted with 64 samples and 8 directions. A few lobes next
-    // to the mirror and the horizon make most of the error of coarse tables, so that they are good to a factor of two.
+    // The numbers are read off tables of 12 to 64 nodes an axis, fitted with 64 samples and 8 directions. A few lobes
+    // next to the mirror and the horizon make most of the error of coarse tables, so that they are good to a factor of
+    // two.
     fn interpolation(&self) -> Interpolation {
         let [limit, alpha, theta] = self.interpolation;
         Interpolation { limit, step: PerAxis { alpha, ratio: 0.0, theta, phi: 0.0 } }

@@ -67,8 +67,8 @@ impl LayoutRules for Kt2022 {
         *stored
     }
 
-    // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those of
-    // the steps are the added error over the difference of the squared steps.
+    // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those
+    // of the steps are the added error over the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0652, step: PerAxis { alpha: 0.5, ratio: 0.04, theta: 1.25, phi: 3.25 } }
     }

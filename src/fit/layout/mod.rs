@@ -61,8 +61,8 @@ impl Layout {
         self.rules().only_ranges()
     }
 
-    /// Whether the layout can store the lobes of a scattering model: those that lie around a reflection, if it stores them
-    /// relative to one.
+    /// Whether the layout can store the lobes of a scattering model: those that lie around a reflection, if it stores
+    /// them relative to one.
     #[must_use]
     pub fn takes(self, brdf: BrdfKind) -> bool {
         brdf.follows_reflection() || !self.rules().is_relative()

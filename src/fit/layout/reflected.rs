@@ -92,8 +92,8 @@ impl LayoutRules for Reflected {
         ShaderNumbers { matrix: k * stored.matrix, amplitude, fresnel: amplitude * (grazing2 * grazing2 * grazing) }
     }
 
-    // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those of
-    // the steps are the added error over the difference of the squared steps.
+    // The numbers are read off a full run of docs/tradeoff.md, at preset `draft` with one axis changed at a time. Those
+    // of the steps are the added error over the difference of the squared steps.
     fn interpolation(&self) -> Interpolation {
         Interpolation { limit: 0.0463, step: PerAxis { alpha: 0.02, ratio: 0.018, theta: 0.137, phi: 0.01 } }
     }

@@ -113,7 +113,7 @@ pub(crate) trait LayoutRules: Sync {
         stored
     }
 
-    /// What a stored matrix is divided by: by default the length of its third column.
+    /// The divisor of a stored matrix: by default the length of its third column.
     fn norm(&self, stored: &DMat3) -> f64 {
         stored.z_axis.length()
     }

@@ -10,12 +10,12 @@
 //! ```
 //!
 //! The numbers are `p`, `l` and `q`; `x / (1 + z)` and `y / (1 + z)`, the stereographic projection of the third column;
-//! `h f - x a - y b` and `h g - x b - y d` with `h = max(z, 0.05)`, which is the last row of `S` unless its third column
-//! is level; and the two terms that layout `reflected` stores. In layouts that store the lobe itself, the numbers of the
-//! last row are divided by `alpha / (alpha + 0.002)`: between two views their readers blend matrices of lobes that lie many
-//! widths apart, where the last row counts as many times more, so that it has to be the finer the sharper the surface is.
-//! All factors being products, quotients and square roots,
-//! a decoder needs no other function. The determinant is `p^2 q^2` and stays positive whatever becomes of the numbers.
+//! `h f - x a - y b` and `h g - x b - y d` with `h = max(z, 0.05)`, which is the last row of `S` unless its third
+//! column is level; and the two terms that layout `reflected` stores. In layouts that store the lobe itself, the
+//! numbers of the last row are divided by `alpha / (alpha + 0.002)`: between two views their readers blend matrices of
+//! lobes that lie many widths apart, where the last row counts as many times more, so that it has to be the finer the
+//! sharper the surface is. All factors being products, quotients and square roots, a decoder needs no other function.
+//! The determinant is `p^2 q^2` and stays positive whatever becomes of the numbers.
 //!
 //! A change of any of them by a small part of 1 moves the lobe by about that part of its width, wherever in the table
 //! it lies: this is what makes one step of rounding right for all entries.
@@ -41,7 +41,7 @@ const LEAST_HEIGHT: f64 = 0.05;
 const SHARP: f64 = 0.002;
 
 impl Layout {
-    /// What the last row of a lobe is scaled by at a roughness.
+    /// The factor on the last row of a lobe at a roughness.
     fn row_scale(self, alpha: f64) -> f64 {
         if self == Self::Reflected { 1.0 } else { alpha / (alpha + SHARP) }
     }
@@ -78,7 +78,7 @@ impl Layout {
         ]
     }
 
-    /// What this layout stores at a node for these numbers: the inverse of [`Self::to_smooth`]. Up to rounding, finite
+    /// The numbers that this layout stores at a node: the inverse of [`Self::to_smooth`]. Up to rounding, finite
     /// numbers give a matrix with a positive determinant that has the zeros of the node's mirrors.
     pub(crate) fn of_smooth(self, node: &PerAxis<f64>, numbers: &[f64; SMOOTH_NUMBERS]) -> LobeNumbers {
         let place = within_limits(*node);

@@ -12,7 +12,7 @@ pub(crate) trait LobeDistribution {
     /// The part of the distribution that a convex polygon covers, seen from the origin and from either side: in [0, 1].
     fn covered(&self, polygon: &[DVec3]) -> f64;
 
-    /// What a table's terms are multiplied by to be those of the lobe: the part of the model's own weight that the
+    /// The factor from a table's terms to those of the lobe: the part of the model's own weight that the
     /// distribution is. One, unless the model is cut at the horizon to make it.
     fn above_horizon(&self) -> f64 {
         1.0

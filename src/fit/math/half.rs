@@ -23,8 +23,8 @@ pub fn half_bits(x: f32) -> u16 {
     bits as u16 | (x.to_bits() >> 16) as u16 & 0x8000
 }
 
-/// The bits of the nearest number of 16 bits to one of 64, of which the lower half of the mantissa is cut off first. So numbers
-/// just beyond the middle between two count as the middle.
+/// The bits of the nearest number of 16 bits to one of 64, of which the lower half of the mantissa is cut off first. So
+/// numbers just beyond the middle between two count as the middle.
 #[must_use]
 pub fn half_bits_f64(x: f64) -> u16 {
     let cut = if x.is_nan() { x } else { f64::from_bits(x.to_bits() & !0xffff_ffff) };

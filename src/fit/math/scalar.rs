@@ -32,7 +32,7 @@ pub trait Scalar:
     const SAME2: Self;
     /// Steps of Newton's method that make three digits as many as the type has.
     const NEWTON_STEPS: u32;
-    /// What numbers of about one are uncertain by after some operations.
+    /// The rounding error of numbers of about one after some operations.
     const UNCERTAINTY: Self;
     /// The nearest number of this type.
     #[must_use]

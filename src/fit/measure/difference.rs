@@ -39,10 +39,10 @@ pub struct Gap {
 /// Looks two tables up at up to `points` nodes of each and at `points` configurations between, within what the axes of
 /// both cover. `None` where they cover nothing in common.
 ///
-/// Matrices are compared by the distribution that they stand for: a positive factor does not change it, nor does turning
-/// or mirroring the clamped cosine about its axis. So each matrix is divided by its Frobenius norm, the first two columns
-/// of the second are turned or mirrored to be nearest to the first's (least squares), and the largest difference of an
-/// element counts, which is at most 2.
+/// Matrices are compared by the distribution that they stand for: a positive factor does not change it, nor does
+/// turning or mirroring the clamped cosine about its axis. So each matrix is divided by its Frobenius norm, the first
+/// two columns of the second are turned or mirrored to be nearest to the first's (least squares), and the largest
+/// difference of an element counts, which is at most 2.
 #[must_use]
 pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     let common = common(a, b)?;
@@ -85,9 +85,9 @@ fn common(a: &Table, b: &Table) -> Option<PerAxis<Vec<f64>>> {
 
 /// The largest difference of an element, once neither factor nor turn tells them apart.
 ///
-/// `|A - B Q|` is least for the turn or mirror `Q` of the first two columns that makes the sum of `a_i . (B Q)_i` greatest.
-/// With `g_ij = a_i . b_j` that sum is `c (g00 + g11) + s (g01 - g10)` for a turn by an angle of cosine c and sine s, and
-/// `c (g00 - g11) + s (g01 + g10)` for a mirror.
+/// `|A - B Q|` is least for the turn or mirror `Q` of the first two columns that makes the sum of `a_i . (B Q)_i`
+/// greatest. With `g_ij = a_i . b_j` that sum is `c (g00 + g11) + s (g01 - g10)` for a turn by an angle of cosine c and
+/// sine s, and `c (g00 - g11) + s (g01 + g10)` for a mirror.
 fn apart(a: &DMat3, b: &DMat3) -> f64 {
     let norm = |m: &DMat3| (0..3).map(|i| m.col(i).length_squared()).sum::<f64>().sqrt();
     let (a, b) = (*a * norm(a).recip(), *b * norm(b).recip());

@@ -1,5 +1,5 @@
-//! How many configurations are measured: as many as a fixed part of the fit's own time allows, and more between nodes than at
-//! them, because there a few bad ones count for much.
+//! How many configurations are measured: as many as a fixed part of the fit's own time allows, and more between nodes
+//! than at them, because there a few bad ones count for much.
 
 use crate::{Recipe, fit_seconds};
 
@@ -13,8 +13,9 @@ const SHARE: f64 = 0.1;
 const SHARE_BETWEEN: f64 = 0.25;
 /// The time that one measurement takes, on the scale of [`fit_seconds`].
 const POINT_SECONDS: f64 = 1.8e-3;
-/// Configurations between nodes whose mean is worth stating beside a table. Of the 64 x 64 lobes of an isotropic table a
-/// few next to the mirror miss by several widths: the mean is 0.079 at 68 configurations, 0.047 at 512, 0.039 at 4096.
+/// Configurations between nodes whose mean is worth stating beside a table. Of the 64 x 64 lobes of an isotropic table
+/// a few next to the mirror miss by several widths: the mean is 0.079 at 68 configurations, 0.047 at 512, 0.039 at
+/// 4096.
 const STEADY: usize = 512;
 
 /// How many configurations a table is measured at.

@@ -30,8 +30,8 @@ pub struct Figures {
     pub terms: Option<[f64; 2]>,
 }
 
-/// The figures of numbers that stand for lobes, whether they come from a table or not, in order. Runs on the current rayon
-/// pool; its size changes nothing.
+/// The figures of numbers that stand for lobes, whether they come from a table or not, in order. Runs on the current
+/// rayon pool; its size changes nothing.
 #[must_use]
 pub fn figures_of(brdf: &BrdfModel, lobe: LobeModel, found: &[(Configuration, LookedUp)]) -> Vec<Figures> {
     let probe = Probe::new();

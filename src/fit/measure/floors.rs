@@ -34,7 +34,8 @@ impl Floors {
         let PerAxis { alpha, ratio, theta, phi } = axes.lengths();
         let moved =
             |floor: f64, nodes: usize, entries_each: usize| Moved { floor, nodes, entries: nodes * entries_each };
-        // A range that reaches past the limit has its last node on it, or past it where a layout's readers need it there.
+        // A range that reaches past the limit has its last node on it, or past it where a layout's readers need it
+        // there.
         let at_limit = |nodes: &[f64], is_at: &dyn Fn(f64) -> bool, reaches_past: bool| {
             if reaches_past { nodes.iter().filter(|node| is_at(**node)).count() } else { 0 }
         };

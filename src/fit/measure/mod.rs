@@ -82,7 +82,8 @@ pub fn width_between(table: &Table, points: usize) -> Spread {
     Accuracy::of(&figures::all(table, &places::between(&table.axes, points))).width
 }
 
-/// Nodes, and after them configurations between nodes: both are measured in one run, so that threads are busy to the end.
+/// Nodes, and after them configurations between nodes: both are measured in one run, so that threads are busy to the
+/// end.
 struct Places {
     all: Vec<Configuration>,
     nodes: usize,

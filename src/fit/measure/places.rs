@@ -42,8 +42,8 @@ fn common_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
-/// The configuration of the entry `index` in storage order: phi varies fastest. A node at the horizon, where no light is
-/// reflected, stands for the most grazing view that is fitted.
+/// The configuration of the entry `index` in storage order: phi varies fastest. A node at the horizon, where no light
+/// is reflected, stands for the most grazing view that is fitted.
 pub(super) fn node(axes: &PerAxis<Vec<f64>>, index: usize) -> Configuration {
     let (rest, phi) = (index / axes.phi.len(), index % axes.phi.len());
     let (rest, theta) = (rest / axes.theta.len(), rest % axes.theta.len());

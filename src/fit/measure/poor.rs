@@ -7,8 +7,8 @@ use super::figures::Figures;
 /// The error, as a part of the lobe's width, beyond which a highlight is visibly another one.
 pub const POOR_WIDTH: f64 = 0.15;
 
-/// Nodes whose stored lobe is farther from the true one than [`POOR_WIDTH`]. No table of more nodes helps there: interpolation
-/// has no part in it.
+/// Nodes whose stored lobe is farther from the true one than [`POOR_WIDTH`]. No table of more nodes helps there:
+/// interpolation has no part in it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Poor {
     /// [`POOR_WIDTH`].

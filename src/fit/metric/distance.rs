@@ -57,8 +57,8 @@ pub(crate) trait MetricRules: Sync {
         false
     }
 
-    /// Seconds of one evaluation, with a gradient or without, for these numbers of samples and directions: of one thread,
-    /// on the machine of `fit_seconds`. What an entry is prepared for is in it.
+    /// Seconds of one evaluation, with a gradient or without, for these numbers of samples and directions: of one
+    /// thread, on the machine of `fit_seconds`. What an entry is prepared for is in it.
     fn seconds(&self, samples: usize, directions: usize) -> f64;
 }
 
@@ -85,8 +85,8 @@ pub(crate) trait Loss {
     /// The distance at `m` and its gradient by the elements of `m`.
     fn value_and_gradient(&mut self, m: &DMat3, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, DMat3)>;
 
-    /// A step up the distance: `rate` times an estimate, from these samples alone, of its gradient by `m`, a matrix to the tangent
-    /// frame whose determinant may have either sign.
+    /// A step up the distance: `rate` times an estimate, from these samples alone, of its gradient by `m`, a matrix to
+    /// the tangent frame whose determinant may have either sign.
     fn step(&self, m: &DMat3, rate: f64, draws: &Draws, stop_check: &mut StopCheck) -> Option<DMat3>;
 
     /// The same distance of other models than LTCs, where the metric compares samples alone.
@@ -101,8 +101,8 @@ pub(crate) trait ImageLoss {
     /// The points of the unit square of which an evaluation compares the images.
     fn lattice(&self, grain: Grain) -> Lattice;
 
-    /// The distance of directions, one of each of the points of [`ImageLoss::lattice`], and its gradient by each direction.
-    /// Directions are offsets from +z of the lobe's frame, one array a coordinate, and so is the gradient.
+    /// The distance of directions, one of each of the points of [`ImageLoss::lattice`], and its gradient by each
+    /// direction. Directions are offsets from +z of the lobe's frame, one array a coordinate, and so is the gradient.
     fn slopes(&mut self, offsets: &Offsets, grain: Grain, stop_check: &mut StopCheck) -> Option<(f64, Offsets)>;
 
     /// The distance of directions alone, with all of the points.

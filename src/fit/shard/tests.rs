@@ -172,8 +172,8 @@ fn check_halfway(table: &Table) {
     assert!(pairs > 2000);
 }
 
-/// Many steps of few samples, or few steps of many: whatever makes an entry long, progress is called after a fixed amount
-/// of work, and the call that stops the fit is the last.
+/// Many steps of few samples, or few steps of many: whatever makes an entry long, progress is called after a fixed
+/// amount of work, and the call that stops the fit is the last.
 #[test]
 fn every_solver_stops_in_the_middle_of_a_long_entry() {
     let plan = plan([2; 4]);

@@ -52,8 +52,8 @@ pub(crate) trait SolverRules: Sync {
     /// The matrix of the lobe in the tangent frame; `None` when `stop_check` stops the search.
     fn solve(&self, objective: Objective<'_>, stop_check: &mut StopCheck) -> Option<DMat3>;
 
-    /// Seconds that an entry takes to project its lobe, to search, and to measure the error, with at most `effort.steps`
-    /// steps. Of one thread, on the machine of `fit_seconds`.
+    /// Seconds that an entry takes to project its lobe, to search, and to measure the error, with at most
+    /// `effort.steps` steps. Of one thread, on the machine of `fit_seconds`.
     fn seconds(&self, lobe: LobeModel, effort: &Effort) -> f64;
 
     /// Whether it fits lobes of isotropic surfaces only.

@@ -1,8 +1,8 @@
 //! The fitter of KT et al. 2022, Algorithm 3, as the paper states it: the yardstick for speed and accuracy.
 //!
 //! Every step draws fresh samples of the lobe (Algorithm 1, by rejection) and of the LTC (Algorithm 2) and fresh
-//! directions, sorts the projections, and moves all nine numbers of `M` down the gradient by a constant rate. So it does with
-//! another metric, whose gradient it estimates from the same samples.
+//! directions, sorts the projections, and moves all nine numbers of `M` down the gradient by a constant rate. So it
+//! does with another metric, whose gradient it estimates from the same samples.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -73,8 +73,8 @@ impl Uniform {
         DVec3::new(radius * cos, radius * sin, z)
     }
 
-    /// Algorithm 1: a direction drawn from the density proportional to the cosine-weighted lobe, whose samples weigh `heaviest`
-    /// at most.
+    /// Algorithm 1: a direction drawn from the density proportional to the cosine-weighted lobe, whose samples weigh
+    /// `heaviest` at most.
     fn lobe(&mut self, brdf: &dyn Brdf, wo: DVec3, heaviest: f64, stop_check: &mut StopCheck) -> Option<DVec3> {
         loop {
             stop_check.worked(DRAW)?;
@@ -94,8 +94,8 @@ const LOOKED_AT: usize = 1024;
 /// Where samples weigh less than this, most would be rejected.
 const LIGHT: f64 = 0.125;
 
-/// The weight that no sample of a lobe exceeds: one, or for lobes that reflect little, such as those of smooth sheen, twice the
-/// most of a lattice of samples.
+/// The weight that no sample of a lobe exceeds: one, or for lobes that reflect little, such as those of smooth sheen,
+/// twice the most of a lattice of samples.
 fn heaviest(brdf: &dyn Brdf, wo: DVec3) -> f64 {
     let points = Lattice::new(LOOKED_AT, [0.0; 2]).points();
     let most = 2.0 * points.map(|u| brdf.sample(wo, u).weight).fold(0.0, f64::max);

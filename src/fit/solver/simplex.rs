@@ -1,4 +1,4 @@
-//! What a recipe chooses of a solver with a simplex.
+//! The settings of a solver with a simplex that a recipe chooses.
 
 use serde::Serialize;
 
@@ -17,8 +17,8 @@ named_list! {
 named_list! {
     /// Where the search for a lobe's matrix starts.
     pub enum Start {
-        /// From the matrix of the lobe next to it: from the roughest lobe seen from above down to the roughness, then down
-        /// to the horizon.
+        /// From the matrix of the lobe next to it: from the roughest lobe seen from above down to the roughness, then
+        /// down to the horizon.
         Warm = "warm",
         /// From the lobe's own location and scatter, so that entries do not depend on each other.
         Independent = "independent",

@@ -93,8 +93,8 @@ impl Table {
         &self.matrix
     }
 
-    /// The determinant of each stored matrix. Where it is zero or not finite, the matrix makes no distribution; where it is
-    /// negative, a light's winding is reversed.
+    /// The determinant of each stored matrix. Where it is zero or not finite, the matrix makes no distribution; where
+    /// it is negative, a light's winding is reversed.
     pub fn determinants(&self) -> impl Iterator<Item = f64> {
         self.matrix.iter().map(|matrix| from_row_major(&matrix.map(f64::from)).determinant())
     }

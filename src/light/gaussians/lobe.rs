@@ -17,7 +17,7 @@ pub enum Warp {
 pub struct Lobe<T> {
     /// Where it is and how wide.
     pub shape: SphericalGaussian<T>,
-    /// What is reflected of all directions together, in [0, 1].
+    /// The albedo: the reflection of all directions together, in [0, 1].
     pub weight: T,
     /// Schlick's `(1 - wo . h)^5` at the middle.
     pub schlick: T,
@@ -26,19 +26,20 @@ pub struct Lobe<T> {
 impl<T: Scalar> Lobe<T> {
     /// The Gaussian of a surface seen from `wo`.
     ///
-    /// Where the surface is a hemisphere, normals seen from `s = A wo / |A wo|` are `c = u + s` for `u` uniform on the cap
-    /// `u . z > -s . z` [Dupuy and Benyoub 2023], whose middle is z and whose area is `2 pi (1 + s . z)`. The Gaussian of the
-    /// same middle and the same density there is `exp(-|u_xy|^2 / v)`, `v = 2 (1 + s . z)`. Its normal is `h = A (s + z)`, its
-    /// direction `r = 2 (wo . h) h / h^2 - wo`, and its deviations are `dr` for `dh = sqrt v A x` and `sqrt v A y`:
+    /// Where the surface is a hemisphere, normals seen from `s = A wo / |A wo|` are `c = u + s` for `u` uniform on the
+    /// cap `u . z > -s . z` [Dupuy and Benyoub 2023], whose middle is z and whose area is `2 pi (1 + s . z)`. The
+    /// Gaussian of the same middle and the same density there is `exp(-|u_xy|^2 / v)`, `v = 2 (1 + s . z)`. Its normal
+    /// is `h = A (s + z)`, its direction `r = 2 (wo . h) h / h^2 - wo`, and its deviations are `dr` for
+    /// `dh = sqrt v A x` and `sqrt v A y`:
     ///
     /// ```text
     /// dr = 2 ((wo . dh) h + (wo . h) dh) / h^2 - 4 (wo . h) (h . dh) h / h^4
     /// ```
     ///
-    /// With `s = z` this is the Gaussian `1 / (pi ax ay) exp(-(h_x / ax)^2 - (h_y / ay)^2)` of all normals, of sharpness
-    /// `2 / alpha^2`, and its warp around the surface's normal: sharpness `1 / (2 alpha^2)` within the plane of incidence and
-    /// `1 / (2 alpha^2 cos^2)` across it, in terms of `exp(L (w . r - 1))`. The round Gaussian has their geometric mean, as
-    /// in Wang et al.
+    /// With `s = z` this is the Gaussian `1 / (pi ax ay) exp(-(h_x / ax)^2 - (h_y / ay)^2)` of all normals, of
+    /// sharpness `2 / alpha^2`, and its warp around the surface's normal: sharpness `1 / (2 alpha^2)` within the plane
+    /// of incidence and `1 / (2 alpha^2 cos^2)` across it, in terms of `exp(L (w . r - 1))`. The round Gaussian has
+    /// their geometric mean, as in Wang et al.
     ///
     /// Domain: `alpha` in [1e-5, 1], `wo` of length one with `z > 0`.
     #[must_use]

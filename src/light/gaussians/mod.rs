@@ -8,12 +8,12 @@
 //! d = w_p sqrt(2 / (1 + w . r)),   w_p = w - (w . r) r
 //! ```
 //!
-//! `r` is the direction to which a middle normal reflects, `t1` and `t2` are how far the reflection moves when that normal
-//! tilts by a deviation, of lengths `a1` and `a2` where they are perpendicular, and `d` is the equal-area projection around
-//! `r`, of length `2 sin(angle / 2)`. In it a spherical Gaussian `exp(L (w . r - 1))` is a Gaussian of the plane exactly, with
-//! `L = 2 / a^2` (`lobe.rs`, `fit::lobe::gaussian`). A polygon's part of it is an area in the square that the error function
-//! maps the plane to (`fit::lobe::gaussian::covered`); the light of a spherical Gaussian is a convolution of two (`sg_light.rs`). `docs/gaussians.md` derives all of
-//! it and has the errors.
+//! `r` is the direction to which a middle normal reflects, `t1` and `t2` are how far the reflection moves when that
+//! normal tilts by a deviation, of lengths `a1` and `a2` where they are perpendicular, and `d` is the equal-area
+//! projection around `r`, of length `2 sin(angle / 2)`. In it a spherical Gaussian `exp(L (w . r - 1))` is a Gaussian
+//! of the plane exactly, with `L = 2 / a^2` (`lobe.rs`, `fit::lobe::gaussian`). A polygon's part of it is an area in
+//! the square that the error function maps the plane to (`fit::lobe::gaussian::covered`); the light of a spherical
+//! Gaussian is a convolution of two (`sg_light.rs`). `docs/gaussians.md` derives all of it and has the errors.
 
 mod lobe;
 mod model;
@@ -34,12 +34,12 @@ use ltcforge_fit::{
     math::{Scalar, Triple},
 };
 
-/// What GGX reflects of a polygon of radiance one towards `wo` by a Gaussian: for a Fresnel factor of one, and its part
-/// weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].
+/// The light of a polygon of radiance one that GGX reflects towards `wo`, by a Gaussian: for a Fresnel factor of one,
+/// and its part weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].
 ///
 /// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z; the lit side is
-/// that from which they run clockwise. What lies below the surface is cut off. Domain: `alpha` in [1e-5, 1], `wo` of length
-/// one with `z > 0`, finite vertices.
+/// that from which they run clockwise. What lies below the surface is cut off. Domain: `alpha` in [1e-5, 1], `wo` of
+/// length one with `z > 0`, finite vertices.
 #[must_use]
 pub fn reflected<T: Scalar>(
     gaussian: Gaussian,
@@ -64,10 +64,10 @@ pub(crate) fn reflected_around<T: Scalar>(
     lobe.parts().map(|part| part * covered)
 }
 
-/// What is reflected of a polygon, as [`reflected`] has it, by a Gaussian and what it reflects of all directions of its
-/// plane together, for a Fresnel factor of one and weighed by Schlick's.
+/// The reflected light of a polygon, as [`reflected`] has it, from a Gaussian and its reflection of all directions of
+/// its plane together, for a Fresnel factor of one and weighed by Schlick's.
 ///
-/// A table's Gaussian is cut at the horizon, so that the first may be more than one. What is reflected is no more.
+/// A table's Gaussian is cut at the horizon, so that the first may be more than one. The reflected light is not.
 #[must_use]
 pub fn reflected_by<T: Scalar>(
     shape: &SphericalGaussian<T>,

@@ -14,8 +14,8 @@ pub struct SgLight<T> {
     pub amplitude: T,
 }
 
-/// What GGX reflects of a spherical Gaussian's light towards `wo` by a Gaussian: for a Fresnel factor of one, and its part
-/// weighed by Schlick's `(1 - wo . h)^5`.
+/// The light of a spherical Gaussian that GGX reflects towards `wo`, by a Gaussian: for a Fresnel factor of one, and
+/// its part weighed by Schlick's `(1 - wo . h)^5`.
 ///
 /// The whole sphere counts, also what is below the surface. Domain: as [`super::reflected`]; a sharpness above 0.
 #[must_use]
@@ -24,11 +24,11 @@ pub fn reflected_sg<T: Scalar>(gaussian: Gaussian, alpha: [T; 2], wo: Triple<T>,
     reflected_sg_by(&lobe.shape, lobe.parts(), light)
 }
 
-/// What is reflected of a spherical Gaussian's light, as [`reflected_sg`] has it, by a Gaussian and what it reflects of all
+/// The reflected light of a spherical Gaussian, as [`reflected_sg`] has it, from a Gaussian and its reflection of all
 /// directions together.
 ///
-/// In the plane around the Gaussian's axis the light is `exp(-L d^2 / 2)` around its own middle `d`, and the inner product the
-/// value of the convolution there. With `X` the rows of the Gaussian, `v = X d` and `K = 1 + 2 / L X X^T`:
+/// In the plane around the Gaussian's axis the light is `exp(-L d^2 / 2)` around its own middle `d`, and the inner
+/// product the value of the convolution there. With `X` the rows of the Gaussian, `v = X d` and `K = 1 + 2 / L X X^T`:
 ///
 /// ```text
 /// W a (2 / L) sqrt(det X X^T / det K) exp(-v K^-1 v)

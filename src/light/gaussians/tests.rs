@@ -249,7 +249,7 @@ fn single_and_double_precision_agree_where_the_horizon_is_a_quarter_away() {
 /// Places on the cap of visible normals: part of its height, part of a turn.
 const POINTS: [[f64; 2]; 4] = [[0.1, 0.1], [0.35, 0.7], [0.6, 0.35], [0.85, 0.9]];
 
-/// What is reflected of a light, as the mean over visible normals of `G2 / G1` times the radiance that they reflect.
+/// The reflected light, as the mean over visible normals of `G2 / G1` times the radiance that they reflect.
 fn over_normals(alpha: [f64; 2], wo: DVec3, radiance: impl Fn(DVec3) -> f64) -> f64 {
     const SIDE: u32 = 160;
     let stretch = DVec3::new(alpha[0], alpha[1], 1.0);

@@ -1,13 +1,13 @@
 //! The integral of the clamped cosine over the directions in which an ellipse is seen, in closed form.
 //!
-//! Seen from the origin, the ellipse `c + cos t x + sin t y` is a cone of directions. With `S = x x^T + y y^T - c c^T`, a
-//! plane through the origin with normal `n` cuts the cone just if `n^T S n > 0`. So the eigenvectors of `S` are the cone's
-//! axes: the one of the negative eigenvalue `-l3` points along its middle, and across it the cone has the half axes
-//! `sqrt(l1 / l3)` and `sqrt(l2 / l3)` at distance one: an ellipse that faces the origin [Heitz and Hill 2017, of the
-//! inverse of `S`]. No plane, inverse or vertex of the ellipse is needed.
+//! Seen from the origin, the ellipse `c + cos t x + sin t y` is a cone of directions. With `S = x x^T + y y^T - c c^T`,
+//! a plane through the origin with normal `n` cuts the cone just if `n^T S n > 0`. So the eigenvectors of `S` are the
+//! cone's axes: the one of the negative eigenvalue `-l3` points along its middle, and across it the cone has the half
+//! axes `sqrt(l1 / l3)` and `sqrt(l2 / l3)` at distance one: an ellipse that faces the origin [Heitz and Hill 2017, of
+//! the inverse of `S`]. No plane, inverse or vertex of the ellipse is needed.
 //!
-//! By Stokes, the integral is `1/(2 pi)` times that of `(p x dp)_z / |p|^2` along the border. In the frame of the cone's
-//! axes, with `a, b, g = sqrt(l1), sqrt(l2), sqrt(l3)`, the border is `p = (a cos t, b sin t, g)` and
+//! By Stokes, the integral is `1/(2 pi)` times that of `(p x dp)_z / |p|^2` along the border. In the frame of the
+//! cone's axes, with `a, b, g = sqrt(l1), sqrt(l2), sqrt(l3)`, the border is `p = (a cos t, b sin t, g)` and
 //!
 //! ```text
 //! p x dp/dt = (-b g cos t, -a g sin t, a b),    |p|^2 = g^2 + a^2 cos^2 t + b^2 sin^2 t
@@ -19,9 +19,9 @@
 //! -b g / (A k) artanh(k sin t / A),    a g / (B k) arctan(k cos t / B),    a b / (A B) arctan(B sin t / (A cos t))
 //! ```
 //!
-//! Over a whole turn that is `a b / (A B)` along the middle: the form factor without a horizon. A cone that the horizon cuts
-//! has the arc above it, and the horizon's own arc, which closes the border, adds its angle. So the integral is elementary and
-//! exact in either case; no sphere stands for the part that is cut.
+//! Over a whole turn that is `a b / (A B)` along the middle: the form factor without a horizon. A cone that the horizon
+//! cuts has the arc above it, and the horizon's own arc, which closes the border, adds its angle. So the integral is
+//! elementary and exact in either case; no sphere stands for the part that is cut.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -61,8 +61,8 @@ pub(super) enum Horizon<T> {
     Cuts { top: Turn<T>, half_arc: Turn<T> },
 }
 
-/// An arc of the border: of the sines and of the cosines of its ends the difference and the product, and the sine of the turn
-/// between them.
+/// An arc of the border: of the sines and of the cosines of its ends the difference and the product, and the sine of
+/// the turn between them.
 struct Arc<T> {
     sines: [T; 2],
     cosines: [T; 2],
@@ -70,8 +70,8 @@ struct Arc<T> {
 }
 
 impl<T: Scalar> Cone<T> {
-    /// That of the ellipse `centre + cos t x + sin t y`, for any two half axes; `None` where nothing is seen of it: edge on,
-    /// or of no size.
+    /// That of the ellipse `centre + cos t x + sin t y`, for any two half axes; `None` where nothing is seen of it:
+    /// edge on, or of no size.
     #[must_use]
     pub fn new(centre: Triple<T>, half_axes: [Triple<T>; 2]) -> Option<Self> {
         let size = half_axes.iter().chain([&centre]).flatten().fold(T::ZERO, |size, x| size.max(x.abs()));
@@ -140,8 +140,8 @@ impl<T: Scalar> Cone<T> {
         seen.max(T::ZERO).min(T::ONE)
     }
 
-    /// The length of the cone's vector form factor without a horizon, and the cosine between it and the normal: what stands for
-    /// a light where [`ltcforge_fit::clipped_form_factor`] cuts it at the horizon as if it were a sphere.
+    /// The length of the cone's vector form factor without a horizon, and the cosine between it and the normal: what
+    /// stands for a light where [`ltcforge_fit::clipped_form_factor`] cuts it at the horizon as if it were a sphere.
     #[must_use]
     pub fn form_factor(&self) -> (T, T) {
         (self.whole(), self.axes[2][2])
@@ -162,8 +162,8 @@ impl<T: Scalar> Cone<T> {
         Horizon::Cuts { top: unit_turn([a * n1, b * n2]), half_arc: unit_turn([-g * n3, self.cut2.sqrt()]) }
     }
 
-    /// Twice pi times the integral over a cone that is cut. With the border's arc, which begins and ends half an arc from its top,
-    /// all differences are products.
+    /// Twice pi times the integral over a cone that is cut. With the border's arc, which begins and ends half an arc
+    /// from its top, all differences are products.
     fn cut(&self, [top_cos, top_sin]: Turn<T>, [q, h]: Turn<T>) -> T {
         let ([a, b], g, [n1, n2, n3]) = (self.half, self.height, self.heights());
         let two = T::of(2.0);
@@ -196,8 +196,8 @@ impl<T: Scalar> Cone<T> {
         unit_turn([dot(direction, self.axes[0]) * b, dot(direction, self.axes[1]) * a])
     }
 
-    /// The integral of `(p x dp)_z / |p|^2` along the border, anticlockwise from `from` to `to`; from a place to itself it is
-    /// zero.
+    /// The integral of `(p x dp)_z / |p|^2` along the border, anticlockwise from `from` to `to`; from a place to itself
+    /// it is zero.
     pub(super) fn border(&self, [cos_0, sin_0]: Turn<T>, [cos_1, sin_1]: Turn<T>) -> T {
         self.along(&Arc {
             sines: [sin_1 - sin_0, sin_0 * sin_1],
@@ -220,8 +220,8 @@ impl<T: Scalar> Cone<T> {
 }
 
 impl<T: Scalar> Cone<T> {
-    /// Adds the part of the border that is above the horizon to a clipped outline, anticlockwise from the place of its last
-    /// vertex to that of the next.
+    /// Adds the part of the border that is above the horizon to a clipped outline, anticlockwise from the place of its
+    /// last vertex to that of the next.
     pub(super) fn add_border(&self, clip: &mut Clip<T>, vertex: Triple<T>) {
         let (from, to) = (self.turn_of(clip.previous()), self.turn_of(vertex));
         let (from_is_up, to_is_up) = (clip.previous()[2] > T::ZERO, vertex[2] > T::ZERO);
@@ -271,8 +271,8 @@ fn round<T: Scalar>(from: Turn<T>, to: Turn<T>) -> T {
 /// The root above zero of `l^3 + trace l^2 + minors l - last`, whose other roots are real and not above zero.
 ///
 /// Newton's method from above: the polynomial is convex beyond its largest root, so the steps fall and end at the last
-/// digit. They begin at the least of two bounds, of which one is near wherever the root is simple: `2 r - trace / 3`, where all
-/// roots lie within `2 r` of their mean, and, for a trace above zero, the root without the cube.
+/// digit. They begin at the least of two bounds, of which one is near wherever the root is simple: `2 r - trace / 3`,
+/// where all roots lie within `2 r` of their mean, and, for a trace above zero, the root without the cube.
 fn largest_root<T: Scalar>(trace: T, minors: T, last: T) -> T {
     let third = T::ONE / T::of(3.0);
     let r = (trace * trace - T::of(3.0) * minors).max(T::ZERO).sqrt() * third;
@@ -299,8 +299,8 @@ fn largest_root<T: Scalar>(trace: T, minors: T, last: T) -> T {
     root
 }
 
-/// `artanh(k s_1) - artanh(k s_0)` over `k`, of the difference of `s` and of their product; the difference for `k` zero. Domain:
-/// `k |s|` up to one.
+/// `artanh(k s_1) - artanh(k s_0)` over `k`, of the difference of `s` and of their product; the difference for `k`
+/// zero. Domain: `k |s|` up to one.
 fn artanh_over<T: Scalar>(k: T, [difference, product]: [T; 2]) -> T {
     let bottom = T::ONE - k * k * product;
     let tangent = (k * difference).abs() / bottom.max(T::SHORTEST);
@@ -315,7 +315,8 @@ fn artanh_over<T: Scalar>(k: T, [difference, product]: [T; 2]) -> T {
     difference / bottom.max(T::SHORTEST) * value
 }
 
-/// `arctan(k c_1) - arctan(k c_0)` over `k`, of the difference of `c` and of their product; the difference for `k` zero.
+/// `arctan(k c_1) - arctan(k c_0)` over `k`, of the difference of `c` and of their product; the difference for `k`
+/// zero.
 fn arctan_over<T: Scalar>(k: T, [difference, product]: [T; 2]) -> T {
     let bottom = T::ONE + k * k * product;
     if k > T::UNCERTAINTY { T::atan2(k * difference, bottom) / k } else { difference }

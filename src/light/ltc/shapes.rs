@@ -1,8 +1,8 @@
 //! The integral of a distribution over lights that are no polygons: ellipses, spheres, lines and tubes.
 //!
-//! Each is the integral of the clamped cosine over what `M^-1` makes of the light as it is seen from the origin: an ellipse
-//! and the outline of a sphere become cones over ellipses, see [`Cone`]; a line stays a line; the outline of a tube becomes two
-//! arcs of such cones and two straight edges.
+//! Each is the integral of the clamped cosine over what `M^-1` makes of the light as it is seen from the origin: an
+//! ellipse and the outline of a sphere become cones over ellipses, see [`Cone`]; a line stays a line; the outline of a
+//! tube becomes two arcs of such cones and two straight edges.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -67,14 +67,14 @@ impl<T: Scalar> CosineSpace<T> {
         self.cone(scaled(towards, (T::ONE - sine2).max(T::ZERO).sqrt()), [x, y])
     }
 
-    /// The part that a line covers, of a width that faces the origin everywhere, in the limit of a small one: it is proportional
-    /// to the width.
+    /// The part that a line covers, of a width that faces the origin everywhere, in the limit of a small one: it is
+    /// proportional to the width.
     ///
-    /// The strip around `p(s)` of the half width `h`, across the line and the view, becomes the strip around `M^-1 p(s)` of
-    /// the half width `M^-1 h`. Its integral is `2/pi` times `M^-1 h . (p x dp/ds)`, the same everywhere on the line, times
-    /// that of `max(p_z, 0) / |p|^4 ds` [Heitz and Hill 2017]. With the angle `u` from the line's point nearest to the origin,
-    /// at distance `d` in direction `o`, and the line's direction `t`, the integrand is `(o_z cos u + t_z sin u) cos u / d^2 du`,
-    /// over the angles above the horizon, `u_0` to `u_1`:
+    /// The strip around `p(s)` of the half width `h`, across the line and the view, becomes the strip around
+    /// `M^-1 p(s)` of the half width `M^-1 h`. Its integral is `2/pi` times `M^-1 h . (p x dp/ds)`, the same everywhere
+    /// on the line, times that of `max(p_z, 0) / |p|^4 ds` [Heitz and Hill 2017]. With the angle `u` from the line's
+    /// point nearest to the origin, at distance `d` in direction `o`, and the line's direction `t`, the integrand is
+    /// `(o_z cos u + t_z sin u) cos u / d^2 du`, over the angles above the horizon, `u_0` to `u_1`:
     ///
     /// ```text
     /// 1 / (2 d^2) (o_z D + (o_z cos S + t_z sin S) sin D),    D = u_1 - u_0,  S = u_0 + u_1
@@ -94,7 +94,7 @@ impl<T: Scalar> CosineSpace<T> {
         }
         let t = scaled(along, T::ONE / length);
         let o = cross(t, scaled(normal, T::ONE / area2.sqrt()));
-        // What is below the horizon is cut off.
+        // The part below the horizon is cut off.
         let crossing = || scaled(minus(scaled(p, q[2]), scaled(q, p[2])), T::ONE / (q[2] - p[2]));
         if p[2] < T::ZERO {
             p = crossing();
@@ -110,11 +110,11 @@ impl<T: Scalar> CosineSpace<T> {
         (width * seen * integral / T::TAU).max(T::ZERO).min(T::ONE)
     }
 
-    /// The part that a tube with round ends covers: all points up to `radius` from the line between `ends`. From inside it is
-    /// all.
+    /// The part that a tube with round ends covers: all points up to `radius` from the line between `ends`. From inside
+    /// it is all.
     ///
-    /// The outline of such a tube is that of two spheres and the two planes that touch both. Where the origin is within the
-    /// radius of the line beyond an end, the sphere at that end hides all the rest.
+    /// The outline of such a tube is that of two spheres and the two planes that touch both. Where the origin is within
+    /// the radius of the line beyond an end, the sphere at that end hides all the rest.
     #[must_use]
     pub fn tube<V: Into<Triple<T>>>(&self, ends: [V; 2], radius: T) -> T {
         let ends = ends.map(V::into);
@@ -134,8 +134,8 @@ impl<T: Scalar> CosineSpace<T> {
         let (Some(first), Some(second)) = (self.outline(ends[0], radius), self.outline(ends[1], radius)) else {
             return T::ZERO;
         };
-        // The planes with unit normals (r u +- sqrt(d^2 - r^2) v) / d touch the spheres, for the unit vector u from the origin to the
-        // line, d long, and v across both.
+        // The planes with unit normals (r u +- sqrt(d^2 - r^2) v) / d touch the spheres, for the unit vector u from the
+        // origin to the line, d long, and v across both.
         let towards = scaled(beside, radius / distance2);
         let sideways = scaled(cross(axis, beside), (distance2 - radius * radius).sqrt() / distance2);
         let sideways = if self.determinant < T::ZERO { scaled(sideways, -T::ONE) } else { sideways };

@@ -1,4 +1,4 @@
-//! What a surface reflects of a light by a table.
+//! The light that a surface reflects, by a table.
 
 use super::CosineSpace;
 use crate::{
@@ -9,11 +9,12 @@ use crate::{
 };
 use ltcforge_fit::{Configuration, Ltc, Table, math::from_row_major};
 
-/// The part that the light covers of the LTC or of the Gaussian that stands for the lobe, times the table's amplitude and
-/// its Fresnel term.
+/// The part that the light covers of the LTC or of the Gaussian that stands for the lobe, times the table's amplitude
+/// and its Fresnel term.
 ///
-/// An LTC is integrated over every shape itself, a Gaussian over the polygon that [`ShapedLight::outline`](crate::ShapedLight::outline)
-/// tells. Fresnel's weight is taken to be the same in every direction of the lobe, as in the shaders.
+/// An LTC is integrated over every shape itself, a Gaussian over the polygon that
+/// [`ShapedLight::outline`](crate::ShapedLight::outline) tells. Fresnel's weight is taken to be the same in every
+/// direction of the lobe, as in the shaders.
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon,

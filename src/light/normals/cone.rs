@@ -4,7 +4,8 @@ use ltcforge_fit::math::{Scalar, Triple, cross, dot};
 
 /// The cone `c^T K c = 0` with `K = A B A`, `B = wo n^T + n wo^T - k I` and `k = wo . n`, which is not negative.
 ///
-/// B has the eigenvalues `|n|`, `-|n|` and `-k`, so by Sylvester's law one of K's is positive and none of the others is.
+/// B has the eigenvalues `|n|`, `-|n|` and `-k`, so by Sylvester's law one of K's is positive and none of the others
+/// is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeCone<T> {
     alpha: [T; 2],
@@ -18,10 +19,11 @@ pub(super) struct EdgeCone<T> {
 impl<T: Scalar> EdgeCone<T> {
     /// Domain: `wo . n >= 0`, `n` of any length but zero.
     ///
-    /// With the sum t of the eigenvalues, that of their products m and their product d, the one that is farthest from the others
-    /// is `t / 3 +- 2 p cos(acos(x) / 3)`, `p^2 = t^2 / 9 - m / 3`, where x in [0, 1] is `((t / 3)^3 - t m / 6 + d / 2) / p^3`
-    /// without its sign [Smith 1961]. The product of the others is d over it, and their sum is m less that product over it: so
-    /// they keep their digits where they are small beside it. Where it is itself the small one, it is d over their product.
+    /// With the sum t of the eigenvalues, that of their products m and their product d, the one that is farthest from
+    /// the others is `t / 3 +- 2 p cos(acos(x) / 3)`, `p^2 = t^2 / 9 - m / 3`, where x in [0, 1] is
+    /// `((t / 3)^3 - t m / 6 + d / 2) / p^3` without its sign [Smith 1961]. The product of the others is d over it, and
+    /// their sum is m less that product over it: so they keep their digits where they are small beside it. Where it is
+    /// itself the small one, it is d over their product.
     pub(super) fn new(alpha: [T; 2], wo: Triple<T>, n: Triple<T>) -> Self {
         let (half, third, two) = (T::of(0.5), T::of(1.0 / 3.0), T::of(2.0));
         let k = dot(wo, n);
@@ -67,8 +69,8 @@ impl<T: Scalar> EdgeCone<T> {
     /// The vector of the first eigenvalue, of any length, on the side of the cone's normals.
     ///
     /// `K v = l1 v` for `v = A^-1 u` is `(k A^2 + l1 I) u = A^2 (wo s + n t)`, `s = n . u`, `t = wo . u`. With
-    /// `W = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = W (wo s + n t)`, and so `s (1 - wo . W n) = t (n . W n)`. The
-    /// difference is at least a half: it is `sqrt((wo . W wo) (n . W n))`, which is not less than `wo . W n`.
+    /// `W = A^2 (k A^2 + l1 I)^-1`, which is positive, `u = W (wo s + n t)`, and so `s (1 - wo . W n) = t (n . W n)`.
+    /// The difference is at least a half: it is `sqrt((wo . W wo) (n . W n))`, which is not less than `wo . W n`.
     pub(super) fn axis(&self) -> Triple<T> {
         let Self { alpha: [x, y], wo, n, k, values: [first, ..] } = *self;
         // A^-1 W and W, times `sum`.
@@ -89,16 +91,17 @@ impl<T: Scalar> EdgeCone<T> {
         [0, 1, 2].map(|i| a[i] * (wo[i] * by_wo + n[i] * by_n - k * u[i]))
     }
 
-    /// `(a . K b) det K^-1` for the unit vectors `a` and `b` of normals that reflect to directions `wi` of length one, by their
-    /// lengths before and the distance between the directions: `k (1 - wi . wi') / (lengths) / det K`, where k cancels.
+    /// `(a . K b) det K^-1` for the unit vectors `a` and `b` of normals that reflect to directions `wi` of length one,
+    /// by their lengths before and the distance between the directions: `k (1 - wi . wi') / (lengths) / det K`, where k
+    /// cancels.
     pub(super) fn bend(&self, lengths: [T; 2], apart2: T) -> T {
         let [x, y] = self.alpha;
         T::of(0.5) * apart2 / (lengths[0] * lengths[1] * dot(self.n, self.n) * (x * x * y * y)).max(T::of(1e-36))
     }
 }
 
-/// `cos(acos(x) / 3)` for x in [0, 1]: the root in [sqrt(3)/2, 1] of `4 g^3 - 3 g = x`, by a polynomial and steps of Newton's
-/// method.
+/// `cos(acos(x) / 3)` for x in [0, 1]: the root in [sqrt(3)/2, 1] of `4 g^3 - 3 g = x`, by a polynomial and steps of
+/// Newton's method.
 pub(crate) fn cos_of_third<T: Scalar>(x: T) -> T {
     let mut g = T::of(0.866_025_4) + x * (T::of(0.166_666_7) + x * (T::of(-0.042_520_7) + T::of(0.009_828_6) * x));
     for _ in 0..T::NEWTON_STEPS {

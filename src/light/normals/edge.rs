@@ -3,7 +3,7 @@
 use super::{cone::EdgeCone, outline::Corner};
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
-/// What the edge from `a` to `b` adds to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
+/// The contribution of the edge from `a` to `b` to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
 ///
 /// Lights are sums of such edges. The plane part is summed separately, around an origin near the light, because it
 /// cancels to a small area in a small light.
@@ -15,12 +15,13 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
     minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
 }
 
-/// What each of two parts, from a to m and from m to b, adds beyond its plane triangle, of the image of an edge whose `whole` is
-/// known.
+/// The contributions of two parts, from a to m and from m to b, beyond their plane triangles, of the image of an edge
+/// whose `whole` is known.
 ///
-/// A part is the arc of the great circle between its ends, and of what the two arcs leave of the whole it has a share by the cube
-/// of its chord, as lies between an arc and a chord of any curve. The shares decide only which part has which weight. So beyond a
-/// right angle, where [`acute_bend`] falls short, it stands for the arc too: what it lacks is in the rest.
+/// A part is the arc of the great circle between its ends, and of what the two arcs leave of the whole it has a share
+/// by the cube of its chord, as lies between an arc and a chord of any curve. The shares decide only which part has
+/// which weight. So beyond a right angle, where [`acute_bend`] falls short, it stands for the arc too: what it lacks is
+/// in the rest.
 pub(super) fn shared<T: Scalar>([a, m, b]: [Triple<T>; 3], whole: Triple<T>) -> [Triple<T>; 2] {
     let arc = |from: Triple<T>, to: Triple<T>| {
         let chord = minus(to, from);
@@ -57,8 +58,9 @@ pub(crate) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
 
 /// An angle over its sine, less one, by the square of its chord, for up to a right angle: [0, 2].
 ///
-/// With `z` a quarter of that, half of the versed sine, it is `asin(sqrt z) / sqrt(z (1 - z)) - 1 = 2/3 z + 8/15 z^2 + ...`; here
-/// a polynomial that is 6e-7 off at most. It is finite beyond, but too small: by 2 % of itself at 120 degrees.
+/// With `z` a quarter of that, half of the versed sine, it is
+/// `asin(sqrt z) / sqrt(z (1 - z)) - 1 = 2/3 z + 8/15 z^2 + ...`; here a polynomial that is 6e-7 off at most. It is
+/// finite beyond, but too small: by 2 % of itself at 120 degrees.
 fn acute_bend<T: Scalar>(chord2: T) -> T {
     let z = chord2 * T::of(0.25);
     let series = [0.529_126_37, 0.524_055_84, -0.089_545_56, 2.271_551, -3.406_860_7, 3.516_457_1];
@@ -70,10 +72,12 @@ fn acute_bend<T: Scalar>(chord2: T) -> T {
 ///
 /// An edge lies on `w . n = 0`, `n = a x b`. With `w = 2 (h . wo) h - wo` its normals `h` lie on the cone
 /// `h^T (wo n^T + n wo^T - k I) h = 0`, `k = wo . n`, and their images `c` on that of [`EdgeCone`]. The integral is
-/// `psi(M) (a.c x b.c)` with `M = (a.c . b.c) I - (a.c . K b.c) K^-1` and `psi` of [`per_sine`]. `docs/normals.md` derives it.
+/// `psi(M) (a.c x b.c)` with `M = (a.c . b.c) I - (a.c . K b.c) K^-1` and `psi` of [`per_sine`]. `docs/normals.md`
+/// derives it.
 ///
-/// Along K's first vector `psi` is the angle around the cone over its sine, and the angle may be more than half of the turn. Its
-/// sense is that of the edge. Where its cosine is negative, the angle is half a turn and another that passes through zero there.
+/// Along K's first vector `psi` is the angle around the cone over its sine, and the angle may be more than half of the
+/// turn. Its sense is that of the edge. Where its cosine is negative, the angle is half a turn and another that passes
+/// through zero there.
 fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, apart: Triple<T>) -> Triple<T> {
     // Not a x b, whose rounding errors are as large as those of a and b themselves.
     let n = cross(a.w, apart);
@@ -83,7 +87,7 @@ fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, 
     let axis = cone.axis();
     let per_axis2 = T::ONE / dot(axis, axis).max(T::of(1e-36));
 
-    // What of a x b is along each of K's vectors.
+    // The components of a x b along each of K's vectors.
     let normal = cross(a.c, b.c);
     let on_axis = dot(axis, normal);
     let rest = minus(normal, scaled(axis, on_axis * per_axis2));
@@ -125,10 +129,11 @@ fn exact<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>, b: &Corner<T>, 
     plus(sum, scaled(on_third, along_third))
 }
 
-/// `psi(x) = acos(x) / sqrt(1 - x^2)`, an angle over its sine by its cosine; for `x > 1` the same of hyperbolic functions,
-/// `ln(x + sqrt(x^2 - 1)) / sqrt(x^2 - 1)`. Domain: x >= 0.
+/// `psi(x) = acos(x) / sqrt(1 - x^2)`, an angle over its sine by its cosine; for `x > 1` the same of hyperbolic
+/// functions, `ln(x + sqrt(x^2 - 1)) / sqrt(x^2 - 1)`. Domain: x >= 0.
 ///
-/// It has no kink at one, where it is the series of `(n + 1) / (2 n + 3)`, each term that times `1 - x` times the one before.
+/// It has no kink at one, where it is the series of `(n + 1) / (2 n + 3)`, each term that times `1 - x` times the one
+/// before.
 fn per_sine<T: Scalar>(x: T) -> T {
     let v = T::ONE - x;
     if v.abs() < T::of(0.02) {
@@ -162,8 +167,9 @@ mod tests {
         }
     }
 
-    /// Short edges next to the middle of lobes, many of them seen at a grazing angle: where the angle is small, a rounding error is
-    /// not taken for a whole turn. (An edge through the very middle may pass on its other side in f32: there the angle is pi.)
+    /// Short edges next to the middle of lobes, many of them seen at a grazing angle: where the angle is small, a
+    /// rounding error is not taken for a whole turn. (An edge through the very middle may pass on its other side in
+    /// f32: there the angle is pi.)
     #[test]
     fn short_edges_have_no_whole_turns_in_f32() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! where H(P) are the half vectors `h = normalize(wo + wi)` [Walter et al. 2007]. With `c = normalize(A^-1 h)`,
-//! `A = diag(alpha_x, alpha_y, 1)`, the normals of GGX are a clamped cosine, `D(h) h.z dh = c.z / pi dc`, and the visible
-//! ones the projection of the hemisphere along `A wo` [Heitz 2018]. So the integral of `Dv` over a region is the form
-//! factor of the region's image C(P) for a receiver with the normal `A wo`:
+//! `A = diag(alpha_x, alpha_y, 1)`, the normals of GGX are a clamped cosine, `D(h) h.z dh = c.z / pi dc`, and the
+//! visible ones the projection of the hemisphere along `A wo` [Heitz 2018]. So the integral of `Dv` over a region is
+//! the form factor of the region's image C(P) for a receiver with the normal `A wo`:
 //!
 //! ```text
 //! V = 2 / (cos_o + |A wo|) (A wo) . F,     F = 1/(2 pi) closed integral of c x dc along the outline of C(P)
@@ -44,8 +44,8 @@ use ltcforge_fit::{
 named_list! {
     /// How the weight `G2 / G1` is averaged over a light. The integral of the visible normals is exact under each.
     pub enum WeightRule {
-        /// Over the triangles between the mean normal and each edge, with a closed form for those of the edge on or near the
-        /// horizon, which is split in four, or eight where it is wide.
+        /// Over the triangles between the mean normal and each edge, with a closed form for those of the edge on or
+        /// near the horizon, which is split in four, or eight where it is wide.
         Fan = "fan",
         /// The weight of the mean normal.
         Mean = "mean",
@@ -114,8 +114,8 @@ const FINE: Forms = Forms {
     inner: [[0.179, -0.041, 0.263, 0.041, 0.157, -0.296], [-0.736, -0.213, 0.534, 0.183, 0.869, -0.469]],
 };
 
-/// What GGX reflects of a polygon of radiance one towards `wo`: for a Fresnel factor of one, and its part weighed by
-/// Schlick's `(1 - wo . h)^5`, both in [0, 1].
+/// The light of a polygon of radiance one that GGX reflects towards `wo`: for a Fresnel factor of one, and its part
+/// weighed by Schlick's `(1 - wo . h)^5`, both in [0, 1].
 ///
 /// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z; the lit side is
 /// that from which they run clockwise. Domain: `alpha` in [1e-5, 1], `wo` of length one with `z > 0`, finite vertices.
@@ -176,8 +176,8 @@ pub fn reflected_with<T: Scalar>(
     [energy, fresnel.max(T::ZERO).min(energy)]
 }
 
-/// What the image of each edge adds beyond its plane triangle. Of the edge on or near the horizon, the parts of a half, or of a
-/// quarter with rule [`WeightRule::Fine`], share one integral.
+/// The contribution of each edge's image beyond its plane triangle. On the edge on or near the horizon, the parts of a
+/// half, or of a quarter with rule [`WeightRule::Fine`], share one integral.
 fn curved_parts<T: Scalar>(outline: &Outline<T>, alpha: [T; 2], wo: Triple<T>) -> Vec<Triple<T>> {
     let Outline { corners, setting, parts_per_integral, .. } = outline;
     let ends: Vec<&Corner<T>> = corners.iter().chain(corners.first()).collect();
@@ -191,8 +191,8 @@ fn curved_parts<T: Scalar>(outline: &Outline<T>, alpha: [T; 2], wo: Triple<T>) -
     curved
 }
 
-/// Adds what each of the parts between `normals` adds beyond its plane triangle, of the image of an edge whose `whole` is
-/// known. The parts are a power of two.
+/// Adds what each of the parts between `normals` adds beyond its plane triangle, of the image of an edge whose `whole`
+/// is known. The parts are a power of two.
 fn share_among<T: Scalar>(normals: &[Triple<T>], whole: Triple<T>, curved: &mut Vec<Triple<T>>) {
     let last = normals.len() - 1;
     if last == 1 {
@@ -227,15 +227,15 @@ pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Tripl
     T::of(2.0) * seen / ((wo[2] + view.length) * T::TAU)
 }
 
-/// The sum over the triangles between the mean normal and each edge's image: the exact part of the visible normals in it,
-/// times the mean of their weights.
+/// The sum over the triangles between the mean normal and each edge's image: the exact part of the visible normals in
+/// it, times the mean of their weights.
 struct Fan<'a, T> {
     view: &'a View<T>,
     numbers: Numbers<T>,
     /// The mean normal, where all triangles meet, and its weight.
     tip: Triple<T>,
     at_tip: [T; 2],
-    /// What makes a form factor a part of the visible normals.
+    /// The factor from a form factor to a part of the visible normals.
     to_part: T,
     sum: [T; 2],
     /// The positive parts, and what they add to the sum.
@@ -244,16 +244,17 @@ struct Fan<'a, T> {
     unknown: T,
 }
 
-/// A triangle counts in full where its centroid reflects this part as far above the surface as the tip does, or farther. A
-/// centroid is within the triangle, and so is what it reflects within the light's hemisphere, because the normals that
-/// reflect above the surface form a convex cone; unless the image of the edge crosses the triangle's other sides.
+/// A triangle counts in full where its centroid reflects this part as far above the surface as the tip does, or
+/// farther. A centroid is within the triangle, and so is what it reflects within the light's hemisphere, because the
+/// normals that reflect above the surface form a convex cone; unless the image of the edge crosses the triangle's other
+/// sides.
 const LEAST_RISE: f64 = 0.125;
 
 impl<T: Scalar> Fan<'_, T> {
     /// The centroid of a triangle, by the integral of its normals, and its part of the visible normals.
     ///
-    /// A triangle that its edge's image divides into what runs on and what runs back has no centroid: the two cancel each
-    /// other, the integral may be at a right angle to the tip, and the tip stands for it.
+    /// A triangle that its edge's image divides into what runs on and what runs back has no centroid: the two cancel
+    /// each other, the integral may be at a right angle to the tip, and the tip stands for it.
     fn centroid(&self, flux: Triple<T>) -> (Triple<T>, T) {
         let m = unit(flux);
         let share = (T::of(10.0) * dot(m, self.tip)).min(T::ONE).max(-T::ONE);
@@ -277,8 +278,8 @@ impl<T: Scalar> Fan<'_, T> {
     /// The sum, for a light whose part of the visible normals is `visible`.
     ///
     /// Where the image bends around the mean normal, triangles reach beyond it, and those that run back take that away
-    /// again. Their rules may differ by more than what they leave of each other, so there the mean weight is in part that
-    /// of the positive triangles alone; so it is in triangles whose own is unknown.
+    /// again. Their rules may differ by more than what they leave of each other, so there the mean weight is in part
+    /// that of the positive triangles alone; so it is in triangles whose own is unknown.
     fn total(&self, visible: T) -> [T; 2] {
         let least = T::of(1e-18);
         let [part, energy, fresnel] = self.positive;
@@ -292,8 +293,8 @@ impl<T: Scalar> Fan<'_, T> {
         [of(self.sum[0], energy, at_tip), of(self.sum[1], fresnel, at_tip * schlick)]
     }
 
-    /// The sum over all triangles. Those of the edge on or near the horizon count by its share, and what they are together as
-    /// other edges by the rest.
+    /// The sum over all triangles. Those of the edge on or near the horizon count by its share, and what they are
+    /// together as other edges by the rest.
     fn over(mut self, outline: &Outline<T>, curved: &[Triple<T>], parts: Parts) -> Self {
         let (view, tip, Outline { corners, setting, share, .. }) = (self.view, self.tip, outline);
         let at_tip = view.sample(tip);
@@ -334,8 +335,8 @@ mod tests {
     use super::*;
     use ltcforge_fit::math::direction;
 
-    /// The parts of the edge on the horizon add up to its integral, and each is near its own, of walls that are seen at up to a right
-    /// angle, and of such as fill half of all directions.
+    /// The parts of the edge on the horizon add up to its integral, and each is near its own, of walls that are seen at
+    /// up to a right angle, and of such as fill half of all directions.
     #[test]
     fn parts_of_the_horizon_s_edge_share_its_integral() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

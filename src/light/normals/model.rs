@@ -38,7 +38,8 @@ impl Formula for NormalsModel {
 /// polygons that [`ShapedLight::outline`](crate::ShapedLight::outline) tells.
 ///
 /// # Errors
-/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the outline.
+/// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon, and those of the
+/// outline.
 pub fn by_normals<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,

@@ -59,10 +59,10 @@ pub(super) struct Parts {
 
 /// The outline of a light above the surface.
 ///
-/// The weight is zero on the horizon, so an edge there, or one that is nearly there, has a rule of its own and more parts than
-/// the others. Which edge that is changes as lights move, and an edge that is the horizon's and one that is not are the same
-/// where the light touches the surface. So that nothing jumps, that rule counts by a share, and by the rest the edge counts as
-/// the others.
+/// The weight is zero on the horizon, so an edge there, or one that is nearly there, has a rule of its own and more
+/// parts than the others. Which edge that is changes as lights move, and an edge that is the horizon's and one that is
+/// not are the same where the light touches the surface. So that nothing jumps, that rule counts by a share, and by the
+/// rest the edge counts as the others.
 #[derive(Debug, Clone)]
 pub(super) struct Outline<T> {
     /// In the polygon's order. Fewer than three where nothing is above the surface.
@@ -77,11 +77,11 @@ pub(super) struct Outline<T> {
     pub(super) parts_per_integral: usize,
 }
 
-/// An edge is near the horizon where its higher end is lower than this part of the light's height above the surface, and the
-/// nearer the lower that is.
+/// An edge is near the horizon where its higher end is lower than this part of the light's height above the surface,
+/// and the nearer the lower that is.
 const NEAR: f64 = 0.25;
-/// An edge on or near the horizon is wide from the first of these distances between the directions of its ends, and in full from
-/// the second: 74 and 128 degrees.
+/// An edge on or near the horizon is wide from the first of these distances between the directions of its ends, and in
+/// full from the second: 74 and 128 degrees.
 const WIDE: [f64; 2] = [1.2, 1.8];
 
 impl<T: Scalar> Outline<T> {
@@ -111,8 +111,8 @@ impl<T: Scalar> Outline<T> {
     }
 }
 
-/// The vertices above the surface, in order, and where the outline crosses it, if it does: that is first and last then, so that
-/// the last edge is along the horizon.
+/// The vertices above the surface, in order, and where the outline crosses it, if it does: that is first and last then,
+/// so that the last edge is along the horizon.
 fn above<T: Scalar>(vertices: &[Triple<T>]) -> (Vec<Triple<T>>, bool) {
     let count = vertices.len();
     let is_up = |i: usize| vertices[i % count][2] > T::ZERO;
@@ -128,12 +128,12 @@ fn above<T: Scalar>(vertices: &[Triple<T>]) -> (Vec<Triple<T>>, bool) {
     (ends, true)
 }
 
-/// Which edge has the horizon's rule, and by how much. `ends` are the corners of an outline; if it `is_cut`, its last edge is
-/// along the horizon.
+/// Which edge has the horizon's rule, and by how much. `ends` are the corners of an outline; if it `is_cut`, its last
+/// edge is along the horizon.
 ///
-/// With an edge's nearness nu, 1 for the horizon, and its extent e, the distance of its ends' directions, it is the edge with the
-/// largest `nu^2 e`, by the share `(largest - second largest) / sum of nu e`. So an edge that has just begun to rise at a corner
-/// has no share, and one that sets loses its share to the horizon little by little.
+/// With an edge's nearness nu, 1 for the horizon, and its extent e, the distance of its ends' directions, it is the
+/// edge with the largest `nu^2 e`, by the share `(largest - second largest) / sum of nu e`. So an edge that has just
+/// begun to rise at a corner has no share, and one that sets loses its share to the horizon little by little.
 fn setting<T: Scalar>(ends: &[Triple<T>], is_cut: bool) -> (Option<usize>, T) {
     let height = ends.iter().fold(T::ZERO, |most, v| most.max(v[2]));
     let (mut nearest, mut most, mut second, mut extents) = (None, T::ZERO, T::ZERO, T::ZERO);
@@ -163,9 +163,9 @@ fn width<T: Scalar>(from: &Corner<T>, to: &Corner<T>) -> T {
     t * t * (T::of(3.0) - T::of(2.0) * t)
 }
 
-/// Adds the corners within an edge that split it into `parts`; if it is at all `wide`, also one within each part. Where the edge
-/// begins to be wide, that starts at the corner between two parts, and it moves to the middle of its own as the edge gets wider,
-/// so that nothing jumps.
+/// Adds the corners within an edge that split it into `parts`; if it is at all `wide`, also one within each part. Where
+/// the edge begins to be wide, that starts at the corner between two parts, and it moves to the middle of its own as
+/// the edge gets wider, so that nothing jumps.
 fn split<T: Scalar>(
     corners: &mut Vec<Corner<T>>,
     from: &Corner<T>,

@@ -1,4 +1,5 @@
-//! What of a normal's light is neither shadowed nor, for Schlick's term, transmitted; and its mean over triangles.
+//! The weight of a normal's light, which is neither shadowed nor, for Schlick's term, transmitted; and its mean over
+//! triangles.
 
 use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled};
 
@@ -20,8 +21,8 @@ pub(super) struct Numbers<T> {
     outer: T,
     /// How much each corner of its outer side does.
     corner: T,
-    /// The outer sample is beyond the centroid, seen from the tip, by this part of the way between them; where the edge is
-    /// flat, its middle is so by half.
+    /// The outer sample is beyond the centroid, seen from the tip, by this part of the way between them; where the edge
+    /// is flat, its middle is so by half.
     beyond: T,
     /// How fast the weight falls towards the horizon: see [`to_horizon`].
     rate: T,
@@ -29,20 +30,20 @@ pub(super) struct Numbers<T> {
     near: T,
     /// The tip's part of Schlick's factor in such a triangle.
     tip: T,
-    /// Where the edge is wide, by how much a second normal's weight counts in place of the mean of [`to_horizon`], and how far
-    /// beyond the centroid that normal is; if negative, towards the tip.
+    /// Where the edge is wide, by how much a second normal's weight counts in place of the mean of [`to_horizon`], and
+    /// how far beyond the centroid that normal is; if negative, towards the tip.
     inner: T,
     within: T,
 }
 
-/// The numbers of a rule for all views: each is the product of its row and `(1, mu_o, alpha, alpha mu_o, r, r alpha)`, or its
-/// first four, with the larger alpha and the ratio r of the smaller to it; all but `within` at least zero. They have the least
-/// error over random lights.
+/// The numbers of a rule for all views: each is the product of its row and `(1, mu_o, alpha, alpha mu_o, r, r alpha)`,
+/// or its first four, with the larger alpha and the ratio r of the smaller to it; all but `within` at least zero. They
+/// have the least error over random lights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forms {
-    /// How much the outer sample of a triangle counts, and each outer corner; how far beyond the centroid the sample is; of a
-    /// triangle on the horizon the rate of its weight, how far beyond the centroid its sample is, and the tip's part of
-    /// Schlick's factor.
+    /// How much the outer sample of a triangle counts, and each outer corner; how far beyond the centroid the sample
+    /// is; of a triangle on the horizon the rate of its weight, how far beyond the centroid its sample is, and the
+    /// tip's part of Schlick's factor.
     pub usual: [[f64; 4]; 6],
     /// The same where the edge on or near the horizon is wide.
     pub wide: [[f64; 6]; 6],
@@ -52,8 +53,8 @@ pub struct Forms {
 
 /// A rate of zero would divide zero by zero.
 const LEAST_RATE: f64 = 0.02;
-/// How much the tip counts beside a centroid: so little that it matters only where all other normals are seen edge-on, where
-/// the mean would jump.
+/// How much the tip counts beside a centroid: so little that it matters only where all other normals are seen edge-on,
+/// where the mean would jump.
 const TIP: f64 = 0.03;
 
 impl<T: Scalar> Numbers<T> {
@@ -73,7 +74,7 @@ impl<T: Scalar> Numbers<T> {
     }
 }
 
-/// What a normal adds to a mean: what it counts, that times its weight, and that times Schlick's factor.
+/// The contribution of a normal to a mean: its share, that times its weight, and that times Schlick's factor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample<T>(Triple<T>);
 
@@ -83,8 +84,8 @@ impl<T: Scalar> View<T> {
         Self { alpha: [alpha_x, alpha_y], wo, stretched, length: dot(stretched, stretched).sqrt() }
     }
 
-    /// `G2 / G1` and `(1 - wo . h)^5` for the normal `h = A c` and the direction `wi` to which it reflects, for `c` of any
-    /// length.
+    /// `G2 / G1` and `(1 - wo . h)^5` for the normal `h = A c` and the direction `wi` to which it reflects, for `c` of
+    /// any length.
     ///
     /// With `S(w) = |A w|`, `G2 / G1 = (zo + So) zi / (So zi + zo Si)`, where `wi` may have any length:
     /// `2 (wo . Ac) Ac - |Ac|^2 wo`. Zero where `wi` is below the surface.
@@ -157,10 +158,11 @@ fn beyond<T: Scalar>(tip: Triple<T>, m: Triple<T>, by: T) -> Triple<T> {
 
 /// The mean over a triangle of a weight that is `tip` at its tip, zero on its outer edge, and `near` close to that.
 ///
-/// On the way from the tip, `s = 0`, to the edge, `s = 1`, the weight is taken to be `tip (1 - s) / (1 - s + r s)`, as it is
-/// where `mu_i` falls linearly. Its mean over the triangle is `tip M(r)`, `M(r) = integral of 2 s (1 - s) / (1 - s + r s) ds`, and
-/// a sample at s gives `r = rate (tip / near - 1)`, `rate = (1 - s) / s`, 0.154 at 13/15. M is taken from a polynomial in `u = sqrt r / (1 + sqrt r)` that
-/// is 0.003 off at most; its first terms are those of M, so that it has no kink at `r = 0`.
+/// On the way from the tip, `s = 0`, to the edge, `s = 1`, the weight is taken to be `tip (1 - s) / (1 - s + r s)`, as
+/// it is where `mu_i` falls linearly. Its mean over the triangle is `tip M(r)`,
+/// `M(r) = integral of 2 s (1 - s) / (1 - s + r s) ds`, and a sample at s gives `r = rate (tip / near - 1)`,
+/// `rate = (1 - s) / s`, 0.154 at 13/15. M is taken from a polynomial in `u = sqrt r / (1 + sqrt r)` that is 0.003 off
+/// at most; its first terms are those of M, so that it has no kink at `r = 0`.
 fn to_horizon<T: Scalar>(tip: T, near: T, rate: T) -> T {
     let root = (rate * near * (tip - near).max(T::ZERO)).sqrt();
     // 1 - u is zero where near is.

@@ -23,9 +23,9 @@ pub fn rectangle(centre: DVec3, half: [DVec3; 2], sides: Sides) -> Result<Polygo
 /// The ellipse `centre + cos t half[0] + sin t half[1]` as a polygon of [`ELLIPSE_VERTICES`] vertices and of the
 /// ellipse's area. Its lit side is that of `half[0] x half[1]`.
 ///
-/// The polygon's vertices lie 0.0032 radii outside the ellipse, and the middles of its edges 0.0016 inside. The visible part
-/// of ellipses around lobes of roughness 0.01 to 1 is off by 1.7e-5 on average and 4.2e-4 at most, down to 1e-4 by 3.8e-5
-/// and 1.1e-3.
+/// The polygon's vertices lie 0.0032 radii outside the ellipse, and the middles of its edges 0.0016 inside. The visible
+/// part of ellipses around lobes of roughness 0.01 to 1 is off by 1.7e-5 on average and 4.2e-4 at most, down to 1e-4 by
+/// 3.8e-5 and 1.1e-3.
 ///
 /// # Errors
 /// [`LightError::NotFinite`].
@@ -57,8 +57,8 @@ pub fn disk(centre: DVec3, normal: DVec3, radius: f64, sides: Sides) -> Result<P
 /// A line light: what is seen of a tube between two points that is as thin as `width`, in the limit. What it reflects
 /// is, for thin tubes, proportional to its radiance times its width.
 ///
-/// The strip is seen from the front everywhere, as a tube is, and from every side. Nothing is seen of a line that points at
-/// the shaded point.
+/// The strip is seen from the front everywhere, as a tube is, and from every side. Nothing is seen of a line that
+/// points at the shaded point.
 ///
 /// # Errors
 /// [`LightError::Length`] for a width below zero, [`LightError::NotFinite`].

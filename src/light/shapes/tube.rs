@@ -17,13 +17,13 @@ pub enum TubeEnds {
     Round,
 }
 
-/// What a shaded point sees of a tube of radius `radius` around the line between `ends`, of the same radiance in every
-/// direction. The polygon is seen from every side.
+/// The polygon that a shaded point sees of a tube of radius `radius` around the line between `ends`, of the same
+/// radiance in every direction. It is seen from every side.
 ///
-/// A tube is the convex hull of two circles, as far as its outline goes: the rims of a cylinder, or the circles in which
-/// half spheres are seen to end. So the outline is the hull of points on both: [`ELLIPSE_VERTICES`] each, and those
-/// where the straight sides touch them. The sides are exact, and the outlines of the ends lie inside by up to 0.5 % of
-/// the radius. A tube without length and with round ends is a sphere.
+/// A tube is the convex hull of two circles, as far as its outline goes: the rims of a cylinder, or the circles in
+/// which half spheres are seen to end. So the outline is the hull of points on both: [`ELLIPSE_VERTICES`] each, and
+/// those where the straight sides touch them. The sides are exact, and the outlines of the ends lie inside by up to 0.5
+/// % of the radius. A tube without length and with round ends is a sphere.
 ///
 /// # Errors
 /// [`LightError::Inside`] for a shaded point in the tube, [`LightError::Length`] for a radius below zero,
@@ -88,8 +88,8 @@ fn horizon_of_sphere(centre: DVec3, axis: DVec3, radius: f64) -> Vec<DVec3> {
     let x = towards.cross(axis).try_normalize().unwrap_or_else(|| towards.any_orthonormal_vector());
     let y = towards.cross(x);
     let mut points = circle(seen_centre, [x, y], seen_radius, DVec2::ZERO);
-    // A plane with unit normal n, perpendicular to the axis, with n . centre = radius touches at centre - radius n. With
-    // the centre beside the axis at distance d along u, n = (radius u +- sqrt(d^2 - radius^2) v) / d.
+    // A plane with unit normal n, perpendicular to the axis, with n . centre = radius touches at centre - radius n.
+    // With the centre beside the axis at distance d along u, n = (radius u +- sqrt(d^2 - radius^2) v) / d.
     let beside = centre - axis * centre.dot(axis);
     let distance = beside.length();
     if axis != DVec3::ZERO && distance > radius {

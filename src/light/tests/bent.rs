@@ -36,8 +36,8 @@ const BENT: [([f64; 4], [[f64; 3]; 4]); 5] = [
     ),
 ];
 
-/// Where triangles cancel, or one crosses its own sides, their sum alone is off by up to .08 on these, and tells .014 in place
-/// of .064 on the first, a black patch.
+/// Where triangles cancel, or one crosses its own sides, their sum alone is off by up to .08 on these, and tells .014
+/// in place of .064 on the first, a black patch.
 #[test]
 fn bent_images_are_no_darker_and_no_brighter() {
     for ([alpha_x, alpha_y, theta, phi], vertices) in BENT {

@@ -60,7 +60,7 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
     WeightRule::ALL.iter().map(|rule| of(*rule)).collect()
 }
 
-/// What the weight costs, as the documentation tells it: the limits are a tenth to a half above what was measured.
+/// The errors of the weight, as the documentation states them: the limits are a tenth to a half above those measured.
 #[test]
 fn errors_are_those_of_the_weight() {
     let limits = |roughness: Roughness, sizes: [f64; 2], rule: WeightRule| match (roughness, rule) {
@@ -126,7 +126,8 @@ fn visible_by_quadrature(lit: &Lit) -> f64 {
     sum.dot(stretch * wo) / (std::f64::consts::PI * (wo.z + (stretch * wo).length()))
 }
 
-/// The sum over the edges has the digits of the quadrature that it is compared with. In f32 it loses those of rounded directions.
+/// The sum over the edges has the digits of the quadrature that it is compared with. In f32 it loses those of rounded
+/// directions.
 #[test]
 fn the_visible_part_is_exact() {
     let cases = [
@@ -153,8 +154,8 @@ fn the_visible_part_is_exact() {
     }
 }
 
-/// What shaders compute. An edge that passes within 1e-7 of the horizon or of a sharp lobe's middle may fall on its other
-/// side, so a few in a thousand are off by more.
+/// The numbers that shaders compute. An edge that passes within 1e-7 of the horizon or of a sharp lobe's middle may
+/// fall on its other side, so a few in a thousand are off by more.
 #[test]
 fn f32_tells_the_same_as_f64() {
     let limits = [
@@ -196,8 +197,8 @@ fn lights_of_any_size_are_right() {
     }
 }
 
-/// No surface, view or light is far off in f32, which is what is judged. The truth takes a millisecond, so one case in twenty
-/// is held to it, and each in which two rules, which have other sums of other triangles, tell something else.
+/// No surface, view or light is far off in f32, which is what is judged. The truth takes a millisecond, so one case in
+/// twenty is held to it, and each in which two rules, which have other sums of other triangles, tell something else.
 #[test]
 fn a_hundred_thousand_configurations_are_right() {
     const COUNT: usize = 100_000;

@@ -1,4 +1,5 @@
-//! The truth of every scattering model: against sums over lights, against its sampler, in the furnace, and at the ends of the range.
+//! The truth of every scattering model: against sums over lights, against its sampler, in the furnace, and at the ends
+//! of the range.
 
 use std::{
     f64::consts::{FRAC_PI_2, PI},
@@ -80,7 +81,8 @@ fn it_is_the_sum_over_other_shapes() {
     }
 }
 
-/// What the model's own sampler draws into the light, each with its weight, for lobes of any sharpness and views to 89.9 degrees.
+/// The weighted samples of the model's own sampler that hit the light, for lobes of any sharpness and views to 89.9
+/// degrees.
 #[test]
 fn it_is_the_mean_of_sampled_rays() {
     const RAYS: usize = 1 << 13;

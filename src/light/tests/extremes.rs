@@ -98,7 +98,8 @@ fn small_steps_make_small_changes() {
     }
 }
 
-/// The largest change in steps of 1e-4 over the step and 1 / alpha: of the light, of the surface around its normal, of the view.
+/// The largest change in steps of 1e-4 over the step and 1 / alpha: of the light, of the surface around its normal, of
+/// the view.
 fn steepest_step(roughness: Roughness, energy: &(dyn Fn(&Lit) -> f64 + Sync)) -> f64 {
     const STEP: f64 = 1e-4;
     let slope = |(i, lit): (usize, &Lit)| {
@@ -142,8 +143,8 @@ fn nothing_jumps_along_a_path() {
             .collect();
         let most = seen.iter().copied().fold(0.0, f64::max);
         let jump = seen.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-        // The second difference of a smooth path is far smaller than the first; one step that is unlike its neighbours is a
-        // jump.
+        // The second difference of a smooth path is far smaller than the first; one step that is unlike its neighbours
+        // is a jump.
         let kink = seen.windows(3).map(|s| (s[2] - 2.0 * s[1] + s[0]).abs()).fold(0.0, f64::max);
         println!("{name}: {most:.3} at most, steps {jump:.1e}, kinks {kink:.1e}");
         assert!(most > 0.1 && jump < 20.0 / f64::from(STEPS) && kink < 0.5 * jump, "{name}: {most} {jump} {kink}");

@@ -71,8 +71,8 @@ fn fitted(lobe: LobeModel) -> Table {
     fit_plan(&Plan::new(&recipe), &|_| ControlFlow::Continue(())).expect("nothing stops it")
 }
 
-/// Tables of a few hundred entries are nearer to the truth than the closed forms, over the whole domain: their mean error is
-/// 0.76 of the closed form's for a round Gaussian, 0.80 for a stretched one.
+/// Tables of a few hundred entries are nearer to the truth than the closed forms, over the whole domain: their mean
+/// error is 0.76 of the closed form's for a round Gaussian, 0.80 for a stretched one.
 #[test]
 fn fitted_gaussians_are_nearer_than_closed_forms() {
     let lights = RandomLights::draw(&BrdfKind::Ggx.into(), &EVERYWHERE, 600).expect("ranges of a table");

@@ -10,8 +10,8 @@ use ltcforge_fit::Sides;
 /// A hundredth of a path is halved so often that lobes of roughness 1e-5 change over it by 1e-8.
 const HALVINGS: u32 = 36;
 
-/// The largest change of a function over an interval in [0, 1] that is as good as a point: halves of the three of a hundred
-/// intervals over which it changes most, each time the half over which it changes more.
+/// The largest change of a function over an interval in [0, 1] that is as good as a point: halves of the three of a
+/// hundred intervals over which it changes most, each time the half over which it changes more.
 pub(super) fn jump(of: impl Fn(f64) -> f64) -> f64 {
     let mut steps: Vec<[f64; 2]> = (0..100).map(|i| [i, i + 1].map(|i| f64::from(i) / 100.0)).collect();
     let change = |[from, to]: [f64; 2]| (of(to) - of(from)).abs();
@@ -27,8 +27,8 @@ pub(super) fn jump(of: impl Fn(f64) -> f64) -> f64 {
     narrowed.fold(0.0, f64::max)
 }
 
-/// Lights turn about the shaded point, which rises and sets them and lets their edges pass the mirror direction, while the
-/// view sinks and the surface turns.
+/// Lights turn about the shaded point, which rises and sets them and lets their edges pass the mirror direction, while
+/// the view sinks and the surface turns.
 #[test]
 fn nothing_jumps_along_random_paths() {
     for roughness in [Roughness::All, Roughness::Anisotropic, Roughness::Extreme] {

@@ -35,8 +35,8 @@ impl Case {
         }
     }
 
-    /// What is reflected of it: energy and Schlick's part, by the midpoint rule over the light's own surface with `n` by `n` cells a
-    /// part and the BRDF itself.
+    /// Its reflected light: energy and Schlick's part, by the midpoint rule over the light's own surface with `n` by
+    /// `n` cells a part and the BRDF itself.
     pub(super) fn by_sum(&self, brdf: &dyn Brdf, wo: DVec3, n: u32) -> [f64; 2] {
         let mut sum = [0.0; 2];
         // Adds a piece of a surface that is seen under a solid angle.
@@ -69,7 +69,7 @@ impl Case {
                     add(place, seen(place, normal * (TAU * u * share)));
                 }
             }
-            // What is seen of a sphere is the cap nearer than the circle of its tangents.
+            // The visible part of a sphere is the cap nearer than the circle of its tangents.
             Self::Sphere(centre, radius) => {
                 sphere(centre, radius, -centre.normalize(), [radius / centre.length(), 1.0]);
             }
@@ -124,7 +124,8 @@ fn broad(seed: u64, count: usize) -> Vec<(Configuration, Case)> {
     found
 }
 
-/// The error of the sum falls by a quarter from 150 to 300 cells, and more slowly where a horizon or an outline cuts them.
+/// The error of the sum falls by a quarter from 150 to 300 cells, and more slowly where a horizon or an outline cuts
+/// them.
 #[test]
 fn the_truth_is_the_sum_over_a_lights_surface() {
     let errors: Vec<(Case, f64)> = broad(81, 60)

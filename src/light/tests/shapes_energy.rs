@@ -1,4 +1,4 @@
-//! What is reflected of triangles, hexagons, octagons, disks, tubes and spheres against the truth.
+//! The reflected light of triangles, hexagons, octagons, disks, tubes and spheres against the truth.
 
 use std::f64::consts::TAU;
 
@@ -38,8 +38,8 @@ const KINDS: [(&str, Kind); 6] = [
     }),
 ];
 
-/// The limits are half above what was measured. The truth is that of the same outline: how far outlines are off is another
-/// test's.
+/// The limits are half above what was measured. The truth is that of the same outline: how far outlines are off is
+/// another test's.
 #[test]
 fn every_shape_reflects_what_the_truth_does() {
     for (i, (name, kind)) in KINDS.into_iter().enumerate() {

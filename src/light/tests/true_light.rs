@@ -15,8 +15,8 @@ fn true_light(lit: &Lit, sides: Sides) -> ReflectedLight {
     truth(&lit.at, &lit.light(sides)).expect("a surface")
 }
 
-/// The midpoint rule's error falls by a quarter when the cells are halved, as long as no cell is as wide as the lobe and
-/// no horizon cuts the light; where one does, cells that it cuts are off by half of theirs.
+/// The midpoint rule's error falls by a quarter when the cells are halved, as long as no cell is as wide as the lobe
+/// and no horizon cuts the light; where one does, cells that it cuts are off by half of theirs.
 #[test]
 fn it_agrees_with_a_quadrature_over_the_lights_area() {
     let is_broad = |lit: &&Lit| lit.at.alpha_x.min(lit.at.alpha_y) > 0.1;

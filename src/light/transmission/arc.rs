@@ -91,10 +91,11 @@ impl<T: Scalar> Arc<T> {
 
     /// The control point of the arc's image in standard form; `None` for an arc of about half a circle or more.
     ///
-    /// An arc around m with the radii a and b is `m + ((1-t)^2 a + 2 t (1-t) (a + b) / (2 k) + t^2 b) / ((1-t)^2 +
-    /// 2 t (1-t) k + t^2)`, `k` the cosine of half its angle. Its image, up to length, has the control points
-    /// `sigma A^-1 (wo + eta (m + a))`, `sigma A^-1 (k wo + eta (k m + (a + b) / (2 k)))` and `sigma A^-1 (wo + eta (m +
-    /// b))`; standard form has ends of length one.
+    /// An arc around m with the radii a and b is
+    /// `m + ((1-t)^2 a + 2 t (1-t) (a + b) / (2 k) + t^2 b) / ((1-t)^2 + 2 t (1-t) k + t^2)`, `k` the cosine of half
+    /// its angle. Its image, up to length, has the control points `sigma A^-1 (wo + eta (m + a))`,
+    /// `sigma A^-1 (k wo + eta (k m + (a + b) / (2 k)))` and `sigma A^-1 (wo + eta (m + b))`; standard form has ends of
+    /// length one.
     pub(super) fn control(&self, interface: &Interface<T>) -> Option<Triple<T>> {
         let k = self.half_cosine()?;
         let [a, b] = self.radii();

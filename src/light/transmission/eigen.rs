@@ -16,8 +16,8 @@ pub(super) struct Eigenframe<T> {
 ///
 /// With the mean `m = tr K / 3`, `p^2 = (1 - 3 m^2) / 6` and `d = det(K - m I) / (2 p^3)`, the eigenvalues are
 /// `m + 2 p cos((acos(d) + 2 pi k) / 3)` [Smith 1961]. Of the two outer ones, that which is farther from the others is
-/// `m + sign(d) 2 p g`, where `g` in [sqrt(3)/2, 1] solves `4 g^3 - 3 g = |d|`: a polynomial and steps of Newton's method.
-/// Its vector is the longest of the three vector products of rows of `K - l I`, and its value then the Rayleigh
+/// `m + sign(d) 2 p g`, where `g` in [sqrt(3)/2, 1] solves `4 g^3 - 3 g = |d|`: a polynomial and steps of Newton's
+/// method. Its vector is the longest of the three vector products of rows of `K - l I`, and its value then the Rayleigh
 /// quotient, which matters for sharp lobes. One Jacobi rotation in the plane perpendicular to it gives the other two.
 pub(super) fn eigenframe<T: Scalar>([xx, yy, zz, xy, xz, yz]: Symmetric<T>) -> Eigenframe<T> {
     let (one, half, two, three) = (T::ONE, T::of(0.5), T::of(2.0), T::of(3.0));

@@ -4,8 +4,8 @@ use crate::normals::arc_bend;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// An image is flat where the determinant of its two ends and its control point is below this, and its ends are less
-/// than 60 degrees apart: its segment's area is then an inscribed triangle's times a factor, 3e-5 of a whole lobe off at
-/// most.
+/// than 60 degrees apart: its segment's area is then an inscribed triangle's times a factor, 3e-5 of a whole lobe off
+/// at most.
 const FLAT: f64 = 0.01;
 const FLAT_COSINE: f64 = 0.5;
 
@@ -16,7 +16,8 @@ pub(super) fn is_flat<T: Scalar>(a: Triple<T>, b: Triple<T>, control: Triple<T>)
         && dot(control, plus(a, b)) > T::of(0.5)
 }
 
-/// What the nearly straight image of an arc adds to `a x b`, a conic arc with the control point `control` in standard form.
+/// The contribution of the nearly straight image of an arc to `a x b`: a conic arc with the control point `control` in
+/// standard form.
 ///
 /// The area between a conic arc of weight `w` and its chord is a factor times that of the triangle of its ends and its
 /// middle: pi/2 for half an ellipse (w = 0), 4/3 for a parabola (w = 1), 1 for two straight lines (w to infinity). The

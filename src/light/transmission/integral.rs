@@ -14,7 +14,7 @@ const ROUNDED_ANGLE: f64 = 0.01;
 /// A great arc is short where its ends have a cosine above this.
 const SHORT_COSINE: f64 = 0.5;
 
-/// What the image of an arc adds to the integral of `c x dc`, beyond the plane triangle's `from x to`.
+/// The contribution of an arc's image to the integral of `c x dc`, beyond the plane triangle's `from x to`.
 pub(super) fn curved_part<T: Scalar>(
     interface: &Interface<T>,
     arc: &Arc<T>,
@@ -52,9 +52,10 @@ fn great_arc<T: Scalar>(normal: Triple<T>, extent: Extent, from: Triple<T>, to: 
 
 /// The arc of a cone of the second degree.
 ///
-/// For normals `h` of length one the refracted direction is `eta wi = m h - wo`, and `m^2 - 2 m (wo . h) + 1 - eta^2 = 0`
-/// is that it has length `eta`. On the circle `p . wi = q` is `m (p . h) = k`, `k = wo . p + eta q`; times `(p . h)^2` the
-/// first is `h^T [k^2 I - k (wo p' + p wo') + (1 - eta^2) p p'] h = 0`, the cone of `-K`.
+/// For normals `h` of length one the refracted direction is `eta wi = m h - wo`, and
+/// `m^2 - 2 m (wo . h) + 1 - eta^2 = 0` is that it has length `eta`. On the circle `p . wi = q` is `m (p . h) = k`,
+/// `k = wo . p + eta q`; times `(p . h)^2` the first is `h^T [k^2 I - k (wo p' + p wo') + (1 - eta^2) p p'] h = 0`, the
+/// cone of `-K`.
 fn conic<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>, from: Triple<T>, to: Triple<T>) -> Triple<T> {
     let p = arc.circle.axis;
     let k = dot(interface.wo, p) + interface.eta * arc.circle.offset;

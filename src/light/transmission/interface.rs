@@ -34,7 +34,7 @@ impl<T: Scalar> Interface<T> {
         (T::ONE - self.eta) * (T::ONE + self.eta)
     }
 
-    /// What of `2 pi (A wo) . F` is the part of the visible normals.
+    /// The factor from `2 pi (A wo) . F` to the part of the visible normals.
     pub(super) fn per_flux(&self) -> T {
         T::of(2.0) / ((self.wo[2] + self.length) * T::TAU)
     }

@@ -1,21 +1,21 @@
 //! The light of a polygon behind a rough dielectric interface, in the space of its normals: exact but for the weight of
 //! shadowing and Fresnel's term, and no table.
 //!
-//! `eta = n_far / n_near`: the view `wo` is above the surface, `z > 0`, the light below it. The normal that refracts `wi`
-//! into `wo` is `h = sigma (wo + eta wi)` up to length, `sigma = -1` for `eta > 1` and `+1` else [Walter et al. 2007],
-//! linear in `wi` as that of a reflection is. With `c = normalize(A^-1 h)` the light of a polygon is again a form factor
-//! over its image C(P), weighed:
+//! `eta = n_far / n_near`: the view `wo` is above the surface, `z > 0`, the light below it. The normal that refracts
+//! `wi` into `wo` is `h = sigma (wo + eta wi)` up to length, `sigma = -1` for `eta > 1` and `+1` else [Walter et al.
+//! 2007], linear in `wi` as that of a reflection is. With `c = normalize(A^-1 h)` the light of a polygon is again a
+//! form factor over its image C(P), weighed:
 //!
 //! ```text
 //! V = 2 / (cos_o + |A wo|) (A wo) . F,     F = 1/(2 pi) closed integral of c x dc along the outline of C(P)
 //! ```
 //!
-//! The image of any circle of directions `p . w = q` is the cone `c^T K c = 0`, `K = A [k (wo p' + p wo') - k^2 I -
-//! (1 - eta^2) p p'] A`, `k = wo . p + eta q`, over which the integral is elementary (`integral.rs`). Not every direction
-//! below the surface counts (`outline.rs`): the normal is to be above the surface and in front of the viewer and the
-//! light. All of these are circles, so the clips are exact. The weight, `G2 / G1` with and without the part that is
-//! not reflected, is averaged over four normals of each triangle between the mean normal and an arc (`weight.rs`).
-//! `docs/refraction.md` derives all of it.
+//! The image of any circle of directions `p . w = q` is the cone `c^T K c = 0`,
+//! `K = A [k (wo p' + p wo') - k^2 I - (1 - eta^2) p p'] A`, `k = wo . p + eta q`, over which the integral is
+//! elementary (`integral.rs`). Not every direction below the surface counts (`outline.rs`): the normal is to be above
+//! the surface and in front of the viewer and the light. All of these are circles, so the clips are exact. The weight,
+//! `G2 / G1` with and without the part that is not reflected, is averaged over four normals of each triangle between
+//! the mean normal and an arc (`weight.rs`). `docs/refraction.md` derives all of it.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
@@ -49,8 +49,8 @@ use ltcforge_fit::{
 /// The indices that the closed form is measured for: from a third to three, but for those nearer to one than
 /// [`ETA_APART`].
 pub const ETA_RANGE: [f64; 2] = [1.0 / 3.0, 3.0];
-/// An index must differ from one by this. At `eta = 1` light that passes straight on has no normal, `wo + eta wi = 0`; near
-/// it, that sum is as short as `|eta - 1|`, and f32 loses digits: 5e-7 on average at 1.02, 1e-6 at 1.005.
+/// An index must differ from one by this. At `eta = 1` light that passes straight on has no normal, `wo + eta wi = 0`;
+/// near it, that sum is as short as `|eta - 1|`, and f32 loses digits: 5e-7 on average at 1.02, 1e-6 at 1.005.
 pub const ETA_APART: f64 = 0.02;
 
 /// An image whose ends are at least this near to each other, by their cosine, is one part of the fan.
@@ -58,13 +58,13 @@ const LONG_COSINE: f64 = 0.7;
 /// Parts of longer arcs: of an edge of the light, and of an arc that closes a light which is clipped.
 const EDGE_PARTS: u32 = 2;
 const CLOSING_PARTS: u32 = 4;
-/// Parts of the edge that closes a light which is cut at the surface, where the weight is steepest, and of short closing
-/// arcs.
+/// Parts of the edge that closes a light which is cut at the surface, where the weight is steepest, and of short
+/// closing arcs.
 const SHORT_CLOSING_PARTS: u32 = 2;
 /// Parts of a closing circle.
 const WHOLE_PARTS: u32 = 8;
 
-/// What passes through a rough interface, each in [0, 1].
+/// The light transmitted by a rough interface, each number in [0, 1].
 ///
 /// It is in units of basic radiance, `L / n^2`: a lit half-space of basic radiance one gives at most one. Radiance
 /// behind the interface gives that in front of it after a division by `eta^2`.
@@ -78,12 +78,12 @@ pub struct Transmitted<T> {
     pub schlick: T,
 }
 
-/// What GGX transmits of a polygon of basic radiance one towards `wo`.
+/// The light of a polygon of basic radiance one that GGX transmits towards `wo`.
 ///
-/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z, and the light is
-/// what of the polygon is below, `z < 0`. The lit side is that from which they run clockwise. Domain: `alpha` in
-/// [1e-4, 1], `wo` of length one with `z > 0`, `eta` in [`ETA_RANGE`] but not within [`ETA_APART`] of one, finite
-/// vertices.
+/// The vertices of the convex polygon are relative to the shaded point in its tangent frame, normal +z, and the light
+/// is the part of the polygon below the surface, `z < 0`. The lit side is that from which they run clockwise. Domain:
+/// `alpha` in [1e-4, 1], `wo` of length one with `z > 0`, `eta` in [`ETA_RANGE`] but not within [`ETA_APART`] of one,
+/// finite vertices.
 ///
 /// ```
 /// use ltcforge_fit::Sides;

@@ -1,5 +1,5 @@
-//! What passes a rough interface, by Monte Carlo integration over its visible normals: the reference, which shares no
-//! line with the closed form.
+//! The light transmitted by a rough interface, by Monte Carlo integration over its visible normals: the reference,
+//! which shares no line with the closed form.
 
 use glam::DVec3;
 
@@ -10,12 +10,12 @@ use ltcforge_fit::{
     math::{Lattice, Triple},
 };
 
-/// What GGX transmits of a polygon of basic radiance one towards `wo`, by `count` visible normals, each with the direction
-/// that it refracts.
+/// The light of a polygon of basic radiance one that GGX transmits towards `wo`, by `count` visible normals, each with
+/// the direction that it refracts.
 ///
-/// Arguments as those of [`super::transmitted`]; the error falls with `1 / sqrt(count)`, from half of the energy for one
-/// normal, and faster for wide lobes. `shift`, in [0, 1), moves the points: equal shifts give equal bits. Domain: `count`
-/// of 1 to 2^32 - 1.
+/// Arguments as those of [`super::transmitted`]; the error falls with `1 / sqrt(count)`, from half of the energy for
+/// one normal, and faster for wide lobes. `shift`, in [0, 1), moves the points: equal shifts give equal bits. Domain:
+/// `count` of 1 to 2^32 - 1.
 #[must_use]
 pub fn sampled(
     [alpha_x, alpha_y]: [f64; 2],

@@ -87,7 +87,7 @@ fn all_that_is_below_is_all_that_is_seen() {
     }
 }
 
-/// What is neither reflected nor shadowed passes a smooth interface, at the angle of Snell's law.
+/// Light that is neither reflected nor shadowed passes a smooth interface, at the angle of Snell's law.
 #[test]
 fn a_smooth_interface_follows_snell_and_fresnel() {
     for (eta, theta) in [(1.5, 0.9), (1.0 / 1.5, 0.5), (2.0, 0.0)] {
@@ -222,7 +222,8 @@ fn f32_is_f64_but_for_rounding() {
     }
 }
 
-/// A light of a thousandth of its distance still has most of its digits in f32: its plane part is summed around a corner.
+/// A light of a thousandth of its distance still has most of its digits in f32: its plane part is summed around a
+/// corner.
 #[test]
 fn small_lights_keep_their_digits() {
     for eta in ETAS {
@@ -296,8 +297,8 @@ fn degenerate_placements_are_numbers_between_zero_and_one() {
     }
 }
 
-/// A light that moves across the clips: a jump is a second difference, which is small on a smooth path. The visible part
-/// has none; the mean weight has small ones where an arc falls into more parts. Measured: 4.3e-5 and 3.8e-4 at
+/// A light that moves across the clips: a jump is a second difference, which is small on a smooth path. The visible
+/// part has none; the mean weight has small ones where an arc falls into more parts. Measured: 4.3e-5 and 3.8e-4 at
 /// most.
 #[test]
 fn a_moving_light_never_jumps() {

@@ -1,4 +1,4 @@
-//! What of a normal's light is neither shadowed nor reflected, and its mean over triangles of normals.
+//! The weight of a normal's light, which is neither shadowed nor reflected, and its mean over triangles of normals.
 
 use super::interface::Interface;
 use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled};
@@ -37,8 +37,8 @@ impl<T: Scalar> Interface<T> {
         [weight, weight * dielectric, weight * schlick]
     }
 
-    /// The mean weight over a triangle of normals around their centroid, each sample by the projection of its area along
-    /// `A wo`, which is the density of visible normals.
+    /// The mean weight over a triangle of normals around their centroid, each sample by the projection of its area
+    /// along `A wo`, which is the density of visible normals.
     pub(super) fn mean_weight(&self, centroid: Triple<T>, corners: [Triple<T>; 3]) -> Triple<T> {
         let (mut sum, mut total) = ([T::ZERO; 3], T::ZERO);
         let mut add = |c: Triple<T>, count: T| {

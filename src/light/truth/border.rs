@@ -50,7 +50,8 @@ impl Piece {
         }
     }
 
-    /// Its two halves. Those of a straight piece between unit vectors are as long as each other as seen from the origin.
+    /// Its two halves. Those of a straight piece between unit vectors are as long as each other as seen from the
+    /// origin.
     pub(super) fn halves(&self) -> [Self; 2] {
         match *self {
             Self::Straight([from, to]) => {
@@ -111,9 +112,9 @@ pub(super) fn of_shape(form: &Form) -> Vec<Piece> {
     }
 }
 
-/// What of a border is above the surface, closed along the horizon.
+/// The part of a border above the surface, closed along the horizon.
 ///
-/// A light is convex, so what the horizon cuts off it is one run of its border.
+/// A light is convex, so the horizon cuts one run of its border off.
 pub(super) fn above_surface(border: &[Piece]) -> Vec<Piece> {
     let kept: Vec<Piece> = border.iter().flat_map(Piece::above_surface).collect();
     let mut closed = Vec::with_capacity(kept.len() + 1);
@@ -144,9 +145,9 @@ fn sphere(centre: DVec3, radius: f64) -> Vec<Piece> {
 
 /// An arc of each end's circle, joined by the planes through the origin that touch both spheres.
 ///
-/// By the distance `d` of the line the planes have the normals `n = (radius u +- sqrt(d^2 - radius^2) v) / d`, for the unit vector `u`
-/// towards the line and `v` across both; they touch a sphere at its centre less `radius n`. Where the origin is within the radius
-/// of the line beyond an end, the sphere there hides all the rest.
+/// By the distance `d` of the line the planes have the normals `n = (radius u +- sqrt(d^2 - radius^2) v) / d`, for the
+/// unit vector `u` towards the line and `v` across both; they touch a sphere at its centre less `radius n`. Where the
+/// origin is within the radius of the line beyond an end, the sphere there hides all the rest.
 fn tube(ends: [DVec3; 2], radius: f64) -> Vec<Piece> {
     let along = ends[1] - ends[0];
     let Some(axis) = along.try_normalize() else { return sphere(ends[0], radius) };

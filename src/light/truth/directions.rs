@@ -10,7 +10,8 @@ use ltcforge_fit::{
     math::{cos, sin_cos},
 };
 
-/// A part of an outline spans at most so many bends at their mean distance: its rule of 15 points then has a ray between two.
+/// A part of an outline spans at most so many bends at their mean distance: its rule of 15 points then has a ray
+/// between two.
 const BENDS_A_PART: f64 = 9.0;
 /// Parts are not made shorter than this, radians, however near bends are to each other.
 const LEAST_PART: f64 = PI / 90.0;
@@ -89,7 +90,7 @@ impl Space for Directions<'_> {
             [larger / square, rest / larger]
         };
         let cuts = self.planes.iter().map(of_plane).chain(self.cones.iter().flat_map(of_cone));
-        // What does not cut the ray is infinite or no number.
+        // A bend that does not cut the ray is infinite or NaN.
         let mut bends: Vec<f64> = cuts.filter(|s| *s > SAME && *s < 1.0 - SAME).collect();
         bends.sort_by(f64::total_cmp);
         bends.dedup_by(|next, last| *next - *last < SAME);

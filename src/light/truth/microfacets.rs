@@ -99,8 +99,8 @@ impl Space for Normals<'_> {
         self.map.turning_image(w, turning)
     }
 
-    /// Far from the pole lobes without long tails are zero. Rays between two places there could pass the lobe unseen, and those from
-    /// the pole, in the middle of it, cannot: a tip outside of the image gives the same sum.
+    /// Far from the pole lobes without long tails are zero. Rays between two places there could pass the lobe unseen,
+    /// and those from the pole, in the middle of it, cannot: a tip outside of the image gives the same sum.
     fn tip(&self, within: DVec3) -> DVec3 {
         let image = self.image(within);
         if image.z > NEAR_POLE { image } else { DVec3::Z }

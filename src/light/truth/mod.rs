@@ -1,16 +1,17 @@
-//! What a surface reflects of a light, by adaptive quadrature: slow, and as exact as one likes.
+//! The light that a surface reflects, by adaptive quadrature: slow, and as exact as one likes.
 //!
 //! Quadrature over a light's area misses sharp lobes, which are points of it, and needs more and more points for
-//! needles. So the light's image is integrated over in a space ([`space::Space`]) where the lobe is broad. For GGX that is
-//! the space of normals stretched by `1 / alpha` ([`super::normals`]): every lobe is the same cosine there, and the
-//! integrand as smooth as the weight of shadowing. Other lobes around a reflection are as broad there; diffuse reflection, sheen and
-//! what a file holds are broad among the directions of light themselves.
+//! needles. So the light's image is integrated over in a space ([`space::Space`]) where the lobe is broad. For GGX that
+//! is the space of normals stretched by `1 / alpha` ([`super::normals`]): every lobe is the same cosine there, and the
+//! integrand as smooth as the weight of shadowing. Other lobes around a reflection are as broad there; diffuse
+//! reflection, sheen and what a file holds are broad among the directions of light themselves.
 //!
-//! The image is integrated over in two steps (`outline.rs`): along its outline, and along the ray from a tip within the image to
-//! the outline. An edge is halved until its image is short, which finds the few points of a light that a mirror reflects.
+//! The image is integrated over in two steps (`outline.rs`): along its outline, and along the ray from a tip within the
+//! image to the outline. An edge is halved until its image is short, which finds the few points of a light that a
+//! mirror reflects.
 //!
-//! An outline has straight pieces and arcs of ellipses (`border.rs`): those of disks, spheres and tubes are exact, and no polygon
-//! stands for them. A line light has no outline; what it reflects is an integral along it.
+//! An outline has straight pieces and arcs of ellipses (`border.rs`): those of disks, spheres and tubes are exact, and
+//! no polygon stands for them. A line light has no outline; what it reflects is an integral along it.
 //!
 //! This shares no line with the closed form but the mapping of directions to normals.
 
@@ -37,9 +38,9 @@ pub(super) use self::quadrature::integral;
 /// How exact [`truth`] is, for each part of an edge.
 pub const TRUTH_TOLERANCE: f64 = 1e-9;
 
-/// What a surface of GGX reflects of a light, to [`TRUTH_TOLERANCE`].
+/// The light that a surface of GGX reflects, to [`TRUTH_TOLERANCE`].
 ///
-/// A line is the limit of a thin tube: what it reflects is proportional to its width, up to one.
+/// A line is the limit of a thin tube: its reflection is proportional to its width, up to one.
 ///
 /// # Errors
 /// [`LightError::Domain`] for a roughness outside [0, 1] or a view direction on or below the horizon.
@@ -59,11 +60,12 @@ pub fn truth_within<'a>(
     truth_of(&BrdfKind::Ggx.into(), tolerance, at, light)
 }
 
-/// What a surface of any scattering model reflects of a light, with a tolerance for each part of an edge.
+/// The light that a surface of any scattering model reflects, with a tolerance for each part of an edge.
 ///
-/// Of a model without Fresnel factor [`ReflectedLight::fresnel`] is weighed by Schlick's fifth power of the angle between view and half
-/// vector all the same, as the terms of its tables are. A model that reflects more light than it receives has an energy above one.
-/// What a line reflects is proportional to its width, for a lobe around a reflection up to one.
+/// For a model without Fresnel factor, [`ReflectedLight::fresnel`] is weighed by Schlick's fifth power of the angle
+/// between view and half vector all the same, as the terms of its tables are. A model that reflects more light than it
+/// receives has an energy above one. The reflection of a line is proportional to its width, for a lobe around a
+/// reflection up to one.
 ///
 /// # Errors
 /// As [`truth`], and [`LightError::NoBrdfFile`] for a tabulated model without its numbers.
@@ -89,7 +91,7 @@ pub fn truth_of<'a>(
     })
 }
 
-/// What is reflected of a light, in [0, `most`].
+/// The reflected light, in [0, `most`].
 fn reflected(space: &impl Space, light: AreaLight<'_>, most: f64, tolerance: f64) -> ReflectedLight {
     let bounded = |parts: [f64; 2]| {
         let [energy, fresnel] = parts.map(|part| part.clamp(0.0, most));

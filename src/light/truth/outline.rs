@@ -105,8 +105,8 @@ fn between_bends(f: &impl Fn(f64) -> [f64; 2], bends: &[f64], tolerance: f64) ->
     parts.reduce(plus).unwrap_or_default()
 }
 
-/// What is reflected of a line: the width times the integral of the BRDF times cosine over the angle along the line, over the
-/// distance.
+/// The reflected light of a line: the width times the integral of the BRDF times cosine over the angle along the line,
+/// over the distance.
 pub(super) fn along_line(space: &impl Space, ends: [DVec3; 2], width: f64, tolerance: f64) -> [f64; 2] {
     let axis = (ends[1] - ends[0]).normalize();
     let beside = ends[0] - axis * ends[0].dot(axis);

@@ -9,8 +9,8 @@ pub(super) const SHORT: f64 = 0.95;
 
 /// A view of a surface, and a map of the directions of light to unit vectors among which the lobe is broad.
 ///
-/// The map takes straight edges to curves and lights to regions. The integral of [`Space::density`] over the image of a light is what
-/// is reflected of it.
+/// The map takes straight edges to curves and lights to regions. The integral of [`Space::density`] over the image of a
+/// light is what is reflected of it.
 pub(super) trait Space {
     /// The image of a direction, of length one.
     fn image(&self, w: DVec3) -> DVec3;
@@ -18,7 +18,8 @@ pub(super) trait Space {
     /// The image of a direction that turns, and its derivative, up to a part along the image.
     fn turning_image(&self, w: DVec3, turning: DVec3) -> (DVec3, DVec3);
 
-    /// Energy reflected around the image `c` of a direction, per steradian there, and the same times Schlick's fifth power.
+    /// Energy reflected around the image `c` of a direction, per steradian there, and the same times Schlick's fifth
+    /// power.
     fn density(&self, c: DVec3) -> [f64; 2];
 
     /// The surface, and the direction from which it is seen.

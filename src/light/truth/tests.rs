@@ -11,7 +11,7 @@ use ltcforge_fit::{
 
 const TOLERANCE: f64 = 1e-9;
 
-/// What a lobe reflects does not depend on the space in which it is integrated.
+/// The light that a lobe reflects does not depend on the space in which it is integrated.
 #[test]
 fn a_lobe_is_the_same_in_every_space() {
     let mut draw = Draw::new(91);
@@ -39,7 +39,8 @@ fn assert_same(one: ReflectedLight, other: ReflectedLight, tolerance: f64) {
     assert!(apart < tolerance, "{one:?} {other:?}");
 }
 
-/// Between two bends of a ray a tabulated lobe is within one cell: it is cut at every node that the ray crosses, and nowhere else.
+/// Between two bends of a ray a tabulated lobe is within one cell: it is cut at every node that the ray crosses, and
+/// nowhere else.
 #[test]
 fn rays_are_cut_at_the_nodes() {
     let brdf = planted_tabulated();

@@ -18,7 +18,7 @@ pub struct Lease {
 #[error("the lease has expired or was taken back")]
 pub struct StaleLease;
 
-/// What a task consists of.
+/// The work of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TaskKind {
     /// Fit this shard, then [`super::Queue::complete`].
@@ -32,7 +32,7 @@ pub enum TaskKind {
 pub struct LeasedTask {
     /// The lease to deliver under.
     pub lease: Lease,
-    /// What to do.
+    /// The work.
     pub kind: TaskKind,
     /// The job it belongs to.
     pub job: JobId,

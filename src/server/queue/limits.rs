@@ -1,4 +1,4 @@
-//! What bounds a queue.
+//! Limits of a queue.
 
 use std::{num::NonZeroU32, time::Duration};
 
@@ -15,9 +15,9 @@ pub struct Limits {
     pub keep_ended: Option<Duration>,
 }
 
-/// Processes that may end while a task is leased before its job fails. Kills and power cuts are no fault of the task, and
-/// even a bad day has fewer; a task that ends its process each time must not go on for ever.
+/// Processes that may end while a task is leased before its job fails. Kills and power cuts are no fault of the task,
+/// and even a bad day has fewer; a task that ends its process each time must not go on for ever.
 pub(super) const MOST_DEATHS: u32 = 20;
-/// After so many, a task is suspect: of all suspect tasks one is leased at a time, so that what ends the process does not
-/// bring the limit closer for the others.
+/// After so many, a task is suspect: of all suspect tasks one is leased at a time, so that what ends the process does
+/// not bring the limit closer for the others.
 pub(super) const SUSPECT_DEATHS: u32 = 3;

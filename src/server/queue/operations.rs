@@ -1,4 +1,4 @@
-//! What a queue does, whatever it is built on.
+//! The operations of a queue, whatever it is built on.
 
 use std::{collections::BTreeSet, fmt::Debug, num::NonZeroUsize, time::Duration};
 
@@ -38,27 +38,27 @@ pub trait Queue: Send + Sync + Debug {
     fn cancel(&self, id: JobId) -> Result<Option<Job>, StoreError>;
 
     /// Leases up to `most` waiting tasks, each of the job that has the fewest leased, and of such jobs the one that was
-    /// served longest ago: jobs share the workers evenly, and a new one is served next. Of the tasks during which process
-    /// after process ended one is leased at a time.
+    /// served longest ago: jobs share the workers evenly, and a new one is served next. Of the tasks during which
+    /// process after process ended one is leased at a time.
     fn lease(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer;
 
-    /// Records the entries done so far and renews the lease, which need not be durable. Nothing waits for it: while the queue
-    /// is writing, this may do nothing.
+    /// Records the entries done so far and renews the lease, which need not be durable. Nothing waits for it: while the
+    /// queue is writing, this may do nothing.
     ///
     /// # Errors
     /// When the lease is not the current one; the worker then stops.
     fn progress(&self, lease: &Lease, entries_done: u64) -> Result<(), StaleLease>;
 
-    /// Stores the results of shards; those that are accepted are durable when this returns. Each has an answer of its own,
-    /// in order.
+    /// Stores the results of shards; those that are accepted are durable when this returns. Each has an answer of its
+    /// own, in order.
     ///
     /// # Errors
     /// When they cannot be stored; then none is, and the leases are still held.
     fn complete(&self, done: &[(Lease, &[u8])]) -> Result<Vec<Result<(), StaleLease>>, StoreError>;
 
     /// Hands the results of all shards to `take`, in order and few at a time, for the worker that assembles. If results
-    /// are lost or damaged, their shards are queued again, the assembly counts as failed, and the answer is `false`: not
-    /// all were handed over.
+    /// are lost or damaged, their shards are queued again, the assembly counts as failed, and the answer is `false`:
+    /// not all were handed over.
     ///
     /// # Errors
     /// When the lease is not the current one, or the database fails.
@@ -143,8 +143,8 @@ pub trait Queue: Send + Sync + Debug {
     /// The time by the queue's own clock.
     fn now(&self) -> Timestamp;
 
-    /// Whether a job is looked up in this process's own memory or files. Otherwise other processes change jobs too, and a
-    /// look takes longer than a step of a fit.
+    /// Whether a job is looked up in this process's own memory or files. Otherwise other processes change jobs too, and
+    /// a look takes longer than a step of a fit.
     fn is_local(&self) -> bool {
         true
     }

@@ -1,4 +1,4 @@
-//! What is submitted, and what becomes of it.
+//! A submitted job, and the queue's answer.
 
 use super::Job;
 use crate::store::StoreError;
@@ -15,7 +15,7 @@ pub struct NewJob {
     pub shard_entries: Vec<u32>,
 }
 
-/// What became of a submission.
+/// The queue's answer to a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Submitted {
     /// The job is queued now.

@@ -35,7 +35,7 @@ pub struct Config {
     pub lease_ttl: Duration,
     /// How often a task may fail before its job does.
     pub max_attempts: u32,
-    /// What renders previews.
+    /// The adapter that renders previews.
     pub adapter: Adapter,
     /// The limits of pictures.
     pub pictures: PictureLimits,

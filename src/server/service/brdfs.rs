@@ -11,7 +11,7 @@ use ltcforge_files::{
 };
 use ltcforge_fit::{Asymmetry, TabulatedFile};
 
-/// What is known of a stored file.
+/// A stored file: its digest, its size and its contents in brief.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StoredBrdf {
     /// Its digest, which recipes name.

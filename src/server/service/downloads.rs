@@ -1,4 +1,4 @@
-//! What users download: tables, manifests, recipes, exports and pictures.
+//! Files for download: tables, manifests, recipes, exports and pictures.
 
 use std::{sync::Arc, time::Duration};
 

@@ -17,7 +17,7 @@ pub(super) enum FindBrdfError {
 }
 
 impl FindBrdfError {
-    /// What there is to say, one a line.
+    /// The faults, one a line.
     pub(super) fn lines(self) -> Vec<String> {
         match self {
             Self::Faults(faults) => faults,

@@ -61,7 +61,7 @@ mod tests {
         // Half of the entries, at a third of the speed.
         forecast.learn((&job).into(), 0.5, 3.0 * 0.5 * model.seconds);
         let after = forecast.of((&job).into()).expect("this fitter's");
-        // What was believed before still weighs a little.
+        // The earlier estimate still weighs a little.
         assert!((2.7..3.0).contains(&(after.seconds / before.seconds)), "{before:?} {after:?}");
         assert_eq!(after.error, before.error);
         let text = "another fitter's";

@@ -26,7 +26,7 @@ pub struct Service {
     pub(super) threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
-/// What the callers and the workers share.
+/// The state that callers and workers share.
 pub(super) struct ServiceState {
     pub(super) config: Config,
     pub(super) backend: Arc<dyn Backend>,
@@ -73,7 +73,7 @@ impl Service {
                 tracing::error!("a thread of the service panicked");
             }
         }
-        // What was acknowledged is durable already. This also writes the leases that were given back.
+        // Everything acknowledged is durable already. This also writes the leases that were given back.
         if let Err(error) = self.state.tables.store.rows.commit(&Batch::default()) {
             tracing::warn!(%error, "the last flush failed");
         }

@@ -48,10 +48,10 @@ pub enum CompactFileError {
     Form(#[from] CompactError),
 }
 
-/// What decodes the bytes, in JavaScript.
+/// The decoder in JavaScript.
 const DECODER: &str = include_str!("decoder.js");
 
-/// What decodes the bytes, in Rust.
+/// The decoder in Rust.
 const RUST_DECODER: &str = include_str!("decoder.rs");
 
 /// The module's own functions.
@@ -144,7 +144,7 @@ impl CompactContainer {
         })
     }
 
-    /// What to do with the files, a sentence each.
+    /// Instructions for the files, a sentence each.
     #[must_use]
     pub fn steps(self, stem: &str) -> Vec<String> {
         match self {

@@ -56,7 +56,8 @@ fn wavy(layout: Layout, has_terms: bool) -> Table {
     })
 }
 
-/// Layout `reflected` needs only arithmetic that has the same bits everywhere; the others sines of the platform as well.
+/// Layout `reflected` needs only arithmetic that has the same bits everywhere; the others sines of the platform as
+/// well.
 #[test]
 fn javascript_decodes_the_same_numbers() {
     for layout in &LAYOUTS {

@@ -6,7 +6,7 @@ use crate::about::About;
 use ltcforge_files::compact::{CompactError, Outline};
 use ltcforge_fit::Layout;
 
-/// What the decoder consists of, each part after those it needs.
+/// The parts of the decoder, each after those it needs.
 const SOURCES: [&str; 4] =
     [ltcforge_wgsl::LTC_MATH, ltcforge_wgsl::LAYOUT_REFLECTED, ltcforge_wgsl::LTC_SMOOTH, ltcforge_wgsl::LTC_DECODE];
 /// Integers that a dispatch of the first pass reads, and that it leaves to the next beside those: as in the shader.

@@ -8,8 +8,8 @@ use ltcforge_fit::Precision;
 
 /// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halfs.
 ///
-/// The guard and the arrays have names of their own for each table and layout, so that headers of several can be included
-/// together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
+/// The guard and the arrays have names of their own for each table and layout, so that headers of several can be
+/// included together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
 pub(super) struct CHeader;
 
 impl ContainerRules for CHeader {

@@ -9,9 +9,9 @@ use super::{
 use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of several
-/// tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halfs, which is
-/// what Unity's `Texture2D.SetPixelData` takes.
+/// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of
+/// several tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halfs, which is what
+/// Unity's `Texture2D.SetPixelData` takes.
 pub(super) struct CSharp;
 
 impl ContainerRules for CSharp {

@@ -1,8 +1,8 @@
 //! `DirectDraw` Surface [Microsoft, DDS programming guide].
 //!
-//! The header of Direct3D 9 is 128 bytes long and names the format by a `FourCC`, as the published tables of 2017 have it;
-//! it holds 2D and 3D textures of 1, 2 and 4 channels. That of Direct3D 10 is 148 bytes long and also holds arrays and 3
-//! channels of 32 bits. The format has no place for what a file says of itself.
+//! The header of Direct3D 9 is 128 bytes long and names the format by a `FourCC`, as the published tables of 2017 have
+//! it; it holds 2D and 3D textures of 1, 2 and 4 channels. That of Direct3D 10 is 148 bytes long and also holds arrays
+//! and 3 channels of 32 bits. The format has no place for what a file says of itself.
 
 use ddsfile::{
     AlphaMode, Caps2, D3D10ResourceDimension, D3DFormat, DxgiFormat, FourCC, NewD3dParams, NewDxgiParams, PixelFormat,
@@ -121,8 +121,8 @@ fn small_enough(stored: &Stored<'_>) -> Result<(), TextureFileError> {
     Err(stored.unsupported(NAME, "texels", format!("{bytes} bytes"), "less than 4 GiB"))
 }
 
-/// The bytes of a file with this `FourCC`. The crate marks formats of a known width as plain colours with masks, which they
-/// are not: 113 is told by its `FourCC` alone.
+/// The bytes of a file with this `FourCC`. The crate marks formats of a known width as plain colours with masks, which
+/// they are not: 113 is told by its `FourCC` alone.
 fn written(
     dds: Result<ddsfile::Dds, ddsfile::Error>,
     fourcc: u32,

@@ -6,8 +6,8 @@ use super::rules::{ContainerRules, Stored, Written, one_of_all};
 use crate::{about::About, digits::shortest, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// One document with all textures. Numbers have the shortest digits from which the stored number comes back, for 16 bits
-/// the stored half.
+/// One document with all textures. Numbers have the shortest digits from which the stored number comes back, for 16
+/// bits the stored half.
 pub(super) struct Json;
 
 impl ContainerRules for Json {
@@ -27,7 +27,7 @@ fn texture(stored: &Stored<'_>) -> String {
     format!("{head},\"texels\":[\n{}\n]}}", numbers.trim_end().trim_end_matches(','))
 }
 
-/// What a texture is.
+/// The description of a texture.
 pub(super) fn head(stored: &Stored<'_>) -> Value {
     let texture = stored.texture;
     let number = match stored.rounded.precision {

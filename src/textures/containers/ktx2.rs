@@ -1,8 +1,8 @@
 //! KTX 2.0, the container of Khronos for textures [KTX File Format Specification 2.0.4].
 //!
-//! 2D textures, arrays of them, and 3D textures, one level, 16 or 32 bits a number, with or without zstd. The data format
-//! descriptor and the level index are those that `ktx validate` expects. What the file says of itself is under the key
-//! `ltcforge`, the channels' names under `ltcforge.channels`.
+//! 2D textures, arrays of them, and 3D textures, one level, 16 or 32 bits a number, with or without zstd. The data
+//! format descriptor and the level index are those that `ktx validate` expects. What the file says of itself is under
+//! the key `ltcforge`, the channels' names under `ltcforge.channels`.
 //!
 //! The writer is our own: crate `ktx2_writer` brings BC6H compression and with it binaries of another compiler.
 
@@ -17,7 +17,8 @@ const HEADER_BYTES: usize = 80;
 const LEVEL_INDEX_BYTES: usize = 24;
 const SUPERCOMPRESSION_ZSTD: u32 = 2;
 
-/// Versions, models and channels of the Khronos Data Format Specification 1.3, and what marks a channel of signed floats.
+/// Versions, models and channels of the Khronos Data Format Specification 1.3, and what marks a channel of signed
+/// floats.
 const DESCRIPTOR_VERSION: u16 = 2;
 const MODEL_RGBSDA: u8 = 1;
 const PRIMARIES_UNSPECIFIED: u8 = 0;
@@ -120,7 +121,7 @@ fn descriptor(channels: usize, number_bytes: usize) -> Vec<u8> {
         block.extend(((i * bits) as u16).to_le_bytes());
         block.extend([(bits - 1) as u8, channel | SIGNED_FLOAT]);
         block.extend([0; 4]);
-        // What stands for the ends of the range of colours.
+        // The lower and upper end of the range of values.
         block.extend((-1.0_f32).to_le_bytes());
         block.extend(1.0_f32.to_le_bytes());
     }

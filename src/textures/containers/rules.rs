@@ -1,4 +1,4 @@
-//! What a file format is given, and what it gives.
+//! The input and output of a file format.
 
 use crate::{
     about::About,

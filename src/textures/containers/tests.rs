@@ -164,7 +164,7 @@ fn numbers_of_text(text: &str, before: &str, precision: Precision) -> Vec<f32> {
     words.map(number).collect()
 }
 
-/// What a reader of the format has, in the texture's order.
+/// The numbers that a reader of the format gets, in the texture's order.
 fn read_back(container: TextureContainer, files: &[TextureFile], texture: &Texture, precision: Precision) -> Vec<f32> {
     let bytes = &files[0].bytes;
     let text = || std::str::from_utf8(bytes).expect("text");

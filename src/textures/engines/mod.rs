@@ -1,7 +1,7 @@
-//! What engines load, one file each: which layout, which files under which names, and where they go.
+//! Game engines, one file each: the layout that an engine loads, the files and their names, and where they go.
 //!
-//! What an engine expects was read in its sources, in the version that its file names; a new version may differ. A new
-//! engine needs a file and a line in [`Engine`].
+//! An engine's expectations were read in its sources, in the version that its file names; a new version may differ. A
+//! new engine needs a file and a line in [`Engine`].
 
 mod babylon;
 mod bevy;

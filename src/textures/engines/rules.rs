@@ -1,4 +1,4 @@
-//! What an engine's bundle is made of, and what it is.
+//! An engine, and the data that its bundle is made of.
 
 use crate::{
     about::About,
@@ -16,7 +16,7 @@ pub(super) const SECOND: &str = "LTC_2";
 /// Texels along each side of their textures.
 pub(super) const SIZE: u32 = 64;
 
-/// What a bundle is made of.
+/// The data that a bundle is made of.
 pub(crate) struct Source<'a> {
     pub(super) engine: &'static str,
     pub(super) textures: &'a [Texture],

@@ -31,7 +31,7 @@ pub enum NoTextures {
     Lacking {
         /// The layout that was asked for.
         asked: &'static str,
-        /// What they need, and what the table has.
+        /// What the table lacks, in words.
         lacking: String,
         /// A recipe whose table has them.
         recipe: String,

@@ -133,8 +133,8 @@ pub fn textures_of(table: &Table, layout: &str) -> Result<Vec<Texture>, NoTextur
     TextureLayout::named(layout)?.textures(table)
 }
 
-/// How a shader reads these textures, for people: what axes and channels are, and, where they are not evenly spaced, the
-/// nodes.
+/// How a shader reads these textures, for people: what axes and channels are, and, where they are not evenly spaced,
+/// the nodes.
 #[must_use]
 pub fn sampling_of(table: &Table, layout: TextureLayout) -> Vec<String> {
     let TextureSampling { axes, textures, normalisation, .. } = layout.sampling();

@@ -4,12 +4,12 @@ use super::error::NoTextures;
 use crate::texture::{Texture, TextureError};
 use ltcforge_fit::{Layout, Table};
 
-/// What the coordinate of a texture is, along one of its axes.
+/// The coordinate along one axis of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TextureAxis {
     /// `x`, `y`, `z` or `layer`.
     pub axis: &'static str,
-    /// What it is of, as a formula.
+    /// The coordinate, as a formula.
     pub coordinate: &'static str,
 }
 
@@ -18,9 +18,9 @@ pub struct TextureAxis {
 pub struct TexturesOf {
     /// Its name.
     pub name: &'static str,
-    /// What the numbers of a texel are.
+    /// The names of a texel's numbers.
     pub channels: &'static [&'static str],
-    /// What the channels mean.
+    /// The meaning of the channels.
     pub meaning: &'static str,
 }
 
@@ -41,10 +41,10 @@ pub struct TextureSampling {
 
 /// A layout as an item of [`super::TextureLayout`].
 pub(crate) trait TextureRules: Sync {
-    /// What the layout is.
+    /// The description of the layout.
     fn sampling(&self) -> TextureSampling;
 
-    /// What the table lacks, of those of the right layout.
+    /// The parts that a table of the right layout lacks; `None` if it has all.
     fn lacks(&self, table: &Table) -> Option<String>;
 
     /// The numbers of a texel: entry and texture.

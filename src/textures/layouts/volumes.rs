@@ -1,7 +1,7 @@
 //! The textures that our own shader reads, of each layout of tables.
 //!
-//! Nodes need not be evenly spaced, so that a shader finds the place along each axis among the nodes and samples between
-//! texel centres, or weighs the texels itself.
+//! Nodes need not be evenly spaced, so that a shader finds the place along each axis among the nodes and samples
+//! between texel centres, or weighs the texels itself.
 
 use super::{
     error::NoTextures,

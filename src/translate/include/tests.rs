@@ -14,8 +14,8 @@ fn namespace(prefix: &str, first_binding: u16) -> Namespace {
     Namespace { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
 }
 
-/// Six lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights without
-/// a table, a table of Gaussians, and the one without textures.
+/// Six lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights
+/// without a table, a table of Gaussians, and the one without textures.
 fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
     let text = |lit_by: LitBy, namespace: &Namespace| {
         include(language, lit_by, reading, Lights::All, namespace).expect("a translation")
@@ -37,7 +37,7 @@ fn texts() -> impl Iterator<Item = Language> {
     Language::ALL.iter().copied().filter(|language| language.has_includes())
 }
 
-/// What C-like code declares outside of functions: names after a type or keyword, outside of all brackets.
+/// The names that C-like code declares at file scope: those after a type or keyword, outside of all brackets.
 fn globals(code: &str) -> BTreeSet<String> {
     let is_code = |line: &&str| !["//", "#", "precision ", "using "].iter().any(|start| line.starts_with(start));
     let code: String = code.lines().filter(is_code).flat_map(|line| [line, "\n"]).collect();

@@ -2,7 +2,7 @@
 
 use super::{Bound, Language};
 
-/// What a table's shader binds but the sampler, which is last, by its binding in WGSL.
+/// The names of a table's bindings without the sampler, which is last, in the order of the bindings in WGSL.
 fn names(bound: Bound) -> &'static [&'static str] {
     match bound {
         Bound::Volumes => &["ltc_table", "ltc_nodes", "ltc_matrix_a", "ltc_matrix_b", "ltc_terms"],
@@ -10,7 +10,7 @@ fn names(bound: Bound) -> &'static [&'static str] {
     }
 }
 
-/// What is above the entry point, which naga writes last; `None` where there is none.
+/// The text above the entry point, which naga writes last; `None` for a text without the entry point.
 pub(super) fn without_entry(language: Language, bound: Bound, whole: &str, entry: &str) -> Option<String> {
     match language {
         Language::Wgsl => cut_at(whole, "@fragment\n"),
@@ -55,8 +55,8 @@ fn loose_uniform(line: &str) -> Option<String> {
     (before.is_empty() || before.starts_with("layout(std140")).then(|| format!("uniform {member}"))
 }
 
-/// naga reaches samplers by way of a heap, since HLSL has no array of them by binding. Its zeros of arrays are casts, which
-/// glslang does not take.
+/// naga reaches samplers by way of a heap, since HLSL has no array of them by binding. Its zeros of arrays are casts,
+/// which glslang does not take.
 fn hlsl_line(bound: Bound, line: &str) -> Option<String> {
     if let Some(listed) = listed_zeros(line) {
         return Some(listed);

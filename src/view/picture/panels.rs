@@ -13,8 +13,8 @@ const MARGIN: u32 = 8;
 /// Under a panel: the bar, and a line for its ends.
 const FOOT: u32 = BAR + LINE + 8;
 
-/// The colours of 0 to 1 across `width` pixels, with both ends written under them, and between those the first unit that
-/// fits.
+/// The colours of 0 to 1 across `width` pixels, with both ends written under them, and between those the first unit
+/// that fits.
 #[must_use]
 pub fn bar(width: u32, colour: fn(f32) -> [u8; 3], [low, high]: [&str; 2], units: &[&str]) -> Picture {
     let mut picture = Picture::filled(width, FOOT, GROUND);
@@ -60,9 +60,9 @@ pub fn caption(width: u32, wordings: &[&str]) -> Picture {
 pub struct Panel<'a> {
     /// Its title.
     pub title: &'a str,
-    /// What it shows.
+    /// The picture.
     pub picture: Picture,
-    /// What is drawn below, as wide as the picture.
+    /// The strip below, as wide as the picture.
     pub foot: Picture,
 }
 

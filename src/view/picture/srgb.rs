@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 /// The least linear value of each byte above zero.
 static STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     std::array::from_fn(|step| {
-        // Of numbers that are not negative the bits have the same order.
+        // The bits of non-negative floats have the same order as the floats.
         let (mut below, mut at) = (0, 1.0_f32.to_bits());
         while at - below > 1 {
             let middle = below + (at - below) / 2;

@@ -13,7 +13,7 @@ use embedded_graphics::{
 
 use super::Picture;
 
-/// What is behind labels.
+/// The background of labels.
 pub const GROUND: [u8; 3] = [24, 24, 24];
 /// Height of a line of text beside which nothing else stands.
 pub const LINE: u32 = 18;
@@ -101,8 +101,8 @@ pub fn tag_fits(text: &str, width: u32) -> bool {
     tag_size(text, width).width + 2 * TAG_MARGIN <= width
 }
 
-/// Writes `text` on ground of its own into the lower left corner, `(left, bottom)`, of a part of a picture, `width` wide.
-/// Nothing is written where there is no room.
+/// Writes `text` on ground of its own into the lower left corner, `(left, bottom)`, of a part of a picture, `width`
+/// wide. Nothing is written where there is no room.
 pub fn tag(picture: &mut Picture, text: &str, [left, bottom]: [u32; 2], width: u32) {
     let size = tag_size(text, width);
     if !tag_fits(text, width) || bottom < size.height + TAG_MARGIN {

@@ -13,11 +13,11 @@ const BELOW: u32 = TICK + 2 * LINE;
 const TICK: u32 = 8;
 const TICK_COLOUR: [u8; 3] = [230, 230, 230];
 const NODE_COLOUR: [u8; 3] = [140, 140, 140];
-/// What is labelled on the axes as far as the table goes, alpha and theta in degrees.
+/// The labels of the axes, as far as the table goes: alpha, and theta in degrees.
 const ALPHAS: [f64; 8] = [0.001, 0.01, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0];
 const DEGREES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0];
 
-/// What the axes of a chart show.
+/// The axes of a chart.
 pub(super) struct Chart<'a> {
     /// Cells a side.
     pub(super) cells: usize,
@@ -79,8 +79,8 @@ impl Chart<'_> {
     }
 }
 
-/// The ticks that an axis has a place for, each with its place and no closer than two lines to the one before; both ends
-/// where there are fewer than two.
+/// The ticks that an axis has a place for, each with its place and no closer than two lines to the one before; both
+/// ends where there are fewer than two.
 fn labelled(ticks: &[f64], ends: [f64; 2], place: impl Fn(f64) -> Option<u32>) -> Vec<(f64, u32)> {
     let mut kept: Vec<(f64, u32)> = Vec::new();
     for tick in ticks {

@@ -49,9 +49,9 @@ const GAUSSIANS: [(Gaussian, Warp, [u8; 3]); 4] = [
     (Gaussian::Asg, Warp::Visible, ASG),
 ];
 
-/// Draws for two roughnesses the distribution of normals against its Gaussian, the lobes of two views as polar graphs, and
-/// the mean error of `count` random lights against the angle of view. Measures on the current rayon pool; its size changes
-/// nothing.
+/// Draws for two roughnesses the distribution of normals against its Gaussian, the lobes of two views as polar graphs,
+/// and the mean error of `count` random lights against the angle of view. Measures on the current rayon pool; its size
+/// changes nothing.
 ///
 /// # Errors
 /// [`LightError`]: none of these surfaces has any.
@@ -83,8 +83,9 @@ fn steps([low, high]: [f64; 2], count: u32) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| low + (high - low) * f64::from(i) / f64::from(count))
 }
 
-/// The distributions of normals over the angle from the surface's: GGX, `exp(-tan^2 / a^2) / (pi a^2 cos^4)` of Beckmann, the
-/// Gaussian `exp(-angle^2 / a^2) / (pi a^2)`, and the spherical Gaussian that stands for it, `exp(2 (cos - 1) / a^2) / (pi a^2)`.
+/// The distributions of normals over the angle from the surface's: GGX, `exp(-tan^2 / a^2) / (pi a^2 cos^4)` of
+/// Beckmann, the Gaussian `exp(-angle^2 / a^2) / (pi a^2)`, and the spherical Gaussian that stands for it,
+/// `exp(2 (cos - 1) / a^2) / (pi a^2)`.
 fn normals(alpha: f64) -> Picture {
     let ggx = Ggx { alpha_x: alpha, alpha_y: alpha };
     let peak = 1.0 / (PI * alpha * alpha);
@@ -181,7 +182,7 @@ mod tests {
         assert!(drawn != gaussian_plots(3).expect("surfaces"), "no error is measured");
     }
 
-    /// What the panels' scales rest on.
+    /// The measurements on which the panels' scales rest.
     #[test]
     fn lobes_reflect_what_visible_normals_do() {
         let ggx = Ggx { alpha_x: 0.25, alpha_y: 0.25 };

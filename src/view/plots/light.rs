@@ -17,12 +17,13 @@ pub struct NamedTable<'a> {
     pub table: &'a Table,
     /// The digest of its file, in hexadecimal.
     pub digest: &'a str,
-    /// What its axes cover.
+    /// The ranges of its axes.
     pub range: &'a PerAxis<[f64; 2]>,
 }
 
 /// Draws how far off the closed form in the space of normals is under a rule, and before it a table if one is given, by
-/// `count` random lights in each cell. A table of another scattering model than GGX stands alone. Measures on the current rayon pool; its size changes nothing.
+/// `count` random lights in each cell. A table of another scattering model than GGX stands alone. Measures on the
+/// current rayon pool; its size changes nothing.
 ///
 /// # Errors
 /// [`LightError`] for a table that does not tell, and one of a tabulated model without its numbers.

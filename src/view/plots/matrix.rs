@@ -12,12 +12,12 @@ const LARGEST_CELL: usize = 24;
 const MOST_CELLS: usize = 512;
 /// The part of the numbers at each end that the colours do not cover, since one outlier would take them all.
 const BEYOND: f64 = 0.01;
-/// What is below and above the colours, in none of theirs.
+/// Colours of values below and above the scale, which contains neither.
 const BELOW: [u8; 3] = [0, 220, 230];
 const ABOVE: [u8; 3] = [60, 220, 90];
 /// Pixels between tiles.
 const GAP: usize = 2;
-/// What the panels show, row by row: the matrix, and beside it what else an entry holds.
+/// The panels' names, row by row: the matrix, and beside it the other numbers of an entry.
 const NAMES: [&str; 12] =
     ["m00", "m01", "m02", "amplitude", "m10", "m11", "m12", "fresnel", "m20", "m21", "m22", "node error"];
 
@@ -73,8 +73,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// A scale that holds all numbers but the few least and greatest. It is signed where the numbers may be by nature, or
-    /// some of those that it holds are below zero.
+    /// A scale that holds all numbers but the few least and greatest. It is signed where the numbers may be by nature,
+    /// or some of those that it holds are below zero.
     pub(super) fn of(numbers: &[f32], may_be_signed: bool) -> Self {
         let mut sorted = numbers.to_vec();
         sorted.sort_by(f32::total_cmp);
@@ -108,7 +108,7 @@ impl Scale {
         if self.is_signed { |part| signed_colour(2.0 * part - 1.0) } else { colour }
     }
 
-    /// What stands under the middle of the colour bar.
+    /// The label under the middle of the colour bar.
     pub(super) fn middle(&self) -> Vec<&'static str> {
         if self.is_signed { vec!["0"] } else { Vec::new() }
     }

@@ -9,7 +9,7 @@ use ltcforge_fit::MAX_VERTICES;
 pub struct SceneFault {
     /// The parameter, such as `light_intensity`.
     pub field: String,
-    /// What it is.
+    /// Its value.
     pub value: f64,
     /// The least it may be.
     pub low: f64,

@@ -1,5 +1,5 @@
-//! A scene as its callers choose it: by a name and by what is to differ from it. The command line and HTTP choose by the
-//! same parameters.
+//! A scene as its callers choose it: by a name and by what is to differ from it. The command line and HTTP choose by
+//! the same parameters.
 
 use std::collections::BTreeMap;
 

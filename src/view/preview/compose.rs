@@ -11,7 +11,7 @@ use crate::picture::{
 };
 use ltcforge_light::LightModel;
 
-/// What is beside a sphere of directions, and on it where nothing is below the horizon.
+/// Colours beside a sphere of directions, and on it below the horizon, where the lobe is zero.
 const BESIDE_COLOUR: [u8; 3] = [48, 48, 48];
 const BELOW_COLOUR: [u8; 3] = [30, 34, 44];
 /// Pixels of a panel's side for each pixel of a mark's radius.
@@ -53,7 +53,7 @@ fn bare_alphas(material: &Material) -> String {
     format!("{}, {}", short(material.alpha_x), short(material.alpha_y))
 }
 
-/// What is written on a material that the table covers, beside the same on one that it does not.
+/// The wordings of a material's label, where the table covers it: one for each of [`warnings`].
 fn names(material: &Material) -> Vec<String> {
     let alphas = alphas(material);
     vec![alphas.clone(), alphas.clone(), alphas, bare_alphas(material)]
@@ -77,7 +77,7 @@ fn tag_cells(picture: &mut Picture, scene: &Scene, wordings: impl Fn(usize, &Mat
     }
 }
 
-/// What is written on a material that the table does not cover.
+/// The wordings of a material's label, the longest first, where the table does not cover it.
 fn warnings(material: &Material) -> Vec<String> {
     let alphas = alphas(material);
     vec![
@@ -190,13 +190,13 @@ fn mean_error(errors: &[PanelError], width: u32) -> Picture {
     caption(width, &wordings.each_ref().map(String::as_str))
 }
 
-/// What is written on a material's differences.
+/// The wordings of the label of a material's differences.
 fn mean_tags(error: &PanelError, material: &Material) -> Vec<String> {
     let (mean, alphas) = (short(error.mean_absolute), alphas(material));
     vec![format!("{alphas}: mean {mean}"), format!("{alphas}: {mean}"), format!("mean {mean}"), mean]
 }
 
-/// What stands above a picture by a model.
+/// The title of a picture by a model.
 fn model_title(model: LightModel, table: &ShaderTable, width: u32) -> String {
     if model.needs_table() {
         return table_title(table, width);
@@ -217,7 +217,7 @@ fn short_title(model: LightModel, table: &ShaderTable) -> String {
     }
 }
 
-/// What stands above a picture by the table.
+/// The title of a picture by the table.
 fn table_title(table: &ShaderTable, width: u32) -> String {
     let lobe = table.lobe_title();
     let Some(label) = &table.label else { return lobe };

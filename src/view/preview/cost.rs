@@ -10,8 +10,8 @@ pub(super) fn most_cost() -> u32 {
 
 impl Scene {
     /// How much work the picture is, in samples of the reference: pixels times samples where its mode shows the
-    /// reference, plus pixels times the cost of each model that it shows. A lobe costs as much as light by the table. The
-    /// pixels are those of the whole panel: the background, which costs little, is not left out.
+    /// reference, plus pixels times the cost of each model that it shows. A lobe costs as much as light by the table.
+    /// The pixels are those of the whole panel: the background, which costs little, is not left out.
     #[must_use]
     pub fn cost(&self) -> f64 {
         let (reference, model) = (self.spp, self.model.cost());

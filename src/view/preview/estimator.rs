@@ -1,4 +1,4 @@
-//! What a renderer is asked for.
+//! The quantities that a renderer estimates.
 
 use super::ShaderTable;
 use ltcforge_fit::LobeModel;
@@ -7,7 +7,7 @@ use ltcforge_light::{ClosedForm, LightModel, WeightRule};
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
 
-/// What is estimated.
+/// The estimated quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimator {
     /// Radiance by a model without a table.

@@ -54,7 +54,7 @@ pub(super) struct FrameLight {
     pub(super) two_sided: bool,
 }
 
-/// What the light is, as uniforms.
+/// The shape of the light, as uniforms.
 pub(super) type FrameShape = Shape<Vec3, f32>;
 
 impl FrameShape {

@@ -9,8 +9,8 @@ use super::{Light, LightKind};
 /// A light in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outline {
-    /// Of a polygon, or of the one that stands for an ellipse where models know polygons alone; clockwise as seen from the lit
-    /// side. Of other shapes, which face every point, there are none.
+    /// Vertices of a polygon, or of the one that stands for an ellipse where models know polygons alone; clockwise as
+    /// seen from the lit side. Other shapes face every point and have no vertices.
     pub(super) vertices: Vec<DVec3>,
     /// Unit normal towards the lit side.
     pub(super) normal: DVec3,
@@ -36,7 +36,7 @@ pub(super) enum Shape<V, N> {
     },
 }
 
-/// What a disk becomes.
+/// The ellipse of a disk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ellipse<V, N> {
     pub(super) centre: V,

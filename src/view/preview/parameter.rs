@@ -1,4 +1,4 @@
-//! What a parameter of a preview is: how it is written, within which bounds, and where it goes in a scene.
+//! A parameter of a preview: how it is written, its bounds, and its field in a scene.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,7 +11,7 @@ use super::{Material, NamedScene, Scene};
 pub struct Parameter {
     /// Its name in a query. The command line writes dashes for the underscores.
     pub name: &'static str,
-    /// What it is, without its bounds and its default.
+    /// Its meaning, without its bounds and its default.
     pub help: &'static str,
     /// How the command line's help writes its value, such as `X,Y,Z`.
     pub value_name: &'static str,
@@ -47,7 +47,7 @@ pub enum Form {
     Flag(fn(&mut Scene) -> &mut bool),
 }
 
-/// What a parameter is set to.
+/// The value of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// The name of this index.
@@ -64,7 +64,7 @@ impl Parameter {
     /// The value that `text` says.
     ///
     /// # Errors
-    /// What it should have said. Numbers are not held to their bounds here: that is [`Scene::faults`]' work.
+    /// The form that was expected. Numbers are not held to their bounds here: [`Scene::faults`] does that.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let expected = |what: &str| format!("«{text}» is not {what}");
         match self.form {
@@ -163,7 +163,7 @@ impl Parameter {
         }
     }
 
-    /// What it is, its bounds and its default, in a line: the command line's help.
+    /// Its meaning, bounds and default, in a line: the command line's help.
     #[must_use]
     pub fn line(&self) -> String {
         let unit = self.unit.map_or_else(String::new, |unit| format!(" {unit}"));

@@ -1,5 +1,5 @@
-//! The parameters that there are. A new one is declared here, beside the field of the scene that it sets; query, command
-//! line, bounds and the checks of docs and openapi.yaml follow.
+//! The parameters that there are. A new one is declared here, beside the field of the scene that it sets; query,
+//! command line, bounds and the checks of docs and openapi.yaml follow.
 
 use std::{f64::consts::TAU, slice};
 
@@ -202,7 +202,7 @@ mod tests {
             };
             for place in 0..if numbers.is_empty() { 0 } else { parameter.count() } {
                 for (bound, outwards) in bounds.into_iter().zip([-step, step]) {
-                    // Of a point the distance is bounded, which is never below zero.
+                    // A point's distance is bounded, which is never below zero.
                     if is_point && outwards < 0.0 {
                         continue;
                     }

@@ -1,8 +1,8 @@
 //! Radiance, pixel by pixel.
 
-/// What a lobe's picture holds beside the sphere of directions, as in `sphere.wgsl`.
+/// The value of a lobe's picture beside the sphere of directions, as in `sphere.wgsl`.
 pub(super) const BESIDE: f32 = -1.0;
-/// And where nothing is below its horizon.
+/// Its value below the horizon, where the lobe is zero.
 pub(super) const BELOW: f32 = -0.5;
 
 /// Linear values of a picture's pixels, row by row from the top.

@@ -40,12 +40,12 @@ named_list! {
 pub struct Rendered {
     /// The picture.
     pub picture: Picture,
-    /// What rendered it: an adapter's name, or `cpu`.
+    /// The renderer: an adapter's name, or `cpu`.
     pub adapter: String,
     /// For modes that compare: the error of each material, in the scene's order.
     pub errors: Vec<PanelError>,
-    /// For modes that show the table: the materials whose roughness lies outside its nodes. Its nearest entries stand for
-    /// them.
+    /// For modes that show the table: the materials whose roughness lies outside its nodes. Its nearest entries stand
+    /// for them.
     pub outside: Vec<Material>,
 }
 
@@ -63,7 +63,7 @@ pub struct Preview {
     drawn_by: DrawnBy,
 }
 
-/// What has rendered a picture so far, which may take several passes.
+/// The device that has rendered a picture so far, which may take several passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum DrawnBy {
     /// Nothing is rendered yet.
@@ -92,8 +92,8 @@ impl Preview {
     /// Renders a scene.
     ///
     /// # Errors
-    /// Parameters out of bounds; a table of another scattering model than a model of light is of; no GPU where one was asked
-    /// for, or one that fails twice, or one that has no shader for the reference; stopped by `stop`.
+    /// Parameters out of bounds; a table of another scattering model than a model of light is of; no GPU where one was
+    /// asked for, or one that fails twice, or one that has no shader for the reference; stopped by `stop`.
     pub fn render(
         &mut self,
         table: &Arc<ShaderTable>,
@@ -178,7 +178,7 @@ impl Preview {
         Ok(Rendered { picture, adapter: self.adapter_name()?, errors, outside })
     }
 
-    /// What renders: an adapter's name, or `cpu`.
+    /// The device that renders: an adapter's name, or `cpu`.
     ///
     /// # Errors
     /// No GPU where one was asked for.
@@ -275,7 +275,8 @@ impl Preview {
             tracing::warn!("the CPU renders: {failure}");
             self.drawn_by = if self.drawn_by == DrawnBy::OnGpu { DrawnBy::Mixed } else { DrawnBy::OnCpu };
             self.hangs += u32::from(matches!(failure, GpuFailure::Hangs(_)));
-            // A lost GPU may come back. A GPU that hangs is abandoned, and each one costs the time that it is waited for.
+            // A lost GPU may come back. A GPU that hangs is abandoned, and each one costs the time that it is waited
+            // for.
             self.has_no_gpu = self.hangs >= MOST_HANGS || (matches!(failure, GpuFailure::Absent(_)) && !self.had_gpu);
             return Ok(None);
         }

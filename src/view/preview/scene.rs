@@ -1,4 +1,4 @@
-//! What a preview shows, with defaults. What callers may choose of it stands in [`super::parameters`].
+//! The scene of a preview, with defaults. [`super::parameters`] lists the fields that callers may choose.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,11 +11,11 @@ pub(super) const MAX_MATERIALS: usize = 4;
 /// The models that mode `models` shows side by side.
 pub(super) const COMPARED: [LightModel; 2] = [LightModel::Ltc, LightModel::Normals];
 
-/// What a preview shows. Lengths are in radii of the sphere, angles in radians, y points up.
+/// The scene of a preview. Lengths are in radii of the sphere, angles in radians, y points up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
-    /// What is seen.
+    /// The surface.
     pub surface: Surface,
     /// One material, or up to four that share the picture, two a row.
     pub materials: Vec<Material>,
@@ -31,9 +31,9 @@ pub struct Scene {
     pub size: u32,
     /// Samples a pixel of the reference: each a visible normal and a point of the light.
     pub spp: u32,
-    /// What is shown of it.
+    /// The kind of picture.
     pub mode: Mode,
-    /// What stands for GGX where it is lit.
+    /// The model of light.
     pub model: LightModel,
     /// How model `normals` averages the weight of shadowing.
     pub weight: WeightRule,
@@ -43,7 +43,7 @@ pub struct Scene {
     pub difference_scale: f64,
 }
 
-/// What is seen.
+/// The surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Surface {
@@ -73,8 +73,8 @@ pub struct Light {
     pub kind: LightKind,
     /// Its middle.
     pub centre: [f64; 3],
-    /// Half its width and half its height. Of a sphere the first is the radius, the second does not matter. Of a tube or line
-    /// the first is half of what lies between its ends; the second is a tube's radius, half a line's width.
+    /// Half its width and half its height. Of a sphere the first is the radius, the second does not matter. Of a tube
+    /// or line the first is half of what lies between its ends; the second is a tube's radius, half a line's width.
     pub half_size: [f64; 2],
     /// Yaw, pitch and roll by which it is turned from facing the origin upright, applied in reverse order.
     pub rotation: [f64; 3],
@@ -114,7 +114,7 @@ pub struct Camera {
     pub elevation: f64,
     /// Whole angle of view.
     pub field_of_view: f64,
-    /// What it looks at.
+    /// The point that it looks at.
     pub target: [f64; 3],
 }
 

@@ -30,12 +30,12 @@ pub struct ShaderTable {
     pub(super) texels: [Vec<[f32; 4]>; 3],
     /// Whether its surfaces are isotropic and it has one phi: its lobes then turn with the view direction.
     pub(super) turns_with_view: bool,
-    /// What pictures call it.
+    /// Its name in pictures.
     pub(super) label: Option<String>,
 }
 
 impl ShaderTable {
-    /// What stands in for a table in pictures that show none; their reference is of GGX.
+    /// A stand-in for pictures that show no table; their reference is GGX.
     #[must_use]
     pub fn none() -> Self {
         let texel = |texel: [f32; 4]| vec![texel];
@@ -51,8 +51,8 @@ impl ShaderTable {
         }
     }
 
-    /// The table with its numbers rounded to `format`. A table without terms gets neutral ones: with `kt2022` all light is
-    /// reflected, with `reflected` as much as by the reflection in the middle of the lobe.
+    /// The table with its numbers rounded to `format`. A table without terms gets neutral ones: with `kt2022` all light
+    /// is reflected, with `reflected` as much as by the reflection in the middle of the lobe.
     #[must_use]
     pub fn new(table: &Table, format: TexelFormat) -> Self {
         let rounded = |x: f32| match format {
@@ -97,12 +97,12 @@ impl ShaderTable {
         self.brdf != BrdfKind::Ggx && scene.mode != Mode::Ltc
     }
 
-    /// What pictures call its light.
+    /// The name of its light in pictures.
     pub(super) fn lobe_title(&self) -> String {
         self.lobe.name().to_uppercase()
     }
 
-    /// What pictures call the model that it stands for.
+    /// The name in pictures of the model that it was fitted to.
     pub(super) fn brdf_title(&self) -> &'static str {
         match self.brdf.kind() {
             BrdfKind::Ggx => "GGX",

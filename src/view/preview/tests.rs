@@ -37,8 +37,8 @@ fn shader_tables() -> [Arc<ShaderTable>; 4] {
     tables.map(|(table, format)| Arc::new(ShaderTable::new(&table, format)))
 }
 
-/// The renderers of this machine. Without a Vulkan adapter only the CPU is tested, and the test says so on standard error
-/// itself, since the harness would capture it.
+/// The renderers of this machine. Without a Vulkan adapter only the CPU is tested, and the test says so on standard
+/// error itself, since the harness would capture it.
 fn renderers() -> Vec<Preview> {
     let mut gpu = Preview::new(Adapter::Gpu);
     let cpu = Preview::new(Adapter::Cpu);

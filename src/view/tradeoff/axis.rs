@@ -9,7 +9,7 @@ pub(super) struct LogAxis {
     ends: [f64; 2],
 }
 
-/// What is left free at both ends, as a part of the axis.
+/// The margin at both ends, as a part of the axis.
 const MARGIN: f64 = 0.05;
 /// Values are outliers if the axis without them is at most this part as long, and if they are at most this part of all.
 const OUTLIER_SPAN: f64 = 0.5;
@@ -18,7 +18,8 @@ const OUTLIER_SHARE: f64 = 0.1;
 const OUTLIER_FACTOR: f64 = 4.0;
 
 impl LogAxis {
-    /// An axis that shows all positive `values` but outliers, between the coordinates `ends`. Without any, from 1 to 10.
+    /// An axis that shows all positive `values` but outliers, between the coordinates `ends`. Without any, from 1 to
+    /// 10.
     pub(super) fn over(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
         let mut values: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
         values.sort_by(f64::total_cmp);
@@ -68,7 +69,7 @@ impl LogAxis {
         all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
     }
 
-    /// Of the values to mark those of whole decades, where the others would stand closer than `least`.
+    /// The values to mark: whole decades alone where the others would be closer together than `least`.
     pub(super) fn ticks_apart(&self, least: f64) -> Vec<f64> {
         let ticks = self.ticks();
         let is_close = |pair: &[f64]| (self.at(pair[1]) - self.at(pair[0])).abs() < least;

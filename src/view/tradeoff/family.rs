@@ -14,7 +14,7 @@ pub enum Size {
 
 /// Resolutions of a family, as parts of the base recipe's on each axis.
 const SCALES: [f64; 5] = [0.4, 0.6, 0.8, 1.25, 1.5];
-/// What a single axis is scaled by.
+/// The factors that scale a single axis.
 const AXIS_SCALES: [f64; 2] = [0.6, 1.6];
 /// (samples, directions, steps) beside the presets'.
 const EFFORTS: [(u32, u32, u32); 21] = [
@@ -42,8 +42,8 @@ const EFFORTS: [(u32, u32, u32); 21] = [
 ];
 
 /// The recipes around `base`, which keeps its ranges, in a fixed order and each once. The presets at its layout,
-/// resolution and precision come first. What `base`'s ranges leave no room for is left out, and so are layouts that have
-/// other ranges only.
+/// resolution and precision come first. What `base`'s ranges leave no room for is left out, and so are layouts that
+/// have other ranges only.
 #[must_use]
 pub fn family(base: &Recipe, size: Size, entry_limit: u64) -> Vec<Recipe> {
     let mut found = Collector { entry_limit, recipes: Vec::new() };

@@ -12,7 +12,7 @@ use ltcforge_fit::{Expectation, Layout, PerAxis, Precision, Recipe, Spread, expe
 /// Configurations at which every table of a family is measured, the same for all, at nodes and again between them.
 pub const POINTS: usize = 512;
 
-/// What was measured of a recipe.
+/// The measurements of a recipe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {
     /// Processor time of the fit, of all threads together, seconds.

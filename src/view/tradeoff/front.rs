@@ -1,6 +1,7 @@
 //! Pareto fronts.
 
-/// Which of several `[price, error]` pairs are on the Pareto front, where no other is as good in both and better in one.
+/// Which of several `[price, error]` pairs are on the Pareto front, where no other is as good in both and better in
+/// one.
 ///
 /// Domain: finite numbers.
 #[must_use]
@@ -30,8 +31,8 @@ pub struct Fronts {
     pub seconds: bool,
     /// Error against bytes, of all rows.
     pub bytes: bool,
-    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision, between which presets
-    /// choose.
+    /// Error against seconds, of the rows with the base recipe's layout, resolution and precision, between which
+    /// presets choose.
     pub base: bool,
 }
 

@@ -21,7 +21,7 @@ impl Area {
         Self { left: x - half, top: y - half, width: 2.0 * half, height: 2.0 * half }
     }
 
-    /// What lies within `half` of a horizontal or vertical line between two points.
+    /// The box of the points within `half` of a horizontal or vertical line between two points.
     pub(super) fn along(a: [f64; 2], b: [f64; 2], half: f64) -> Self {
         let low = |axis: usize| a[axis].min(b[axis]) - half;
         let length = |axis: usize| (a[axis] - b[axis]).abs() + 2.0 * half;

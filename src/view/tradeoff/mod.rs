@@ -1,5 +1,5 @@
-//! The trade-off between speed, size and accuracy: the recipes that show it, the Pareto fronts, and how both are written
-//! and drawn. Beside the tables, the models that light a surface: tables and the closed form.
+//! The trade-off between speed, size and accuracy: the recipes that show it, the Pareto fronts, and how both are
+//! written and drawn. Beside the tables, the models that light a surface: tables and the closed form.
 //!
 //! Invariant: no clock and no file here. Callers measure and hand the results in.
 

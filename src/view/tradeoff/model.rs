@@ -47,14 +47,14 @@ pub struct ModelRows {
     pub mean_energy: f64,
     /// Pixels a side of the frame, [`FRAME_SIZE`].
     pub frame_size: u32,
-    /// What rendered it: an adapter's name, or `cpu`.
+    /// The renderer: an adapter's name, or `cpu`.
     pub adapter: String,
     /// The models.
     pub rows: Vec<ModelRow>,
 }
 
 impl ModelRow {
-    /// What pictures call it: the model, and its layout or rule where it has one.
+    /// Its name in pictures: the model, and its layout or rule where it has one.
     #[must_use]
     pub fn name(&self) -> String {
         match self.layout.map(Layout::name).or(self.weight.map(WeightRule::name)) {
@@ -105,8 +105,8 @@ pub fn stands_for_ltc(base: &Recipe, recipe: &Recipe) -> bool {
     is_paper && (recipe.resolution, recipe.precision) == (base.resolution, base.precision)
 }
 
-/// The recipes of fitted Gaussians: `base` with the effort of preset `paper`, for each lobe model that is one and that its
-/// layout stores.
+/// The recipes of fitted Gaussians: `base` with the effort of preset `paper`, for each lobe model that is one and that
+/// its layout stores.
 #[must_use]
 pub fn fitted_gaussians(base: &Recipe) -> Vec<Recipe> {
     let lobes = LobeModel::ALL.iter().filter(|lobe| lobe.gaussian().is_some() && base.layout.stores(**lobe));

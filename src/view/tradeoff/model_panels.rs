@@ -1,4 +1,5 @@
-//! The models in the picture: error of light against the time of a frame, against bytes, and against seconds of the fit.
+//! The models in the picture: error of light against the time of a frame, against bytes, and against seconds of the
+//! fit.
 
 use std::fmt::Write as _;
 
@@ -32,19 +33,20 @@ const MARK: f64 = 5.0;
 const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
 
-/// What a chart shows along its horizontal axis.
+/// A chart, by its horizontal axis.
 struct Chart {
     left: f64,
     title: &'static str,
     unit: String,
-    /// What a model costs; a second price is a hollow mark, joined to the first.
+    /// The cost of a model; a second price is a hollow mark, joined to the first.
     prices: fn(&ModelRow) -> (f64, Option<f64>),
-    /// What a table of the family costs.
+    /// The cost of a table of the family.
     of_table: Option<fn(&FittedRecipe) -> f64>,
     write_tick: fn(f64) -> String,
 }
 
-/// Writes the panels from the height `top` of the picture on: the models large and named, the tables of the family small.
+/// Writes the panels from the height `top` of the picture on: the models large and named, the tables of the family
+/// small.
 pub(super) fn write(out: &mut String, top: f64, family: &[FittedRecipe], models: &ModelRows) -> std::fmt::Result {
     let charts = [
         Chart {

@@ -58,7 +58,7 @@ text { fill: #24292f; fill: var(--ink) }
 .end { text-anchor: end }
 ";
 
-/// What a chart shows along its horizontal axis.
+/// A chart, by its horizontal axis.
 struct Chart {
     left: f64,
     title: &'static str,
@@ -220,7 +220,7 @@ fn staircase(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
 
 fn write_front(out: &mut String, class: &str, corners: &[[f64; 2]]) -> std::fmt::Result {
     let Some(([x, y], rest)) = corners.split_first() else { return Ok(()) };
-    // Of two corners the first ends a horizontal line, the second a vertical one.
+    // Corners come in pairs: the first ends a horizontal line, the second a vertical one.
     let steps = rest.chunks_exact(2).map(|pair| format!("H{:.1}V{:.1}", pair[1][0], pair[1][1]));
     writeln!(out, r#"<path class="{class}" d="M{x:.1} {y:.1}{}"/>"#, steps.collect::<String>())
 }
@@ -307,7 +307,7 @@ pub(super) mod tests {
         ];
         let svg = picture(&rows, &models());
         assert!(!svg.contains("off:"));
-        // What ships has a mark of its own, in the chart of bytes alone.
+        // The shipped size has a mark of its own, in the chart of bytes alone.
         assert_eq!(svg.matches("l4 -4l4 4l-4 4Z").count(), rows.len());
         rows.push(row(2.0, 0.934, None));
         let svg = picture(&rows, &models());

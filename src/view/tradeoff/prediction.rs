@@ -7,9 +7,9 @@ use super::FittedRecipe;
 /// Measured over predicted: least, median and greatest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OffBy {
-    /// Of the seconds. A factor that all three share is the machine's speed.
+    /// The quotients of seconds. A factor that all three share is the machine's speed.
     pub seconds: [f64; 3],
-    /// Of the mean error.
+    /// The quotients of mean errors.
     pub error: [f64; 3],
 }
 

@@ -1,4 +1,4 @@
-//! What makes numbers a BRDF.
+//! Checks that numbers are a BRDF.
 
 use super::{TabulatedAxes, TabulatedBrdf, TabulatedFault, fault::COUNT};
 
@@ -13,9 +13,10 @@ impl TabulatedBrdf {
     /// The BRDF of these values, row by row of the last axis: per steradian and without the cosine.
     ///
     /// # Errors
-    /// All faults at once: axes that do not ascend, lie outside their ranges or do not span the hemisphere; values that are
-    /// too many, too few, negative or no numbers; and, where axes and number of values are right, more than [`MOST_ALBEDO`]
-    /// or nothing at all of even light reflected. Values that are negative or no numbers count as zero there.
+    /// All faults at once: axes that do not ascend, lie outside their ranges or do not span the hemisphere; values that
+    /// are too many, too few, negative or no numbers; and, where axes and number of values are right, more than
+    /// [`MOST_ALBEDO`] or nothing at all of even light reflected. Values that are negative or no numbers count as zero
+    /// there.
     pub fn new(mut axes: TabulatedAxes, mut values: Vec<f64>) -> Result<Self, Vec<TabulatedFault>> {
         let mut faults = Vec::new();
         axes.check(&mut faults);

@@ -1,12 +1,12 @@
 //! The faults of tabulated BRDFs.
 
-/// What is wrong with a tensor of a tabulated BRDF.
+/// A fault in a tensor of a tabulated BRDF.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("tensor «{tensor}»: {detail}")]
 pub struct TabulatedFault {
     /// Which tensor.
     pub tensor: &'static str,
-    /// What is wrong with it: the number, and what is allowed.
+    /// The fault: the number, and what is allowed.
     pub detail: String,
 }
 
@@ -18,5 +18,5 @@ impl TabulatedFault {
     }
 }
 
-/// What a fault of the count says.
+/// The ending of a message about the number of values.
 pub(super) const COUNT: &str = "; the axes need ";

@@ -3,8 +3,8 @@
 use super::TabulatedAxes;
 use crate::math::{sin, sin_cos};
 
-/// Nodes and weights of the Gauss-Legendre rule of eight points on [-1, 1], for its positive half. Over a quarter turn it is
-/// exact to the last digits for `(a + b x) sin(2 x)`.
+/// Nodes and weights of the Gauss-Legendre rule of eight points on [-1, 1], for its positive half. Over a quarter turn
+/// it is exact to the last digits for `(a + b x) sin(2 x)`.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -19,8 +19,8 @@ const GAUSS: [(f64, f64); 4] = [
 /// E(alpha, theta_o) = 2 int_0^(pi/2) int_0^pi f dphi cos(theta_i) sin(theta_i) dtheta_i
 /// ```
 ///
-/// The integral over `phi` of a linear interpolation is the trapezoid rule's, that over `theta_i` one of `(a + b x) sin(2 x)`:
-/// both are exact, so what samples are drawn by is the interpolated function itself.
+/// The integral over `phi` of a linear interpolation is the trapezoid rule's, that over `theta_i` one of
+/// `(a + b x) sin(2 x)`: both are exact, so what samples are drawn by is the interpolated function itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedBrdf {
     axes: TabulatedAxes,
@@ -28,8 +28,8 @@ pub struct TabulatedBrdf {
     pub(super) values: Vec<f64>,
     /// `int_0^phi f` at the nodes.
     pub(super) below: Vec<f64>,
-    /// For each interval of `theta_i`, of which `x` is the part from its lower end: the integrals of `(1 - x) sin cos` and of
-    /// `x sin cos`.
+    /// For each interval of `theta_i`, of which `x` is the part from its lower end: the integrals of `(1 - x) sin cos`
+    /// and of `x sin cos`.
     pub(super) moments: Vec<[f64; 2]>,
     /// `E` at the nodes of `alpha` and `theta_o`.
     albedo: Vec<f64>,
@@ -111,7 +111,7 @@ impl TabulatedBrdf {
         &self.values
     }
 
-    /// What is reflected of even light, at the nodes of `alpha` and `theta_o`.
+    /// The albedo under uniform light, at the nodes of `alpha` and `theta_o`.
     #[must_use]
     pub fn albedos(&self) -> &[f64] {
         &self.albedo
@@ -144,8 +144,8 @@ impl TabulatedBrdf {
         sum
     }
 
-    /// How far the values at nodes are from those with view and light exchanged, interpolated. Lights beyond the last view
-    /// have none to compare with. `None` where nothing can be compared.
+    /// How far the values at nodes are from those with view and light exchanged, interpolated. Lights beyond the last
+    /// view have none to compare with. `None` where nothing can be compared.
     #[must_use]
     pub fn asymmetry(&self) -> Option<Asymmetry> {
         let axes = &self.axes;
@@ -177,7 +177,7 @@ impl TabulatedBrdf {
     }
 }
 
-/// What each interval of `theta_i` reflects on one side, from the integrals over `phi` at its ends.
+/// The light that each interval of `theta_i` reflects on one side, from the integrals over `phi` at its ends.
 pub(super) fn masses(rings: &[f64], moments: &[[f64; 2]]) -> impl Iterator<Item = f64> {
     rings.windows(2).zip(moments).map(|(ends, [low, high])| ends[0] * low + ends[1] * high)
 }

@@ -84,7 +84,7 @@ struct Inverse<'a> {
     corners: [(usize, f64); 4],
     /// The integral over `phi` at each node of `theta_i`.
     rings: Vec<f64>,
-    /// What is reflected below each node of `theta_i`, on one side.
+    /// The light reflected below each node of `theta_i`, on one side.
     below: Vec<f64>,
 }
 

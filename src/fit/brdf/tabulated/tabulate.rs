@@ -12,9 +12,9 @@ const FROM_HORIZON: f64 = 1e-4;
 const LAST_VIEW: f64 = 1.483_529_864_195_18;
 
 impl TabulatedAxes {
-    /// Axes that suit most models: `thetas` polar angles from 0 to pi/2, `1 - (1 - u)^2` of the way, so that they lie closer
-    /// towards the horizon, the same for lights and for views, which end at 85 degrees; and `phis` even azimuths. Domain: two at
-    /// least of each.
+    /// Axes that suit most models: `thetas` polar angles from 0 to pi/2, `1 - (1 - u)^2` of the way, so that they lie
+    /// closer towards the horizon, the same for lights and for views, which end at 85 degrees; and `phis` even
+    /// azimuths. Domain: two at least of each.
     #[must_use]
     pub fn spread(alpha: Vec<f64>, thetas: u16, phis: u16) -> Self {
         let even = |n: u16| (0..n).map(move |i| f64::from(i) / f64::from(n - 1));
@@ -25,8 +25,8 @@ impl TabulatedAxes {
 }
 
 impl TabulatedBrdf {
-    /// A model of formulas at these nodes. Domain: as [`BrdfKind::surface`]; of an anisotropic model, its surfaces of equal
-    /// roughnesses. A file without `alpha` has the roughest surface.
+    /// A model of formulas at these nodes. Domain: as [`BrdfKind::surface`]; of an anisotropic model, its surfaces of
+    /// equal roughnesses. A file without `alpha` has the roughest surface.
     ///
     /// # Errors
     /// As [`TabulatedBrdf::new`]: linear interpolation between few nodes reflects more light than a sharp lobe does.

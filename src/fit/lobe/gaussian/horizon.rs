@@ -10,9 +10,9 @@ const ANGLES: u32 = 256;
 
 /// The square of the radius, in deviations, at which the horizon cuts the ray of the plane towards `s`.
 ///
-/// `s` is a combination of both deviations `cos d1 + sin d2`, with the height `s_z`; the axis has the height `r_z`. A great
-/// circle from the axis along `t = s / |s|` meets the horizon where `r_z cos a + t_z sin a = 0`. The equal-area projection
-/// has it at `|d|^2 = 2 (1 - cos a)`, and the ray has `|d| = radius |s|`:
+/// `s` is a combination of both deviations `cos d1 + sin d2`, with the height `s_z`; the axis has the height `r_z`. A
+/// great circle from the axis along `t = s / |s|` meets the horizon where `r_z cos a + t_z sin a = 0`. The equal-area
+/// projection has it at `|d|^2 = 2 (1 - cos a)`, and the ray has `|d| = radius |s|`:
 ///
 /// ```text
 /// radius^2 = 2 (1 + h) / |s|^2,    h = s_z / sqrt(s_z^2 + r_z^2 |s|^2)

@@ -17,7 +17,8 @@ const NOTHING_BEYOND: f64 = 40.0;
 struct Point {
     around: f64,
     outwards: f64,
-    /// What of the map holds for every Gaussian that the horizon does not cut: cosine and sine of the angle, the radius.
+    /// The image of the point by every Gaussian that the horizon does not cut: cosine and sine of the angle, and the
+    /// radius.
     cos: f64,
     sin: f64,
     radius: f64,
@@ -25,9 +26,9 @@ struct Point {
 
 /// Fixed points of the unit square, whose images under a map of each Gaussian have its density above the horizon.
 ///
-/// In the plane of deviations a ray has the part `1 - exp(-radius^2)` up to the radius. With `q` of the `W` of it that is
-/// above the horizon the radius is `sqrt(-ln(1 - q W))`. The angle of the ray is that at which the cumulative sum of `W`
-/// over sectors reaches the point's part, by linear interpolation.
+/// In the plane of deviations a ray has the part `1 - exp(-radius^2)` up to the radius. With `q` of the `W` of it that
+/// is above the horizon the radius is `sqrt(-ln(1 - q W))`. The angle of the ray is that at which the cumulative sum of
+/// `W` over sectors reaches the point's part, by linear interpolation.
 #[derive(Debug)]
 pub(crate) struct Images {
     points: Vec<Point>,

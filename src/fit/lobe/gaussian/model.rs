@@ -42,9 +42,9 @@ impl LobeModelRules for GaussianLobeModel {
         }
     }
 
-    /// A round Gaussian is told by its axis and its area: its deviations may be those of the reflection, scaled, which change
-    /// with roughness and view like the reflection's own. Round ones, relative to the long and thin ones of a grazing view,
-    /// grow without bound.
+    /// A round Gaussian is told by its axis and its area: its deviations may be those of the reflection, scaled, which
+    /// change with roughness and view like the reflection's own. Round ones, relative to the long and thin ones of a
+    /// grazing view, grow without bound.
     fn relative_to(&self, reflection: &DMat3, matrix: &DMat3) -> DMat3 {
         let columns = |m: &DMat3| [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
         let area = |shape: &SphericalGaussian<f64>| shape.peak();
@@ -67,7 +67,7 @@ const SECTORS: usize = 256;
 struct AboveHorizon {
     shape: SphericalGaussian<f64>,
     deviations: [DVec3; 2],
-    /// What is above the horizon in the sectors before each edge, as parts of all.
+    /// The part of the distribution above the horizon in the sectors before each edge.
     before: Vec<f64>,
     /// The part of the plane that is above the horizon.
     above: f64,
@@ -100,7 +100,8 @@ impl AboveHorizon {
 }
 
 impl LobeDistribution for AboveHorizon {
-    /// By the inverse of the cumulative distributions: around the axis, which is tabulated, and outwards, in closed form.
+    /// By the inverse of the cumulative distributions: around the axis, which is tabulated, and outwards, in closed
+    /// form.
     fn sample(&self, [around, outwards]: [f64; 2]) -> DVec3 {
         let sector = self.before.partition_point(|part| *part <= around).clamp(1, SECTORS) - 1;
         let (from, to) = (self.before[sector], self.before[sector + 1]);

@@ -7,11 +7,11 @@ use crate::{
 };
 
 /// Beside the vertices an edge has two more points: as many deviations before and after where it passes closest to the
-/// middle. Of 0.5 to 1.2, the number for which random lights have the least error; more points follow the Gaussian closer,
-/// and the lobe of GGX, whose tails are longer, less.
+/// middle. Of 0.5 to 1.2, the number for which random lights have the least error; more points follow the Gaussian
+/// closer, and the lobe of GGX, whose tails are longer, less.
 const BESIDE_FOOT: f64 = 0.7;
-/// The square of the cosine between the axis and an edge's foot: below the first number the edge has its middle in place of
-/// the foot, between them what lies between.
+/// The square of the cosine between the axis and an edge's foot: below the first number the edge has its middle in
+/// place of the foot, between them what lies between.
 const FAR: [f64; 2] = [0.005, 0.02];
 /// The sine of the angle behind the axis from which on an end is behind it.
 const BEHIND: f64 = 0.25;
@@ -27,10 +27,10 @@ fn half_erf<T: Scalar>(x: T) -> T {
 
 /// The part of a Gaussian of weight one that a convex polygon covers, in [0, 1].
 ///
-/// `(x, y) -> (erf x, erf y) / 2` maps the plane to a square of area one, and `exp(-x^2 - y^2) / pi dx dy` to the area of the
-/// square. So what is covered is the area of the polygon's image there; edges are followed by the straight lines between
-/// their ends and two points around their foot, the point closest to the middle. Far from the middle all is in the corners
-/// and on the sides of the square: in the limit of a mirror the part is 1 or 0 exactly.
+/// `(x, y) -> (erf x, erf y) / 2` maps the plane to a square of area one, and `exp(-x^2 - y^2) / pi dx dy` to the area
+/// of the square. So what is covered is the area of the polygon's image there; edges are followed by the straight lines
+/// between their ends and two points around their foot, the point closest to the middle. Far from the middle all is in
+/// the corners and on the sides of the square: in the limit of a mirror the part is 1 or 0 exactly.
 #[must_use]
 pub fn covered<T: Scalar>(lobe: &SphericalGaussian<T>, vertices: &[Triple<T>], sides: Sides) -> T {
     let Some(last) = vertices.last() else { return T::ZERO };
@@ -108,7 +108,8 @@ impl<T: Scalar> Square<'_, T> {
     }
 }
 
-/// 1 where an edge's foot is so far from the axis that its position is uncertain, 0 where it is well known; see [`FAR`].
+/// 1 where an edge's foot is so far from the axis that its position is uncertain, 0 where it is well known; see
+/// [`FAR`].
 fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> T {
     let normal = cross(from, to);
     let (height, normal2) = (dot(normal, lobe.axis), dot(normal, normal).max(T::of(1e-36)));
@@ -116,18 +117,18 @@ fn is_far<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>
     far.max(T::ZERO).min(T::ONE)
 }
 
-/// Two parts of an edge, from 0 to 1 and in order, at which it lies [`BESIDE_FOOT`] deviations before and after its foot; its
-/// ends where it does not lie there.
+/// Two parts of an edge, from 0 to 1 and in order, at which it lies [`BESIDE_FOOT`] deviations before and after its
+/// foot; its ends where it does not lie there.
 ///
-/// In the central projection around the axis an edge is straight. With `(x, y, z)` the products of a direction with the rows
-/// and the axis, the edge runs along `e`, perpendicular to the first two of `a x b`, and is `s` deviations beyond its foot
-/// where `e . (x, y) = s z`.
+/// In the central projection around the axis an edge is straight. With `(x, y, z)` the products of a direction with the
+/// rows and the axis, the edge runs along `e`, perpendicular to the first two of `a x b`, and is `s` deviations beyond
+/// its foot where `e . (x, y) = s z`.
 ///
-/// - An edge to behind the axis turns by up to half a turn around it, most of it far away. Its two points are the foot and where
-///   it passes: so it turns by a quarter at most between two of its points, and a straight line between their images stays
-///   on its side of the middle. An end that is hardly behind, by [`BEHIND`], has what lies between.
-/// - A foot a quarter of a turn away from the axis may be anywhere, and rounding would say where: the middle of such an edge
-///   takes its place.
+/// - An edge to behind the axis turns by up to half a turn around it, most of it far away. Its two points are the foot
+///   and where it passes: so it turns by a quarter at most between two of its points, and a straight line between their
+///   images stays on its side of the middle. An end that is hardly behind, by [`BEHIND`], has what lies between.
+/// - A foot a quarter of a turn away from the axis may be anywhere, and rounding would say where: the middle of such an
+///   edge takes its place.
 fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Triple<T>) -> [T; 2] {
     let seen = |w: Triple<T>| [dot(w, lobe.rows[0]), dot(w, lobe.rows[1]), dot(w, lobe.axis)];
     let (a, b) = (seen(from), seen(to));

@@ -18,8 +18,8 @@ pub struct SphericalGaussian<T> {
 }
 
 impl<T: Scalar> SphericalGaussian<T> {
-    /// The Gaussian around an axis whose deviations, where x or y is one, are these vectors perpendicular to it; for a round
-    /// one the same area, round. Domain: an axis of length one.
+    /// The Gaussian around an axis whose deviations, where x or y is one, are these vectors perpendicular to it; for a
+    /// round one the same area, round. Domain: an axis of length one.
     #[must_use]
     pub fn new(gaussian: Gaussian, axis: Triple<T>, deviations: [Triple<T>; 2]) -> Self {
         Self { axis, rows: dual(gaussian, axis, deviations) }
@@ -28,9 +28,9 @@ impl<T: Scalar> SphericalGaussian<T> {
     /// The Gaussian of a table's matrix, by columns: the third is the axis, up to its length, and the other two are the
     /// deviations in units of that length, up to what lies along the axis.
     ///
-    /// A sharp Gaussian is then where the LTC of the same matrix is, and about as wide. Like that, it stays the same when the
-    /// first two columns turn into each other, and when the matrix is scaled. So layouts store both in the same way. An axis
-    /// below the horizon, which interpolation may leave, is raised onto it.
+    /// A sharp Gaussian is then where the LTC of the same matrix is, and about as wide. Like that, it stays the same
+    /// when the first two columns turn into each other, and when the matrix is scaled. So layouts store both in the
+    /// same way. An axis below the horizon, which interpolation may leave, is raised onto it.
     #[must_use]
     pub fn of_columns(gaussian: Gaussian, [x, y, z]: [Triple<T>; 3]) -> Self {
         let length = dot(z, z).sqrt().max(T::SHORTEST);
@@ -40,8 +40,8 @@ impl<T: Scalar> SphericalGaussian<T> {
         Self::new(gaussian, axis, [across(x), across(y)])
     }
 
-    /// The vectors by which a direction moves from the axis for one in x, and for one in y: what [`SphericalGaussian::new`]
-    /// takes.
+    /// The vectors by which a direction moves from the axis for one in x, and for one in y: what
+    /// [`SphericalGaussian::new`] takes.
     #[must_use]
     pub fn deviations(&self) -> [Triple<T>; 2] {
         dual(Gaussian::Asg, self.axis, self.rows)

@@ -18,8 +18,8 @@ impl LobeModelRules for LtcLobeModel {
 }
 
 impl LobeDistribution for Ltc {
-    /// By another map of the square than [`Ltc::sample`], which resembles that of the fit's loss: a report shares no code
-    /// with the loss.
+    /// By another map of the square than [`Ltc::sample`], which resembles that of the fit's loss: a report shares no
+    /// code with the loss.
     fn sample(&self, u: [f64; 2]) -> DVec3 {
         (self.matrix() * concentric_cosine(u)).normalize()
     }

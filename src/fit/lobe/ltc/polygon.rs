@@ -91,8 +91,8 @@ impl<T: Scalar> Clip<T> {
         self.enters = unit(direction);
     }
 
-    /// Adds a curved border between two directions, all of it above the horizon: `integral` is that of `(p x dp)_z / |p|^2`
-    /// along it.
+    /// Adds a curved border between two directions, all of it above the horizon: `integral` is that of
+    /// `(p x dp)_z / |p|^2` along it.
     pub fn border(&mut self, ends: [[T; 3]; 2], integral: T) {
         // In place of the chord between the ends, with `o` as in `arc`.
         let [p, q] = ends.map(unit);
@@ -140,9 +140,9 @@ impl Ltc {
         covered.clamp(0.0, 1.0)
     }
 
-    /// The vector form factor of a convex polygon in cosine space, without a horizon, towards the polygon: of the length
-    /// `sin^2 sigma` of a cap of half angle sigma. What the horizon leaves of it, [`super::clipped_form_factor`] guesses by
-    /// the sphere of the same vector form factor [Hill and Heitz 2016].
+    /// The vector form factor of a convex polygon in cosine space, without a horizon, towards the polygon: of the
+    /// length `sin^2 sigma` of a cap of half angle sigma. What the horizon leaves of it, [`super::clipped_form_factor`]
+    /// guesses by the sphere of the same vector form factor [Hill and Heitz 2016].
     ///
     /// Zero for fewer than three vertices. Domain: finite vertices; a polygon that the origin does not lie in.
     #[must_use]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::math::atan2;
 
-/// What a clipped cap of directions is seen as, as a part of what it were seen as without a horizon, straight ahead: the
+/// The form factor of a cap that the horizon clips, over that of the same cap unclipped and straight ahead: the
 /// cosine-weighted solid angle of its part above the horizon, over `pi length`.
 ///
 /// `cos_elevation` is the cosine `c` between the cap's axis and the normal. `length` is that of its vector form factor,
@@ -31,7 +31,8 @@ pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
     if c.abs() >= sin_sigma {
         return c.max(0.0);
     }
-    // tau and beta by sine and cosine up to one length each, since sin^2 sigma s^2 - cos^2 sigma c^2 = sin^2 sigma - c^2.
+    // tau and beta by sine and cosine up to one length each, since sin^2 sigma s^2 - cos^2 sigma c^2 = sin^2 sigma -
+    // c^2.
     let met = (length - c * c).sqrt();
     let tau = atan2(met, -cos_sigma * c);
     let beta = atan2(met, cos_sigma);
@@ -39,13 +40,14 @@ pub fn clipped_form_factor(cos_elevation: f64, length: f64) -> f64 {
     (seen / (PI * length)).max(0.0)
 }
 
-/// [`clipped_form_factor`] by two additions and a division: `(length + c) / (length + 1)`, zero where that is below zero
-/// [Hill and Heitz 2016].
+/// [`clipped_form_factor`] by two additions and a division: `(length + c) / (length + 1)`, zero where that is below
+/// zero [Hill and Heitz 2016].
 ///
-/// It is exact for a light straight above and for one without width. Any other it takes for brighter: by up to 0.180 at `length` 0.64
-/// and `c` 0.225, and by 0.106 where the cap does not meet the horizon; for darker by 0.029 at most. As a part of the light of
-/// a hemisphere, which is `length` times that, it is off by 0.042 on average over `c` and `length`, by +0.135 (`length` 0.82, `c`
-/// 0.165) and -0.0075 at most, and by +0.051 where the cap does not meet the horizon.
+/// It is exact for a light straight above and for one without width. Any other it takes for brighter: by up to 0.180 at
+/// `length` 0.64 and `c` 0.225, and by 0.106 where the cap does not meet the horizon; for darker by 0.029 at most. As a
+/// part of the light of a hemisphere, which is `length` times that, it is off by 0.042 on average over `c` and
+/// `length`, by +0.135 (`length` 0.82, `c` 0.165) and -0.0075 at most, and by +0.051 where the cap does not meet the
+/// horizon.
 #[must_use]
 pub fn cheap_form_factor(cos_elevation: f64, length: f64) -> f64 {
     ((length + cos_elevation) / (length + 1.0)).max(0.0)

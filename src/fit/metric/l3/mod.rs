@@ -6,17 +6,18 @@
 //! loss = (integral |g - D|^3 / integral g^3)^(1/3)
 //! ```
 //!
-//! Heitz et al. minimise the integral of `|f cos - albedo D|^3`. It has the same minimum: it is the cube of this, up to a
-//! factor of the lobe's own. Their albedo is the norm of the LTC, as here.
+//! Heitz et al. minimise the integral of `|f cos - albedo D|^3`. It has the same minimum: it is the cube of this, up to
+//! a factor of the lobe's own. Their albedo is the norm of the LTC, as here.
 //!
-//! The integral is estimated from samples of both densities, weighed by the balance heuristic [Veach and Guibas 1995]: with
-//! `n_b` samples of the lobe and `n_l` of the LTC, a sample `w` of either counts `|g - D|^3 / (n_b p_b(w) + n_l D(w))`.
-//! Below the horizon, where a BRDF's sampler may draw too, only the samples of the LTC count, and `p_b` is zero.
+//! The integral is estimated from samples of both densities, weighed by the balance heuristic [Veach and Guibas 1995]:
+//! with `n_b` samples of the lobe and `n_l` of the LTC, a sample `w` of either counts
+//! `|g - D|^3 / (n_b p_b(w) + n_l D(w))`. Below the horizon, where a BRDF's sampler may draw too, only the samples of
+//! the LTC count, and `p_b` is zero.
 //!
-//! [`Loss::value`] moves the samples of the LTC with its matrix, as the code of 2017 does. A gradient through moving samples
-//! would need that of the BRDF. [`Loss::value_and_gradient`] leaves the samples of the LTC, and the densities by which all
-//! are weighed, where they are at its first matrix. It is then a smooth function of the matrix, whose gradient is exact, and
-//! an estimate of the same integral; the nearer the matrix stays to the first one, the better.
+//! [`Loss::value`] moves the samples of the LTC with its matrix, as the code of 2017 does. A gradient through moving
+//! samples would need that of the BRDF. [`Loss::value_and_gradient`] leaves the samples of the LTC, and the densities
+//! by which all are weighed, where they are at its first matrix. It is then a smooth function of the matrix, whose
+//! gradient is exact, and an estimate of the same integral; the nearer the matrix stays to the first one, the better.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -221,7 +222,7 @@ impl<'a> L3Loss<'a> {
         own.chain(of_ltc).collect()
     }
 
-    /// Of how many samples of the lobe one is taken.
+    /// The step through the lobe's samples: a coarse evaluation takes every n-th.
     fn stride(&self, grain: Grain) -> usize {
         match grain {
             Grain::Coarse => (self.cosines[1].len() / self.cosines[0].len()).max(1),

@@ -78,7 +78,7 @@ impl Histogram {
         }
     }
 
-    /// What lies below the node after each drained cell.
+    /// The counts below the node after each drained cell.
     pub(super) fn below(&self) -> &[i32] {
         &self.below
     }

@@ -32,13 +32,13 @@ use crate::{
 
 /// Directions whose gradients are added to the samples together.
 const GROUP: usize = 4;
-/// Of the samples and of the directions, a coarse evaluation takes one in so many, but this many samples at least.
+/// A coarse evaluation takes every n-th sample and every n-th direction, but at least [`LEAST_COARSE`] samples.
 const COARSE_SAMPLES: usize = 4;
 const COARSE_DIRECTIONS: usize = 2;
 const LEAST_COARSE: usize = 64;
 
-/// Seconds of one evaluation of loss and gradient, for each sample and direction; those of the lobe's projections and of
-/// the measured error are in it.
+/// Seconds of one evaluation of loss and gradient, for each sample and direction; those of the lobe's projections and
+/// of the measured error are in it.
 const EVALUATION_SECONDS: f64 = 2.4e-9;
 /// Seconds of one evaluation for each direction, whatever the number of samples: the histograms.
 const DIRECTION_SECONDS: f64 = 0.48e-6;
@@ -136,7 +136,7 @@ impl Buffers {
     }
 }
 
-/// What the gradient needs of one direction.
+/// The data of one direction that the gradient needs.
 #[derive(Debug)]
 struct Row {
     /// Where each sample is among the direction's nodes.
@@ -207,7 +207,7 @@ impl<'a> SlicedLoss<'a> {
         work.prepare(samples.len());
         for (to, from) in [&mut work.x, &mut work.y, &mut work.z].into_iter().zip(offsets) {
             to[..*count].copy_from_slice(&from[..*count]);
-            // What fills up the arrays are directions too.
+            // The padding of the arrays consists of directions too.
             to[*count..].fill(0.0);
         }
     }
@@ -238,7 +238,7 @@ impl<'a> SlicedLoss<'a> {
         self.slices.len().div_ceil(Self::stride(grain)) * self.samples[grain as usize].count
     }
 
-    /// Of how many directions one is taken.
+    /// The step through the directions: a coarse evaluation takes every n-th.
     fn stride(grain: Grain) -> usize {
         match grain {
             Grain::Coarse => COARSE_DIRECTIONS,

@@ -30,7 +30,7 @@ impl CosineSamples {
             numbers
         };
         let mut z = coordinate(|c| c.z);
-        // What fills up the arrays is a direction too.
+        // The padding of the arrays is a direction too.
         z[count..].fill(1.0);
         Self { count, lattice, x: coordinate(|c| c.x), y: coordinate(|c| c.y), z }
     }

@@ -1,7 +1,7 @@
 //! One lobe's Gaussian by BFGS.
 //!
-//! The numbers are those of the LTC without its slope, for the columns of [`SphericalGaussian::of_columns`]: in the lobe's
-//! frame, with `C^2` and `c` the block and the centre of a first guess,
+//! The numbers are those of the LTC without its slope, for the columns of [`SphericalGaussian::of_columns`]: in the
+//! lobe's frame, with `C^2` and `c` the block and the centre of a first guess,
 //!
 //! ```text
 //! [x y] = C (I + A) C,    z = (c + C^2 a, 1)      A symmetric, for a round Gaussian a multiple of I
@@ -11,8 +11,8 @@
 //! exponentially.
 //!
 //! The gradient by directions is the metric's; how directions move with the numbers is found by differences of fixed
-//! steps. They are differences of a smooth map, so that its digits are hardly lost, and the sum over samples has no noise of
-//! the metric's.
+//! steps. They are differences of a smooth map, so that its digits are hardly lost, and the sum over samples has no
+//! noise of the metric's.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
@@ -32,8 +32,9 @@ use crate::{
 const DEVIATION2_OVER_SCATTER: f64 = 5.0;
 /// Step of the differences. All numbers are of order one; see [`super`].
 const STEP: f64 = 1e-5;
-/// Cost of deviations of length one, growing with the fourth power, in units of the lobe's width: without it the Gaussian of
-/// a lobe that is nearly even over the hemisphere would be infinitely wide. It hardly changes those of other lobes.
+/// Cost of deviations of length one, growing with the fourth power, in units of the lobe's width: without it the
+/// Gaussian of a lobe that is nearly even over the hemisphere would be infinitely wide. It hardly changes those of
+/// other lobes.
 const BREADTH_COST: f64 = 1e-4;
 /// Work of an image, in projections of a sample on a direction.
 const IMAGE_WORK: usize = 20;
@@ -129,8 +130,8 @@ impl<'a, 'b> Search<'a, 'b> {
         Self { family, loss, inv_spread, grain, images, to_lobe, base: Vec::new(), moved: Vec::new() }
     }
 
-    /// Loss and cost, and their gradient by the free numbers: that of the loss by the images' directions is exact, and these
-    /// move by differences. `None` when `stop_check` stops the search.
+    /// Loss and cost, and their gradient by the free numbers: that of the loss by the images' directions is exact, and
+    /// these move by differences. `None` when `stop_check` stops the search.
     fn at(&mut self, v: &Vector, stop_check: &mut StopCheck) -> Option<(f64, Vector)> {
         let Self { family, loss, inv_spread, grain, images, to_lobe, base, moved } = self;
         let (block, _) = family.parts(v);
@@ -183,7 +184,7 @@ pub(crate) fn in_arrays(offsets: &[DVec3]) -> Offsets {
     [|o: &DVec3| o.x, |o: &DVec3| o.y, |o: &DVec3| o.z].map(|of| offsets.iter().map(|o| of(o) as f32).collect())
 }
 
-/// What the distance changes by, to first order, where directions move from `base` to `moved`.
+/// The change of the distance, to first order, where directions move from `base` to `moved`.
 fn pulled([x, y, z]: &Offsets, base: &[DVec3], moved: &[DVec3]) -> f64 {
     let slopes = x.iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z)));
     slopes.zip(base).zip(moved).map(|((slope, base), moved)| slope.dot(*moved - *base)).sum()
@@ -270,7 +271,7 @@ mod tests {
             let m = DMat3::from_cols(x * a, y * b, axis);
             let found = fitted(Gaussian::Asg, &planted(LobeModel::Asg, &m, NO_MIRRORS));
             assert!((found.z_axis - axis).length() < 0.05 * a, "{a} {b}: {} not {axis}", found.z_axis);
-            // What does not depend on how the deviations are turned in their plane: the square of the block.
+            // The square of the block does not depend on how the deviations are turned in their plane.
             let square = |m: DMat3| {
                 [[x, x], [x, y], [y, y]]
                     .map(|[u, v]| m.x_axis.dot(u) * m.x_axis.dot(v) + m.y_axis.dot(u) * m.y_axis.dot(v))

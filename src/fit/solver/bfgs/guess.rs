@@ -15,9 +15,9 @@ pub(crate) struct Guess {
 }
 
 impl Guess {
-    /// For a sharp lobe the block is `sqrt(2 S)` with the scatter `S` of [`LobeCore`]. The clamped cosine itself, `M = I`,
-    /// has a scatter of 0.2 along either axis and needs a factor of 5 in place of 2. In between, the factor is linear
-    /// in the trace.
+    /// For a sharp lobe the block is `sqrt(2 S)` with the scatter `S` of [`LobeCore`]. The clamped cosine itself,
+    /// `M = I`, has a scatter of 0.2 along either axis and needs a factor of 5 in place of 2. In between, the factor is
+    /// linear in the trace.
     pub(crate) fn of(core: &LobeCore) -> Self {
         let trace = core.scatter.x_axis.x + core.scatter.y_axis.y;
         Self { root: symmetric_sqrt(symmetric_sqrt(core.scatter * (2.0 + 7.5 * trace))), centre: core.centre }

@@ -45,8 +45,8 @@ const EVALUATIONS: u32 = 9;
 /// The slope's part of [`curvature`], in units of the lobe's width.
 const SLOPE_CURVATURE: f64 = 8.0;
 
-/// About the diagonal of the inverse Hessian. The first five numbers are of order one for every lobe. The slope changes a
-/// lobe the less the sharper it is; that of a sharp one is not to follow the samples' noise.
+/// About the diagonal of the inverse Hessian. The first five numbers are of order one for every lobe. The slope changes
+/// a lobe the less the sharper it is; that of a sharp one is not to follow the samples' noise.
 fn curvature(spread: f64) -> Vector {
     let slope = SLOPE_CURVATURE * spread;
     [1.0, 1.0, 1.0, 1.0, 1.0, slope, slope]

@@ -11,8 +11,8 @@ type Vertex<const N: usize> = ([f64; N], f64);
 /// The point with the lowest value that at most `steps` steps find from the simplex of `start` and of the points `side`
 /// away from it along each variable; `None` when `value` gives up.
 ///
-/// Reflection, expansion, contraction and shrinking have their usual factors of 1, 2, 1/2 and 1/2. Of two equal values the
-/// one that was found first counts as lower. A value that is not a number counts as the highest.
+/// Reflection, expansion, contraction and shrinking have their usual factors of 1, 2, 1/2 and 1/2. Of two equal values
+/// the one that was found first counts as lower. A value that is not a number counts as the highest.
 pub(super) fn minimise<const N: usize>(
     start: [f64; N],
     side: f64,

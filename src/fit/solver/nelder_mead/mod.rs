@@ -1,6 +1,7 @@
 //! One isotropic lobe's matrix by Nelder and Mead's simplex, as Heitz et al. 2016 and the code of 2017 find it.
 //!
-//! In the frame of the lobe's mean direction, whose y axis is perpendicular to the plane of incidence, three numbers make
+//! In the frame of the lobe's mean direction, whose y axis is perpendicular to the plane of incidence, three numbers
+//! make
 //!
 //! ```text
 //!     | m11  0  m13 |                       | m11  0   0 |
@@ -9,12 +10,12 @@
 //! ```
 //!
 //! The mean direction is the lobe's own and is not searched. That leaves one number less than the distribution has, and
-//! entries that change smoothly with their lobes. Where lobes are not symmetric in a plane of incidence, three numbers are
-//! too few: recipes with this solver have a ratio of one.
+//! entries that change smoothly with their lobes. Where lobes are not symmetric in a plane of incidence, three numbers
+//! are too few: recipes with this solver have a ratio of one.
 //!
-//! The simplex searches the logarithms of `m11` and `m22` over those of the start, and the shear in units in which it is
-//! of order one for every lobe: `m13` in those of `m11`, `m31` in its own. The code of 2017 searches the numbers themselves,
-//! from a simplex with sides of 0.05, several hundred times the width of its sharpest lobes.
+//! The simplex searches the logarithms of `m11` and `m22` over those of the start, and the shear in units in which it
+//! is of order one for every lobe: `m13` in those of `m11`, `m31` in its own. The code of 2017 searches the numbers
+//! themselves, from a simplex with sides of 0.05, several hundred times the width of its sharpest lobes.
 
 use glam::{DMat3, DVec3};
 

@@ -6,8 +6,8 @@ use crate::{
     stop_check::unstopped,
 };
 
-/// The three numbers that are found for the lobe of `m`, a matrix in the frame of its mean direction up to a small turn, from
-/// a start of its own or near another matrix.
+/// The three numbers that are found for the lobe of `m`, a matrix in the frame of its mean direction up to a small
+/// turn, from a start of its own or near another matrix.
 fn found(metric: Metric, shear: Shear, m: DMat3, near: Option<DMat3>) -> DMat3 {
     let planted = PlantedBrdf::new(DMat3::from_rotation_y(0.4) * m);
     let points: Vec<SquarePoint> = Lattice::new(4096, [0.3, 0.8]).points().map(SquarePoint::new).collect();

@@ -186,8 +186,8 @@ fn a_reflected_isotropic_table_turns_with_the_view() {
     }
 }
 
-/// What an engine's sampler and shader make of a table of 5 x 4 texels: texel centres at i / (n - 1), the stored numbers
-/// weighed bilinearly, then inverted where the layout stores an inverse.
+/// The lookup of an engine's sampler and shader in a table of 5 x 4 texels: texel centres at i / (n - 1), the stored
+/// numbers weighed bilinearly, then inverted where the layout stores an inverse.
 fn as_an_engine_samples(table: &Table, stores_inverse: bool, [u, v]: [f64; 2]) -> DMat3 {
     let (x, y) = (u * 4.0, v * 3.0);
     let (i, j) = ((x as usize).min(3), (y as usize).min(2));

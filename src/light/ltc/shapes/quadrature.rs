@@ -32,8 +32,8 @@ fn gauss(low: f64, high: f64, depth: u32, f: &impl Fn(f64) -> f64) -> f64 {
     gauss(low, middle, depth - 1, f) + gauss(middle, high, depth - 1, f)
 }
 
-/// The clamped cosine over an ellipse in cosine space: for each azimuth the directions on the ellipse are an interval, over
-/// which the integral is known. No border, no eigenvalue: the ellipse's plane and the equation of its points.
+/// The clamped cosine over an ellipse in cosine space: for each azimuth the directions on the ellipse are an interval,
+/// over which the integral is known. No border, no eigenvalue: the ellipse's plane and the equation of its points.
 pub(super) fn by_quadrature(m: DMat3, centre: DVec3, [x, y]: [DVec3; 2]) -> f64 {
     let inverse = m.inverse();
     let to_ellipse = DMat3::from_cols(inverse * x, inverse * y, inverse * centre).inverse();
@@ -62,8 +62,8 @@ pub(super) fn by_quadrature(m: DMat3, centre: DVec3, [x, y]: [DVec3; 2]) -> f64 
         let seen = ends.windows(2).filter(|pair| pair[1] > pair[0] && inside(middle(pair[0], pair[1])));
         seen.map(|pair| up_to(pair[1]) - up_to(pair[0])).sum::<f64>()
     };
-    // Azimuths at which the interval begins, ends or reaches the horizon: the planes through up that touch the cone, and the
-    // horizon's crossings.
+    // Azimuths at which the interval begins, ends or reaches the horizon: the planes through up that touch the cone,
+    // and the horizon's crossings.
     let matrix = DMat3::from_cols_array_2d(
         &[DVec3::X, DVec3::Y, DVec3::Z].map(|u| [DVec3::X, DVec3::Y, DVec3::Z].map(|v| form(u, v))),
     );

@@ -81,7 +81,7 @@ fn spheres_are_the_disks_that_are_seen_of_them() {
         let found = space(&ltc).sphere(centre, sine * centre.length());
         assert!((found - disk).abs() < 1e-9, "{found} {disk}: {m} {centre} {sine}");
         assert_eq!(space(&ltc).sphere(centre, 1.0001 * centre.length()), 1.0);
-        // Of the clamped cosine itself the closed form of caps is known.
+        // The clamped cosine itself has a closed form for caps.
         let cap = sine * sine * clipped_form_factor(centre.normalize().z, sine * sine);
         let found = space(&cosine).sphere(centre, sine * centre.length());
         assert!((found - cap).abs() < 1e-12, "{found} {cap}");
@@ -336,8 +336,8 @@ proptest! {
     }
 }
 
-/// What others take for an ellipse: the octagon of its area; and for the part of its form factor above the horizon that of
-/// a sphere which is seen in the same direction and as large [Heitz and Hill 2017], by the closed form or by a cheap fit.
+/// Others take for an ellipse the octagon of its area; and for the part of its form factor above the horizon that of a
+/// sphere which is seen in the same direction and as large [Heitz and Hill 2017], by the closed form or by a cheap fit.
 #[test]
 fn the_approximations_are_off_by_what_the_documents_say() {
     let mut draw = Draw::new(12);

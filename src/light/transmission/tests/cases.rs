@@ -16,7 +16,7 @@ pub(super) struct Case {
     pub(super) vertices: [[f64; 3]; 4],
 }
 
-/// What cases are like.
+/// Kinds of cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Set {
     /// Roughness from .05 to 1, the light where a random normal refracts.
@@ -62,7 +62,7 @@ impl Case {
         [visible, energy, dielectric, schlick].map(to)
     }
 
-    /// What the outline is made of.
+    /// The kinds and extents of the outline's arcs.
     pub(super) fn kinds(&self) -> Vec<(Kind, Extent)> {
         let interface = Interface::new(self.alpha, self.wo, self.eta);
         outline(&interface, &self.vertices, Sides::Two).iter().map(|arc| (arc.kind, arc.extent)).collect()

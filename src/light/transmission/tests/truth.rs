@@ -24,7 +24,8 @@ const GAUSS: [f64; 4] =
 /// Cells along each side of a light before the rule adapts, so that no narrow lobe is missed.
 const CELLS: u32 = 5;
 
-/// What passes: the visible part, without shadowing of the light; the energy; weighed by `1 - F`; by Schlick's.
+/// The transmitted light: the visible part, without shadowing of the light; the energy; weighed by `1 - F`; by
+/// Schlick's.
 pub(super) type Truth = [f64; 4];
 
 /// The light of a parallelogram, to about ten times a tolerance.

@@ -56,7 +56,7 @@ async fn send(served: &Served, text: &str) -> TcpStream {
     tcp
 }
 
-/// What the service still sends until it closes the connection.
+/// The bytes that the service still sends until it closes the connection.
 async fn rest(mut tcp: TcpStream) -> String {
     let mut bytes = Vec::new();
     let read = timeout(DEADLINE, tcp.read_to_end(&mut bytes)).await.expect("the end of the connection");

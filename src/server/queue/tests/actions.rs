@@ -1,4 +1,4 @@
-//! What a random history consists of.
+//! The actions of a random history.
 
 use proptest::prelude::*;
 
@@ -12,7 +12,7 @@ pub(super) fn recipe(n: u8) -> NewJob {
     NewJob { recipe: format!("recipe {n}"), recipe_digest: Digest::of(&[n]), shard_entries: vec![2; SHARDS as usize] }
 }
 
-/// What a shard has for a result.
+/// The result of a shard.
 pub(super) fn result(leased: &LeasedTask) -> String {
     format!("{}/{:?}", leased.recipe, leased.kind)
 }

@@ -1,4 +1,4 @@
-//! What every queue does, whatever it is built on.
+//! Tests that every queue has to pass, whatever it is built on.
 
 mod actions;
 mod forgetting;

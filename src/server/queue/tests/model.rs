@@ -26,7 +26,7 @@ use ltcforge_files::digest::Digest;
 
 const MAX_ATTEMPTS: u32 = 3;
 
-/// What must be true of a job, given the queue's answers so far.
+/// The state that a job must have, given the queue's answers so far.
 #[derive(Debug, Clone)]
 struct ExpectedJob {
     stage: Stage,
@@ -322,7 +322,7 @@ impl<W: World> Run<W> {
         }
     }
 
-    /// What was acknowledged is still there.
+    /// Checks that everything acknowledged is still there.
     fn check(&self) {
         for (id, expected) in &self.jobs {
             let job = self.world.queue().job(*id).unwrap().expect("an acknowledged job is there");

@@ -43,14 +43,14 @@ pub(super) trait World: Sized {
 
     fn queue(&self) -> &dyn Queue;
 
-    /// Hands over the result of a shard, which is on its way to the disk until it is let get there; `None` if what a queue
-    /// does meanwhile is another's business.
+    /// Hands over the result of a shard, which is on its way to the disk until it is let get there; `None` if what a
+    /// queue does meanwhile is another's business.
     fn hand_over(&self, lease: Lease, result: String) -> Option<Arrive>;
 
     /// Lets time pass.
     fn pass(&mut self, time: Duration);
 
-    /// What was written and not flushed is lost; [`Self::reopen`] follows.
+    /// Loses everything written but not flushed; [`Self::reopen`] follows.
     fn lose_power(&mut self);
 
     /// The process ends without warning, and another one opens what it left.

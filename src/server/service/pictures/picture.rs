@@ -72,7 +72,7 @@ impl Subject {
 pub struct PictureFile {
     /// The PNG file.
     pub png: Arc<Vec<u8>>,
-    /// What rendered it: the name of an adapter, or `cpu`.
+    /// The renderer: the name of an adapter, or `cpu`.
     pub adapter: Arc<str>,
     /// The digest of subject, table, adapter and program version.
     pub tag: Digest,

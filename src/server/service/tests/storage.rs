@@ -1,4 +1,4 @@
-//! What the service does when its storage fails, loses something or is full.
+//! The service when its storage fails, loses something or is full.
 
 use std::{
     fs,

@@ -39,7 +39,7 @@ pub enum ObjectsOpenError {
     BadUrl {
         /// The URL.
         url: String,
-        /// What is wrong.
+        /// The reason, in words.
         reason: String,
     },
     /// An environment variable with a URL has a user or a password.

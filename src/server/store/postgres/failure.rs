@@ -25,7 +25,7 @@ pub enum DatabaseOpenError {
     Tls {
         /// Which database.
         database: String,
-        /// What failed.
+        /// The reason, in words.
         reason: String,
     },
     /// It does not respond.

@@ -19,7 +19,7 @@ fn unit_square(i: u32, seed: [u32; 2]) -> [f64; 2] {
     point(i, seed).to_array().map(f64::from)
 }
 
-/// What is reflected of the light, for a Fresnel factor of one and weighed by Schlick's fifth power: `samples` directions
+/// The reflected light, for a Fresnel factor of one and weighed by Schlick's fifth power: `samples` directions
 /// drawn by the model and as many points of the light, weighed by the balance heuristic [Veach 1997], as in
 /// [`super::ggx::reference`].
 pub(super) fn reference(brdf: &BrdfModel, at: &Shaded, light: &FrameLight, samples: u32, key: u32) -> Vec2 {

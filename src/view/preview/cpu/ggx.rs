@@ -78,7 +78,8 @@ impl FrameLight {
         away * away / (self.area * cosine.abs())
     }
 
-    /// A direction towards the light, and its density per steradian; zero where the light does not emit to the shaded point.
+    /// A direction towards the light, and its density per steradian; zero where the light does not emit to the shaded
+    /// point.
     pub(super) fn sample(&self, position: Vec3, u: Vec2) -> (Vec3, f32) {
         if let FrameShape::Tube { .. } | FrameShape::Line { .. } = self.shape {
             return solids::sample(&self.shape, position, u);

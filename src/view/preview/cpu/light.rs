@@ -43,8 +43,8 @@ impl Inverse {
         (if light.two_sided { covered.abs() } else { covered }).clamp(0.0, 1.0)
     }
 
-    /// The space of the clamped cosine, from that which `to_local` leads into the tangent frame; `None` where nothing is lit. Twin
-    /// of `ltc_shapes.wgsl`.
+    /// The space of the clamped cosine, from that which `to_local` leads into the tangent frame; `None` where nothing
+    /// is lit. Twin of `ltc_shapes.wgsl`.
     pub(super) fn cosine_space(&self, to_local: Mat3) -> Option<CosineSpace<f32>> {
         let to_cosine = self.m * to_local;
         (self.side != 0.0).then(|| CosineSpace::new(to_cosine.transpose().to_cols_array_2d()))

@@ -145,7 +145,7 @@ mod tests {
     }
 
     proptest! {
-        /// What a shader fetches is what `ltcforge lookup` prints, outside a table's ranges too.
+        /// A shader fetches the numbers that `ltcforge lookup` prints, outside a table's ranges too.
         #[test]
         fn it_is_the_lookup_of_the_table(
             alpha_x in 1e-3..1.0, alpha_y in 1e-3..1.0, theta in 0.0..1.57, phi in -3.0..3.0,

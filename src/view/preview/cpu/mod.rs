@@ -1,8 +1,8 @@
 //! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
 //!
 //! Each file mirrors a shader and has functions of the same names: `lookup` mirrors `ltc_table.wgsl`, `light`
-//! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, `solids` `reference_solids.wgsl`, and `surface` `sphere.wgsl`. The shaders
-//! have the comments. `any_brdf` has no shader: it is the reference of models other than GGX.
+//! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, `solids` `reference_solids.wgsl`, and `surface` `sphere.wgsl`. The
+//! shaders have the comments. `any_brdf` has no shader: it is the reference of models other than GGX.
 
 mod any_brdf;
 mod ggx;
@@ -81,7 +81,8 @@ pub(super) fn covered(m: glam::Mat3, vertices: &[glam::Vec3], two_sided: bool) -
     light::Inverse::of(m).covered(&light, glam::Vec3::ZERO, glam::Mat3::IDENTITY)
 }
 
-/// `ltc_disk`, `ltc_sphere`, `ltc_tube` and `ltc_line` with the inverse of `m`: of a centre and two half axes, and of `size`.
+/// `ltc_disk`, `ltc_sphere`, `ltc_tube` and `ltc_line` with the inverse of `m`: of a centre and two half axes, and of
+/// `size`.
 #[cfg(test)]
 pub(super) fn shapes_covered(m: glam::Mat3, [centre, x, y]: [glam::Vec3; 3], size: f32) -> [f32; 4] {
     let Some(space) = light::Inverse::of(m).cosine_space(glam::Mat3::IDENTITY) else { return [0.0; 4] };

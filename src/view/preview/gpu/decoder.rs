@@ -6,7 +6,7 @@ use super::{
     table::bind,
 };
 
-/// What the passes `ltc_read` and `ltc_expand` of the WGSL `source` leave in the buffer of texels. `integers` and `texels`
+/// The buffer of texels after the passes `ltc_read` and `ltc_expand` of the WGSL `source`. `integers` and `texels`
 /// are the sizes of the second and third buffer in bytes; the first pass is dispatched `reads` times, the second has
 /// `workgroups`.
 pub(crate) fn run(

@@ -27,18 +27,20 @@ pub(super) struct Device {
     fault: FirstFault,
 }
 
-/// What pipelines differ by. The shader has it in constants, since software drivers run both sides of a branch.
+/// The properties by which pipelines differ. The shader has them in constants, since software drivers run both sides of
+/// a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Kind {
     estimator: Estimator,
-    /// What the light is; see `LIGHT_` in `ggx_reference.wgsl`.
+    /// The kind of light; see `LIGHT_` in `ggx_reference.wgsl`.
     shape: u32,
     /// The light of closed forms and Gaussians is a polygon of other than four vertices.
     is_polygon: bool,
 }
 
 impl Kind {
-    /// What does not matter to the estimator is the same for all frames.
+    /// The kind for a frame. Properties that the estimator ignores are the same for all frames, so that they share a
+    /// pipeline.
     fn new(estimator: Estimator, frame: &Frame) -> Self {
         let is_of_polygons = estimator.is_of_polygons();
         // A polygon stands for an ellipse there.

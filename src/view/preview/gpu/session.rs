@@ -33,8 +33,8 @@ impl Gpu {
         Ok(self.device()?.device.name.clone())
     }
 
-    /// Renders part of a picture and returns the words of the whole picture. After a failure it tries once more on a new
-    /// device.
+    /// Renders part of a picture and returns the words of the whole picture. After a failure it tries once more on a
+    /// new device.
     pub(in crate::preview) fn render(
         &mut self,
         table: &Arc<ShaderTable>,

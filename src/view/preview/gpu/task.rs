@@ -1,4 +1,4 @@
-//! What a GPU renders in one go, and in which parts.
+//! The unit of work of a GPU, and its parts.
 
 use std::time::Duration;
 
@@ -9,18 +9,18 @@ use crate::preview::{
     frame::{Frame, Part},
 };
 
-/// Most samples that are sent to the GPU at a time. They take a third of a second on two slow cores, after which the caller
-/// may stop: a driver that is busy can neither be stopped nor dropped. Smaller parts cost more, since lavapipe without a
-/// shader cache takes 0.1 s per part to compile the reference anew. So parts get smaller only where they take longer, as on
-/// a machine that is busy with other work.
+/// Most samples that are sent to the GPU at a time. They take a third of a second on two slow cores, after which the
+/// caller may stop: a driver that is busy can neither be stopped nor dropped. Smaller parts cost more, since lavapipe
+/// without a shader cache takes 0.1 s per part to compile the reference anew. So parts get smaller only where they take
+/// longer, as on a machine that is busy with other work.
 const SAMPLES_A_PART: u32 = 1 << 24;
-/// Samples of a pixel that one pass takes. Lavapipe ends a shader's loops after 65535 steps, nested ones included, and a
-/// sample takes up to 15.
+/// Samples of a pixel that one pass takes. Lavapipe ends a shader's loops after 65535 steps, nested ones included, and
+/// a sample takes up to 15.
 const SAMPLES_A_PASS: u32 = 1024;
 /// Workgroups that every GPU takes in one dispatch.
 const TILES_A_PART: u32 = 65_535;
 
-/// What is rendered in one go.
+/// A picture, or a part of one, to be rendered.
 #[derive(Debug)]
 pub(in crate::preview) struct RenderTask<'a> {
     pub(in crate::preview) frame: &'a Frame,

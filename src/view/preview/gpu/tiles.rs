@@ -9,7 +9,8 @@ use crate::preview::{Surface, estimator::Estimator, frame::Frame};
 
 /// Pixels a side of a tile, which is a workgroup.
 pub(super) const SIDE: u32 = 8;
-/// From a tile's middle to the middle of its outermost pixel, and half a pixel of the sphere's rim, rounded up: in pixels.
+/// From a tile's middle to the middle of its outermost pixel, and half a pixel of the sphere's rim, rounded up: in
+/// pixels.
 const REACH: f32 = 6.0;
 
 /// Tiles by their left upper pixels.
@@ -53,7 +54,7 @@ fn may_show(frame: &Frame, tile: [u32; 2]) -> bool {
     }
 }
 
-/// Of the line through `point` along `direction`.
+/// The distance between the origin and the line through `point` along `direction`.
 fn distance_from_origin(point: Vec3, direction: Vec3) -> f32 {
     (point - point.dot(direction) * direction).length()
 }

@@ -111,8 +111,8 @@ fn error(found: &[f32; 12], wanted: &LookedUp) -> f64 {
     (0..3).map(column).chain(terms).fold(0.0, f64::max)
 }
 
-/// What 32 bits leave. Directions in f32 are 6e-8 apart; where the table changes fast, near the horizon, and in columns
-/// that are differences of larger ones, that grows.
+/// The error of 32 bits. Directions in f32 are 6e-8 apart; where the table changes fast, near the horizon, and in
+/// columns that are differences of larger ones, that grows.
 const TOLERANCE: f64 = 2e-3;
 
 fn compare(table: &Table, format: TexelFormat, name: &str) {

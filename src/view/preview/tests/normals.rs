@@ -105,7 +105,7 @@ impl Single {
         words
     }
 
-    /// What f64 makes of the same numbers.
+    /// The result in f64 for the same numbers.
     fn exact(&self, rule: WeightRule) -> [f64; 2] {
         let corners: Vec<[f64; 3]> = self.corners.iter().map(|v| v.as_dvec3().to_array()).collect();
         let wo = self.wo.as_dvec3().normalize().to_array();
@@ -123,7 +123,8 @@ fn the_shader_gives_what_f64_does_for_any_light() {
     }
 }
 
-/// Holds what an entry point gives for lights to f64: 999 of 1000 numbers within the first limit, all within the second.
+/// Holds what an entry point gives for lights to f64: 999 of 1000 numbers within the first limit, all within the
+/// second.
 fn check(entry: &str, lights: &[Lit], limits: [f64; 2]) {
     let normals = LitBy::new(LightModel::Normals, None).expect("a formula");
     let source = functions(normals, Bound::Volumes, Lights::All, true) + ENTRY;

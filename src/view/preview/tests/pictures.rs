@@ -1,4 +1,4 @@
-//! What holds of the pictures of each renderer.
+//! Properties of every renderer's pictures.
 
 use super::{
     twins::{GO_ON, apart, cameras, render},

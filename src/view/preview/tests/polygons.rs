@@ -48,7 +48,7 @@ struct Case {
 }
 
 impl Case {
-    /// What is wanted is `exact`, of the matrix and the polygon in 32 bits.
+    /// The expected value is `exact`, of the matrix and the polygon in 32 bits.
     fn new(m: DMat3, polygon: impl Iterator<Item = DVec3>, exact: impl Fn(DMat3, &[DVec3]) -> f64) -> Self {
         let (m, vertices) = (m.as_mat3(), polygon.map(DVec3::as_vec3).collect::<Vec<Vec3>>());
         let polygon: Vec<DVec3> = vertices.iter().map(|v| v.as_dvec3()).collect();
@@ -62,7 +62,7 @@ fn cases(aimed: bool) -> Vec<Case> {
     random_cases(COUNT).map(|(polygon, m)| Case::new(m, polygon.into_iter().map(|v| place(m, v)), quadrature)).collect()
 }
 
-/// What is covered seen from one side and from both, by the CPU twin and, where there is one, by the GPU.
+/// The covered part, lit from one side and from both, by the CPU twin and, where there is one, by the GPU.
 fn by_all(cases: &[Case]) -> Vec<(&'static str, Vec<[f32; 2]>)> {
     let twin = |case: &Case| [false, true].map(|two_sided| cpu::covered(case.m, &case.vertices, two_sided));
     let mut found = vec![("CPU", cases.iter().map(twin).collect())];

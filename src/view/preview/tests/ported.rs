@@ -48,14 +48,14 @@ fn the_shaders_twin_gives_the_printed_values() {
 struct ExampleLight {
     count: u8,
     given: Vec<DVec3>,
-    /// What f64 integrates over.
+    /// The polygon over which f64 integrates.
     outline: Vec<DVec3>,
     /// Radius or width.
     size: f64,
 }
 
 impl ExampleLight {
-    /// What an LTC sees of it, in f64.
+    /// The part of an LTC that it covers, in f64.
     fn covered(&self, ltc: &Ltc, sides: Sides) -> f64 {
         let space = CosineSpace::from(ltc);
         match (self.count, &self.given[..]) {
@@ -93,7 +93,7 @@ fn example_lights() -> Vec<ExampleLight> {
     lights
 }
 
-/// What an example's uniform holds.
+/// The words of an example's uniform.
 fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> [f32; 40] {
     let mut words = [0.0; 40];
     words[..3].copy_from_slice(&case.wo.map(|x| x as f32));

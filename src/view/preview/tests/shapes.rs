@@ -43,8 +43,8 @@ fn covered(@builtin(local_invocation_index) index: u32) {
 
 const COUNT: usize = 20 * 256;
 
-/// A lobe and its lights: a disk's centre and half axes; the same centre and `size` for a sphere; the line from the centre by
-/// the first half axis to both sides with `size` for radius and width.
+/// A lobe and its lights: a disk's centre and half axes; the same centre and `size` for a sphere; the line from the
+/// centre by the first half axis to both sides with `size` for radius and width.
 struct Case {
     m: Mat3,
     places: [Vec3; 3],
@@ -52,7 +52,7 @@ struct Case {
 }
 
 impl Case {
-    /// What f64 finds of the same numbers in 32 bits.
+    /// The result in f64 for the same numbers in 32 bits.
     fn wanted(&self) -> [f64; 4] {
         let ltc = Ltc::new(self.m.as_dmat3()).expect("regular");
         let space = CosineSpace::from(&ltc);

@@ -13,7 +13,7 @@ use crate::preview::{
 use ltcforge_fit::{BrdfKind, BrdfModel, LobeModel, Table, TabulatedFile, testing::planted_tabulated};
 use ltcforge_light::LightModel;
 
-/// Of the energy that the light sends along.
+/// Relative to the light's energy.
 const TOLERANCE: f64 = 0.005;
 /// Part of what it would send if it were all around, of which less is taken as this.
 const DIM: f64 = 0.05;
@@ -191,8 +191,8 @@ fn configurations(kinds: &[LightKind]) -> Vec<(Scene, [u32; 2])> {
     found
 }
 
-/// Compares the renderers' radiance with the truth. In most configurations metal reflects light. `faint` is the part of that
-/// which a surface reflects in one direction: its tolerance, and what counts as lit, are smaller by it.
+/// Compares the renderers' radiance with the truth. In most configurations metal reflects light. `faint` is the part of
+/// that which a surface reflects in one direction: its tolerance, and what counts as lit, are smaller by it.
 fn assert_true(
     mut renderers: Vec<Preview>,
     table: &Arc<ShaderTable>,
@@ -255,8 +255,8 @@ fn every_reference_converges_to_the_integral_of_its_model() {
     }
 }
 
-/// Shaders know the reference of GGX alone, and model normals is of GGX: what would show another model's table beside it is
-/// refused, and what needs no reference is not.
+/// Shaders know the reference of GGX alone, and model normals is of GGX: what would show another model's table beside
+/// it is refused, and what needs no reference is not.
 #[test]
 fn pictures_that_would_compare_different_models_are_refused() {
     let planted = Table { brdf: BrdfKind::Charlie.into(), ..planted() };

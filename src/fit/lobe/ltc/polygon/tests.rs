@@ -25,8 +25,8 @@ fn ten_thousand_polygons_agree_with_quadrature() {
     assert!(clipped > 3000 && lit > 3000, "{clipped} clipped, {lit} lit");
 }
 
-/// What the horizon leaves of a polygon, guessed by the sphere of the same vector form factor: by the closed form, and by its
-/// cheap fit.
+/// The part of a polygon above the horizon, estimated by the sphere of the same vector form factor: by the closed form,
+/// and by its cheap fit.
 #[test]
 fn spheres_in_place_of_polygons_are_off_by_what_the_documents_say() {
     let mut errors: [[Vec<f64>; 2]; 2] = Default::default();

@@ -25,7 +25,8 @@ async fn lease(transaction: &Transaction<'_>, most: i64) -> Result<Vec<i64>, Err
     Ok(rows.iter().filter_map(|row| row.get("submission")).collect())
 }
 
-/// What `times` leases of `most` tasks each get while none is committed; they are afterwards.
+/// The tasks that each of `times` leases of up to `most` gets while none of them is committed. All are committed
+/// afterwards.
 fn leases(database: &Database, times: usize, most: i64) -> Vec<Vec<i64>> {
     database.block_on(async {
         let (mut clients, mut open, mut got) = (vec![], vec![], vec![]);
