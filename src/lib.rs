@@ -75,10 +75,10 @@
 //! | none | recipes, fits, tables, reports, files, the shader in WGSL |
 //! | `shaders` | [`translate`]: the shader in GLSL, HLSL, MSL and SPIR-V (naga) |
 //! | `textures` | [`textures`]: tables as files for engines (ddsfile, exr, rawzip, ruzstd) |
-//! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png) |
+//! | `render` | [`view`]: previews on a GPU or the CPU, plots, the trade-off (wgpu, png); takes the two above |
 //! | `client` | [`client`]: calls of a service, and the lock file (ureq) |
-//! | `server` | [`server`], on Unix: the HTTP service with its queue and store, embedded or on PostgreSQL and an object store (axum, tokio, sled) |
-//! | `cli`, the default | the command `ltcforge`, with all of the above |
+//! | `server` | [`server`], on Unix: the HTTP service, its queue and store (axum, tokio, sled); takes `render` |
+//! | `cli`, the default | [`cli`]: the commands (clap), and the binary `ltcforge`; takes all features above |
 //!
 //! # Crates
 //!

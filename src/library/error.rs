@@ -24,7 +24,7 @@ pub enum Error {
     /// Bytes are not a table.
     #[error(transparent)]
     Table(#[from] TableFileError),
-    /// A light is none, or nothing can be told of what it reflects.
+    /// A light is invalid, or its reflection cannot be computed.
     #[error(transparent)]
     Light(#[from] LightError),
     /// A file cannot be read or written.

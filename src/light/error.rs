@@ -2,7 +2,7 @@
 
 use ltcforge_fit::BrdfKind;
 
-/// Why a light is none, or what it reflects cannot be told.
+/// Why a light is invalid, or its reflection cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LightError {
     /// A polygon has too few vertices.

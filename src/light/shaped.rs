@@ -69,7 +69,7 @@ impl LightShape {
 /// The half axes of an ellipse are parallel where the sine of the angle between them is below this.
 const PARALLEL: f64 = 1e-12;
 
-/// A length below this part of the light's largest number is none.
+/// A length below this part of the light's largest number counts as zero.
 const TOUCHING: f64 = 1e-12;
 
 /// A light of radiance one that is no polygon, as seen from a shaded point in its tangent frame, normal +z. The shaded

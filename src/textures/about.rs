@@ -3,7 +3,7 @@
 use ltcforge_files::{digest::Digest, manifest::MeanError, recipe_document};
 use ltcforge_fit::{BrdfKind, Recipe};
 
-/// The licence of the numbers: tables are facts about a BRDF, and whoever ships them should not have to ask.
+/// The licence of the numbers: tables are facts about a BRDF, and those who ship them should not have to ask.
 const LICENCE: &str = "licence of the numbers: CC0-1.0";
 
 /// The papers that a layout's numbers come from.

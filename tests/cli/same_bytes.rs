@@ -1,4 +1,4 @@
-//! The same recipe gives the same bytes, whoever fits it.
+//! The same recipe gives the same bytes, whether the command or the service fits it.
 
 use crate::common::{LARGE, command::run_with_stdin, server::Server};
 

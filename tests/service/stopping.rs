@@ -9,11 +9,11 @@ use crate::common::{
 const SHARD: u64 = 64;
 
 /// Processor seconds that the service may spend on a shard that has to stop, and on all else meanwhile. It asks after
-/// some hundredths of a second; a step of the dearest recipe takes six seconds.
+/// some hundredths of a second; a step of the most expensive recipe takes six seconds.
 const MOST_SECONDS: f64 = 3.0;
 
-/// Four shards, each of which takes a minute or hours, by the dearest legal settings.
-fn dearest(what: &str, fit: &str) -> String {
+/// Four shards, each of which takes a minute or hours, with the most expensive legal settings.
+fn most_expensive(what: &str, fit: &str) -> String {
     format!(r#"{{"preset":"draft",{what},"fit":{{{fit},"samples":65536,"directions":1024,"steps":1000}}}}"#)
 }
 
@@ -27,11 +27,11 @@ fn a_job_of_any_length_frees_its_worker_and_lets_the_service_stop() {
     let folder = tempfile::tempdir().expect("a folder");
     let start = || Server::start(folder.path(), &["--workers", "1", "--job-seconds", "1000000000"]);
     let recipes = [
-        dearest(ANISOTROPIC, r#""solver":"sgd""#),
-        dearest(ANISOTROPIC, r#""solver":"bfgs""#),
-        dearest(GAUSSIANS, r#""solver":"bfgs""#),
-        dearest(ISOTROPIC, r#""solver":"nelder_mead","metric":"l3""#),
-        dearest(SHEEN, r#""solver":"nelder_mead""#),
+        most_expensive(ANISOTROPIC, r#""solver":"sgd""#),
+        most_expensive(ANISOTROPIC, r#""solver":"bfgs""#),
+        most_expensive(GAUSSIANS, r#""solver":"bfgs""#),
+        most_expensive(ISOTROPIC, r#""solver":"nelder_mead","metric":"l3""#),
+        most_expensive(SHEEN, r#""solver":"nelder_mead""#),
     ];
     for recipe in &recipes {
         let server = start();

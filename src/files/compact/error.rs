@@ -1,8 +1,8 @@
-//! Why a table has no compact form, or bytes are none.
+//! Why a table has no compact form, or bytes are no compact form.
 
 use ltcforge_fit::{BrdfKind, LobeModel};
 
-/// Why a table has no compact form, or bytes are none.
+/// Why a table has no compact form, or bytes are no compact form.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CompactError {
     /// Other bytes at the beginning.
@@ -54,7 +54,7 @@ pub enum CompactError {
         /// The scattering model.
         brdf: BrdfKind,
     },
-    /// A lobe model whose decoders there are none of.
+    /// A lobe model without decoders.
     #[error(
         "the compact form is for lobe ltc, and the table has lobe {lobe}: its file and its textures serve in place"
     )]

@@ -31,7 +31,7 @@ impl Outline {
     /// Reads the header.
     ///
     /// # Errors
-    /// When it is none.
+    /// When it is not a compact form.
     pub fn of(bytes: &[u8]) -> Result<Self, CompactError> {
         let (header, coded) = Header::read(bytes)?;
         Ok(Self {

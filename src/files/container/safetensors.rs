@@ -125,10 +125,10 @@ pub fn encode(recipe: &Recipe, table: &Table) -> Result<Vec<u8>, TableFileError>
 }
 
 /// The length of a file that begins so, if it is canonical: by its header, which has to be whole, and the table that
-/// the recipe in it stands for. Tells a file that is none before it is read.
+/// the recipe in it stands for. Recognises other files before they are read.
 ///
 /// # Errors
-/// When the header is not whole, is none, or has no recipe.
+/// When the header is not whole, is not that of a table, or has no recipe.
 pub fn stated_length(beginning: &[u8]) -> Result<u64, TableFileError> {
     let refused = |reason: String| TableFileError::Container(reason);
     let (length, rest) = beginning.split_first_chunk::<8>().ok_or_else(|| refused("it is too short".to_owned()))?;

@@ -28,7 +28,7 @@ impl LobeModel {
         self.rules().distribution(numbers)
     }
 
-    /// The Gaussian that stands for a lobe; `None` for models that are none.
+    /// The Gaussian that stands for a lobe; `None` for models that are no Gaussians.
     #[must_use]
     pub fn gaussian(self) -> Option<gaussian::Gaussian> {
         self.rules().gaussian()

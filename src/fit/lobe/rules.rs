@@ -34,7 +34,7 @@ pub(crate) trait LobeModelRules: Sync {
         1.0
     }
 
-    /// The Gaussian that the numbers stand for; `None` for models that are none.
+    /// The Gaussian that the numbers stand for; `None` for models that are no Gaussians.
     fn gaussian(&self) -> Option<Gaussian> {
         None
     }

@@ -208,7 +208,7 @@ mod tests {
             *alpha += 2.0;
         }
         assert_eq!(difference(&a, &far, 64), None);
-        // A number that is none is the largest difference.
+        // NaN is the largest difference.
         let mut b = a.clone();
         b.matrix[0][0] = f32::NAN;
         assert!(difference(&a, &b, 512).expect("a common range").matrix.max.is_nan());

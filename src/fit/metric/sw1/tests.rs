@@ -90,7 +90,7 @@ fn any_number_of_samples_gives_the_distance() {
     }
 }
 
-/// Directions that are none land inside too.
+/// Invalid directions land inside too.
 #[test]
 fn what_is_not_finite_has_a_place() {
     let target = planted(lobe(0.3), NO_MIRRORS);

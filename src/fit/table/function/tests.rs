@@ -1,4 +1,4 @@
-//! Polynomials that are planted, and tables that are none.
+//! Planted polynomials, and tables that are refused.
 
 use super::{
     planted::{planted, wanted},

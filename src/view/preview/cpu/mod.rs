@@ -1,8 +1,9 @@
 //! The shaders' twin: the same arithmetic in the same order, in f32, on all cores.
 //!
-//! Each file mirrors a shader and has functions of the same names: `lookup` mirrors `ltc_table.wgsl`, `light`
-//! `ltc_light.wgsl`, `ggx` `ggx_reference.wgsl`, `solids` `reference_solids.wgsl`, and `surface` `sphere.wgsl`. The
-//! shaders have the comments. `any_brdf` has no shader: it is the reference of models other than GGX.
+//! `lookup` is the twin of `ltc_table.wgsl`, `light` of `ltc_light.wgsl`, `ggx` of `ggx_reference.wgsl`, `solids` of
+//! `reference_solids.wgsl`, and `surface` of `sphere.wgsl`. The formulas of models `normals`, `sg` and `asg` and of a
+//! table's disks, spheres and tubes are those of `ltcforge_light` in f32. The shaders have the comments. `any_brdf` has
+//! no shader: it is the reference of models other than GGX.
 
 mod any_brdf;
 mod ggx;

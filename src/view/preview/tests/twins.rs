@@ -232,7 +232,7 @@ fn gpu_and_cpu_agree_on_odd_sizes_and_many_samples() {
 
 /// GPUs have 8 bits for a sampler's weights, which shows; lavapipe has all of f32's.
 #[test]
-fn whoever_weighs_makes_the_same_picture() {
+fn sampler_and_shader_weights_make_the_same_picture() {
     let mut renderers = renderers();
     let [_, cpu] = renderers.as_mut_slice() else { return };
     for weights in [Weights::Shader, Weights::Sampler] {
