@@ -1,4 +1,4 @@
-//! What the queue in PostgreSQL does by itself: no shard is fitted.
+//! The queue in PostgreSQL by itself: no shard is fitted.
 //!
 //! `cargo bench -p ltcforge-benches --bench cluster`, or with `--profile dev` what the tests have compiled already. It
 //! starts a PostgreSQL of its own that waits for its disk, as Debian's package has it, and needs about 500 MB in the
@@ -36,7 +36,7 @@ const LEASED: &str = "SELECT format('%s to %s', min(leased), max(leased)) FROM (
     FROM ltcforge.serving AS s) AS jobs";
 /// Shards of a large job: those of a table of 16 million entries.
 const SHARDS: usize = 250_000;
-/// Such jobs.
+/// Large jobs.
 const JOBS: usize = 4;
 /// Shards of a small job, and such jobs.
 const SMALL: (usize, usize) = (64, 1000);

@@ -1,4 +1,4 @@
-//! What an entry costs: one evaluation, one entry of each preset, and one step of the paper's algorithm.
+//! The cost of an entry: one evaluation, one entry of each preset, and one step of the paper's algorithm.
 //!
 //! `cargo bench --bench fit` ends with the speed-up over the paper's fitter: the time of its 10,000 steps of 2048
 //! samples and 64 directions, from the step measured in the same run, over that of an entry of preset `paper`.

@@ -1,4 +1,4 @@
-//! What it costs to share a database and a store of tables, and what a second worker gains.
+//! The cost of sharing a database and a store of tables, and the gain of a second worker.
 //!
 //! `cargo bench -p ltcforge-benches --bench hosts`, or with `-- PART` only a part of it: `tables`, `large`, `workers`,
 //! `threads` or `start`. The shared service is compared with the embedded one, job by job in turn; two workers with

@@ -1,4 +1,4 @@
-//! What a picture costs: the first one, one of each estimator once warm, and what of it is the lookup.
+//! The cost of a picture: the first one, one of each estimator once warm, and the share of the lookup.
 //!
 //! `cargo bench --bench preview`. The lookup's cost is the difference between a frame and one whose lookup is replaced
 //! by a constant; all variants take turns, so that a busy machine slows all of them.

@@ -1,4 +1,4 @@
-//! What the service adds to a fit and to a download.
+//! The overhead of the service over a fit and a download.
 //!
 //! `cargo bench -p ltcforge-benches --bench service`. A job is compared with the same recipe fitted, encoded and
 //! measured without a service, by processor time; a download with a bare server that reads, hashes and sends the same
@@ -113,7 +113,7 @@ fn text(json: &[u8], name: &str) -> String {
     rest.split('"').next().unwrap_or_default().to_owned()
 }
 
-/// What `ltcforge fit` does, without its output.
+/// The work of `ltcforge fit`, without its output.
 fn fit_directly(pool: &rayon::ThreadPool, recipe: &str) -> usize {
     let recipe = recipe_document::parse(recipe.as_bytes(), DEFAULT_ENTRY_LIMIT).expect("a recipe");
     pool.install(|| {

@@ -26,7 +26,7 @@ const LOBES: usize = 16;
 /// An entry of ours takes milliseconds: the median of some is told.
 const REPEATS: usize = 31;
 
-/// What one lobe took and how well it was met.
+/// The time of one lobe, and its error.
 struct Row {
     place: [f64; 4],
     ours: (Duration, f64, DMat3),

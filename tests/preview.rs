@@ -63,7 +63,7 @@ fn a_picture_has_its_size_and_its_name() {
     let same = format!("/v1/preview?table={hex}&mode=strip&spp=2&scene=sphere&exposure=1.0&size=64");
     let again = server.get(&same).with_status(200);
     assert_eq!((tag(&again), &again.body), (tag(&first), &first.body));
-    // What a mode does not show makes no other picture either.
+    // Parameters that a mode does not show change no picture either.
     let plain = |rest: &str| tag(&server.get(&format!("/v1/preview?size=64&table={digest}{rest}")).with_status(200));
     assert_eq!(plain("&spp=2&theta=0.5&difference_scale=1"), plain(""));
     assert_ne!(plain("&exposure=2"), plain(""));

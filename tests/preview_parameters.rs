@@ -40,7 +40,7 @@ fn row(parameter: &Parameter) -> String {
     format!("|{} {}{names} |\n", cells.concat(), parameter.help)
 }
 
-/// What a named scene sets, as its query would.
+/// The parameters that a named scene sets, as its query would.
 fn differences(named: NamedScene) -> String {
     let scene = named.scene();
     let differ = PARAMETERS.iter().filter(|parameter| parameter.text(&scene) != default(parameter));

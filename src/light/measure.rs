@@ -14,7 +14,7 @@ use ltcforge_fit::{
     terms_of,
 };
 
-/// Roughnesses below these are not drawn: a lobe of theirs is inside a light or outside.
+/// Smaller roughnesses are not drawn: their lobes are inside a light or outside.
 const LEAST_DRAWN_ALPHA: f64 = 0.01;
 const LEAST_DRAWN_ACROSS: f64 = 0.005;
 /// The lowest view, as an angle from the normal: 88 degrees.
@@ -96,7 +96,7 @@ pub fn light_error(model: Lighting<'_>, lights: &RandomLights) -> Result<Spread,
     light_error_by(|at, light| model.reflected(at, light), lights)
 }
 
-/// The same of what `reflected` says of a surface and a light.
+/// The same for a function that gives the light of a surface.
 ///
 /// # Errors
 /// Those of `reflected`.

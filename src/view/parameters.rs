@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct ParameterFault {
     /// Its name.
     pub parameter: String,
-    /// What is wrong with it, without the name.
+    /// The fault, without the name.
     pub detail: String,
 }
 

@@ -18,7 +18,7 @@ use crate::{
     tables::fitted,
 };
 
-/// What a constant is called, where it stands, and which of a list it is.
+/// The name of a constant, its file, and its index in a list.
 struct Constant {
     name: &'static str,
     file: &'static str,
@@ -162,9 +162,9 @@ impl Task {
 /// The samples and directions of the fits that the constants are found by, each with each, and of others.
 #[derive(Debug, Clone, Copy)]
 pub struct Efforts {
-    /// Of the former.
+    /// Those from which the constants are found.
     pub seen: [&'static [u32]; 2],
-    /// Of the latter.
+    /// The others.
     pub held_out: [&'static [u32]; 2],
     /// Runs of each fit, of which the shortest counts.
     pub runs: usize,
@@ -181,7 +181,7 @@ fn tasks([samples, directions]: [&'static [u32]; 2]) -> Vec<Task> {
     let few = || samples.iter().map(|s| Task { samples: (*s).min(2048), ..USUAL });
     let mut tasks: Vec<Task> = grid().collect();
     tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 10, ..task }));
-    // What is outside of the steps shows where there are few.
+    // The time outside of the steps shows where there are few.
     tasks.extend(grid().map(|task| Task { solver: Solver::Sgd, steps: 1, ..task }));
     tasks.extend(few().map(|task| Task { metric: Metric::L3, ..task }));
     tasks.extend(few().map(|task| Task { metric: Metric::L3, solver: Solver::NelderMead, ..task }));

@@ -173,9 +173,9 @@ fn with_effort_of(law: &Law, tables: &[Fitted]) -> Law {
 pub struct Found {
     /// The layout.
     pub layout: Layout,
-    /// What was found.
+    /// The constants found.
     pub law: Law,
-    /// Of each table that was held out: by what was found, and by what stands.
+    /// The errors on each table that was held out: by the constants found, and by those in the sources.
     pub held_out: Vec<[f64; 2]>,
 }
 
@@ -199,7 +199,7 @@ pub fn find(layouts: &[Layout], extent: &Extent, mut tell: impl FnMut(&Found)) -
     Ok(())
 }
 
-/// Of a scattering or lobe model: measured over expected, if it were GGX's LTC.
+/// The quotient of a scattering or lobe model: measured over expected, if it were GGX's LTC.
 fn factor(brdf: BrdfKind, lobe: LobeModel, points: usize) -> Result<[f64; 2], ltcforge::Error> {
     let layout = if brdf.follows_reflection() { Layout::Reflected } else { Layout::Kt2022 };
     let with = |brdf: BrdfKind, lobe: LobeModel, samples: u32, nodes: [u32; 4]| {

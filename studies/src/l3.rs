@@ -55,7 +55,7 @@ pub fn distance(at: &Configuration, found: &LookedUp, side: u32) -> f64 {
     (apart / whole).cbrt()
 }
 
-/// What a stored matrix is of `M`: itself or its inverse, over one of its elements or the length of its third column.
+/// The form in which `M` is stored: itself or its inverse, over one of its elements or the length of its third column.
 #[derive(Debug, Clone, Copy)]
 struct Form {
     is_inverse: bool,

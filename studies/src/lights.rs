@@ -21,7 +21,7 @@ const TOLERANCE: f64 = 1e-5;
 /// The same where lobes may be so sharp that a high one overlooks them.
 const TOLERANCE_OF_EXTREMES: f64 = TRUTH_TOLERANCE;
 
-/// What a case's surface, view and light are drawn from.
+/// The distributions from which a case's surface, view and light are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// Any surface, and a rectangle half as wide as 0.05 to 1.2 times up to e, at distance one around a direction that
@@ -111,7 +111,7 @@ impl Lit {
     /// The light.
     ///
     /// # Errors
-    /// What [`PolygonLight::new`] refuses.
+    /// Those of [`PolygonLight::new`].
     pub fn light(&self) -> Result<PolygonLight, LightError> {
         PolygonLight::new(self.vertices.iter().map(|v| DVec3::from_array(*v)).collect(), Sides::Two)
     }

@@ -10,7 +10,7 @@ use crate::lights::{Case, Lit};
 
 /// A model of light with numbers to find.
 pub trait Model: Sync {
-    /// What is reflected of a light: for a Fresnel factor of one, and its part weighed by Schlick's fifth power.
+    /// The reflected light: for a Fresnel factor of one, and its part weighed by Schlick's fifth power.
     fn reflected(&self, numbers: &[f64], lit: &Lit) -> [f64; 2];
 }
 
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use crate::lights::{Kind, cases};
 
-    /// What is reflected of any light is three numbers of its view, one of them in a product.
+    /// The reflection of any light depends on three numbers of its view, one of them in a product.
     struct Planted;
 
     impl Model for Planted {

@@ -57,7 +57,7 @@ pub fn best(places: &[Configuration]) -> Vec<(Configuration, LookedUp)> {
     places.par_iter().with_max_len(1).map_init(|| fitter.another(), fit).collect()
 }
 
-/// What a table says at each place.
+/// The lookup of a table at each place.
 #[must_use]
 pub fn looked_up(table: &Table, places: &[Configuration]) -> Vec<(Configuration, LookedUp)> {
     places.iter().map(|at| (*at, table.lookup(at))).collect()

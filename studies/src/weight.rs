@@ -126,7 +126,7 @@ pub fn as_wgsl(forms: &Forms, is_declared: bool) -> String {
     out
 }
 
-/// What `find` is asked.
+/// The arguments of `find`.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked {
     /// The rule.

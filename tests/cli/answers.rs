@@ -1,4 +1,4 @@
-//! What a command reads and how it answers: points, JSON, errors.
+//! The input and output of commands: points, JSON, errors.
 
 use std::{
     fs,

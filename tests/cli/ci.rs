@@ -1,4 +1,4 @@
-//! What `docs/ci.md` says to do is done, line by line.
+//! The instructions of `docs/ci.md`, executed line by line.
 
 use std::{
     env, fs,

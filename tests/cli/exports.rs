@@ -18,7 +18,7 @@ fn folder_with_table() -> (tempfile::TempDir, String) {
     (folder, format!("{}.safetensors", digest.hex()))
 }
 
-/// What `--json` told, checked against the files that were written.
+/// The output of `--json`, checked against the written files.
 fn told(folder: &Path, printed: &str) -> Value {
     let told: Value = serde_json::from_str(printed).expect("JSON");
     let files = told["files"].as_array().expect("files");

@@ -1,4 +1,4 @@
-//! What surfaces reflect of lights.
+//! Command `light`: the light that surfaces reflect.
 
 use std::fs;
 
@@ -94,7 +94,7 @@ fn light_names_the_line_and_the_column_that_is_wrong() {
         refused.complaints(),
         ["l.csv, line 3: theta is «1.7»; a polar angle is a number from 0 to below pi/2, in radians"]
     );
-    // What was right before it is told.
+    // The rows before the fault are answered.
     assert_eq!(refused.stdout.lines().count(), 2);
     let star = "1,1,0,0,2,0,1,1,0.6,-0.8,1,-0.95,0.3,1,0.95,0.3,1,-0.6,-0.8,1\n";
     let refused = run_with_stdin(folder.path(), ["light", "-"], star).exited(2);

@@ -101,7 +101,7 @@ fn a_table_of_a_server_is_pinned_by_its_digest() {
     lock("metal", &missing, &server.url, 1);
     assert_eq!(read(&project.join("ltcforge.lock")), text);
 
-    // What is right is neither touched nor asked for.
+    // Files that are right are neither touched nor requested.
     let before = modified(&file);
     pull(&project, NOBODY, &[]).exited(0);
     assert_eq!(modified(&file), before);

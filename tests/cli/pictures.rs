@@ -213,7 +213,7 @@ fn shader_refuses_what_it_does_not_know_and_spirv_without_a_place() {
     assert!(run(folder.path(), nowhere).exited(1).stderr.contains("none/s.glsl"));
 }
 
-/// What needs no table is drawn without one, and what a picture does not depend on is refused.
+/// Pictures that need no table are drawn without one, and options on which a picture does not depend are refused.
 #[test]
 fn models_of_light_are_drawn_and_measured_with_and_without_a_table() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::common::command::{run, run_with_stdin};
 
-/// Of both recipes, the one of the file and the one of the model that it was made of.
+/// The two recipes: of the file, and of the model that it was made of.
 const REST: &str = r#""resolution": {"alpha": 3, "theta": 4}, "range": {"alpha": [0.1, 1], "theta": [0, 1.4]},
     "fit": {"samples": 128, "directions": 8}}"#;
 

@@ -9,7 +9,7 @@ use std::{
 
 use crate::common::{command::run, tell_skipped};
 
-/// What a program of Debian's package says of a file; nothing where it is not installed.
+/// The verdict of a program of Debian's package on a file; `None` where it is not installed.
 fn checked(package: &str, program: &str, args: &[&str], folder: &Path) -> Option<Output> {
     match Command::new(program).args(args).current_dir(folder).output() {
         Ok(output) => Some(output),
@@ -27,7 +27,7 @@ fn assert_sound(output: &Output) {
     assert!(output.status.success(), "{told:?}");
 }
 
-/// What a shader lights by: each layout of tables, and no table.
+/// The kinds of shaders: by each layout of tables, and without a table.
 const LIT_BY: [[&str; 2]; 10] = [
     ["--layout", "kt2022"],
     ["--layout", "reflected"],

@@ -21,7 +21,7 @@ pub(crate) enum Upstream {
     Tcp(SocketAddr),
 }
 
-/// What the proxy does with connections.
+/// How the proxy treats connections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Link {
     Up,

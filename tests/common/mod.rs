@@ -1,4 +1,4 @@
-//! What the end-to-end tests share: the real binary, real HTTP, and every answer held to `openapi.yaml`.
+//! The common part of the end-to-end tests: the real binary, real HTTP, and every answer held to `openapi.yaml`.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 pub(crate) mod command;
@@ -36,7 +36,7 @@ pub(crate) fn tell_skipped(reason: &str) {
     let _ = stderr().write_all(format!("\n*** SKIPPED: {name}: {reason}\n\n").as_bytes());
 }
 
-/// What `look` finds once it finds something.
+/// The first thing that `look` finds.
 pub(crate) fn eventually<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {

@@ -13,7 +13,7 @@ pub(crate) static DOCUMENT: LazyLock<Value> =
 /// The methods that a path item may have.
 pub(crate) const METHODS: [&str; 7] = ["get", "head", "post", "put", "patch", "delete", "options"];
 
-/// What `value` is, or what it refers to.
+/// The schema `value`, or the one that it refers to.
 pub(crate) fn resolve(value: &'static Value) -> &'static Value {
     match value["$ref"].as_str() {
         Some(reference) => {

@@ -22,7 +22,7 @@ use super::{
 #[derive(Debug)]
 pub(crate) struct Server {
     child: Child,
-    /// Such as `http://127.0.0.1:40000`.
+    /// For example `http://127.0.0.1:40000`.
     pub(crate) url: String,
     stderr: Option<JoinHandle<String>>,
     agent: Agent,

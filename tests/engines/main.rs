@@ -34,7 +34,7 @@ fn starts(program: &str) -> bool {
     command.status().is_ok_and(|status| status.success())
 }
 
-/// What a script of this folder that needs a browser prints as JSON; nothing where it cannot run.
+/// The JSON that a script of this folder prints, of those that need a browser; `None` where it cannot run.
 fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     let chromium = env::var("CHROMIUM").unwrap_or_else(|_| "chromium-headless-shell".to_owned());
     if !starts(&chromium) {
@@ -46,7 +46,7 @@ fn script<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     node(file, &[&words, args].concat())
 }
 
-/// What a script prints as JSON that needs no browser; nothing where it cannot run.
+/// The JSON that a script prints, of those that need no browser; `None` where it cannot run.
 fn node<T: DeserializeOwned>(file: &str, args: &[&str]) -> Option<T> {
     if !starts("node") {
         tell_skipped("there is no node (Debian: nodejs)");
@@ -77,7 +77,7 @@ fn tell(text: &impl fmt::Display) {
     let _ = stderr().write_all(format!("\n{text}\n").as_bytes());
 }
 
-/// What `run.js` prints. Sets of tables: `stock`; `again`, the same numbers by the way that others take; `wrong`; and
+/// The output of `run.js`. Sets of tables: `stock`; `again`, the same numbers by the way that others take; `wrong`; and
 /// `ours`.
 #[derive(Deserialize)]
 struct Report {
@@ -140,7 +140,7 @@ const STOCK_ERROR: [f64; 2] = [0.0075, 0.0018];
 /// happen to lie.
 const OUR_PLASTIC_ERROR: f64 = 0.0028;
 
-/// What `docs/compact.md` promises: 2,831 bytes of a table for engines, 14,748 of the default one.
+/// The sizes that `docs/compact.md` promises: 2,831 bytes of a table for engines, 14,748 of the default one.
 const ENGINES_COMPACT_BYTES: u64 = 3_000;
 const DEFAULT_COMPACT_BYTES: u64 = 16_000;
 
@@ -206,7 +206,7 @@ fn engines_draw_what_their_tables_say() {
     }
 }
 
-/// What `ktx.js` prints of a file.
+/// The output of `ktx.js` for a file.
 #[derive(Deserialize)]
 struct Ktx {
     format: u32,
@@ -266,12 +266,12 @@ fn ktx_parse_reads_our_textures() {
     }
 }
 
-/// What `example.js` prints.
+/// The output of `example.js`.
 #[derive(Deserialize)]
 struct Example {
-    /// Of `stock` three.js, of a `table` and of `normals`, in linear radiance.
+    /// Pictures by `stock` three.js, by a `table` and by `normals`, in linear radiance.
     errors: BTreeMap<String, f64>,
-    /// What the browser complains of.
+    /// The browser's warnings and errors.
     faults: Vec<String>,
 }
 

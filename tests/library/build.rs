@@ -1,4 +1,4 @@
-//! What a program does that wants a table at build time: build a recipe, fit it once, and write what it needs.
+//! A program that needs a table at build time: it builds a recipe, fits it once, and writes the files that it needs.
 
 use std::{
     env,

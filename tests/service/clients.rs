@@ -143,7 +143,7 @@ fn idle_connections_leave_files_to_the_store() {
     server.get("/healthz").with_status(200);
     let idle: Vec<TcpStream> = (0..200).map(|_| send(&server, "")).collect();
     let healthy = request("GET /healthz", &[("host", host(&server))]);
-    // Of many connections that are refused at the same time, some are closed without an answer.
+    // Where many connections are refused at the same time, some are closed without an answer.
     let (head, body) = eventually("a refusal", || {
         let (status, head, body) = try_answer(send(&server, &healthy))?;
         (status == 503).then_some((head, body))

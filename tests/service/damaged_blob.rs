@@ -1,4 +1,4 @@
-//! What was damaged on the disk is never served, and what can be made again is.
+//! Files damaged on the disk are never served, and are made again where that is possible.
 
 use std::{
     fs,

@@ -116,7 +116,7 @@ fn what_a_table_cannot_serve_names_the_recipe_that_does() {
         (&own, "three", "ltc2017"),
         (&own, "godot.exr.f32", "godot"),
         (&isotropic, "hdrp", "hdrp"),
-        // Of the right layout, and not 64 x 64.
+        // The table has the right layout, and not 64 x 64 nodes.
         (&isotropic, "babylon", "ltc2017"),
     ] {
         for path in [name.to_owned(), format!("{name}/file"), format!("{name}/folder/file")] {

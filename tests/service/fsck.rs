@@ -12,7 +12,7 @@ use crate::common::{
     server::{Server, text},
 };
 
-/// What is done to a data folder.
+/// The damage that is done to a data folder.
 type Damage = Box<dyn Fn(&Path)>;
 
 /// Every file below `folder` and its bytes.

@@ -81,7 +81,7 @@ fn a_table_is_downloaded_in_parts_and_only_when_needed() {
     ask("GET", &[("range", "bytes=0-99"), ("if-range", &tag)]).with_status(206);
 }
 
-/// What has no entity tag matches none [RFC 9110, section 13.1.1].
+/// A resource without an entity tag matches none [RFC 9110, section 13.1.1].
 #[test]
 fn a_condition_on_what_has_no_entity_tag_fails() {
     let folder = tempfile::tempdir().expect("a folder");

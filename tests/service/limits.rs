@@ -19,7 +19,7 @@ struct Limit {
     name: String,
     /// The type of the problem.
     kind: String,
-    /// What raises it; `None` if it is fixed.
+    /// The option that raises it; `None` if it is fixed.
     flag: Option<String>,
 }
 

@@ -84,7 +84,7 @@ fn the_isotropic_table_of_engines_is_near_between_its_texels() {
     assert!(mean < 1.1, "{mean}");
 }
 
-/// What the bounds are worth: interpolated as it is, without the reflection, the same fit is far off.
+/// A check of the bounds: interpolated as it is, without the reflection, the same fit is far off.
 #[test]
 fn the_layout_of_the_published_table_is_not_near() {
     let (mean, worst) = excess(&table(r#"{"preset": "draft", "layout": "kt2022"}"#));

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// How far f32 arithmetic may move an LTC, radians.
 const INVERSION: f64 = 1e-3;
-/// What a fold may add to a step, in widths of the lobe: what f64 arithmetic leaves.
+/// The most that a fold may add to a step, in widths of the lobe: the rounding of f64.
 const JUMP: f64 = 1e-9;
 
 fn fitted(recipe: &str) -> Table {

@@ -5,7 +5,7 @@
 
 /// Bits of a chance.
 const CHANCE_BITS: u32 = 11;
-/// How fast chances move: by 2^-4 of what they lack.
+/// How fast chances adapt: by 2^-4 of the distance to the coded bit.
 const RATE: u32 = 4;
 /// Below this width of the interval a byte is shifted out.
 const NARROW: u32 = 1 << 24;

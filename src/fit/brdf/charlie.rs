@@ -103,7 +103,7 @@ impl Fibres {
     /// Smoother fibres are those of this roughness, 0.07 of perceptual roughness, as renderers limit it: seen from
     /// above, such a surface reflects 1e-30 of the light already, and a little further no number that is not zero.
     pub(super) const SMOOTHEST_ALPHA: f64 = 0.0049;
-    /// The sampler is so many times as wide as the exponent alone is, since shadowing removes the lowest light.
+    /// The width of the sampler over that of the exponent alone, since shadowing removes the lowest light.
     const WIDER: f64 = 2.0;
 
     /// Fibres of a roughness, the square of the sheen roughness of glTF: `alpha` in [0, 1], raised to

@@ -69,7 +69,7 @@ pub(crate) trait LayoutRules: Sync {
     /// How nodes are spaced on each axis.
     fn spacing(&self) -> PerAxis<Spacing>;
 
-    /// Ascending nodes of each axis, from one end of a range to the other or to the limit of what can be fitted.
+    /// Ascending nodes of each axis, from one end of a range to the other or to the limit of the fit.
     fn nodes(&self, range: &PerAxis<[f64; 2]>, resolution: &PerAxis<u32>) -> PerAxis<Vec<f64>>;
 
     /// The ranges of a layout that stands for one domain only, because its readers take no other; `None` where a recipe

@@ -46,8 +46,8 @@ impl Layout {
         if self == Self::Reflected { 1.0 } else { alpha / (alpha + SHARP) }
     }
 
-    /// The numbers of what this layout stores at a node. They are not finite where the stored matrix has no inverse or
-    /// the amplitude is zero.
+    /// The smooth numbers of an entry that this layout stores at a node. They are not finite where the stored matrix
+    /// has no inverse or the amplitude is zero.
     pub(crate) fn to_smooth(self, node: &PerAxis<f64>, stored: &LobeNumbers) -> [f64; SMOOTH_NUMBERS] {
         let place = within_limits(*node);
         let LobeNumbers { matrix, terms } = if self == Self::Reflected {

@@ -71,7 +71,7 @@ impl Spacing {
     }
 }
 
-/// The place whose lobe stands at a node: within the limits of what can be fitted.
+/// The place whose lobe stands at a node: the node, moved into the limits of the fit.
 pub(crate) fn within_limits(node: PerAxis<f64>) -> PerAxis<f64> {
     PerAxis { alpha: node.alpha.max(ALPHA_FLOOR), theta: node.theta.min(THETA_CEILING), ..node }
 }

@@ -68,7 +68,7 @@ pub fn difference(a: &Table, b: &Table, points: usize) -> Option<Difference> {
     Some(Difference { places, matrix: matrix.gap()?, amplitude, fresnel })
 }
 
-/// The ends of what the axes of both tables cover. One phi that serves every phi is no bound.
+/// The ranges that the axes of both tables cover. One phi that serves every phi is no bound.
 fn common(a: &Table, b: &Table) -> Option<PerAxis<Vec<f64>>> {
     let ends = |a: &[f64], b: &[f64]| {
         let (low, high) = (a.first()?.max(*b.first()?), a.last()?.min(*b.last()?));

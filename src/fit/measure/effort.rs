@@ -14,8 +14,8 @@ const SHARE_BETWEEN: f64 = 0.25;
 /// The time that one measurement takes, on the scale of [`fit_seconds`].
 const POINT_SECONDS: f64 = 1.8e-3;
 /// Configurations between nodes whose mean is worth stating beside a table. Of the 64 x 64 lobes of an isotropic table
-/// a few next to the mirror miss by several widths: the mean is 0.079 at 68 configurations, 0.047 at 512, 0.039 at
-/// 4096.
+/// a few next to the mirror miss by several widths: the mean is 0.079 at 68 configurations, 0.047 at 512, 0.039
+/// at 4096.
 const STEADY: usize = 512;
 
 /// How many configurations a table is measured at.

@@ -1,8 +1,8 @@
 //! A table of isotropic surfaces as a function: polynomials in roughness and view that a shader evaluates without a
 //! texture.
 //!
-//! Six of the nine numbers of [`Table::smooth_numbers`] differ from zero where a surface is isotropic and seen from phi
-//! 0. Each is a polynomial in `x` and `y`,
+//! Six of the nine numbers of [`Table::smooth_numbers`] differ from zero where a surface is isotropic and seen from
+//! phi 0. Each is a polynomial in `x` and `y`,
 //!
 //! ```text
 //! sum over i, j < 10 of c_ij T_i(x) T_j(y)

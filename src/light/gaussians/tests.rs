@@ -16,7 +16,7 @@ fn square(centre: DVec3, half: f64) -> Vec<[f64; 3]> {
     [centre - x - y, centre + x - y, centre + x + y, centre - x + y].map(|v| v.to_array()).to_vec()
 }
 
-/// The integral over all directions of what `f` says of one, on a grid even in azimuth and height.
+/// The integral of `f` over all directions, on a grid even in azimuth and height.
 fn over_sphere(f: impl Fn([f64; 3]) -> f64) -> f64 {
     const SIDE: u32 = 1200;
     let step = std::f64::consts::TAU / f64::from(SIDE);

@@ -336,7 +336,7 @@ mod tests {
     use ltcforge_fit::math::direction;
 
     /// The parts of the edge on the horizon add up to its integral, and each is near its own, of walls that are seen at
-    /// up to a right angle, and of such as fill half of all directions.
+    /// up to a right angle, and of some that fill half of all directions.
     #[test]
     fn parts_of_the_horizon_s_edge_share_its_integral() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

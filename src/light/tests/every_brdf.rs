@@ -186,7 +186,7 @@ fn extremes_are_finite_and_known_ones_right() {
         let [one, other] = [overhead.vertices().to_vec(), turned].map(one_sided);
         assert!(one.min(other) == 0.0 && (one.max(other) - energy(&at, &overhead)).abs() < 1e-9, "{brdf}");
     }
-    // A mirror of normally distributed slopes reflects half of what ends at its reflection.
+    // A mirror of normally distributed slopes reflects half of a light that ends at its reflection.
     let half = square(DVec3::new(1.0, 0.0, 2.0), DVec3::X, DVec3::Y);
     let mirror = Configuration { alpha_x: 1e-4, alpha_y: 1e-5, theta: 0.0, phi: 0.0 };
     let found = truth_of(&BrdfKind::Beckmann.into(), 1e-9, &mirror, &half).expect("a surface").energy;
@@ -207,7 +207,7 @@ fn lambert() -> BrdfModel {
     BrdfModel::tabulated(TabulatedFile::new([8; 32], Arc::new(brdf)))
 }
 
-/// A cosine is Lambert's reflection itself, with the terms that the measure finds, and of sheen it is none.
+/// A cosine is Lambert's reflection itself, with the terms that the measure finds, and a poor one of sheen.
 #[test]
 fn a_table_is_measured_by_what_it_stands_for() {
     let error = |brdf: &BrdfModel| {

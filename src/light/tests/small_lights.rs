@@ -1,4 +1,4 @@
-//! Small lights: what is reflected of them is small, and its digits have to be right all the same.
+//! Small lights: their reflection is small, and its digits still have to be right.
 
 use rayon::prelude::*;
 
@@ -20,7 +20,7 @@ fn in_both(lit: &Lit, rule: Rule) -> [f64; 2] {
     [f64::from(single), double]
 }
 
-/// A light of a thousandth of a radian is a few millionths of what is reflected, where absolute errors tell nothing.
+/// A light of a thousandth of a radian is a few millionths of all reflected light, where absolute errors say nothing.
 #[test]
 fn small_lights_have_digits_in_f32() {
     for (size, limits) in [(0.03, [3e-6, 3e-4]), (0.01, [1e-5, 1.2e-3]), (0.003, [3e-5, 4e-3]), (0.001, [1e-4, 1.2e-2])]

@@ -98,7 +98,7 @@ fn extremes_are_finite_and_known_ones_right() {
         found.energy
     };
     let overhead = square(2.0 * DVec3::Z, DVec3::X, DVec3::Y);
-    // A mirror reflects all of what lies around the mirror direction, and half of what ends there.
+    // A mirror reflects all of a light around the mirror direction, and half of one that ends there.
     assert!((energy(at(1e-4, 1e-4, 0.0), &overhead) - 1.0).abs() < 1e-6);
     let half = square(DVec3::new(1.0, 0.0, 2.0), DVec3::X, DVec3::Y);
     assert!((energy(at(1e-4, 1e-4, 0.0), &half) - 0.5).abs() < 1e-4);

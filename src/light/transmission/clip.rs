@@ -56,7 +56,7 @@ struct Cut<T> {
 type ArcPoint<T> = (Triple<T>, T);
 
 impl<T: Scalar> Cut<T> {
-    /// Keeps what of an arc is inside.
+    /// Keeps the part of an arc that is inside.
     fn add(&mut self, arc: &Arc<T>) {
         // Ends that an earlier clip put on the circle are inside.
         let is_in = |w: Triple<T>| self.circle.depth(w) > -T::of(4.0) * T::UNCERTAINTY;

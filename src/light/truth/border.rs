@@ -1,4 +1,4 @@
-//! The borders of lights, as the shaded point sees them: what of them is above the surface.
+//! The borders of lights, as the shaded point sees them, and their parts above the surface.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -102,7 +102,7 @@ pub(super) fn of_polygon(vertices: &[DVec3]) -> Vec<Piece> {
     vertices.iter().zip(vertices.iter().cycle().skip(1)).map(|(from, to)| Piece::Straight([*from, *to])).collect()
 }
 
-/// The border of what is seen of a light; none of a line.
+/// The border of the visible part of a light; empty for a line.
 pub(super) fn of_shape(form: &Form) -> Vec<Piece> {
     match *form {
         Form::Ellipse { centre, half_axes, .. } => Piece::ellipse(centre, half_axes),

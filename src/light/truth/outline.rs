@@ -96,7 +96,7 @@ fn triangle(space: &impl Space, tip: DVec3, edge: &Edge, tolerance: f64) -> [f64
     integral(&slice, [0.0, 1.0], tolerance, OUTLINE_HALVINGS)
 }
 
-/// The integral over [0, 1] of what is smooth between some places, in ascending order.
+/// The integral over [0, 1] of a function that is smooth between some places, in ascending order.
 fn between_bends(f: &impl Fn(f64) -> [f64; 2], bends: &[f64], tolerance: f64) -> [f64; 2] {
     let tolerance = tolerance / (bends.len() + 1) as f64;
     let ends = bends.iter().copied().chain([1.0]);

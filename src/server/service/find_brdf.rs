@@ -10,7 +10,7 @@ use ltcforge_fit::TabulatedFile;
 /// Why the file that a recipe names was not found.
 #[derive(Debug)]
 pub(super) enum FindBrdfError {
-    /// There is none, or it is no tabulated BRDF: every fault.
+    /// The file is missing or is no tabulated BRDF: every fault.
     Faults(Vec<String>),
     /// The store failed, which says nothing of the file.
     Store(StoreError),

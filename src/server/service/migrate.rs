@@ -15,7 +15,7 @@ use crate::{
 };
 use ltcforge_fit::FITTER_VERSION;
 
-/// Counts of what was copied, without what was there already.
+/// Counts of the copied items, without those that were there already.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Migrated {
     /// Tables, with recipe and manifest.

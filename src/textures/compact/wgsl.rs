@@ -13,7 +13,7 @@ const SOURCES: [&str; 4] =
 const AT_ONCE: usize = 1024;
 const STATE: usize = 2 * 339 + 4;
 
-/// The sizes of what a host makes for the decoder.
+/// The sizes of the buffers that a host makes for the decoder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Sizes {
     /// Integers of a channel.

@@ -1,8 +1,8 @@
 //! three.js, as of 0.187.0 (npm).
 //!
 //! `WebGLLights` reads `UniformsLib.LTC_FLOAT_1` and `_2`, or `LTC_HALF_1` and `_2` where the device does not filter
-//! 32-bit textures; `RectAreaLightNode.setLTC` takes an object with the same four. Both sample at roughness and sqrt(1
-//! - cos theta), with the half texel of 64 x 64 written into the shader.
+//! 32-bit textures; `RectAreaLightNode.setLTC` takes an object with the same four. Both sample at roughness and
+//! sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
 //!
 //! The module has the 32-bit numbers once, and a bit for each that tells which of the two halfs around it to take.
 

@@ -113,7 +113,7 @@ pub(super) const HDRP: EngineTextures = EngineTextures {
 /// A number of a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Number {
-    /// An element of what the table stores, by row and column.
+    /// An element of the stored matrix, by row and column.
     Matrix(usize, usize),
     Amplitude,
     Fresnel,

@@ -2,7 +2,7 @@
 
 use crate::picture::{Anchor, GROUND, LINE, Picture, number, text_width, write};
 
-/// Pixels a side of what is within the axes.
+/// Pixels a side of the area within the axes.
 pub(super) const SIDE: u32 = 288;
 /// Room for the numbers on the left and below, and for a half of the last one.
 const LEFT: u32 = 56;

@@ -1,4 +1,4 @@
-//! Differences, strips and lobes, with what has to be written on them.
+//! Differences, strips and lobes, with their labels.
 
 use super::{
     Material, Mode, PanelError, Scene, ShaderTable, cpu,

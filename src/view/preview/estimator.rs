@@ -54,7 +54,7 @@ impl Estimator {
         }
     }
 
-    /// Whether it is of the scattering model itself, not of what stands for it.
+    /// Whether it estimates the scattering model itself, not an approximation of it.
     pub(super) fn is_reference(self) -> bool {
         matches!(self, Self::Reference | Self::ReferenceLobe)
     }

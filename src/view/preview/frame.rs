@@ -9,7 +9,7 @@ use super::{
 };
 use ltcforge_fit::{MAX_VERTICES, math::sin_cos};
 
-/// Radiance of what is not covered.
+/// Radiance where no surface is.
 const BACKGROUND: f32 = 0.02;
 /// How far a floor is seen, in radii of the scenes' sphere. It fades over the second half.
 const FLOOR_END: f32 = 12.0;

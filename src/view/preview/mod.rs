@@ -1,4 +1,4 @@
-//! Pictures of what a table does: metal under a polygon light, by the table and by Monte Carlo integration.
+//! Previews of a table: metal under a polygon light, by the table and by Monte Carlo integration.
 //!
 //! The GPU runs the same shaders that users put into their own renderers. `cpu` is their twin in Rust: it renders where
 //! there is no adapter, and tests compare the GPU with it. Both read the same `frame`, and everything after radiance,

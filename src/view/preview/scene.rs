@@ -74,7 +74,7 @@ pub struct Light {
     /// Its middle.
     pub centre: [f64; 3],
     /// Half its width and half its height. Of a sphere the first is the radius, the second does not matter. Of a tube
-    /// or line the first is half of what lies between its ends; the second is a tube's radius, half a line's width.
+    /// or line the first is half the distance between its ends; the second is a tube's radius, half a line's width.
     pub half_size: [f64; 2],
     /// Yaw, pitch and roll by which it is turned from facing the origin upright, applied in reverse order.
     pub rotation: [f64; 3],

@@ -18,8 +18,8 @@ const OUTLIER_SHARE: f64 = 0.1;
 const OUTLIER_FACTOR: f64 = 4.0;
 
 impl LogAxis {
-    /// An axis that shows all positive `values` but outliers, between the coordinates `ends`. Without any, from 1 to
-    /// 10.
+    /// An axis that shows all positive `values` but outliers, between the coordinates `ends`. Without any, from 1
+    /// to 10.
     pub(super) fn over(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
         let mut values: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
         values.sort_by(f64::total_cmp);

@@ -23,7 +23,7 @@ const PANEL_WIDTH: f64 = 480.0;
 /// The width of a letter at 13 pixels, and the height of a name.
 const LETTER: f64 = 7.6;
 const NAME_HEIGHT: f64 = 15.0;
-/// Half of what is drawn around a mark that has a name.
+/// The radius of the ring around a mark that has a name, or half the side of its square.
 const RING: f64 = 7.5;
 
 /// Light and dark colours in one file; the viewer's preference picks.
@@ -256,7 +256,7 @@ fn write_names(out: &mut String, frame: &Area, named: &[Named], taken: &[Area]) 
     Ok(())
 }
 
-/// The mark of what ships.
+/// The mark of the shipped size.
 fn diamond(out: &mut String, [x, y]: [f64; 2], layout: Layout, classes: &str) -> std::fmt::Result {
     let number = Layout::ALL.iter().position(|known| *known == layout).unwrap_or(0);
     writeln!(out, r#"<path class="layout{number}{classes}" d="M{:.1} {y:.1}l4 -4l4 4l-4 4Z"/>"#, x - MARK)

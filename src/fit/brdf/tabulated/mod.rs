@@ -39,7 +39,7 @@ impl BrdfRules for TabulatedRules {
         true
     }
 
-    /// Its error is that of what it holds, and taken to be GGX's.
+    /// The error depends on the file's contents, and is taken to be GGX's.
     fn compared(&self) -> Compared {
         Compared { sample: 7.0, error: 1.0 }
     }

@@ -15,7 +15,7 @@ use crate::{
 
 /// Newton's steps within an interval, at most; three or four are taken.
 const STEPS: usize = 40;
-/// A step that is so short a part of its interval is the last one.
+/// The search ends with a step that is shorter than this part of its interval.
 const SHORT_STEP: f64 = 1e-13;
 
 /// A surface of a tabulated BRDF.

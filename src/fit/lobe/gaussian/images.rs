@@ -12,7 +12,8 @@ const SECTORS: usize = 64;
 /// A squared radius, in deviations, beyond which nothing of a Gaussian is left in f64.
 const NOTHING_BEYOND: f64 = 40.0;
 
-/// A point of the unit square: a part of a turn around the axis, and of what lies outwards on that ray.
+/// A point of the unit square: a part of a turn around the axis, and a part of the ray's density from the axis
+/// outwards.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     around: f64,

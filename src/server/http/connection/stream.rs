@@ -24,7 +24,7 @@ pub(super) struct ClientStream {
     /// Runs while the system takes no more bytes for the client. It takes more only once a good part of those that it
     /// has were read, so a client cannot keep its connection by reading a byte now and then.
     stalled: Option<Pin<Box<Sleep>>>,
-    /// The rest of what is written in place of an answer of hyper's own.
+    /// The unwritten rest of an answer that replaces one of hyper's own.
     replacement: Option<Vec<u8>>,
 }
 

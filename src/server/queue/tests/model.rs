@@ -32,7 +32,7 @@ struct ExpectedJob {
     stage: Stage,
     /// Shards whose completion was acknowledged in this submission, or kept from a failed one.
     finished: BTreeSet<u32>,
-    /// Its result was refused because the job failed while it was on its way to the disk. It may be kept all the same.
+    /// Its result was refused because the job failed while it was on its way to the disk. It may be kept nevertheless.
     refused: Option<u32>,
 }
 

@@ -199,7 +199,7 @@ mod tests {
     use ltcforge_fit::Configuration;
     use ltcforge_light::{PolygonLight, WeightRule, normals, truth_within};
 
-    /// Mean over the pixels of what the closed form's light is off, for white metal under a light of radiance one.
+    /// Mean error of the closed form's light over the pixels, for white metal under a light of radiance one.
     fn error(scene: NamedScene) -> f64 {
         let scene = scene.scene();
         let frame = Frame::new(&crate::preview::Scene { size: 32, ..scene }, false);

@@ -179,7 +179,7 @@ fn small_cases() -> Vec<Case> {
     random_cases(COUNT).map(small).collect()
 }
 
-/// Their integrals are a millionth, the size of the rounding errors of what cancels in the usual sum.
+/// Their integrals are a millionth, the size of the rounding errors of the terms that cancel in the usual sum.
 #[test]
 fn small_lights_keep_their_digits() {
     let cases = small_cases();

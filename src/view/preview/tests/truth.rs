@@ -15,7 +15,7 @@ use ltcforge_light::LightModel;
 
 /// Relative to the light's energy.
 const TOLERANCE: f64 = 0.005;
-/// Part of what it would send if it were all around, of which less is taken as this.
+/// The least energy that errors are divided by, as a part of that of a light all around.
 const DIM: f64 = 0.05;
 /// Part of the same, of which more is lit.
 const LIT: f64 = 0.02;
