@@ -42,7 +42,7 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
         Preview::new(args.adapter).render(&shader_table, &scene, &|| false).map_err(|error| failure(&error))?;
     let png = rendered.picture.png().map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     out.write(&png)?;
-    let Rendered { picture, adapter, errors, outside } = rendered;
+    let Rendered { picture, adapter, errors, out_of_range } = rendered;
     let errors_json: Vec<_> = errors
         .iter()
         .map(|error| {
@@ -52,17 +52,18 @@ pub(super) fn run(args: &PreviewArgs, json: bool, context: &mut Context<'_>) -> 
             })
         })
         .collect();
-    let outside_json: Vec<_> = outside.iter().map(|m| json!({ "alpha_x": m.alpha_x, "alpha_y": m.alpha_y })).collect();
+    let out_of_range_json: Vec<_> =
+        out_of_range.iter().map(|m| json!({ "alpha_x": m.alpha_x, "alpha_y": m.alpha_y })).collect();
     let value = json!({
         "file": shown(&args.out), "table": digest, "adapter": adapter,
         "width": picture.width, "height": picture.height, "errors": errors_json,
-        "outside": outside_json,
+        "outside": out_of_range_json,
     });
     if json {
         return print(context.stdout, true, &value, "").map(|()| Exit::Ok);
     }
     eprintln!("adapter: {adapter}");
-    for (Material { alpha_x, alpha_y, .. }, table) in outside.iter().zip(table.iter().cycle()) {
+    for (Material { alpha_x, alpha_y, .. }, table) in out_of_range.iter().zip(table.iter().cycle()) {
         let [alpha, ratio] = [&table.axes.alpha, &table.axes.ratio].map(|nodes| (nodes[0], nodes[nodes.len() - 1]));
         eprintln!(
             "alpha {alpha_x} {alpha_y} lies outside the table, which covers alpha {} to {} and ratio {} to {}; its \

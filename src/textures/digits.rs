@@ -15,7 +15,7 @@ pub(super) fn shortest(x: f32, precision: Precision) -> String {
     plain(&exponential)
 }
 
-/// At most five digits tell halfs apart. Of the decimals with so many digits the nearest to `x` is tried.
+/// At most five digits tell halves apart. Of the decimals with so many digits the nearest to `x` is tried.
 fn shortest_half(x: f32) -> String {
     (0..=4)
         .map(|decimals| format!("{x:.decimals$e}"))
@@ -23,8 +23,8 @@ fn shortest_half(x: f32) -> String {
         .unwrap_or_else(|| format!("{x:e}"))
 }
 
-/// Whether a half is read from this text in every way. It must not be at the border of two halfs: engines round ties in
-/// either direction.
+/// Whether a half is read from this text in every way. It must not be at the border of two halves: engines round ties
+/// in either direction.
 fn reads_as(text: &str, x: f32) -> bool {
     let (Ok(single), Ok(double)) = (text.parse::<f32>(), text.parse::<f64>()) else { return false };
     let bits = f16::from_f32_const(x).to_bits();
@@ -75,7 +75,7 @@ mod tests {
             let double: f64 = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{text} is no JSON"));
             assert_eq!(f16::from_f32_const(single).to_bits(), bits, "{text}");
             assert_eq!(f16::from_f64_const(double).to_bits(), bits, "{text}");
-            // Strictly nearer than to the next halfs: some engines round ties away from zero.
+            // Strictly nearer than to the next halves: some engines round ties away from zero.
             for neighbour in [bits ^ 0x8000, bits.wrapping_add(1), bits.wrapping_sub(1)].map(f16::from_bits) {
                 let (here, there) = ((double - half.to_f64_const()).abs(), (double - neighbour.to_f64_const()).abs());
                 assert!(neighbour.is_nan() || half == neighbour || here < there, "{text} is no nearer to {half}");
@@ -84,7 +84,7 @@ mod tests {
             lengths[digits.chars().filter(char::is_ascii_digit).count()] += 1;
         }
         assert_eq!(lengths[6..].iter().sum::<usize>(), 0, "more than five digits: {lengths:?}");
-        assert!(lengths[5] < 40_000, "most halfs need fewer than five: {lengths:?}");
+        assert!(lengths[5] < 40_000, "most halves need fewer than five: {lengths:?}");
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod digits;
 mod engines;
 mod export;
 mod file;
-mod halfs;
+mod halves;
 mod layouts;
 mod recipe;
 mod rounding;
@@ -26,7 +26,7 @@ pub use containers::TextureContainer;
 pub use engines::Engine;
 pub use export::{Export, ExportError, UnknownExport};
 pub use file::{TextureFile, TextureFileError};
-pub use halfs::{Displacement, Halfs};
+pub use halves::{Displacement, Halves};
 pub use layouts::{
     NoTextures, TextureAxis, TextureLayout, TextureSampling, TexturesOf, layout_names, sampling_of, textures_of,
 };

@@ -4,7 +4,7 @@ use half::f16;
 use serde::Serialize;
 
 use super::{
-    halfs::{Displacement, neighbours},
+    halves::{Displacement, neighbours},
     texture::Texture,
 };
 use ltcforge_fit::Precision;
@@ -23,10 +23,10 @@ pub struct Rounded {
 /// How far rounded numbers are from the originals; all zero for 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct RoundingError {
-    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halfs have 11 bits. Unless
+    /// The largest |rounded - x| / |x| of numbers of at least 2^-14 = 6.1e-5, from which on halves have 11 bits. Unless
     /// numbers were clamped it is at most 2^-11 = 4.9e-4, and where they were chosen together 2^-10.
     pub relative: f64,
-    /// The largest |rounded - x| of smaller numbers, between which halfs are 2^-24 = 6.0e-8 apart.
+    /// The largest |rounded - x| of smaller numbers, between which halves are 2^-24 = 6.0e-8 apart.
     pub absolute_of_small: f64,
     /// Numbers beyond 65504, the largest half, which became that.
     pub clamped: u64,
@@ -67,7 +67,7 @@ impl RoundingError {
     }
 }
 
-/// Rounds finite numbers to the nearest of a precision, ties to even. With halfs, a number beyond the largest half
+/// Rounds finite numbers to the nearest of a precision, ties to even. With halves, a number beyond the largest half
 /// becomes that, and none but zero becomes zero: where a table has a divisor or a determinant that is small, it stays
 /// positive.
 #[must_use]
@@ -80,11 +80,11 @@ pub fn round(numbers: &[f32], precision: Precision) -> Rounded {
     Rounded { precision, numbers: rounded, error }
 }
 
-/// Rounds the numbers of a texture. With halfs, numbers that were chosen together are taken as they are, if they are
+/// Rounds the numbers of a texture. With halves, numbers that were chosen together are taken as they are, if they are
 /// next to what the texture holds.
 #[must_use]
 pub(super) fn round_texture(texture: &Texture, precision: Precision) -> Rounded {
-    let chosen = texture.halfs.as_ref().filter(|_| precision == Precision::F16);
+    let chosen = texture.halves.as_ref().filter(|_| precision == Precision::F16);
     let Some(chosen) = chosen else { return round(&texture.texels, precision) };
     let mut error = RoundingError { displacement: Some(chosen.displacement), ..RoundingError::default() };
     let pairs = texture.texels.iter().zip(&chosen.numbers);
@@ -192,7 +192,7 @@ mod tests {
         fn in_range_the_nearest_is_taken(x in -60000.0_f32..60000.0) {
             let (half, _) = rounded(x);
             for neighbour in [half.next_up(), half.next_down()] {
-                // Both neighbouring halfs: one bit of a half away.
+                // Both neighbouring halves: one bit of a half away.
                 let bits = f16::from_f32_const(half).to_bits();
                 for bits in [bits.wrapping_add(1), bits.wrapping_sub(1)] {
                     let other = f16::from_bits(bits).to_f32_const();

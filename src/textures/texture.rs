@@ -1,6 +1,6 @@
 //! Numbers as a renderer has them: a 2D texture, an array of these, or a 3D texture.
 
-use super::halfs::Halfs;
+use super::halves::Halves;
 
 /// Most texels along one side.
 const MOST_TEXELS: u32 = 1 << 16;
@@ -24,7 +24,7 @@ pub struct Texture {
     pub texels: Vec<f32>,
     /// The numbers in 16 bits where those of different texels or channels belong together; `None` where each is
     /// rounded to the nearest half.
-    pub halfs: Option<Halfs>,
+    pub halves: Option<Halves>,
 }
 
 /// Why numbers are no texture.
@@ -76,12 +76,12 @@ pub enum TextureError {
         /// Channels.
         channels: usize,
     },
-    /// More or fewer halfs than numbers.
-    #[error("«{name}»: halfs has {actual} numbers, texels {expected}")]
-    Halfs {
+    /// More or fewer halves than numbers.
+    #[error("«{name}»: halves has {actual} numbers, texels {expected}")]
+    Halves {
         /// The texture.
         name: String,
-        /// Halfs that there are.
+        /// Halves that there are.
         actual: usize,
         /// Numbers that there are.
         expected: usize,
@@ -124,7 +124,7 @@ impl Texture {
         texels: Vec<f32>,
     ) -> Result<Self, TextureError> {
         let channels = channels.iter().map(|&channel| channel.to_owned()).collect();
-        let texture = Self { name: name.into(), width, height, depth, layers, channels, texels, halfs: None };
+        let texture = Self { name: name.into(), width, height, depth, layers, channels, texels, halves: None };
         texture.check()?;
         Ok(texture)
     }
@@ -166,8 +166,8 @@ impl Texture {
                 channels,
             });
         }
-        if let Some(halfs) = self.halfs.as_ref().filter(|halfs| halfs.numbers.len() != actual) {
-            return Err(TextureError::Halfs { name: name(), actual: halfs.numbers.len(), expected: actual });
+        if let Some(halves) = self.halves.as_ref().filter(|halves| halves.numbers.len() != actual) {
+            return Err(TextureError::Halves { name: name(), actual: halves.numbers.len(), expected: actual });
         }
         match self.texels.iter().position(|x| !x.is_finite()) {
             None => Ok(()),
@@ -205,8 +205,8 @@ impl Texture {
         };
         let sides = [self.width, self.height, self.depth];
         let only = Self::new(self.name.clone(), sides, self.layers, channels, taken(&self.texels))?;
-        let halfs = self.halfs.as_ref().map(|halfs| Halfs { numbers: taken(&halfs.numbers), ..*halfs });
-        Ok(Self { halfs, ..only })
+        let halves = self.halves.as_ref().map(|halves| Halves { numbers: taken(&halves.numbers), ..*halves });
+        Ok(Self { halves, ..only })
     }
 }
 
@@ -238,8 +238,8 @@ mod tests {
             (|t| t.channels[1] = "a".to_owned(), r#"channels are ["a", "a"]"#),
             (|t| t.height = 4, "texels has 24 numbers; 2 x 4 x 1 texels, 2 layers and 2 channels take 32"),
             (
-                |t| t.halfs = Some(Halfs { numbers: vec![0.0; 3], displacement: Displacement::default() }),
-                "halfs has 3 numbers, texels 24",
+                |t| t.halves = Some(Halves { numbers: vec![0.0; 3], displacement: Displacement::default() }),
+                "halves has 3 numbers, texels 24",
             ),
             (|t| t.texels[5] = f32::NAN, "texels[5] is NaN"),
             (|t| t.texels[0] = f32::NEG_INFINITY, "texels[0] is -inf"),
@@ -265,8 +265,8 @@ mod tests {
         let only = planted().only(&["b"]).expect("a channel");
         assert_eq!(only.texels, planted().texels.iter().copied().skip(1).step_by(2).collect::<Vec<_>>());
         let numbers: Vec<f32> = (0_u8..24).map(|i| -f32::from(i)).collect();
-        let halfs = Some(Halfs { numbers, displacement: Displacement { mean: 0.1, max: 0.2 } });
-        let only = Texture { halfs, ..planted() }.only(&["b"]).expect("a channel").halfs.expect("halfs");
+        let halves = Some(Halves { numbers, displacement: Displacement { mean: 0.1, max: 0.2 } });
+        let only = Texture { halves, ..planted() }.only(&["b"]).expect("a channel").halves.expect("halves");
         assert_eq!((only.numbers[11], only.displacement.max), (-23.0, 0.2));
         assert!(planted().only(&["c"]).is_err());
         assert_eq!(planted().slices().count(), 2);

@@ -6,7 +6,7 @@ use super::rules::{ContainerRules, Stored, Written, one_of_all};
 use crate::{about::About, digits::shortest, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halfs.
+/// One header with all textures: arrays of `float`, or of `uint16_t` that are the bits of halves.
 ///
 /// The guard and the arrays have names of their own for each table and layout, so that headers of several can be
 /// included together. Short names stand for them unless `LTCFORGE_LONG_NAMES` is defined before.
@@ -53,7 +53,7 @@ pub(super) fn sides(stored: &Stored<'_>) -> [(&'static str, usize); 5] {
     [("WIDTH", width), ("HEIGHT", height), ("DEPTH", depth), ("LAYERS", layers), ("CHANNELS", texture.channels.len())]
 }
 
-/// The numbers as code has them: floats with `suffix`, halfs as their bits.
+/// The numbers as code has them: floats with `suffix`, halves as their bits.
 pub(super) fn numbers(stored: &Stored<'_>, suffix: &str) -> String {
     match stored.rounded.precision {
         Precision::F32 => stored.rows(|i| float(stored.rounded.numbers[i]) + suffix),

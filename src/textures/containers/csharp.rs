@@ -10,8 +10,8 @@ use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
 /// One static class with all textures, `Ltcforge` with layout and digits of the table behind it, so that those of
-/// several tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halfs, which is what
-/// Unity's `Texture2D.SetPixelData` takes.
+/// several tables can be compiled together: arrays of `float`, or of `ushort` that are the bits of halves, which is
+/// what Unity's `Texture2D.SetPixelData` takes.
 pub(super) struct CSharp;
 
 impl ContainerRules for CSharp {

@@ -9,7 +9,7 @@ use super::{
 use crate::{about::About, digits::shortest, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// One module with all textures: `Float32Array`, or a `Uint16Array` of the bits of halfs, which is what WebGL takes.
+/// One module with all textures: `Float32Array`, or a `Uint16Array` of the bits of halves, which is what WebGL takes.
 pub(super) struct JavaScript;
 
 impl ContainerRules for JavaScript {

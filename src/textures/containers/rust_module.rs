@@ -9,7 +9,7 @@ use super::{
 use crate::{about::About, file::TextureFileError};
 use ltcforge_fit::Precision;
 
-/// One module with all textures: statics of `f32`, or of `u16` that are the bits of halfs.
+/// One module with all textures: statics of `f32`, or of `u16` that are the bits of halves.
 pub(super) struct RustModule;
 
 impl ContainerRules for RustModule {

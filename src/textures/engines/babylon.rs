@@ -2,8 +2,8 @@
 //!
 //! `Lights/LTC/ltcTextureTool` loads `areaLights/areaLightsLTC.bin` below the folder of core assets, which
 //! `Tools.AssetBaseUrl` replaces, and reads 16-bit words as the page's processor orders them, which is little-endian:
-//! eight halfs a texel, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at roughness
-//! and sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
+//! eight halves a texel, the first four of texture 1, the others of texture 2. `ltcHelperFunctions` samples at
+//! roughness and sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
 
 use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
 use crate::{bundle::Bundle, file::TextureFileError};

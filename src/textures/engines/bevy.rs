@@ -4,7 +4,7 @@
 //! 64, `R16G16B16A16_SFLOAT`, zstd. The render world's resource `AreaLightLuts { image }` replaces it at run time.
 
 use super::rules::{EngineRules, FIRST, SECOND, SIZE, Source, file};
-use crate::{bundle::Bundle, containers::ktx2, file::TextureFileError, halfs::Halfs, texture::Texture};
+use crate::{bundle::Bundle, containers::ktx2, file::TextureFileError, halves::Halves, texture::Texture};
 use ltcforge_fit::Precision;
 
 /// Bevy.
@@ -20,7 +20,7 @@ impl EngineRules for Bevy {
         let second = source.square(SECOND, SIZE, Precision::F32)?.texture;
         let texels = [first.texels.as_slice(), &second.texels].concat();
         let mut both = Texture::new("ltc", [SIZE, SIZE, 1], 2, &["x", "y", "z", "w"], texels)?;
-        both.halfs = first.halfs.as_ref().zip(second.halfs.as_ref()).map(|(first, second)| Halfs {
+        both.halves = first.halves.as_ref().zip(second.halves.as_ref()).map(|(first, second)| Halves {
             numbers: [first.numbers.as_slice(), &second.numbers].concat(),
             displacement: first.displacement,
         });

@@ -1,7 +1,7 @@
 //! Unity's High Definition Render Pipeline, as of its sources of 2023 and later (read in copies of them).
 //!
 //! `LTCAreaLight.cs` fills layer 0 of a 64 x 64 array of `R16G16B16A16_SFloat` with `s_LtcMatrixData_BRDF_GGX`, an
-//! array of the bits of halfs in `Generated/LtcData.BRDF_GGX.cs`. The shader samples at perceptual roughness and
+//! array of the bits of halves in `Generated/LtcData.BRDF_GGX.cs`. The shader samples at perceptual roughness and
 //! `sqrt(1 - cos theta)`, and takes a texel as elements 00, 02, 11 and 20 of the transposed inverse over element 22.
 //! Amplitude and Fresnel term come from a table of another kind, which stays.
 

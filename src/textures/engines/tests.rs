@@ -46,7 +46,7 @@ fn text<'a>(bundle: &'a Bundle, path: &str) -> &'a str {
     std::str::from_utf8(bytes(bundle, path)).expect("text")
 }
 
-fn halfs(name: usize) -> Vec<u16> {
+fn halves(name: usize) -> Vec<u16> {
     round(&textures(64)[name].texels, Precision::F16).half_bits().collect()
 }
 
@@ -83,27 +83,27 @@ fn another_size_or_a_lack_of_textures_is_told() {
 }
 
 #[test]
-fn babylon_has_eight_halfs_a_texel() {
+fn babylon_has_eight_halves_a_texel() {
     let bundle = bundle(Engine::Babylon, 64);
     let file = bytes(&bundle, "areaLights/areaLightsLTC.bin");
     assert_eq!(file.len(), 65_536);
     let words: Vec<u16> = file.as_chunks::<2>().0.iter().map(|word| u16::from_le_bytes(*word)).collect();
     let part = |first: usize| words.chunks(8).flat_map(|texel| texel[first..first + 4].to_vec()).collect::<Vec<u16>>();
-    assert_eq!([part(0), part(4)], [halfs(0), halfs(1)]);
+    assert_eq!([part(0), part(4)], [halves(0), halves(1)]);
 }
 
 #[test]
-fn playcanvas_rounds_to_the_halfs_that_were_meant() {
+fn playcanvas_rounds_to_the_halves_that_were_meant() {
     let bundle = bundle(Engine::PlayCanvas, 64);
     let luts: Value = serde_json::from_str(text(&bundle, "area-light-luts.json")).expect("JSON");
-    for (key, expected) in [("LTC_MAT_1", halfs(0)), ("LTC_MAT_2", halfs(1))] {
+    for (key, expected) in [("LTC_MAT_1", halves(0)), ("LTC_MAT_2", halves(1))] {
         let numbers = luts[key].as_array().expect("an array").iter().map(|x| x.as_f64().expect("a number"));
         assert_eq!(numbers.map(|x| f16::from_f32_const(x as f32).to_bits()).collect::<Vec<u16>>(), expected, "{key}");
     }
 }
 
 #[test]
-fn bevy_has_an_array_of_halfs_in_zstd() {
+fn bevy_has_an_array_of_halves_in_zstd() {
     let bundle = bundle(Engine::Bevy, 64);
     let reader = ktx2::Reader::new(bytes(&bundle, "ltc.ktx2")).expect("KTX2");
     let header = reader.header();
@@ -115,7 +115,7 @@ fn bevy_has_an_array_of_halfs_in_zstd() {
     let mut decoder = ruzstd::decoding::StreamingDecoder::new(level.data).expect("zstd");
     std::io::Read::read_to_end(&mut decoder, &mut data).expect("all of it");
     let words: Vec<u16> = data.as_chunks::<2>().0.iter().map(|word| u16::from_le_bytes(*word)).collect();
-    assert_eq!(words, [halfs(0), halfs(1)].concat());
+    assert_eq!(words, [halves(0), halves(1)].concat());
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn unity_has_every_number() {
     let (_, rows) = code.split_once("new ushort[64 * 64 * 4]\n        {").expect("an array");
     let (rows, _) = rows.split_once('}').expect("its end");
     let numbers = rows.split(',').map(str::trim).filter(|word| !word.is_empty());
-    assert_eq!(numbers.map(|word| word.parse().expect("bits")).collect::<Vec<u16>>(), halfs(0));
+    assert_eq!(numbers.map(|word| word.parse().expect("bits")).collect::<Vec<u16>>(), halves(0));
 }
 
 /// Writes the numbers of the four textures, little-endian, one after another.
@@ -167,7 +167,7 @@ fn three_unpacks_every_number_and_its_half() {
         eprintln!("SKIPPED: no node on this machine, so the module for three.js is not run");
         return;
     }
-    // Beyond the halfs, between their largest and infinity, next to nothing, below their normal range, on a half, and
+    // Beyond the halves, between their largest and infinity, next to nothing, below their normal range, on a half, and
     // between two.
     let hard = [7e4, 65519.0, 1e-12, 3e-8, 5e-8, 3.3e-6, 6.1e-5, 0.0, 1.0, 0.1];
     let mut given = textures(64);

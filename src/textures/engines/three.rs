@@ -4,7 +4,7 @@
 //! 32-bit textures; `RectAreaLightNode.setLTC` takes an object with the same four. Both sample at roughness and
 //! sqrt(1 - cos theta), with the half texel of 64 x 64 written into the shader.
 //!
-//! The module has the 32-bit numbers once, and a bit for each that tells which of the two halfs around it to take.
+//! The module has the 32-bit numbers once, and a bit for each that tells which of the two halves around it to take.
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use half::f16;
@@ -28,14 +28,14 @@ impl EngineRules for Three {
         let both = |precision| -> Result<[Stored<'_>; 2], TextureFileError> {
             Ok([source.square(FIRST, SIZE, precision)?, source.square(SECOND, SIZE, precision)?])
         };
-        let (floats, halfs) = (both(Precision::F32)?, both(Precision::F16)?);
-        let [numbers, farther] = [sorted_bytes(&floats), farther_bits(&floats, &halfs)];
+        let (floats, halves) = (both(Precision::F32)?, both(Precision::F16)?);
+        let [numbers, farther] = [sorted_bytes(&floats), farther_bits(&floats, &halves)];
         let [numbers, farther] = [numbers, farther].map(|bytes| BASE64_STANDARD.encode(bytes));
         let about = source.about.comment();
         let text = format!(
             "{about}\nconst SIZE = {SIZE};\nconst NUMBERS = '{numbers}';\nconst FARTHER = '{farther}';\n\n{FUNCTION}"
         );
-        let all: Vec<_> = floats.iter().chain(&halfs).collect();
+        let all: Vec<_> = floats.iter().chain(&halves).collect();
         let steps = [
             "Import createLTC from ltc.js beside three.js (checked with 0.187).",
             "WebGLRenderer: after RectAreaLightUniformsLib.init(), Object.assign( THREE.UniformsLib, createLTC( THREE ) ).",
@@ -61,9 +61,9 @@ fn sorted_bytes(textures: &[Stored<'_>]) -> Vec<u8> {
 
 /// A bit for each number, the first the lowest of its byte: whether its half is the one farther from zero of the two
 /// around it.
-fn farther_bits(floats: &[Stored<'_>], halfs: &[Stored<'_>]) -> Vec<u8> {
-    let pairs = floats.iter().zip(halfs).flat_map(|(floats, halfs)| {
-        floats.rounded.numbers.iter().zip(halfs.rounded.half_bits()).map(|(x, half)| half != half_nearer_to_zero(*x))
+fn farther_bits(floats: &[Stored<'_>], halves: &[Stored<'_>]) -> Vec<u8> {
+    let pairs = floats.iter().zip(halves).flat_map(|(floats, halves)| {
+        floats.rounded.numbers.iter().zip(halves.rounded.half_bits()).map(|(x, half)| half != half_nearer_to_zero(*x))
     });
     let bits: Vec<bool> = pairs.collect();
     let byte = |bits: &[bool]| bits.iter().enumerate().fold(0, |byte, (i, bit)| byte | u8::from(*bit) << i);

@@ -12,7 +12,7 @@ mod volumes;
 use ltcforge_fit::{Layout, Precision, Table, named_list};
 
 use super::{
-    halfs::{Halfs, halved},
+    halves::{Halves, halved},
     recipe::recipe_like,
     rounding::round,
     texture::Texture,
@@ -89,7 +89,7 @@ impl TextureLayout {
         }
     }
 
-    /// The textures of a table. The numbers of a matrix have halfs that were chosen together.
+    /// The textures of a table. The numbers of a matrix have halves that were chosen together.
     ///
     /// # Errors
     /// When the table has another layout, or lacks what these textures need; the error names a recipe that has it.
@@ -99,7 +99,7 @@ impl TextureLayout {
         let (halved, displacement) = halved(table);
         for (texture, halved) in textures.iter_mut().zip(self.rules().textures(&halved)?) {
             let numbers = round(&halved.texels, Precision::F16).numbers;
-            texture.halfs = Some(Halfs { numbers, displacement });
+            texture.halves = Some(Halves { numbers, displacement });
         }
         Ok(textures)
     }

@@ -89,12 +89,12 @@ fn warnings(material: &Material) -> Vec<String> {
 }
 
 /// The picture of mode `ltc`: materials that the table does not cover are marked.
-pub(super) fn warned(mut picture: Picture, scene: &Scene, outside: &[Material]) -> Picture {
+pub(super) fn warned(mut picture: Picture, scene: &Scene, out_of_range: &[Material]) -> Picture {
     tag_cells(
         &mut picture,
         scene,
         |_, material| {
-            if outside.contains(material) { warnings(material) } else { Vec::new() }
+            if out_of_range.contains(material) { warnings(material) } else { Vec::new() }
         },
     );
     picture
@@ -104,7 +104,7 @@ pub(super) fn warned(mut picture: Picture, scene: &Scene, outside: &[Material]) 
 pub(super) fn compared(
     scene: &Scene,
     table: &ShaderTable,
-    outside: &[Material],
+    out_of_range: &[Material],
     [ltc, reference]: [&Radiances; 2],
     errors: &[PanelError],
 ) -> Picture {
@@ -128,7 +128,7 @@ pub(super) fn compared(
         &mut ltc,
         scene,
         |_, material| {
-            if outside.contains(material) { warnings(material) } else { names(material) }
+            if out_of_range.contains(material) { warnings(material) } else { names(material) }
         },
     );
     let title = format!("|{short} - reference|");
@@ -144,7 +144,7 @@ pub(super) fn compared(
 pub(super) fn models(
     scene: &Scene,
     table: &ShaderTable,
-    outside: &[Material],
+    out_of_range: &[Material],
     lit: &[(LightModel, Radiances)],
     reference: &Radiances,
     errors: &[PanelError],
@@ -158,7 +158,7 @@ pub(super) fn models(
     for (model, radiances) in lit {
         let own: Vec<PanelError> = errors.iter().filter(|error| error.model == *model).copied().collect();
         let mut shown = tone::displayed(exposure, radiances);
-        let warns = |material: &Material| *model == LightModel::Ltc && outside.contains(material);
+        let warns = |material: &Material| *model == LightModel::Ltc && out_of_range.contains(material);
         tag_cells(&mut shown, scene, |_, m| if warns(m) { warnings(m) } else { names(m) });
         let mut apart = differences(radiances, reference, scale);
         tag_cells(&mut apart, scene, |index, material| mean_tags(&own[index], material));
@@ -229,7 +229,7 @@ fn table_title(table: &ShaderTable, width: u32) -> String {
 pub(super) fn lobes(
     scene: &Scene,
     table: &ShaderTable,
-    outside: &[Material],
+    out_of_range: &[Material],
     frame: &Frame,
     [ltc, reference]: [&Radiances; 2],
 ) -> Picture {
@@ -268,7 +268,7 @@ pub(super) fn lobes(
         vec![configuration]
     };
     lines.push(["ring: view direction; cross: its mirror direction", "ring: view; cross: mirror"].map(str::to_owned));
-    if !outside.is_empty() {
+    if !out_of_range.is_empty() {
         let warning = "alpha is outside the table: its nearest entry is shown";
         lines.push([warning.to_owned(), "outside the table".to_owned()]);
     }

@@ -46,7 +46,7 @@ pub struct Rendered {
     pub errors: Vec<PanelError>,
     /// For modes that show the table: the materials whose roughness lies outside its nodes. Its nearest entries stand
     /// for them.
-    pub outside: Vec<Material>,
+    pub out_of_range: Vec<Material>,
 }
 
 /// Renders pictures, one after another. Nothing is opened before the first.
@@ -145,19 +145,19 @@ impl Preview {
 
     fn attempt(&mut self, table: &Arc<ShaderTable>, scene: &Scene, stop: Stop<'_>) -> Result<Rendered, PreviewError> {
         let frame = Frame::new(scene, scene.mode == Mode::Lobe);
-        let outside = outside(table, scene);
+        let out_of_range = out_of_range(table, scene);
         let mut errors = Vec::new();
         let picture = match scene.mode {
             Mode::Ltc => {
                 let picture = self.picture(table, &frame, Estimator::of(scene.model, scene.weight, table), stop)?;
-                compose::warned(picture, scene, &outside)
+                compose::warned(picture, scene, &out_of_range)
             }
             Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
             Mode::Difference | Mode::Strip => {
                 let lit = self.radiances(table, &frame, Estimator::of(scene.model, scene.weight, table), stop)?;
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
-                compose::compared(scene, table, &outside, [&lit, &reference], &errors)
+                compose::compared(scene, table, &out_of_range, [&lit, &reference], &errors)
             }
             Mode::Models => {
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
@@ -167,15 +167,15 @@ impl Preview {
                     errors.extend(panel_errors(scene, &frame, model, &radiances, &reference));
                     lit.push((model, radiances));
                 }
-                compose::models(scene, table, &outside, &lit, &reference, &errors)
+                compose::models(scene, table, &out_of_range, &lit, &reference, &errors)
             }
             Mode::Lobe => {
                 let ltc = self.radiances(table, &frame, Estimator::TableLobe, stop)?;
                 let reference = self.radiances(table, &frame, Estimator::ReferenceLobe, stop)?;
-                compose::lobes(scene, table, &outside, &frame, [&ltc, &reference])
+                compose::lobes(scene, table, &out_of_range, &frame, [&ltc, &reference])
             }
         };
-        Ok(Rendered { picture, adapter: self.adapter_name()?, errors, outside })
+        Ok(Rendered { picture, adapter: self.adapter_name()?, errors, out_of_range })
     }
 
     /// The device that renders: an adapter's name, or `cpu`.
@@ -299,7 +299,7 @@ impl Preview {
 }
 
 /// The shown materials whose roughness lies outside the table's nodes.
-fn outside(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
+fn out_of_range(table: &ShaderTable, scene: &Scene) -> Vec<Material> {
     let shown = match scene.mode {
         _ if !scene.needs_table() => 0,
         Mode::Lobe => 1,

@@ -37,8 +37,8 @@ fn texture(
     let (format, bytes) = match table.format {
         TexelFormat::F32 => (wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(texels).to_vec()),
         TexelFormat::F16 => {
-            let halfs = texels.as_flattened().iter().flat_map(|x| f16::from_f32(*x).to_le_bytes());
-            (wgpu::TextureFormat::Rgba16Float, halfs.collect::<Vec<u8>>())
+            let halves = texels.as_flattened().iter().flat_map(|x| f16::from_f32(*x).to_le_bytes());
+            (wgpu::TextureFormat::Rgba16Float, halves.collect::<Vec<u8>>())
         }
     };
     let [width, height, depth] =

@@ -1,6 +1,6 @@
-//! Matrices in halfs: the numbers of a matrix are rounded together, so that its lobe moves least.
+//! Matrices in halves: the numbers of a matrix are rounded together, so that its lobe moves least.
 //!
-//! Each number alone is nearest to one of two neighbouring halfs, but a sharp lobe's direction depends on differences
+//! Each number alone is nearest to one of two neighbouring halves, but a sharp lobe's direction depends on differences
 //! of numbers that are many times its width apart: rounding each to the nearest may move it by most of its width. Every
 //! number becomes one of its two neighbours, and of these choices that one is taken whose lobe is displaced least,
 //!
@@ -27,9 +27,9 @@ pub struct Displacement {
     pub max: f64,
 }
 
-/// Numbers of a texture as halfs that were chosen together.
+/// Numbers of a texture as halves that were chosen together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Halfs {
+pub struct Halves {
     /// In the order of the texels.
     pub numbers: Vec<f32>,
     /// The displacement of the table's lobes.
@@ -46,7 +46,7 @@ const WITHOUT_LOBE: f64 = 1.0;
 /// Most rounds of changing one or two numbers.
 const MOST_ROUNDS: usize = 8;
 
-/// The table with matrices whose numbers are halfs, and how far its lobes moved.
+/// The table with matrices whose numbers are halves, and how far its lobes moved.
 pub(super) fn halved(table: &Table) -> (Table, Displacement) {
     let (choosing, telling) = (Cosine::new(CHOOSING), Cosine::new(TELLING));
     let mut halved = table.clone();
@@ -133,7 +133,7 @@ impl LobeDecoder {
         part.is_finite().then_some(part)
     }
 
-    /// The halfs whose lobe is nearest to the matrix's own.
+    /// The halves whose lobe is nearest to the matrix's own.
     fn nearest_lobe(&self, exact: &[f32; 9], cosine: &Cosine) -> [f32; 9] {
         let choices = exact.map(neighbours);
         let free: Vec<usize> = (0..9).filter(|i| choices[*i].1.is_some()).collect();
@@ -230,7 +230,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn neighbours_are_halfs_on_both_sides(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL) {
+        fn neighbours_are_halves_on_both_sides(x in prop::num::f32::NORMAL | prop::num::f32::SUBNORMAL) {
             let (nearest, other) = neighbours(x);
             for half in [Some(nearest), other].into_iter().flatten() {
                 prop_assert!(half.is_finite() && half != 0.0 && half.signum() == x.signum());
