@@ -103,7 +103,7 @@ fn log_to_stderr(default: &str) {
         .init();
 }
 
-/// The first SIGINT, and for a server SIGTERM, does what the command asks for; the second ends the process.
+/// The first SIGINT, and for a server SIGTERM, does what `on_interrupt` says; the second ends the process.
 fn listen_to_signals(
     runtime: &tokio::runtime::Runtime,
     tell: watch::Sender<bool>,

@@ -149,7 +149,7 @@ pub(super) struct Exported<'a> {
 /// How sources are accessed.
 #[derive(Clone, Copy)]
 pub struct Access<'a> {
-    /// Limits on what they send.
+    /// Limits on their answers.
     pub limits: Limits,
     /// Send no request to a server.
     pub offline: bool,

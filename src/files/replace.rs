@@ -35,7 +35,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// Like [`replace_file`], in a folder that is there and without fsync: after a power cut the file may be empty or cut
-/// off. It is for caches, whose readers check what they read.
+/// off. It is for caches, whose readers verify the bytes.
 ///
 /// # Errors
 /// When the file cannot be written; no temporary file is left then.

@@ -26,8 +26,8 @@ impl<'a> StopCheck<'a> {
         Self { go_on, work: 0 }
     }
 
-    /// Counts the projection of `samples` samples on one direction, or what takes as long; `None` when the caller wants
-    /// the fit to stop.
+    /// Counts the projection of `samples` samples on one direction, or work that takes as long; `None` when the caller
+    /// wants the fit to stop.
     pub(crate) fn worked(&mut self, samples: usize) -> Option<()> {
         self.work += samples;
         if self.work < WORK_PER_CHECK {

@@ -56,7 +56,7 @@ pub enum LightError {
     /// The model needs a table, and none was given.
     #[error("model {0} lights by a table: name one, or choose --model normals")]
     NeedsTable(crate::LightModel),
-    /// A closed form is of another scattering model than what it is compared with.
+    /// A closed form is of another scattering model than the light that it is compared with.
     #[error(
         "models {models} are of brdf ggx, not of brdf {0}, which is lit by a table: choose --model ltc",
         models = crate::LightModel::names_of(|model| !model.needs_table())

@@ -37,8 +37,8 @@ struct Lit {
     light: PolygonLight,
 }
 
-/// Random rectangles around what random surfaces of a scattering model reflect, and the energy that is reflected of
-/// each.
+/// Random rectangles around the reflections of random surfaces of a scattering model, and the energy that is reflected
+/// of each.
 ///
 /// Equal arguments give equal lights.
 #[derive(Debug, Clone)]

@@ -30,7 +30,7 @@ pub struct ClosedForm {
     rule: WeightRule,
 }
 
-/// A model of light and what it reads.
+/// A model of light, and the table that it reads.
 #[derive(Debug, Clone, Copy)]
 pub enum Lighting<'a> {
     /// A formula, of GGX.

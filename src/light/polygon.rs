@@ -50,7 +50,8 @@ impl PolygonLight {
         }
     }
 
-    /// The vertices, scaled so that the largest coordinate is one: what is seen of a light depends on directions alone.
+    /// The vertices, scaled so that the largest coordinate is one: the visible part of a light depends on directions
+    /// alone.
     #[must_use]
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices

@@ -1,4 +1,4 @@
-//! Models of light and what they have in common: a checked surface, and the reflected light.
+//! The trait of models of light, and their common parts: a checked surface, and the reflected light.
 
 use std::f64::consts::FRAC_PI_2;
 

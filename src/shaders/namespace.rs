@@ -137,7 +137,7 @@ fn is_of_naga(name: &str) -> bool {
     is_numbered || ["naga", "Naga", "Construct", "ZeroValue", "ret_", "msl", "DefaultConstructible"].iter().any(begins)
 }
 
-/// The text with some of its identifiers replaced: `of` is asked for each one, and for what follows it.
+/// The text with some of its identifiers replaced: `of` is asked for each one, with the text after it.
 fn identifiers(text: &str, of: impl Fn(&str, &str) -> Option<String>) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);

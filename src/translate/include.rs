@@ -1,4 +1,4 @@
-//! The shader as text to include: functions and what they bind, no program.
+//! The shader as text to include: functions and their bindings, no program.
 
 use super::{
     PortError,

@@ -250,7 +250,7 @@ fn the_cases_try_every_fold_and_the_light_matters_in_each() {
     }
 }
 
-/// Every text to include, by language and what it lights by.
+/// Every text to include, by language and kind of light.
 fn includes() -> impl Iterator<Item = (Language, LitBy, String)> {
     let gaussian = lit_by(LightModel::Sg, None);
     let gaussian_table = lit_by(LightModel::Asg, Some(Layout::Reflected));
@@ -303,7 +303,7 @@ fn what_is_included_has_functions_and_no_program() {
     }
 }
 
-/// The text for polygons is what that for all lights is without the other shapes.
+/// The text for polygons is the text for all lights without the other shapes.
 #[test]
 fn what_lights_by_polygons_alone_leaves_the_other_shapes_out() {
     let texts = |language, lights| {

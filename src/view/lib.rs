@@ -1,4 +1,4 @@
-//! Pictures: what a table does, its numbers and errors, and the trade-off of speed and accuracy.
+//! Pictures: previews of tables, their numbers and errors, and the trade-off of speed and accuracy.
 
 pub mod figures;
 pub mod parameters;

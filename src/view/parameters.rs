@@ -27,8 +27,8 @@ impl ParameterFault {
     }
 }
 
-/// Passes each pair of a name and a text to `set`. Returns every fault: what `set` refused, and each name that was
-/// given before.
+/// Passes each pair of a name and a text to `set`. Returns every fault: the texts that `set` refused, and each name
+/// that was given before.
 pub fn read_pairs<'a>(
     pairs: impl IntoIterator<Item = (&'a str, &'a str)>,
     mut set: impl FnMut(&str, &str) -> Result<(), String>,

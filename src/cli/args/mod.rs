@@ -126,7 +126,7 @@ impl Command {
         match self {
             #[cfg(unix)]
             Self::Service(ServiceCommand::Serve(_) | ServiceCommand::Work(_)) => "info",
-            // It does a dry run of a start, and prints itself what a start would log.
+            // It does a dry run of a start, and prints the lines that a start would log.
             #[cfg(unix)]
             Self::Service(ServiceCommand::Fsck(_)) => "off",
             _ => "warn",

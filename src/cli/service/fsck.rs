@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{CommandFailure, Context, Exit, args::FsckArgs, print, settings::ServeSettings};
 use ltcforge_server::service::{CheckReport, check};
 
-/// Checks the folder, changes nothing in it, and tells what is wrong and what the next start does about it.
+/// Checks the folder, changes nothing in it, and tells the faults and how the next start mends them.
 pub(super) fn run(
     args: FsckArgs,
     file: ServeSettings,

@@ -60,7 +60,7 @@ impl Header {
         Ok(axes)
     }
 
-    /// The ranges, and what the layout makes of them.
+    /// The ranges, and the nodes into which the layout divides them.
     fn divided(&self) -> (PerAxis<[f64; 2]>, PerAxis<Vec<f64>>) {
         let ([alpha, ratio, theta, phi], nodes) = (self.ranges, self.nodes.map(u32::from));
         let resolution = PerAxis { alpha: nodes[0], ratio: nodes[1], theta: nodes[2], phi: nodes[3] };

@@ -52,7 +52,7 @@ impl Models {
         }
     }
 
-    /// Reads what [`Self::write`] wrote; `None` where the bytes end.
+    /// The inverse of [`Self::write`]; `None` where the bytes end.
     pub(super) fn read(&mut self, lengths: [usize; 4], from: &mut Decoder<'_>) -> Option<Vec<i32>> {
         let mut numbers = vec![0; lengths.iter().product()];
         for i in 0..numbers.len() {

@@ -43,7 +43,7 @@ const MEASURED_AT: usize = 512;
 /// How often steps may become finer. The last ones are 28 times finer than the first.
 const ATTEMPTS: u32 = 16;
 
-/// A compact form, and what it costs: errors between nodes as parts of a lobe's width, at 512 places.
+/// A compact form, and its cost: errors between nodes as parts of a lobe's width, at 512 places.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Encoded {
     /// The compact form.

@@ -33,7 +33,7 @@ pub(super) struct Rounding {
     pub(super) part_of_width: f64,
     pub(super) correction_steps: f32,
     /// Whether numbers are chosen for the error between nodes. Those of least roughness, and at the horizon, then
-    /// depend on what lies beside them more than on their own lobes.
+    /// depend on their neighbours more than on their own lobes.
     is_chosen: bool,
 }
 

@@ -14,7 +14,7 @@ use ltcforge_fit::{Layout, Plan, Recipe, fit_plan};
 /// A Fresnel term that is off by less is as good as the other, whatever its stored root.
 const UNSEEN_TERM: f32 = 1e-4;
 
-/// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound what they store, so
+/// The largest difference of each channel, in its steps. At the horizon the engines' layouts bound their numbers, so
 /// that their numbers there are not those that were planted.
 fn misses(one: &Table, other: &Table) -> [f64; CHANNELS] {
     let rounding = Rounding::of(one);

@@ -6,7 +6,7 @@
 //! | `theta_o`, `theta_i`, `phi` | f32 or f64 | angles in radians |
 //! | `value` | f32 or f64 | `alpha` (where there is one), `theta_o`, `theta_i`, `phi` |
 //!
-//! Metadata is ignored. [`TabulatedBrdf`] has what the numbers mean and what is refused.
+//! Metadata is ignored. [`TabulatedBrdf`] documents the meaning of the numbers and their bounds.
 
 mod find;
 
@@ -19,7 +19,7 @@ use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
 
 pub use find::{FindBrdf, Located, kept_name, locate, no_files};
 
-/// The longest file of a tabulated BRDF that is read: twice what the numbers take that are allowed.
+/// The longest file of a tabulated BRDF that is read: twice the size of the most numbers allowed.
 pub const TABULATED_LIMIT_BYTES: u64 = 64 << 20;
 
 const VALUE: &str = "value";

@@ -22,7 +22,7 @@ pub(super) struct InterpolatedLobe {
     pub(super) error: f64,
 }
 
-/// The fitted lobes in numbers that change little between nodes: what is left of them beside their reflections, where
+/// The fitted lobes in numbers that change little between nodes: relative to their reflections, where
 /// they have some.
 pub(super) struct Lobes {
     spacing: PerAxis<Spacing>,

@@ -45,8 +45,8 @@ const MOST_ENTRIES: usize = 65_536;
 const ROUNDS: usize = 2;
 /// Where a cell is observed along either side.
 const POINTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
-/// How much an entry is held where it is, as a part of its weight: what the neighbours say little about stays as
-/// fitted.
+/// How much an entry is held where it is, as a part of its weight: an entry that its neighbours hardly determine stays
+/// as fitted.
 const HOLD: f64 = 1e-3;
 /// Views beyond this part of a right angle hardly count: most of the lobe is below the horizon, and a picture shows
 /// nothing of the lobe.
@@ -127,8 +127,8 @@ fn matrices(plan: &Plan, grid: Grid, lobes: &Lobes, own: &[LobeNumbers], free: F
 }
 
 /// The errors that stored matrices leave between the nodes, added up over the cells with the weights of the fit. The
-/// form above holds for small displacements. On a coarse grid they are not small, and what is least by it can be worse
-/// than what was fitted.
+/// form above holds for small displacements. On a coarse grid they are not small, and its minimum can be worse
+/// than the fitted entries.
 fn errors_between(grid: Grid, lobes: &Lobes, stored: &[DMat3], free: FreeNumbers, displacement: &Displacement) -> f64 {
     let error = |(cell, at): ([usize; 2], [f64; 2])| {
         let InterpolatedLobe { place, lobe, error } = lobes.between(cell, at);

@@ -30,7 +30,7 @@ impl BrdfRules for BeckmannRules {
     }
 }
 
-/// Past this exponent `exp(-x)` is zero for every purpose, and what it is multiplied with may be infinite.
+/// Past this exponent `exp(-x)` is zero for every purpose, and the factor beside it may be infinite.
 const MOST_EXPONENT: f64 = 700.0;
 
 impl Beckmann {

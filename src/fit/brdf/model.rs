@@ -112,7 +112,7 @@ pub struct TabulatedFile {
 }
 
 impl TabulatedFile {
-    /// The file with this SHA-256, and what it holds.
+    /// The file with this SHA-256, and its contents.
     #[must_use]
     pub fn new(digest: [u8; 32], data: Arc<TabulatedBrdf>) -> Self {
         Self { digest, data: Some(data) }

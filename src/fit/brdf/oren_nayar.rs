@@ -51,13 +51,13 @@ impl BrdfRules for OrenNayarRules {
 
 /// Seen at grazing angles a rough surface reflects `f cos(theta_i)` evenly down to the view's own height.
 const SAMPLER: Hemisphere = Hemisphere { uniform: 0.5 };
-/// `c`: what a single bounce loses at most, for `r = 1` and over `A`.
+/// `c`: the largest loss of a single bounce, for `r = 1` and over `A`.
 const LOST: f64 = 0.5 - 2.0 / (3.0 * PI);
-/// `c - d`: what a single bounce loses on average, likewise.
+/// `c - d`: the mean loss of a single bounce, likewise.
 const LOST_ON_AVERAGE: f64 = LOST - (2.0 / 3.0 - 28.0 / (15.0 * PI));
 
-/// `c - G / pi`: what a single bounce loses of a direction, for `r = 1` and over `A`. In [0, c]; zero at the horizon.
-/// `tan (1 - sin^3)` is `sin cos (1 + sin + sin^2) / (1 + sin)`, which has no pole there.
+/// `c - G / pi`: the loss of a single bounce from a direction, for `r = 1` and over `A`. In [0, c]; zero at the
+/// horizon. `tan (1 - sin^3)` is `sin cos (1 + sin + sin^2) / (1 + sin)`, which has no pole there.
 fn lost(w: DVec3) -> f64 {
     let (cos, sin) = (w.z, (w.x * w.x + w.y * w.y).sqrt());
     let tangent = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);

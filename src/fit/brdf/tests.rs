@@ -56,7 +56,7 @@ fn integrate(n: usize, f: impl FnMut(DVec3) -> f64) -> f64 {
     sphere(n).map(f).sum::<f64>() * TAU / (n * n) as f64
 }
 
-/// `E(wo)`, what is reflected of even light. Heights are squares, so that the pole of diffuse models at the horizon is
+/// `E(wo)`, the albedo under uniform light. Heights are squares, so that the pole of diffuse models at the horizon is
 /// resolved.
 fn albedo(brdf: &dyn Brdf, wo: DVec3) -> f64 {
     const N: usize = 400;

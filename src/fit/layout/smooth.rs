@@ -18,7 +18,7 @@
 //! The determinant is `p^2 q^2` and stays positive whatever becomes of the numbers.
 //!
 //! A change of any of them by a small part of 1 moves the lobe by about that part of its width, wherever in the table
-//! it lies: this is what makes one step of rounding right for all entries.
+//! it lies: therefore one step of rounding is right for all entries.
 
 use glam::{DMat3, DVec3};
 
@@ -139,7 +139,7 @@ mod tests {
             let (p, l, q, across, along, row_x, row_y, amplitude, fresnel) = numbers;
             let mut numbers = [p, l, q, across, along, row_x, row_y, amplitude, fresnel];
             if layout != Layout::Reflected {
-                // The other layouts bound what they store where the horizon and the least roughness meet.
+                // The other layouts bound their numbers where the horizon and the least roughness meet.
                 (place.alpha, place.theta) = (place.alpha.max(0.01), place.theta.min(1.2));
             }
             if layout.only_ranges().is_some() {

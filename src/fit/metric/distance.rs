@@ -16,7 +16,7 @@ pub(crate) struct Samples {
     pub(crate) shift: [f64; 2],
 }
 
-/// The lobe that a distance is measured to: its samples, and what they were drawn from.
+/// The lobe that a distance is measured to: its samples, and the BRDF from which they were drawn.
 #[derive(Clone, Copy)]
 pub(crate) struct Lobe<'a> {
     /// The surface.

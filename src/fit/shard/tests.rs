@@ -228,7 +228,7 @@ fn rows_with_warm_starts_are_whole_and_do_not_depend_on_other_rows() {
     }
 }
 
-/// Where a search starts changes where it ends, by less than what the samples are uncertain by.
+/// Where a search starts changes where it ends, by less than the uncertainty of the samples.
 #[test]
 fn either_start_ends_at_about_the_same_errors() {
     let errors = |start: Start| {

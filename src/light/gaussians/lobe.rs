@@ -12,7 +12,7 @@ pub enum Warp {
     Surface,
 }
 
-/// The Gaussian of a lobe, and what it weighs.
+/// The Gaussian of a lobe, and its weight.
 #[derive(Debug, Clone, Copy)]
 pub struct Lobe<T> {
     /// Where it is and how wide.

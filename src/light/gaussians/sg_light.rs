@@ -17,7 +17,7 @@ pub struct SgLight<T> {
 /// The light of a spherical Gaussian that GGX reflects towards `wo`, by a Gaussian: for a Fresnel factor of one, and
 /// its part weighed by Schlick's `(1 - wo . h)^5`.
 ///
-/// The whole sphere counts, also what is below the surface. Domain: as [`super::reflected`]; a sharpness above 0.
+/// The whole sphere counts, below the surface too. Domain: as [`super::reflected`]; a sharpness above 0.
 #[must_use]
 pub fn reflected_sg<T: Scalar>(gaussian: Gaussian, alpha: [T; 2], wo: Triple<T>, light: &SgLight<T>) -> [T; 2] {
     let lobe = Lobe::new(gaussian, Warp::Visible, alpha, wo);

@@ -300,7 +300,7 @@ fn the_warp_around_the_surface_s_normal_is_farther_off() {
     assert!(visible < 0.7 * surface && visible < 0.05, "{visible} {surface}");
 }
 
-/// Lights of spherical Gaussians around what surfaces reflect, each Gaussian with both warps.
+/// Lights of spherical Gaussians around the reflections of surfaces, each Gaussian with both warps.
 #[test]
 fn the_light_of_gaussians_is_as_far_off_as_the_docs_say() {
     let mut errors = [0.0; 4];

@@ -1,8 +1,8 @@
 //! The integral of a distribution over lights that are no polygons: ellipses, spheres, lines and tubes.
 //!
-//! Each is the integral of the clamped cosine over what `M^-1` makes of the light as it is seen from the origin: an
-//! ellipse and the outline of a sphere become cones over ellipses, see [`Cone`]; a line stays a line; the outline of a
-//! tube becomes two arcs of such cones and two straight edges.
+//! Each is the integral of the clamped cosine over the image under `M^-1` of the light as it is seen from the origin:
+//! an ellipse and the outline of a sphere become cones over ellipses, see [`Cone`]; a line stays a line; the outline of
+//! a tube becomes two arcs of such cones and two straight edges.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 

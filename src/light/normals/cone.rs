@@ -115,7 +115,7 @@ mod tests {
     use super::*;
     use ltcforge_fit::math::{direction, minus, scaled};
 
-    /// Eigenvalues and axis by what defines them, for mirrors and needles too, and planes through the view.
+    /// Eigenvalues and axis satisfy their definitions, for mirrors and needles too, and planes through the view.
     #[test]
     fn values_and_axis_are_those_of_the_matrix() {
         let fraction = |i: u32, step: f64| (f64::from(i) * step).fract();

@@ -191,8 +191,8 @@ fn curved_parts<T: Scalar>(outline: &Outline<T>, alpha: [T; 2], wo: Triple<T>) -
     curved
 }
 
-/// Adds what each of the parts between `normals` adds beyond its plane triangle, of the image of an edge whose `whole`
-/// is known. The parts are a power of two.
+/// Adds the contribution of each part between `normals` beyond its plane triangle, of the image of an edge whose
+/// `whole` is known. The parts are a power of two.
 fn share_among<T: Scalar>(normals: &[Triple<T>], whole: Triple<T>, curved: &mut Vec<Triple<T>>) {
     let last = normals.len() - 1;
     if last == 1 {
@@ -238,7 +238,7 @@ struct Fan<'a, T> {
     /// The factor from a form factor to a part of the visible normals.
     to_part: T,
     sum: [T; 2],
-    /// The positive parts, and what they add to the sum.
+    /// The positive parts, and their contribution to the sum.
     positive: [T; 3],
     /// The part of triangles whose weight is unknown.
     unknown: T,

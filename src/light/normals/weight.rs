@@ -3,7 +3,7 @@
 
 use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled};
 
-/// A surface seen from a direction: what a normal's weight depends on.
+/// A surface seen from a direction, on which a normal's weight depends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View<T> {
     pub(super) alpha: [T; 2],

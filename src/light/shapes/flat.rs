@@ -54,7 +54,7 @@ pub fn disk(centre: DVec3, normal: DVec3, radius: f64, sides: Sides) -> Result<P
     ellipse(centre, [x * radius, y * radius], sides)
 }
 
-/// A line light: what is seen of a tube between two points that is as thin as `width`, in the limit. What it reflects
+/// A line light: the limit of a tube between two points that is as thin as `width`. Its reflection
 /// is, for thin tubes, proportional to its radiance times its width.
 ///
 /// The strip is seen from the front everywhere, as a tube is, and from every side. Nothing is seen of a line that

@@ -197,7 +197,7 @@ fn lights_of_any_size_are_right() {
     }
 }
 
-/// No surface, view or light is far off in f32, which is what is judged. The truth takes a millisecond, so one case in
+/// Checks that no surface, view or light is far off in f32. The truth takes a millisecond, so one case in
 /// twenty is held to it, and each in which two rules, which have other sums of other triangles, tell something else.
 #[test]
 fn a_hundred_thousand_configurations_are_right() {

@@ -35,7 +35,7 @@ fn is_broad(lit: &Lit) -> bool {
     lit.at.alpha_x.min(lit.at.alpha_y) > 0.15
 }
 
-/// How far a pair of numbers is off the finer of two sums, beyond what that differs from the coarser.
+/// How far a pair of numbers is off the finer of two sums, beyond that sum's difference from the coarser.
 fn beyond(found: ReflectedLight, [coarse, fine]: [[f64; 2]; 2]) -> f64 {
     let off = |found: f64, i: usize| (found - fine[i]).abs() - (fine[i] - coarse[i]).abs();
     off(found.energy, 0).max(off(found.fresnel, 1))

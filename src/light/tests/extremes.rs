@@ -1,4 +1,4 @@
-//! The closed form where formulas break: continuity, sides, what lies below, sums, degenerate lights.
+//! The closed form where formulas break: continuity, sides, lights below the surface, sums, degenerate lights.
 
 use std::f64::consts::TAU;
 
@@ -81,7 +81,7 @@ fn a_mirror_within_a_light_reflects_all_of_it() {
     }
 }
 
-/// A light that moves by an angle d changes what is reflected by no more than the lobe's peak along its outline. In the
+/// A light that moves by an angle d changes the reflection by no more than the lobe's peak along its outline. In the
 /// space of normals that is the image's shift, at most d / alpha, times the length of a lobe's outline, at most a turn,
 /// over pi. The weight changes as fast.
 #[test]

@@ -83,7 +83,7 @@ fn fitted_gaussians_are_nearer_than_closed_forms() {
         let measured = report(&table, &EVERYWHERE, 64);
         println!("{lobe}: {fitted:?}, closed form {closed:?}, {:?}", measured.nodes.amplitude);
         assert!(fitted.mean < part * closed.mean, "{lobe}: {fitted:?} {closed:?}");
-        // The report's amplitude is the albedo, of which the table stores what the horizon leaves over.
+        // The report's amplitude is the albedo; the table stores it over the part above the horizon.
         let amplitude = measured.nodes.amplitude.expect("terms");
         assert!(amplitude.mean < 0.01, "{lobe}: {amplitude:?}");
         assert!(table.terms().expect("terms").amplitude().iter().any(|stored| *stored > 1.05), "{lobe}");

@@ -82,7 +82,7 @@ fn tubes_have_the_solid_angles_of_spheres_and_cylinders() {
     let found = solid_angle(long.vertices());
     assert!((found / wanted - 1.0).abs() < 1e-3, "{found} {wanted}");
 
-    // Round ends add what a sphere has more than a disk.
+    // Round ends add the excess of a sphere over a disk.
     let ends = [DVec3::new(-0.7, 0.4, 1.5), DVec3::new(0.9, 0.2, 2.0)];
     let [flat, round] = [TubeEnds::Flat, TubeEnds::Round].map(|shape| tube(ends, 0.2, shape).expect("a light"));
     assert!(solid_angle(round.vertices()) > solid_angle(flat.vertices()));

@@ -1,4 +1,4 @@
-//! The truth of disks, spheres, tubes and lines against sums over their surfaces, and what every model makes of them.
+//! The truth of disks, spheres, tubes and lines against sums over their surfaces, and against every model.
 
 use std::f64::consts::TAU;
 
@@ -232,7 +232,7 @@ fn a_table_lights_by_the_shape_and_other_models_by_its_outline() {
     assert!(LightShape::ALL[1..].iter().all(|shape| shapes.contains(shape)), "{shapes:?}");
 }
 
-/// Numbers near the ends of the range, lights of one side, and what is no light.
+/// Numbers near the ends of the range, lights of one side, and invalid lights.
 #[test]
 fn shapes_at_the_ends_of_the_range() {
     let at = Configuration { alpha_x: 0.4, alpha_y: 0.15, theta: 0.8, phi: 0.3 };

@@ -38,7 +38,7 @@ const KINDS: [(&str, Kind); 6] = [
     }),
 ];
 
-/// The limits are half above what was measured. The truth is that of the same outline: how far outlines are off is
+/// The limits are half above the measured errors. The truth is that of the same outline: how far outlines are off is
 /// another test's.
 #[test]
 fn every_shape_reflects_what_the_truth_does() {

@@ -9,7 +9,7 @@ use crate::{
 };
 use ltcforge_fit::Sides;
 
-/// The shader's numbers, of the light as f32 has it, and what f64 makes of these.
+/// The shader's result for the light as f32 has it, and the result in f64 for the same numbers.
 fn in_both(lit: &Lit, rule: Rule) -> [f64; 2] {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
     let (alpha, wo) = (lit.alpha().map(|x| x as f32), lit.wo().as_vec3());
@@ -48,7 +48,7 @@ fn small_lights_have_digits_in_f32() {
     }
 }
 
-/// A light that halves in size halves twice in what it reflects: the closed form tends to the BRDF at a point,
+/// A light of half the size reflects a quarter of the light: the closed form tends to the BRDF at a point,
 /// of lobes that do not vary over the light.
 #[test]
 fn small_lights_tend_to_a_point() {

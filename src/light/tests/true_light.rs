@@ -92,7 +92,7 @@ fn extremes_are_finite_and_known_ones_right() {
     let energy = |at: Configuration, light: &PolygonLight| {
         let found = truth(&at, light).expect("a surface");
         assert!(found.energy.is_finite() && (0.0..=found.energy + 1e-9).contains(&found.fresnel), "{at:?} {found:?}");
-        // The closed form knows these as well: what is off is its weight, most where light is all around.
+        // The closed form knows these as well: its error is that of its weight, largest where light is all around.
         let normals = by_normals(&at, light, WeightRule::Fan).expect("a surface");
         assert!((normals.energy - found.energy).abs() < 0.035, "{at:?} {normals:?} {found:?}");
         found.energy

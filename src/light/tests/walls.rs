@@ -25,8 +25,8 @@ const FEET: [(f64, f64); 10] = [
     (-0.02, 0.03),
 ];
 
-/// The limits are a tenth to a half above what was measured; with the rule of other edges, walls on the surface are off
-/// by three times as much on average, and by .14 at most.
+/// The limits are a tenth to a half above the measured errors; with the rule of other edges, walls on the surface are
+/// off by three times as much on average, and by .14 at most.
 #[test]
 fn walls_on_the_surface_are_right() {
     for (i, (foot, tilt)) in FEET.into_iter().enumerate() {

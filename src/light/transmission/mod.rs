@@ -145,7 +145,7 @@ struct Region<T> {
     flux: Triple<T>,
 }
 
-/// The image of an arc: its ends, and what it adds to the integral of `c x dc` beyond the plane triangle's.
+/// The image of an arc: its ends, and its contribution to the integral of `c x dc` beyond the plane triangle's.
 struct Side<T> {
     from: Triple<T>,
     to: Triple<T>,

@@ -22,8 +22,8 @@ use ltcforge_fit::{
 /// An edge whose ends are this near to each other, squared, has no direction in f32.
 const SHORTEST2: f64 = 1e-14;
 
-/// The arcs around what is seen of a convex polygon, counterclockwise seen from outside the sphere of directions. Empty
-/// where nothing is.
+/// The arcs around the visible part of a convex polygon, counterclockwise seen from outside the sphere of directions.
+/// Empty where nothing is.
 pub(super) fn outline<T: Scalar>(interface: &Interface<T>, vertices: &[Triple<T>], sides: Sides) -> Vec<Arc<T>> {
     let edges = below(vertices, sides);
     if edges.is_empty() {

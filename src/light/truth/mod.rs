@@ -4,14 +4,14 @@
 //! needles. So the light's image is integrated over in a space ([`space::Space`]) where the lobe is broad. For GGX that
 //! is the space of normals stretched by `1 / alpha` ([`super::normals`]): every lobe is the same cosine there, and the
 //! integrand as smooth as the weight of shadowing. Other lobes around a reflection are as broad there; diffuse
-//! reflection, sheen and what a file holds are broad among the directions of light themselves.
+//! reflection, sheen and tabulated BRDFs are broad among the directions of light themselves.
 //!
 //! The image is integrated over in two steps (`outline.rs`): along its outline, and along the ray from a tip within the
 //! image to the outline. An edge is halved until its image is short, which finds the few points of a light that a
 //! mirror reflects.
 //!
 //! An outline has straight pieces and arcs of ellipses (`border.rs`): those of disks, spheres and tubes are exact, and
-//! no polygon stands for them. A line light has no outline; what it reflects is an integral along it.
+//! no polygon stands for them. A line light has no outline; its reflection is an integral along it.
 //!
 //! This shares no line with the closed form but the mapping of directions to normals.
 

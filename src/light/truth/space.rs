@@ -25,7 +25,8 @@ pub(super) trait Space {
     /// The surface, and the direction from which it is seen.
     fn seen(&self) -> (&dyn Brdf, DVec3);
 
-    /// Where rays to the outline start: the image of a direction within a light, or what finds the lobe more surely.
+    /// Where rays to the outline start: the image of a direction within a light, or a point that finds the lobe more
+    /// surely.
     fn tip(&self, within: DVec3) -> DVec3 {
         self.image(within)
     }

@@ -25,7 +25,8 @@ pub(super) struct File {
     pub(super) media_type: &'static str,
     /// The value of `Cache-Control`.
     pub(super) caching: &'static str,
-    /// The name under which it is saved, of letters, digits, dots, hyphens and underscores; none for what is shown.
+    /// The name under which it is saved, of letters, digits, dots, hyphens and underscores; `None` for a file that is
+    /// shown.
     pub(super) name: Option<String>,
 }
 

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use super::kind::ProblemKind;
 
-/// Faults that a problem lists: more would only repeat what a client has to mend first.
+/// Faults that a problem lists: more would only repeat the faults that a client has to mend first.
 const MOST_FAULTS: usize = 100;
 
 /// An error as it is reported to a client, and the document that the client reads.
@@ -22,7 +22,7 @@ pub(super) struct Problem {
     #[serde(flatten)]
     kind: ProblemKind,
     detail: String,
-    /// The faults of the request: where each is, and what is wrong there.
+    /// The faults of the request: the place of each, and the fault.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]

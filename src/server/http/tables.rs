@@ -45,7 +45,7 @@ pub(super) async fn download(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    // A client that names what it has is answered here, where the store would know another tag.
+    // A conditional request is answered here, where the store would know another tag.
     let is_conditional = [header::IF_NONE_MATCH, header::IF_MATCH].iter().any(|name| headers.contains_key(name));
     if api.redirects
         && method == Method::GET

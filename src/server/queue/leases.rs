@@ -1,4 +1,4 @@
-//! Tasks under leases, and what becomes of them.
+//! Tasks under leases, and their outcomes.
 
 use super::JobId;
 use crate::store::StoreError;

@@ -89,7 +89,7 @@ pub(super) trait Assembly: Send {
     /// Adds the result of the next shard.
     fn add(&mut self, result: &[u8]);
 
-    /// The canonical file of the table, or what is wrong with the first invalid result. Runs on the current rayon pool.
+    /// The canonical file of the table, or the fault of the first invalid result. Runs on the current rayon pool.
     fn file(self: Box<Self>) -> Result<Vec<u8>, String>;
 }
 

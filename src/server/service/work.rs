@@ -210,7 +210,7 @@ impl ServiceState {
         });
     }
 
-    /// Stores what may have taken minutes to make, and tries again while the error is one that passes.
+    /// Stores a result that may have taken minutes to make, and tries again while the error is a passing one.
     fn retried<T>(&self, task: &LeasedTask, store: impl Fn() -> Result<T, StoreError>) -> Result<T, TaskError> {
         loop {
             match store() {

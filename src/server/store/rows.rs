@@ -98,7 +98,7 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// As [`Rows::commit`].
     fn stage(&self, batch: &Batch) -> Result<Staged, StoreError>;
 
-    /// Waits until what was staged, and all that was before it, is durable. Others may stage and read meanwhile.
+    /// Waits until the staged changes, and all before them, are durable. Others may stage and read meanwhile.
     ///
     /// # Errors
     /// The database's error, or that it was closed since by the error of another write: the changes may be stored or

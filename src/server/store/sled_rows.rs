@@ -191,7 +191,7 @@ impl SledRows {
         (self.sync)(&handle.file).map_err(sled::Error::Io)
     }
 
-    /// Whether the disk has room for `batch` and what sled writes in the background.
+    /// Whether the disk has room for `batch` and sled's writes in the background.
     pub(super) fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {
         let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
         if free < HEADROOM_BYTES + batch.bytes() as u64 { Err(StoreError::DiskFull) } else { Ok(()) }

@@ -14,7 +14,7 @@ fn namespace(prefix: &str, first_binding: u16) -> Namespace {
     Namespace { prefix: Some(prefix.parse().expect("a prefix")), first_binding, group: 0 }
 }
 
-/// Six lights for one shader, each with what its names begin with: two tables, one of another layout, the two lights
+/// Six lights for one shader, each with the prefix of its names: two tables, one of another layout, the two lights
 /// without a table, a table of Gaussians, and the one without textures.
 fn lights(language: Language, reading: Reading) -> [(String, &'static str); 6] {
     let text = |lit_by: LitBy, namespace: &Namespace| {

@@ -1,4 +1,4 @@
-//! A translation without its entry point, and with the names of WGSL for what it binds: text to include.
+//! A translation without its entry point, and with the names of WGSL for its bindings: text to include.
 
 use super::{Bound, Language};
 
@@ -76,7 +76,7 @@ fn listed_zeros(line: &str) -> Option<String> {
     Some(format!("{declaration} = {{ {} }};", vec![format!("({kind})0"); count].join(", ")))
 }
 
-/// naga numbers what OpenGL binds.
+/// naga numbers the bindings of OpenGL.
 fn named(bound: Bound, text: &str) -> String {
     names(bound)
         .iter()

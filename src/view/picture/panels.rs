@@ -55,7 +55,7 @@ pub fn caption(width: u32, wordings: &[&str]) -> Picture {
     picture
 }
 
-/// A picture, its title above and what belongs under it.
+/// A picture, its title above and a strip below.
 #[derive(Debug)]
 pub struct Panel<'a> {
     /// Its title.

@@ -20,7 +20,7 @@ pub(super) struct Curve {
     pub(super) colour: [u8; 3],
 }
 
-/// The axes: what they range over, upwards and to the right, and where they have ticks.
+/// The axes: their ranges, upwards and to the right, and where they have ticks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame<'a> {
     pub(super) x: [f64; 2],
@@ -30,7 +30,7 @@ pub(super) struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// The curves with their axes; what lies beyond an end is left out.
+    /// The curves with their axes; parts beyond an end are left out.
     pub(super) fn draw(&self, curves: &[Curve]) -> Picture {
         let mut picture = Picture::filled(LEFT + SIDE + RIGHT, SIDE + BELOW + LINE / 2, GROUND);
         let (width, top) = (picture.width, LINE / 2);
@@ -98,7 +98,7 @@ fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// The length of a name's line, and what is left free before it and behind it.
+/// The length of a name's line, and the gaps before it and behind it.
 const DASH: u32 = 12;
 const GAP: u32 = 4;
 

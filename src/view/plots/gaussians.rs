@@ -139,7 +139,7 @@ fn lobes(alpha: f64, theta: f64) -> Picture {
     Frame { x: [-1.2, 1.2], y: [-0.2, 2.2], x_ticks: &[-1.0, 0.0, 1.0], y_ticks: &[0.0, 1.0] }.draw(&curves)
 }
 
-/// `D G2 / (4 cos_o)`, what is reflected per steradian for a Fresnel factor of one.
+/// `D G2 / (4 cos_o)`, the reflection per steradian for a Fresnel factor of one.
 fn density(ggx: &Ggx, wo: DVec3, wi: DVec3) -> f64 {
     let g2 = ggx.g2_over_g1(wo, wi) / (1.0 + ggx.smith_lambda(wo));
     ggx.distribution((wo + wi).normalize()) * g2 / (4.0 * wo.z)

@@ -10,7 +10,7 @@ const CELLS: usize = 25;
 /// The errors at the ends of the colours.
 const ENDS: [f64; 2] = [1e-4, 1e-1];
 
-/// A table and what it is called by: its file's digest in hexadecimal, and the range that it covers.
+/// A table and its names: its file's digest in hexadecimal, and the range that it covers.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedTable<'a> {
     /// The table.

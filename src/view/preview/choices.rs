@@ -1,5 +1,5 @@
-//! A scene as its callers choose it: by a name and by what is to differ from it. The command line and HTTP choose by
-//! the same parameters.
+//! A scene as its callers choose it: by a name and by parameters that differ from it. The command line and HTTP choose
+//! by the same parameters.
 
 use std::collections::BTreeMap;
 
@@ -36,7 +36,7 @@ impl Choices {
         if faults.is_empty() { Ok(scene) } else { Err(faults) }
     }
 
-    /// Sets the parameter `name` to what `text` says.
+    /// Sets the parameter `name` to the value in `text`.
     fn set(&mut self, name: &str, text: &str) -> Result<(), String> {
         let Some(index) = PARAMETERS.iter().position(|parameter| parameter.name == name) else {
             return Err(format!("is no parameter of a preview, which are table, {}", names().join(", ")));
@@ -51,7 +51,7 @@ impl Choices {
         Self { values: chosen.collect() }
     }
 
-    /// The named scene with what differs. Its bounds are not checked.
+    /// The named scene with the changes. Its bounds are not checked.
     #[must_use]
     pub fn into_scene(self) -> Scene {
         let mut scene = Scene::default();

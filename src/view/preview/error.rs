@@ -9,7 +9,7 @@ pub enum PreviewError {
     /// Parameters are out of their bounds.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>),
-    /// The picture compares a table with what is of GGX alone.
+    /// The picture compares a table with models that are GGX's alone.
     #[error("the closed forms light GGX, and the table is of brdf {0}: choose model ltc, or a table of brdf ggx")]
     OtherBrdf(BrdfKind),
     /// The picture draws a lobe, and the table has Gaussians.

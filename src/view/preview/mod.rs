@@ -2,7 +2,7 @@
 //!
 //! The GPU runs the same shaders that users put into their own renderers. `cpu` is their twin in Rust: it renders where
 //! there is no adapter, and tests compare the GPU with it. Both read the same `frame`, and everything after radiance,
-//! such as differences and labels, is shared. `parameters` declares what callers may choose of a scene.
+//! such as differences and labels, is shared. `parameters` declares the fields of a scene that callers may choose.
 //!
 //! Invariant: `preview` knows no file, HTTP or recipe; equal scenes and tables give equal bytes on the same adapter.
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{Material, NamedScene, Scene};
 
-/// A parameter. Its default is what [`Scene::default`] has in its place.
+/// A parameter. Its default is that of [`Scene::default`].
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
     /// Its name in a query. The command line writes dashes for the underscores.

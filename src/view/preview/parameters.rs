@@ -11,7 +11,7 @@ use ltcforge_light::{LightModel, normals::WeightRule};
 
 /// Where things may stand, in radii of the sphere.
 const PLACE: f64 = 100.0;
-/// The nearest that the camera comes to what it looks at: outside of the sphere.
+/// The least distance of the camera from its target: outside of the sphere.
 const NEAREST: f64 = 1.5;
 /// How far from the origin it may look: too little to bring the camera into the sphere.
 const FARTHEST_TARGET: f64 = 0.45;
@@ -19,7 +19,7 @@ const FARTHEST_TARGET: f64 = 0.45;
 const TURN: [f64; 2] = [-TAU, TAU];
 const QUARTER: f64 = TAU / 4.0;
 
-/// Every parameter. They are set in this order: the named scene first, then what differs from it.
+/// Every parameter. They are set in this order: the named scene first, then the parameters that differ from it.
 pub static PARAMETERS: [Parameter; 25] = [
     name(
         "scene",
@@ -186,7 +186,7 @@ mod tests {
         }
     }
 
-    /// Bounds are taken, what is beyond them is not, whichever of a parameter's numbers it is.
+    /// Values on the bounds are taken and those beyond refused, for each of a parameter's numbers.
     #[test]
     fn every_bound_holds_on_both_sides() {
         let mut tried = 0;

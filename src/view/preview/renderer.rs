@@ -35,7 +35,7 @@ named_list! {
     }
 }
 
-/// A picture and what is known of it.
+/// A picture, its renderer and its errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
     /// The picture.

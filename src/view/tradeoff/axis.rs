@@ -51,7 +51,7 @@ impl LogAxis {
         !(self.low..=self.high).contains(&value)
     }
 
-    /// Where `value` is drawn; what lies beyond the axis, at its end.
+    /// Where `value` is drawn; values beyond the axis are drawn at its end.
     pub(super) fn at(&self, value: f64) -> f64 {
         let part = (value.max(self.low) / self.low).ln() / (self.high / self.low).ln();
         self.ends[0] + (self.ends[1] - self.ends[0]) * part.min(1.0)

@@ -52,7 +52,7 @@ pub struct FittedRecipe {
     pub entries: u64,
     /// Bytes of its matrices and terms.
     pub bytes: u64,
-    /// Bytes of its compact form, if it has one: what ships where a decoder rebuilds the table.
+    /// Bytes of its compact form, if it has one: the size shipped where a decoder rebuilds the table.
     pub compact_bytes: Option<u64>,
     /// Processor time of the fit over the number of threads, which is its duration if each thread has a core.
     pub seconds: f64,

@@ -13,7 +13,7 @@ pub const LIGHTS: usize = 2048;
 /// Pixels a side of the frame that every model renders.
 pub const FRAME_SIZE: u32 = 512;
 
-/// A model that lights a surface, what it costs and how far off it is.
+/// A model that lights a surface, its cost and its error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelRow {
     /// The model.

@@ -22,9 +22,9 @@ const CHART_HEIGHT: f64 = 300.0;
 /// Left ends of the charts, and their width.
 const LEFT: [f64; 3] = [64.0, 428.0, 792.0];
 const CHART_WIDTH: f64 = 312.0;
-/// The width that is kept at the left for what costs nothing.
+/// The width that is kept at the left for models that cost nothing.
 const FREE: f64 = 48.0;
-/// The width that is left to what stands below a tick.
+/// The width left for the label below a tick.
 const TICK_WIDTH: f64 = 40.0;
 /// Top of the table below that of the panels.
 const TABLE_TOP: f64 = 428.0;

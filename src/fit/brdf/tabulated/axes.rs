@@ -33,7 +33,7 @@ impl TabulatedAxes {
         self.named().map(|(_, nodes)| nodes.len().max(1))
     }
 
-    /// Notes what is wrong with each axis, and moves ends that are meant for quarter turns there.
+    /// Notes the faults of each axis, and moves ends that are meant for quarter turns there.
     pub(super) fn check(&mut self, faults: &mut Vec<TabulatedFault>) {
         let whole = |end: f64| Some([0.0, end]);
         check_axis("alpha", &mut self.alpha, [0.0, 1.0], 0, None, faults);

@@ -20,7 +20,7 @@ const GAUSS: [(f64, f64); 4] = [
 /// ```
 ///
 /// The integral over `phi` of a linear interpolation is the trapezoid rule's, that over `theta_i` one of
-/// `(a + b x) sin(2 x)`: both are exact, so what samples are drawn by is the interpolated function itself.
+/// `(a + b x) sin(2 x)`: both are exact, so samples are drawn from the interpolated function itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TabulatedBrdf {
     axes: TabulatedAxes,

@@ -69,7 +69,7 @@ impl Brdf for TabulatedSurface {
         drawn.extend(points.iter().map(|point| inverse.sample(point.u)));
     }
 
-    /// `f cos / E`: what is drawn is in proportion to what is reflected.
+    /// `f cos / E`: samples are in proportion to the reflected light.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let albedo = self.data.albedo(self.alpha, self.view(wo));
         if albedo > 0.0 { self.eval_cos(wo, wi) / albedo } else { 0.0 }

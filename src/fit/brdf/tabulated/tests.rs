@@ -48,7 +48,7 @@ fn a_constant_reflects_pi_times_itself_however_its_nodes_lie() {
     }
 }
 
-/// The fraction of light below what a fraction `u` draws is `u`, in both numbers.
+/// The fraction of light below the sample of `u` is `u`, in both numbers.
 #[test]
 fn a_sample_has_the_part_of_light_below_that_drew_it() {
     let brdf = TabulatedBrdf::tabulate(BrdfKind::Ggx, TabulatedAxes::spread(vec![0.5], 32, 32)).expect("a BRDF");

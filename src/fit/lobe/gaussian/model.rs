@@ -63,7 +63,7 @@ impl LobeModelRules for GaussianLobeModel {
 /// Sectors of the plane in which samples are even.
 const SECTORS: usize = 256;
 
-/// A Gaussian cut at the horizon, as a distribution: what is above it is all there is.
+/// A Gaussian cut at the horizon, as a distribution: its part above the horizon integrates to one.
 struct AboveHorizon {
     shape: SphericalGaussian<f64>,
     deviations: [DVec3; 2],

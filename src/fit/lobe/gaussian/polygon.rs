@@ -28,7 +28,7 @@ fn half_erf<T: Scalar>(x: T) -> T {
 /// The part of a Gaussian of weight one that a convex polygon covers, in [0, 1].
 ///
 /// `(x, y) -> (erf x, erf y) / 2` maps the plane to a square of area one, and `exp(-x^2 - y^2) / pi dx dy` to the area
-/// of the square. So what is covered is the area of the polygon's image there; edges are followed by the straight lines
+/// of the square. The covered part is the area of the polygon's image there; edges are followed by the straight lines
 /// between their ends and two points around their foot, the point closest to the middle. Far from the middle all is in
 /// the corners and on the sides of the square: in the limit of a mirror the part is 1 or 0 exactly.
 #[must_use]

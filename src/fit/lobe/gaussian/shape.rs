@@ -26,7 +26,7 @@ impl<T: Scalar> SphericalGaussian<T> {
     }
 
     /// The Gaussian of a table's matrix, by columns: the third is the axis, up to its length, and the other two are the
-    /// deviations in units of that length, up to what lies along the axis.
+    /// deviations in units of that length, up to a component along the axis.
     ///
     /// A sharp Gaussian is then where the LTC of the same matrix is, and about as wide. Like that, it stays the same
     /// when the first two columns turn into each other, and when the matrix is scaled. So layouts store both in the

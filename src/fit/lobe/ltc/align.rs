@@ -49,8 +49,8 @@ pub fn turned(mut local: DMat3) -> DMat3 {
     local
 }
 
-/// Opens a block that is nearly a line: adds to its diagonal what the smaller eigenvalue lacks of `flattest` times the
-/// larger one.
+/// Opens a block that is nearly a line: adds to its diagonal as much as the smaller eigenvalue lacks of `flattest`
+/// times the larger one.
 fn opened(mut m: DMat3, flattest: f64) -> DMat3 {
     let (xx, xy, yy) = (m.x_axis.x, m.x_axis.y, m.y_axis.y);
     let (half_trace, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));

@@ -33,7 +33,7 @@ use crate::{
 /// A coarse evaluation takes one sample in so many, but this many at least.
 const COARSE: usize = 8;
 const LEAST_COARSE: usize = 64;
-/// Work of a sample of the LTC, in projections of a sample on a direction: what the BRDF and its density take.
+/// Work of a sample of the LTC, in projections of a sample on a direction: the cost of the BRDF and its density.
 const SAMPLE_WORK: usize = 8;
 /// Seconds of an evaluation for each sample of the LTC: two samples of the lobe are in it.
 const SAMPLE_SECONDS: f64 = 70e-9;
@@ -165,7 +165,7 @@ impl<'a> L3Loss<'a> {
         for point in &target.points {
             let direction = *point + DVec3::Z;
             let [value, pdf] = seen(brdf, wo, target.frame * direction);
-            // A sampler may draw, by rounding, what its density says it cannot.
+            // By rounding, a sampler may draw a direction whose density is zero.
             if pdf > 0.0 {
                 albedo += value / pdf;
                 cubes += value * value * value / pdf;

@@ -67,8 +67,8 @@ impl InverseHessian {
     }
 }
 
-/// Minimises `function`, which gives value and gradient, from `start`. `hessian` is what is known of the inverse
-/// Hessian, and afterwards what was learnt of it; where it misleads, the search goes on with the diagonal `curvature`.
+/// Minimises `function`, which gives value and gradient, from `start`. `hessian` is an estimate of the inverse
+/// Hessian, and afterwards a better one; where it misleads, the search goes on with the diagonal `curvature`.
 /// Variables that are not `free` stay put. Where `function` gives `None` the search ends with `None`.
 ///
 /// Returns the lowest point that was found. A value that is not finite counts as too high.

@@ -151,7 +151,7 @@ mod tests {
             answers[0]
         }
 
-        /// The queue of the next process, after the system has lost what was not on the disk.
+        /// The queue of the next process, after the system has lost everything that was not on the disk.
         fn after_power_cut(&self) -> Arc<EmbeddedQueue> {
             opened(&Arc::new(self.rows.after_power_cut()), &self.seconds)
         }

@@ -51,7 +51,7 @@ impl EmbeddedQueue {
         }
         let id = job.id;
         // A lease ends with the process. Its row only serves to count that, so the disk is waited for only while a
-        // task may be what ended the last process: within moments of its lease, and again and again.
+        // task may have ended the last process: within moments of its lease, and again and again.
         let is_careful = state.careful_until.is_some_and(|until| now < until);
         let mut batch = Batch::default();
         let mut stored = record::put_task(&mut batch, id, number, &task);

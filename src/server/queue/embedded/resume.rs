@@ -158,7 +158,7 @@ mod tests {
         assert!(matches!(ask(&queue), Offer::Nothing { .. }));
     }
 
-    /// Kill -9 keeps what the database was given.
+    /// Writes that reached the database survive kill -9.
     fn after_kill(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
         let max_attempts = NonZeroU32::new(3).unwrap();
         let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };

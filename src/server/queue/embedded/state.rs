@@ -1,4 +1,4 @@
-//! The queue's state and what all of its operations share.
+//! The queue's state, and the helpers that all of its operations share.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap, VecDeque},

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::queue::SUSPECT_DEATHS;
 
-/// A task and what became of its leases. Failures and deaths are limited.
+/// A task and the outcome of its leases. Failures and deaths are limited.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Task {
     /// Leases so far, the current one included. It never decreases within one submission, so that a result can be
@@ -39,7 +39,7 @@ pub(super) enum TaskState {
 }
 
 impl Task {
-    /// Whether so many processes ended while it was leased that it may be what ends them.
+    /// Whether so many processes ended while it was leased that it may be the cause.
     pub(super) fn is_suspect(&self) -> bool {
         self.deaths >= SUSPECT_DEATHS
     }

@@ -36,7 +36,7 @@ pub(super) enum Action {
     Tick(i64),
     /// The process ends. What was acknowledged is on the disk.
     PowerCut,
-    /// The process ends, and the system writes what the database was given.
+    /// The process ends, and the system writes all that reached the database.
     Kill,
     /// The disk is full for the next action.
     DiskFull(Box<Action>),

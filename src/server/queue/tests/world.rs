@@ -53,7 +53,7 @@ pub(super) trait World: Sized {
     /// Loses everything written but not flushed; [`Self::reopen`] follows.
     fn lose_power(&mut self);
 
-    /// The process ends without warning, and another one opens what it left.
+    /// The process ends without warning, and another one opens its data.
     fn reopen(&mut self, limits: Limits);
 
     /// While full, nothing can be written, as far as this can be had.

@@ -39,8 +39,8 @@ impl Task {
     }
 }
 
-/// Renders what is requested until the queue is closed. The renderer runs on a thread of its own for each picture, so
-/// that it can be abandoned if a driver does not return. One that panicked or was abandoned is replaced.
+/// Renders the requested pictures until the queue is closed. The renderer runs on a thread of its own for each picture,
+/// so that it can be abandoned if a driver does not return. One that panicked or was abandoned is replaced.
 pub(super) fn run<R: Render>(
     queue: &Arc<PictureQueue>,
     mut adapter: Adapter,

@@ -23,7 +23,7 @@ const ENTRIES: u32 = 4;
 /// How often an endless fit asks, which takes many seconds: nobody began another task meanwhile.
 const MOST_ASKED: u32 = 20_000_000;
 
-/// How the fake backend behaves, and what it has done.
+/// The behaviour of the fake backend, and a record of its calls.
 #[derive(Debug, Default)]
 pub(super) struct Behaviour {
     /// Fits begun, by recipe and shard.

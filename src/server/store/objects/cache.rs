@@ -22,7 +22,7 @@ pub(super) struct BlobCache {
 }
 
 impl BlobCache {
-    /// The cache in `folder`, with what an earlier process left there.
+    /// The cache in `folder`, with the files that an earlier process left there.
     pub(super) fn open(folder: &Path, limit_bytes: u64) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         for entry in fs::read_dir(folder)? {

@@ -13,7 +13,7 @@ use ltcforge_fit::math::sin_cos_turns;
 
 pub(super) const HORIZON: f32 = 1e-6;
 
-/// A point of the surface with its tangent frame, and what is seen from where.
+/// A point of the surface with its tangent frame, and the view of it.
 pub(super) struct Shaded {
     pub(super) position: Vec3,
     pub(super) x: Vec3,

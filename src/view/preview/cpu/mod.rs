@@ -55,7 +55,7 @@ pub(super) fn lit(
     (lobe.matrix, [lobe.amplitude, lobe.fresnel, covered(lobe.matrix, vertices, false)])
 }
 
-/// `gaussians_table_example`: what is reflected of a one-sided polygon.
+/// `gaussians_table_example`: the reflection of a one-sided polygon.
 #[cfg(test)]
 pub(super) fn lit_by_gaussian(
     table: &ShaderTable,

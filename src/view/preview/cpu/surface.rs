@@ -226,7 +226,7 @@ mod tests {
         sum / f64::from(count)
     }
 
-    /// Without the noise of a reference by sampling. Limits are twice what was measured.
+    /// Without the noise of a reference by sampling. Limits are twice the measured errors.
     #[test]
     fn scenes_by_normals_are_near_the_truth() {
         for (scene, limit) in LIMITS {

@@ -1,4 +1,4 @@
-//! An open GPU, and what it keeps from one picture to the next.
+//! An open GPU, and the resources that it keeps from one picture to the next.
 
 use std::sync::Arc;
 

@@ -139,7 +139,7 @@ fn wait(gpu: &Device, submission: wgpu::SubmissionIndex) -> Result<(), GpuFailur
     match gpu.wgpu.poll(until) {
         Ok(_) => gpu.check(),
         Err(wgpu::PollError::Timeout) => Err(GpuFailure::Hangs(format!("no answer within {PATIENCE:?}"))),
-        // A lost device does not know what was submitted to it.
+        // A lost device does not know its submissions.
         Err(error) => Err(gpu.check().err().unwrap_or_else(|| GpuFailure::Failed(error.to_string()))),
     }
 }

@@ -123,7 +123,7 @@ fn the_shader_gives_what_f64_does_for_any_light() {
     }
 }
 
-/// Holds what an entry point gives for lights to f64: 999 of 1000 numbers within the first limit, all within the
+/// Compares an entry point's results for lights with f64: 999 of 1000 numbers within the first limit, all within the
 /// second.
 fn check(entry: &str, lights: &[Lit], limits: [f64; 2]) {
     let normals = LitBy::new(LightModel::Normals, None).expect("a formula");

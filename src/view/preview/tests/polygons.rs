@@ -40,7 +40,7 @@ fn covered(@builtin(local_invocation_index) index: u32) {
 /// Ten thousand, in whole workgroups.
 const COUNT: usize = 40 * 256;
 
-/// A matrix and a polygon as shaders have them, and what that of the same 32 bits covers.
+/// A matrix and a polygon as shaders have them, and the covered part for the same 32 bits.
 struct Case {
     m: Mat3,
     vertices: Vec<Vec3>,

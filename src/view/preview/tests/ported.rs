@@ -106,7 +106,7 @@ fn case_words(case: &Case, light: &ExampleLight, two_sided: bool) -> [f32; 40] {
     words
 }
 
-/// The file that `ltcforge shader` writes, on the GPU: `M`, terms, and what each kind of light covers.
+/// The file that `ltcforge shader` writes, on the GPU: `M`, terms, and the part that each kind of light covers.
 #[test]
 fn the_shader_that_users_take_home_gives_what_f64_does() {
     let mut covered_somewhere = 0;
@@ -122,7 +122,7 @@ fn the_shader_that_users_take_home_gives_what_f64_does() {
         let words: Vec<[f32; 40]> =
             tried.iter().map(|(case, light, two_sided)| case_words(case, light, *two_sided)).collect();
         let shader = ShaderTable::new(&table, TexelFormat::F32);
-        // The columns of M, then the terms and what is covered.
+        // The columns of M, then the terms and the covered parts.
         let found: Vec<[f32; 16]> = match example::run(&wgsl, "ltc_example", Some((&shader, Bound::Volumes)), &words) {
             Ok(found) => found,
             Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),

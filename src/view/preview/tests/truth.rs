@@ -22,7 +22,7 @@ const LIT: f64 = 0.02;
 const SIZE: u32 = 64;
 const FLAT: &[LightKind] = &[LightKind::Rectangle, LightKind::Disk, LightKind::Polygon(3), LightKind::Polygon(6)];
 const ROUND: &[LightKind] = &[LightKind::Sphere, LightKind::Tube, LightKind::Line];
-/// Enough that what is left of the noise is a third of the tolerance.
+/// So many that the remaining noise is a third of the tolerance.
 const SAMPLES: u32 = 1 << 13;
 
 /// A point of the sphere in f64, by this test's own geometry: its tangent frame's rows, and the view direction in it.

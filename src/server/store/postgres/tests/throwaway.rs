@@ -93,7 +93,7 @@ impl Server {
         }
     }
 
-    /// Stops it at once: connections end, and what was committed stays.
+    /// Stops it at once: connections end, and committed data stays.
     pub fn stop(&self) {
         self.control(&["-m", "immediate", "stop"]);
     }
@@ -155,7 +155,7 @@ impl Server {
         command
     }
 
-    /// Runs statements in a database and returns what they print.
+    /// Runs statements in a database and returns their output.
     pub fn psql(&self, database: &str, statements: &str) -> String {
         let mut command = self.client("psql");
         let output = command.args(["-XAtq", "-v", "ON_ERROR_STOP=1", "-d", database, "-c", statements]).output();
