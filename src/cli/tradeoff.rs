@@ -122,7 +122,7 @@ fn processor_seconds() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Wall time of each thread of the pool, where the clock of the process is not at hand: idle threads and other
+/// Wall time of each thread of the pool, where the system gives no processor time: idle threads and other
 /// processes count too.
 #[cfg(not(unix))]
 fn processor_seconds() -> f64 {

@@ -67,8 +67,8 @@ pub enum TableFileError {
     /// No recipe in the metadata, or one that is not complete and valid.
     #[error("no valid recipe under the metadata key «{RECIPE_KEY}»: {0}")]
     Recipe(String),
-    /// The file of a tabulated BRDF is not at hand.
-    #[error("the table is of a tabulated BRDF, which is not at hand: {0}")]
+    /// The file of a tabulated BRDF was not found.
+    #[error("the table is of a tabulated BRDF, whose file was not found: {0}")]
     Brdf(String),
     /// A tensor is missing, or has another type or shape than the recipe demands.
     #[error("tensor «{name}»: {detail}")]

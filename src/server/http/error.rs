@@ -26,8 +26,8 @@ pub(super) fn unavailable() -> Problem {
     Problem::new(ProblemKind::Unavailable, "the database does not answer").with_retry_after(RESTART)
 }
 
-/// The problem of a machine that lacks something for a moment. It is logged as a warning: the service itself is not at
-/// fault.
+/// The problem of a machine that is short of a resource for a moment. It is logged as a warning: the service itself is
+/// not at fault.
 pub(super) fn lacking(detail: String) -> Problem {
     tracing::warn!("{detail}");
     Problem::new(ProblemKind::Lacking, detail).with_retry_after(RESTART)

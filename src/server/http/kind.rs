@@ -80,7 +80,7 @@ problem_kinds! {
     TooSlow: SERVICE_UNAVAILABLE, "too-slow", "The picture took too long";
     RenderFailed: INTERNAL_SERVER_ERROR, "render-failed", "The renderer failed";
     Stopping: SERVICE_UNAVAILABLE, "stopping", "The service is stopping";
-    Lacking: SERVICE_UNAVAILABLE, "lacking", "The machine lacks something for a moment";
+    Lacking: SERVICE_UNAVAILABLE, "lacking", "The machine is short of a resource for a moment";
     DamagedBlob: INTERNAL_SERVER_ERROR, "damaged-blob", "The stored table is damaged";
     DiskFull: INSUFFICIENT_STORAGE, "disk-full", "The disk is full";
     Storage: INTERNAL_SERVER_ERROR, "storage", "The storage failed";

@@ -186,8 +186,8 @@ pub enum ServiceError {
     /// The storage does not answer now.
     #[error("the storage cannot be reached now: {0}")]
     Unavailable(String),
-    /// The machine or the process lacks something for a moment, such as a thread or a file descriptor.
-    #[error("the machine lacks something for a moment: {0}")]
+    /// The machine or the process is short of a resource for a moment, such as a thread or a file descriptor.
+    #[error("the machine is short of a resource for a moment: {0}")]
     Lacking(String),
     /// Any other error of the storage.
     #[error("storage: {0}")]

@@ -18,7 +18,7 @@ pub enum PreviewError {
     /// A GPU was asked for, and shaders do not know the reference.
     #[error("only the CPU renders the reference of brdf {0}: choose mode ltc, or another adapter than the GPU")]
     CpuOnly(BrdfKind),
-    /// The reference is of a tabulated BRDF whose file is not at hand.
+    /// The reference is of a tabulated BRDF whose file was not found.
     #[error(
         "the reference is of a tabulated BRDF, whose file {0} is not there: choose mode ltc, or put it beside the table"
     )]

@@ -136,7 +136,7 @@ impl Warnings {
     fn warn(&mut self, text: &str) {
         if self.last.is_none_or(|last| last.elapsed() >= WARNING_INTERVAL) {
             self.last = Some(Instant::now());
-            tracing::warn!("{text}; no more is said of this for {WARNING_INTERVAL:?}");
+            tracing::warn!("{text}; further ones are not logged for {WARNING_INTERVAL:?}");
         }
     }
 }

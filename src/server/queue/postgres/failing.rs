@@ -125,7 +125,7 @@ impl PostgresQueue {
             let (submission, task, deaths): (i64, i32, i32) = (row.get(0), row.get(1), row.get(3));
             tracing::warn!(submission, task, deaths, "a lease expired");
             if MOST_DEATHS <= deaths.cast_unsigned() {
-                let detail = format!("was leased {deaths} times by workers that did not report any more");
+                let detail = format!("was leased {deaths} times by workers that stopped reporting");
                 self.fail_job(submission, None, &too_often(task, row.get(2), &detail))?;
             }
         }

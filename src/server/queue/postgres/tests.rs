@@ -165,7 +165,7 @@ fn a_shard_that_ends_its_worker_each_time_fails_its_job_in_the_end() {
         queue.job(deadly.job).unwrap().filter(|job| job.state.name().is_final())
     });
     let JobState::Failed { error } = job.state else { panic!("{job:?}") };
-    assert_eq!(error.detail, "shard 1 was leased 20 times by workers that did not report any more");
+    assert_eq!(error.detail, "shard 1 was leased 20 times by workers that stopped reporting");
 }
 
 /// All tasks that can be leased, in order.

@@ -43,8 +43,8 @@ pub(super) trait World: Sized {
 
     fn queue(&self) -> &dyn Queue;
 
-    /// Hands over the result of a shard, which is on its way to the disk until it is let get there; `None` if what a
-    /// queue does meanwhile is another's business.
+    /// Hands over the result of a shard, which is on its way to the disk until the test lets it arrive; `None` if what
+    /// a queue does meanwhile is another's business.
     fn hand_over(&self, lease: Lease, result: String) -> Option<Arrive>;
 
     /// Lets time pass.
