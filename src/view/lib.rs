@@ -1,6 +1,5 @@
 //! Pictures: what a table does, its numbers and errors, and the trade-off of speed and accuracy.
 
-pub mod figures;
 pub mod parameters;
 pub mod picture;
 pub mod plots;
