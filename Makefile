@@ -43,8 +43,7 @@ demo: packages
 	@LTCFORGE="$(or $(CARGO_TARGET_DIR),target)/release/ltcforge" ./demo.sh
 
 figures: packages
-	$(CARGO) build --release --locked
-	$(or $(CARGO_TARGET_DIR),target)/release/ltcforge figures -o docs/figures
+	$(CARGO) run --release --locked -p ltcforge-studies -- figures -o docs/figures
 
 # Not every system has these packages, and not every machine reaches npm's registry: the tests that need them say then
 # that they are skipped.

@@ -10,7 +10,6 @@ mod csv;
 mod diff;
 mod exit;
 mod export;
-mod figures;
 mod fit;
 mod input;
 mod interrupt;

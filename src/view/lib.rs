@@ -1,6 +1,5 @@
 //! Pictures: previews of tables, their numbers and errors, and the trade-off of speed and accuracy.
 
-pub mod figures;
 pub mod parameters;
 pub mod picture;
 pub mod plots;

@@ -7,6 +7,8 @@ pub mod best;
 pub mod clock;
 pub mod costs;
 pub mod expected;
+pub mod figures;
+pub mod glass;
 pub mod l3;
 pub mod lights;
 pub mod linear;

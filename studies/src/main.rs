@@ -1,4 +1,4 @@
-//! Programs that find the constants of the sources anew and print rows of the documents: see studies/README.md.
+//! Programs that find the constants of the sources anew, print rows of the documents and draw their figures: see studies/README.md.
 
 use std::{
     error::Error,
@@ -7,14 +7,19 @@ use std::{
 };
 
 use clap::{Parser, Subcommand};
-use ltcforge::light::WeightRule;
+use ltcforge::{
+    light::WeightRule,
+    view::preview::{Adapter, Preview},
+};
 use ltcforge_studies::{
-    best, costs, expected, l3, models,
+    best, costs, expected,
+    figures::Figure,
+    glass, l3, models,
     weight::{self, Asked},
 };
 
 #[derive(Parser)]
-#[command(about = "Finds constants of the sources anew, and prints rows of the documents")]
+#[command(about = "Finds constants of the sources anew, prints rows of the documents and draws their figures")]
 struct Arguments {
     #[command(subcommand)]
     study: Study,
@@ -67,6 +72,32 @@ enum Study {
         #[arg(long, num_args = 2)]
         shipped: Option<Vec<PathBuf>>,
     },
+    /// The tables of docs/refraction.md: light through rough interfaces
+    Glass,
+    /// The figures of docs/figures.md
+    Figures {
+        /// Only this one, once or several times [default: all]
+        #[arg(value_name = "NAME", value_parser = figure)]
+        names: Vec<Figure>,
+        /// The renderer of the spheres: any, gpu or cpu
+        #[arg(long, value_parser = adapter, default_value = "any", env = "LTCFORGE_ADAPTER")]
+        adapter: Adapter,
+        /// Folder that the figures go to
+        #[arg(short, long, value_name = "DIR", default_value = "docs/figures")]
+        out: PathBuf,
+    },
+}
+
+fn figure(name: &str) -> Result<Figure, String> {
+    Figure::from_name(name).ok_or_else(|| format!("a figure is {}", names(Figure::ALL)))
+}
+
+fn adapter(name: &str) -> Result<Adapter, String> {
+    Adapter::from_name(name).ok_or_else(|| format!("a renderer is {}", names(Adapter::ALL)))
+}
+
+fn names<T: ToString>(all: &[T]) -> String {
+    all.iter().map(T::to_string).collect::<Vec<_>>().join(", ")
 }
 
 fn rule(name: &str) -> Result<WeightRule, String> {
@@ -94,6 +125,13 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
         Study::Best { isotropic: true, shipped, .. } => print!("{}", best::isotropic(pair(shipped.as_deref()))?),
         Study::Best { published, .. } => print!("{}", best::presets(published.as_deref())?),
         Study::L3 { shipped } => print!("{}", l3::tables(pair(shipped.as_deref()))?),
+        Study::Glass => print!("{}\n{}", glass::errors(), glass::differences()),
+        Study::Figures { names, adapter, out } => {
+            let mut preview = Preview::new(adapter);
+            for figure in Figure::ALL.iter().filter(|figure| names.is_empty() || names.contains(figure)) {
+                println!("{}", figure.write(&mut preview, &out)?.display());
+            }
+        }
         Study::Weight { rule, standing: true, .. } => print_numbers(rule, &weight::numbers(rule.forms())),
         Study::Weight { rule, cold, lights, rounds, seed, .. } => {
             let asked = Asked { rule, is_cold: cold, lights, rounds, seed };

@@ -4,7 +4,7 @@ use ltcforge::{Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver, ligh
 use ltcforge_studies::{
     best, expected,
     expected::Extent,
-    l3, models,
+    glass, l3, models,
     tables::fitted,
     weight::{self, Asked, find},
 };
@@ -15,6 +15,7 @@ const NORMALS_PAGE: &str = include_str!("../../docs/normals.md");
 const LIGHT_PAGE: &str = include_str!("../../docs/light.md");
 const README: &str = include_str!("../../README.md");
 const ISOTROPIC_PAGE: &str = include_str!("../../docs/isotropic.md");
+const REFRACTION_PAGE: &str = include_str!("../../docs/refraction.md");
 
 /// The numbers are printed as they stand, in Rust and in the shader, which have the same ones.
 #[test]
@@ -123,5 +124,12 @@ fn the_documents_have_the_l3_distances() {
     println!("{found:?}, documented {documented:?}");
     for (found, documented) in found.iter().zip(documented) {
         assert!((0.6..1.7).contains(&(found / documented)), "{found} {documented}");
+    }
+}
+
+#[test]
+fn differences_of_f32_through_glass_are_those_of_the_document() {
+    for row in glass::differences().lines() {
+        assert!(REFRACTION_PAGE.lines().any(|line| line == row), "{row}");
     }
 }

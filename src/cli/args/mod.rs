@@ -25,7 +25,7 @@ pub(super) use fitting::{FitArgs, TradeoffArgs};
 pub(super) use jobs::{JobsAction, JobsArgs};
 pub(super) use light::LightArgs;
 pub(super) use named::named;
-pub(super) use pictures::{FiguresArgs, PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
+pub(super) use pictures::{PlotArgs, PlotName, PreviewArgs, ShaderArgs, ShaderForm};
 pub(super) use pins::{LockArgs, PullArgs, SourceArgs};
 pub(super) use tables::{DiffArgs, LookupArgs, ReportArgs, TableChoice, TableFolder, TableLimit, VerifyArgs};
 pub(super) use tabulate::TabulateArgs;
@@ -71,8 +71,6 @@ pub enum Command {
     Preview(Box<PreviewArgs>),
     /// Draw where a table's errors are, or all its numbers, as PNG
     Plot(PlotArgs),
-    /// Draw figures of the paper that introduced anisotropic LTCs and of the notes on isotropic ones, from fits of ours
-    Figures(FiguresArgs),
     /// Fit a family of recipes and show what speed and size cost in accuracy
     Tradeoff(TradeoffArgs),
     /// Write the lookup and the area light as a shader, with how to bind it and values to check it against
@@ -116,7 +114,7 @@ impl Command {
         match self {
             #[cfg(unix)]
             Self::Service(ServiceCommand::Serve(_)) => true,
-            _ => matches!(self, Self::Preview(_) | Self::Figures(_)),
+            _ => matches!(self, Self::Preview(_)),
         }
     }
 

@@ -1,4 +1,4 @@
-//! `preview`, `plot`, `figures` and `shader`: pictures of tables, and the shaders that read them.
+//! `preview`, `plot` and `shader`: pictures of tables, and the shaders that read them.
 
 use std::{path::PathBuf, sync::LazyLock};
 
@@ -12,7 +12,6 @@ use ltcforge_fit::Layout;
 use ltcforge_light::{LightModel, WeightRule};
 use ltcforge_shaders::{Language, Lights, Prefix};
 use ltcforge_view::{
-    figures::Figure,
     plots::{Azimuth, IsotropicFigure, Ratio},
     preview::{Adapter, Choices, Form, PARAMETERS, Parameter, TexelFormat, Value},
 };
@@ -191,23 +190,6 @@ pub struct ShaderArgs {
     /// The file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-}
-
-/// `figures`.
-#[derive(Debug, Args)]
-pub struct FiguresArgs {
-    /// Only this one, once or several times [default: all]
-    #[arg(value_name = "NAME", value_parser = named(Figure::ALL, Figure::name))]
-    pub names: Vec<Figure>,
-    /// The renderer of the spheres
-    #[arg(long, value_parser = named(Adapter::ALL, Adapter::name), default_value = "any", env = "LTCFORGE_ADAPTER")]
-    pub adapter: Adapter,
-    /// Folder that the figures go to
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
-    /// Number of threads
-    #[command(flatten)]
-    pub threads: Threads,
 }
 
 /// The form of a shader.

@@ -3,32 +3,7 @@
 //! A model holds the chance of a 0 in parts of 2^11 and moves by a sixteenth of the way to each bit that it sees. All
 //! arithmetic is in integers.
 
-/// Bits of a chance.
-const CHANCE_BITS: u32 = 11;
-/// How fast chances adapt: by 2^-4 of the distance to the coded bit.
-const RATE: u32 = 4;
-/// Below this width of the interval a byte is shifted out.
-const NARROW: u32 = 1 << 24;
-
-/// The chance that the next bit is a 0, in parts of 2^11.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Chance(u16);
-
-impl Chance {
-    pub(super) const EVEN: Self = Self(1 << (CHANCE_BITS - 1));
-
-    fn bound(self, range: u32) -> u32 {
-        (range >> CHANCE_BITS) * u32::from(self.0)
-    }
-
-    fn saw(&mut self, bit: bool) {
-        if bit {
-            self.0 -= self.0 >> RATE;
-        } else {
-            self.0 += ((1 << CHANCE_BITS) - self.0) >> RATE;
-        }
-    }
-}
+use super::decoder::{Chance, NARROW};
 
 /// Writes bits.
 pub(super) struct Encoder {
@@ -86,51 +61,11 @@ impl Encoder {
     }
 }
 
-/// Reads bits.
-pub(super) struct Decoder<'a> {
-    code: u32,
-    range: u32,
-    bytes: &'a [u8],
-}
-
-impl<'a> Decoder<'a> {
-    /// `None` for too few bytes.
-    pub(super) fn new(bytes: &'a [u8]) -> Option<Self> {
-        let (first, bytes) = bytes.split_first_chunk::<4>()?;
-        Some(Self { code: u32::from_be_bytes(*first), range: u32::MAX, bytes })
-    }
-
-    /// The next bit; `None` where the bytes end.
-    pub(super) fn read(&mut self, chance: &mut Chance) -> Option<bool> {
-        let bound = chance.bound(self.range);
-        let bit = self.code >= bound;
-        if bit {
-            self.code -= bound;
-            self.range -= bound;
-        } else {
-            self.range = bound;
-        }
-        chance.saw(bit);
-        while self.range < NARROW {
-            let (next, rest) = self.bytes.split_first()?;
-            self.code = self.code << 8 | u32::from(*next);
-            self.range <<= 8;
-            self.bytes = rest;
-        }
-        Some(bit)
-    }
-
-    /// Bytes that were not read.
-    pub(super) fn left(&self) -> usize {
-        self.bytes.len()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
-    use super::*;
+    use super::{super::decoder::Decoder, *};
 
     proptest! {
         #[test]
@@ -146,7 +81,7 @@ mod tests {
             for (model, bit) in &bits {
                 prop_assert_eq!(decoder.read(&mut chances[*model]), Some(*bit));
             }
-            prop_assert_eq!(decoder.left(), 0);
+            prop_assert_eq!(decoder.bytes.len(), 0);
         }
     }
 

@@ -12,21 +12,20 @@
 //!
 //! Little-endian. The range coder's bytes follow to the end of the file.
 
-use super::{error::CompactError, polynomials::MOST_POLYNOMIALS};
+use super::{
+    decoder::{CHANNELS, Coded, MOST_ENTRIES, MOST_POLYNOMIALS},
+    error::CompactError,
+};
 use ltcforge_fit::{BrdfKind, Layout, LobeModel, PerAxis};
 
 /// The first bytes of a compact file; the last of them is its version.
 pub const COMPACT_MAGIC: &[u8; 8] = b"LTCcomp1";
 /// The layouts with a compact form.
 pub const LAYOUTS: [Layout; 3] = [Layout::Reflected, Layout::Kt2022, Layout::Ltc2017];
-/// Channels: the smooth numbers of an entry.
-pub(super) const CHANNELS: usize = 9;
 /// Those of amplitude and Fresnel term.
 pub(super) const TERMS: [usize; 2] = [7, 8];
 /// Most nodes on an axis, as in recipes.
 const MOST_NODES: u16 = 16_384;
-/// Most entries of a table, so that a short file cannot ask for all memory.
-pub(super) const MOST_ENTRIES: usize = 1 << 20;
 
 /// The contents of the header.
 #[derive(Debug, Clone, PartialEq)]
@@ -174,6 +173,18 @@ impl Header {
         let header = Self { brdf, lobe, layout, nodes, polynomials, ranges, steps, corrected, correction_steps };
         header.check_entries()?;
         Ok((header, reader.0))
+    }
+
+    /// What the decoder needs to know of the bytes that follow.
+    pub(super) fn coded<'a>(&self, bytes: &'a [u8]) -> Coded<'a> {
+        Coded {
+            nodes: self.nodes.map(usize::from),
+            counts: self.polynomials.map(usize::from),
+            steps: self.steps,
+            corrected: self.corrected,
+            correction_steps: self.correction_steps,
+            bytes,
+        }
     }
 
     /// Refuses tables with too many entries.

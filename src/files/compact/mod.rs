@@ -12,6 +12,7 @@
 //! never a panic.
 
 mod coder;
+mod decoder;
 mod error;
 mod header;
 mod integers;
@@ -19,17 +20,20 @@ mod outline;
 mod polynomials;
 mod rounding;
 
-use coder::{Decoder, Encoder};
+use coder::Encoder;
+use decoder::{Bases, CHANNELS, MOST_BITS, Models, multiples};
 pub use error::CompactError;
 pub use header::COMPACT_MAGIC;
 pub use header::LAYOUTS;
-use header::{CHANNELS, Header, TERMS};
-use integers::{MOST_BITS, Models};
+use header::{Header, TERMS};
 pub use outline::Outline;
-use polynomials::{Bases, most_polynomials};
+use polynomials::most_polynomials;
 use rounding::Rounding;
 
 use ltcforge_fit::{Spread, Table, width_between};
+
+/// What decodes the bytes after a header: source that needs no crate.
+pub const DECODER: &str = include_str!("decoder.rs");
 
 /// Coefficients are rounded down up to this part beyond a half, which costs less accuracy than it saves bytes.
 const ROUND_UP: f64 = 0.4;
@@ -164,28 +168,9 @@ fn encode_rounded(
 pub fn decode(bytes: &[u8]) -> Result<Table, CompactError> {
     let (header, coded) = Header::read(bytes)?;
     let axes = header.axes()?;
-    let bases = bases(&header);
-    let (mut models, mut corrections) = (Models::new(), Models::new());
-    let mut decoder = Decoder::new(coded).ok_or(CompactError::Short)?;
-    let mut numbers = vec![[0.0; CHANNELS]; bases.nodes().iter().product()];
-    for channel in 0..CHANNELS {
-        let Some(step) = header.steps[channel].map(f64::from) else { continue };
-        let rounded = models.read(bases.counts(), &mut decoder).ok_or(CompactError::Short)?;
-        let mut values = bases.values(multiples(&rounded, step));
-        if header.corrected[channel] {
-            let correction = corrections.read(bases.nodes(), &mut decoder).ok_or(CompactError::Short)?;
-            for (value, more) in
-                values.iter_mut().zip(multiples(&correction, step * f64::from(header.correction_steps)))
-            {
-                *value += more;
-            }
-        }
-        for (entry, value) in numbers.iter_mut().zip(values) {
-            entry[channel] = value;
-        }
-    }
-    if decoder.left() > 0 {
-        return Err(CompactError::Long { bytes: decoder.left() });
+    let (numbers, left) = header.coded(coded).numbers().ok_or(CompactError::Short)?;
+    if left > 0 {
+        return Err(CompactError::Long { bytes: left });
     }
     let items = (header.brdf, header.lobe, header.layout);
     let table = Table::of_smooth_numbers(items, axes, &numbers, header.has_terms());
@@ -239,10 +224,6 @@ fn rounded(numbers: &[f64], step: f64, up: f64) -> Option<Vec<i32>> {
         (magnitude < most).then(|| magnitude.copysign(*x) as i32)
     };
     numbers.iter().map(multiple).collect()
-}
-
-fn multiples(rounded: &[i32], step: f64) -> Vec<f64> {
-    rounded.iter().map(|k| f64::from(*k) * step).collect()
 }
 
 #[cfg(any(test, feature = "testing"))]

@@ -1,9 +1,6 @@
 //! The data of a compact form that a decoder in another language needs before it reads the coded bytes.
 
-use super::{
-    error::CompactError,
-    header::{CHANNELS, Header},
-};
+use super::{decoder::CHANNELS, error::CompactError, header::Header};
 use ltcforge_fit::{Layout, PerAxis};
 
 /// The header of a compact form, read.

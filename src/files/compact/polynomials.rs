@@ -10,8 +10,7 @@
 //! [Gram 1883; the three terms in Gautschi 2004, section 1.5]. Only products, quotients and square roots occur, so that
 //! the values have the same bits everywhere.
 
-/// The most polynomials of any axis.
-pub(super) const MOST_POLYNOMIALS: usize = 28;
+use super::decoder::{Bases, Basis, MOST_POLYNOMIALS, along};
 
 /// As many polynomials as the three terms keep orthonormal: to 1e-12, and in 32 bits to 1e-3. The recurrence loses
 /// digits as their number comes near that of the nodes.
@@ -19,64 +18,14 @@ pub(super) fn most_polynomials(nodes: usize) -> usize {
     nodes.min(16).max((nodes / 2 + 4).min(MOST_POLYNOMIALS).min(nodes))
 }
 
-/// The polynomials of one axis.
-pub(super) struct Basis {
-    nodes: usize,
-    /// One row of `nodes` values for each polynomial.
-    values: Vec<f64>,
-}
-
-impl Basis {
-    /// The first `count` polynomials. Domain: `1 <= count <= nodes`.
-    pub(super) fn new(nodes: usize, count: usize) -> Self {
-        let n = nodes as f64;
-        let mut values = vec![1.0 / n.sqrt(); nodes];
-        let mut previous_weight = 0.0;
-        for k in 1..count {
-            let square = (k * k) as f64;
-            let weight = (square * (n * n - square) / (4.0 * (4.0 * square - 1.0))).sqrt();
-            for i in 0..nodes {
-                let t = i as f64 - 0.5 * (n - 1.0);
-                let last = values[(k - 1) * nodes + i];
-                let before = if k > 1 { values[(k - 2) * nodes + i] } else { 0.0 };
-                values.push((t * last - previous_weight * before) / weight);
-            }
-            previous_weight = weight;
-        }
-        Self { nodes, values }
-    }
-
-    fn count(&self) -> usize {
-        self.values.len() / self.nodes
-    }
-
-    /// How many nodes there are.
-    pub(super) fn nodes(&self) -> usize {
-        self.nodes
-    }
-
-    /// The polynomial `k` at the node `i`.
-    fn at(&self, k: usize, i: usize) -> f64 {
-        self.values[k * self.nodes + i]
-    }
-}
-
-/// The bases of the four axes.
-pub(super) struct Bases([Basis; 4]);
-
 impl Bases {
-    /// Domain: as of [`Basis::new`].
-    pub(super) fn new(nodes: [usize; 4], counts: [usize; 4]) -> Self {
-        Self(std::array::from_fn(|axis| Basis::new(nodes[axis], counts[axis])))
-    }
-
     /// Coefficients of each axis.
-    pub(super) fn counts(&self) -> [usize; 4] {
+    pub(crate) fn counts(&self) -> [usize; 4] {
         std::array::from_fn(|axis| self.0[axis].count())
     }
 
     /// Nodes of each axis.
-    pub(super) fn nodes(&self) -> [usize; 4] {
+    pub(crate) fn nodes(&self) -> [usize; 4] {
         std::array::from_fn(|axis| self.0[axis].nodes())
     }
 
@@ -88,32 +37,6 @@ impl Bases {
         }
         values
     }
-
-    /// The values at the nodes of coefficients.
-    pub(super) fn values(&self, mut coefficients: Vec<f64>) -> Vec<f64> {
-        for axis in (0..4).rev() {
-            let (basis, after) = (&self.0[axis], self.0[axis + 1..].iter().map(Basis::nodes).product());
-            coefficients = along(&coefficients, basis.count(), basis.nodes(), after, |i, k| basis.at(k, i));
-        }
-        coefficients
-    }
-}
-
-/// Multiplies an array along one axis, of `from` elements with `after` numbers each, by a matrix of `to` rows.
-fn along(array: &[f64], from: usize, to: usize, after: usize, matrix: impl Fn(usize, usize) -> f64) -> Vec<f64> {
-    let before = array.len() / (from * after);
-    let mut product = vec![0.0; before * to * after];
-    for (block, sums) in array.chunks_exact(from * after).zip(product.chunks_exact_mut(to * after)) {
-        for (row, sums) in sums.chunks_exact_mut(after).enumerate() {
-            for (column, numbers) in block.chunks_exact(after).enumerate() {
-                let factor = matrix(row, column);
-                for (sum, number) in sums.iter_mut().zip(numbers) {
-                    *sum += factor * number;
-                }
-            }
-        }
-    }
-    product
 }
 
 #[cfg(test)]

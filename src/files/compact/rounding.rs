@@ -3,7 +3,7 @@
 //! Measured on tables of the presets and of 64 x 64 nodes in layouts `reflected` and `ltc2017`: the mean error between
 //! nodes grows by less than 1 %. For tables where it grows by more, steps become finer.
 
-use super::header::{CHANNELS, TERMS};
+use super::{decoder::CHANNELS, header::TERMS};
 use ltcforge_fit::{ALPHA_FLOOR, Reflection, THETA_CEILING, Table};
 
 /// How many times finer each channel is rounded: by how much of its width the lobe moves with the number, for the terms

@@ -20,6 +20,8 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
 mod arc;
+#[cfg(any(test, feature = "testing"))]
+pub mod cases;
 mod clip;
 mod cone;
 mod eigen;
@@ -168,7 +170,7 @@ impl<T: Scalar> Region<T> {
     }
 
     /// The part of the visible normals that is in the region.
-    #[cfg(test)]
+    #[cfg(any(test, feature = "testing"))]
     fn part(&self, interface: &Interface<T>) -> T {
         interface.per_flux() * dot(self.flux, interface.stretched)
     }

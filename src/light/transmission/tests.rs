@@ -1,13 +1,9 @@
-mod cases;
-mod truth;
-
 use rayon::prelude::*;
 
-use self::{
-    cases::{Case, Draw, Set},
-    truth::{Truth, truth},
+use super::{
+    cases::{Case, Draw, Set, Truth, errors, f32_errors, mean_and_max},
+    *,
 };
-use super::*;
 
 const ETAS: [f64; 2] = [1.5, 1.0 / 1.5];
 
@@ -18,22 +14,6 @@ fn square<T: Scalar>(x: f64, size: f64, z: f64) -> [Triple<T>; 4] {
 
 fn view(theta: f64, phi: f64) -> [f64; 3] {
     [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
-}
-
-/// Mean and largest of numbers.
-fn mean_and_max(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
-    let numbers: Vec<f64> = numbers.collect();
-    let sum: f64 = numbers.iter().sum();
-    [sum / numbers.len() as f64, numbers.into_iter().fold(0.0, f64::max)]
-}
-
-/// Errors against the quadrature: those of the visible part, the energy, and both with Fresnel's terms.
-fn errors(set: Set, eta: f64, count: usize, tolerance: f64) -> [[f64; 2]; 4] {
-    let mut draw = Draw::new(77);
-    let cases: Vec<Case> = (0..count).map(|_| draw.case(set, eta)).collect();
-    let pairs: Vec<(Truth, Truth)> = cases.par_iter().map(|case| (truth(case, tolerance), case.model())).collect();
-    assert!(pairs.iter().filter(|(truth, _)| truth[1] > 1e-3).count() > count / 4, "{set:?} is dark");
-    std::array::from_fn(|i| mean_and_max(pairs.iter().map(|(truth, model)| (truth[i] - model[i]).abs())))
 }
 
 /// Measured on 200 cases of each set: the visible part 2.4e-5 at most; energy 7.5e-4 on average and .017 at most; with
@@ -54,23 +34,6 @@ fn polygons_agree_with_quadrature_over_their_area() {
             let [_, energy, dielectric, schlick] = errors(set, eta, 30, 1e-6).map(|[mean, _]| mean);
             assert!(energy < 3e-4 && dielectric < 5e-4 && schlick < 6e-4, "{set:?}: {energy} {dielectric} {schlick}");
         }
-    }
-}
-
-#[test]
-#[ignore = "prints the errors that docs/refraction.md states"]
-fn errors_of_the_documentation() {
-    let print = |set, eta| {
-        let found = errors(set, eta, 500, 1e-7).map(|[mean, max]| format!("{mean:.1e}/{max:.1e}"));
-        println!("{eta:.3} {set:?}: {}", found.join(" "));
-    };
-    for eta in ETAS {
-        for set in Set::MEASURED {
-            print(set, eta);
-        }
-    }
-    for eta in [1.05, 0.95, 2.5, 0.4] {
-        print(Set::Anisotropic, eta);
     }
 }
 
@@ -184,28 +147,6 @@ fn halves_make_a_whole() {
     }
 }
 
-/// The largest difference between f32 and f64 of random lights from 0.002 to 50 times their distance.
-fn f32_errors(etas: [f64; 2], alphas: [f64; 2], count: usize) -> [f64; 2] {
-    let mut draw = Draw::new(3);
-    let mut cases = Vec::with_capacity(count);
-    while cases.len() < count {
-        let [low, high] = etas;
-        let eta = draw.within(low, high);
-        let alpha = [draw.scale(alphas[0], alphas[1]), draw.scale(alphas[0], alphas[1])];
-        let wo = draw.view(1.569);
-        let Some(around) = draw.refracted(alpha, wo, eta) else { continue };
-        let size = draw.scale(0.002, 50.0);
-        let aspect = draw.within(0.0, 1.0);
-        cases.push(Case { alpha, eta, wo, vertices: draw.rectangle(around, [size, size * aspect]) });
-    }
-    let error = |case: &Case| {
-        let pairs = case.model().into_iter().zip(case.model32());
-        pairs.map(|(a, b)| if (a - b).is_finite() { (a - b).abs() } else { 9.0 }).fold(0.0, f64::max)
-    };
-    let errors: Vec<f64> = cases.par_iter().map(error).collect();
-    mean_and_max(errors.into_iter())
-}
-
 /// Measured: 1e-7 to 7e-7 on average, 5e-5 at most, and 1.5e-4 where f32 cuts an arc for the weight and f64 does not.
 #[test]
 fn f32_is_f64_but_for_rounding() {
@@ -231,28 +172,6 @@ fn small_lights_keep_their_digits() {
         let (exact, rounded) = (case.model(), case.model32());
         for (exact, rounded) in exact.into_iter().zip(rounded) {
             assert!(exact > 1e-8 && (rounded / exact - 1.0).abs() < 2e-3, "{eta}: {rounded:e} {exact:e}");
-        }
-    }
-}
-
-#[test]
-#[ignore = "prints the differences of f32 that docs/refraction.md states"]
-fn differences_of_f32_in_the_documentation() {
-    for etas in [
-        [1.5, 1.5],
-        [1.0 / 1.5, 1.0 / 1.5],
-        [1.002, 1.005],
-        [1.01, 1.02],
-        [1.02, 1.2],
-        [0.83, 0.98],
-        [1.8, 3.0],
-        [1.0 / 3.0, 0.55],
-        [3.0, 5.0],
-        [0.2, 0.33],
-    ] {
-        for alphas in [[0.05, 1.0], [0.005, 0.05], [5e-4, 0.005], [1e-4, 5e-4], [1e-5, 1e-4]] {
-            let [mean, max] = f32_errors(etas, alphas, 4000);
-            println!("{etas:.3?} {alphas:?}: {mean:.1e} {max:.1e}");
         }
     }
 }

@@ -1,3 +1,7 @@
+//! Makes the textures of a compact form.
+
+use super::coded::{CHANNELS, Coded, MOST_ENTRIES, MOST_POLYNOMIALS};
+
 /// A texture, RGBA. Texels run along x, then y, then z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
@@ -8,10 +12,6 @@ pub struct Texture {
     pub texels: Vec<f32>,
 }
 
-const CHANNELS: usize = 9;
-const LONGEST: usize = 24;
-const MOST_POLYNOMIALS: usize = 28;
-const MOST_ENTRIES: usize = 1 << 20;
 const CEILING: f64 = 0.9999 * std::f64::consts::FRAC_PI_2;
 
 /// The textures of a compact form: `ltc_matrix_a`, `ltc_matrix_b` and `ltc_terms` of layout `reflected`, `LTC_1` and `LTC_2`
@@ -45,35 +45,17 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Texture>, &'static str> {
         return Err("an isotropic layout with several ratios or phi");
     }
     let [stored, corrected] = [u16::from_le_bytes(reader.take()?), u16::from_le_bytes(reader.take()?)];
-    let correction = f64::from(f32::from_le_bytes(reader.take()?));
-    let mut steps = [0.0; CHANNELS];
+    let correction_steps = f32::from_le_bytes(reader.take()?);
+    let mut steps = [None; CHANNELS];
     for (channel, step) in steps.iter_mut().enumerate() {
         if stored >> channel & 1 == 1 {
-            *step = f64::from(f32::from_le_bytes(reader.take()?));
+            *step = Some(f32::from_le_bytes(reader.take()?));
         }
     }
-    let mut coder = Coder { code: u32::from_be_bytes(reader.take()?), range: u32::MAX, bytes: reader.bytes };
-    let bases: Vec<Vec<f64>> = (0..4).map(|axis| polynomials(nodes[axis], counts[axis])).collect();
-    let (mut coefficients, mut corrections) = (Models::new(), Models::new());
-    let mut numbers = vec![[0.0; CHANNELS]; entries];
-    for channel in (0..CHANNELS).filter(|channel| stored >> channel & 1 == 1) {
-        let read = coder.integers(&mut coefficients, counts)?;
-        let mut values: Vec<f64> = read.into_iter().map(|k| f64::from(k) * steps[channel]).collect();
-        let mut after = 1;
-        for axis in (0..4).rev() {
-            values = along(&values, &bases[axis], counts[axis], nodes[axis], after);
-            after *= nodes[axis];
-        }
-        if corrected >> channel & 1 == 1 {
-            for (value, k) in values.iter_mut().zip(coder.integers(&mut corrections, nodes)?) {
-                *value += f64::from(k) * (steps[channel] * correction);
-            }
-        }
-        for (entry, value) in numbers.iter_mut().zip(values) {
-            entry[channel] = value;
-        }
-    }
-    if !coder.bytes.is_empty() {
+    let corrected = std::array::from_fn(|channel| corrected >> channel & 1 == 1);
+    let coded = Coded { nodes, counts, steps, corrected, correction_steps, bytes: reader.bytes };
+    let (mut numbers, left) = coded.numbers().ok_or("the bytes end too early")?;
+    if left > 0 {
         return Err("bytes follow the end");
     }
 
@@ -157,116 +139,6 @@ impl<'a> Reader<'a> {
         self.bytes = &self.bytes[length..];
         Ok(name)
     }
-}
-
-/// Chances of bits: by neighbourhood and bits so far whether a magnitude is longer; by length its second bit; other bits;
-/// signs.
-struct Models {
-    lengths: [[u16; LONGEST]; 13],
-    seconds: [u16; LONGEST + 1],
-    low: u16,
-    sign: u16,
-}
-
-impl Models {
-    fn new() -> Self {
-        Self { lengths: [[1024; LONGEST]; 13], seconds: [1024; LONGEST + 1], low: 1024, sign: 1024 }
-    }
-}
-
-/// The range coder.
-struct Coder<'a> {
-    code: u32,
-    range: u32,
-    bytes: &'a [u8],
-}
-
-impl Coder<'_> {
-    fn bit(&mut self, chance: &mut u16) -> Result<bool, &'static str> {
-        let bound = (self.range >> 11) * u32::from(*chance);
-        let is_one = self.code >= bound;
-        if is_one {
-            self.code -= bound;
-            self.range -= bound;
-            *chance -= *chance >> 4;
-        } else {
-            self.range = bound;
-            *chance += (2048 - *chance) >> 4;
-        }
-        while self.range < 1 << 24 {
-            let (next, rest) = self.bytes.split_first().ok_or("the bytes end too early")?;
-            self.code = self.code << 8 | u32::from(*next);
-            self.range <<= 8;
-            self.bytes = rest;
-        }
-        Ok(is_one)
-    }
-
-    fn integers(&mut self, models: &mut Models, lengths: [usize; 4]) -> Result<Vec<i32>, &'static str> {
-        let [_, ratio, theta, phi] = lengths;
-        let strides = [ratio * theta * phi, theta * phi, phi, 1];
-        let mut numbers = vec![0_i32; lengths.iter().product()];
-        for i in 0..numbers.len() {
-            let mut sum = 0;
-            for (stride, length) in strides.into_iter().zip(lengths) {
-                let place = i / stride % length;
-                for (back, weight) in [(1, 2), (2, 1)] {
-                    if place >= back {
-                        sum += weight * numbers[i - back * stride].unsigned_abs();
-                    }
-                }
-            }
-            let longer = &mut models.lengths[((u32::BITS - sum.leading_zeros()) as usize).min(12)];
-            let mut bits = 0;
-            while bits < LONGEST && self.bit(&mut longer[bits])? {
-                bits += 1;
-            }
-            if bits == 0 {
-                continue;
-            }
-            let mut magnitude = 1;
-            for place in (0..bits - 1).rev() {
-                let chance = if place + 2 == bits { &mut models.seconds[bits] } else { &mut models.low };
-                magnitude = 2 * magnitude + i32::from(self.bit(chance)?);
-            }
-            numbers[i] = if self.bit(&mut models.sign)? { -magnitude } else { magnitude };
-        }
-        Ok(numbers)
-    }
-}
-
-/// Polynomials that are orthonormal on n nodes [Gram 1883], n values each.
-fn polynomials(n: usize, count: usize) -> Vec<f64> {
-    let nodes = n as f64;
-    let mut values = vec![1.0 / nodes.sqrt(); n];
-    let mut before = 0.0;
-    for k in 1..count {
-        let square = (k * k) as f64;
-        let weight = (square * (nodes * nodes - square) / (4.0 * (4.0 * square - 1.0))).sqrt();
-        for i in 0..n {
-            let t = i as f64 - 0.5 * (nodes - 1.0);
-            let last = values[(k - 1) * n + i];
-            let earlier = if k > 1 { values[(k - 2) * n + i] } else { 0.0 };
-            values.push((t * last - before * earlier) / weight);
-        }
-        before = weight;
-    }
-    values
-}
-
-/// An array whose axis of `count` coefficients, `after` numbers each, becomes one of n nodes.
-fn along(array: &[f64], basis: &[f64], count: usize, n: usize, after: usize) -> Vec<f64> {
-    let mut made = vec![0.0; array.len() / count * n];
-    for (from, to) in array.chunks_exact(count * after).zip(made.chunks_exact_mut(n * after)) {
-        for (i, to) in to.chunks_exact_mut(after).enumerate() {
-            for (k, from) in from.chunks_exact(after).enumerate() {
-                for (sum, number) in to.iter_mut().zip(from) {
-                    *sum += basis[k * n + i] * number;
-                }
-            }
-        }
-    }
-    made
 }
 
 /// Three columns.

@@ -1,5 +1,10 @@
 //! A table in its compact form: the bytes alone, or with a decoder in JavaScript, Rust or WGSL.
 
+// What `compact-rust` writes, in this program.
+#[cfg(test)]
+#[allow(unreachable_pub, clippy::pedantic, dead_code, reason = "a module that stands alone in other crates")]
+#[path = "../../files/compact/decoder.rs"]
+mod coded;
 #[cfg(test)]
 #[allow(unreachable_pub, clippy::pedantic, reason = "a module that stands alone in other crates")]
 mod decoder;
@@ -8,7 +13,7 @@ mod wgsl;
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 
 use super::{about::About, file::TextureFile, recipe::recipe_like, rounding::RoundingError};
-use ltcforge_files::compact::{CompactError, LAYOUTS, check_lobes, encode};
+use ltcforge_files::compact::{self, CompactError, LAYOUTS, check_lobes, encode};
 use ltcforge_fit::{Layout, Table, named_list};
 
 named_list! {
@@ -51,7 +56,7 @@ pub enum CompactFileError {
 /// The decoder in JavaScript.
 const DECODER: &str = include_str!("decoder.js");
 
-/// The decoder in Rust.
+/// Makes textures of the bytes, in Rust, by means of [`compact::DECODER`].
 const RUST_DECODER: &str = include_str!("decoder.rs");
 
 /// The module's own functions.
@@ -132,8 +137,10 @@ impl CompactContainer {
                 let text = format!(
                     "{}\n/// The textures of this module's table.\n///\n/// # Errors\n/// Damaged bytes.\n\
                      pub fn textures() -> Result<Vec<Texture>, &'static str> {{\n    \
-                     decode(include_bytes!(\"{stem}.compact\"))\n}}\n\n{RUST_DECODER}",
-                    about.comment()
+                     decode(include_bytes!(\"{stem}.compact\"))\n}}\n\npub use decoder::{{Texture, decode}};\n\n\
+                     mod decoder {{\n{RUST_DECODER}}}\n\nmod coded {{\n{}}}\n",
+                    about.comment(),
+                    compact::DECODER
                 );
                 vec![file("compact", bytes), file("compact.rs", text.into_bytes())]
             }

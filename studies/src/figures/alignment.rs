@@ -1,18 +1,20 @@
 //! Figure 7: interpolation of matrices, aligned and not.
 
 use glam::{DMat3, DVec3};
+use ltcforge::{
+    fit::{
+        Ltc,
+        brdf::{Ggx, Mirrors},
+        lobe::ltc::align,
+        math::{direction, from_row_major},
+    },
+    view::picture::{Panel, Picture, caption, grid, headed},
+};
 
 use super::{
     error::FigureError,
     fits::fitted,
     hemisphere::{hemisphere, peak},
-};
-use crate::picture::{Panel, Picture, caption, grid, headed};
-use ltcforge_fit::{
-    Ltc,
-    brdf::{Ggx, Mirrors},
-    lobe::ltc::align,
-    math::{direction, from_row_major},
 };
 
 /// Pixels a side of a lobe.

@@ -3,17 +3,19 @@
 use std::ops::ControlFlow;
 
 use glam::{DMat3, DVec3};
+use ltcforge::{
+    fit::{
+        FittedEntry, Fitter, Ltc, Metric, StopCheck,
+        brdf::{Brdf, Ggx},
+        math::{direction, from_row_major},
+    },
+    view::picture::{Panel, Picture, caption, grid, headed},
+};
 
 use super::{
     error::FigureError,
     fits::from_any_start,
     hemisphere::{hemisphere, peak},
-};
-use crate::picture::{Panel, Picture, caption, grid, headed};
-use ltcforge_fit::{
-    FittedEntry, Fitter, Ltc, Metric, StopCheck,
-    brdf::{Brdf, Ggx},
-    math::{direction, from_row_major},
 };
 
 /// Pixels a side of a lobe.

@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 
 use super::error::FigureError;
-use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
-use ltcforge_fit::{Layout, Plan, Table, Terms};
-use ltcforge_textures::{Texture, TextureLayout};
+use ltcforge::{
+    files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse},
+    fit::{Layout, Plan, Table, Terms},
+    textures::{Texture, TextureLayout},
+};
 
 /// Layouts as their readers have them: engines in 2D textures, our shader in those of the others.
 const LAYOUTS: [TextureLayout; 6] = [

@@ -15,9 +15,16 @@ mod nearest;
 mod remedies;
 mod resolution;
 mod sizes;
+#[cfg(test)]
+mod tests;
 
-use crate::{picture::Picture, plots::IsotropicFigure, preview::Preview};
-use ltcforge_fit::named_list;
+use std::path::{Path, PathBuf};
+
+use ltcforge::{
+    files::replace::replace_file,
+    fit::named_list,
+    view::{picture::Picture, plots::IsotropicFigure, preview::Preview},
+};
 
 pub use error::FigureError;
 
@@ -93,7 +100,19 @@ impl Figure {
         };
         Ok(Drawn::Picture(picture))
     }
-}
 
-#[cfg(test)]
-mod tests;
+    /// Draws it and writes it into a folder, under its name.
+    ///
+    /// # Errors
+    /// What [`Figure::draw`] and the file system report.
+    pub fn write(self, preview: &mut Preview, folder: &Path) -> Result<PathBuf, FigureError> {
+        let drawn = self.draw(preview)?;
+        let path = folder.join(format!("{self}.{}", drawn.extension()));
+        let bytes = match drawn {
+            Drawn::Picture(picture) => picture.png()?,
+            Drawn::Table(text) => text.into_bytes(),
+        };
+        replace_file(&path, &bytes).map_err(|source| FigureError::File { path: path.clone(), source })?;
+        Ok(path)
+    }
+}

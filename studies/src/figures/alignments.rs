@@ -1,17 +1,19 @@
 //! The paper's alignment, its equation 12, beside ours.
 
 use glam::{DMat3, DVec3};
+use ltcforge::{
+    fit::{
+        Ltc, PerAxis,
+        brdf::{Brdf, Ggx},
+    },
+    view::picture::{Panel, Picture, caption, grid, headed},
+};
 
 use super::{
     error::FigureError,
     fits::fitted,
     halfway::{Halfway, NEAREST, OURS, Pair},
     hemisphere::{hemisphere, peak},
-};
-use crate::picture::{Panel, Picture, caption, grid, headed};
-use ltcforge_fit::{
-    Ltc, PerAxis,
-    brdf::{Brdf, Ggx},
 };
 
 /// Pixels a side of a lobe.

@@ -1,15 +1,15 @@
 //! How far lobes halfway between two nodes of a table are from GGX, by two alignments.
 
 use glam::DMat3;
-use rayon::prelude::*;
-
-use super::{error::FigureError, fits::entries, nearest::Nearest};
-use ltcforge_fit::{
+use ltcforge::fit::{
     Fitter, Layout, PerAxis, Plan,
     brdf::{Ggx, Mirrors},
     lobe::ltc::align,
     math::from_row_major,
 };
+use rayon::prelude::*;
+
+use super::{error::FigureError, fits::entries, nearest::Nearest};
 
 /// As of layout `kt2022`.
 const FLATTEST: f64 = 1e-4;

@@ -1,8 +1,12 @@
 //! Why a figure could not be drawn.
 
-use crate::preview::PreviewError;
-use ltcforge_files::recipe_document::RecipeError;
-use ltcforge_textures::NoTextures;
+use std::{io, path::PathBuf};
+
+use ltcforge::{
+    files::recipe_document::RecipeError,
+    textures::NoTextures,
+    view::{picture::PngError, preview::PreviewError},
+};
 
 /// Why a figure could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -16,6 +20,17 @@ pub enum FigureError {
     /// The textures of a table.
     #[error(transparent)]
     Textures(#[from] NoTextures),
+    /// The picture as a PNG.
+    #[error(transparent)]
+    Png(#[from] PngError),
+    /// A file that cannot be written.
+    #[error("{}: {source}", .path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
     /// The fit was stopped.
     #[error("the fit was stopped")]
     Stopped,

@@ -1,5 +1,10 @@
+use ltcforge::view::{
+    picture::{GROUND, LINE, colour},
+    preview::Adapter,
+};
+use std::fs;
+
 use super::*;
-use crate::picture::{GROUND, LINE, colour};
 
 /// Pixels of the brightest colours.
 fn bright(picture: &Picture) -> usize {
@@ -63,4 +68,24 @@ fn the_documentation_shows_every_figure() {
     for figure in Figure::ALL.iter().filter(|figure| **figure != Figure::Table1) {
         assert!(text.contains(&format!("(figures/{figure}.png)")), "{figure}");
     }
+}
+
+/// Those that fit next to nothing.
+#[test]
+fn figures_are_written_under_their_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut preview = Preview::new(Adapter::Cpu);
+    for (figure, name) in
+        [(Figure::Notes2, "notes_2.png"), (Figure::Table1, "table_1.md"), (Figure::Notes5, "notes_5.png")]
+    {
+        let path = figure.write(&mut preview, folder.path()).expect("a file");
+        assert_eq!(path, folder.path().join(name));
+        let shown = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/figures").join(name);
+        assert!(
+            fs::read(path).expect("a file") == fs::read(shown).expect("a file"),
+            "the documentation has another {name}"
+        );
+    }
+    let error = Figure::Table1.write(&mut preview, Path::new("/proc")).expect_err("no file can be made");
+    assert!(error.to_string().starts_with("/proc/table_1.md: "), "{error}");
 }

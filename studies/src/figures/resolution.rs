@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use super::{error::FigureError, fits::entries};
-use crate::{
-    picture::{Panel, Picture, beside, caption, grid, headed},
-    preview::{Material, Mode, Preview, Scene, ShaderTable, TexelFormat},
+use ltcforge::{
+    fit::assemble,
+    view::{
+        picture::{Panel, Picture, beside, caption, grid, headed},
+        preview::{Material, Mode, Preview, Scene, ShaderTable, TexelFormat},
+    },
 };
-use ltcforge_fit::assemble;
 
 /// The paper's roughnesses, each across as it is along.
 const ALPHAS: [f64; 4] = [0.06, 0.31, 0.56, 0.81];

@@ -1,17 +1,19 @@
 //! Figure 13: eight lobes of GGX beside the LTCs that stand for them.
 
 use glam::DVec3;
+use ltcforge::{
+    fit::{
+        FittedEntry, Ltc,
+        brdf::{Brdf, Ggx},
+        math::{direction, from_row_major},
+    },
+    view::picture::{Panel, Picture, caption, grid, headed},
+};
 
 use super::{
     error::FigureError,
     fits::fitted,
     hemisphere::{hemisphere, peak},
-};
-use crate::picture::{Panel, Picture, caption, grid, headed};
-use ltcforge_fit::{
-    FittedEntry, Ltc,
-    brdf::{Brdf, Ggx},
-    math::{direction, from_row_major},
 };
 
 /// Pixels a side of a lobe.

@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
-
-use ltcforge_fit::math::{Lattice, cosine_hemisphere, sin_cos};
+use ltcforge::fit::math::{Lattice, cosine_hemisphere, sin_cos};
 
 /// Directions of a cosine.
 const SAMPLES: usize = 64;

@@ -3,12 +3,12 @@
 use std::ops::ControlFlow;
 
 use glam::DVec3;
+use ltcforge::{
+    files::recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, parse},
+    fit::{FitSettings, FittedEntry, Fitter, Metric, Plan, Simplex, Solver, StopCheck, brdf::Ggx, fit_entries},
+};
 
 use super::error::FigureError;
-use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, Preset, parse};
-use ltcforge_fit::{
-    FitSettings, FittedEntry, Fitter, Metric, Plan, Simplex, Solver, StopCheck, brdf::Ggx, fit_entries,
-};
 
 /// The LTC that is nearest to a lobe.
 pub(super) fn fitted(ggx: &Ggx, wo: DVec3) -> Result<FittedEntry, FigureError> {

@@ -7,19 +7,21 @@
 use std::{f64::consts::TAU, sync::Arc};
 
 use glam::DMat3;
+use ltcforge::{
+    files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse},
+    fit::{
+        Configuration, FittedEntry, PerAxis, Plan, Table, assemble,
+        brdf::Mirrors,
+        lobe::ltc::align,
+        math::{from_row_major, row_major},
+    },
+    view::{
+        picture::{Panel, Picture, caption, grid, headed},
+        preview::{Camera, Light, Material, Preview, Scene, ShaderTable, TexelFormat},
+    },
+};
 
 use super::{error::FigureError, fits::entries};
-use crate::{
-    picture::{Panel, Picture, caption, grid, headed},
-    preview::{Camera, Light, Material, Preview, Scene, ShaderTable, TexelFormat},
-};
-use ltcforge_files::recipe_document::{DEFAULT_ENTRY_LIMIT, parse};
-use ltcforge_fit::{
-    Configuration, FittedEntry, PerAxis, Plan, Table, assemble,
-    brdf::Mirrors,
-    lobe::ltc::align,
-    math::{from_row_major, row_major},
-};
 
 /// Pixels a side of a sphere.
 const SIDE: u32 = 320;

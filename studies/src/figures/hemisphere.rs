@@ -1,9 +1,8 @@
 //! A distribution over the hemisphere, seen from above.
 
 use glam::DVec3;
+use ltcforge::view::picture::{Picture, colour};
 use rayon::prelude::*;
-
-use crate::picture::{Picture, colour};
 
 /// Beside the hemisphere.
 const BESIDE: [u8; 3] = [48, 48, 48];
