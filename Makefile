@@ -83,7 +83,7 @@ test: EXTRA_PACKAGES := $(TEST_PACKAGES)
 test: packages browser cluster
 	$(CARGO) test --locked --workspace --no-run
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
-	@$(MAKE) --no-print-directory test-native
+	@$(MAKE) --no-print-directory -j2 --output-sync=target test-native
 
 test-units:
 	$(CARGO) test --locked --workspace --lib --bins
@@ -92,18 +92,20 @@ test-suites:
 	$(CARGO) test --locked --workspace --doc
 
 # The pinned bytes again, by the core alone, compiled for this machine's own processor, and for one with AVX2 and no AVX-512.
+# Each in a folder of its own, so that both are compiled at once: a chain of few crates does not fill two cores.
 NATIVE_CPUS := native $(if $(filter x86_64,$(shell uname -m)),$(shell grep -qw avx2 /proc/cpuinfo && echo x86-64-v3))
-test-native:
-	@set -e; for cpu in $(NATIVE_CPUS); do \
-		CARGO_TARGET_DIR=$(NATIVE_TARGET) RUSTFLAGS="-C target-cpu=$$cpu" $(CARGO) test --locked -p ltcforge-library-test; \
-	done
+test-native: $(addprefix test-for-,$(NATIVE_CPUS))
+test-for-%:
+	CARGO_TARGET_DIR=$(NATIVE_TARGET)/$* RUSTFLAGS="-C target-cpu=$*" $(CARGO) test --locked -p ltcforge-library-test
 
-# One pass over the workspace, and the core alone, which the rest must not hide.
+# One pass over the workspace, and the core alone, which the rest must not hide. There are no examples: asked for them, cargo
+# takes the features that tests need too, so that the docs use what clippy has checked rather than check it all again.
 lint: packages
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --no-default-features -- -D warnings
-	RUSTDOCFLAGS='-D warnings -A rustdoc::private-intra-doc-links' $(CARGO) doc --locked --workspace --no-deps --document-private-items
+	RUSTDOCFLAGS='-D warnings -A rustdoc::private-intra-doc-links' $(CARGO) doc --lib --examples --locked --workspace \
+		--no-deps --document-private-items
 	@$(MAKE) --no-print-directory lint-core lint-deploy lines
 
 # Lines of code of each crate without comments, blank lines and tests, counted by awk.
