@@ -4,7 +4,7 @@
 
 use std::{env, fs, path::Path};
 
-use ltcforge::view::preview::{Form, NamedScene, PARAMETERS, Parameter, Scene};
+use ltcforge::view::preview::{NamedScene, PARAMETERS, Parameter, ParameterForm, Scene};
 
 /// Holds the lines of `file` between `begin` and `end` to `expected`, or replaces them.
 fn assert_passage(file: &str, [begin, end]: [&str; 2], expected: &str) {
@@ -31,8 +31,8 @@ fn row(parameter: &Parameter) -> String {
     let [low, high] = parameter.bounds().unwrap_or_default();
     let unit = parameter.unit.unwrap_or_default();
     let names = match parameter.form {
-        Form::Name { names, .. } => format!(": `{}`", names().join("`, `")),
-        Form::Point(..) => "; the bound is its distance from the origin".to_owned(),
+        ParameterForm::Name { names, .. } => format!(": `{}`", names().join("`, `")),
+        ParameterForm::Point(..) => "; the bound is its distance from the origin".to_owned(),
         _ => String::new(),
     };
     let cells = [format!("`{}`", parameter.name), default(parameter), low, high, unit.to_owned()];
@@ -67,12 +67,16 @@ fn entry(parameter: &Parameter) -> String {
     let number = |[low, high]: [f64; 2]| format!("type: number, minimum: {low}, maximum: {high}, default: {default}");
     let list = format!("type: string, default: \"{default}\"");
     let schema = match parameter.form {
-        Form::Name { names, .. } => format!("enum: [{}], default: {default}", names().join(", ")),
-        Form::Whole([low, high], _) => format!("type: integer, minimum: {low}, maximum: {high}, default: {default}"),
-        Form::Flag(_) => format!("type: boolean, default: {default}"),
-        Form::Point(..) => list,
-        Form::Numbers(..) if parameter.count() > 1 => list,
-        Form::Numbers(bounds, _) | Form::OfMaterials(bounds, _) | Form::OfOneMaterial(bounds, _) => number(bounds),
+        ParameterForm::Name { names, .. } => format!("enum: [{}], default: {default}", names().join(", ")),
+        ParameterForm::Whole([low, high], _) => {
+            format!("type: integer, minimum: {low}, maximum: {high}, default: {default}")
+        }
+        ParameterForm::Flag(_) => format!("type: boolean, default: {default}"),
+        ParameterForm::Point(..) => list,
+        ParameterForm::Numbers(..) if parameter.count() > 1 => list,
+        ParameterForm::Numbers(bounds, _)
+        | ParameterForm::OfMaterials(bounds, _)
+        | ParameterForm::OfOneMaterial(bounds, _) => number(bounds),
     };
     let (line, name) = (parameter.line(), parameter.name);
     let (help, _) = line.split_once(" [default").expect("every line ends with the default");

@@ -33,7 +33,7 @@ fn entry_seconds(brdf: BrdfKind, lobe: LobeModel, fit: &FitSettings) -> f64 {
         seed: fit.seed,
     };
     // Solvers by `l3` and `sgd` evaluate the model in each step.
-    let of_sample = brdf.rules().compared().sample;
+    let of_sample = brdf.rules().prediction_factors().sample;
     let is_fixed = fit.metric == Metric::Sw1 && fit.solver != Solver::Sgd;
     let of_step = if is_fixed { 1.0 } else { 1.0 + STEP_SAMPLING * (of_sample - 1.0) };
     let sampling = SAMPLING_SECONDS * of_sample * f64::from(fit.samples);

@@ -34,7 +34,7 @@ pub fn expectation(recipe: &Recipe) -> Expectation {
         c.alpha * h.alpha * h.alpha + c.ratio * h.ratio * h.ratio + c.theta * h.theta * h.theta + c.phi * h.phi * h.phi;
     let power = |x: u32, [factor, exponent]: [f64; 2]| factor * pow(f64::from(x), exponent);
     let effort = power(recipe.fit.samples, SAMPLES) + power(recipe.fit.directions, DIRECTIONS);
-    let over_ggx = recipe.brdf.kind().rules().compared().error * recipe.lobe.rules().error_over_ltc();
+    let over_ggx = recipe.brdf.kind().rules().prediction_factors().error * recipe.lobe.rules().error_over_ltc();
     Expectation { seconds: fit_seconds(recipe), error: over_ggx * (limit + interpolation + effort) }
 }
 

@@ -13,7 +13,7 @@ use ltcforge_light::{LightModel, WeightRule};
 use ltcforge_shaders::{Language, Lights, Prefix};
 use ltcforge_view::{
     plots::{Azimuth, IsotropicFigure, Ratio},
-    preview::{Adapter, Choices, Form, PARAMETERS, Parameter, TexelFormat, Value},
+    preview::{Adapter, Choices, PARAMETERS, Parameter, ParameterForm, TexelFormat, Value},
 };
 
 /// `preview`. A parameter that is not given is that of the named scene.
@@ -55,7 +55,7 @@ fn argument(parameter: &'static Parameter, flag: &'static str) -> Arg {
     let arg = Arg::new(parameter.name).long(flag).help(parameter.line()).value_name(parameter.value_name);
     let parse = |text: &str| parameter.parse(text);
     match parameter.form {
-        Form::Name { names, .. } => {
+        ParameterForm::Name { names, .. } => {
             arg.value_parser(PossibleValuesParser::new(names()).try_map(move |name| parse(&name)))
         }
         // A list may begin with a negative number, which clap would take for a flag.

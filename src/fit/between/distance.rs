@@ -10,7 +10,7 @@ const RINGS: usize = 3;
 const SECTORS: usize = 4;
 
 /// A quadratic form of the five numbers.
-pub(super) type Form = [[f64; 5]; 5];
+pub(super) type QuadraticForm = [[f64; 5]; 5];
 
 /// Directions that stand for a clamped cosine.
 pub(super) struct Displacement {
@@ -26,7 +26,7 @@ impl Displacement {
 
     /// The mean square of the displacement of the lobe of a stored matrix, for changes of its numbers. The number that
     /// is fixed has no part in it.
-    pub(super) fn form(&self, stored: &DMat3, free: FreeNumbers) -> Form {
+    pub(super) fn form(&self, stored: &DMat3, free: FreeNumbers) -> QuadraticForm {
         let inverse = stored.inverse();
         let m = if free.is_inverse { &inverse } else { stored };
         let mut form = [[0.0; 5]; 5];

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_2_SQRT_PI, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::scattering::{Brdf, BrdfRules, BrdfSample, Compared};
+use super::scattering::{Brdf, BrdfRules, BrdfSample, PredictionFactors};
 use crate::math::{erfc, exp, ln};
 
 /// Microfacets whose slopes have a normal distribution [Beckmann and Spizzichino 1963; Heitz 2014, section 5.3], with a
@@ -25,8 +25,8 @@ impl BrdfRules for BeckmannRules {
         Box::new(Beckmann { alpha_x, alpha_y })
     }
 
-    fn compared(&self) -> Compared {
-        Compared { sample: 10.0, error: 4.0 }
+    fn prediction_factors(&self) -> PredictionFactors {
+        PredictionFactors { sample: 10.0, error: 4.0 }
     }
 }
 

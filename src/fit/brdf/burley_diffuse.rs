@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{
     hemisphere::Hemisphere,
-    scattering::{Brdf, BrdfRules, BrdfSample, Compared},
+    scattering::{Brdf, BrdfRules, BrdfSample, PredictionFactors},
 };
 use crate::math::SquarePoint;
 
@@ -40,8 +40,8 @@ impl BrdfRules for BurleyDiffuseRules {
         false
     }
 
-    fn compared(&self) -> Compared {
-        Compared { sample: 1.0, error: 0.12 }
+    fn prediction_factors(&self) -> PredictionFactors {
+        PredictionFactors { sample: 1.0, error: 0.12 }
     }
 }
 

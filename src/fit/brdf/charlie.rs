@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_3, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::scattering::{Bends, Brdf, BrdfRules, BrdfSample, Compared};
+use super::scattering::{Bends, Brdf, BrdfRules, BrdfSample, PredictionFactors};
 use crate::math::{SquarePoint, exp, pow};
 
 /// The sheen of Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with a Fresnel factor of one:
@@ -33,8 +33,8 @@ impl BrdfRules for CharlieRules {
         false
     }
 
-    fn compared(&self) -> Compared {
-        Compared { sample: 8.0, error: 0.8 }
+    fn prediction_factors(&self) -> PredictionFactors {
+        PredictionFactors { sample: 8.0, error: 0.8 }
     }
 }
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{
     charlie::Fibres,
-    scattering::{Brdf, BrdfRules, BrdfSample, Compared},
+    scattering::{Brdf, BrdfRules, BrdfSample, PredictionFactors},
 };
 use crate::math::SquarePoint;
 
@@ -32,8 +32,8 @@ impl BrdfRules for CharlieNeubeltRules {
         false
     }
 
-    fn compared(&self) -> Compared {
-        Compared { sample: 3.0, error: 0.8 }
+    fn prediction_factors(&self) -> PredictionFactors {
+        PredictionFactors { sample: 3.0, error: 0.8 }
     }
 }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::{
     hemisphere::Hemisphere,
-    scattering::{Bends, Brdf, BrdfRules, BrdfSample, Compared},
+    scattering::{Bends, Brdf, BrdfRules, BrdfSample, PredictionFactors},
 };
 use crate::math::{SquarePoint, atan2};
 
@@ -44,8 +44,8 @@ impl BrdfRules for OrenNayarRules {
         false
     }
 
-    fn compared(&self) -> Compared {
-        Compared { sample: 1.0, error: 0.18 }
+    fn prediction_factors(&self) -> PredictionFactors {
+        PredictionFactors { sample: 1.0, error: 0.18 }
     }
 }
 

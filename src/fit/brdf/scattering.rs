@@ -104,9 +104,9 @@ impl LobeTerms {
     }
 }
 
-/// A scattering model beside GGX.
+/// Factors from predictions for GGX to those for another scattering model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Compared {
+pub(crate) struct PredictionFactors {
     /// The time that a sample with its value and density takes.
     pub(crate) sample: f64,
     /// The mean error of a table.
@@ -136,7 +136,7 @@ pub(crate) trait BrdfRules: Sync {
     }
 
     /// The factors from a prediction for GGX to one for this model.
-    fn compared(&self) -> Compared {
-        Compared { sample: 1.0, error: 1.0 }
+    fn prediction_factors(&self) -> PredictionFactors {
+        PredictionFactors { sample: 1.0, error: 1.0 }
     }
 }

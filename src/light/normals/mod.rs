@@ -31,8 +31,8 @@ mod weight;
 pub(super) use self::{cone::cos_of_third, edge::arc_bend, model::NormalsModel};
 use self::{
     edge::{curved_part, shared},
-    outline::{Corner, Outline, Parts},
-    weight::{Numbers, Sample, View},
+    outline::{Corner, EdgeParts, Outline},
+    weight::{Numbers, View, WeightedNormal},
 };
 pub use self::{model::by_normals, weight::Forms};
 use ltcforge_fit::{
@@ -55,11 +55,11 @@ named_list! {
 }
 
 impl WeightRule {
-    fn parts(self) -> Parts {
+    fn parts(self) -> EdgeParts {
         match self {
-            Self::Mean => Parts { edge: 1, horizon: 1 },
-            Self::Fan => Parts { edge: 1, horizon: 4 },
-            Self::Fine => Parts { edge: 2, horizon: 8 },
+            Self::Mean => EdgeParts { edge: 1, horizon: 1 },
+            Self::Fan => EdgeParts { edge: 1, horizon: 4 },
+            Self::Fine => EdgeParts { edge: 2, horizon: 8 },
         }
     }
 
@@ -219,7 +219,7 @@ fn flux<T: Scalar>(corners: &[Corner<T>], curved: &[Triple<T>]) -> Triple<T> {
 #[cfg(test)]
 pub(super) fn visible<T: Scalar>(alpha: [T; 2], wo: Triple<T>, vertices: &[Triple<T>]) -> T {
     let view = View::new(alpha, wo);
-    let outline = Outline::new(vertices, Parts { edge: 1, horizon: 1 }, alpha, wo);
+    let outline = Outline::new(vertices, EdgeParts { edge: 1, horizon: 1 }, alpha, wo);
     if outline.corners.len() < 3 {
         return T::ZERO;
     }
@@ -295,10 +295,10 @@ impl<T: Scalar> Fan<'_, T> {
 
     /// The sum over all triangles. Those of the edge on or near the horizon count by its share, and what they are
     /// together as other edges by the rest.
-    fn over(mut self, outline: &Outline<T>, curved: &[Triple<T>], parts: Parts) -> Self {
+    fn over(mut self, outline: &Outline<T>, curved: &[Triple<T>], parts: EdgeParts) -> Self {
         let (view, tip, Outline { corners, setting, share, .. }) = (self.view, self.tip, outline);
         let at_tip = view.sample(tip);
-        let samples: Vec<Sample<T>> = corners.iter().map(|corner| view.sample(corner.c)).collect();
+        let samples: Vec<WeightedNormal<T>> = corners.iter().map(|corner| view.sample(corner.c)).collect();
         let (mut joined, mut count, mut start) = ([T::ZERO; 3], 0, 0);
         for (i, curved) in curved.iter().enumerate() {
             let next = (i + 1) % corners.len();
@@ -351,9 +351,9 @@ mod tests {
                 let end = begin + 0.1 + (widest - 0.1) * fraction(i, 0.671);
                 let at = |angle: f64, z: f64| [angle.cos(), angle.sin(), z];
                 let wall = [at(begin, -0.3), at(begin, 0.5), at(end, 0.5), at(end, -0.3)];
-                let outline = Outline::new(&wall, Parts { edge: 1, horizon: 4 }, alpha, wo);
+                let outline = Outline::new(&wall, EdgeParts { edge: 1, horizon: 4 }, alpha, wo);
                 let curved = curved_parts(&outline, alpha, wo);
-                let whole = Outline::new(&wall, Parts { edge: 1, horizon: 1 }, alpha, wo);
+                let whole = Outline::new(&wall, EdgeParts { edge: 1, horizon: 1 }, alpha, wo);
                 let flux = [&outline, &whole].map(|outline| flux(&outline.corners, &curved_parts(outline, alpha, wo)));
                 let apart = minus(flux[0], flux[1]);
                 assert!(dot(apart, apart).sqrt() < 1e-9, "{i}: {flux:?}");

@@ -50,7 +50,7 @@ fn unstretched<T: Scalar>(h: Triple<T>, [alpha_x, alpha_y]: [T; 2]) -> Triple<T>
 
 /// Into how many parts edges are split, for the weight; their integral is exact as it is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Parts {
+pub(super) struct EdgeParts {
     /// An edge of the light.
     pub(super) edge: u32,
     /// The edge that is on the horizon or nearest to it; twice as many where it is wide.
@@ -86,7 +86,7 @@ const WIDE: [f64; 2] = [1.2, 1.8];
 
 impl<T: Scalar> Outline<T> {
     /// The part of a convex polygon that is above the surface, `z > 0`.
-    pub(super) fn new(vertices: &[Triple<T>], parts: Parts, alpha: [T; 2], wo: Triple<T>) -> Self {
+    pub(super) fn new(vertices: &[Triple<T>], parts: EdgeParts, alpha: [T; 2], wo: Triple<T>) -> Self {
         let (ends, is_cut) = above(vertices);
         let (at, share) = setting(&ends, is_cut);
         let corner = |v: &Triple<T>| Corner::new(*v, alpha, wo);

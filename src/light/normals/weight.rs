@@ -76,7 +76,7 @@ impl<T: Scalar> Numbers<T> {
 
 /// The contribution of a normal to a mean: its share, that times its weight, and that times Schlick's factor.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sample<T>(Triple<T>);
+pub(super) struct WeightedNormal<T>(Triple<T>);
 
 impl<T: Scalar> View<T> {
     pub(super) fn new([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> Self {
@@ -112,10 +112,10 @@ impl<T: Scalar> View<T> {
 
     /// A normal in a mean. It counts by its projection along `A wo`, to which the density of visible normals is
     /// proportional, and by its length.
-    pub(super) fn sample(&self, c: Triple<T>) -> Sample<T> {
+    pub(super) fn sample(&self, c: Triple<T>) -> WeightedNormal<T> {
         let seen = dot(c, self.stretched).max(T::ZERO);
         let [weight, schlick] = self.weight(c);
-        Sample([seen, seen * weight, seen * weight * schlick])
+        WeightedNormal([seen, seen * weight, seen * weight * schlick])
     }
 
     /// The mean weight, and that times Schlick's factor, over a triangle of normals between `tip` and an edge, by its
@@ -125,10 +125,11 @@ impl<T: Scalar> View<T> {
         numbers: &Numbers<T>,
         tip: Triple<T>,
         m: Triple<T>,
-        corners: [Sample<T>; 3],
+        corners: [WeightedNormal<T>; 3],
     ) -> [T; 2] {
-        let [at_tip, from, to] = corners.map(|Sample(sample)| sample);
-        let (Sample(at_m), Sample(at_outer)) = (self.sample(m), self.sample(beyond(tip, m, numbers.beyond)));
+        let [at_tip, from, to] = corners.map(|WeightedNormal(sample)| sample);
+        let (WeightedNormal(at_m), WeightedNormal(at_outer)) =
+            (self.sample(m), self.sample(beyond(tip, m, numbers.beyond)));
         let inner = plus(plus(at_m, scaled(at_outer, numbers.outer)), scaled(at_tip, T::of(TIP)));
         let [seen, energy, fresnel] = plus(inner, scaled(plus(from, to), numbers.corner));
         let per_seen = T::ONE / seen.max(T::of(1e-18));

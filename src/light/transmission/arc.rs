@@ -17,7 +17,7 @@ pub(super) struct Circle<T> {
 
 /// Where an arc comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ArcKind {
     /// An edge of the light; a great arc.
     Edge,
     /// The edge along the surface of a light which is cut there; likewise.
@@ -47,7 +47,7 @@ pub(super) struct Arc<T> {
     pub(super) circle: Circle<T>,
     pub(super) from: Triple<T>,
     pub(super) to: Triple<T>,
-    pub(super) kind: Kind,
+    pub(super) kind: ArcKind,
     pub(super) extent: Extent,
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
-use super::arc::{Arc, Circle, Extent, Kind};
+use super::arc::{Arc, ArcKind, Circle, Extent};
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit};
 
 /// An arc of at most half a circle that ends behind its start by less than this angle is rounded to nothing; a wide arc
@@ -19,7 +19,7 @@ const ALL_AROUND: f64 = 6.0;
 pub(super) fn clip<T: Scalar>(
     arcs: &[Arc<T>],
     circle: Circle<T>,
-    kind: Kind,
+    kind: ArcKind,
     is_in: impl Fn(Triple<T>) -> bool,
 ) -> Vec<Arc<T>> {
     // A circle that is a point has nothing outside, or nothing inside.

@@ -1,7 +1,7 @@
 //! The integral of `c x dc` along the image of an arc, in closed form.
 
 use super::{
-    arc::{Arc, Extent, Kind},
+    arc::{Arc, ArcKind, Extent},
     cone::{Cone, ConeArc},
     flat::{flat, is_flat},
     interface::Interface,
@@ -22,9 +22,9 @@ pub(super) fn curved_part<T: Scalar>(
     to: Triple<T>,
 ) -> Triple<T> {
     match arc.kind {
-        Kind::Horizon => great_arc([T::ZERO, T::ZERO, T::ONE], arc.extent, from, to),
-        Kind::Grazing => great_arc(unit(interface.stretched), arc.extent, from, to),
-        Kind::Edge | Kind::Surface | Kind::Critical => match arc.control(interface) {
+        ArcKind::Horizon => great_arc([T::ZERO, T::ZERO, T::ONE], arc.extent, from, to),
+        ArcKind::Grazing => great_arc(unit(interface.stretched), arc.extent, from, to),
+        ArcKind::Edge | ArcKind::Surface | ArcKind::Critical => match arc.control(interface) {
             Some(control) if is_flat(from, to, control) => flat(from, to, control),
             _ => conic(interface, arc, from, to),
         },

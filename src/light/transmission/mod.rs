@@ -37,7 +37,7 @@ mod weight;
 pub use sampled::sampled;
 
 use self::{
-    arc::{Arc, Extent, Kind},
+    arc::{Arc, ArcKind, Extent},
     integral::curved_part,
     interface::Interface,
     outline::outline,
@@ -122,8 +122,8 @@ fn parts<T: Scalar>(interface: &Interface<T>, arc: &Arc<T>) -> u32 {
     let is_short = || dot(interface.image(arc.from), interface.image(arc.to)) > T::of(LONG_COSINE);
     match (arc.kind, arc.extent) {
         (_, Extent::Whole) => WHOLE_PARTS,
-        (Kind::Surface, _) => SHORT_CLOSING_PARTS,
-        (Kind::Edge, _) => {
+        (ArcKind::Surface, _) => SHORT_CLOSING_PARTS,
+        (ArcKind::Edge, _) => {
             if is_short() {
                 1
             } else {

@@ -10,7 +10,7 @@
 //! For `eta > 1` the light always sees a normal that the viewer sees, for `eta < 1` the reverse.
 
 use super::{
-    arc::{Arc, Circle, Extent, Kind},
+    arc::{Arc, ArcKind, Circle, Extent},
     clip::clip,
     interface::Interface,
 };
@@ -31,12 +31,15 @@ pub(super) fn outline<T: Scalar>(interface: &Interface<T>, vertices: &[Triple<T>
     }
     let sigma = interface.sigma;
     let above = Circle { axis: [T::ZERO, T::ZERO, sigma], offset: -sigma * interface.wo[2] / interface.eta };
-    let (kind, cosine) =
-        if interface.is_denser() { (Kind::Grazing, T::ONE / interface.eta) } else { (Kind::Critical, interface.eta) };
+    let (kind, cosine) = if interface.is_denser() {
+        (ArcKind::Grazing, T::ONE / interface.eta)
+    } else {
+        (ArcKind::Critical, interface.eta)
+    };
     let facing = Circle { axis: scaled(interface.wo, -T::ONE), offset: cosine };
 
     let in_light = |w| edges.iter().all(|edge| edge.circle.depth(w) > T::ZERO);
-    let arcs = clip(&edges, above, Kind::Horizon, in_light);
+    let arcs = clip(&edges, above, ArcKind::Horizon, in_light);
     clip(&arcs, facing, kind, |w| in_light(w) && above.depth(w) > T::ZERO)
 }
 
@@ -75,7 +78,7 @@ fn below<T: Scalar>(vertices: &[Triple<T>], sides: Sides) -> Vec<Arc<T>> {
         return Vec::new();
     }
     let edge = |(from, to): (Triple<T>, Triple<T>)| {
-        let kind = if from[2] < T::ZERO || to[2] < T::ZERO { Kind::Edge } else { Kind::Surface };
+        let kind = if from[2] < T::ZERO || to[2] < T::ZERO { ArcKind::Edge } else { ArcKind::Surface };
         // Not from x to, whose rounding errors are as large as those of the ends themselves.
         let axis = unit(cross(from, minus(to, from)));
         Arc { circle: Circle { axis, offset: T::ZERO }, from, to, kind, extent: Extent::Short }

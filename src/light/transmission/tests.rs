@@ -245,7 +245,7 @@ fn a_moving_light_never_jumps() {
             }
         }
     }
-    for kind in [Kind::Surface, Kind::Horizon, Kind::Grazing, Kind::Critical] {
+    for kind in [ArcKind::Surface, ArcKind::Horizon, ArcKind::Grazing, ArcKind::Critical] {
         assert!(shapes.iter().flatten().any(|(has, _)| *has == kind), "no light is clipped by {kind:?}");
     }
 }

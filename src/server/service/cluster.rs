@@ -13,7 +13,7 @@ use super::{
     Config, OpenError, Service,
     backend::FitBackend,
     find_brdf::named_in,
-    open::{Parts, limits},
+    open::{ServiceParts, limits},
     state::ServiceState,
 };
 use crate::{
@@ -85,7 +85,7 @@ impl Service {
         let queue = PostgresQueue::open(Arc::clone(&database), limits(&config), process).map_err(OpenError::Shared)?;
         let backend = Arc::new(FitBackend::new(Some(Arc::clone(&blobs) as _)));
         let store = Store::shared(blobs, Arc::new(PostgresRows::new(database)));
-        let service = Self::start(config, Parts { queue: Box::new(queue), store, backend, works })?;
+        let service = Self::start(config, ServiceParts { queue: Box::new(queue), store, backend, works })?;
         service
             .spawn("follow".to_owned(), ServiceState::follow)
             .map_err(|source| OpenError::Unusable { path: service.state.config.data_dir.clone(), source })?;

@@ -58,12 +58,12 @@ impl Service {
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
         // It is set here alone, so this cannot fail.
         let _ = store.reopen_check.set(Box::new(check));
-        Self::start(config, Parts { queue: Box::new(queue), store, backend, works: true })
+        Self::start(config, ServiceParts { queue: Box::new(queue), store, backend, works: true })
     }
 
     /// Starts the workers, if there are to be any.
-    pub(super) fn start(config: Config, parts: Parts) -> Result<Arc<Self>, OpenError> {
-        let Parts { queue, store, backend, works } = parts;
+    pub(super) fn start(config: Config, parts: ServiceParts) -> Result<Arc<Self>, OpenError> {
+        let ServiceParts { queue, store, backend, works } = parts;
         let measuring_pool = rayon::ThreadPoolBuilder::new()
             .num_threads(config.workers.get())
             .thread_name(|n| format!("measure-{n}"))
@@ -108,7 +108,7 @@ impl Service {
 }
 
 /// The parts of a service.
-pub(super) struct Parts {
+pub(super) struct ServiceParts {
     pub(super) queue: Box<dyn Queue>,
     pub(super) store: Store,
     pub(super) backend: Arc<dyn Backend>,

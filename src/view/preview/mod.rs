@@ -35,7 +35,7 @@ pub(super) use gpu::{GpuFailure, decoder::run as run_decoder};
 pub use gpu::{Variant, Weights};
 pub use named::NamedScene;
 pub use panel_error::PanelError;
-pub use parameter::{Form, Parameter, Value};
+pub use parameter::{Parameter, ParameterForm, Value};
 pub use parameters::PARAMETERS;
 pub use radiances::Radiances;
 pub use renderer::{Adapter, Preview, Rendered};

@@ -18,12 +18,12 @@ pub struct Parameter {
     /// Its unit, if it has one.
     pub unit: Option<&'static str>,
     /// How it is read, and where it goes.
-    pub form: Form,
+    pub form: ParameterForm,
 }
 
 /// How a parameter is read, and where it goes in a scene.
 #[derive(Debug, Clone, Copy)]
-pub enum Form {
+pub enum ParameterForm {
     /// One of some names.
     Name {
         /// The names.
@@ -68,17 +68,20 @@ impl Parameter {
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let expected = |what: &str| format!("«{text}» is not {what}");
         match self.form {
-            Form::Name { names, .. } => {
+            ParameterForm::Name { names, .. } => {
                 let known = names();
                 let found = known.iter().position(|name| *name == text).map(Value::Name);
                 found.ok_or_else(|| format!("«{text}» is none of {}", known.join(", ")))
             }
-            Form::Whole([low, high], _) => {
+            ParameterForm::Whole([low, high], _) => {
                 let whole = text.parse().map(Value::Whole);
                 whole.map_err(|_| expected(&format!("a whole number from {low} to {high}")))
             }
-            Form::Flag(_) => text.parse().map(Value::Flag).map_err(|_| expected("true or false")),
-            Form::Numbers(..) | Form::Point(..) | Form::OfMaterials(..) | Form::OfOneMaterial(..) => {
+            ParameterForm::Flag(_) => text.parse().map(Value::Flag).map_err(|_| expected("true or false")),
+            ParameterForm::Numbers(..)
+            | ParameterForm::Point(..)
+            | ParameterForm::OfMaterials(..)
+            | ParameterForm::OfOneMaterial(..) => {
                 let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
                 let count = self.count();
                 let numbers = numbers.ok().filter(|numbers| numbers.len() == count).map(Value::Numbers);
@@ -93,15 +96,15 @@ impl Parameter {
     /// Gives a scene a value that this parameter's [`Parameter::parse`] read.
     pub(super) fn set(&self, scene: &mut Scene, value: &Value) {
         match (self.form, value) {
-            (Form::Name { set, .. }, Value::Name(index)) => set(scene, *index),
-            (Form::Whole(_, field), Value::Whole(whole)) => *field(scene) = *whole,
-            (Form::Flag(field), Value::Flag(flag)) => *field(scene) = *flag,
-            (Form::Numbers(_, field), Value::Numbers(numbers)) => field(scene).copy_from_slice(numbers),
-            (Form::Point(_, field), Value::Numbers(numbers)) => field(scene).copy_from_slice(numbers),
-            (Form::OfMaterials(_, field), Value::Numbers(numbers)) => {
+            (ParameterForm::Name { set, .. }, Value::Name(index)) => set(scene, *index),
+            (ParameterForm::Whole(_, field), Value::Whole(whole)) => *field(scene) = *whole,
+            (ParameterForm::Flag(field), Value::Flag(flag)) => *field(scene) = *flag,
+            (ParameterForm::Numbers(_, field), Value::Numbers(numbers)) => field(scene).copy_from_slice(numbers),
+            (ParameterForm::Point(_, field), Value::Numbers(numbers)) => field(scene).copy_from_slice(numbers),
+            (ParameterForm::OfMaterials(_, field), Value::Numbers(numbers)) => {
                 scene.materials.iter_mut().for_each(|material| *field(material) = numbers[0]);
             }
-            (Form::OfOneMaterial(_, field), Value::Numbers(numbers)) => {
+            (ParameterForm::OfOneMaterial(_, field), Value::Numbers(numbers)) => {
                 let mut material = scene.materials.first().copied().unwrap_or_default();
                 *field(&mut material) = numbers[0];
                 scene.materials = vec![material];
@@ -113,11 +116,11 @@ impl Parameter {
     /// The bounds, and the numbers of a scene that have to be within them: of a point its distance from the origin.
     pub(super) fn bounded(&self, scene: &mut Scene) -> ([f64; 2], Vec<f64>) {
         match self.form {
-            Form::Name { .. } | Form::Flag(_) => ([0.0; 2], Vec::new()),
-            Form::Whole(bounds, field) => (bounds.map(f64::from), vec![f64::from(*field(scene))]),
-            Form::Numbers(bounds, field) => (bounds, field(scene).to_vec()),
-            Form::Point(farthest, field) => ([0.0, farthest], vec![DVec3::from(*field(scene)).length()]),
-            Form::OfMaterials(bounds, field) | Form::OfOneMaterial(bounds, field) => {
+            ParameterForm::Name { .. } | ParameterForm::Flag(_) => ([0.0; 2], Vec::new()),
+            ParameterForm::Whole(bounds, field) => (bounds.map(f64::from), vec![f64::from(*field(scene))]),
+            ParameterForm::Numbers(bounds, field) => (bounds, field(scene).to_vec()),
+            ParameterForm::Point(farthest, field) => ([0.0, farthest], vec![DVec3::from(*field(scene)).length()]),
+            ParameterForm::OfMaterials(bounds, field) | ParameterForm::OfOneMaterial(bounds, field) => {
                 (bounds, scene.materials.iter_mut().map(|material| *field(material)).collect())
             }
         }
@@ -129,12 +132,14 @@ impl Parameter {
         let mut scene = scene.clone();
         let listed = |numbers: &[f64]| numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
         match self.form {
-            Form::Name { names, get, .. } => get(&scene).map_or_else(String::new, |index| names()[index].to_owned()),
-            Form::Whole(_, field) => field(&mut scene).to_string(),
-            Form::Flag(field) => field(&mut scene).to_string(),
-            Form::Numbers(_, field) => listed(field(&mut scene)),
-            Form::Point(_, field) => listed(field(&mut scene)),
-            Form::OfMaterials(_, field) | Form::OfOneMaterial(_, field) => {
+            ParameterForm::Name { names, get, .. } => {
+                get(&scene).map_or_else(String::new, |index| names()[index].to_owned())
+            }
+            ParameterForm::Whole(_, field) => field(&mut scene).to_string(),
+            ParameterForm::Flag(field) => field(&mut scene).to_string(),
+            ParameterForm::Numbers(_, field) => listed(field(&mut scene)),
+            ParameterForm::Point(_, field) => listed(field(&mut scene)),
+            ParameterForm::OfMaterials(_, field) | ParameterForm::OfOneMaterial(_, field) => {
                 scene.materials.first_mut().map_or_else(String::new, |material| field(material).to_string())
             }
         }
@@ -144,8 +149,8 @@ impl Parameter {
     #[must_use]
     pub fn count(&self) -> usize {
         match self.form {
-            Form::Numbers(_, field) => field(&mut Scene::default()).len(),
-            Form::Point(..) => 3,
+            ParameterForm::Numbers(_, field) => field(&mut Scene::default()).len(),
+            ParameterForm::Point(..) => 3,
             _ => 1,
         }
     }
@@ -154,12 +159,12 @@ impl Parameter {
     #[must_use]
     pub fn bounds(&self) -> Option<[String; 2]> {
         match self.form {
-            Form::Name { .. } | Form::Flag(_) => None,
-            Form::Whole(bounds, _) => Some(bounds.map(|bound| bound.to_string())),
-            Form::Numbers(bounds, _) | Form::OfMaterials(bounds, _) | Form::OfOneMaterial(bounds, _) => {
-                Some(bounds.map(|bound| self.bound(bound)))
-            }
-            Form::Point(farthest, _) => Some([String::new(), self.bound(farthest)]),
+            ParameterForm::Name { .. } | ParameterForm::Flag(_) => None,
+            ParameterForm::Whole(bounds, _) => Some(bounds.map(|bound| bound.to_string())),
+            ParameterForm::Numbers(bounds, _)
+            | ParameterForm::OfMaterials(bounds, _)
+            | ParameterForm::OfOneMaterial(bounds, _) => Some(bounds.map(|bound| self.bound(bound))),
+            ParameterForm::Point(farthest, _) => Some([String::new(), self.bound(farthest)]),
         }
     }
 
@@ -169,7 +174,7 @@ impl Parameter {
         let unit = self.unit.map_or_else(String::new, |unit| format!(" {unit}"));
         let bounds = match (self.form, self.bounds()) {
             (_, None) => String::new(),
-            (Form::Point(..), Some([_, high])) => format!(", at most {high}{unit} from the origin"),
+            (ParameterForm::Point(..), Some([_, high])) => format!(", at most {high}{unit} from the origin"),
             (_, Some([low, high])) if self.count() > 1 => format!(", each {low} to {high}{unit}"),
             (_, Some([low, high])) => format!(", {low} to {high}{unit}"),
         };

@@ -5,7 +5,7 @@ use std::{f64::consts::TAU, slice};
 
 use super::{
     LightKind, Material, Mode, NamedScene, Scene,
-    parameter::{Form, Parameter},
+    parameter::{Parameter, ParameterForm},
 };
 use ltcforge_light::{LightModel, normals::WeightRule};
 
@@ -60,7 +60,7 @@ pub static PARAMETERS: [Parameter; 25] = [
         help: "Angle by which tangents are turned",
         value_name: "ANGLE",
         unit: RAD,
-        form: Form::OfMaterials(TURN, |m| &mut m.rotation),
+        form: ParameterForm::OfMaterials(TURN, |m| &mut m.rotation),
     },
     numbers("f0", "Reflectance at normal incidence, linear sRGB", "R,G,B", None, [0.0, 1.0], |s| &mut s.f0),
     name(
@@ -88,7 +88,7 @@ pub static PARAMETERS: [Parameter; 25] = [
         help: "Whether the back of a flat light emits too",
         value_name: "BOOL",
         unit: None,
-        form: Form::Flag(|s| &mut s.light.two_sided),
+        form: ParameterForm::Flag(|s| &mut s.light.two_sided),
     },
     number("camera_distance", "Distance of the camera from its target", RADII, [NEAREST, PLACE], |s| {
         one(&mut s.camera.distance)
@@ -106,7 +106,7 @@ pub static PARAMETERS: [Parameter; 25] = [
         help: "What the camera looks at",
         value_name: "X,Y,Z",
         unit: RADII,
-        form: Form::Point(FARTHEST_TARGET, |s| &mut s.camera.target),
+        form: ParameterForm::Point(FARTHEST_TARGET, |s| &mut s.camera.target),
     },
     number("field_of_view", "Whole angle of view", RAD, [0.01, 2.5], |s| one(&mut s.camera.field_of_view)),
     number("theta", "Polar angle of the view direction in mode lobe", RAD, [0.0, QUARTER], |s| one(&mut s.lobe.theta)),
@@ -128,7 +128,7 @@ const fn name(
     get: fn(&Scene) -> Option<usize>,
     set: fn(&mut Scene, usize),
 ) -> Parameter {
-    Parameter { name, help, value_name: "NAME", unit: None, form: Form::Name { names, get, set } }
+    Parameter { name, help, value_name: "NAME", unit: None, form: ParameterForm::Name { names, get, set } }
 }
 
 const fn whole(
@@ -137,11 +137,11 @@ const fn whole(
     bounds: [u32; 2],
     field: fn(&mut Scene) -> &mut u32,
 ) -> Parameter {
-    Parameter { name, help, value_name: "N", unit: None, form: Form::Whole(bounds, field) }
+    Parameter { name, help, value_name: "N", unit: None, form: ParameterForm::Whole(bounds, field) }
 }
 
 const fn alpha(name: &'static str, help: &'static str, field: fn(&mut Material) -> &mut f64) -> Parameter {
-    Parameter { name, help, value_name: "X", unit: None, form: Form::OfOneMaterial([0.0, 1.0], field) }
+    Parameter { name, help, value_name: "X", unit: None, form: ParameterForm::OfOneMaterial([0.0, 1.0], field) }
 }
 
 const fn number(
@@ -162,7 +162,7 @@ const fn numbers(
     bounds: [f64; 2],
     field: fn(&mut Scene) -> &mut [f64],
 ) -> Parameter {
-    Parameter { name, help, value_name, unit, form: Form::Numbers(bounds, field) }
+    Parameter { name, help, value_name, unit, form: ParameterForm::Numbers(bounds, field) }
 }
 
 fn one(number: &mut f64) -> &mut [f64] {
@@ -192,8 +192,8 @@ mod tests {
         let mut tried = 0;
         for parameter in &PARAMETERS {
             let (bounds, numbers) = parameter.bounded(&mut Scene::default());
-            let is_point = matches!(parameter.form, Form::Point(..));
-            let step = if matches!(parameter.form, Form::Whole(..)) { 1.0 } else { 1e-9 };
+            let is_point = matches!(parameter.form, ParameterForm::Point(..));
+            let step = if matches!(parameter.form, ParameterForm::Whole(..)) { 1.0 } else { 1e-9 };
             let default = parameter.text(&Scene::default());
             let with = |place: usize, number: f64| {
                 let mut words: Vec<String> = default.split(',').map(str::to_owned).collect();

@@ -16,7 +16,7 @@ pub use check::{MOST_ALBEDO, MOST_VALUES};
 pub use fault::TabulatedFault;
 pub use grid::{Asymmetry, TabulatedBrdf};
 
-use super::scattering::{Brdf, BrdfRules, Compared};
+use super::scattering::{Brdf, BrdfRules, PredictionFactors};
 
 /// Tabulated BRDFs as an item of [`super::BrdfKind`]. Their surfaces are those of a file: see [`super::BrdfModel`].
 pub(super) struct TabulatedRules;
@@ -40,7 +40,7 @@ impl BrdfRules for TabulatedRules {
     }
 
     /// The error depends on the file's contents, and is taken to be GGX's.
-    fn compared(&self) -> Compared {
-        Compared { sample: 7.0, error: 1.0 }
+    fn prediction_factors(&self) -> PredictionFactors {
+        PredictionFactors { sample: 7.0, error: 1.0 }
     }
 }

@@ -80,7 +80,7 @@ impl SolverRules for Bfgs {
 const SLOPE_COST: f64 = 1e-4;
 
 /// The seven numbers as matrices.
-struct Parts {
+struct SearchMatrices {
     /// `I + A`.
     shape: DMat2,
     /// `a`.
@@ -89,7 +89,7 @@ struct Parts {
     slope: DVec2,
 }
 
-impl Parts {
+impl SearchMatrices {
     fn of(v: &Vector) -> Self {
         let [xx, xy, yy, ax, ay, lx, ly] = *v;
         Self {
@@ -156,7 +156,7 @@ fn refine(
     for (grain, relative_decrease) in [(Grain::Coarse, COARSE_DECREASE), (Grain::Full, stop.relative_decrease)] {
         let stop = StopRule { relative_decrease, ..stop };
         lowest = minimise(lowest, &curvature, &mut hessian, free_variables(mirrors), stop, |v| {
-            let parts = Parts::of(v);
+            let parts = SearchMatrices::of(v);
             // Only upright matrices are searched: a mirrored `M` makes the same distribution as an upright one, and a
             // flat one makes none.
             if parts.shape.determinant() <= 0.0 || parts.shape.x_axis.x <= 0.0 {
@@ -170,7 +170,7 @@ fn refine(
             Some((value * inv_spread + cost, gradient))
         })?;
     }
-    let parts = Parts::of(&lowest);
+    let parts = SearchMatrices::of(&lowest);
     Some(parts.tilted(parts.flat(guess)))
 }
 

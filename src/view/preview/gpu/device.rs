@@ -20,7 +20,7 @@ pub(super) struct Device {
     pub(super) name: String,
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
-    pipelines: Vec<(Kind, wgpu::ComputePipeline)>,
+    pipelines: Vec<(PipelineKey, wgpu::ComputePipeline)>,
     /// The sampler interpolates entries, not the shader.
     pub(super) samples_weighed: bool,
     lookup_is_constant: bool,
@@ -30,7 +30,7 @@ pub(super) struct Device {
 /// The properties by which pipelines differ. The shader has them in constants, since software drivers run both sides of
 /// a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Kind {
+struct PipelineKey {
     estimator: Estimator,
     /// The kind of light; see `LIGHT_` in `ggx_reference.wgsl`.
     shape: u32,
@@ -38,8 +38,8 @@ struct Kind {
     is_polygon: bool,
 }
 
-impl Kind {
-    /// The kind for a frame. Properties that the estimator ignores are the same for all frames, so that they share a
+impl PipelineKey {
+    /// The key of a frame. Properties that the estimator ignores are the same for all frames, so that they share a
     /// pipeline.
     fn new(estimator: Estimator, frame: &Frame) -> Self {
         let is_of_polygons = estimator.is_of_polygons();
@@ -133,8 +133,8 @@ impl Device {
 
     /// The pipeline of an estimator for a frame, compiled when it is first asked for.
     pub(super) fn pipeline(&mut self, estimator: Estimator, frame: &Frame) -> wgpu::ComputePipeline {
-        let kind = Kind::new(estimator, frame);
-        if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == kind) {
+        let key = PipelineKey::new(estimator, frame);
+        if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == key) {
             return pipeline.clone();
         }
         let Program { entry_point, gaussian, rule } = Program::of(estimator);
@@ -142,8 +142,8 @@ impl Device {
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
             ("lookup_is_constant", flag(self.lookup_is_constant)),
-            ("light_shape", f64::from(kind.shape)),
-            ("light_is_polygon", flag(kind.is_polygon)),
+            ("light_shape", f64::from(key.shape)),
+            ("light_is_polygon", flag(key.is_polygon)),
             ("normals_rule", f64::from(rule)),
             ("gaussian", f64::from(gaussian as u32)),
             ("gaussian_is_fitted", flag(matches!(estimator, Estimator::Table(_)))),
@@ -156,7 +156,7 @@ impl Device {
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         });
-        self.pipelines.push((kind, pipeline.clone()));
+        self.pipelines.push((key, pipeline.clone()));
         pipeline
     }
 

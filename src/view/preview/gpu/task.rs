@@ -45,12 +45,12 @@ impl<'a> RenderTask<'a> {
     }
 
     /// The parts that are sent to the GPU one at a time: some of the tiles that are seen, and a range of their samples.
-    pub(super) fn parts(&self, tiles: u32) -> Parts {
+    pub(super) fn parts(&self, tiles: u32) -> TaskParts {
         let is_sampled = self.estimator == Estimator::Reference;
         let samples = if is_sampled { self.frame.spp } else { 1 };
         let cost = if is_sampled { samples.min(SAMPLES_A_PASS) } else { most_cost() };
         let most = (SAMPLES_A_PART / cost / (tiles::SIDE * tiles::SIDE)).min(TILES_A_PART);
-        Parts { tiles, samples, as_bytes: self.as_bytes, most, now: most, first_tile: 0, first_sample: 0 }
+        TaskParts { tiles, samples, as_bytes: self.as_bytes, most, now: most, first_tile: 0, first_sample: 0 }
     }
 }
 
@@ -61,7 +61,7 @@ const FAST: Duration = Duration::from_millis(100);
 
 /// The parts of a task that are still to be rendered.
 #[derive(Debug)]
-pub(super) struct Parts {
+pub(super) struct TaskParts {
     tiles: u32,
     samples: u32,
     as_bytes: bool,
@@ -72,7 +72,7 @@ pub(super) struct Parts {
     first_sample: u32,
 }
 
-impl Parts {
+impl TaskParts {
     /// The next part. `took` is the time that the last one took, if there was one.
     pub(super) fn next(&mut self, took: Option<Duration>) -> Option<Part> {
         let Self { tiles, samples, as_bytes, most, .. } = *self;
