@@ -2,6 +2,6 @@
 
 pub use super::{
     brdf::planted_tabulated,
-    lobe::ltc::quadrature::{self, mirror_like, quadrature as polygon_quadrature, random_cases},
+    lobe::ltc::cases::{self, mirror_like, quadrature as polygon_quadrature, random_cases},
     table::planted_isotropic,
 };

@@ -46,7 +46,9 @@ pub fn errors() -> String {
         let _ = writeln!(rows, "| {name} | {lights} | {} | {cells} |", scientific(visible));
     };
     for (name, eta) in [("1.5", 1.5), ("1/1.5", 1.0 / 1.5)] {
-        SETS.into_iter().for_each(|set| row(name, eta, set));
+        for set in SETS {
+            row(name, eta, set);
+        }
     }
     for (name, eta) in [("1.05", 1.05), (".95", 0.95), ("2.5", 2.5), (".4", 0.4)] {
         row(name, eta, SETS[1]);

@@ -173,6 +173,4 @@ impl From<&Ltc> for CosineSpace<f64> {
 }
 
 #[cfg(test)]
-mod quadrature;
-#[cfg(test)]
 mod tests;

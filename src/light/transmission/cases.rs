@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     Region, Transmitted,
-    arc::{Extent, Kind},
+    arc::{Extent, ArcKind},
     interface::Interface,
     outline::outline,
     transmitted,
@@ -70,12 +70,12 @@ impl Case {
     }
 
     /// What the outline is made of.
-    pub(super) fn kinds(&self) -> Vec<(Kind, Extent)> {
+    pub(super) fn kinds(&self) -> Vec<(ArcKind, Extent)> {
         let interface = Interface::new(self.alpha, self.wo, self.eta);
         outline(&interface, &self.vertices, Sides::Two).iter().map(|arc| (arc.kind, arc.extent)).collect()
     }
 
-    fn has(&self, kinds: &[Kind]) -> bool {
+    fn has(&self, kinds: &[ArcKind]) -> bool {
         self.kinds().iter().any(|(kind, _)| kinds.contains(kind))
     }
 }
@@ -154,8 +154,8 @@ impl Draw {
             let case = Case { alpha, eta, wo, vertices };
             let is_wanted = match set {
                 Set::Cut => vertices.iter().any(|v| v[2] > 0.0),
-                Set::Facing => case.has(&[Kind::Grazing, Kind::Critical]),
-                Set::Horizon => case.has(&[Kind::Horizon]),
+                Set::Facing => case.has(&[ArcKind::Grazing, ArcKind::Critical]),
+                Set::Horizon => case.has(&[ArcKind::Horizon]),
                 _ => true,
             };
             // The quadrature cannot do a light that all but touches the point.

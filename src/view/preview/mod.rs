@@ -31,7 +31,7 @@ pub use choices::Choices;
 pub use error::PreviewError;
 pub use estimator::{Estimator, Stop};
 #[cfg(test)]
-pub(super) use gpu::{GpuFailure, decoder::run as run_decoder};
+pub(super) use gpu::{GpuFailure, tests::decoder::run as run_decoder};
 pub use gpu::{Variant, Weights};
 pub use named::NamedScene;
 pub use panel_error::PanelError;

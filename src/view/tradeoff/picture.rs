@@ -27,36 +27,7 @@ const NAME_HEIGHT: f64 = 15.0;
 const RING: f64 = 7.5;
 
 /// Light and dark colours in one file; the viewer's preference picks.
-const STYLE: &str = "\
-svg { font: 13px system-ui, sans-serif; --ink: #24292f; --paper: #ffffff; --grid: #d8dee4; --a: #0969da; --b: #bc4c00; --c: #1a7f37 }
-@media (prefers-color-scheme: dark) {
-  svg { --ink: #e6edf3; --paper: #0d1117; --grid: #30363d; --a: #58a6ff; --b: #f0883e; --c: #3fb950 }
-}
-text { fill: #24292f; fill: var(--ink) }
-.paper { fill: #ffffff; fill: var(--paper) }
-.grid { stroke: #d8dee4; stroke: var(--grid) }
-.frame { fill: none; stroke: #57606a }
-.layout0 { fill: #0969da; fill: var(--a); stroke: #0969da; stroke: var(--a) }
-.layout1 { fill: #bc4c00; fill: var(--b); stroke: #bc4c00; stroke: var(--b) }
-.layout2 { fill: #8250df; stroke: #8250df }
-.layout3 { fill: #bf8700; stroke: #bf8700 }
-.layout4 { fill: #0f7b8a; stroke: #0f7b8a }
-.layout5 { fill: #cf222e; stroke: #cf222e }
-.layout6 { fill: #8a6d3b; stroke: #8a6d3b }
-.layout7 { fill: #6e7781; stroke: #6e7781 }
-.normals { fill: #1a7f37; fill: var(--c); stroke: #1a7f37; stroke: var(--c) }
-.gaussian { fill: #9a6700; stroke: #9a6700 }
-.f16 { fill: #ffffff; fill: var(--paper) }
-.off { opacity: 0.45 }
-.faint { opacity: 0.25 }
-.front { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
-.base { stroke-dasharray: 6 4 }
-.preset { fill: none; stroke: #24292f; stroke: var(--ink); stroke-width: 1.5 }
-.lead { stroke: #24292f; stroke: var(--ink); stroke-width: 0.8 }
-.title { font-weight: 600 }
-.middle { text-anchor: middle }
-.end { text-anchor: end }
-";
+const STYLE: &str = include_str!("picture.css");
 
 /// A chart, by its horizontal axis.
 struct Chart {

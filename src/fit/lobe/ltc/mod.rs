@@ -11,6 +11,6 @@ pub use align::{align, turned};
 pub use distribution::Ltc;
 pub(super) use model::LtcLobeModel;
 #[cfg(any(test, feature = "testing"))]
-pub use polygon::quadrature;
+pub use polygon::cases;
 pub use polygon::{Clip, MAX_VERTICES, Sides};
 pub use sphere::{cheap_form_factor, clipped_form_factor};

@@ -160,6 +160,6 @@ impl Ltc {
 }
 
 #[cfg(any(test, feature = "testing"))]
-pub mod quadrature;
+pub mod cases;
 #[cfg(test)]
 mod tests;

@@ -1,3 +1,5 @@
+mod quadrature;
+
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DMat3, DVec2, DVec3};
@@ -5,12 +7,9 @@ use proptest::prelude::*;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{
-    super::cone::Horizon,
-    quadrature::{by_quadrature, line_by_quadrature},
-    *,
-};
-use ltcforge_fit::{cheap_form_factor, clipped_form_factor, lobe::ltc::quadrature::mirror_like};
+use self::quadrature::{by_quadrature, line_by_quadrature};
+use super::{super::cone::Horizon, *};
+use ltcforge_fit::{cheap_form_factor, clipped_form_factor, lobe::ltc::cases::mirror_like};
 
 fn space(ltc: &Ltc) -> CosineSpace<f64> {
     CosineSpace::from(ltc)

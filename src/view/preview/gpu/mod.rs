@@ -1,15 +1,13 @@
 //! The renderer on a GPU, or on lavapipe, a software rasteriser that Vulkan lists as one.
 
-#[cfg(test)]
-pub(super) mod decoder;
 mod device;
-#[cfg(test)]
-pub(super) mod example;
 mod failure;
 mod session;
 mod table;
 mod target;
 mod task;
+#[cfg(test)]
+pub(super) mod tests;
 mod tiles;
 mod variant;
 

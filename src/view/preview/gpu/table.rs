@@ -18,15 +18,8 @@ pub(super) fn upload(gpu: &Device, table: &ShaderTable) -> Result<wgpu::BindGrou
     Ok(bound(gpu, table, &gpu.table_layout, &views))
 }
 
-/// The same with the three textures as the layers of one array, for `texels_array.wgsl`.
-#[cfg(test)]
-pub(super) fn upload_array(gpu: &Device, table: &ShaderTable, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-    let array = texture(gpu, table, wgpu::TextureDimension::D2, &table.texels.concat());
-    bound(gpu, table, layout, &[array])
-}
-
 /// A texture of some of the table's texels; its depth, or the number of its layers, follows from how many there are.
-fn texture(
+pub(super) fn texture(
     gpu: &Device,
     table: &ShaderTable,
     dimension: wgpu::TextureDimension,
@@ -61,7 +54,7 @@ fn texture(
 }
 
 /// The bind group of a table whose texels are in these textures.
-fn bound(
+pub(super) fn bound(
     gpu: &Device,
     table: &ShaderTable,
     layout: &wgpu::BindGroupLayout,

@@ -8,8 +8,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::tell_skipped;
 use crate::preview::{
-    ShaderTable, TexelFormat, cpu,
-    gpu::{GpuFailure, example},
+    ShaderTable, TexelFormat,
+    cpu::tests as cpu,
+    gpu::{GpuFailure, tests::example},
 };
 use ltcforge_files::recipe_document;
 use ltcforge_fit::{Configuration, Layout, LookedUp, PerAxis, Plan, Precision, Table, fit_plan, math::direction};

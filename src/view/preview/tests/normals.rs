@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{shader_table, tell_skipped};
 use crate::preview::{
     TexelFormat,
-    gpu::{GpuFailure, example},
+    gpu::{GpuFailure, tests::example},
 };
 use ltcforge_fit::Sides;
 use ltcforge_light::{

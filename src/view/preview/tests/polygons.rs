@@ -2,8 +2,9 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::{shader_table, tell_skipped};
 use crate::preview::{
-    TexelFormat, cpu,
-    gpu::{GpuFailure, example},
+    TexelFormat,
+    cpu::tests as cpu,
+    gpu::{GpuFailure, tests::example},
 };
 use ltcforge_fit::{
     Ltc, Sides, cheap_form_factor,

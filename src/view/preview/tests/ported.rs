@@ -6,8 +6,9 @@ use glam::{DVec3, Vec3};
 
 use super::tell_skipped;
 use crate::preview::{
-    ShaderTable, TexelFormat, cpu,
-    gpu::{GpuFailure, example},
+    ShaderTable, TexelFormat,
+    cpu::tests as cpu,
+    gpu::{GpuFailure, tests::example},
 };
 use ltcforge_fit::{
     Layout, Ltc, Sides,

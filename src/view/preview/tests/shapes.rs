@@ -8,8 +8,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{shader_table, tell_skipped};
 use crate::preview::{
-    TexelFormat, cpu,
-    gpu::{GpuFailure, example},
+    TexelFormat,
+    cpu::tests as cpu,
+    gpu::{GpuFailure, tests::example},
 };
 use ltcforge_fit::{Ltc, Sides, testing::mirror_like};
 use ltcforge_light::CosineSpace;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::tell_skipped;
-use crate::preview::gpu::{GpuFailure, example};
+use crate::preview::gpu::{GpuFailure, tests::example};
 use ltcforge_fit::{Configuration, IsotropicFunction, Layout, testing::planted_isotropic};
 use ltcforge_shaders::Namespace;
 use ltcforge_shaders::{Language, Lights};

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::{
     super::{cheap_form_factor, clipped_form_factor},
-    quadrature::{mirror_like, polygon, quadrature, random_cases},
+    cases::{mirror_like, polygon, quadrature, random_cases},
     *,
 };
 

@@ -1,6 +1,6 @@
 //! Runs the decoder of a compact form: two passes over three storage buffers.
 
-use super::{
+use super::super::{
     GpuFailure, Variant,
     device::{Device, buffer, layout},
     table::bind,

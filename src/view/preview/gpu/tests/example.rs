@@ -2,10 +2,10 @@
 
 use bytemuck::Pod;
 
-use super::{
+use super::super::{
     GpuFailure, Variant,
     device::{Device, buffer, layout, table_bindings},
-    table::{self, bind},
+    table::{self, bind, bound, texture},
 };
 use crate::preview::ShaderTable;
 use ltcforge_shaders::Bound;
@@ -47,7 +47,7 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     let bound = match table.zip(table_layout.as_ref()) {
         None => None,
         Some(((table, Bound::Volumes), _)) => Some(table::upload(&gpu, table)?),
-        Some(((table, Bound::Array), layout)) => Some(table::upload_array(&gpu, table, layout)),
+        Some(((table, Bound::Array), layout)) => Some(upload_array(&gpu, table, layout)),
     };
     let made = |bytes: usize, usage| {
         let size = bytes as u64;
@@ -80,4 +80,10 @@ pub(in crate::preview) fn run<Case: Pod, Found: Pod>(
     gpu.check()?;
     let view = all.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
     Ok(bytemuck::pod_collect_to_vec(&view[..]))
+}
+
+/// Group 0 of the shaders for a table, its three textures as the layers of one array, for `texels_array.wgsl`.
+fn upload_array(gpu: &Device, table: &ShaderTable, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    let array = texture(gpu, table, wgpu::TextureDimension::D2, &table.texels.concat());
+    bound(gpu, table, layout, &[array])
 }

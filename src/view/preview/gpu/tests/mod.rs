@@ -1,0 +1,4 @@
+//! Runs shaders by themselves, as they run at users'.
+
+pub(crate) mod decoder;
+pub(in crate::preview) mod example;
