@@ -6,6 +6,7 @@ mod common;
 mod answers;
 mod ci;
 mod compare;
+mod documents;
 mod exports;
 mod lights;
 mod lock_file;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     Region, Transmitted,
-    arc::{Extent, ArcKind},
+    arc::{ArcKind, Extent},
     interface::Interface,
     outline::outline,
     transmitted,

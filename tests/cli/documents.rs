@@ -1,0 +1,58 @@
+//! Figures of the documents that change with the code: bytes of shaders and of compact tables.
+
+use std::{fs, path::Path};
+
+use crate::common::command::run;
+
+/// The cells of the row of a table of docs/`document` that begins with `first`, without that cell.
+#[track_caller]
+fn row(document: &str, first: &str) -> Vec<String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(document);
+    let text = fs::read_to_string(path).expect("a document");
+    let mut rows = text.lines().filter_map(|line| line.strip_prefix("| ")?.strip_prefix(first)?.strip_prefix(" | "));
+    let row = rows.next().unwrap_or_else(|| panic!("{document}: no row of {first}"));
+    row.trim_end_matches(" |").split(" | ").map(str::to_owned).collect()
+}
+
+/// 12,345.
+fn with_comma(count: usize) -> String {
+    if count < 1000 { count.to_string() } else { format!("{},{:03}", count / 1000, count % 1000) }
+}
+
+#[test]
+fn the_bytes_of_shaders_are_those_of_the_documents() {
+    let here = tempfile::tempdir().expect("a folder");
+    let engines =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/engines.md")).expect("a document");
+    for language in ["wgsl", "glsl", "glsl-es", "hlsl", "msl"] {
+        let length = |more: &[&str]| {
+            let words = ["shader", "--layout", "reflected", "--language", language];
+            with_comma(run(here.path(), words.iter().chain(more)).exited(0).stdout.len())
+        };
+        let lengths = [length(&[]), length(&["--lights", "polygons"])];
+        assert_eq!(row("lights.md", &format!("`{language}`")), lengths, "docs/lights.md, {language}");
+        // Its sentence names two of the languages.
+        if ["wgsl", "glsl-es"].contains(&language) {
+            assert!(lengths.iter().all(|length| engines.contains(length)), "docs/engines.md: {lengths:?}");
+        }
+    }
+}
+
+#[test]
+fn the_bytes_of_compact_tables_are_those_of_the_documents() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let table = run(here, ["fit", "standard", "-o", "tables"]).exited(0).stdout;
+    let table = table.lines().next().expect("the file").to_owned();
+    let length = |container: &str, file: &str| {
+        run(here, ["export", &table, "--container", container, "-o", container]).exited(0);
+        with_comma(fs::metadata(here.join(container).join(file)).expect("a file").len() as usize)
+    };
+    let compact = length("compact", "ltc.compact");
+    let with_source = |container, file| format!("{compact} + {}", length(container, file));
+    let (rust, wgsl) = (with_source("compact-rust", "ltc.compact.rs"), with_source("compact-wgsl", "ltc.compact.wgsl"));
+    let mut told = row("compact.md", "`reflected`");
+    // The gzipped length is that of another program.
+    told.remove(2);
+    assert_eq!(told, [compact, length("compact-js", "ltc.compact.js"), rust, wgsl]);
+}
