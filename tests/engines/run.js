@@ -8,7 +8,7 @@
 //
 // With --pictures it draws few and larger ones instead, and writes an ENGINE.png each: stock, ours, truth, and both errors.
 
-import { writeFile } from 'node:fs/promises';
+import { readFile, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -64,6 +64,12 @@ function errorsOf( drawn, expected ) {
 /** What an error of linear radiance is multiplied by to be seen. */
 const ERROR_SCALE = 10;
 
+/** The columns of what `writePictures` writes, in its order. */
+const COLUMNS = [ 'stock tables', 'ours', 'truth', `${ ERROR_SCALE } x error, stock`, `${ ERROR_SCALE } x error, ours` ];
+
+/** The letters of all pictures of the documents. */
+const FONT = new URL( '../../src/view/picture/font/dejavu_sans.ttf', import.meta.url );
+
 /** Writes a row for each picture: by the stock tables, by ours, the truth, and the errors of both. */
 async function writePictures( browser, engine, drawn, truth ) {
 
@@ -89,12 +95,22 @@ async function writePictures( browser, engine, drawn, truth ) {
 
 	} );
 	const page = await browser.newPage();
-	const address = await page.evaluate( ( { rows, width, height } ) => {
+	const labels = pictures.map( ( { f0, roughness } ) => `F0 ${ f0 }, roughness ${ roughness }` );
+	const font = `url(data:font/ttf;base64,${ ( await readFile( FONT ) ).toString( 'base64' ) })`;
+	const address = await page.evaluate( async ( { rows, width, height, columns, labels, font } ) => {
 
-		const gap = 4;
+		const gap = 4, head = 20;
 		const canvas = document.createElement( 'canvas' );
-		Object.assign( canvas, { width: rows[ 0 ].length * ( width + gap ) - gap, height: rows.length * ( height + gap ) - gap } );
+		Object.assign( canvas, { width: columns.length * ( width + gap ) - gap, height: head + rows.length * ( height + gap ) - gap } );
 		const context = canvas.getContext( '2d' );
+		document.fonts.add( await new FontFace( 'labels', font ).load() );
+		context.fillStyle = 'rgb(24, 24, 24)';
+		context.fillRect( 0, 0, canvas.width, canvas.height );
+		context.fillStyle = 'white';
+		context.textBaseline = 'middle';
+		context.font = '12px labels';
+		const write = ( text, x, y ) => context.fillText( text, x + gap, y, width - 2 * gap );
+		columns.forEach( ( text, x ) => write( text, x * ( width + gap ), head / 2 ) );
 		rows.forEach( ( row, y ) => row.forEach( ( radiance, x ) => {
 
 			const image = new ImageData( width, height );
@@ -105,12 +121,13 @@ async function writePictures( browser, engine, drawn, truth ) {
 				image.data.set( [ 255 * shown, 255 * shown, 255 * shown, 255 ], 4 * i );
 
 			} );
-			context.putImageData( image, x * ( width + gap ), y * ( height + gap ) );
+			context.putImageData( image, x * ( width + gap ), head + y * ( height + gap ) );
 
 		} ) );
+		labels.forEach( ( text, y ) => write( text, 0, head + y * ( height + gap ) + height - head / 2 ) );
 		return canvas.toDataURL( 'image/png' );
 
-	}, { rows, width, height } );
+	}, { rows, width, height, columns: COLUMNS, labels, font } );
 	await page.close();
 	await writeFile( join( values.pictures, `${ engine }.png` ), Buffer.from( address.split( ',' )[ 1 ], 'base64' ) );
 

@@ -33,6 +33,17 @@ impl Picture {
         }
     }
 
+    /// Moves a pixel, which may lie outside, to white by `coverage`, 0 to 1, as displayed.
+    pub(super) fn blend_white(&mut self, x: f32, y: f32, coverage: f32) {
+        if x < 0.0 || y < 0.0 || x >= self.width as f32 || y >= self.height as f32 {
+            return;
+        }
+        for channel in &mut self.rgb[(y as u32 * self.width + x as u32) as usize] {
+            let dark = f32::from(*channel);
+            *channel = (dark + coverage.clamp(0.0, 1.0) * (255.0 - dark)).round() as u8;
+        }
+    }
+
     /// The picture as a PNG file. Equal pictures give equal bytes.
     ///
     /// # Errors

@@ -1,15 +1,8 @@
-//! Labels in a bitmap font.
+//! Labels in `DejaVu Sans`; font/LICENSE has its licence.
 
-use std::convert::Infallible;
+use std::sync::LazyLock;
 
-use embedded_graphics::{
-    Drawable as _, Pixel,
-    draw_target::DrawTarget,
-    geometry::{OriginDimensions, Point, Size},
-    mono_font::{MonoFont, MonoTextStyle, ascii::FONT_6X10, ascii::FONT_9X15},
-    pixelcolor::{Rgb888, RgbColor as _},
-    text::{Alignment, Baseline, Text, TextStyleBuilder},
-};
+use ab_glyph::{Font as _, FontRef, PxScaleFont, ScaleFont as _, point};
 
 use super::Picture;
 
@@ -17,29 +10,14 @@ use super::Picture;
 pub const GROUND: [u8; 3] = [24, 24, 24];
 /// Height of a line of text beside which nothing else stands.
 pub const LINE: u32 = 18;
-/// Panels narrower than this have the smaller font.
+/// Panels narrower than this have smaller letters.
 const NARROW: u32 = 200;
+/// Height from the deepest to the highest letter in such panels and in others, pixels.
+const HEIGHTS: [f32; 2] = [12.0, 16.0];
 
-impl OriginDimensions for Picture {
-    fn size(&self) -> Size {
-        Size::new(self.width, self.height)
-    }
-}
-
-impl DrawTarget for Picture {
-    type Color = Rgb888;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Infallible> {
-        for Pixel(at, colour) in pixels {
-            let (Ok(x), Ok(y)) = (u32::try_from(at.x), u32::try_from(at.y)) else { continue };
-            if x < self.width && y < self.height {
-                self.rgb[(y * self.width + x) as usize] = [colour.r(), colour.g(), colour.b()];
-            }
-        }
-        Ok(())
-    }
-}
+static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
+    FontRef::try_from_slice(include_bytes!("font/dejavu_sans.ttf")).expect("the font that is compiled in is one")
+});
 
 /// The digits by which a picture names a table.
 #[must_use]
@@ -68,49 +46,57 @@ pub fn fitting<'a>(wordings: &[&'a str], width: u32) -> &'a str {
 /// How wide a line of text is in a panel of `width`, pixels.
 #[must_use]
 pub fn text_width(text: &str, width: u32) -> u32 {
-    text.len() as u32 * font(width).character_size.width
+    let font = font(width);
+    text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum::<f32>().ceil() as u32
 }
 
-fn font(width: u32) -> &'static MonoFont<'static> {
-    if width < NARROW { &FONT_6X10 } else { &FONT_9X15 }
+fn font(width: u32) -> PxScaleFont<&'static FontRef<'static>> {
+    FONT.as_scaled(HEIGHTS[usize::from(width >= NARROW)])
 }
 
-/// Writes a line whose vertical middle is at `y`, for a panel of `width`.
+/// Writes a line in white whose vertical middle is at `y`, for a panel of `width`.
 pub fn write(picture: &mut Picture, text: &str, x: u32, y: u32, anchor: Anchor, width: u32) {
-    let alignment = match anchor {
-        Anchor::Left => Alignment::Left,
-        Anchor::Middle => Alignment::Center,
-        Anchor::Right => Alignment::Right,
+    let font = font(width);
+    let before = match anchor {
+        Anchor::Left => 0,
+        Anchor::Middle => text_width(text, width) / 2,
+        Anchor::Right => text_width(text, width),
     };
-    let style = TextStyleBuilder::new().alignment(alignment).baseline(Baseline::Middle).build();
-    let at = Point::new(i32::try_from(x).unwrap_or(i32::MAX), i32::try_from(y).unwrap_or(i32::MAX));
-    let Ok(_) = Text::with_text_style(text, at, MonoTextStyle::new(font(width), Rgb888::WHITE), style).draw(picture);
+    let mut pen = point(x as f32 - before as f32, (y as f32 + 0.5 * (font.ascent() + font.descent())).round());
+    for letter in text.chars() {
+        let glyph = font.glyph_id(letter).with_scale_and_position(font.scale(), pen);
+        pen.x += font.h_advance(glyph.id);
+        // A space has no outline.
+        let Some(outline) = font.outline_glyph(glyph) else { continue };
+        let corner = outline.px_bounds().min;
+        outline.draw(|x, y, coverage| picture.blend_white(corner.x + x as f32, corner.y + y as f32, coverage));
+    }
 }
 
 /// Beside a tag and within it.
 const TAG_MARGIN: u32 = 3;
 
-fn tag_size(text: &str, width: u32) -> Size {
-    let letter = font(width).character_size;
-    Size::new(text.len() as u32 * letter.width + 2 * TAG_MARGIN, letter.height + TAG_MARGIN)
+/// Width and height.
+fn tag_size(text: &str, width: u32) -> [u32; 2] {
+    [text_width(text, width) + 2 * TAG_MARGIN, font(width).height().ceil() as u32 + TAG_MARGIN]
 }
 
 /// Whether a part of a picture, `width` wide, has room for a [`tag`].
 #[must_use]
 pub fn tag_fits(text: &str, width: u32) -> bool {
-    tag_size(text, width).width + 2 * TAG_MARGIN <= width
+    tag_size(text, width)[0] + 2 * TAG_MARGIN <= width
 }
 
 /// Writes `text` on ground of its own into the lower left corner, `(left, bottom)`, of a part of a picture, `width`
 /// wide. Nothing is written where there is no room.
 pub fn tag(picture: &mut Picture, text: &str, [left, bottom]: [u32; 2], width: u32) {
-    let size = tag_size(text, width);
-    if !tag_fits(text, width) || bottom < size.height + TAG_MARGIN {
+    let [across, high] = tag_size(text, width);
+    if !tag_fits(text, width) || bottom < high + TAG_MARGIN {
         return;
     }
-    let (x, y) = (left + TAG_MARGIN, bottom - TAG_MARGIN - size.height);
-    picture.put(&Picture::filled(size.width, size.height, GROUND), x, y);
-    write(picture, text, x + TAG_MARGIN, y + size.height / 2, Anchor::Left, width);
+    let (x, y) = (left + TAG_MARGIN, bottom - TAG_MARGIN - high);
+    picture.put(&Picture::filled(across, high, GROUND), x, y);
+    write(picture, text, x + TAG_MARGIN, y + high / 2, Anchor::Left, width);
 }
 
 #[cfg(test)]
@@ -121,7 +107,7 @@ mod tests {
     fn the_longest_wording_that_fits_is_taken() {
         let wordings = ["|LTC - reference|", "difference", "d"];
         assert_eq!(
-            [512, 153, 64, 59, 5].map(|width| fitting(&wordings, width)),
+            [512, 153, 64, 30, 5].map(|width| fitting(&wordings, width)),
             ["|LTC - reference|", "|LTC - reference|", "difference", "d", ""]
         );
     }
