@@ -6,13 +6,13 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
+    args::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
     print,
     serve::failed,
     settings::ServeSettings,
 };
 use crate::args::threads::ThreadCount;
-use ltcforge_server::service::{self, Config, DatabaseUrl, Service, Shared};
+use ltcforge_server::service::{self, Config, DatabaseUrl, Removal, Service, Shared, Swept};
 use ltcforge_view::preview::Adapter;
 
 /// Megabytes of tables that are kept on disk by default.
@@ -60,16 +60,29 @@ pub(super) fn work(
     })
 }
 
-/// Removes tables that no job has made known for a day.
+/// Tells the blobs that nothing refers to, and removes them if it is told to.
 pub(super) fn gc(
-    args: SharedArgs,
+    args: GcArgs,
     file: &ServeSettings,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let SharedArgs { database, blobs, cache_mb, data } = args;
-    let removed = service::sweep(&without_http(data, file), &shared(database, blobs, cache_mb)).map_err(failed)?;
-    print(context.stdout, json, &json!({ "removed": removed }), &format!("{removed} orphans were removed"))?;
+    let SharedArgs { database, blobs, cache_mb, data } = args.shared;
+    let removal = match (args.delete, args.even_most) {
+        (false, _) => Removal::Nothing,
+        (true, false) => Removal::Orphans,
+        (true, true) => Removal::EvenMost,
+    };
+    let (config, shared) = (without_http(data, file), shared(database, blobs, cache_mb));
+    let swept = service::sweep(&config, &shared, removal).map_err(failed)?;
+    let Swept { blobs, orphans, removed } = &swept;
+    let mut lines: Vec<String> = orphans.iter().map(ToString::to_string).collect();
+    let count = orphans.len();
+    lines.push(match removal {
+        Removal::Nothing => format!("{count} of {blobs} blobs are orphans; `--delete` removes them"),
+        _ => format!("{removed} of {count} orphans were removed"),
+    });
+    print(context.stdout, json, &json!(swept), &lines.join("\n"))?;
     Ok(Exit::Ok)
 }
 

@@ -249,6 +249,9 @@ impl ServiceState {
         let mut batch = Catalogue::entry(&row, &task.recipe)?;
         batch.extend(Catalogue::manifest_entry(digest, &manifest)?);
         self.queue.finish(&task.lease, digest, batch)?;
+        if let Err(error) = self.tables.store.blobs.keep(digest, &file) {
+            tracing::warn!(job = %task.job, table = %digest, %error, "whether the table is still stored is not known");
+        }
         tracing::info!(job = %task.job, table = %digest, bytes = row.bytes, "the table is stored");
         Ok(())
     }

@@ -40,6 +40,16 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     /// When the storage does not tell.
     fn contains(&self, digest: Digest) -> Result<bool, StoreError>;
 
+    /// Stores a blob that has become known again if it was removed meanwhile: another process may have taken it for an
+    /// orphan.
+    ///
+    /// # Errors
+    /// As [`Self::put`].
+    fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {
+        let _ = (digest, bytes);
+        Ok(())
+    }
+
     /// All blobs, by digest.
     ///
     /// # Errors

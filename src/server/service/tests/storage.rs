@@ -2,7 +2,10 @@
 
 use std::{
     fs,
-    sync::{Arc, atomic::Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
     thread,
     time::Duration,
 };
@@ -15,7 +18,7 @@ use super::{
 use crate::{
     queue::{FailureKind, JobId, JobState},
     store::{
-        Batch, Catalogue, ManifestRow, Rows, Store, Tree,
+        Batch, BlobInfo, Blobs, Catalogue, ManifestRow, Rows, Store, StoreError, Tree,
         memory::{Meanwhile, MemoryRows},
     },
 };
@@ -162,6 +165,50 @@ fn a_table_from_before_gets_its_manifest_when_it_is_asked_for() {
             assert_eq!(made(), made_before + 1);
         }
     }
+}
+
+/// A store from which another process removes each blob once, before the row that makes it known.
+#[derive(Debug)]
+struct Swept {
+    blobs: Arc<dyn Blobs>,
+    kept: AtomicU64,
+}
+
+impl Blobs for Swept {
+    fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
+        Ok(Digest::of(bytes))
+    }
+
+    fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        self.blobs.get(digest)
+    }
+
+    fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
+        self.blobs.contains(digest)
+    }
+
+    fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
+        self.blobs.list()
+    }
+
+    fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {
+        self.kept.fetch_add(1, Ordering::Relaxed);
+        assert_eq!(self.blobs.put(bytes)?, digest);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_table_that_is_swept_before_it_becomes_known_is_stored_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    let blobs = Arc::new(Swept { blobs: Arc::clone(&store.blobs), kept: AtomicU64::new(0) });
+    store.blobs = Arc::clone(&blobs) as Arc<dyn Blobs>;
+    let service = Service::open_with(config(dir.path()), store, Arc::new(FakeBackend(Arc::default()))).unwrap();
+    let table = fitted(&service, "gold 1");
+    service.stop();
+    assert_eq!(blobs.kept.load(Ordering::Relaxed), 1);
+    assert!(blobs.get(table).unwrap().is_some());
 }
 
 /// A lack of descriptors is no fault of the job's.
