@@ -254,7 +254,7 @@ pub struct Metrics {
     pub tables: u64,
     /// Bytes of all tables.
     pub table_bytes: u64,
-    /// Blobs found damaged since the start.
+    /// Blobs found damaged or missing since the start.
     pub blobs_corrupt: u64,
     /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,

@@ -8,8 +8,11 @@ use std::{
 use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{TableRow, backend::Backend};
-use crate::store::{Blobs, Catalogue, Rows, StoreError};
+use super::{TableRow, backend::Backend, find_brdf::named_in};
+use crate::{
+    queue::embedded::stored_jobs,
+    store::{Blobs, Catalogue, Rows, StoreError},
+};
 use ltcforge_files::digest::Digest;
 
 /// The changes that made the catalogue agree with the blobs.
@@ -19,6 +22,8 @@ pub struct Reconciled {
     pub added: Vec<Digest>,
     /// Tables of the catalogue whose blob is missing. They are taken out, so that their recipes are fitted again.
     pub lost: Vec<Digest>,
+    /// Tabulated BRDFs that recipes of tables and jobs name, and whose file is missing. Only their users have them.
+    pub missing_brdfs: Vec<Digest>,
 }
 
 /// Makes the catalogue agree with the blobs, both ways, and logs every difference.
@@ -31,6 +36,9 @@ pub(super) fn reconcile(
     let stored: BTreeMap<Digest, Timestamp> =
         blobs.list()?.into_iter().map(|blob| (blob.digest, blob.stored_at)).collect();
     let complete: BTreeSet<Digest> = catalogue.complete()?;
+    let (recipes, jobs) = (catalogue.recipes()?, stored_jobs(rows.as_ref())?);
+    let recipes = recipes.iter().chain(jobs.iter().map(|stored| &stored.job.recipe));
+    let named: BTreeSet<Digest> = recipes.filter_map(|recipe| named_in(recipe)).collect();
     let mut done = Reconciled::default();
     for (digest, stored_at) in stored.iter().filter(|(digest, _)| !complete.contains(*digest)) {
         let bytes = match blobs.get(*digest) {
@@ -49,6 +57,10 @@ pub(super) fn reconcile(
         tracing::error!(table = %digest, "the file of a table is missing; it is taken out of the catalogue");
         catalogue.forget(*digest)?;
         done.lost.push(*digest);
+    }
+    done.missing_brdfs = named.into_iter().filter(|digest| !stored.contains_key(digest)).collect();
+    for brdf in &done.missing_brdfs {
+        tracing::error!(%brdf, "the file of a tabulated BRDF is missing, and recipes name it; send it to /v1/brdfs again");
     }
     if !done.added.is_empty() {
         tracing::warn!(

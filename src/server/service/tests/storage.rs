@@ -66,6 +66,29 @@ fn a_damaged_table_is_reported_once_and_fitted_again() {
 }
 
 #[test]
+fn a_table_that_is_removed_or_renamed_while_the_service_runs_is_told_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let service = start(dir.path(), &Arc::new(Shared::default()));
+    let table = fitted(&service, "gold 1");
+    let hex = table.hex();
+    let blob = dir.path().join("blobs").join(&hex[..2]).join(&hex);
+    let told = || service.metrics().unwrap().blobs_corrupt;
+    assert!(service.table(Digest::of(b"unknown")).unwrap().is_none());
+    assert_eq!(told(), 0);
+    fs::rename(&blob, blob.with_file_name("renamed")).unwrap();
+    for _ in 0..2 {
+        assert!(service.table(table).unwrap().is_none());
+        assert_eq!(told(), 1);
+    }
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert!(service.table(table).unwrap().is_some());
+    fs::remove_file(&blob).unwrap();
+    // A submission asks for it too.
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert_eq!(told(), 2);
+}
+
+#[test]
 fn the_manifest_of_a_damaged_table_is_refused_like_the_table() {
     let dir = tempfile::tempdir().unwrap();
     let shared = Arc::new(Shared::default());

@@ -106,6 +106,11 @@ impl ObjectBlobs {
     }
 
     async fn fetch(&self, path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+        // Opening a FIFO would wait, and a device may have no end.
+        let file = self.connected.local.as_ref().and_then(|local| local.path_to_filesystem(path).ok());
+        if file.is_some_and(|file| file.symlink_metadata().is_ok_and(|metadata| !metadata.is_file())) {
+            return Err(StoreError::Unavailable(format!("{path} is not a regular file")));
+        }
         found(async { self.connected.store.get(path).await?.bytes().await }.await.map(|bytes| bytes.to_vec()))
     }
 
@@ -275,6 +280,25 @@ mod tests {
         let digest = open(dir.path()).put(&bytes).unwrap();
         fs::remove_dir_all(dir.path().join("cache")).unwrap();
         assert!(open(dir.path()).get(digest).unwrap().is_some_and(|got| got == bytes));
+    }
+
+    #[test]
+    fn only_regular_files_of_a_folder_are_opened() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = open(dir.path());
+        let digest = Digest::of(b"table");
+        let path = file(dir.path(), digest);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(dir.path().join("elsewhere"), b"table").unwrap();
+        for target in [dir.path().join("elsewhere"), "/dev/zero".into()] {
+            std::os::unix::fs::symlink(target, &path).unwrap();
+            assert!(matches!(blobs.get(digest), Err(error) if error.is_passing()));
+            fs::remove_file(&path).unwrap();
+        }
+        rustix::fs::mknodat(rustix::fs::CWD, &path, rustix::fs::FileType::Fifo, rustix::fs::Mode::RUSR, 0).unwrap();
+        assert!(matches!(blobs.get(digest), Err(error) if error.is_passing()));
+        blobs.put(b"table").unwrap();
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::{
     time::SystemTime,
 };
 
-use super::super::files::is_temporary;
+use super::super::files::{is_temporary, read_regular};
 use ltcforge_files::{digest::Digest, replace::replace_cached_file};
 
 /// Blobs as files of a folder. A file's time of modification is that of its last use. Several processes may share the
@@ -43,7 +43,7 @@ impl BlobCache {
     /// The bytes of a blob, if they are here and have its digest.
     pub(super) fn get(&self, digest: Digest) -> Option<Vec<u8>> {
         let path = self.path(digest);
-        let bytes = fs::read(&path).ok()?;
+        let bytes = read_regular(&path).ok()?;
         if Digest::of(&bytes) == digest {
             touch(&path);
             return Some(bytes);

@@ -81,6 +81,8 @@ pub(super) struct Connected {
     pub(super) store: Arc<dyn ObjectStore>,
     pub(super) signer: Option<Arc<dyn Signer>>,
     pub(super) prefix: Path,
+    /// The file system, if the store is a folder.
+    pub(super) local: Option<LocalFileSystem>,
 }
 
 /// The store of `url`, with credentials as the provider's own tools read them from the environment.
@@ -114,6 +116,7 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
     }
     // `from_env` also reads AWS_ALLOW_HTTP and AWS_ENDPOINT.
     let is_plain = std::env::var_os("AWS_ALLOW_HTTP").is_some_and(|value| value == "true");
+    let mut local = None;
     let (store, signer): (Arc<dyn ObjectStore>, Option<Arc<dyn Signer>>) = match scheme {
         ObjectStoreScheme::AmazonS3 => {
             signing!(AmazonS3Builder::from_env().with_client_options(client.with_allow_http(is_plain)))
@@ -129,11 +132,12 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
                 let reason = "there is no such folder".to_owned();
                 return Err(ObjectsOpenError::Missing { url: url.to_owned(), reason });
             }
+            local = Some(LocalFileSystem::new());
             (Arc::new(LocalFileSystem::new().with_fsync(true)), None)
         }
         _ => return Err(bad(format!("«{}» is not one of its schemes", parsed.scheme()))),
     };
-    Ok(Connected { store, signer, prefix })
+    Ok(Connected { store, signer, prefix, local })
 }
 
 /// Whether the store can be used as `access` says.
