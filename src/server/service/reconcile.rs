@@ -26,6 +26,11 @@ pub struct Reconciled {
     pub missing_brdfs: Vec<Digest>,
 }
 
+/// On a full disk the catalogue stays as it is, until a later start.
+fn unless_full(written: Result<(), StoreError>) -> Result<(), StoreError> {
+    if matches!(written, Err(StoreError::DiskFull)) { Ok(()) } else { written }
+}
+
 /// Makes the catalogue agree with the blobs, both ways, and logs every difference.
 pub(super) fn reconcile(
     rows: &Arc<dyn Rows>,
@@ -50,12 +55,12 @@ pub(super) fn reconcile(
         let Some((recipe, recipe_digest)) = backend.recognise(&bytes) else { continue };
         let created_at = catalogue.table(*digest)?.map_or(*stored_at, |row| row.created_at);
         let row = TableRow { digest: *digest, recipe_digest, bytes: bytes.len() as u64, created_at };
-        rows.commit(&Catalogue::entry(&row, &recipe)?)?;
+        unless_full(rows.commit(&Catalogue::entry(&row, &recipe)?))?;
         done.added.push(*digest);
     }
     for digest in complete.iter().filter(|digest| !stored.contains_key(*digest)) {
         tracing::error!(table = %digest, "the file of a table is missing; it is taken out of the catalogue");
-        catalogue.forget(*digest)?;
+        unless_full(catalogue.forget(*digest).map(drop))?;
         done.lost.push(*digest);
     }
     done.missing_brdfs = named.into_iter().filter(|digest| !stored.contains_key(digest)).collect();

@@ -56,6 +56,11 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     /// When the storage cannot be listed.
     fn list(&self) -> Result<Vec<BlobInfo>, StoreError>;
 
+    /// Whether the storage answers.
+    fn is_reachable(&self) -> bool {
+        true
+    }
+
     /// A URL of the blob for a client, valid for so long; `None` if the storage has none.
     ///
     /// # Errors

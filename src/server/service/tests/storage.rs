@@ -16,7 +16,7 @@ use super::{
     fitted, start, submit, *,
 };
 use crate::{
-    queue::{FailureKind, JobId, JobState},
+    queue::{JobId, JobState},
     store::{
         Batch, BlobInfo, Blobs, Catalogue, ManifestRow, Rows, Store, StoreError, Tree,
         memory::{Meanwhile, MemoryRows},
@@ -25,7 +25,7 @@ use crate::{
 use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
 
 #[test]
-fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() {
+fn a_job_waits_for_room_on_a_full_disk_and_keeps_its_shards() {
     let dir = tempfile::tempdir().unwrap();
     let shared = Arc::new(Shared::default());
     let rows = Arc::new(MemoryRows::default());
@@ -37,14 +37,17 @@ fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() 
     shared.wait_for_begun(3);
     rows.full.store(true, Ordering::Relaxed);
     shared.set(|b| b.held = false);
-    match end_of(&service, id) {
-        JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
-        other => panic!("{other:?}"),
+    while rows.refused.load(Ordering::Relaxed) < 3 {
+        thread::yield_now();
     }
+    assert!(!service.is_ready());
+    assert_eq!(service.job(id).unwrap().unwrap().job.state, JobState::Running);
     assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
     assert!(service.table(first).unwrap().is_some(), "a stored table is served");
     rows.full.store(false, Ordering::Relaxed);
-    fitted(&service, "gold 4");
+    assert!(service.is_ready());
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    assert_eq!(shared.begun(), 5, "no shard was fitted twice");
     assert_eq!(rows.len(Tree::Results) + rows.len(Tree::Shards), 0);
 }
 

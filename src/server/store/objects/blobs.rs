@@ -26,6 +26,9 @@ const PARTS_AT_ONCE: usize = 2;
 /// The object that has the identity of the database.
 pub(in crate::store) const IDENTITY: &str = "ltcforge-identity";
 
+/// How long the store may take to say that it answers.
+const PROBE: Duration = Duration::from_secs(5);
+
 /// How long an object that was seen counts as present without another request.
 const SEEN_FOR: Duration = Duration::from_secs(60);
 
@@ -232,6 +235,12 @@ impl Blobs for ObjectBlobs {
         let mut blobs = self.block_on(blobs).map_err(|error| failure(&error))?;
         blobs.sort_by_key(|blob| blob.digest);
         Ok(blobs)
+    }
+
+    fn is_reachable(&self) -> bool {
+        let path = self.connected.prefix.clone().join(IDENTITY);
+        let asked = async { tokio::time::timeout(PROBE, self.connected.store.head(&path)).await };
+        matches!(self.block_on(asked), Ok(Ok(_) | Err(Error::NotFound { .. })))
     }
 
     fn link(&self, digest: Digest, valid: Duration) -> Result<Option<String>, StoreError> {

@@ -275,3 +275,80 @@ fn a_damaged_snapshot_costs_no_job() {
     let store = Store::open(dir.path()).unwrap();
     assert!(store.rows.get(Tree::Jobs, b"key").unwrap().is_some());
 }
+
+/// A file system of its own, unmounted when dropped.
+struct SmallDisk(std::path::PathBuf);
+
+impl SmallDisk {
+    /// `None`, with a message, without the right to mount.
+    fn mount(at: std::path::PathBuf) -> Option<Self> {
+        fs::create_dir(&at).unwrap();
+        let mut mount = std::process::Command::new("mount");
+        let mounted = mount.args(["-t", "tmpfs", "-o", "size=16m", "tmpfs"]).arg(&at).output();
+        let is_mounted = mounted.is_ok_and(|mounted| mounted.status.success());
+        if !is_mounted {
+            eprintln!("SKIPPED: no right to mount a tmpfs");
+        }
+        is_mounted.then_some(Self(at))
+    }
+
+    fn fill(&self) {
+        use std::io::Write as _;
+        let mut file = File::create(self.0.join("filler")).unwrap();
+        for block in [65_536, 4096, 1] {
+            while file.write_all(&vec![0; block]).is_ok() {}
+        }
+    }
+
+    fn make_room(&self) {
+        fs::remove_file(self.0.join("filler")).unwrap();
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        // The folder goes with the test's temporary folder.
+        let _ = std::process::Command::new("umount").arg("-l").arg(&self.0).status();
+    }
+}
+
+#[test]
+fn a_folder_on_a_full_disk_opens_for_reading_again_and_again_and_for_writing_once_there_is_room() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(disk) = SmallDisk::mount(dir.path().join("disk")) else { return };
+    let data = disk.0.join("data");
+    let row = |key: &str, tree| {
+        let mut batch = Batch::default();
+        batch.put(tree, key, "value");
+        batch
+    };
+    let store = Store::open(&data).unwrap();
+    let table = store.blobs.put(b"table").unwrap();
+    store.rows.commit(&row("before", Tree::Recipes)).unwrap();
+    store.rows.commit(&row("job", Tree::Jobs)).unwrap();
+    drop(store);
+    disk.fill();
+    for start in 0..4 {
+        let store = Store::open(&data).unwrap_or_else(|error| panic!("start {start}: {error:?}"));
+        assert_eq!(store.damage, Damage::default());
+        assert_eq!(store.blobs.get(table).unwrap().unwrap(), b"table");
+        for (tree, key) in [(Tree::Recipes, "before"), (Tree::Jobs, "job")] {
+            assert_eq!(store.rows.get(tree, key.as_bytes()).unwrap().unwrap(), b"value");
+            assert!(matches!(store.rows.commit(&row("during", tree)), Err(StoreError::DiskFull)));
+        }
+        if start == 3 {
+            disk.make_room();
+            for (tree, key) in [(Tree::Recipes, "after"), (Tree::Jobs, "another")] {
+                store.rows.commit(&row(key, tree)).unwrap();
+            }
+        }
+    }
+    let store = Store::open(&data).unwrap();
+    assert_eq!(store.damage, Damage::default());
+    for (tree, key) in
+        [(Tree::Recipes, "before"), (Tree::Recipes, "after"), (Tree::Jobs, "job"), (Tree::Jobs, "another")]
+    {
+        assert_eq!(store.rows.get(tree, key.as_bytes()).unwrap().unwrap(), b"value", "{key}");
+    }
+    assert_eq!(store.rows.get(Tree::Recipes, b"during").unwrap(), None);
+}
