@@ -102,3 +102,30 @@ pub(super) fn migrate(
     print(context.stdout, json, &json!(done), &text)?;
     Ok(if missing == 0 { Exit::Ok } else { Exit::Mismatch })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::DEFAULT_CACHE_MB;
+
+    /// The first number behind `key`.
+    fn number(text: &str, key: &str) -> Option<u64> {
+        let digits = text.split_once(key)?.1.trim_start_matches(|c: char| !c.is_ascii_digit());
+        digits.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+    }
+
+    /// An eighth stays free for files that are being written.
+    #[test]
+    fn the_caches_of_deploy_fit_their_disks() {
+        let read = |name: &str| {
+            let path = format!("{}/../../deploy/{name}", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(path).expect("a file of the project")
+        };
+        for (file, size) in [("compose.yaml", "/data:uid=10001,size="), ("kubernetes/ltcforge.yaml", "sizeLimit:")] {
+            let text = read(file);
+            let gib = number(&text, size).expect("the size of the folder in GiB");
+            assert!(["g", "Gi"].iter().any(|unit| text.contains(&format!("{gib}{unit}"))), "{file}");
+            let cache_mb = number(&text, "LTCFORGE_CACHE_MB").unwrap_or(DEFAULT_CACHE_MB);
+            assert!(cache_mb * 8 <= gib * 1024 * 7, "{file}: {cache_mb} of {gib} GiB");
+        }
+    }
+}

@@ -333,7 +333,9 @@ mod tests {
         std::thread::scope(|scope| {
             let open = || a.open(&config, Access::Write).map(drop).unwrap();
             let threads: Vec<_> = (0..4).map(|_| scope.spawn(open)).collect();
-            threads.into_iter().for_each(|thread| thread.join().unwrap());
+            for thread in threads {
+                thread.join().unwrap();
+            }
         });
     }
 

@@ -15,6 +15,7 @@
 
 mod blob;
 mod catalogue;
+mod certificates;
 mod damage;
 mod dry_run;
 mod error;

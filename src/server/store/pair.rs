@@ -14,7 +14,7 @@ pub enum PairError {
     #[error(
         "the blob store and the database do not belong together: the store's object {IDENTITY} has {}, the database \
          has {}; if they do belong together, write the database's identity into the object, or remove the object if \
-         the database has none", shown(.store), shown(.database)
+         the database has none", shown(.store.as_ref()), shown(.database.as_ref())
     )]
     Strangers {
         /// That of the store.
@@ -32,8 +32,8 @@ pub enum PairError {
     Store(#[from] StoreError),
 }
 
-fn shown(identity: &Option<String>) -> String {
-    identity.as_ref().map_or_else(|| "no identity".to_owned(), |identity| format!("the identity «{identity}»"))
+fn shown(identity: Option<&String>) -> String {
+    identity.map_or_else(|| "no identity".to_owned(), |identity| format!("the identity «{identity}»"))
 }
 
 /// Checks that `database` and `blobs` have the same identity. If both have none, they get `new`; without `new`, that is

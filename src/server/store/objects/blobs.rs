@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    fs,
     path::Path as FilePath,
     sync::{Mutex, PoisonError},
     time::{Duration, Instant},
@@ -111,7 +112,8 @@ impl ObjectBlobs {
     async fn fetch(&self, path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
         // Opening a FIFO would wait, and a device may have no end.
         let file = self.connected.local.as_ref().and_then(|local| local.path_to_filesystem(path).ok());
-        if file.is_some_and(|file| file.symlink_metadata().is_ok_and(|metadata| !metadata.is_file())) {
+        let is_other = |kind: fs::FileType| !kind.is_file() && !kind.is_dir();
+        if file.is_some_and(|file| file.symlink_metadata().is_ok_and(|metadata| is_other(metadata.file_type()))) {
             return Err(StoreError::Unavailable(format!("{path} is not a regular file")));
         }
         found(async { self.connected.store.get(path).await?.bytes().await }.await.map(|bytes| bytes.to_vec()))
@@ -253,8 +255,6 @@ impl Blobs for ObjectBlobs {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     fn open(dir: &FilePath) -> ObjectBlobs {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::store::{rows, sled_rows::open_sled};
+use crate::store::{rows, sled_rows::open_sled, tests::small_disk::SmallDisk};
 use ltcforge_files::{digest::Digest, hex::to_hex};
 
 fn one_job(store: &Store) {
@@ -274,42 +274,6 @@ fn a_damaged_snapshot_costs_no_job() {
     }
     let store = Store::open(dir.path()).unwrap();
     assert!(store.rows.get(Tree::Jobs, b"key").unwrap().is_some());
-}
-
-/// A file system of its own, unmounted when dropped.
-struct SmallDisk(std::path::PathBuf);
-
-impl SmallDisk {
-    /// `None`, with a message, without the right to mount.
-    fn mount(at: std::path::PathBuf) -> Option<Self> {
-        fs::create_dir(&at).unwrap();
-        let mut mount = std::process::Command::new("mount");
-        let mounted = mount.args(["-t", "tmpfs", "-o", "size=16m", "tmpfs"]).arg(&at).output();
-        let is_mounted = mounted.is_ok_and(|mounted| mounted.status.success());
-        if !is_mounted {
-            eprintln!("SKIPPED: no right to mount a tmpfs");
-        }
-        is_mounted.then_some(Self(at))
-    }
-
-    fn fill(&self) {
-        use std::io::Write as _;
-        let mut file = File::create(self.0.join("filler")).unwrap();
-        for block in [65_536, 4096, 1] {
-            while file.write_all(&vec![0; block]).is_ok() {}
-        }
-    }
-
-    fn make_room(&self) {
-        fs::remove_file(self.0.join("filler")).unwrap();
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        // The folder goes with the test's temporary folder.
-        let _ = std::process::Command::new("umount").arg("-l").arg(&self.0).status();
-    }
 }
 
 #[test]
