@@ -2,13 +2,26 @@
 
 use std::{fs, path::Path};
 
-use crate::{Shared, common::command::run, throwaway::Server};
+use crate::{
+    Shared,
+    common::command::{Run, ltcforge},
+    throwaway::Server,
+};
 
 /// The error of `ltcforge work` for a database and a store.
 #[track_caller]
 fn complaint(folder: &Path, database: &str, blobs: &str) -> String {
+    complaint_in(&[], folder, database, blobs)
+}
+
+/// The same, with variables in the environment.
+#[track_caller]
+fn complaint_in(environment: &[(&str, &str)], folder: &Path, database: &str, blobs: &str) -> String {
     let args = ["work", "--database", database, "--blobs", blobs, "--data", "data"];
-    let run = run(folder, args).exited(1);
+    let mut command = ltcforge(folder, args);
+    command.envs(environment.iter().copied());
+    let run: Run = command.output().expect("the binary runs").into();
+    let run = run.exited(1);
     let [line] = run.complaints()[..] else { panic!("{run:#?}") };
     assert!(!run.stderr.contains("hunter2"), "{run:#?}");
     line.to_owned()
@@ -78,4 +91,41 @@ fn a_store_that_cannot_be_used_is_named() {
     let nowhere = folder.path().join("nowhere");
     assert!(of(&format!("file://{}", nowhere.display())).contains("there is no such folder"));
     assert!(!nowhere.exists());
+}
+
+/// What is missing in the environment is named, not the URL.
+#[test]
+fn missing_settings_of_a_store_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let nowhere = "postgres://127.0.0.1:1/tables?sslmode=require";
+    let of = |environment: &[(&str, &str)], blobs| complaint_in(environment, folder.path(), nowhere, blobs);
+    let (key, secret) = (("AWS_ACCESS_KEY_ID", "me"), ("AWS_SECRET_ACCESS_KEY", "hunter2"));
+    let (http, allow) = (("AWS_ENDPOINT", "http://127.0.0.1:1"), ("AWS_ALLOW_HTTP", "true"));
+
+    for name in ["AWS_ENDPOINT", "AWS_ENDPOINT_URL", "AWS_ENDPOINT_URL_S3"] {
+        let line = of(&[key, secret, (name, http.1)], "s3://tables/ltc");
+        assert!(line.contains(name) && line.contains("needs AWS_ALLOW_HTTP=true"), "{line}");
+    }
+    let line = of(&[http, allow, ("AWS_METADATA_ENDPOINT", "http://127.0.0.1:1")], "s3://tables/ltc");
+    assert!(line.contains("no credentials are set") && line.contains("AWS_ACCESS_KEY_ID"), "{line}");
+    for half in [key, secret] {
+        let line = of(&[half, http, allow], "s3://tables/ltc");
+        assert!(line.contains("the environment lacks") && line.contains("AWS_SECRET_ACCESS_KEY"), "{line}");
+    }
+    let line = of(&[("GOOGLE_SERVICE_ACCOUNT", "/nowhere")], "gs://tables/ltc");
+    assert!(line.contains("the environment lacks") && line.contains("/nowhere"), "{line}");
+    let line = of(&[key, secret, http, allow], "s3://tables/ltc");
+    assert!(line.contains("cannot be reached"), "{line}");
+
+    // Missing, and without a certificate.
+    let (missing, empty) = (folder.path().join("none.pem"), folder.path().join("empty.pem"));
+    fs::write(&empty, "no certificate").expect("a file");
+    let store = format!("file://{}", folder.path().display());
+    for file in [missing, empty] {
+        let file = file.to_str().expect("a path in UTF-8");
+        for blobs in ["s3://tables/ltc", "gs://tables/ltc", &store] {
+            let line = of(&[("SSL_CERT_FILE", file), ("SSL_CERT_DIR", "/nowhere"), key, secret], blobs);
+            assert!(line.contains(&format!("SSL_CERT_FILE={file}")), "{line}");
+        }
+    }
 }

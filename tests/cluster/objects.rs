@@ -54,9 +54,11 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
     other.get(&path).with_status(503);
     link.set(Link::Down);
     other.get(&path).with_status(503);
+    other.get("/readyz").with_status(503);
     link.set(Link::Slow);
     let whole = other.get(&path).with_status(200);
     link.set(Link::Up);
+    other.get("/readyz").with_status(200);
     let part = other.request("GET", &path, &[("range", "bytes=1-4")], None).with_status(206);
     assert_eq!(part.body, whole.body[1..5]);
     other.request("GET", &path, &[("if-none-match", &format!("\"{table}\""))], None).with_status(304);

@@ -1,4 +1,4 @@
-//! A full disk fails the job, not the service.
+//! A full disk: jobs wait for room, and tables are read.
 
 use std::{
     fs,
@@ -8,10 +8,10 @@ use std::{
 };
 
 use crate::common::{
+    ENDLESS,
     server::{Server, text},
     tell_skipped,
 };
-use serde_json::Value;
 
 /// A file system of its own, unmounted when dropped.
 struct SmallDisk(PathBuf);
@@ -47,32 +47,39 @@ fn recipe(seed: u32) -> String {
     )
 }
 
-/// Why a recipe did not become a table: refused at once, or accepted and failed later.
-fn refusal(server: &Server, recipe: &str) -> Value {
-    let answer = server.submit(recipe);
-    match answer.status {
-        202 => server.finished(text(&answer.json()["id"]))["error"].clone(),
-        _ => answer.json(),
-    }
-}
-
 #[test]
-fn a_full_disk_fails_the_job_and_room_heals_the_service() {
+fn a_full_disk_makes_jobs_wait_leaves_tables_readable_and_room_heals_the_service() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(disk) = SmallDisk::mount(&folder.path().join("disk")) else {
         return tell_skipped("no right to mount a tmpfs");
     };
-    let server = Server::start(&disk.0.join("data"), &[]);
+    let data = disk.0.join("data");
+    let server = Server::start(&data, &["--workers", "1"]);
     let before = server.fit(&recipe(0));
+    let job = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();
     let filler = disk.0.join("filler");
     fill(&filler);
 
-    let problem = refusal(&server, &recipe(1));
-    assert_eq!(problem["type"], "/problems/disk-full", "{problem:#}");
-    server.get("/healthz").with_status(200);
-    server.get(&format!("/v1/tables/{before}")).with_status(200);
+    // As it was, and after a restart.
+    let full = |server: &Server| {
+        let problem = server.submit(&recipe(1)).with_status(507).json();
+        assert_eq!(problem["type"], "/problems/disk-full", "{problem:#}");
+        server.get("/readyz").with_status(503);
+        server.get("/healthz").with_status(200);
+        server.get(&format!("/v1/tables/{before}")).with_status(200);
+        server.get(&format!("/v1/tables/{before}/manifest")).with_status(200);
+        server.get("/v1/tables").with_status(200);
+        let state = server.get(&format!("/v1/jobs/{job}")).with_status(200).json()["state"].clone();
+        assert!(state == "queued" || state == "running", "{state}");
+    };
+    full(&server);
+    server.stop("TERM");
+    let server = Server::start(&data, &["--workers", "1"]);
+    full(&server);
 
     fs::remove_file(&filler).expect("room");
+    server.get("/readyz").with_status(200);
+    server.request("DELETE", &format!("/v1/jobs/{job}"), &[], None).with_status(200);
     server.fit(&recipe(1));
     assert_eq!(server.stop("TERM").code, Some(0));
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use crate::args::threads::ThreadCount;
 use ltcforge_server::service::DatabaseUrl;
 
-/// `gc`, and what `work` has of it: the database, the store of tables and the folder of its cache.
+/// What `gc` and `work` have in common: the database, the store of tables and the folder of its cache.
 #[derive(Debug, Args)]
 pub struct SharedArgs {
     /// PostgreSQL database of the queue and the catalogue
@@ -45,6 +45,20 @@ pub(crate) struct ReplicaArgs {
     /// Seconds after which another worker does what one has not reported on, with --database [default: 60]
     #[arg(long, env = "LTCFORGE_LEASE_SECONDS", value_name = "N", requires = "database")]
     pub lease_seconds: Option<NonZeroU64>,
+}
+
+/// `gc`.
+#[derive(Debug, Args)]
+pub struct GcArgs {
+    /// The database, the store and the folder
+    #[command(flatten)]
+    pub shared: SharedArgs,
+    /// Delete the files that are told; without it, nothing is deleted
+    #[arg(long)]
+    pub delete: bool,
+    /// Delete them even if they are more than half of the store
+    #[arg(long, requires = "delete")]
+    pub even_most: bool,
 }
 
 /// `work`.

@@ -6,13 +6,13 @@ use serde_json::json;
 
 use super::{
     CommandFailure, Context, Exit,
-    args::{MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
+    args::{GcArgs, MigrateArgs, ReplicaArgs, SharedArgs, WorkArgs},
     print,
     serve::failed,
     settings::ServeSettings,
 };
 use crate::args::threads::ThreadCount;
-use ltcforge_server::service::{self, Config, DatabaseUrl, Service, Shared};
+use ltcforge_server::service::{self, Config, DatabaseUrl, Removal, Service, Shared, Swept};
 use ltcforge_view::preview::Adapter;
 
 /// Megabytes of tables that are kept on disk by default.
@@ -60,16 +60,29 @@ pub(super) fn work(
     })
 }
 
-/// Removes tables that no job has made known for a day.
+/// Tells the blobs that nothing refers to, and removes them if it is told to.
 pub(super) fn gc(
-    args: SharedArgs,
+    args: GcArgs,
     file: &ServeSettings,
     json: bool,
     context: &mut Context<'_>,
 ) -> Result<Exit, CommandFailure> {
-    let SharedArgs { database, blobs, cache_mb, data } = args;
-    let removed = service::sweep(&without_http(data, file), &shared(database, blobs, cache_mb)).map_err(failed)?;
-    print(context.stdout, json, &json!({ "removed": removed }), &format!("{removed} orphans were removed"))?;
+    let SharedArgs { database, blobs, cache_mb, data } = args.shared;
+    let removal = match (args.delete, args.even_most) {
+        (false, _) => Removal::Nothing,
+        (true, false) => Removal::Orphans,
+        (true, true) => Removal::EvenMost,
+    };
+    let (config, shared) = (without_http(data, file), shared(database, blobs, cache_mb));
+    let swept = service::sweep(&config, &shared, removal).map_err(failed)?;
+    let Swept { blobs, orphans, removed } = &swept;
+    let mut lines: Vec<String> = orphans.iter().map(ToString::to_string).collect();
+    let count = orphans.len();
+    lines.push(match removal {
+        Removal::Nothing => format!("{count} of {blobs} blobs are orphans; `--delete` removes them"),
+        _ => format!("{removed} of {count} orphans were removed"),
+    });
+    print(context.stdout, json, &json!(swept), &lines.join("\n"))?;
     Ok(Exit::Ok)
 }
 
@@ -88,4 +101,31 @@ pub(super) fn migrate(
     );
     print(context.stdout, json, &json!(done), &text)?;
     Ok(if missing == 0 { Exit::Ok } else { Exit::Mismatch })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DEFAULT_CACHE_MB;
+
+    /// The first number behind `key`.
+    fn number(text: &str, key: &str) -> Option<u64> {
+        let digits = text.split_once(key)?.1.trim_start_matches(|c: char| !c.is_ascii_digit());
+        digits.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+    }
+
+    /// An eighth stays free for files that are being written.
+    #[test]
+    fn the_caches_of_deploy_fit_their_disks() {
+        let read = |name: &str| {
+            let path = format!("{}/../../deploy/{name}", env!("CARGO_MANIFEST_DIR"));
+            std::fs::read_to_string(path).expect("a file of the project")
+        };
+        for (file, size) in [("compose.yaml", "/data:uid=10001,size="), ("kubernetes/ltcforge.yaml", "sizeLimit:")] {
+            let text = read(file);
+            let gib = number(&text, size).expect("the size of the folder in GiB");
+            assert!(["g", "Gi"].iter().any(|unit| text.contains(&format!("{gib}{unit}"))), "{file}");
+            let cache_mb = number(&text, "LTCFORGE_CACHE_MB").unwrap_or(DEFAULT_CACHE_MB);
+            assert!(cache_mb * 8 <= gib * 1024 * 7, "{file}: {cache_mb} of {gib} GiB");
+        }
+    }
 }

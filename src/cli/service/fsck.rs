@@ -34,7 +34,11 @@ fn text(report: &CheckReport) -> String {
     }
     let of_tables = [
         (damaged_tables, "its file is damaged; it is moved to quarantine when it is next read"),
-        (&catalogue.lost, "its file is missing; the next start takes it out of the catalogue"),
+        (&catalogue.lost, "its file is missing or no regular file; the next start takes it out of the catalogue"),
+        (
+            &catalogue.missing_brdfs,
+            "the file of this tabulated BRDF is missing, and recipes name it; send it to /v1/brdfs again",
+        ),
         (&catalogue.added, "it is missing in the catalogue; the next start adds it"),
     ];
     for (digests, what) in of_tables {

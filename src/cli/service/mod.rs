@@ -9,7 +9,7 @@ mod settings;
 use clap::Subcommand;
 
 use super::{CommandFailure, Context, Exit, print};
-use args::{FsckArgs, MigrateArgs, SharedArgs, WorkArgs};
+use args::{FsckArgs, GcArgs, MigrateArgs, WorkArgs};
 use settings::ServeArgs;
 pub(super) use settings::ServeSettings;
 
@@ -19,8 +19,8 @@ pub enum ServiceCommand {
     Serve(ServeArgs),
     /// Fit what the queue of a shared database has, without HTTP
     Work(WorkArgs),
-    /// Remove tables from a shared store that no job has made known for a day
-    Gc(SharedArgs),
+    /// Tell the files of a shared store that nothing has referred to for a day, and delete them with --delete
+    Gc(GcArgs),
     /// Take the tables and jobs of a data folder along into a shared database and store
     Migrate(MigrateArgs),
     /// Check the data folder of a service that is not running, and tell what its next start would mend

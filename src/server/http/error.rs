@@ -23,7 +23,7 @@ pub(super) fn stopping() -> Problem {
 
 /// The problem of a service whose database does not answer.
 pub(super) fn unavailable() -> Problem {
-    Problem::new(ProblemKind::Unavailable, "the database does not answer").with_retry_after(RESTART)
+    Problem::new(ProblemKind::Unavailable, "the storage does not answer, or its disk is full").with_retry_after(RESTART)
 }
 
 /// The problem of a machine that is short of a resource for a moment. It is logged as a warning: the service itself is

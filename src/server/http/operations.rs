@@ -89,7 +89,7 @@ fn exposition(metrics: &Metrics) -> String {
             "Exports made since the start, except those served from memory.",
             metrics.exports_made,
         ),
-        ("blobs_corrupt_total", "counter", "Blobs found damaged since the start.", metrics.blobs_corrupt),
+        ("blobs_corrupt_total", "counter", "Blobs found damaged or missing since the start.", metrics.blobs_corrupt),
         ("tables", "gauge", "Tables in the catalogue.", metrics.tables),
         ("table_bytes", "gauge", "Bytes of all tables.", metrics.table_bytes),
     ];

@@ -12,7 +12,7 @@ use ltcforge_files::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureKind {
-    /// No room on the disk.
+    /// No room on the disk; of jobs of earlier versions.
     DiskFull,
     /// Reading or writing failed for another reason.
     Storage,

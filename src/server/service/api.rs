@@ -8,7 +8,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::store::{DatabaseOpenError, ObjectsOpenError};
+use crate::store::{DatabaseOpenError, ObjectsOpenError, PairError};
 use crate::{
     queue::{Job, StateName},
     store::{StoreError, StoreOpenError},
@@ -85,6 +85,20 @@ pub enum OpenError {
     /// The store of blobs that processes share cannot be used.
     #[error(transparent)]
     Blobs(#[from] ObjectsOpenError),
+    /// Database and store are not used together.
+    #[error(transparent)]
+    Pair(#[from] PairError),
+    /// Most blobs of the store would be removed.
+    #[error(
+        "{orphans} of the store's {blobs} blobs have no row in the database, more than half: nothing was removed; is it the \
+        right database, and whole? `--even-most` removes them"
+    )]
+    MostAreOrphans {
+        /// Blobs without a row.
+        orphans: usize,
+        /// All blobs.
+        blobs: usize,
+    },
     /// A database that was opened failed.
     #[error(transparent)]
     Shared(StoreError),
@@ -240,7 +254,7 @@ pub struct Metrics {
     pub tables: u64,
     /// Bytes of all tables.
     pub table_bytes: u64,
-    /// Blobs found damaged since the start.
+    /// Blobs found damaged or missing since the start.
     pub blobs_corrupt: u64,
     /// Pictures since the start, except those served from memory.
     pub pictures: PictureCounts,

@@ -51,6 +51,8 @@ pub fn check(folder: &Path) -> Result<CheckReport, OpenError> {
     }
     let mut catalogue = reconcile(&store.rows, store.blobs.as_ref(), &FitBackend::new(None)).map_err(of)?;
     // The files of damaged tables are not missing.
-    catalogue.lost.retain(|digest| !damaged_tables.contains(digest));
+    for missing in [&mut catalogue.lost, &mut catalogue.missing_brdfs] {
+        missing.retain(|digest| !damaged_tables.contains(digest));
+    }
     Ok(CheckReport { store: store.damage, catalogue, tables, damaged_tables })
 }

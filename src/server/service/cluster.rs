@@ -8,6 +8,7 @@ use std::{
 };
 
 use jiff::{SignedDuration, Timestamp};
+use serde::Serialize;
 
 use super::{
     Config, OpenError, Service,
@@ -21,7 +22,10 @@ use crate::{
         Queue, StateName,
         postgres::{PostgresQueue, Process},
     },
-    store::{Access, Catalogue, Database, ObjectBlobs, PostgresRows, Store, StoreError},
+    store::{
+        Access, BlobInfo, Blobs as _, Catalogue, Database, ObjectBlobs, PairError, PostgresRows, Store, StoreError,
+        pair,
+    },
 };
 use ltcforge_files::digest::Digest;
 use ltcforge_fit::FITTER_VERSION;
@@ -66,7 +70,18 @@ pub struct Shared {
 }
 
 impl Shared {
+    /// The database and the store, which know each other. Where they are new to each other, a process that writes
+    /// introduces them.
     pub(super) fn open(&self, config: &Config, access: Access) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
+        let (database, blobs) = self.connect(config, access)?;
+        let new = process_name();
+        match pair(&database, &blobs, (access == Access::Write).then_some(new.as_str())) {
+            Err(PairError::Unpaired) | Ok(()) => Ok((database, blobs)),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn connect(&self, config: &Config, access: Access) -> Result<(Arc<Database>, Arc<ObjectBlobs>), OpenError> {
         let cache = config.data_dir.join("cache");
         // First, so that the schema is not made if this URL is wrong.
         let blobs = Arc::new(ObjectBlobs::open(&self.blobs, access, &cache, self.cache_bytes)?);
@@ -144,13 +159,37 @@ fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Dig
     }
 }
 
-/// Removes blobs older than a day that are not tables of the catalogue and not named by a recipe in use. Returns how
-/// many.
+/// What [`sweep`] may remove.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Removal {
+    /// Nothing: it only tells.
+    Nothing,
+    /// All orphans, unless they are most of the blobs.
+    Orphans,
+    /// All orphans, even if they are most of the blobs.
+    EvenMost,
+}
+
+/// What [`sweep`] found and did.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Swept {
+    /// Number of all blobs.
+    pub blobs: usize,
+    /// The orphans among them.
+    pub orphans: Vec<Digest>,
+    /// Number of orphans that were removed.
+    pub removed: usize,
+}
+
+/// Finds orphans: blobs older than a day that are not tables of the catalogue and not named by a recipe in use. Removes
+/// them as `removal` says.
 ///
 /// # Errors
-/// When the database or the blob store cannot be used.
-pub fn sweep(config: &Config, shared: &Shared) -> Result<usize, OpenError> {
-    let (database, blobs) = shared.open(config, Access::Write)?;
+/// When the database or the blob store cannot be used, or do not know each other, or most of the blobs are orphans.
+pub fn sweep(config: &Config, shared: &Shared, removal: Removal) -> Result<Swept, OpenError> {
+    let access = if removal == Removal::Nothing { Access::Read } else { Access::Write };
+    let (database, blobs) = shared.connect(config, access)?;
+    pair(&database, &blobs, None)?;
     let process = Process { name: "gc".to_owned(), fitter: FITTER_VERSION };
     let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;
     let catalogue = Catalogue::new(Arc::new(PostgresRows::new(database)));
@@ -161,14 +200,29 @@ pub fn sweep(config: &Config, shared: &Shared) -> Result<usize, OpenError> {
             || catalogue.table(digest)?.is_some()
             || brdfs_named_since(&queue, began)?.contains(&digest))
     };
-    blobs.sweep(ORPHAN_AGE, &is_known).map_err(OpenError::Shared)
+    let before = Timestamp::now().checked_sub(ORPHAN_AGE).unwrap_or(Timestamp::UNIX_EPOCH);
+    let is_orphan = |blob: &BlobInfo| Ok(blob.stored_at < before && !is_known(blob.digest)?);
+    let (all, mut orphans) = (blobs.list().map_err(OpenError::Shared)?, Vec::new());
+    for blob in &all {
+        if is_orphan(blob).map_err(OpenError::Shared)? {
+            orphans.push(blob);
+        }
+    }
+    if removal == Removal::Orphans && orphans.len() > all.len() / 2 {
+        return Err(OpenError::MostAreOrphans { orphans: orphans.len(), blobs: all.len() });
+    }
+    let mut removed = 0;
+    for orphan in orphans.iter().filter(|_| removal != Removal::Nothing) {
+        removed += usize::from(blobs.remove(orphan, &is_known).map_err(OpenError::Shared)?);
+    }
+    Ok(Swept { blobs: all.len(), orphans: orphans.iter().map(|blob| blob.digest).collect(), removed })
 }
 
 #[cfg(test)]
 mod tests {
     use std::{
         fs::{self, File},
-        path::PathBuf,
+        path::{Path, PathBuf},
         time::{Duration, SystemTime},
     };
 
@@ -188,6 +242,9 @@ mod tests {
             blobs: format!("file://{}", store.display()),
             cache_bytes: 1 << 20,
         };
+        let unpaired = sweep(&config, &shared, Removal::Nothing).unwrap_err().to_string();
+        assert!(unpaired.contains("start `ltcforge serve`"), "{unpaired}");
+        shared.open(&config, Access::Write).unwrap();
         let service = Service::open_shared(config.clone(), &shared, false).unwrap();
         let [named, other] = [0.2, 0.3].map(|alpha| {
             let axes = TabulatedAxes::spread(vec![alpha, 1.0], 48, 32);
@@ -206,9 +263,98 @@ mod tests {
         let stored_at = |file| fs::metadata(file).unwrap().modified().unwrap();
         assert!(stored_at(&named.1) > stored_at(&other.1), "it is put again once the job is known");
         age(&named.1);
-        assert_eq!(sweep(&config, &shared).unwrap(), 1);
+        let swept = |removal| sweep(&config, &shared, removal);
+        let told = Swept { blobs: 2, orphans: vec![other.0], removed: 0 };
+        assert_eq!(swept(Removal::Nothing).unwrap(), told);
+        assert!(named.1.exists() && other.1.exists());
+        assert_eq!(swept(Removal::Orphans).unwrap(), Swept { removed: 1, ..told });
         assert!(named.1.exists() && !other.1.exists());
         service.stop();
+    }
+
+    /// Two databases and two stores.
+    fn pairs(dir: &Path) -> Option<[Shared; 2]> {
+        let shared = |name: &str| {
+            let store = dir.join(name);
+            fs::create_dir_all(&store).unwrap();
+            let database = throwaway::empty_database()?.parse().unwrap();
+            Some(Shared { database, blobs: format!("file://{}", store.display()), cache_bytes: 1 << 20 })
+        };
+        Some([shared("a")?, shared("b")?])
+    }
+
+    fn old_blob(dir: &Path, name: &str) -> PathBuf {
+        let hex = Digest::of(name.as_bytes()).hex();
+        let file = dir.join(&hex[..2]).join(&hex);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(&file, name).unwrap();
+        let long_ago = SystemTime::now() - Duration::from_secs(200_000);
+        File::options().write(true).open(&file).unwrap().set_modified(long_ago).unwrap();
+        file
+    }
+
+    #[test]
+    fn a_database_and_a_store_that_do_not_know_each_other_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let Some([a, b]) = pairs(dir.path()) else { return };
+        let config = config(&dir.path().join("data"));
+        let refused = |database: &Shared, store: &Shared| {
+            let strangers = Shared { database: database.database.clone(), ..store.clone() };
+            for access in [Access::Write, Access::Read] {
+                let error = strangers.open(&config, access).unwrap_err().to_string();
+                assert!(error.contains("do not belong together"), "{error}");
+            }
+            let works = Service::open_shared(config.clone(), &strangers, true).unwrap_err();
+            assert!(matches!(works, OpenError::Pair(PairError::Strangers { .. })), "{works}");
+            for removal in [Removal::Nothing, Removal::EvenMost] {
+                assert!(matches!(sweep(&config, &strangers, removal), Err(OpenError::Pair(_))));
+            }
+        };
+        let kept = old_blob(&dir.path().join("a"), "a table");
+        a.open(&config, Access::Read).unwrap();
+        a.open(&config, Access::Write).unwrap();
+        // One that is new to an old store, and one that is old to a new store.
+        refused(&b, &a);
+        refused(&a, &b);
+        b.open(&config, Access::Write).unwrap();
+        refused(&b, &a);
+        refused(&a, &b);
+        for shared in [&a, &b] {
+            shared.open(&config, Access::Write).unwrap();
+        }
+        assert!(kept.exists());
+    }
+
+    #[test]
+    fn of_many_that_start_at_once_one_introduces_database_and_store() {
+        let dir = tempfile::tempdir().unwrap();
+        let Some([a, _]) = pairs(dir.path()) else { return };
+        let config = config(&dir.path().join("data"));
+        std::thread::scope(|scope| {
+            let open = || a.open(&config, Access::Write).map(drop).unwrap();
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(open)).collect();
+            for thread in threads {
+                thread.join().unwrap();
+            }
+        });
+    }
+
+    #[test]
+    fn most_of_a_store_is_removed_only_on_demand() {
+        let dir = tempfile::tempdir().unwrap();
+        let Some([a, _]) = pairs(dir.path()) else { return };
+        let config = config(&dir.path().join("data"));
+        let (_, blobs) = a.open(&config, Access::Write).unwrap();
+        let old = ["x", "y", "z"].map(|name| old_blob(&dir.path().join("a"), name));
+        for young in [b"1", b"2"] {
+            blobs.put(young).unwrap();
+        }
+        let refused = sweep(&config, &a, Removal::Orphans).unwrap_err().to_string();
+        assert!(refused.contains("3 of the store's 5 blobs"), "{refused}");
+        assert!(old.iter().all(|file| file.exists()));
+        assert_eq!(sweep(&config, &a, Removal::EvenMost).unwrap().removed, 3);
+        assert!(!old.iter().any(|file| file.exists()));
+        assert_eq!(sweep(&config, &a, Removal::Orphans).unwrap(), Swept { blobs: 2, orphans: vec![], removed: 0 });
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub use api::{
 };
 pub use brdfs::{StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
-pub use cluster::{DatabaseUrl, Shared, sweep};
+pub use cluster::{DatabaseUrl, Removal, Shared, Swept, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
 pub use exports::{ExportFailure, ExportedFile, MadeExport};
 pub use migrate::{Migrated, migrate};

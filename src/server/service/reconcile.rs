@@ -8,8 +8,11 @@ use std::{
 use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{TableRow, backend::Backend};
-use crate::store::{Blobs, Catalogue, Rows, StoreError};
+use super::{TableRow, backend::Backend, find_brdf::named_in};
+use crate::{
+    queue::embedded::stored_jobs,
+    store::{Blobs, Catalogue, Rows, StoreError},
+};
 use ltcforge_files::digest::Digest;
 
 /// The changes that made the catalogue agree with the blobs.
@@ -19,6 +22,13 @@ pub struct Reconciled {
     pub added: Vec<Digest>,
     /// Tables of the catalogue whose blob is missing. They are taken out, so that their recipes are fitted again.
     pub lost: Vec<Digest>,
+    /// Tabulated BRDFs that recipes of tables and jobs name, and whose file is missing. Only their users have them.
+    pub missing_brdfs: Vec<Digest>,
+}
+
+/// On a full disk the catalogue stays as it is, until a later start.
+fn unless_full(written: Result<(), StoreError>) -> Result<(), StoreError> {
+    if matches!(written, Err(StoreError::DiskFull)) { Ok(()) } else { written }
 }
 
 /// Makes the catalogue agree with the blobs, both ways, and logs every difference.
@@ -31,6 +41,9 @@ pub(super) fn reconcile(
     let stored: BTreeMap<Digest, Timestamp> =
         blobs.list()?.into_iter().map(|blob| (blob.digest, blob.stored_at)).collect();
     let complete: BTreeSet<Digest> = catalogue.complete()?;
+    let (recipes, jobs) = (catalogue.recipes()?, stored_jobs(rows.as_ref())?);
+    let recipes = recipes.iter().chain(jobs.iter().map(|stored| &stored.job.recipe));
+    let named: BTreeSet<Digest> = recipes.filter_map(|recipe| named_in(recipe)).collect();
     let mut done = Reconciled::default();
     for (digest, stored_at) in stored.iter().filter(|(digest, _)| !complete.contains(*digest)) {
         let bytes = match blobs.get(*digest) {
@@ -42,13 +55,17 @@ pub(super) fn reconcile(
         let Some((recipe, recipe_digest)) = backend.recognise(&bytes) else { continue };
         let created_at = catalogue.table(*digest)?.map_or(*stored_at, |row| row.created_at);
         let row = TableRow { digest: *digest, recipe_digest, bytes: bytes.len() as u64, created_at };
-        rows.commit(&Catalogue::entry(&row, &recipe)?)?;
+        unless_full(rows.commit(&Catalogue::entry(&row, &recipe)?))?;
         done.added.push(*digest);
     }
     for digest in complete.iter().filter(|digest| !stored.contains_key(*digest)) {
         tracing::error!(table = %digest, "the file of a table is missing; it is taken out of the catalogue");
-        catalogue.forget(*digest)?;
+        unless_full(catalogue.forget(*digest).map(drop))?;
         done.lost.push(*digest);
+    }
+    done.missing_brdfs = named.into_iter().filter(|digest| !stored.contains_key(digest)).collect();
+    for brdf in &done.missing_brdfs {
+        tracing::error!(%brdf, "the file of a tabulated BRDF is missing, and recipes name it; send it to /v1/brdfs again");
     }
     if !done.added.is_empty() {
         tracing::warn!(

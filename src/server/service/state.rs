@@ -82,7 +82,11 @@ impl Service {
     /// Whether the service accepts jobs and works on them.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        !self.state.is_stopping() && self.state.queue.is_reachable()
+        let ServiceState { queue, tables, .. } = self.state.as_ref();
+        !self.state.is_stopping()
+            && tables.store.rows.is_writable()
+            && queue.is_reachable()
+            && tables.store.blobs.is_reachable()
     }
 
     /// Whether [`Self::stop`] was called.

@@ -1,8 +1,11 @@
 //! The stored tables: their files, which are hashed on every read, and the catalogue.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU64, Ordering},
+use std::{
+    collections::BTreeSet,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 use super::ServiceError;
@@ -14,14 +17,16 @@ use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
 pub(super) struct Tables {
     pub(super) store: Store,
     pub(super) catalogue: Catalogue,
-    /// Blobs found damaged so far.
+    /// Blobs found damaged or missing so far.
     damaged: AtomicU64,
+    /// Tables whose file was missing when it was last asked for.
+    missing: Mutex<BTreeSet<Digest>>,
 }
 
 impl Tables {
     pub(super) fn new(store: Store) -> Self {
         let catalogue = Catalogue::new(Arc::clone(&store.rows));
-        Self { store, catalogue, damaged: AtomicU64::new(0) }
+        Self { store, catalogue, damaged: AtomicU64::new(0), missing: Mutex::default() }
     }
 
     /// Whether there is a file with this digest. Its bytes are not read.
@@ -36,7 +41,14 @@ impl Tables {
     /// that the next equal job fits the table again.
     pub(super) fn read(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
         match self.store.blobs.get(digest) {
-            Ok(bytes) => Ok(bytes.map(Arc::new)),
+            Ok(Some(bytes)) => {
+                self.missing().remove(&digest);
+                Ok(Some(Arc::new(bytes)))
+            }
+            Ok(None) => {
+                self.tell_missing(digest)?;
+                Ok(None)
+            }
             Err(error) => {
                 if matches!(error, StoreError::Corrupt { .. }) {
                     self.damaged.fetch_add(1, Ordering::Relaxed);
@@ -57,11 +69,25 @@ impl Tables {
     pub(super) fn of_recipe(&self, recipe_digest: Digest) -> Result<Option<Digest>, StoreError> {
         match self.catalogue.recipe(recipe_digest)? {
             Some((_, table)) if self.contains(table)? => Ok(Some(table)),
-            _ => Ok(None),
+            Some((_, table)) => self.tell_missing(table).map(|()| None),
+            None => Ok(None),
         }
     }
 
-    /// How many blobs were found damaged so far.
+    fn missing(&self) -> MutexGuard<'_, BTreeSet<Digest>> {
+        self.missing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Logs once that a table of the catalogue has no file. It was removed or renamed while the service ran.
+    fn tell_missing(&self, digest: Digest) -> Result<(), StoreError> {
+        if self.catalogue.table(digest)?.is_some() && self.missing().insert(digest) {
+            self.damaged.fetch_add(1, Ordering::Relaxed);
+            tracing::error!(table = %digest, "the file of a table is missing; its recipe is fitted again when it is submitted");
+        }
+        Ok(())
+    }
+
+    /// How many blobs were found damaged or missing so far.
     pub(super) fn damaged(&self) -> u64 {
         self.damaged.load(Ordering::Relaxed)
     }

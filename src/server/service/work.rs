@@ -2,7 +2,7 @@
 
 use std::{
     any::Any,
-    iter,
+    iter, mem,
     ops::ControlFlow,
     panic::{AssertUnwindSafe, catch_unwind},
     slice,
@@ -135,11 +135,7 @@ impl ServiceState {
                 given_back
             }
             TaskError::Store(error) => {
-                let kind = match error {
-                    StoreError::DiskFull => FailureKind::DiskFull,
-                    _ => FailureKind::Storage,
-                };
-                self.queue.abort(&task.lease, Failure { kind, detail: error.to_string() })
+                self.queue.abort(&task.lease, Failure { kind: FailureKind::Storage, detail: error.to_string() })
             }
         };
         if let Err(StaleLease) = reported {
@@ -211,15 +207,22 @@ impl ServiceState {
     }
 
     /// Stores a result that may have taken minutes to make, and tries again while the error is a passing one.
-    fn retried<T>(&self, task: &LeasedTask, store: impl Fn() -> Result<T, StoreError>) -> Result<T, TaskError> {
+    fn retried<T, E: Into<TaskError>>(
+        &self,
+        task: &LeasedTask,
+        store: impl Fn() -> Result<T, E>,
+    ) -> Result<T, TaskError> {
+        let mut is_told = false;
         loop {
-            match store() {
-                Err(error) if error.is_passing() && !self.is_stopping() => {
-                    tracing::warn!(job = %task.job, task = ?task.kind, %error, "the result is stored again");
+            match store().map_err(Into::into) {
+                Err(TaskError::Store(error)) if error.is_passing() && !self.is_stopping() => {
+                    if !mem::replace(&mut is_told, true) {
+                        tracing::warn!(job = %task.job, task = ?task.kind, %error, "storing the result is tried again");
+                    }
                     self.queue.pause(RETRY);
                     self.queue.progress(&task.lease, 0)?;
                 }
-                done => return Ok(done?),
+                done => return done,
             }
         }
     }
@@ -248,7 +251,10 @@ impl ServiceState {
         };
         let mut batch = Catalogue::entry(&row, &task.recipe)?;
         batch.extend(Catalogue::manifest_entry(digest, &manifest)?);
-        self.queue.finish(&task.lease, digest, batch)?;
+        self.retried(task, || self.queue.finish(&task.lease, digest, batch.clone()))?;
+        if let Err(error) = self.tables.store.blobs.keep(digest, &file) {
+            tracing::warn!(job = %task.job, table = %digest, %error, "whether the table is still stored is not known");
+        }
         tracing::info!(job = %task.job, table = %digest, bytes = row.bytes, "the table is stored");
         Ok(())
     }

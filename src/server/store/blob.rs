@@ -40,11 +40,26 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     /// When the storage does not tell.
     fn contains(&self, digest: Digest) -> Result<bool, StoreError>;
 
-    /// All blobs, by digest.
+    /// Stores a blob that has become known again if it was removed meanwhile: another process may have taken it for an
+    /// orphan.
+    ///
+    /// # Errors
+    /// As [`Self::put`].
+    fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {
+        let _ = (digest, bytes);
+        Ok(())
+    }
+
+    /// All blobs that are regular files, by digest.
     ///
     /// # Errors
     /// When the storage cannot be listed.
     fn list(&self) -> Result<Vec<BlobInfo>, StoreError>;
+
+    /// Whether the storage answers.
+    fn is_reachable(&self) -> bool {
+        true
+    }
 
     /// A URL of the blob for a client, valid for so long; `None` if the storage has none.
     ///
@@ -116,9 +131,14 @@ impl Blobs for FileBlobs {
 
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
         let path = self.path(digest);
-        let bytes = match fs::read(&path) {
+        let bytes = match files::read_regular(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                let moved_to = files::move_to_quarantine(&path, &self.quarantine, &digest.hex())?;
+                tracing::error!(%digest, moved_to = %moved_to.display(), "a blob that is no regular file was moved to quarantine");
+                return Ok(None);
+            }
             Err(source) => return Err(StoreError::of_io(path, source)),
         };
         let actual = Digest::of(&bytes);
@@ -131,7 +151,7 @@ impl Blobs for FileBlobs {
     }
 
     fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
-        Ok(self.path(digest).is_file())
+        Ok(self.path(digest).symlink_metadata().is_ok_and(|metadata| metadata.is_file()))
     }
 
     fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
@@ -139,9 +159,11 @@ impl Blobs for FileBlobs {
         for file in self.files()? {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
             let Ok(digest) = name.parse::<Digest>() else { continue };
-            let stored_at = fs::metadata(&file)
-                .and_then(|metadata| metadata.modified())
-                .map_err(|source| StoreError::of_io(&file, source))?;
+            let metadata = file.symlink_metadata().map_err(|source| StoreError::of_io(&file, source))?;
+            if !metadata.is_file() {
+                continue;
+            }
+            let stored_at = metadata.modified().map_err(|source| StoreError::of_io(&file, source))?;
             let stored_at = Timestamp::try_from(stored_at).unwrap_or(Timestamp::UNIX_EPOCH);
             blobs.push(BlobInfo { digest, stored_at });
         }
@@ -151,6 +173,8 @@ impl Blobs for FileBlobs {
 
 #[cfg(test)]
 mod tests {
+    use rustix::fs::{FileType, Mode};
+
     use super::*;
 
     fn blobs(dir: &Path) -> FileBlobs {
@@ -196,6 +220,37 @@ mod tests {
         fs::write(blobs.path(digest), b"").unwrap();
         blobs.put(b"table").unwrap();
         assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+    }
+
+    /// Each kind in the place of a blob. A FIFO without a writer would be waited for, and /dev/zero has no end.
+    #[test]
+    fn only_regular_files_are_opened() {
+        type Make = fn(&Path);
+        let kinds: [Make; 4] = [
+            |path| {
+                let elsewhere = path.with_file_name("elsewhere");
+                fs::write(&elsewhere, b"table").unwrap();
+                std::os::unix::fs::symlink(elsewhere, path).unwrap();
+            },
+            |path| fs::create_dir(path).unwrap(),
+            |path| std::os::unix::fs::symlink("/dev/zero", path).unwrap(),
+            |path| rustix::fs::mknodat(rustix::fs::CWD, path, FileType::Fifo, Mode::RUSR, 0).unwrap(),
+        ];
+        for make in kinds {
+            let dir = tempfile::tempdir().unwrap();
+            let blobs = blobs(dir.path());
+            let digest = Digest::of(b"table");
+            let path = blobs.path(digest);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            make(&path);
+            assert!(blobs.list().unwrap().is_empty());
+            assert!(!blobs.contains(digest).unwrap());
+            assert_eq!(blobs.get(digest).unwrap(), None);
+            assert_eq!(fs::read_dir(dir.path().join("quarantine")).unwrap().count(), 1);
+            make(&path);
+            assert_eq!(blobs.put(b"table").unwrap(), digest);
+            assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+        }
     }
 
     #[test]

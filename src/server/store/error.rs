@@ -68,13 +68,13 @@ impl StoreError {
 }
 
 impl StoreError {
-    /// Whether the process or the machine lacked something for a moment, such as a free descriptor or a connection:
-    /// the same operation may succeed later.
+    /// Whether the process or the machine lacked something for a moment, such as a free descriptor, a connection or room on
+    /// the disk: the same operation may succeed later.
     #[must_use]
     pub fn is_passing(&self) -> bool {
         match self {
             Self::Io { source, .. } => is_passing(source),
-            Self::Unavailable(_) => true,
+            Self::Unavailable(_) | Self::DiskFull => true,
             _ => false,
         }
     }
@@ -96,13 +96,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_lack_of_descriptors_passes_and_a_refused_permission_does_not() {
+    fn a_lack_of_descriptors_or_room_passes_and_a_refused_permission_does_not() {
         let of = |code| StoreError::of_io("x", io::Error::from_raw_os_error(code)).is_passing();
         assert!(of(rustix::io::Errno::MFILE.raw_os_error()));
         assert!(!of(rustix::io::Errno::ACCESS.raw_os_error()));
         let of_sled = |code| StoreError::of_sled(&sled::Error::Io(io::Error::from_raw_os_error(code)));
         assert!(of_sled(rustix::io::Errno::MFILE.raw_os_error()).is_passing());
-        assert!(!StoreError::DiskFull.is_passing());
+        assert!(StoreError::DiskFull.is_passing());
     }
 
     #[test]

@@ -1,9 +1,13 @@
 //! The store's files and folders, and its quarantine.
 
 use std::{
-    fs, io,
+    fs,
+    io::{self, Read as _},
+    os::unix::fs::OpenOptionsExt as _,
     path::{Path, PathBuf},
 };
+
+use rustix::fs::OFlags;
 
 use super::StoreError;
 pub(super) use ltcforge_files::replace::sync_folder;
@@ -72,7 +76,21 @@ fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
     free.ok_or_else(|| StoreError::of_io(quarantine, io::ErrorKind::AlreadyExists.into()))
 }
 
-/// Copies a folder with its contents.
+/// The bytes of a regular file. Anything else is not opened and is [`io::ErrorKind::InvalidData`]: reading a FIFO may
+/// wait for ever, and a device or what a link leads to may have no end.
+pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    if !path.symlink_metadata()?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not a regular file"));
+    }
+    // It may have been replaced since.
+    let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+    let mut file = fs::File::options().read(true).custom_flags(flags).open(path)?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Copies a folder with its contents, without what is neither a folder nor a regular file.
 pub(crate) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
     copy_folder_by(from, to, &|from, to| fs::copy(from, to).map(drop))
 }
@@ -83,7 +101,11 @@ pub(super) fn copy_folder_by(from: &Path, to: &Path, copy: &dyn Fn(&Path, &Path)
     for entry in fs::read_dir(from)? {
         let entry = entry?;
         let (path, target) = (entry.path(), to.join(entry.file_name()));
-        if entry.file_type()?.is_dir() { copy_folder_by(&path, &target, copy)? } else { copy(&path, &target)? }
+        match entry.file_type()? {
+            kind if kind.is_dir() => copy_folder_by(&path, &target, copy)?,
+            kind if kind.is_file() => copy(&path, &target)?,
+            _ => {}
+        }
     }
     Ok(())
 }

@@ -46,7 +46,8 @@ pub(super) struct Journal {
 
 impl Journal {
     /// Opens the journal at `path` or creates it, and writes it anew with one line a job. A damaged one is copied to
-    /// `quarantine` first. Jobs of `earlier` that it does not mention are added; a row without a value is a lost job.
+    /// `quarantine` first. Jobs of `earlier` that it does not mention are added; a row without a value is a lost job. On a
+    /// full disk it stays as it is, unless jobs are to be added.
     ///
     /// # Errors
     /// When it cannot be read, copied or written.
@@ -57,16 +58,13 @@ impl Journal {
         damage: &mut Damage,
     ) -> Result<Self, StoreError> {
         let mut contents = read(path)?;
+        let may_stay = earlier.is_empty() && path.is_file();
         for Row { key, value } in earlier {
             if value.is_none() && !contents.jobs.contains_key(&key) {
                 contents.lost.insert(key);
             } else {
                 contents.jobs.entry(key).or_insert(value);
             }
-        }
-        if contents.damaged > 0 || contents.is_cut_short {
-            let copied_to = files::copy_to_quarantine(path, quarantine, "jobs.log")?;
-            tracing::error!(copied_to = %copied_to.display(), "the damaged journal of jobs was copied to quarantine");
         }
         damage.damaged_journal_entries = contents.damaged;
         damage.journal_is_incomplete |= contents.is_cut_short;
@@ -77,10 +75,21 @@ impl Journal {
         for (key, value) in &contents.jobs {
             text.push_str(&line(&words(key, value.as_deref())));
         }
-        files::write_durably(path, text.as_bytes())?;
+        let written = (|| {
+            if contents.damaged > 0 || contents.is_cut_short {
+                let copied_to = files::copy_to_quarantine(path, quarantine, "jobs.log")?;
+                tracing::error!(copied_to = %copied_to.display(), "the damaged journal of jobs was copied to quarantine");
+            }
+            files::write_durably(path, text.as_bytes())
+        })();
+        match written {
+            Err(StoreError::DiskFull) if may_stay => tracing::warn!("the disk is full: jobs.log was not written anew"),
+            written => written?,
+        }
         let opened = OpenOptions::new().append(true).open(path);
         let file = opened.map_err(|source| StoreError::of_io(path, source))?;
-        let (path, quarantine, length) = (path.to_owned(), quarantine.to_owned(), text.len() as u64);
+        let length = file.metadata().map_err(|source| StoreError::of_io(path, source))?.len();
+        let (path, quarantine) = (path.to_owned(), quarantine.to_owned());
         let (sync, most) = (Arc::new(File::sync_data), length + MOST_APPENDED);
         Ok(Self { path, quarantine, file, sync, length, most, is_torn: false })
     }

@@ -72,6 +72,10 @@ impl Rows for LocalRows {
         Ok(staged)
     }
 
+    fn is_writable(&self) -> bool {
+        self.sled.is_writable()
+    }
+
     fn settle(&self, staged: Staged) -> Result<(), StoreError> {
         self.sled.settle(staged)
     }

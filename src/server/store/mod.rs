@@ -15,6 +15,7 @@
 
 mod blob;
 mod catalogue;
+mod certificates;
 mod damage;
 mod dry_run;
 mod error;
@@ -24,6 +25,7 @@ mod local_rows;
 mod migrations;
 mod objects;
 mod open;
+mod pair;
 mod postgres;
 mod rows;
 mod sled_rows;
@@ -41,6 +43,7 @@ pub use dry_run::DryRun;
 pub use error::StoreError;
 pub use objects::{Access, ObjectBlobs, ObjectsOpenError};
 pub use open::{ReopenCheck, Store, StoreOpenError};
+pub use pair::{PairError, pair};
 pub(crate) use postgres::apply;
 #[cfg(test)]
 pub(crate) use postgres::tests::{self as test_database, throwaway};

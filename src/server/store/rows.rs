@@ -92,6 +92,11 @@ pub trait Rows: Send + Sync + std::fmt::Debug {
     /// may be stored or not, or without its changes of jobs.
     fn commit(&self, batch: &Batch) -> Result<(), StoreError>;
 
+    /// Whether the disk has room for what a submission commits.
+    fn is_writable(&self) -> bool {
+        true
+    }
+
     /// Applies `batch` without waiting for the disk; it is durable with the next [`Rows::commit`] or [`Rows::settle`].
     ///
     /// # Errors

@@ -6,10 +6,12 @@
 //! - Truncated files can cause a panic inside sled. It is opened on a thread whose panic is caught.
 //! - After a write error, such as a full disk, an open database refuses every operation. It is closed, and the next
 //!   operation opens it again. It may have lost rows then, so it is checked as at the start before anyone reads it.
+//! - It cannot be opened on a full disk. A copy on another disk, or in memory, is read until there is room.
 //! - Some damage is found only when a row is read. All rows are read when it is opened.
 //! - sled's threads may keep the files locked for a moment after the database is dropped. Opening waits for that.
 
 use std::{
+    env,
     fs::{File, TryLockError},
     io,
     path::{Path, PathBuf},
@@ -22,9 +24,12 @@ use std::{
 };
 
 use sled::transaction::{TransactionError, Transactional as _};
+use tempfile::TempDir;
 
 use super::{
-    Batch, ReopenCheck, Row, Rows, Staged, StoreError, Tree, files,
+    Batch, ReopenCheck, Row, Rows, Staged, StoreError, Tree,
+    error::is_full,
+    files,
     migrations::{self, MigrationError},
     rows,
 };
@@ -35,6 +40,9 @@ const CACHE_BYTES: u64 = 16 << 20;
 /// Room that a commit leaves on the disk. sled's log grows by segments of 512 KiB, of which two may be open, and sled
 /// must not run into a full disk while it writes in the background.
 const HEADROOM_BYTES: u64 = 2 << 20;
+
+/// Room beyond that for a job of many shards.
+const JOB_BYTES: u64 = 1 << 20;
 
 /// How long a closed database may stay locked.
 const RELEASE: Duration = Duration::from_secs(2);
@@ -83,6 +91,8 @@ struct Handle {
     damaged_rows: usize,
     /// Number of the opening, of all since the process has begun.
     opening: u64,
+    /// The folder of a copy that was opened because the disk is full. It is only read.
+    copy: Option<TempDir>,
 }
 
 impl std::fmt::Debug for SledRows {
@@ -99,6 +109,9 @@ impl Handle {
     fn apply(&self, batch: &Batch) -> Result<(), sled::Error> {
         if batch.is_empty() {
             return Ok(());
+        }
+        if self.copy.is_some() {
+            return Err(sled::Error::Io(io::ErrorKind::StorageFull.into()));
         }
         let mut touched: Vec<Tree> = batch.changes.iter().map(|(tree, ..)| *tree).collect();
         touched.sort_unstable();
@@ -125,7 +138,10 @@ impl Handle {
 impl SledRows {
     /// Opens or creates the database in `folder`, brings its schema up to date and reads every row.
     pub(super) fn open(folder: &Path, sync: SyncFn) -> Result<Self, SledOpenError> {
-        let handle = open_caught(folder)?;
+        let handle = match open_caught(folder) {
+            Err(SledOpenError::Unusable(source)) if is_full(source.kind()) => open_copy(folder, source)?,
+            opened => opened?,
+        };
         sync(&handle.file).map_err(SledOpenError::Unusable)?;
         Ok(Self {
             folder: folder.to_owned(),
@@ -194,7 +210,16 @@ impl SledRows {
     /// Whether the disk has room for `batch` and sled's writes in the background.
     pub(super) fn ensure_room(&self, batch: &Batch) -> Result<(), StoreError> {
         let free = files::free_bytes(&self.folder).map_err(|source| StoreError::of_io(&self.folder, source))?;
-        if free < HEADROOM_BYTES + batch.bytes() as u64 { Err(StoreError::DiskFull) } else { Ok(()) }
+        if free < HEADROOM_BYTES + batch.bytes() as u64 {
+            return Err(StoreError::DiskFull);
+        }
+        let is_copy = |handle: &Option<Handle>| handle.as_ref().is_some_and(|handle| handle.copy.is_some());
+        if is_copy(&self.handle.read().unwrap_or_else(PoisonError::into_inner)) {
+            // The next operation opens the database itself.
+            let mut slot = self.handle.write().unwrap_or_else(PoisonError::into_inner);
+            slot.take_if(|handle| handle.copy.is_some());
+        }
+        Ok(())
     }
 }
 
@@ -229,6 +254,10 @@ impl Rows for SledRows {
         })
     }
 
+    fn is_writable(&self) -> bool {
+        files::free_bytes(&self.folder).is_ok_and(|free| free >= HEADROOM_BYTES + JOB_BYTES)
+    }
+
     fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
         self.ensure_room(batch)?;
         self.with(|handle| {
@@ -254,6 +283,22 @@ impl Rows for SledRows {
 
 fn opened(tree: Tree, row: sled::Result<(sled::IVec, sled::IVec)>) -> sled::Result<Row> {
     row.map(|(key, sealed)| Row { key: key.to_vec(), value: rows::unseal(tree.name(), &key, &sealed) })
+}
+
+/// Opens a copy of the database where there is room, or fails with `full`.
+fn open_copy(folder: &Path, full: io::Error) -> Result<Handle, SledOpenError> {
+    for elsewhere in [env::temp_dir(), "/dev/shm".into()] {
+        let copied = TempDir::with_prefix_in("ltcforge-", elsewhere).and_then(|copy| {
+            files::copy_folder(folder, copy.path())?;
+            Ok(copy)
+        });
+        let Ok(copy) = copied else { continue };
+        if let Ok(handle) = open_caught(copy.path()) {
+            tracing::error!("the disk is full: the database is only read, until there is room");
+            return Ok(Handle { copy: Some(copy), ..handle });
+        }
+    }
+    Err(SledOpenError::Unusable(full))
 }
 
 /// Opens the database on a separate thread, so that a panic inside sled becomes an error.
@@ -296,7 +341,7 @@ fn open(folder: &Path) -> Result<Handle, SledOpenError> {
     let file = File::options().read(true).write(true).open(folder.join("db")).map_err(SledOpenError::Unusable)?;
     db.flush().map_err(refused)?;
     file.sync_all().and_then(|()| files::sync_folder(folder)).map_err(SledOpenError::Unusable)?;
-    Ok(Handle { db, trees, file, opening: 0, schema_before: migrations::ALL.len() - applied, damaged_rows })
+    Ok(Handle { db, trees, file, opening: 0, schema_before: migrations::ALL.len() - applied, damaged_rows, copy: None })
 }
 
 /// Opens the database in `folder` with sled, once it is not locked.

@@ -99,7 +99,11 @@ impl EmbeddedQueue {
         for some in keys.chunks(TASKS_AT_ONCE) {
             let mut batch = Batch::default();
             record::remove_tasks(&mut batch, some);
-            self.rows.stage(&batch)?;
+            match self.rows.stage(&batch) {
+                // A later start removes them.
+                Err(StoreError::DiskFull) => break,
+                staged => staged?,
+            };
         }
         Ok(())
     }

@@ -1,14 +1,17 @@
 //! The catalogue compared with the blobs, both ways.
 
-use std::{fs, sync::Arc};
+use std::{fs, num::NonZeroU32, sync::Arc, time::Duration};
 
 use jiff::Timestamp;
 
 use super::{
-    super::{Reconciled, TableRow, reconcile::reconcile},
+    super::{Reconciled, TableRow, check, reconcile::reconcile},
     fake_backend::FakeBackend,
 };
-use crate::store::{Batch, Catalogue, Store, Tree};
+use crate::{
+    queue::{Limits, NewJob, Queue as _, embedded::EmbeddedQueue},
+    store::{Batch, Catalogue, Store, Tree},
+};
 use ltcforge_files::digest::Digest;
 
 const TABLE: &[u8] = b"TABLE gold 1 0";
@@ -35,7 +38,7 @@ fn listed(store: &Store) -> Vec<TableRow> {
 fn a_table_that_the_catalogue_lacks_is_added() {
     let (_dir, store, row) = store();
     store.blobs.put(b"no table").unwrap();
-    assert_eq!(reconciled(&store), Reconciled { added: vec![row.digest], lost: vec![] });
+    assert_eq!(reconciled(&store), Reconciled { added: vec![row.digest], ..Reconciled::default() });
     let found = listed(&store);
     assert_eq!(found.iter().map(|found| (found.digest, found.bytes)).collect::<Vec<_>>(), [(row.digest, row.bytes)]);
     let recipe = Catalogue::new(Arc::clone(&store.rows)).recipe(row.recipe_digest).unwrap();
@@ -68,10 +71,51 @@ fn a_table_without_its_file_is_taken_out_of_the_catalogue() {
     store.rows.commit(&Catalogue::entry(&row, "gold 1").unwrap()).unwrap();
     let hex = row.digest.hex();
     fs::remove_file(dir.path().join("blobs").join(&hex[..2]).join(&hex)).unwrap();
-    assert_eq!(reconciled(&store), Reconciled { added: vec![], lost: vec![row.digest] });
+    assert_eq!(reconciled(&store), Reconciled { lost: vec![row.digest], ..Reconciled::default() });
     for tree in [Tree::Tables, Tree::TablesByAge, Tree::Recipes] {
         assert!(store.rows.scan(tree, &[]).unwrap().is_empty(), "{tree:?}");
     }
+}
+
+/// A table's recipe and one of a job.
+#[test]
+fn a_tabulated_brdf_that_recipes_name_and_that_is_missing_is_told() {
+    let (dir, store, row) = store();
+    let brdfs = [b"of a table".as_slice(), b"of a job"].map(|brdf| store.blobs.put(brdf).unwrap());
+    let recipes = brdfs.map(|brdf| format!(r#"{{"tabulated":"{brdf}"}}"#));
+    store.rows.commit(&Catalogue::entry(&row, &recipes[0]).unwrap()).unwrap();
+    let limits =
+        Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+    let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap();
+    let recipe_digest = Digest::of(recipes[1].as_bytes());
+    let new = NewJob { recipe: recipes[1].clone(), recipe_digest, shard_entries: vec![1] };
+    queue.submit(new, &|_| false).unwrap();
+    drop(queue);
+    assert_eq!(reconciled(&store), Reconciled::default());
+    for brdf in brdfs {
+        let hex = brdf.hex();
+        fs::remove_file(dir.path().join("blobs").join(&hex[..2]).join(&hex)).unwrap();
+    }
+    let mut missing = brdfs.to_vec();
+    missing.sort();
+    assert_eq!(reconciled(&store).missing_brdfs, missing);
+    drop(store);
+    let report = check(dir.path()).unwrap();
+    assert_eq!(report.catalogue.missing_brdfs, missing);
+    assert!(!report.is_clean());
+}
+
+#[test]
+fn a_fifo_in_the_place_of_a_table_is_a_missing_table() {
+    let (dir, store, row) = store();
+    store.rows.commit(&Catalogue::entry(&row, "gold 1").unwrap()).unwrap();
+    let hex = row.digest.hex();
+    let path = dir.path().join("blobs").join(&hex[..2]).join(&hex);
+    fs::remove_file(&path).unwrap();
+    rustix::fs::mknodat(rustix::fs::CWD, &path, rustix::fs::FileType::Fifo, rustix::fs::Mode::RUSR, 0).unwrap();
+    drop(store);
+    assert_eq!(check(dir.path()).unwrap().catalogue.lost, [row.digest]);
+    assert_eq!(reconciled(&Store::open(dir.path()).unwrap()).lost, [row.digest]);
 }
 
 #[test]

@@ -2,7 +2,10 @@
 
 use std::{
     fs,
-    sync::{Arc, atomic::Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
     thread,
     time::Duration,
 };
@@ -13,16 +16,16 @@ use super::{
     fitted, start, submit, *,
 };
 use crate::{
-    queue::{FailureKind, JobId, JobState},
+    queue::{JobId, JobState},
     store::{
-        Batch, Catalogue, ManifestRow, Rows, Store, Tree,
+        Batch, BlobInfo, Blobs, Catalogue, ManifestRow, Rows, Store, StoreError, Tree,
         memory::{Meanwhile, MemoryRows},
     },
 };
 use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
 
 #[test]
-fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() {
+fn a_job_waits_for_room_on_a_full_disk_and_keeps_its_shards() {
     let dir = tempfile::tempdir().unwrap();
     let shared = Arc::new(Shared::default());
     let rows = Arc::new(MemoryRows::default());
@@ -34,14 +37,17 @@ fn a_full_disk_fails_the_job_and_room_brings_it_back_with_its_finished_shards() 
     shared.wait_for_begun(3);
     rows.full.store(true, Ordering::Relaxed);
     shared.set(|b| b.held = false);
-    match end_of(&service, id) {
-        JobState::Failed { error } => assert_eq!(error.kind, FailureKind::DiskFull),
-        other => panic!("{other:?}"),
+    while rows.refused.load(Ordering::Relaxed) < 3 {
+        thread::yield_now();
     }
+    assert!(!service.is_ready());
+    assert_eq!(service.job(id).unwrap().unwrap().job.state, JobState::Running);
     assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
     assert!(service.table(first).unwrap().is_some(), "a stored table is served");
     rows.full.store(false, Ordering::Relaxed);
-    fitted(&service, "gold 4");
+    assert!(service.is_ready());
+    assert!(matches!(end_of(&service, id), JobState::Done { .. }));
+    assert_eq!(shared.begun(), 5, "no shard was fitted twice");
     assert_eq!(rows.len(Tree::Results) + rows.len(Tree::Shards), 0);
 }
 
@@ -60,6 +66,29 @@ fn a_damaged_table_is_reported_once_and_fitted_again() {
     assert_eq!(fitted(&service, "gold 1"), table);
     assert_eq!(shared.begun(), 2);
     assert!(service.table(table).unwrap().is_some());
+}
+
+#[test]
+fn a_table_that_is_removed_or_renamed_while_the_service_runs_is_told_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let service = start(dir.path(), &Arc::new(Shared::default()));
+    let table = fitted(&service, "gold 1");
+    let hex = table.hex();
+    let blob = dir.path().join("blobs").join(&hex[..2]).join(&hex);
+    let told = || service.metrics().unwrap().blobs_corrupt;
+    assert!(service.table(Digest::of(b"unknown")).unwrap().is_none());
+    assert_eq!(told(), 0);
+    fs::rename(&blob, blob.with_file_name("renamed")).unwrap();
+    for _ in 0..2 {
+        assert!(service.table(table).unwrap().is_none());
+        assert_eq!(told(), 1);
+    }
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert!(service.table(table).unwrap().is_some());
+    fs::remove_file(&blob).unwrap();
+    // A submission asks for it too.
+    assert_eq!(fitted(&service, "gold 1"), table);
+    assert_eq!(told(), 2);
 }
 
 #[test]
@@ -162,6 +191,50 @@ fn a_table_from_before_gets_its_manifest_when_it_is_asked_for() {
             assert_eq!(made(), made_before + 1);
         }
     }
+}
+
+/// A store from which another process removes each blob once, before the row that makes it known.
+#[derive(Debug)]
+struct Swept {
+    blobs: Arc<dyn Blobs>,
+    kept: AtomicU64,
+}
+
+impl Blobs for Swept {
+    fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
+        Ok(Digest::of(bytes))
+    }
+
+    fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        self.blobs.get(digest)
+    }
+
+    fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
+        self.blobs.contains(digest)
+    }
+
+    fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
+        self.blobs.list()
+    }
+
+    fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {
+        self.kept.fetch_add(1, Ordering::Relaxed);
+        assert_eq!(self.blobs.put(bytes)?, digest);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_table_that_is_swept_before_it_becomes_known_is_stored_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut store = Store::open(dir.path()).unwrap();
+    let blobs = Arc::new(Swept { blobs: Arc::clone(&store.blobs), kept: AtomicU64::new(0) });
+    store.blobs = Arc::clone(&blobs) as Arc<dyn Blobs>;
+    let service = Service::open_with(config(dir.path()), store, Arc::new(FakeBackend(Arc::default()))).unwrap();
+    let table = fitted(&service, "gold 1");
+    service.stop();
+    assert_eq!(blobs.kept.load(Ordering::Relaxed), 1);
+    assert!(blobs.get(table).unwrap().is_some());
 }
 
 /// A lack of descriptors is no fault of the job's.

@@ -2,13 +2,14 @@
 
 use std::{
     collections::HashMap,
+    fs,
     path::Path as FilePath,
     sync::{Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
 use futures_util::TryStreamExt as _;
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 use object_store::{Error, ObjectMeta, ObjectStoreExt as _, PutPayload, WriteMultipart, path::Path};
 use tokio::runtime::{Builder, Runtime};
 
@@ -22,6 +23,12 @@ use ltcforge_files::digest::Digest;
 /// Bytes of one upload request, at most. A store that takes 350 kB a second takes two at once before the timeout.
 const PART: usize = 5 << 20;
 const PARTS_AT_ONCE: usize = 2;
+
+/// The object that has the identity of the database.
+pub(in crate::store) const IDENTITY: &str = "ltcforge-identity";
+
+/// How long the store may take to say that it answers.
+const PROBE: Duration = Duration::from_secs(5);
 
 /// How long an object that was seen counts as present without another request.
 const SEEN_FOR: Duration = Duration::from_secs(60);
@@ -102,43 +109,64 @@ impl ObjectBlobs {
         parts.finish().await.map(drop)
     }
 
-    fn fetch(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
-        let fetched = self.block_on(async { self.connected.store.get(&self.path(digest)).await?.bytes().await });
-        match fetched {
-            Ok(bytes) => Ok(Some(bytes.to_vec())),
-            Err(Error::NotFound { .. }) => Ok(None),
-            Err(error) => Err(failure(&error)),
+    async fn fetch(&self, path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
+        // Opening a FIFO would wait, and a device may have no end.
+        let file = self.connected.local.as_ref().and_then(|local| local.path_to_filesystem(path).ok());
+        let is_other = |kind: fs::FileType| !kind.is_file() && !kind.is_dir();
+        if file.is_some_and(|file| file.symlink_metadata().is_ok_and(|metadata| is_other(metadata.file_type()))) {
+            return Err(StoreError::Unavailable(format!("{path} is not a regular file")));
         }
+        found(async { self.connected.store.get(path).await?.bytes().await }.await.map(|bytes| bytes.to_vec()))
     }
 
-    /// Removes the blobs that are older than `age` and not known by `is_known`. Returns how many. A blob that becomes
-    /// known while it is removed is put back. A process that makes an old blob known also puts it again afterwards, so
-    /// the blob stays whichever comes first.
+    fn fetch_blob(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        self.block_on(self.fetch(&self.path(digest)))
+    }
+
+    /// The identity of the database whose tables are here; `None` if none was written.
+    pub(in crate::store) async fn identity(&self) -> Result<Option<String>, StoreError> {
+        let bytes = self.fetch(&self.connected.prefix.clone().join(IDENTITY)).await?;
+        Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_owned()))
+    }
+
+    /// Writes the identity of the database whose tables are here.
+    pub(in crate::store) async fn identify(&self, identity: &str) -> Result<(), StoreError> {
+        let path = self.connected.prefix.clone().join(IDENTITY);
+        let put = self.connected.store.put(&path, PutPayload::from(format!("{identity}\n"))).await;
+        put.map(drop).map_err(|error| failure(&error))
+    }
+
+    /// Removes `orphan` as it was listed. One that was stored again since stays, and one that becomes known while it is
+    /// removed is put back. A process that makes a blob known calls [`Blobs::keep`] afterwards, so the blob stays
+    /// whichever comes first. Returns whether it was removed.
     ///
     /// # Errors
     /// When the store, or `is_known`, fails.
-    pub fn sweep(
+    pub fn remove(
         &self,
-        age: SignedDuration,
+        orphan: &BlobInfo,
         is_known: &dyn Fn(Digest) -> Result<bool, StoreError>,
-    ) -> Result<usize, StoreError> {
-        let before = Timestamp::now().checked_sub(age).unwrap_or(Timestamp::UNIX_EPOCH);
-        let mut removed = 0;
-        for blob in self.list()?.into_iter().filter(|blob| blob.stored_at < before) {
-            if is_known(blob.digest)? {
-                continue;
-            }
-            let bytes = self.fetch(blob.digest)?;
-            match self.block_on(self.connected.store.delete(&self.path(blob.digest))) {
-                Ok(()) | Err(Error::NotFound { .. }) => {}
-                Err(error) => return Err(failure(&error)),
-            }
-            match bytes {
-                Some(bytes) if is_known(blob.digest)? => drop(self.put(&bytes)?),
-                _ => removed += 1,
-            }
+    ) -> Result<bool, StoreError> {
+        let (digest, path) = (orphan.digest, self.path(orphan.digest));
+        let Some(bytes) = self.fetch_blob(digest)? else { return Ok(false) };
+        let stored = found(self.block_on(self.connected.store.head(&path)))?;
+        if stored.and_then(|stored| info(&stored)).as_ref() != Some(orphan) {
+            return Ok(false);
         }
-        Ok(removed)
+        found(self.block_on(self.connected.store.delete(&path)))?;
+        if is_known(digest)? {
+            return self.put(&bytes).map(|_| false);
+        }
+        Ok(true)
+    }
+}
+
+/// The answer about an object; `None` if there is no such object.
+fn found<T>(answer: Result<T, Error>) -> Result<Option<T>, StoreError> {
+    match answer {
+        Ok(answer) => Ok(Some(answer)),
+        Err(Error::NotFound { .. }) => Ok(None),
+        Err(error) => Err(failure(&error)),
     }
 }
 
@@ -156,7 +184,7 @@ fn info(object: &ObjectMeta) -> Option<BlobInfo> {
 }
 
 impl Blobs for ObjectBlobs {
-    /// Writes the object even if it exists. This renews its age, so that [`Self::sweep`] does not remove it before it
+    /// Writes the object even if it exists. This renews its age, so that [`Self::remove`] leaves it until it
     /// becomes known, and repairs a damaged object.
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
         let digest = Digest::of(bytes);
@@ -172,7 +200,7 @@ impl Blobs for ObjectBlobs {
             return Ok(Some(bytes));
         }
         for _ in 0..2 {
-            let Some(bytes) = self.fetch(digest)? else { return Ok(None) };
+            let Some(bytes) = self.fetch_blob(digest)? else { return Ok(None) };
             if Digest::of(&bytes) == digest {
                 self.see(digest);
                 self.cache.put(digest, &bytes);
@@ -188,14 +216,19 @@ impl Blobs for ObjectBlobs {
         if seen.is_some_and(|seen| seen.elapsed() < SEEN_FOR) {
             return Ok(true);
         }
-        match self.block_on(self.connected.store.head(&self.path(digest))) {
-            Ok(_) => {
-                self.see(digest);
-                Ok(true)
-            }
-            Err(Error::NotFound { .. }) => Ok(false),
-            Err(error) => Err(failure(&error)),
+        let is_there = found(self.block_on(self.connected.store.head(&self.path(digest))))?.is_some();
+        if is_there {
+            self.see(digest);
         }
+        Ok(is_there)
+    }
+
+    fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner).remove(&digest);
+        if !self.contains(digest)? {
+            self.put(bytes)?;
+        }
+        Ok(())
     }
 
     fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
@@ -204,6 +237,12 @@ impl Blobs for ObjectBlobs {
         let mut blobs = self.block_on(blobs).map_err(|error| failure(&error))?;
         blobs.sort_by_key(|blob| blob.digest);
         Ok(blobs)
+    }
+
+    fn is_reachable(&self) -> bool {
+        let path = self.connected.prefix.clone().join(IDENTITY);
+        let asked = async { tokio::time::timeout(PROBE, self.connected.store.head(&path)).await };
+        matches!(self.block_on(asked), Ok(Ok(_) | Err(Error::NotFound { .. })))
     }
 
     fn link(&self, digest: Digest, valid: Duration) -> Result<Option<String>, StoreError> {
@@ -216,8 +255,6 @@ impl Blobs for ObjectBlobs {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     fn open(dir: &FilePath) -> ObjectBlobs {
@@ -255,6 +292,25 @@ mod tests {
     }
 
     #[test]
+    fn only_regular_files_of_a_folder_are_opened() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = open(dir.path());
+        let digest = Digest::of(b"table");
+        let path = file(dir.path(), digest);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(dir.path().join("elsewhere"), b"table").unwrap();
+        for target in [dir.path().join("elsewhere"), "/dev/zero".into()] {
+            std::os::unix::fs::symlink(target, &path).unwrap();
+            assert!(matches!(blobs.get(digest), Err(error) if error.is_passing()));
+            fs::remove_file(&path).unwrap();
+        }
+        rustix::fs::mknodat(rustix::fs::CWD, &path, rustix::fs::FileType::Fifo, rustix::fs::Mode::RUSR, 0).unwrap();
+        assert!(matches!(blobs.get(digest), Err(error) if error.is_passing()));
+        blobs.put(b"table").unwrap();
+        assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
+    }
+
+    #[test]
     fn other_bytes_are_never_served_and_putting_mends_them() {
         let dir = tempfile::tempdir().unwrap();
         let digest = open(dir.path()).put(b"table").unwrap();
@@ -267,36 +323,45 @@ mod tests {
         assert_eq!(blobs.get(digest).unwrap().unwrap(), b"table");
     }
 
-    #[test]
-    fn only_old_blobs_that_nobody_knows_are_swept() {
-        let dir = tempfile::tempdir().unwrap();
-        let blobs = open(dir.path());
-        let (known, orphan) = (blobs.put(b"known").unwrap(), blobs.put(b"orphan").unwrap());
-        let is_known = |digest| Ok(digest == known);
-        assert_eq!(blobs.sweep(SignedDuration::from_hours(24), &is_known).unwrap(), 0, "they are young");
+    /// Listed as stored long ago.
+    fn orphan(dir: &FilePath, blobs: &ObjectBlobs) -> BlobInfo {
+        let digest = blobs.put(b"brdf").unwrap();
         let day = std::time::SystemTime::now() - Duration::from_secs(100_000);
-        for digest in [known, orphan] {
-            fs::File::options().write(true).open(file(dir.path(), digest)).unwrap().set_modified(day).unwrap();
-        }
-        assert_eq!(blobs.sweep(SignedDuration::from_hours(24), &is_known).unwrap(), 1);
-        assert_eq!(blobs.list().unwrap().len(), 1);
-        assert!(file(dir.path(), known).exists());
+        fs::File::options().write(true).open(file(dir, digest)).unwrap().set_modified(day).unwrap();
+        blobs.list().unwrap().remove(0)
     }
 
     #[test]
-    fn a_blob_that_becomes_known_while_it_is_swept_stays() {
+    fn an_orphan_is_removed_once_and_one_that_becomes_known_meanwhile_stays() {
         let dir = tempfile::tempdir().unwrap();
         let blobs = open(dir.path());
-        let digest = blobs.put(b"brdf").unwrap();
-        let day = std::time::SystemTime::now() - Duration::from_secs(100_000);
-        fs::File::options().write(true).open(file(dir.path(), digest)).unwrap().set_modified(day).unwrap();
-        let asked = std::cell::Cell::new(0);
-        let becomes_known = |_| {
-            asked.set(asked.get() + 1);
-            Ok(asked.get() > 1)
-        };
-        assert_eq!(blobs.sweep(SignedDuration::from_hours(24), &becomes_known).unwrap(), 0);
-        assert_eq!(fs::read(file(dir.path(), digest)).unwrap(), b"brdf");
-        assert_eq!(asked.get(), 2);
+        let orphan = orphan(dir.path(), &blobs);
+        assert!(!blobs.remove(&orphan, &|_| Ok(true)).unwrap());
+        assert_eq!(fs::read(file(dir.path(), orphan.digest)).unwrap(), b"brdf");
+        let listed = blobs.list().unwrap().remove(0);
+        assert!(blobs.remove(&listed, &|_| Ok(false)).unwrap());
+        assert!(!file(dir.path(), orphan.digest).exists());
+        assert!(!blobs.remove(&listed, &|_| Ok(false)).unwrap());
+    }
+
+    #[test]
+    fn a_blob_that_is_stored_again_after_it_was_listed_is_not_removed() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = open(dir.path());
+        let orphan = orphan(dir.path(), &blobs);
+        blobs.put(b"brdf").unwrap();
+        assert!(!blobs.remove(&orphan, &|_| Ok(false)).unwrap());
+        assert!(file(dir.path(), orphan.digest).exists());
+    }
+
+    #[test]
+    fn a_blob_that_was_removed_before_it_became_known_is_stored_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let blobs = open(dir.path());
+        let digest = blobs.put(b"table").unwrap();
+        fs::remove_file(file(dir.path(), digest)).unwrap();
+        assert!(blobs.contains(digest).unwrap(), "it was seen a moment ago");
+        blobs.keep(digest, b"table").unwrap();
+        assert_eq!(fs::read(file(dir.path(), digest)).unwrap(), b"table");
     }
 }

@@ -8,7 +8,10 @@ use std::{
     time::SystemTime,
 };
 
-use super::super::files::is_temporary;
+use super::super::{
+    error::is_full,
+    files::{is_temporary, read_regular},
+};
 use ltcforge_files::{digest::Digest, replace::replace_cached_file};
 
 /// Blobs as files of a folder. A file's time of modification is that of its last use. Several processes may share the
@@ -17,8 +20,9 @@ use ltcforge_files::{digest::Digest, replace::replace_cached_file};
 pub(super) struct BlobCache {
     folder: PathBuf,
     limit_bytes: u64,
-    /// Bytes of the files when they were last listed, and those written since.
-    bytes: Mutex<u64>,
+    /// Bytes that this process has written since it last listed the folder. It does so after a sixteenth of the limit and
+    /// leaves an eighth free, for what two processes write meanwhile.
+    written: Mutex<u64>,
 }
 
 impl BlobCache {
@@ -32,8 +36,8 @@ impl BlobCache {
                 let _ = fs::remove_file(entry.path());
             }
         }
-        let bytes = Mutex::new(shrink(folder, limit_bytes)?);
-        Ok(Self { folder: folder.to_owned(), limit_bytes, bytes })
+        shrink(folder, |_| limit_bytes - limit_bytes / 8)?;
+        Ok(Self { folder: folder.to_owned(), limit_bytes, written: Mutex::default() })
     }
 
     fn path(&self, digest: Digest) -> PathBuf {
@@ -43,7 +47,7 @@ impl BlobCache {
     /// The bytes of a blob, if they are here and have its digest.
     pub(super) fn get(&self, digest: Digest) -> Option<Vec<u8>> {
         let path = self.path(digest);
-        let bytes = fs::read(&path).ok()?;
+        let bytes = read_regular(&path).ok()?;
         if Digest::of(&bytes) == digest {
             touch(&path);
             return Some(bytes);
@@ -55,20 +59,29 @@ impl BlobCache {
 
     /// Keeps a blob. A failure is logged: this is only a cache.
     pub(super) fn put(&self, digest: Digest, bytes: &[u8]) {
-        if bytes.len() as u64 > self.limit_bytes {
+        let length = bytes.len() as u64;
+        if length > self.limit_bytes {
             return;
         }
-        if let Err(error) = replace_cached_file(&self.path(digest), bytes) {
+        let path = self.path(digest);
+        let kept = replace_cached_file(&path, bytes).or_else(|error| {
+            if !is_full(error.kind()) {
+                return Err(error);
+            }
+            shrink(&self.folder, |total| total - length.max(total / 8).min(total))?;
+            replace_cached_file(&path, bytes)
+        });
+        if let Err(error) = kept {
             tracing::warn!(%digest, %error, "a blob could not be kept in the cache");
             return;
         }
-        touch(&self.path(digest));
-        let mut total = self.bytes.lock().unwrap_or_else(PoisonError::into_inner);
-        *total += bytes.len() as u64;
-        if *total > self.limit_bytes {
-            match shrink(&self.folder, self.limit_bytes) {
-                Ok(left) => *total = left,
-                Err(error) => tracing::warn!(%error, "the cache of blobs could not be listed"),
+        touch(&path);
+        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        *written += length;
+        if *written > self.limit_bytes / 16 {
+            *written = 0;
+            if let Err(error) = shrink(&self.folder, |_| self.limit_bytes - self.limit_bytes / 8) {
+                tracing::warn!(%error, "the cache of blobs could not be listed");
             }
         }
     }
@@ -79,9 +92,8 @@ fn touch(path: &Path) {
     let _ = File::open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
-/// Removes the least recently used blobs if there are more than `limit_bytes`, until an eighth is free, so that the
-/// folder is seldom listed. Returns the bytes that are left.
-fn shrink(folder: &Path, limit_bytes: u64) -> io::Result<u64> {
+/// Removes the least recently used blobs while there are more bytes than `most`, which is told how many there are.
+fn shrink(folder: &Path, most: impl Fn(u64) -> u64) -> io::Result<()> {
     let blob = |entry: io::Result<fs::DirEntry>| {
         let entry = entry.ok()?;
         entry.file_name().to_str()?.parse::<Digest>().ok()?;
@@ -91,20 +103,20 @@ fn shrink(folder: &Path, limit_bytes: u64) -> io::Result<u64> {
     };
     let mut blobs: Vec<_> = fs::read_dir(folder)?.filter_map(blob).collect();
     let mut total: u64 = blobs.iter().map(|(_, bytes, _)| bytes).sum();
-    if total > limit_bytes {
-        blobs.sort();
-        for (_, bytes, path) in blobs {
-            if total > limit_bytes - limit_bytes / 8 && fs::remove_file(path).is_ok() {
-                total -= bytes;
-            }
+    let most = most(total);
+    blobs.sort();
+    for (_, bytes, path) in blobs {
+        if total > most && fs::remove_file(path).is_ok() {
+            total -= bytes;
         }
     }
-    Ok(total)
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::tests::small_disk::SmallDisk;
 
     #[test]
     fn the_blobs_used_last_stay_within_the_limit() {
@@ -125,6 +137,35 @@ mod tests {
         let cache = BlobCache::open(dir.path(), 12).unwrap();
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1, "the next one keeps as many as it may");
         assert!(cache.get(a).is_some());
+    }
+
+    fn bytes_in(folder: &Path) -> u64 {
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().metadata().unwrap().len()).sum()
+    }
+
+    #[test]
+    fn two_processes_in_one_folder_stay_within_the_limit_together() {
+        let dir = tempfile::tempdir().unwrap();
+        let caches = [1600, 1600].map(|limit| BlobCache::open(dir.path(), limit).unwrap());
+        for n in 0..80_u8 {
+            let blob = [n; 50];
+            caches[usize::from(n) % 2].put(Digest::of(&blob), &blob);
+            assert!(bytes_in(dir.path()) <= 1600, "after {n} blobs");
+        }
+        assert!(bytes_in(dir.path()) > 800, "it is used");
+    }
+
+    #[test]
+    fn a_full_disk_makes_room_for_the_blob_used_last() {
+        let dir = tempfile::tempdir().unwrap();
+        let Some(disk) = SmallDisk::mount(dir.path().join("disk")) else { return };
+        let cache = BlobCache::open(&disk.0.join("cache"), 1 << 30).unwrap();
+        for n in 0..12_u8 {
+            let blob = vec![n; 3 << 20];
+            cache.put(Digest::of(&blob), &blob);
+            assert!(cache.get(Digest::of(&blob)).is_some(), "blob {n}");
+        }
+        assert!(bytes_in(&disk.0.join("cache")) > 6 << 20, "it is used");
     }
 
     #[test]

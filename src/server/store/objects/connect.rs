@@ -9,6 +9,8 @@ use object_store::{
     path::Path, signer::Signer,
 };
 
+use crate::store::certificates;
+
 /// How long a request is retried.
 const RETRY: Duration = Duration::from_secs(8);
 /// Timeout until the first byte of an answer, and between two reads of it. A large answer may take as long as it keeps
@@ -18,6 +20,13 @@ const READ_TIMEOUT: Duration = Duration::from_secs(30);
 /// Environment variables with URLs of stores.
 const ENDPOINTS: [&str; 5] =
     ["AWS_ENDPOINT", "AWS_ENDPOINT_URL", "AWS_ENDPOINT_URL_S3", "AZURE_STORAGE_ENDPOINT", "GOOGLE_BASE_URL"];
+
+/// The variables with credentials.
+const SETTINGS: &str = "s3:// takes AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY or the machine's role, gs:// \
+    GOOGLE_SERVICE_ACCOUNT, az:// AZURE_STORAGE_ACCOUNT_NAME and AZURE_STORAGE_ACCOUNT_KEY";
+
+/// Parts of the addresses at which a machine in a cloud is asked for its role's credentials if none are set.
+const METADATA: [&str; 3] = ["/latest/api/token", "/computeMetadata/", "/metadata/identity/"];
 
 /// The object that is written to find out whether the store can be written.
 const MARK: &str = "ltcforge";
@@ -47,6 +56,14 @@ pub enum ObjectsOpenError {
         "the environment variable {0} has a user or a password, which errors would show; use variables for credentials"
     )]
     SecretInEndpoint(&'static str),
+    /// Credentials, certificates or other settings are missing in the environment, or cannot be used.
+    #[error("the environment lacks what {url} needs: {reason}")]
+    Settings {
+        /// The URL.
+        url: String,
+        /// What is missing.
+        reason: String,
+    },
     /// There is no such bucket or folder.
     #[error("the blob store {url} does not exist: {reason}")]
     Missing {
@@ -81,11 +98,14 @@ pub(super) struct Connected {
     pub(super) store: Arc<dyn ObjectStore>,
     pub(super) signer: Option<Arc<dyn Signer>>,
     pub(super) prefix: Path,
+    /// The file system, if the store is a folder.
+    pub(super) local: Option<LocalFileSystem>,
 }
 
 /// The store of `url`, with credentials as the provider's own tools read them from the environment.
 pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
     let bad = |reason: String| ObjectsOpenError::BadUrl { url: url.to_owned(), reason };
+    let lacking = |reason: String| ObjectsOpenError::Settings { url: url.to_owned(), reason };
     let parsed = reqwest::Url::parse(url).map_err(|error| bad(error.to_string()))?;
     if !parsed.username().is_empty() || parsed.password().is_some() || parsed.query().is_some() {
         return Err(ObjectsOpenError::BadUrl {
@@ -96,24 +116,35 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
     let (scheme, prefix) = ObjectStoreScheme::parse(&parsed).map_err(|error| bad(error.to_string()))?;
     // The provider of cryptography that reqwest uses. This fails if one was installed before, which is fine.
     let _ = rustls::crypto::ring::default_provider().install_default();
+    // `from_env` also reads AWS_ALLOW_HTTP and AWS_ENDPOINT.
+    let is_plain = std::env::var_os("AWS_ALLOW_HTTP").is_some_and(|value| value == "true");
+    let mut has_plain_endpoint = false;
     for name in ENDPOINTS {
         let endpoint = std::env::var(name).ok().and_then(|value| reqwest::Url::parse(&value).ok());
-        if endpoint.is_some_and(|endpoint| !endpoint.username().is_empty() || endpoint.password().is_some()) {
+        let Some(endpoint) = endpoint else { continue };
+        has_plain_endpoint |= endpoint.scheme() == "http";
+        if !endpoint.username().is_empty() || endpoint.password().is_some() {
             return Err(ObjectsOpenError::SecretInEndpoint(name));
         }
+        if endpoint.scheme() == "http" && scheme == ObjectStoreScheme::AmazonS3 && name.starts_with("AWS") && !is_plain
+        {
+            return Err(lacking(format!("{name} has a URL with http://, which needs AWS_ALLOW_HTTP=true")));
+        }
+    }
+    if scheme != ObjectStoreScheme::Local && !has_plain_endpoint {
+        certificates::load().map_err(lacking)?;
     }
     let client = ClientOptions::new().with_timeout_disabled();
     let client = client.with_read_timeout(READ_TIMEOUT).with_connect_timeout(RETRY);
     let retry = RetryConfig { retry_timeout: RETRY, ..RetryConfig::default() };
-    let failed = |error: Error| bad(error.to_string());
+    let failed = |error: Error| lacking(format!("{}; {SETTINGS}", text(&error)));
     macro_rules! signing {
         ($builder:expr) => {{
             let store = Arc::new($builder.with_url(url).with_retry(retry).build().map_err(failed)?);
             (Arc::clone(&store) as _, Some(store as _))
         }};
     }
-    // `from_env` also reads AWS_ALLOW_HTTP and AWS_ENDPOINT.
-    let is_plain = std::env::var_os("AWS_ALLOW_HTTP").is_some_and(|value| value == "true");
+    let mut local = None;
     let (store, signer): (Arc<dyn ObjectStore>, Option<Arc<dyn Signer>>) = match scheme {
         ObjectStoreScheme::AmazonS3 => {
             signing!(AmazonS3Builder::from_env().with_client_options(client.with_allow_http(is_plain)))
@@ -129,11 +160,12 @@ pub(super) fn connect(url: &str) -> Result<Connected, ObjectsOpenError> {
                 let reason = "there is no such folder".to_owned();
                 return Err(ObjectsOpenError::Missing { url: url.to_owned(), reason });
             }
+            local = Some(LocalFileSystem::new());
             (Arc::new(LocalFileSystem::new().with_fsync(true)), None)
         }
         _ => return Err(bad(format!("«{}» is not one of its schemes", parsed.scheme()))),
     };
-    Ok(Connected { store, signer, prefix })
+    Ok(Connected { store, signer, prefix, local })
 }
 
 /// Whether the store can be used as `access` says.
@@ -156,6 +188,9 @@ pub(super) async fn probe(connected: &Connected, url: &str, access: Access) -> R
             }
             _ if reason.contains("NoSuchBucket") => ObjectsOpenError::Missing { url, reason },
             _ if reason.contains("ermission denied") => ObjectsOpenError::Refused { url, verb, reason },
+            _ if METADATA.iter().any(|address| reason.contains(address)) => {
+                ObjectsOpenError::Settings { url, reason: format!("no credentials are set: {reason}; {SETTINGS}") }
+            }
             _ => ObjectsOpenError::Unreachable { url, reason },
         }
     })

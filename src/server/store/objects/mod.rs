@@ -7,5 +7,6 @@ mod blobs;
 mod cache;
 mod connect;
 
+pub(super) use blobs::IDENTITY;
 pub use blobs::ObjectBlobs;
 pub use connect::{Access, ObjectsOpenError};

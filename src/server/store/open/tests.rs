@@ -1,5 +1,5 @@
 use super::*;
-use crate::store::{rows, sled_rows::open_sled};
+use crate::store::{rows, sled_rows::open_sled, tests::small_disk::SmallDisk};
 use ltcforge_files::{digest::Digest, hex::to_hex};
 
 fn one_job(store: &Store) {
@@ -274,4 +274,45 @@ fn a_damaged_snapshot_costs_no_job() {
     }
     let store = Store::open(dir.path()).unwrap();
     assert!(store.rows.get(Tree::Jobs, b"key").unwrap().is_some());
+}
+
+#[test]
+fn a_folder_on_a_full_disk_opens_for_reading_again_and_again_and_for_writing_once_there_is_room() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(disk) = SmallDisk::mount(dir.path().join("disk")) else { return };
+    let data = disk.0.join("data");
+    let row = |key: &str, tree| {
+        let mut batch = Batch::default();
+        batch.put(tree, key, "value");
+        batch
+    };
+    let store = Store::open(&data).unwrap();
+    let table = store.blobs.put(b"table").unwrap();
+    store.rows.commit(&row("before", Tree::Recipes)).unwrap();
+    store.rows.commit(&row("job", Tree::Jobs)).unwrap();
+    drop(store);
+    disk.fill();
+    for start in 0..4 {
+        let store = Store::open(&data).unwrap_or_else(|error| panic!("start {start}: {error:?}"));
+        assert_eq!(store.damage, Damage::default());
+        assert_eq!(store.blobs.get(table).unwrap().unwrap(), b"table");
+        for (tree, key) in [(Tree::Recipes, "before"), (Tree::Jobs, "job")] {
+            assert_eq!(store.rows.get(tree, key.as_bytes()).unwrap().unwrap(), b"value");
+            assert!(matches!(store.rows.commit(&row("during", tree)), Err(StoreError::DiskFull)));
+        }
+        if start == 3 {
+            disk.make_room();
+            for (tree, key) in [(Tree::Recipes, "after"), (Tree::Jobs, "another")] {
+                store.rows.commit(&row(key, tree)).unwrap();
+            }
+        }
+    }
+    let store = Store::open(&data).unwrap();
+    assert_eq!(store.damage, Damage::default());
+    for (tree, key) in
+        [(Tree::Recipes, "before"), (Tree::Recipes, "after"), (Tree::Jobs, "job"), (Tree::Jobs, "another")]
+    {
+        assert_eq!(store.rows.get(tree, key.as_bytes()).unwrap().unwrap(), b"value", "{key}");
+    }
+    assert_eq!(store.rows.get(Tree::Recipes, b"during").unwrap(), None);
 }

@@ -19,7 +19,7 @@ use super::{
     failure::{self, DatabaseOpenError},
     migrations,
 };
-use crate::store::StoreError;
+use crate::store::{StoreError, certificates};
 
 /// A connection of the pool.
 pub(crate) type Client = deadpool_postgres::Client;
@@ -224,7 +224,7 @@ async fn listen<S: AsyncRead + AsyncWrite + Unpin>(
 /// TLS with the system's certificates, or those of `SSL_CERT_FILE`.
 fn tls() -> Result<MakeRustlsConnect, DatabaseOpenError> {
     let mut roots = rustls::RootCertStore::empty();
-    roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
+    roots.add_parsable_certificates(certificates::load().map_err(DatabaseOpenError::Failed)?);
     let provider = Arc::new(rustls::crypto::ring::default_provider());
     let config = rustls::ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions();
     let config = config.map_err(|error| DatabaseOpenError::Failed(error.to_string()))?;

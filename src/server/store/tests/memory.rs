@@ -21,7 +21,7 @@ pub(crate) struct MemoryRows {
     pub(crate) full: AtomicBool,
     /// While set, the process has no descriptor left for a write.
     pub(crate) without_descriptors: AtomicBool,
-    /// Writes that failed for lack of a descriptor.
+    /// Writes that failed for lack of a descriptor or of room.
     pub(crate) refused: AtomicU64,
     /// Number of acknowledged commits.
     pub(crate) commits: AtomicU64,
@@ -82,6 +82,10 @@ impl Rows for MemoryRows {
         Ok(())
     }
 
+    fn is_writable(&self) -> bool {
+        !self.full.load(Ordering::Relaxed)
+    }
+
     fn settle(&self, _staged: Staged) -> Result<(), StoreError> {
         let meanwhile = self.while_settling.lock().unwrap().take();
         if let Some(meanwhile) = meanwhile {
@@ -96,6 +100,7 @@ impl Rows for MemoryRows {
 
     fn stage(&self, batch: &Batch) -> Result<Staged, StoreError> {
         if self.full.load(Ordering::Relaxed) {
+            self.refused.fetch_add(1, Ordering::Relaxed);
             return Err(StoreError::DiskFull);
         }
         if self.without_descriptors.load(Ordering::Relaxed) {
