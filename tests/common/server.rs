@@ -18,6 +18,9 @@ use super::{
     eventually, openapi,
 };
 
+/// The longest body of an answer.
+const MOST_BODY: u64 = 100 << 20;
+
 /// A service on a free port. Killed when dropped.
 #[derive(Debug)]
 pub(crate) struct Server {
@@ -148,7 +151,7 @@ impl Server {
         let answer = Answer {
             status: response.status().as_u16(),
             headers: response.headers().iter().map(field).collect(),
-            body: response.body_mut().read_to_vec().expect("a whole body"),
+            body: response.body_mut().with_config().limit(MOST_BODY).read_to_vec().expect("a whole body"),
         };
         openapi::check(method, path, &answer);
         answer
@@ -189,6 +192,13 @@ impl Server {
     pub(crate) fn descriptors(&self) -> usize {
         let folder = format!("/proc/{}/fd", self.child.id());
         std::fs::read_dir(folder).expect("a running service on Linux").count()
+    }
+
+    /// The most memory that the process had at once, bytes.
+    pub(crate) fn most_memory(&self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).expect("Linux");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a line");
+        line.split_whitespace().next().and_then(|kilobytes| kilobytes.parse::<u64>().ok()).expect("a number") * 1024
     }
 
     /// Takes the power away.

@@ -1,6 +1,15 @@
 //! Tabulated BRDFs over HTTP: sent, named, kept.
 
-use std::fs;
+use std::{
+    fs,
+    io::{Read as _, Write as _},
+    net::TcpStream,
+    path::Path,
+    thread,
+    time::Duration,
+};
+
+use ltcforge::Digest;
 
 use crate::common::{
     command::run,
@@ -44,6 +53,13 @@ fn a_file_that_was_sent_is_fitted_and_survives_a_kill() {
     assert_eq!(text(&manifest["recipe"]["tabulated"]), digest);
     // A table is no BRDF, and a BRDF no table.
     server.get(&format!("/v1/brdfs/{table}")).with_status(404);
+    for of_table in ["", "/manifest", "/exports", "/exports/three", "/plots/matrix.png"] {
+        let path = format!("/v1/tables/{digest}{of_table}");
+        let told = server.get(&path).with_status(404).json();
+        assert_eq!(text(&told["type"]), "/problems/unknown-table", "{path}");
+    }
+    server.request("HEAD", &format!("/v1/tables/{digest}"), &[], None).with_status(404);
+    server.get(&format!("/v1/preview?table={digest}")).with_status(404);
     let picture = format!("/v1/preview?table={table}&mode=strip&size=64&spp=16&alpha_x=0.5&alpha_y=0.5");
     server.get(&picture).with_status(200);
     server.kill();
@@ -80,4 +96,87 @@ fn a_bad_file_is_refused_with_all_its_faults() {
     }
     server.request("POST", "/v1/brdfs", &[("content-type", "application/json")], Some(&bytes)).with_status(415);
     server.get(&format!("/v1/brdfs/{}", "0".repeat(64))).with_status(404);
+}
+
+/// A file of 60 MB with the header of a tabulated BRDF, where the store keeps it.
+fn plant_large(data: &Path) -> (Digest, Vec<u8>) {
+    let numbers = 15 << 20;
+    let header = format!(r#"{{"value":{{"dtype":"F32","shape":[{numbers}],"data_offsets":[0,{}]}}}}"#, 4 * numbers);
+    let mut bytes = [&(header.len() as u64).to_le_bytes(), header.as_bytes()].concat();
+    bytes.extend((0..4 * numbers).map(|i: u32| (i >> 8) as u8));
+    let digest = Digest::of(&bytes);
+    let folder = data.join("blobs").join(&digest.hex()[..2]);
+    fs::create_dir_all(&folder).expect("a folder");
+    fs::write(folder.join(digest.hex()), &bytes).expect("a blob");
+    (digest, bytes)
+}
+
+#[test]
+fn large_files_are_sent_in_parts_within_bounded_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, bytes) = plant_large(folder.path());
+    let server = Server::start(folder.path(), &[]);
+    let path = format!("/v1/brdfs/{digest}");
+    let before = server.most_memory();
+    thread::scope(|scope| {
+        for at in 0..32 {
+            let (server, path, bytes) = (&server, &path, &bytes);
+            scope.spawn(move || {
+                let range = format!("bytes={}-{}", at << 20, at << 20);
+                let part = server.request("GET", path, &[("range", &range)], None).with_status(206);
+                assert_eq!(part.body, bytes[at << 20..=at << 20]);
+                server.request("HEAD", path, &[], None).with_status(200);
+            });
+        }
+    });
+    let head = server.request("HEAD", &path, &[], None).with_status(200);
+    assert_eq!(head.header("content-length"), Some(bytes.len().to_string().as_str()));
+    let tag = head.header("etag").expect("a tag").to_owned();
+    for method in ["GET", "HEAD"] {
+        let known = server.request(method, &path, &[("if-none-match", &tag)], None).with_status(304);
+        assert_ne!(known.header("content-length"), Some("0"), "{method}");
+    }
+    assert!(server.get(&path).with_status(200).body == bytes);
+    let grown = server.most_memory() - before;
+    assert!(grown < bytes.len() as u64, "{grown} bytes more");
+}
+
+#[test]
+fn what_was_sent_is_not_sent_back_at_length() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    let many: Vec<String> =
+        (0..20_000).map(|i| format!(r#""t{i}":{{"dtype":"F32","shape":[0],"data_offsets":[0,0]}}"#)).collect();
+    let long = "x".repeat(30_000);
+    let name = format!(r#"{{"{long}":{{"dtype":"F32","shape":[0],"data_offsets":[0,0]}}}}"#);
+    for header in [format!("{{{}}}", many.join(",")), name, format!("{{{long}")] {
+        let bytes = [&(header.len() as u64).to_le_bytes(), header.as_bytes()].concat();
+        let refused = server.request("POST", "/v1/brdfs", &[OCTETS], Some(&bytes)).with_status(422);
+        assert!(refused.body.len() < 4000, "{} bytes", refused.body.len());
+    }
+    assert!(server.get(&format!("/v1/{long}")).with_status(404).body.len() < 4000);
+    assert!(server.get(&format!("/v1/jobs?state={long}")).with_status(400).body.len() < 4000);
+    assert!(server.submit(&format!(r#"{{"{long}": "{long}"}}"#)).with_status(422).body.len() < 4000);
+}
+
+#[test]
+fn a_client_that_reads_slowly_but_steadily_is_not_cut() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (digest, bytes) = plant_large(folder.path());
+    let server = Server::start(folder.path(), &["--client-seconds", "1"]);
+    let address = server.url.strip_prefix("http://").expect("an address");
+    let mut client = TcpStream::connect(address).expect("a connection");
+    write!(client, "GET /v1/brdfs/{digest} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n")
+        .expect("a request");
+    let mut answer = vec![0; 16 << 10];
+    client.read_exact(&mut answer).expect("a head");
+    // 320 kB a second for three times the limit; the pace is what is tested.
+    for _ in 0..60 {
+        thread::sleep(Duration::from_millis(50));
+        let mut part = [0; 16 << 10];
+        client.read_exact(&mut part).expect("a part");
+        answer.extend(part);
+    }
+    client.read_to_end(&mut answer).expect("the rest");
+    assert!(answer.ends_with(&bytes), "{} bytes", answer.len());
 }

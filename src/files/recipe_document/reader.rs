@@ -46,7 +46,7 @@ impl<'a> Object<'a> {
         };
         for field in fields.into_iter().flat_map(Map::keys).filter(|field| !known.contains(&field.as_str())) {
             let detail = format!("unknown field; known here are {}", known.join(", "));
-            faults.note(format!("{pointer}/{}", escape(field)), detail);
+            faults.note(format!("{pointer}/{}", escape(&shortened(field))), detail);
         }
         Self { pointer, fields }
     }
@@ -126,10 +126,13 @@ impl<'a> Object<'a> {
 
 /// A value as it stands in the document, cut short.
 pub(super) fn echo(value: &Value) -> String {
-    let text = value.to_string();
+    shortened(&value.to_string())
+}
+
+fn shortened(text: &str) -> String {
     match text.char_indices().nth(LONGEST_ECHO) {
         Some((end, _)) => format!("{}...", &text[..end]),
-        None => text,
+        None => text.to_owned(),
     }
 }
 

@@ -12,7 +12,10 @@ mod find;
 
 use std::sync::Arc;
 
-use safetensors::{Dtype, SafeTensors, serialize, tensor::TensorView};
+use safetensors::{
+    Dtype, SafeTensors, serialize,
+    tensor::{Metadata, TensorView},
+};
 
 use crate::{digest::Digest, tensor::Tensor};
 use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
@@ -21,6 +24,12 @@ pub use find::{FindBrdf, Located, kept_name, locate, no_files};
 
 /// The longest file of a tabulated BRDF that is read: twice the size of the most numbers allowed.
 pub const TABULATED_LIMIT_BYTES: u64 = 64 << 20;
+
+/// The longest header of one: five tensors take some hundred bytes.
+pub const TABULATED_HEADER_LIMIT_BYTES: u64 = 64 << 10;
+
+/// Letters of an unknown tensor's name in a message.
+const LONGEST_ECHO: usize = 100;
 
 const VALUE: &str = "value";
 
@@ -39,9 +48,31 @@ pub fn decode(bytes: &[u8]) -> Result<TabulatedFile, TabulatedError> {
     Ok(TabulatedFile::new(*Digest::of(bytes).as_bytes(), Arc::new(brdf)))
 }
 
+/// Whether a file that begins so is a tabulated BRDF by its header. Nothing is said of its numbers.
+#[must_use]
+pub fn is_tabulated(start: &[u8]) -> bool {
+    let Some(length) = header_length(start).filter(|length| *length <= TABULATED_HEADER_LIMIT_BYTES) else {
+        return false;
+    };
+    let header = start.get(8..8 + length as usize).and_then(|header| serde_json::from_slice::<Metadata>(header).ok());
+    let known = TabulatedAxes::default().named().map(|(name, _)| name);
+    header.is_some_and(|header| {
+        let names = header.tensors();
+        names.contains_key(VALUE) && names.keys().all(|name| name == VALUE || known.contains(&name.as_str()))
+    })
+}
+
+/// The length of the header, by a file's first eight bytes.
+fn header_length(start: &[u8]) -> Option<u64> {
+    Some(u64::from_le_bytes(*start.first_chunk()?))
+}
+
 fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     if bytes.len() as u64 > TABULATED_LIMIT_BYTES {
         return Err(vec![format!("{} bytes; allowed: at most {TABULATED_LIMIT_BYTES}", bytes.len())]);
+    }
+    if let Some(length) = header_length(bytes).filter(|length| *length > TABULATED_HEADER_LIMIT_BYTES) {
+        return Err(vec![format!("a header of {length} bytes; allowed: at most {TABULATED_HEADER_LIMIT_BYTES}")]);
     }
     let file = SafeTensors::deserialize(bytes).map_err(|error| vec![format!("not a safetensors file: {error}")])?;
     let mut faults = Vec::new();
@@ -49,6 +80,7 @@ fn read(bytes: &[u8]) -> Result<TabulatedBrdf, Vec<String>> {
     let mut found = file.names();
     found.sort_unstable();
     for name in found.into_iter().filter(|name| *name != VALUE && !names.contains(name)) {
+        let name: String = name.chars().take(LONGEST_ECHO).collect();
         faults.push(format!("tensor «{name}»: unknown; known here are {}, {VALUE}", names.join(", ")));
     }
     let mut tensor = |name: &str, is_needed: bool| {

@@ -37,6 +37,23 @@ fn a_file_reads_back_as_itself() {
 }
 
 #[test]
+fn a_file_is_known_by_a_short_header() {
+    let bytes = planted(&[0.5]);
+    let header = 8 + u64::from_le_bytes(*bytes.first_chunk().expect("a header")) as usize;
+    assert!(is_tabulated(&bytes[..header]));
+    assert!(!is_tabulated(&bytes[..header - 1]) && !is_tabulated(b"") && !is_tabulated(&[0xff; 64]));
+    assert!(!is_tabulated(&file(&[("value", vec![1], 1.0), ("matrix", vec![1], 1.0)])));
+
+    // Tensors without numbers, a million in a valid file.
+    let many: Vec<String> =
+        (0..2000).map(|i| format!(r#""{i}":{{"dtype":"F32","shape":[0],"data_offsets":[0,0]}}"#)).collect();
+    let header = format!("{{{}}}", many.join(","));
+    let bytes = [&(header.len() as u64).to_le_bytes(), header.as_bytes()].concat();
+    let told = decode(&bytes).expect_err("a long header").0;
+    assert_eq!(told, [format!("a header of {} bytes; allowed: at most 65536", header.len())]);
+}
+
+#[test]
 fn every_fault_of_a_container_is_told_at_once() {
     let told = |bytes: &[u8]| decode(bytes).expect_err("faults").0;
     assert!(told(b"PK")[0].starts_with("not a safetensors file: "));

@@ -5,7 +5,7 @@ use std::{
     sync::Arc,
 };
 
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 
 use super::{error, limits::ConnectionLimits, problem::Problem};
 use crate::service::Service;
@@ -17,6 +17,8 @@ pub(super) struct Api {
     pub(super) limits: Arc<ConnectionLimits>,
     /// Becomes true when the server stops; open event streams then end.
     pub(super) stopping: watch::Receiver<bool>,
+    /// Files of BRDFs that may be received at once.
+    pub(super) uploads: Arc<Semaphore>,
     /// Whether downloads are answered with URLs of the store of blobs.
     pub(super) redirects: bool,
 }

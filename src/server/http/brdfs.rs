@@ -11,7 +11,7 @@ use super::{
     api::Api,
     conditional::check_untagged,
     extract::{BrdfBody, NoParameters, PathOf, QueryOf},
-    file::{FOREVER, File},
+    file::{Contents, FOREVER, File},
     kind::ProblemKind,
     problem::Problem,
 };
@@ -22,10 +22,16 @@ pub(super) async fn store(
     State(api): State<Api>,
     _: QueryOf<NoParameters>,
     headers: HeaderMap,
-    BrdfBody(bytes): BrdfBody,
+    BrdfBody(bytes, room): BrdfBody,
 ) -> Result<Response, Problem> {
     check_untagged(&headers)?;
-    let (stored, was_there) = api.call(move |service| service.store_brdf(&bytes)).await?;
+    let (stored, was_there) = api
+        .call(move |service| {
+            let stored = service.store_brdf(&bytes);
+            drop((bytes, room));
+            stored
+        })
+        .await?;
     let status = if was_there { StatusCode::OK } else { StatusCode::CREATED };
     let location = [(header::LOCATION, format!("/v1/brdfs/{}", stored.digest))];
     Ok((status, location, Json(stored)).into_response())
@@ -40,8 +46,9 @@ pub(super) async fn download(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let unknown = || Problem::new(ProblemKind::UnknownBrdf, format!("no BRDF with the digest {digest} is stored"));
-    let bytes = api.call(move |service| service.brdf(digest)).await?.ok_or_else(unknown)?;
+    let length = api.call(move |service| service.brdf_length(digest)).await?.ok_or_else(unknown)?;
     let name = Some(kept_name(digest.as_bytes()));
-    let file = File { digest, bytes, media_type: "application/octet-stream", caching: FOREVER, name };
+    let contents = Contents::Stored { api, length };
+    let file = File { digest, contents, media_type: "application/octet-stream", caching: FOREVER, name };
     file.respond(&method, &headers)
 }

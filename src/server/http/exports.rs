@@ -13,7 +13,7 @@ use super::{
     api::Api,
     error,
     extract::{NoParameters, QueryOf},
-    file::{FOREVER, File},
+    file::{Contents, FOREVER, File},
     kind::ProblemKind,
     problem::Problem,
     tables::unknown,
@@ -142,7 +142,7 @@ pub(super) async fn file(
     }
     let file = File {
         digest: *digest,
-        bytes: Arc::clone(bytes),
+        contents: Contents::Memory(Arc::clone(bytes)),
         media_type: media_type(path),
         caching: if wanted.is_some() { FOREVER } else { ONE_DAY },
         name: path.rsplit('/').next().map(str::to_owned),
@@ -165,7 +165,13 @@ fn url(table: Digest, export: Export) -> String {
 fn document(view: &impl Serialize) -> Result<File, Problem> {
     let bytes = serde_json::to_vec(view).map_err(|error| error::internal(&error))?;
     let digest = Digest::of(&bytes);
-    Ok(File { digest, bytes: Arc::new(bytes), media_type: "application/json", caching: ONE_DAY, name: None })
+    Ok(File {
+        digest,
+        contents: Contents::Memory(Arc::new(bytes)),
+        media_type: "application/json",
+        caching: ONE_DAY,
+        name: None,
+    })
 }
 
 /// The media type by the extension of a file's name.

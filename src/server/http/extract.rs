@@ -1,7 +1,7 @@
 //! Path parameters, query strings and bodies. A malformed value is a problem that names the value and
 //! the allowed form.
 
-use std::{fmt::Display, str::FromStr, time::Duration};
+use std::{fmt::Display, str::FromStr, sync::Arc, time::Duration};
 
 use axum::{
     body::Bytes,
@@ -10,9 +10,9 @@ use axum::{
 };
 use headers::{ContentLength, HeaderMapExt as _};
 use serde::{Deserialize, de::DeserializeOwned};
-use tokio::time::timeout;
+use tokio::{sync::OwnedSemaphorePermit, time::timeout};
 
-use super::{api::Api, kind::ProblemKind, problem::Problem};
+use super::{api::Api, error::lacking, kind::ProblemKind, problem::Problem};
 use ltcforge_files::tabulated::TABULATED_LIMIT_BYTES;
 
 /// Longest request body. A recipe takes less than one kilobyte.
@@ -119,15 +119,24 @@ impl FromRequest<Api> for RecipeBody {
     }
 }
 
-/// The bytes of a tabulated BRDF's file, not decoded yet. Its route raises the limit of bodies.
-pub(super) struct BrdfBody(pub(super) Bytes);
+/// Files of BRDFs that are received and decoded at once. Each takes up to some 300 MB.
+pub(super) const UPLOADS: usize = 2;
+
+/// The bytes of a tabulated BRDF's file, not decoded yet, and the right to have them in memory. Its route raises the limit of bodies.
+pub(super) struct BrdfBody(pub(super) Bytes, pub(super) OwnedSemaphorePermit);
 
 impl FromRequest<Api> for BrdfBody {
     type Rejection = Problem;
 
     async fn from_request(request: Request, api: &Api) -> Result<Self, Problem> {
         check_brdf_type(request.headers())?;
-        read_body(request, api, "the file of a BRDF", TABULATED_LIMIT_BYTES).await.map(Self)
+        let room = timeout(api.limits.client, Arc::clone(&api.uploads).acquire_owned()).await;
+        // The semaphore is never closed.
+        let Ok(Ok(room)) = room else {
+            return Err(lacking(format!("{UPLOADS} files of BRDFs are being received already; try again later")));
+        };
+        let bytes = read_body(request, api, "the file of a BRDF", TABULATED_LIMIT_BYTES).await?;
+        Ok(Self(bytes, room))
     }
 }
 

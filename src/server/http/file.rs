@@ -1,27 +1,80 @@
-//! A file in memory as an answer: all of it, a part of it, or nothing if the client has it.
+//! A file as an answer: all of it, a part of it, or nothing if the client has it.
 
-use std::{ops::RangeInclusive, sync::Arc};
+use std::{
+    io,
+    ops::{Range, RangeInclusive},
+    sync::Arc,
+};
 
 use axum::{
-    body::Bytes,
+    body::{Body, Bytes},
     http::{HeaderMap, HeaderName, Method, StatusCode, header},
     response::{IntoResponse, Response},
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
+use futures_util::stream;
 use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
-use super::{conditional::EntityTag, kind::ProblemKind, problem::Problem};
+use super::{api::Api, conditional::EntityTag, kind::ProblemKind, problem::Problem};
 use ltcforge_files::digest::Digest;
 
 /// The bytes never change under their address, because the address has their digest or that of all they follow from.
 pub(super) const FOREVER: &str = "public, max-age=31536000, immutable";
+
+/// Bytes of a stored file that are in memory at once for each client.
+const STEP: u64 = 1 << 20;
+
+/// The bytes of a file.
+#[derive(Debug)]
+pub(super) enum Contents {
+    /// In memory.
+    Memory(Arc<Vec<u8>>),
+    /// In the store, from where they are read as they are sent. They are not checked against their digest.
+    Stored { api: Api, length: u64 },
+}
+
+impl Contents {
+    fn length(&self) -> u64 {
+        match self {
+            Self::Memory(bytes) => bytes.len() as u64,
+            Self::Stored { length, .. } => *length,
+        }
+    }
+
+    /// A part of the contents of the file `digest`. The part lies within them.
+    fn body(self, digest: Digest, part: Range<u64>) -> Body {
+        match self {
+            Self::Memory(bytes) => {
+                Bytes::from_owner(Shared(bytes)).slice(part.start as usize..part.end as usize).into()
+            }
+            Self::Stored { api, .. } => Body::from_stream(stream::try_unfold(part, move |left| {
+                let api = api.clone();
+                async move { step(&api, digest, left).await }
+            })),
+        }
+    }
+}
+
+/// The next bytes of `left`, and what is left then.
+async fn step(api: &Api, digest: Digest, left: Range<u64>) -> io::Result<Option<(Bytes, Range<u64>)>> {
+    if left.is_empty() {
+        return Ok(None);
+    }
+    let (from, length) = (left.start, STEP.min(left.end - left.start));
+    let read = api.call(move |service| service.part(digest, from, length as usize)).await;
+    // The connection ends before the announced length, which tells the client.
+    let read = read.ok().flatten().filter(|read| !read.is_empty());
+    let read = read.ok_or_else(|| io::Error::other(format!("{digest} cannot be read any more")))?;
+    let next = from + read.len() as u64;
+    Ok(Some((read.into(), next..left.end)))
+}
 
 /// A file and how it is sent.
 #[derive(Debug)]
 pub(super) struct File {
     /// The digest of the bytes, which is their entity tag.
     pub(super) digest: Digest,
-    pub(super) bytes: Arc<Vec<u8>>,
+    pub(super) contents: Contents,
     pub(super) media_type: &'static str,
     /// The value of `Cache-Control`.
     pub(super) caching: &'static str,
@@ -42,15 +95,19 @@ impl AsRef<[u8]> for Shared {
 impl File {
     /// The file, a part of it, or 304 if the client has it; conditions are evaluated in the order of RFC 9110, section
     /// 13.2.2.
-    pub(super) fn respond(&self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
+    pub(super) fn respond(self, method: &Method, headers: &HeaderMap) -> Result<Response, Problem> {
         let tag = EntityTag::strong(self.digest);
         tag.check_if_match(headers)?;
         let validators = [(header::ETAG, tag.as_str()), (header::CACHE_CONTROL, self.caching)];
         if tag.is_known_to(headers) {
-            return Ok((StatusCode::NOT_MODIFIED, validators).into_response());
+            let mut response = (StatusCode::NOT_MODIFIED, validators).into_response();
+            if method == Method::HEAD {
+                // Otherwise the answer would say that the file is empty.
+                response.headers_mut().insert(header::CONTENT_LENGTH, self.contents.length().into());
+            }
+            return Ok(response);
         }
-        let bytes = Bytes::from_owner(Shared(Arc::clone(&self.bytes)));
-        let length = bytes.len();
+        let length = self.contents.length();
         let representation = [
             (header::CONTENT_TYPE, self.media_type.to_owned()),
             (header::ACCEPT_RANGES, "bytes".to_owned()),
@@ -69,14 +126,19 @@ impl File {
             }
         };
         let (status, content_range, part) = match range {
-            None => (StatusCode::OK, None, bytes),
+            None => (StatusCode::OK, None, 0..length),
             Some(range) => {
                 let content_range = format!("bytes {}-{}/{length}", range.start(), range.end());
-                (StatusCode::PARTIAL_CONTENT, Some([(header::CONTENT_RANGE, content_range)]), bytes.slice(range))
+                (
+                    StatusCode::PARTIAL_CONTENT,
+                    Some([(header::CONTENT_RANGE, content_range)]),
+                    *range.start()..range.end() + 1,
+                )
             }
         };
-        // `part` has a content type of its own, which the representation's replaces.
-        Ok((status, validators, representation, disposition, content_range, part).into_response())
+        let content_length = [(header::CONTENT_LENGTH, (part.end - part.start).to_string())];
+        let body = self.contents.body(self.digest, part);
+        Ok((status, validators, representation, disposition, content_range, content_length, body).into_response())
     }
 }
 
@@ -85,11 +147,11 @@ impl File {
 ///
 /// # Errors
 /// 416 if none of its bytes exist.
-fn one_range(field: &[u8], length: usize) -> Result<Option<RangeInclusive<usize>>, Problem> {
+fn one_range(field: &[u8], length: u64) -> Result<Option<RangeInclusive<u64>>, Problem> {
     let parsed = str::from_utf8(field).ok().and_then(|text| parse_range_header(text).ok());
     let Some(ranges) = parsed.filter(|ranges| ranges.len() == 1) else { return Ok(None) };
-    match ranges.validate(length as u64) {
-        Ok(ranges) => Ok(ranges.first().map(|range| *range.start() as usize..=*range.end() as usize)),
+    match ranges.validate(length) {
+        Ok(ranges) => Ok(ranges.into_iter().next()),
         Err(RangeUnsatisfiableError::Unsatisfiable) => {
             let detail = format!("the file has {length} bytes; none of them is in the range");
             Err(Problem::new(ProblemKind::RangeNotSatisfiable, detail))
@@ -107,8 +169,8 @@ mod tests {
     const FILE: &[u8] = b"0123456789";
 
     fn file() -> File {
-        let (digest, bytes) = (Digest::of(FILE), Arc::new(FILE.to_vec()));
-        File { digest, bytes, media_type: "image/ktx2", caching: FOREVER, name: Some("ltc.ktx2".to_owned()) }
+        let (digest, contents) = (Digest::of(FILE), Contents::Memory(Arc::new(FILE.to_vec())));
+        File { digest, contents, media_type: "image/ktx2", caching: FOREVER, name: Some("ltc.ktx2".to_owned()) }
     }
 
     fn get(fields: &[(HeaderName, &str)]) -> Response {

@@ -15,6 +15,9 @@ use super::kind::ProblemKind;
 /// Faults that a problem lists: more would only repeat the faults that a client has to mend first.
 const MOST_FAULTS: usize = 100;
 
+/// Letters of a `detail`.
+const LONGEST_DETAIL: usize = 2000;
+
 /// An error as it is reported to a client, and the document that the client reads.
 #[derive(Debug, Serialize)]
 pub(super) struct Problem {
@@ -35,7 +38,7 @@ pub(super) struct Problem {
 impl Problem {
     /// A problem of `kind`; `detail` is one sentence on this occurrence.
     pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
-        Self { kind, detail: detail.into(), errors: Vec::new(), recipe: None, retry_after: None }
+        Self { kind, detail: bounded(detail.into()), errors: Vec::new(), recipe: None, retry_after: None }
     }
 
     /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
@@ -70,6 +73,14 @@ impl Problem {
     /// The value of its `Retry-After` field, if it has one.
     pub(super) fn retry_after_seconds(&self) -> Option<u64> {
         self.retry_after
+    }
+}
+
+/// A text without most of what a client sent, if that is long.
+fn bounded(text: String) -> String {
+    match text.char_indices().nth(LONGEST_DETAIL) {
+        Some((end, _)) => format!("{}... ({} bytes)", &text[..end], text.len()),
+        None => text,
     }
 }
 

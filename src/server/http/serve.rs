@@ -7,14 +7,17 @@ use axum::{
     extract::DefaultBodyLimit,
     middleware::{from_fn, from_fn_with_state},
 };
-use tokio::{net::TcpListener, sync::watch};
+use tokio::{
+    net::TcpListener,
+    sync::{Semaphore, watch},
+};
 use tower_http::trace::{DefaultMakeSpan, DefaultOnFailure, DefaultOnResponse, TraceLayer};
 use tracing::Level;
 
 use super::{
     api::Api,
     conditional, connection,
-    extract::BODY_LIMIT_BYTES,
+    extract::{BODY_LIMIT_BYTES, UPLOADS},
     limits::ConnectionLimits,
     origin_policy::{self, OriginPolicy},
     routes,
@@ -42,7 +45,13 @@ pub async fn serve(
 ) {
     let (stop, stopping) = watch::channel(false);
     let limits = Arc::new(options.limits);
-    let api = Api { service, limits: Arc::clone(&limits), stopping: stopping.clone(), redirects: options.redirects };
+    let api = Api {
+        service,
+        limits: Arc::clone(&limits),
+        stopping: stopping.clone(),
+        uploads: Arc::new(Semaphore::new(UPLOADS)),
+        redirects: options.redirects,
+    };
     let served = connection::serve(listener, router(api, options.origins), limits, stopping);
     let stopped = async {
         shutdown.await;

@@ -1,13 +1,11 @@
 //! The files of tabulated BRDFs. They are blobs beside those of tables, named by their digests alike.
 
-use std::sync::Arc;
-
 use serde::Serialize;
 
-use super::{Service, ServiceError};
+use super::{Service, ServiceError, tables::START};
 use ltcforge_files::{
     digest::Digest,
-    tabulated::{TabulatedError, decode},
+    tabulated::{TabulatedError, decode, is_tabulated},
 };
 use ltcforge_fit::{Asymmetry, TabulatedFile};
 
@@ -66,12 +64,13 @@ impl Service {
         Ok((stored(bytes, &file), was_there))
     }
 
-    /// The stored file of a tabulated BRDF; `None` where there is none, also for the digest of a table.
+    /// The length of the stored file of a tabulated BRDF; `None` where there is none, also for the digest of a table.
     ///
     /// # Errors
-    /// When the blob is damaged or unreadable.
-    pub fn brdf(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        let bytes = self.state.tables.store.blobs.get(digest)?;
-        Ok(bytes.filter(|bytes| decode(bytes).is_ok()).map(Arc::new))
+    /// When the store fails.
+    pub fn brdf_length(&self, digest: Digest) -> Result<Option<u64>, ServiceError> {
+        let blobs = &self.state.tables.store.blobs;
+        let is_one = blobs.part(digest, 0, START)?.is_some_and(|start| is_tabulated(&start));
+        Ok(if is_one { blobs.length(digest)? } else { None })
     }
 }

@@ -27,6 +27,22 @@ impl Service {
         self.state.tables.read(digest)
     }
 
+    /// The length of a table's file, which is not read.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn table_length(&self, digest: Digest) -> Result<Option<u64>, ServiceError> {
+        Ok(self.state.tables.length(digest)?)
+    }
+
+    /// At most `length` bytes of a stored file, from the byte `from` on, not checked against its digest.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub fn part(&self, digest: Digest, from: u64, length: usize) -> Result<Option<Vec<u8>>, ServiceError> {
+        Ok(self.state.tables.store.blobs.part(digest, from, length)?)
+    }
+
     /// The manifest of a table (see [`ltcforge_files::manifest::manifest_json`]) as JSON. It is made with the table. If
     /// it is of another version, or was lost with the catalogue, it is made and stored now.
     ///
@@ -52,7 +68,7 @@ impl Service {
     /// # Errors
     /// When the store fails.
     pub fn table_link(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
-        if !self.state.tables.contains(digest)? {
+        if self.state.tables.catalogue.table(digest)?.is_none() || !self.state.tables.contains(digest)? {
             return Ok(None);
         }
         Ok(self.state.tables.store.blobs.link(digest, LINK)?)

@@ -10,7 +10,14 @@ use std::{
 
 use super::ServiceError;
 use crate::store::{Catalogue, Store, StoreError};
-use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
+use ltcforge_files::{
+    digest::Digest,
+    manifest::MANIFEST_VERSION,
+    tabulated::{TABULATED_HEADER_LIMIT_BYTES, is_tabulated},
+};
+
+/// The bytes at the start of a file that tell a tabulated BRDF from a table.
+pub(super) const START: usize = 8 + TABULATED_HEADER_LIMIT_BYTES as usize;
 
 /// The store and its catalogue.
 #[derive(Debug)]
@@ -41,6 +48,7 @@ impl Tables {
     /// that the next equal job fits the table again.
     pub(super) fn read(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
         match self.store.blobs.get(digest) {
+            Ok(Some(bytes)) if is_tabulated(&bytes) => Ok(None),
             Ok(Some(bytes)) => {
                 self.missing().remove(&digest);
                 Ok(Some(Arc::new(bytes)))
@@ -57,6 +65,18 @@ impl Tables {
                 Err(error.into())
             }
         }
+    }
+
+    /// The length of a table's file, by its storage alone.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub(super) fn length(&self, digest: Digest) -> Result<Option<u64>, StoreError> {
+        let start = self.store.blobs.part(digest, 0, START)?;
+        if start.is_none() {
+            self.tell_missing(digest)?;
+        }
+        if start.is_none_or(|start| is_tabulated(&start)) { Ok(None) } else { self.store.blobs.length(digest) }
     }
 
     /// The stored manifest of a table, if it is of the current version. Whether the table is intact is not checked.

@@ -34,6 +34,23 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
     /// [`StoreError::Corrupt`] when they do not match. The blob is moved to quarantine and is absent from then on.
     fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError>;
 
+    /// The length of a blob. It is not checked against its digest.
+    ///
+    /// # Errors
+    /// When the storage does not tell.
+    fn length(&self, digest: Digest) -> Result<Option<u64>, StoreError> {
+        Ok(self.get(digest)?.map(|bytes| bytes.len() as u64))
+    }
+
+    /// At most `length` bytes of a blob, from the byte `from` on. It is not checked against its digest.
+    ///
+    /// # Errors
+    /// When the storage fails.
+    fn part(&self, digest: Digest, from: u64, length: usize) -> Result<Option<Vec<u8>>, StoreError> {
+        let part = |bytes: Vec<u8>| bytes.into_iter().skip(from as usize).take(length).collect();
+        Ok(self.get(digest)?.map(part))
+    }
+
     /// Whether there is a blob of that name; its bytes are not read.
     ///
     /// # Errors
@@ -114,6 +131,15 @@ impl FileBlobs {
     }
 }
 
+/// The answer about the file of a blob; `None` where there is no regular file.
+fn regular<T>(answer: io::Result<T>, path: PathBuf) -> Result<Option<T>, StoreError> {
+    match answer {
+        Ok(answer) => Ok(Some(answer)),
+        Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidData) => Ok(None),
+        Err(source) => Err(StoreError::of_io(path, source)),
+    }
+}
+
 impl Blobs for FileBlobs {
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
         let digest = Digest::of(bytes);
@@ -148,6 +174,16 @@ impl Blobs for FileBlobs {
         let moved_to = files::move_to_quarantine(&path, &self.quarantine, &digest.hex())?;
         tracing::error!(%digest, %actual, moved_to = %moved_to.display(), "a damaged blob was moved to quarantine");
         Err(StoreError::Corrupt { expected: digest, actual, moved_to })
+    }
+
+    fn length(&self, digest: Digest) -> Result<Option<u64>, StoreError> {
+        let path = self.path(digest);
+        regular(files::regular_length(&path), path)
+    }
+
+    fn part(&self, digest: Digest, from: u64, length: usize) -> Result<Option<Vec<u8>>, StoreError> {
+        let path = self.path(digest);
+        regular(files::read_part(&path, from, length), path)
     }
 
     fn contains(&self, digest: Digest) -> Result<bool, StoreError> {

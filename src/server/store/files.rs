@@ -2,7 +2,7 @@
 
 use std::{
     fs,
-    io::{self, Read as _},
+    io::{self, Read as _, Seek as _},
     os::unix::fs::OpenOptionsExt as _,
     path::{Path, PathBuf},
 };
@@ -79,15 +79,32 @@ fn free_name(quarantine: &Path, stem: &str) -> Result<PathBuf, StoreError> {
 /// The bytes of a regular file. Anything else is not opened and is [`io::ErrorKind::InvalidData`]: reading a FIFO may
 /// wait for ever, and a device or what a link leads to may have no end.
 pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_regular(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// At most `length` bytes of a regular file, from the byte `from` on.
+pub(super) fn read_part(path: &Path, from: u64, length: usize) -> io::Result<Vec<u8>> {
+    let mut file = open_regular(path)?;
+    file.seek(io::SeekFrom::Start(from))?;
+    let mut bytes = Vec::new();
+    file.take(length as u64).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The length of a regular file.
+pub(super) fn regular_length(path: &Path) -> io::Result<u64> {
+    Ok(open_regular(path)?.metadata()?.len())
+}
+
+fn open_regular(path: &Path) -> io::Result<fs::File> {
     if !path.symlink_metadata()?.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not a regular file"));
     }
     // It may have been replaced since.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
-    let mut file = fs::File::options().read(true).custom_flags(flags).open(path)?;
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes)?;
-    Ok(bytes)
+    fs::File::options().read(true).custom_flags(flags).open(path)
 }
 
 /// Copies a folder with its contents, without what is neither a folder nor a regular file.

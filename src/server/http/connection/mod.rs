@@ -55,6 +55,10 @@ const LINGER: Duration = Duration::from_secs(1);
 /// The most bytes that it then reads.
 const LINGER_BYTES: usize = 4 * 1024 * 1024;
 
+/// Bytes that the system holds for a client without having sent them.
+#[cfg(target_os = "linux")]
+const UNSENT_BYTES: u32 = 128 * 1024;
+
 /// How long nothing is accepted after an error such as the lack of a file descriptor.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
@@ -152,6 +156,10 @@ async fn connection(
     let Ok(local) = tcp.local_addr().map(LocalAddress) else { return };
     // Answers are written whole, so there is nothing to gather. A socket that refuses still works.
     let _ = tcp.set_nodelay(true);
+    // Otherwise the system takes megabytes for a client and then nothing until it has read a third of them, as if a slow
+    // one did not read.
+    #[cfg(target_os = "linux")]
+    let _ = socket2::SockRef::from(&tcp).set_tcp_notsent_lowat(UNSENT_BYTES);
     let mut builder = http1::Builder::new();
     builder.timer(TokioTimer::new()).header_read_timeout(limits.client);
     // The buffer may grow a little beyond its limit; the head may not.

@@ -17,7 +17,10 @@ use super::{
     cache::BlobCache,
     connect::{Access, Connected, ObjectsOpenError, connect, probe, text},
 };
-use crate::store::{BlobInfo, Blobs, StoreError};
+use crate::store::{
+    BlobInfo, Blobs, StoreError,
+    files::{read_part, regular_length},
+};
 use ltcforge_files::digest::Digest;
 
 /// Bytes of one upload request, at most. A store that takes 350 kB a second takes two at once before the timeout.
@@ -209,6 +212,23 @@ impl Blobs for ObjectBlobs {
         }
         tracing::error!(%digest, "the object store gave other bytes than were stored, twice");
         Err(StoreError::Unavailable(format!("the object store gives other bytes for {digest} than were stored")))
+    }
+
+    fn length(&self, digest: Digest) -> Result<Option<u64>, StoreError> {
+        if let Some(length) = self.cache.file(digest).and_then(|file| regular_length(&file).ok()) {
+            return Ok(Some(length));
+        }
+        let head = found(self.block_on(self.connected.store.head(&self.path(digest))))?;
+        Ok(head.map(|head| head.size))
+    }
+
+    fn part(&self, digest: Digest, from: u64, length: usize) -> Result<Option<Vec<u8>>, StoreError> {
+        if let Some(part) = self.cache.file(digest).and_then(|file| read_part(&file, from, length).ok()) {
+            return Ok(Some(part));
+        }
+        let part = from..from + length as u64;
+        let read = found(self.block_on(self.connected.store.get_range(&self.path(digest), part)))?;
+        Ok(read.map(Vec::from))
     }
 
     fn contains(&self, digest: Digest) -> Result<bool, StoreError> {

@@ -57,6 +57,11 @@ impl BlobCache {
         None
     }
 
+    /// The file of a blob, if there is one. Its bytes are not checked.
+    pub(super) fn file(&self, digest: Digest) -> Option<PathBuf> {
+        Some(self.path(digest)).filter(|path| path.is_file())
+    }
+
     /// Keeps a blob. A failure is logged: this is only a cache.
     pub(super) fn put(&self, digest: Digest, bytes: &[u8]) {
         let length = bytes.len() as u64;
