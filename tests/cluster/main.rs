@@ -13,6 +13,7 @@ mod migration;
 mod objects;
 mod proxy;
 mod s3;
+mod sweep;
 
 use std::{
     io::{BufRead as _, BufReader},

@@ -4,7 +4,7 @@ use std::{sync::Arc, time::Duration};
 
 use super::{
     ExportFailure, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow,
-    state::ServiceState,
+    reconcile::unless_full, state::ServiceState,
 };
 use crate::{
     queue::JobId,
@@ -58,7 +58,7 @@ impl Service {
         let made = state.make_manifest(&file, &|| !state.is_stopping());
         let made = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         let manifest = made.ok_or(ServiceError::Stopping)?;
-        state.tables.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?)?;
+        unless_full(state.tables.store.rows.commit(&Catalogue::manifest_entry(digest, &manifest)?))?;
         Ok(Some(manifest.text))
     }
 

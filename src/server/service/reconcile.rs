@@ -26,8 +26,8 @@ pub struct Reconciled {
     pub missing_brdfs: Vec<Digest>,
 }
 
-/// On a full disk the catalogue stays as it is, until a later start.
-fn unless_full(written: Result<(), StoreError>) -> Result<(), StoreError> {
+/// On a full disk the catalogue stays as it is, and is mended later.
+pub(super) fn unless_full(written: Result<(), StoreError>) -> Result<(), StoreError> {
     if matches!(written, Err(StoreError::DiskFull)) { Ok(()) } else { written }
 }
 

@@ -8,7 +8,7 @@ use std::{
     },
 };
 
-use super::ServiceError;
+use super::{ServiceError, reconcile::unless_full};
 use crate::store::{Catalogue, Store, StoreError};
 use ltcforge_files::{
     digest::Digest,
@@ -60,7 +60,7 @@ impl Tables {
             Err(error) => {
                 if matches!(error, StoreError::Corrupt { .. }) {
                     self.damaged.fetch_add(1, Ordering::Relaxed);
-                    self.catalogue.forget(digest)?;
+                    unless_full(self.catalogue.forget(digest).map(drop))?;
                 }
                 Err(error.into())
             }

@@ -193,6 +193,25 @@ fn a_table_from_before_gets_its_manifest_when_it_is_asked_for() {
     }
 }
 
+/// A table from before has no manifest yet, and a damaged one is to leave the catalogue.
+#[test]
+fn a_full_disk_hides_no_manifest_and_no_damage() {
+    let dir = tempfile::tempdir().unwrap();
+    let rows = Arc::new(MemoryRows::default());
+    let store = Store::with_rows(dir.path(), rows.clone());
+    let service = Service::open_with(config(dir.path()), store, Arc::new(FakeBackend(Arc::default()))).unwrap();
+    let table = fitted(&service, "gold 2");
+    let mut none = Batch::default();
+    none.remove(Tree::Manifests, *table.as_bytes());
+    rows.commit(&none).unwrap();
+    rows.full.store(true, Ordering::Relaxed);
+    assert_eq!(service.manifest(table).unwrap().unwrap(), "of 16 bytes");
+    let hex = table.hex();
+    fs::write(dir.path().join("blobs").join(&hex[..2]).join(&hex), "noise").unwrap();
+    assert!(matches!(service.table(table), Err(ServiceError::Corrupt { .. })));
+    assert!(service.table(table).unwrap().is_none());
+}
+
 /// A store from which another process removes each blob once, before the row that makes it known.
 #[derive(Debug)]
 struct Swept {
