@@ -119,7 +119,7 @@ impl From<PullError> for CommandFailure {
             PullError::Sources(error) => error.into(),
             PullError::File { .. } => Self::new(Exit::Failed, error.to_string()),
             PullError::Size { .. } => Self::new(Exit::Mismatch, error.to_string()),
-            PullError::LeadsOut { .. } => Self::new(Exit::Usage, error.to_string()),
+            PullError::LeadsOut { .. } | PullError::Kept { .. } => Self::new(Exit::Usage, error.to_string()),
         }
     }
 }

@@ -27,6 +27,6 @@ pub use lock_error::LockFileError;
 pub use lock_file::{LockFile, read_text};
 pub use lock_text::with_pins;
 pub use pin::{ExportPin, FilePin, Pin, check_pins};
-pub use pull::{PinState, PullError, check, check_size, pull, pull_export, target};
+pub use pull::{PinState, PullError, check, check_size, place, pull, pull_export, target};
 pub use rest::Client;
 pub use source::{Access, Source, SourcesError, fetch};

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeSet,
+    ffi::OsStr,
     path::{Component, Path, PathBuf},
 };
 
@@ -147,8 +148,19 @@ pub(super) fn plain(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
+/// Why such a name is not allowed.
+pub(super) const KEPT: &str =
+    "version control, editors and tools keep their own files under names that begin with a dot, or have ~ and a digit";
+
+/// Whether a name is kept for the files of version control, editors and tools, some of which run what they find there.
+/// Their names begin with a dot, or are the short names that Windows gives such files: `GIT~1`.
+pub(super) fn is_kept(name: &OsStr) -> bool {
+    let bytes = name.as_encoded_bytes();
+    bytes.starts_with(b".") || bytes.windows(2).any(|pair| pair[0] == b'~' && pair[1].is_ascii_digit())
+}
+
 /// Refuses a path that is not safe. A lock file comes with a checkout, so it must not cause writes outside the checkout
-/// or into the files of version control, and its paths must mean the same on every system.
+/// or into the files of version control, editors and tools, and its paths must mean the same on every system.
 fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
     let Some(text) = path.to_str() else { return Err(LockFileError::NotText(path.display().to_string())) };
     let refused = |reason| Err(LockFileError::Path { path: text.to_owned(), reason });
@@ -169,8 +181,8 @@ fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
         if bare != name && !bare.is_empty() {
             return refused("not every system allows names that end in a dot or a blank");
         }
-        if ["git~1", ".git", ".hg", ".svn", ".bzr", ".jj"].iter().any(|kept| name.eq_ignore_ascii_case(kept)) {
-            return refused("version control keeps its own files there");
+        if name != "." && is_kept(OsStr::new(name)) {
+            return refused(KEPT);
         }
         if is_device(name) {
             return refused("Windows has a device of that name");
@@ -205,6 +217,11 @@ mod tests {
             (".git/config", "version control"),
             ("a/.GIT/hooks/x", "version control"),
             ("GIT~1/config", "version control"),
+            ("a/git~2", "version control"),
+            (".vscode/tasks.json", "version control"),
+            (".idea/x", "version control"),
+            ("a/.github/workflows/x", "version control"),
+            ("a/.envrc", "version control"),
             (".git./config", "dot or a blank"),
             ("a /b", "dot or a blank"),
             ("CON.safetensors", "device"),
@@ -221,7 +238,7 @@ mod tests {
             let refused = check_path(Path::new(path), false).expect_err(path).to_string();
             assert!(refused.contains(said) && !refused.contains(is_hidden), "{path:?}: {refused}");
         }
-        for path in ["a/.gitignore", "console.bin", "com10", "git", "\u{e4}/\u{65e5} b.x"] {
+        for path in ["./a/b", "a~/b", "console.bin", "com10", "git", "\u{e4}/\u{65e5} b.x"] {
             check_path(Path::new(path), false).unwrap_or_else(|error| panic!("{error}"));
         }
         let pin = |name: &str| Pin {

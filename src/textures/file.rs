@@ -1,6 +1,7 @@
 //! Files that were made of textures.
 
 use super::{rounding::RoundingError, texture::TextureError};
+use ltcforge_files::compact::COMPACT_MAGIC;
 
 /// A file that was made of textures.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +12,25 @@ pub struct TextureFile {
     pub bytes: Vec<u8>,
     /// The changes by rounding.
     pub rounding: RoundingError,
+}
+
+impl TextureFile {
+    /// Whether bytes may be another version of this file: a text too, or bytes that begin alike, or that are as many
+    /// where a format has no beginning of its own.
+    #[must_use]
+    pub fn resembles(&self, bytes: &[u8]) -> bool {
+        let is_json = |bytes: &[u8]| serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok();
+        let is_text = |bytes: &[u8]| !bytes.contains(&0) && str::from_utf8(bytes).is_ok();
+        if self.path.ends_with(".json") {
+            is_json(bytes)
+        } else if self.path.ends_with(".bin") {
+            self.bytes.len() == bytes.len()
+        } else if is_text(&self.bytes) && self.bytes != COMPACT_MAGIC {
+            is_text(bytes)
+        } else {
+            bytes.starts_with(&self.bytes[..self.bytes.len().min(4)])
+        }
+    }
 }
 
 /// Why textures are no file.
