@@ -18,7 +18,7 @@ use super::{
     table_file::{self, check, table_path},
 };
 use ltcforge_client::{
-    self as client, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins,
+    self as client, Guard, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins,
 };
 use ltcforge_files::{
     container::TableFile,
@@ -57,6 +57,10 @@ pub(super) fn run(
         let CommandFailure { exit, message } = lock_failure(path, &error);
         CommandFailure { exit, message: message + if is_shared { ": choose another --out or --to" } else { "" } }
     };
+    // Another `lock` would not see what this one writes, and would write the lock file without it.
+    check_folder_is_there(path)?;
+    let wait = || tracing::warn!("another `ltcforge lock` is at work in {}; waiting", folder_of(path).display());
+    let _guard = Guard::of(folder_of(path), wait).map_err(|error| file_failure(path, &error))?;
     let old = match read_text(path) {
         Ok(text) => text,
         Err(LockFileError::Read { source }) if source.kind() == io::ErrorKind::NotFound && args.name.is_some() => {
@@ -125,11 +129,15 @@ pub(super) fn run(
     Ok(Exit::Ok)
 }
 
+/// Checks that the folder of the lock file at `path` is there.
+fn check_folder_is_there(path: &Path) -> Result<(), CommandFailure> {
+    let folder = folder_of(path);
+    let missing = || file_failure(path, &format!("there is no folder {}", folder.display()));
+    folder.is_dir().then_some(()).ok_or_else(missing)
+}
+
 /// Checks that the lock file at `path` and the pinned files below its `folder` can be written.
 fn check_places<'a>(path: &Path, folder: &Path, pins: impl Iterator<Item = &'a Pin>) -> Result<(), CommandFailure> {
-    if !folder_of(path).is_dir() {
-        return Err(file_failure(path, &format!("there is no folder {}", folder_of(path).display())));
-    }
     check_output_folder(folder_of(path))?;
     for pin in pins {
         client::check(&pin.path, pin.digest, None, folder)?;

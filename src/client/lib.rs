@@ -7,6 +7,7 @@ mod answer;
 mod download;
 mod error;
 mod events;
+mod guard;
 mod job;
 mod limits;
 mod lock_error;
@@ -21,6 +22,7 @@ mod tests;
 
 pub use download::{Download, DownloadError};
 pub use error::ClientError;
+pub use guard::Guard;
 pub use job::{JobDocument, JobProgress, JobStatus};
 pub use limits::{Limits, SizeOrigin};
 pub use lock_error::LockFileError;
