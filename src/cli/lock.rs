@@ -126,6 +126,13 @@ pub(super) fn run(
     for pin in pins.iter().filter(|pin| made.contains(&pin.name)) {
         tell(pin, json, context)?;
     }
+    let files = planned.iter().map(|planned| (planned.path.as_path(), planned.bytes.as_slice()));
+    let lines = client::missing_attributes(files, &lock.folder);
+    if !lines.is_empty() {
+        let advice = "add to .gitattributes, or Git may change the line ends of these files";
+        let text = format!("{advice}:\n{}", lines.join("\n"));
+        print(context.stdout, json, &json!({ "gitattributes": lines, "detail": advice }), &text)?;
+    }
     Ok(Exit::Ok)
 }
 
@@ -283,7 +290,15 @@ impl Locking<'_, '_> {
         let old = self.lock.pins.iter().find(|old| old.name == pin.name).unwrap_or(pin);
         match client::check(&old.path, pin.digest, None, &self.lock.folder)? {
             PinState::Right => self.read(&self.lock.folder.join(&old.path), Some(pin.digest)),
-            _ => self.of_source(pin.digest, pin.bytes, pin),
+            _ => self.of_source(pin.digest, pin.bytes, pin).map_err(|failure| {
+                match client::change_of_git(&old.path, pin.digest, &self.lock.folder) {
+                    Some(cause) => CommandFailure::new(
+                        failure.exit,
+                        format!("{}\n{}: {cause}", failure.message, self.lock.folder.join(&old.path).display()),
+                    ),
+                    None => failure,
+                }
+            }),
         }
     }
 

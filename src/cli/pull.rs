@@ -145,7 +145,9 @@ impl Pulling<'_, '_> {
         match state {
             PinState::Missing if self.args.locked => drift("the file is missing".to_owned()),
             PinState::Different { actual } if self.args.locked => {
-                drift(format!("the file hashes to {actual}, {digest} is pinned"))
+                let cause = client::change_of_git(path, digest, &self.lock.folder);
+                let cause = cause.map(|cause| format!("; {cause}")).unwrap_or_default();
+                drift(format!("the file hashes to {actual}, {digest} is pinned{cause}"))
             }
             state => Ok(state),
         }

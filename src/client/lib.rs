@@ -7,6 +7,7 @@ mod answer;
 mod download;
 mod error;
 mod events;
+mod git;
 mod guard;
 mod job;
 mod limits;
@@ -21,7 +22,8 @@ mod source;
 mod tests;
 
 pub use download::{Download, DownloadError};
-pub use error::ClientError;
+pub use error::{ClientError, without_passwords};
+pub use git::{change_of_git, missing_attributes};
 pub use guard::Guard;
 pub use job::{JobDocument, JobProgress, JobStatus};
 pub use limits::{Limits, SizeOrigin};

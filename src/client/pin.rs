@@ -1,12 +1,13 @@
 //! The pins of a project: tables, and files that are made from them.
 
 use std::{
-    collections::BTreeSet,
+    collections::BTreeMap,
     ffi::OsStr,
     path::{Component, Path, PathBuf},
 };
 
 use serde::Deserialize;
+use unicode_normalization::UnicodeNormalization as _;
 
 use super::{Source, error::is_hidden, lock_error::LockFileError};
 use ltcforge_files::digest::Digest;
@@ -113,26 +114,37 @@ fn is_plain(text: &str) -> bool {
 /// # Errors
 /// When a name or path is not allowed, or two pins share one.
 pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
-    let mut names = BTreeSet::new();
+    let mut names = BTreeMap::new();
     for pin in pins {
         if pin.name.is_empty() || pin.name.contains(is_hidden) {
             return Err(LockFileError::Name(pin.name.clone()));
         }
-        if !names.insert(&pin.name) {
-            return Err(LockFileError::Twice { owners: "tables", what: "name", value: pin.name.clone() });
-        }
+        check_once(&mut names, ("tables", "name"), &pin.name)?;
         for export in &pin.exports {
             check_path(&export.to, true)?;
         }
     }
-    let mut seen = BTreeSet::new();
+    let mut seen = BTreeMap::new();
     for path in paths(pins) {
         check_path(path, false)?;
-        if !seen.insert(plain(path)) {
-            return Err(LockFileError::Twice { owners: "files", what: "path", value: path.display().to_string() });
-        }
+        check_once(&mut seen, ("files", "path"), &plain(path).display().to_string())?;
     }
     Ok(())
+}
+
+/// Notes a name, unless another is the same, or is the same for systems that tell neither case nor Unicode forms apart.
+fn check_once(
+    seen: &mut BTreeMap<String, String>,
+    (owners, what): (&'static str, &'static str),
+    name: &str,
+) -> Result<(), LockFileError> {
+    // Lower case alone would tell a final sigma from others.
+    let folded = name.nfkc().collect::<String>().to_uppercase().to_lowercase().nfkc().collect();
+    match seen.insert(folded, name.to_owned()) {
+        None => Ok(()),
+        Some(other) if other == name => Err(LockFileError::Twice { owners, what, value: other }),
+        Some(value) => Err(LockFileError::Alike { owners, what, value, other: name.to_owned() }),
+    }
 }
 
 /// The path of each pinned file.

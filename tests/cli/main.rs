@@ -7,6 +7,7 @@ mod answers;
 mod ci;
 mod compare;
 mod exports;
+mod foreign_texts;
 mod lights;
 mod lock_file;
 mod outputs;
