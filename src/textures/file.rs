@@ -1,5 +1,7 @@
 //! Files that were made of textures.
 
+use std::{ffi::OsStr, path::Path};
+
 use super::{rounding::RoundingError, texture::TextureError};
 use ltcforge_files::compact::COMPACT_MAGIC;
 
@@ -21,14 +23,11 @@ impl TextureFile {
     pub fn resembles(&self, bytes: &[u8]) -> bool {
         let is_json = |bytes: &[u8]| serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok();
         let is_text = |bytes: &[u8]| !bytes.contains(&0) && str::from_utf8(bytes).is_ok();
-        if self.path.ends_with(".json") {
-            is_json(bytes)
-        } else if self.path.ends_with(".bin") {
-            self.bytes.len() == bytes.len()
-        } else if is_text(&self.bytes) && self.bytes != COMPACT_MAGIC {
-            is_text(bytes)
-        } else {
-            bytes.starts_with(&self.bytes[..self.bytes.len().min(4)])
+        match Path::new(&self.path).extension().and_then(OsStr::to_str) {
+            Some("json") => is_json(bytes),
+            Some("bin") => self.bytes.len() == bytes.len(),
+            _ if is_text(&self.bytes) && self.bytes != COMPACT_MAGIC => !bytes.is_empty() && is_text(bytes),
+            _ => bytes.starts_with(&self.bytes[..self.bytes.len().min(4)]),
         }
     }
 }

@@ -90,6 +90,8 @@ fn no_error_shows_a_password_and_no_port_becomes_another() {
             assert!(told.stderr.contains("a port is a number from 1 to 65535"), "{told:#?}");
         }
     }
+    let other = run(&project, ["pull", "--from", "ftp://host"]).exited(2);
+    assert!(other.stderr.contains("ftp://host: this is not the URL of a server"), "{other:#?}");
     let lock = read(&project.join("ltcforge.lock"));
     for url in [
         "http://user:secret@127.0.0.1:9",
