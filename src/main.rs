@@ -8,7 +8,7 @@ use std::{
 };
 
 use clap::Parser as _;
-use ltcforge_cli::{self as cli, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt};
+use ltcforge_cli::{self as cli, Cli, CommandFailure, Context, Exit, Interrupt, OnInterrupt, without_passwords};
 #[cfg(unix)]
 use tokio::signal::unix::{Signal, SignalKind, signal};
 #[cfg(not(unix))]
@@ -22,10 +22,20 @@ const CLEAN_UP: Duration = Duration::from_secs(2);
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) if error.use_stderr() && env::args_os().any(|argument| argument == "--json") => {
+        Err(error) if error.use_stderr() => {
             let text = error.render().to_string();
-            let message = text.trim_end();
-            return fail(&CommandFailure::new(Exit::Usage, message.strip_prefix("error: ").unwrap_or(message)), true);
+            let shown = without_passwords(&text);
+            if env::args_os().any(|argument| argument == "--json") {
+                let message = shown.trim_end();
+                let message = message.strip_prefix("error: ").unwrap_or(message);
+                return fail(&CommandFailure::new(Exit::Usage, message), true);
+            }
+            // Clap's own way has colours.
+            if shown == text {
+                error.exit();
+            }
+            eprint!("{shown}");
+            return Exit::Usage.into();
         }
         Err(error) => error.exit(),
     };

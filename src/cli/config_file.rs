@@ -30,8 +30,11 @@ use serde::Deserialize;
 #[cfg(unix)]
 use super::service::ServeSettings;
 use super::{CommandFailure, Exit};
-use ltcforge_client::Source;
-use ltcforge_files::bounded::read_file;
+use ltcforge_client::{Source, without_passwords};
+use ltcforge_files::{
+    bounded::read_file,
+    text::{other_form, without_mark},
+};
 
 /// Where there is no service, its settings are read past: a project may have one file for all systems.
 #[cfg(not(unix))]
@@ -66,8 +69,9 @@ impl ConfigFile {
         let refuse = |reason: String| CommandFailure::new(Exit::Usage, format!("{}: {reason}", path.display()));
         match read_file(path, LIMIT_BYTES) {
             Ok(bytes) => {
-                let text = str::from_utf8(&bytes).map_err(|error| refuse(error.to_string()))?;
-                Self::parse(text).map_err(refuse)
+                let other = |error: String| refuse(other_form(&bytes).unwrap_or(error));
+                let text = str::from_utf8(without_mark(&bytes)).map_err(|error| other(error.to_string()))?;
+                Self::parse(text).map_err(other)
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound && named.is_none() => Ok(Self::default()),
             Err(error) => Err(refuse(error.to_string())),
@@ -75,7 +79,7 @@ impl ConfigFile {
     }
 
     fn parse(text: &str) -> Result<Self, String> {
-        toml_edit::de::from_str(text).map_err(|error| error.to_string().trim_end().to_owned())
+        toml_edit::de::from_str(text).map_err(|error| without_passwords(error.to_string().trim_end()))
     }
 }
 

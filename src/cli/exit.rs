@@ -92,7 +92,10 @@ impl From<ClientError> for CommandFailure {
     fn from(error: ClientError) -> Self {
         let mut message = error.to_string();
         let exit = match error {
-            ClientError::BadUrl { .. } | ClientError::BadSource { .. } => Exit::Usage,
+            ClientError::BadUrl { .. }
+            | ClientError::BadPort { .. }
+            | ClientError::Credentials { .. }
+            | ClientError::BadSource { .. } => Exit::Usage,
             ClientError::Unavailable { .. } => Exit::Unavailable,
             ClientError::Mismatch { .. }
             | ClientError::TooShort { .. }
@@ -119,7 +122,7 @@ impl From<PullError> for CommandFailure {
             PullError::Sources(error) => error.into(),
             PullError::File { .. } => Self::new(Exit::Failed, error.to_string()),
             PullError::Size { .. } => Self::new(Exit::Mismatch, error.to_string()),
-            PullError::LeadsOut { .. } => Self::new(Exit::Usage, error.to_string()),
+            PullError::LeadsOut { .. } | PullError::Kept { .. } => Self::new(Exit::Usage, error.to_string()),
         }
     }
 }
@@ -172,6 +175,8 @@ mod tests {
             (ClientError::TooLong { url: url(), limit_bytes: 1, origin: SizeOrigin::LockFile }, 3),
             (ClientError::TooShort { url: url(), bytes: 1, stated_bytes: 2 }, 3),
             (ClientError::BadUrl { url: url() }, 2),
+            (ClientError::BadPort { url: url(), port: "0".into() }, 2),
+            (ClientError::Credentials { url: url() }, 2),
             (ClientError::BadSource { source_name: String::new() }, 2),
             (ClientError::Unreadable { place: "p".into(), reason: "x".into() }, 1),
         ];

@@ -17,6 +17,7 @@ use ltcforge_files::{
     compact::{self, COMPACT_MAGIC},
     container::{NPY_MAGIC, NpyTable, TableFile, decode_npy},
     digest::Digest,
+    text::{other_form, without_mark},
 };
 use ltcforge_fit::{PerAxis, Recipe, Table};
 
@@ -81,8 +82,10 @@ impl AnyTable {
             let TableFile { table, recipe } = file;
             return Ok(Self { path, digest, table, origin: Origin::Recipe(recipe) });
         }
-        let NpyTable { table, range } = decode_npy(&bytes)
-            .map_err(|error| CommandFailure::new(Exit::Mismatch, format!("{}: {error}", path.display())))?;
+        let NpyTable { table, range } = decode_npy(&bytes).map_err(|error| {
+            let reason = other_form(&bytes).unwrap_or_else(|| error.to_string());
+            CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
+        })?;
         Ok(Self { path, digest: Digest::of(&bytes), table, origin: Origin::Range(range) })
     }
 }
@@ -92,12 +95,13 @@ impl AnyTable {
 /// # Errors
 /// When it cannot be read, or is longer than [`RECIPE_LIMIT_BYTES`].
 pub(super) fn recipe_document(name: &Path) -> Result<Vec<u8>, CommandFailure> {
-    match name.to_str() {
+    let document = match name.to_str() {
         Some("-") => read_stream(io::stdin().lock(), RECIPE_LIMIT_BYTES)
             .map_err(|error| file_failure(Path::new("standard input"), &error)),
         Some(preset) if is_preset_name(preset) => Ok(serde_json::json!({ "preset": preset }).to_string().into_bytes()),
         _ => read_file(name, RECIPE_LIMIT_BYTES).map_err(|error| file_failure(name, &error)),
-    }
+    };
+    document.map(|document| without_mark(&document).to_vec())
 }
 
 /// A recipe's file in the working folder without an extension is named `./recipe`.

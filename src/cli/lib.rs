@@ -43,6 +43,7 @@ pub use args::{Cli, Command, OnInterrupt};
 pub use context::Context;
 pub use exit::{CommandFailure, Exit};
 pub use interrupt::Interrupt;
+pub use ltcforge_client::without_passwords;
 pub use run::run;
 
 use context::{print, shown};

@@ -18,7 +18,7 @@ use super::{
     table_file::{self, check, table_path},
 };
 use ltcforge_client::{
-    self as client, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins,
+    self as client, Guard, LockFile, LockFileError, Pin, PinState, Source, check_pins, fetch, read_text, with_pins,
 };
 use ltcforge_files::{
     container::TableFile,
@@ -57,6 +57,10 @@ pub(super) fn run(
         let CommandFailure { exit, message } = lock_failure(path, &error);
         CommandFailure { exit, message: message + if is_shared { ": choose another --out or --to" } else { "" } }
     };
+    // Another `lock` would not see what this one writes, and would write the lock file without it.
+    check_folder_is_there(path)?;
+    let wait = || tracing::warn!("another `ltcforge lock` is at work in {}; waiting", folder_of(path).display());
+    let _guard = Guard::of(folder_of(path), wait).map_err(|error| file_failure(path, &error))?;
     let old = match read_text(path) {
         Ok(text) => text,
         Err(LockFileError::Read { source }) if source.kind() == io::ErrorKind::NotFound && args.name.is_some() => {
@@ -122,14 +126,25 @@ pub(super) fn run(
     for pin in pins.iter().filter(|pin| made.contains(&pin.name)) {
         tell(pin, json, context)?;
     }
+    let files = planned.iter().map(|planned| (planned.path.as_path(), planned.bytes.as_slice()));
+    let lines = client::missing_attributes(files, &lock.folder);
+    if !lines.is_empty() {
+        let advice = "add to .gitattributes, or Git may change the line ends of these files";
+        let text = format!("{advice}:\n{}", lines.join("\n"));
+        print(context.stdout, json, &json!({ "gitattributes": lines, "detail": advice }), &text)?;
+    }
     Ok(Exit::Ok)
+}
+
+/// Checks that the folder of the lock file at `path` is there.
+fn check_folder_is_there(path: &Path) -> Result<(), CommandFailure> {
+    let folder = folder_of(path);
+    let missing = || file_failure(path, &format!("there is no folder {}", folder.display()));
+    folder.is_dir().then_some(()).ok_or_else(missing)
 }
 
 /// Checks that the lock file at `path` and the pinned files below its `folder` can be written.
 fn check_places<'a>(path: &Path, folder: &Path, pins: impl Iterator<Item = &'a Pin>) -> Result<(), CommandFailure> {
-    if !folder_of(path).is_dir() {
-        return Err(file_failure(path, &format!("there is no folder {}", folder_of(path).display())));
-    }
     check_output_folder(folder_of(path))?;
     for pin in pins {
         client::check(&pin.path, pin.digest, None, folder)?;
@@ -275,7 +290,15 @@ impl Locking<'_, '_> {
         let old = self.lock.pins.iter().find(|old| old.name == pin.name).unwrap_or(pin);
         match client::check(&old.path, pin.digest, None, &self.lock.folder)? {
             PinState::Right => self.read(&self.lock.folder.join(&old.path), Some(pin.digest)),
-            _ => self.of_source(pin.digest, pin.bytes, pin),
+            _ => self.of_source(pin.digest, pin.bytes, pin).map_err(|failure| {
+                match client::change_of_git(&old.path, pin.digest, &self.lock.folder) {
+                    Some(cause) => CommandFailure::new(
+                        failure.exit,
+                        format!("{}\n{}: {cause}", failure.message, self.lock.folder.join(&old.path).display()),
+                    ),
+                    None => failure,
+                }
+            }),
         }
     }
 

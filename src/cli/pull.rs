@@ -17,12 +17,7 @@ use super::{
     table_file::check,
 };
 use ltcforge_client::{self as client, ExportPin, FilePin, LockFile, Pin, PinState, PullError, SourcesError};
-use ltcforge_files::{
-    bounded::read_file,
-    container::TableFile,
-    digest::Digest,
-    replace::{PairError, Staged},
-};
+use ltcforge_files::{bounded::read_file, container::TableFile, digest::Digest, recipe_document, replace::Staged};
 
 /// A pinned file, and the outcome for it.
 struct Done<'a> {
@@ -61,7 +56,7 @@ pub(super) fn run(
     let places = !failures().any(is_wrong);
     if places {
         for files in staged {
-            files.place().map_err(|PairError { path, source }| file_failure(&path, &source))?;
+            client::place(files)?;
         }
     } else {
         // The last is dropped first, because a folder can be removed only after all that is in it.
@@ -150,7 +145,9 @@ impl Pulling<'_, '_> {
         match state {
             PinState::Missing if self.args.locked => drift("the file is missing".to_owned()),
             PinState::Different { actual } if self.args.locked => {
-                drift(format!("the file hashes to {actual}, {digest} is pinned"))
+                let cause = client::change_of_git(path, digest, &self.lock.folder);
+                let cause = cause.map(|cause| format!("; {cause}")).unwrap_or_default();
+                drift(format!("the file hashes to {actual}, {digest} is pinned{cause}"))
             }
             state => Ok(state),
         }
@@ -166,11 +163,25 @@ impl Pulling<'_, '_> {
             .with_access(&self.context.interrupt, |access| client::pull(pin, (folder, &sources), access, staged));
         match pulled {
             Ok(PinState::Right) => Ok(UNCHANGED),
-            Ok(PinState::Missing) => Ok("downloaded"),
-            Ok(PinState::Different { .. }) => Ok("replaced"),
+            Ok(before) => {
+                self.check_recipe(pin, &self.read(pin)?)?;
+                Ok(if before == PinState::Missing { "downloaded" } else { "replaced" })
+            }
             Err(PullError::Sources(SourcesError::NoneHasIt(_))) if self.args.fit => self.fit(pin),
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// Refuses a table of another recipe than the pinned one.
+    fn check_recipe(&self, pin: &Pin, file: &TableFile) -> Result<(), CommandFailure> {
+        let Some(pinned) = &pin.recipe else { return Ok(()) };
+        let place = self.lock.folder.join(&pin.path);
+        let pinned = recipe_document::parse_stored(pinned.as_bytes()).map_err(|error| mismatch(&place, &error))?;
+        let [pinned, actual] = [&pinned, &file.recipe].map(recipe_document::digest);
+        if actual == pinned {
+            return Ok(());
+        }
+        Err(mismatch(&place, &format!("the table's recipe hashes to {actual}, {pinned} is pinned")))
     }
 
     /// Fits a pinned recipe again. The table must have the pinned bytes.
@@ -179,14 +190,14 @@ impl Pulling<'_, '_> {
             let reason = "no source has the table, and the lock file has no recipe of it: `ltcforge lock` writes it";
             return Err(CommandFailure::new(Exit::Failed, reason));
         };
-        let target = client::target(&pin.path, &self.lock.folder)?;
+        let (place, target) = (self.lock.folder.join(&pin.path), client::target(&pin.path, &self.lock.folder)?);
         let bytes = self.fitting().fit(&self.fitting().recipe(Path::new("recipe"), document.as_bytes())?)?;
         let actual = Digest::of(&bytes);
         if actual != pin.digest {
             let reason = format!("the recipe gives a table that hashes to {actual}, {} is pinned", pin.digest);
-            return Err(mismatch(&target, &reason));
+            return Err(mismatch(&place, &reason));
         }
-        client::check_size(target.clone(), bytes.len() as u64, pin.bytes)?;
+        client::check_size(place, bytes.len() as u64, pin.bytes)?;
         self.stage(&target, &bytes)?;
         Ok("fitted")
     }
@@ -199,16 +210,27 @@ impl Pulling<'_, '_> {
     /// The table of a pin, from its file if that is right, or else from the staged one.
     fn read(&self, pin: &Pin) -> Result<TableFile, CommandFailure> {
         let place = self.lock.folder.join(&pin.path);
-        let path = self.staged.path_of(&place).unwrap_or(&place);
+        let target = client::target(&pin.path, &self.lock.folder)?;
+        let path = self.staged.path_of(&target).unwrap_or(&place);
         let limit = pin.bytes.unwrap_or(self.args.sources.limit.table_limit);
         let bytes = read_file(path, limit).map_err(|error| file_failure(path, &error))?;
         Ok(check(&place, &bytes, Some(pin.digest))?.1)
     }
 
-    /// Downloads those files of an export that are not right, if services have all of them.
+    /// Downloads those files of an export that are not right, if services have all of them, and checks that they are
+    /// files of such an export.
     fn download(&mut self, pin: &Pin, export: &ExportPin, states: &[PinState]) -> Result<bool, CommandFailure> {
-        // An export that this program does not know is an error without a request.
-        export_of(export)?;
+        // An export that this program does not know is an error without a request, and so are other files than it has.
+        let asked = export_of(export)?;
+        let table = self.read(pin)?.table;
+        let forms = asked.forms(&table).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+        let form_of = |file: &FilePin| forms.iter().find(|form| export.to.join(&form.path) == file.path);
+        if let Some(file) = export.file.iter().find(|file| form_of(file).is_none()) {
+            return Err(mismatch(
+                &self.lock.folder.join(&file.path),
+                &format!("this program makes no such file; {ADVICE}"),
+            ));
+        }
         let folder = &self.lock.folder;
         let sources = self.sources.of(pin.sources.iter().chain(&self.lock.sources), folder);
         let wrong = export.file.iter().zip(states).filter(|(_, state)| **state != PinState::Right);
@@ -219,7 +241,21 @@ impl Pulling<'_, '_> {
             client::pull_export(pin.digest, export, &wrong, (folder, &sources), access, staged)
         });
         match pulled {
-            Ok(()) => Ok(true),
+            Ok(()) => {
+                for file in wrong {
+                    let place = self.lock.folder.join(&file.path);
+                    let target = client::target(&file.path, &self.lock.folder)?;
+                    let path = self.staged.path_of(&target).unwrap_or(&place);
+                    let bytes = read_file(path, file.bytes).map_err(|error| file_failure(&place, &error))?;
+                    if !form_of(file).is_some_and(|form| form.resembles(&bytes)) {
+                        return Err(mismatch(
+                            &place,
+                            &format!("the pinned bytes are not those of export {asked}; {ADVICE}"),
+                        ));
+                    }
+                }
+                Ok(true)
+            }
             Err(PullError::Sources(SourcesError::NoneHasIt(_))) => Ok(false),
             Err(error) => Err(error.into()),
         }
@@ -228,24 +264,23 @@ impl Pulling<'_, '_> {
     /// Stages those files of an export that are not right. If one does not have its pinned hash, none is staged.
     fn export(&mut self, export: &ExportPin, table: &Measured, states: &[PinState]) -> Result<(), CommandFailure> {
         let (made, files) = table.export(export)?;
-        let advice = "`ltcforge lock` pins what this program makes";
         for FilePin { path, digest, bytes } in &export.file {
-            let target = client::target(path, &self.lock.folder)?;
+            let place = self.lock.folder.join(path);
             match made.file.iter().find(|file| file.path == *path) {
-                Some(file) if file.digest == *digest => client::check_size(target, file.bytes, Some(*bytes))?,
+                Some(file) if file.digest == *digest => client::check_size(place, file.bytes, Some(*bytes))?,
                 Some(FilePin { digest: actual, .. }) => {
                     let reason =
-                        format!("this program makes a file that hashes to {actual}, {digest} is pinned; {advice}");
-                    return Err(mismatch(&target, &reason));
+                        format!("this program makes a file that hashes to {actual}, {digest} is pinned; {ADVICE}");
+                    return Err(mismatch(&place, &reason));
                 }
-                None => return Err(mismatch(&target, &format!("this program makes no such file; {advice}"))),
+                None => return Err(mismatch(&place, &format!("this program makes no such file; {ADVICE}"))),
             }
         }
         if let Some(file) = made.file.iter().find(|made| export.file.iter().all(|pinned| pinned.path != made.path)) {
             let target = self.lock.folder.join(&file.path);
             return Err(mismatch(
                 &target,
-                &format!("this program makes this file too, and it is not pinned; {advice}"),
+                &format!("this program makes this file too, and it is not pinned; {ADVICE}"),
             ));
         }
         for (FilePin { path, .. }, _) in export.file.iter().zip(states).filter(|(_, state)| **state != PinState::Right)
@@ -259,6 +294,9 @@ impl Pulling<'_, '_> {
     }
 }
 
-fn mismatch(path: &Path, reason: &str) -> CommandFailure {
+/// What to do when a pinned file is not one that this program makes.
+const ADVICE: &str = "`ltcforge lock` pins what this program makes";
+
+fn mismatch(path: &Path, reason: &dyn std::fmt::Display) -> CommandFailure {
     CommandFailure::new(Exit::Mismatch, format!("{}: {reason}", path.display()))
 }

@@ -24,7 +24,9 @@ impl Sources {
     pub(super) fn new(args: &SourceArgs, server: Option<&str>, file: &ConfigFile) -> Result<Self, CommandFailure> {
         let server = server.map(Source::server).transpose()?;
         let usual_server = file.server.as_deref().map(Source::server).transpose()?;
-        let chosen = if args.from.is_empty() { server.into_iter().collect() } else { args.from.clone() };
+        // Clap would show a wrong source as it is, with its password.
+        let from: Vec<Source> = args.from.iter().cloned().map(Source::try_from).collect::<Result<_, _>>()?;
+        let chosen = if from.is_empty() { server.into_iter().collect() } else { from };
         let usual = file.sources.iter().cloned().chain(usual_server).collect();
         let limits = Limits { table_bytes: args.limit.table_limit, ..Limits::USUAL };
         Ok(Self { chosen, usual, limits, offline: args.offline })

@@ -12,6 +12,7 @@ use ltcforge_files::{
     bounded::{read_stream, too_long},
     container::{self, TableFile},
     digest::Digest,
+    text::other_form,
 };
 
 /// The folders that are searched for tables by default: the one that `fit` writes to, and the one that the manual uses.
@@ -105,7 +106,8 @@ pub(super) fn check(
     if let Some(expected) = expected.or_else(|| digest_in_name(path))
         && actual != expected
     {
-        return Err(mismatch(format!("the file hashes to {actual}, not to {expected}")));
+        let reason = || format!("the file hashes to {actual}, not to {expected}");
+        return Err(mismatch(other_form(bytes).unwrap_or_else(reason)));
     }
     let file = container::decode(bytes).map_err(|error| mismatch(error.to_string()))?;
     Ok((actual, file))

@@ -14,6 +14,20 @@ pub enum ClientError {
         /// The text in its place.
         url: String,
     },
+    /// The server URL has a port that no server has.
+    #[error("{url}: «{port}» is no port: a port is a number from 1 to 65535")]
+    BadPort {
+        /// The text in its place.
+        url: String,
+        /// The port.
+        port: String,
+    },
+    /// The server URL has a user or a password.
+    #[error("{url}: the URL has a user or a password, and the client sends neither: leave them out")]
+    Credentials {
+        /// The URL without them.
+        url: String,
+    },
     /// The name of a source is neither the URL of a server nor a folder's path.
     #[error("«{source_name}» is not a source of tables: a source is the URL of a server or the path of a folder")]
     BadSource {
@@ -97,6 +111,28 @@ pub(super) struct ProblemDocument {
     pub(super) errors: Vec<Fault>,
 }
 
+/// A text with `***` in place of the user and the password of each URL. A password may have characters that should be
+/// encoded in a URL, so that it ends at the last `@` of a line.
+#[must_use]
+pub fn without_passwords(text: &str) -> String {
+    let mut parts = text.split("://");
+    let mut shown = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let line = part.lines().next().unwrap_or_default();
+        shown.push_str("://");
+        match line.rfind('@') {
+            Some(at) => shown.extend(["***", &part[at..]]),
+            None => shown.push_str(part),
+        }
+    }
+    shown
+}
+
+/// The text in the place of a URL or a source, as errors show it.
+pub(super) fn shown(text: &str) -> String {
+    without_passwords(&text.escape_debug().to_string())
+}
+
 /// Whether a character prints nothing or changes the text around it: control characters, marks of a text's direction,
 /// and line breaks.
 pub(super) fn is_hidden(c: char) -> bool {
@@ -122,7 +158,8 @@ fn printable_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, 
 impl ClientError {
     /// The error of a request that got no response.
     pub(super) fn transport(url: &str, error: &ureq::Error) -> Self {
-        let (url, reason) = (url.to_owned(), error.to_string());
+        // The error may name a proxy.
+        let (url, reason) = (url.to_owned(), without_passwords(&error.to_string()));
         match error {
             ureq::Error::Io(_)
             | ureq::Error::Timeout(_)
@@ -172,6 +209,20 @@ mod tests {
         let ClientError::Refused { faults, .. } = error else { panic!("{error}") };
         assert_eq!((faults[0].pointer.as_str(), faults[0].detail.as_str()), ("/\u{fffd}", "\u{fffd}e"));
         assert!(!ClientError::status("u", 503, body).to_string().contains('\x1b'));
+    }
+
+    #[test]
+    fn no_password_is_shown() {
+        for password in ["secret", "se:cret", "se@cret", "se/cret?x#y", "se cret", "se\"cret", "s\u{e4}cret"] {
+            let url = format!("http://user:{password}@h:80/ltc");
+            assert_eq!(without_passwords(&url), "http://***@h:80/ltc");
+            let text = format!("2 | sources = [\"{url}\", \"http://x\"]\n  | ^^^\nmail@x: 'https://{password}@'");
+            let shown = without_passwords(&text);
+            assert!(!shown.contains(password) && shown.contains("http://x\"]\n  | ^^^\nmail@x"), "{shown}");
+        }
+        for text in ["", "http://h:80/v1", "a@b", "://", "c://\n@"] {
+            assert_eq!(without_passwords(text), text);
+        }
     }
 
     #[test]

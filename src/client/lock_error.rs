@@ -2,6 +2,7 @@
 
 use std::io;
 
+use super::error::without_passwords;
 use ltcforge_files::{digest::Digest, recipe_document::RecipeError};
 
 /// The version of the format that is written.
@@ -34,6 +35,20 @@ pub enum LockFileError {
         what: &'static str,
         /// The value they share.
         value: String,
+    },
+    /// Two names or paths differ by case or by Unicode form, so that some systems take them for one.
+    #[error(
+        "two {owners} have the {what}s «{value}» and «{other}», which differ by case or by Unicode form alone: some systems take them for one"
+    )]
+    Alike {
+        /// `tables` or `files`.
+        owners: &'static str,
+        /// `name` or `path`.
+        what: &'static str,
+        /// The first.
+        value: String,
+        /// The second.
+        other: String,
     },
     /// A path leads out of the lock file's folder or into the files of version control, or some system does not allow
     /// it.
@@ -78,7 +93,7 @@ pub enum LockFileError {
     },
 }
 
-/// The error of a text that is not a lock file.
+/// The error of a text that is not a lock file. It may quote a line.
 pub(super) fn syntax(error: impl std::fmt::Display) -> LockFileError {
-    LockFileError::Syntax(error.to_string())
+    LockFileError::Syntax(without_passwords(&error.to_string()))
 }

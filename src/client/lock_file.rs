@@ -32,7 +32,12 @@ use super::{
     lock_error::{LockFileError, VERSION, syntax},
     pin::{ExportPin, Pin, check_pins, paths, plain},
 };
-use ltcforge_files::{bounded::read_file, digest::Digest, recipe_document};
+use ltcforge_files::{
+    bounded::read_file,
+    digest::Digest,
+    recipe_document,
+    text::{other_form, without_mark},
+};
 
 /// The longest lock file that is read. It holds some thousand pins.
 const LIMIT_BYTES: u64 = 4 << 20;
@@ -124,13 +129,16 @@ impl LockFile {
 /// When it cannot be read, is longer than 4 MiB or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, LockFileError> {
     let bytes = read_file(path, LIMIT_BYTES).map_err(|source| LockFileError::Read { source })?;
-    String::from_utf8(bytes).map_err(|error| LockFileError::Syntax(format!("not UTF-8: {}", error.utf8_error())))
+    let text = str::from_utf8(without_mark(&bytes));
+    text.map(str::to_owned)
+        .map_err(|error| LockFileError::Syntax(other_form(&bytes).unwrap_or_else(|| format!("not UTF-8: {error}"))))
 }
 
 /// The pins and the project's sources in the text of a lock file.
 pub(super) fn parse(text: &str) -> Result<(Vec<Pin>, Vec<Source>), LockFileError> {
     // The version is read first, because the fields of another version would look like faults.
-    let Head { version } = toml_edit::de::from_str(text).map_err(syntax)?;
+    let Head { version } = toml_edit::de::from_str(text)
+        .map_err(|error| other_form(text.as_bytes()).map_or_else(|| syntax(error), LockFileError::Syntax))?;
     let (pins, sources): (Vec<Pin>, _) = match version {
         1 => {
             let Document::<OldTable> { table, sources, .. } = toml_edit::de::from_str(text).map_err(syntax)?;

@@ -1,11 +1,13 @@
 //! The pins of a project: tables, and files that are made from them.
 
 use std::{
-    collections::BTreeSet,
+    collections::BTreeMap,
+    ffi::OsStr,
     path::{Component, Path, PathBuf},
 };
 
 use serde::Deserialize;
+use unicode_normalization::UnicodeNormalization as _;
 
 use super::{Source, error::is_hidden, lock_error::LockFileError};
 use ltcforge_files::digest::Digest;
@@ -112,26 +114,37 @@ fn is_plain(text: &str) -> bool {
 /// # Errors
 /// When a name or path is not allowed, or two pins share one.
 pub fn check_pins(pins: &[Pin]) -> Result<(), LockFileError> {
-    let mut names = BTreeSet::new();
+    let mut names = BTreeMap::new();
     for pin in pins {
         if pin.name.is_empty() || pin.name.contains(is_hidden) {
             return Err(LockFileError::Name(pin.name.clone()));
         }
-        if !names.insert(&pin.name) {
-            return Err(LockFileError::Twice { owners: "tables", what: "name", value: pin.name.clone() });
-        }
+        check_once(&mut names, ("tables", "name"), &pin.name)?;
         for export in &pin.exports {
             check_path(&export.to, true)?;
         }
     }
-    let mut seen = BTreeSet::new();
+    let mut seen = BTreeMap::new();
     for path in paths(pins) {
         check_path(path, false)?;
-        if !seen.insert(plain(path)) {
-            return Err(LockFileError::Twice { owners: "files", what: "path", value: path.display().to_string() });
-        }
+        check_once(&mut seen, ("files", "path"), &plain(path).display().to_string())?;
     }
     Ok(())
+}
+
+/// Notes a name, unless another is the same, or is the same for systems that tell neither case nor Unicode forms apart.
+fn check_once(
+    seen: &mut BTreeMap<String, String>,
+    (owners, what): (&'static str, &'static str),
+    name: &str,
+) -> Result<(), LockFileError> {
+    // Lower case alone would tell a final sigma from others.
+    let folded = name.nfkc().collect::<String>().to_uppercase().to_lowercase().nfkc().collect();
+    match seen.insert(folded, name.to_owned()) {
+        None => Ok(()),
+        Some(other) if other == name => Err(LockFileError::Twice { owners, what, value: other }),
+        Some(value) => Err(LockFileError::Alike { owners, what, value, other: name.to_owned() }),
+    }
 }
 
 /// The path of each pinned file.
@@ -147,8 +160,19 @@ pub(super) fn plain(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
+/// Why such a name is not allowed.
+pub(super) const KEPT: &str =
+    "version control, editors and tools keep their own files under names that begin with a dot, or have ~ and a digit";
+
+/// Whether a name is kept for the files of version control, editors and tools, some of which run what they find there.
+/// Their names begin with a dot, or are the short names that Windows gives such files: `GIT~1`.
+pub(super) fn is_kept(name: &OsStr) -> bool {
+    let bytes = name.as_encoded_bytes();
+    bytes.starts_with(b".") || bytes.windows(2).any(|pair| pair[0] == b'~' && pair[1].is_ascii_digit())
+}
+
 /// Refuses a path that is not safe. A lock file comes with a checkout, so it must not cause writes outside the checkout
-/// or into the files of version control, and its paths must mean the same on every system.
+/// or into the files of version control, editors and tools, and its paths must mean the same on every system.
 fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
     let Some(text) = path.to_str() else { return Err(LockFileError::NotText(path.display().to_string())) };
     let refused = |reason| Err(LockFileError::Path { path: text.to_owned(), reason });
@@ -169,8 +193,8 @@ fn check_path(path: &Path, is_folder: bool) -> Result<(), LockFileError> {
         if bare != name && !bare.is_empty() {
             return refused("not every system allows names that end in a dot or a blank");
         }
-        if ["git~1", ".git", ".hg", ".svn", ".bzr", ".jj"].iter().any(|kept| name.eq_ignore_ascii_case(kept)) {
-            return refused("version control keeps its own files there");
+        if name != "." && is_kept(OsStr::new(name)) {
+            return refused(KEPT);
         }
         if is_device(name) {
             return refused("Windows has a device of that name");
@@ -205,6 +229,11 @@ mod tests {
             (".git/config", "version control"),
             ("a/.GIT/hooks/x", "version control"),
             ("GIT~1/config", "version control"),
+            ("a/git~2", "version control"),
+            (".vscode/tasks.json", "version control"),
+            (".idea/x", "version control"),
+            ("a/.github/workflows/x", "version control"),
+            ("a/.envrc", "version control"),
             (".git./config", "dot or a blank"),
             ("a /b", "dot or a blank"),
             ("CON.safetensors", "device"),
@@ -221,7 +250,7 @@ mod tests {
             let refused = check_path(Path::new(path), false).expect_err(path).to_string();
             assert!(refused.contains(said) && !refused.contains(is_hidden), "{path:?}: {refused}");
         }
-        for path in ["a/.gitignore", "console.bin", "com10", "git", "\u{e4}/\u{65e5} b.x"] {
+        for path in ["./a/b", "a~/b", "console.bin", "com10", "git", "\u{e4}/\u{65e5} b.x"] {
             check_path(Path::new(path), false).unwrap_or_else(|error| panic!("{error}"));
         }
         let pin = |name: &str| Pin {

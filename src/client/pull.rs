@@ -7,12 +7,12 @@ use std::{
 };
 
 use super::{
-    pin::{ExportPin, FilePin, Pin},
+    pin::{ExportPin, FilePin, KEPT, Pin, is_kept},
     source::{Access, Exported, Source, SourcesError, Wanted, from_first},
 };
 use ltcforge_files::{
     digest::Digest,
-    replace::{Staged, folder_of},
+    replace::{PairError, Staged, folder_of},
 };
 
 /// The state of a pinned file on the disk.
@@ -59,6 +59,16 @@ pub enum PullError {
         /// The file.
         path: PathBuf,
     },
+    /// Its folder is one of version control, of an editor or of a tool. A link may lead there.
+    #[error("{}: the folder is really {}; {reason}", .path.display(), .real.display())]
+    Kept {
+        /// The file.
+        path: PathBuf,
+        /// Its folder, without links.
+        real: PathBuf,
+        /// Why nothing is written there.
+        reason: &'static str,
+    },
 }
 
 /// The state of the file at `path` below `folder`, which should have this digest, and this size if one is stated. It
@@ -97,24 +107,58 @@ fn digest_of_file(path: &Path) -> io::Result<(Digest, u64)> {
     Ok((Digest::of_stream(File::open(path)?)?, metadata.len()))
 }
 
-/// The path to which the file at `path` below `folder` is written. A checkout may hold links, and none may lead a write
-/// out of it.
+/// The path to which the file at `path` below `folder` is written, without links. A checkout may hold links, and none
+/// may lead a write out of it, or to the files of version control, editors and tools.
 ///
 /// # Errors
-/// When a link leads out, or a folder on the way cannot be read.
+/// When a link leads to such a place, or a folder on the way cannot be read.
 pub fn target(path: &Path, folder: &Path) -> Result<PathBuf, PullError> {
-    let target = folder.join(path);
-    let failed = |source| PullError::File { path: target.clone(), source };
+    let named = folder.join(path);
+    let failed = |source| PullError::File { path: named.clone(), source };
     let root = fs::canonicalize(folder_of(&folder.join("lock"))).map_err(failed)?;
-    let mut here = folder_of(&target);
-    loop {
+    let (mut here, mut missing) = (folder_of(&named), Vec::new());
+    let mut real = loop {
         match fs::canonicalize(here) {
-            Ok(real) if real.starts_with(&root) => return Ok(target),
-            Ok(_) => return Err(PullError::LeadsOut { path: target }),
-            Err(error) if error.kind() == io::ErrorKind::NotFound && here != Path::new(".") => here = folder_of(here),
+            Ok(real) => break real,
+            // A folder that is missing is made later. A link that leads nowhere is not missing.
+            Err(error) if error.kind() == io::ErrorKind::NotFound && here.symlink_metadata().is_err() => {
+                let Some(name) = here.file_name() else { return Err(failed(error)) };
+                missing.push(name);
+                here = folder_of(here);
+            }
             Err(error) => return Err(failed(error)),
         }
+    };
+    real.extend(missing.iter().rev());
+    let Ok(below) = real.strip_prefix(&root) else { return Err(PullError::LeadsOut { path: named }) };
+    let kept = |reason| Err(PullError::Kept { path: named.clone(), real: real.clone(), reason });
+    if below.iter().any(is_kept) {
+        return kept(KEPT);
     }
+    // The folder of a repository may have any name.
+    let is_repository = |folder: &Path| {
+        folder.join("HEAD").is_file() && ["objects", "refs"].iter().all(|name| folder.join(name).is_dir())
+    };
+    if real.ancestors().take_while(|folder| folder.starts_with(&root)).any(is_repository) {
+        return kept("this is a repository of Git, which keeps its own files there");
+    }
+    let name =
+        named.file_name().ok_or_else(|| failed(io::Error::new(io::ErrorKind::InvalidInput, "it names no file")))?;
+    Ok(real.join(name))
+}
+
+/// Moves files into place that were staged for paths of [`target`], if their folders still are what they were.
+///
+/// # Errors
+/// When a folder became a link since. Nothing is moved then. When a file cannot be moved.
+pub fn place(staged: Staged) -> Result<(), PullError> {
+    for path in staged.places() {
+        let real = fs::canonicalize(folder_of(path));
+        if real.map_err(|source| PullError::File { path: path.to_owned(), source })? != folder_of(path) {
+            return Err(PullError::LeadsOut { path: path.to_owned() });
+        }
+    }
+    staged.place().map_err(|PairError { path, source }| PullError::File { path, source })
 }
 
 /// Stages the table of `pin` for its path below `folder`, from the first of `sources` that has it, unless the file is
@@ -250,9 +294,74 @@ mod tests {
             let pulled = pull(&right(path), (&project, &sources), &OFFLINE, &mut staged).expect(path);
             assert!(pulled == PinState::Missing && !project.join(path).exists());
         }
-        staged.place().expect("both placed");
+        place(staged).expect("both placed");
         for path in ["in/new/a", "a"] {
             assert_eq!(fs::read(project.join(path)).expect("the table"), b"right");
         }
+    }
+
+    /// A project with the files of version control and of an editor, and links to them, as a checkout may bring them.
+    #[test]
+    fn no_link_leads_a_write_to_version_control_or_an_editor() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let project = fs::canonicalize(folder.path()).expect("the folder").join("project");
+        for made in [".git/hooks", ".vscode", "deep/.hg", "bare/objects", "bare/refs", "deep/er"] {
+            fs::create_dir_all(project.join(made)).expect("a folder");
+        }
+        fs::write(project.join("bare/HEAD"), "ref: refs/heads/main").expect("a file");
+        for (link, to) in [
+            ("assets", ".git"),
+            ("editor", ".vscode"),
+            ("hooks", "assets/hooks"),
+            ("twice", "once"),
+            ("once", "./deep/../.git"),
+            ("deep/er/up", "../../.git"),
+            ("mercurial", "deep/.hg"),
+            ("nowhere", ".git/none"),
+            ("other", "bare"),
+        ] {
+            symlink(to, project.join(link)).expect("a link");
+        }
+        symlink(project.join(".git"), project.join("absolute")).expect("a link");
+        for path in [
+            "assets/config",
+            "assets/new/config",
+            "editor/tasks.json",
+            "hooks/post-checkout",
+            "twice/config",
+            "deep/er/up/config",
+            "mercurial/hgrc",
+            "absolute/config",
+            "other/config",
+            "bare/hooks/x",
+        ] {
+            let refused = target(Path::new(path), &project).expect_err(path);
+            assert!(matches!(refused, PullError::Kept { .. }), "{path}: {refused}");
+            assert!(refused.to_string().contains(path) && refused.to_string().contains("really"), "{refused}");
+        }
+        assert!(matches!(target(Path::new("nowhere/config"), &project), Err(PullError::File { .. })));
+        // A project may lie in a folder of any name, and its files in links within it.
+        let inside = project.join(".git/inside");
+        fs::create_dir_all(inside.join("real")).expect("a folder");
+        symlink("real", inside.join("link")).expect("a link");
+        assert_eq!(target(Path::new("link/x"), &inside).expect("a path"), inside.join("real/x"));
+    }
+
+    #[test]
+    fn a_folder_that_became_a_link_before_the_move_is_seen() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (project, outside) = (folder.path().join("project"), folder.path().join("outside"));
+        for made in [&project.join("assets"), &outside] {
+            fs::create_dir_all(made).expect("a folder");
+        }
+        let mut staged = Staged::default();
+        for path in ["a", "assets/b"] {
+            let path = target(Path::new(path), &project).expect("a path");
+            staged.write(&path, |file| std::io::Write::write_all(file, b"x")).expect("a file");
+        }
+        fs::rename(project.join("assets"), outside.join("assets")).expect("a folder");
+        symlink(outside.join("assets"), project.join("assets")).expect("a link");
+        assert!(matches!(place(staged), Err(PullError::LeadsOut { .. })));
+        assert!(!outside.join("assets/b").exists() && !project.join("a").exists());
     }
 }

@@ -13,7 +13,12 @@ use ureq::{
     http::{Response, Uri},
 };
 
-use super::{ClientError, JobDocument, Limits, answer, download::Download, error::printable, events::events};
+use super::{
+    ClientError, JobDocument, Limits, answer,
+    download::Download,
+    error::{printable, shown},
+    events::events,
+};
 use ltcforge_files::{
     digest::Digest,
     job::{JobId, StateName},
@@ -47,7 +52,8 @@ impl Client {
     /// A client of the service at `base`, such as `http://127.0.0.1:8317`, with the usual limits.
     ///
     /// # Errors
-    /// [`ClientError::BadUrl`] when `base` is not an http or https URL.
+    /// [`ClientError::BadUrl`], [`ClientError::BadPort`] and [`ClientError::Credentials`] when `base` is not an http or
+    /// https URL, with a port that there is, and without a user.
     pub fn new(base: &str) -> Result<Self, ClientError> {
         Self::with_limits(base, Limits::USUAL)
     }
@@ -55,15 +61,11 @@ impl Client {
     /// The same with other limits.
     ///
     /// # Errors
-    /// [`ClientError::BadUrl`] when `base` is not an http or https URL.
+    /// [`ClientError::BadUrl`], [`ClientError::BadPort`] and [`ClientError::Credentials`] when `base` is not an http or
+    /// https URL, with a port that there is, and without a user.
     pub fn with_limits(base: &str, limits: Limits) -> Result<Self, ClientError> {
         let base = base.trim_end_matches('/').to_owned();
-        let is_server = |uri: &Uri| {
-            matches!(uri.scheme_str(), Some("http" | "https")) && uri.authority().is_some() && uri.query().is_none()
-        };
-        let Some(uri) = base.parse().ok().filter(is_server) else {
-            return Err(ClientError::BadUrl { url: base });
-        };
+        let uri = parse_base(&base)?;
         let config = Agent::config_builder()
             .http_status_as_error(false)
             .proxy(Proxy::try_from_env().filter(|_| !is_this_machine(&uri)))
@@ -251,6 +253,26 @@ impl Client {
     }
 }
 
+/// The URL of a server.
+fn parse_base(base: &str) -> Result<Uri, ClientError> {
+    // A password may have a slash that should be encoded, so an @ in what looks like the path counts too.
+    if base.contains("://") && base.contains('@') {
+        return Err(ClientError::Credentials { url: shown(base) });
+    }
+    let is_server = |uri: &Uri| matches!(uri.scheme_str(), Some("http" | "https")) && uri.query().is_none();
+    let uri: Option<Uri> = base.parse().ok().filter(is_server);
+    let Some((authority, uri)) = uri.and_then(|uri| Some((uri.authority()?.as_str().to_owned(), uri))) else {
+        return Err(ClientError::BadUrl { url: shown(base) });
+    };
+    // A port that is no number of 16 bits would be read as none.
+    match authority.strip_prefix(uri.host().unwrap_or_default()).and_then(|rest| rest.strip_prefix(':')) {
+        Some(port) if !port.is_empty() && !port.parse::<u16>().is_ok_and(|port| port > 0) => {
+            Err(ClientError::BadPort { url: shown(base), port: port.to_owned() })
+        }
+        _ => Ok(uri),
+    }
+}
+
 /// Whether another attempt may succeed.
 fn is_temporary(error: &ClientError) -> bool {
     matches!(error, ClientError::Unavailable { .. })
@@ -288,6 +310,39 @@ mod tests {
             ("http://127.0.0.1.example", false),
         ] {
             assert_eq!(is_this_machine(&base.parse().expect("a URL")), expected, "{base}");
+        }
+    }
+
+    #[test]
+    fn a_port_is_a_number_of_16_bits_and_never_another() {
+        for host in ["127.0.0.1", "[::1]", "h"] {
+            for port in ["0", "65536", "99999", "4294967376", "18446744073709551696"] {
+                let refused = Client::new(&format!("http://{host}:{port}/ltc")).expect_err(port);
+                assert!(matches!(&refused, ClientError::BadPort { port: named, .. } if named == port), "{refused}");
+            }
+            for port in ["", ":1", ":80", ":65535"] {
+                Client::new(&format!("http://{host}{port}/ltc")).unwrap_or_else(|error| panic!("{error}"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_user_is_refused_and_no_error_shows_the_password() {
+        for url in [
+            "http://user:secret@h",
+            "https://secret@h/ltc",
+            "http://user:secret@h:99999",
+            "http://user:secret@",
+            "http://user:secret/@h",
+            "http://user:secret @h",
+            "http://user:secret\n@h",
+            "http://user:secret@h/?a=b",
+            "ftp://user:secret@h",
+        ] {
+            let refused = Client::new(url).expect_err(url);
+            assert!(!format!("{refused} {refused:?}").contains("secret"), "{refused:?}");
+            let refused = url.parse::<crate::Source>().expect_err(url);
+            assert!(!format!("{refused} {refused:?}").contains("secret"), "{refused:?}");
         }
     }
 

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use super::{
     Client, ClientError, DownloadError, Limits,
     download::{HashingWriter, size_limit},
-    error::is_hidden,
+    error::{is_hidden, shown},
 };
 use ltcforge_files::digest::Digest;
 
@@ -37,7 +37,7 @@ impl FromStr for Source {
             return Self::server(text);
         }
         if text.is_empty() || text.contains(is_hidden) {
-            return Err(ClientError::BadSource { source_name: text.escape_debug().to_string() });
+            return Err(ClientError::BadSource { source_name: shown(text) });
         }
         Ok(Self::Folder(text.into()))
     }
@@ -54,7 +54,7 @@ impl TryFrom<OsString> for Source {
         };
         let text = name.to_string_lossy();
         if text.contains("://") || text.contains(is_hidden) {
-            return Err(ClientError::BadSource { source_name: text.escape_debug().to_string() });
+            return Err(ClientError::BadSource { source_name: shown(&text) });
         }
         Ok(Self::Folder(name.into()))
     }

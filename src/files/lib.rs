@@ -11,3 +11,4 @@ pub mod recipe_document;
 pub mod replace;
 pub mod tabulated;
 mod tensor;
+pub mod text;

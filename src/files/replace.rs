@@ -112,6 +112,11 @@ impl Staged {
         self.files.iter().find(|(_, other)| other == place).map(|(temporary, _)| &**temporary)
     }
 
+    /// The paths that files are staged for.
+    pub fn places(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(|(_, place)| place.as_path())
+    }
+
     /// Whether nothing is staged.
     #[must_use]
     pub fn is_empty(&self) -> bool {

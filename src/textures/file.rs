@@ -1,6 +1,9 @@
 //! Files that were made of textures.
 
+use std::{ffi::OsStr, path::Path};
+
 use super::{rounding::RoundingError, texture::TextureError};
+use ltcforge_files::compact::COMPACT_MAGIC;
 
 /// A file that was made of textures.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +14,22 @@ pub struct TextureFile {
     pub bytes: Vec<u8>,
     /// The changes by rounding.
     pub rounding: RoundingError,
+}
+
+impl TextureFile {
+    /// Whether bytes may be another version of this file: a text too, or bytes that begin alike, or that are as many
+    /// where a format has no beginning of its own.
+    #[must_use]
+    pub fn resembles(&self, bytes: &[u8]) -> bool {
+        let is_json = |bytes: &[u8]| serde_json::from_slice::<serde::de::IgnoredAny>(bytes).is_ok();
+        let is_text = |bytes: &[u8]| !bytes.contains(&0) && str::from_utf8(bytes).is_ok();
+        match Path::new(&self.path).extension().and_then(OsStr::to_str) {
+            Some("json") => is_json(bytes),
+            Some("bin") => self.bytes.len() == bytes.len(),
+            _ if is_text(&self.bytes) && self.bytes != COMPACT_MAGIC => !bytes.is_empty() && is_text(bytes),
+            _ => bytes.starts_with(&self.bytes[..self.bytes.len().min(4)]),
+        }
+    }
 }
 
 /// Why textures are no file.

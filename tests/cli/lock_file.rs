@@ -1,9 +1,13 @@
 //! A project pins its tables by hash: what `lock` writes into the lock file, and which lock files are refused.
 
-use std::{ffi::OsStr, fs, os::unix::ffi::OsStrExt as _, time::SystemTime};
+use std::{ffi::OsStr, fs, os::unix::ffi::OsStrExt as _, process::Child, time::SystemTime};
 
 use super::project::{NOBODY, files_of, modified, project, pull, read};
-use crate::common::{SMALL, command::run, server::Server};
+use crate::common::{
+    SMALL,
+    command::{Run, ltcforge, run},
+    server::Server,
+};
 use ltcforge::files::digest::Digest;
 
 #[test]
@@ -211,4 +215,40 @@ fn what_cannot_be_pinned_changes_no_file() {
     let refused = run(&project, words.into_iter().chain([OsStr::from_bytes(b"odd\xff")])).exited(2);
     assert!(refused.stderr.contains("is not UTF-8"), "{refused:#?}");
     assert_eq!(files_of(folder.path()), before);
+}
+
+#[test]
+fn of_many_locks_at_once_none_loses_a_pin_or_an_export() {
+    const COUNT: usize = 12;
+    let (_folder, project) = project();
+    fs::copy(project.join("assets/metal.safetensors"), project.join("table")).expect("a copy");
+    run(&project, ["lock", "gone", "table", "--to", "gone"]).exited(0);
+    let all = |words: &[Vec<String>]| {
+        let running: Vec<Child> =
+            words.iter().map(|words| ltcforge(&project, words).spawn().expect("the binary runs")).collect();
+        for child in running {
+            Run::from(child.wait_with_output().expect("the binary ends")).exited(0);
+        }
+    };
+    let words = |text: String| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    let mut commands: Vec<_> = (0..COUNT).map(|i| words(format!("lock n{i} table --to t{i}"))).collect();
+    commands.push(words("lock gone --remove".into()));
+    commands.push(words("lock".into()));
+    let exports: Vec<_> = ["dds", "npy", "json", "raw"]
+        .map(|container| words(format!("lock metal --layout reflected --container {container} --out out/{container}")))
+        .into();
+    all(&[commands, exports].concat());
+    let text = read(&project.join("ltcforge.lock"));
+    for i in 0..COUNT {
+        assert!(text.contains(&format!("name = \"n{i}\"\n")), "n{i} is not in {text}");
+    }
+    for container in ["dds", "npy", "json", "raw"] {
+        assert!(text.contains(&format!("to = \"out/{container}\"\n")), "{container} is not in {text}");
+    }
+    assert!(!text.contains("gone"), "{text}");
+    run(&project, ["pull", "--locked"]).exited(0);
+    assert!(
+        !files_of(&project).iter().any(|(path, _)| path.to_string_lossy().contains(".ltcforge.")),
+        "nothing is left"
+    );
 }

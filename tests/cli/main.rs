@@ -8,6 +8,7 @@ mod ci;
 mod compare;
 mod documents;
 mod exports;
+mod foreign_texts;
 mod lights;
 mod lock_file;
 mod outputs;

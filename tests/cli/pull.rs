@@ -5,7 +5,7 @@ use std::{
     fs,
     io::{Read as _, Write as _},
     net::TcpListener,
-    os::unix::ffi::OsStrExt as _,
+    os::unix::{ffi::OsStrExt as _, fs::symlink},
     thread,
 };
 
@@ -282,5 +282,92 @@ fn a_wrong_pin_leaves_the_files_of_those_before_it_as_they_were() {
     fs::write(project.join("ltcforge.lock"), right).expect("a lock file");
     let told = run(&project, ["pull", "--offline", "--fit"]).exited(0);
     assert!(told.stdout.contains("metal fitted: ") && told.stdout.contains("other fitted: "), "{told:#?}");
+    run(&project, ["pull", "--locked"]).exited(0);
+}
+
+/// A pin of a lock file of version 1.
+fn old_pin(name: &str, path: &str, bytes: &[u8]) -> String {
+    format!("[[table]]\nname = \"{name}\"\npath = \"{path}\"\ndigest = \"{}\"\n", Digest::of(bytes))
+}
+
+#[test]
+fn no_link_of_a_checkout_leads_pull_or_lock_to_version_control_or_an_editor() {
+    let (folder, project) = project();
+    let table = fs::read(project.join("assets/metal.safetensors")).expect("the table");
+    fs::create_dir(folder.path().join("tables")).expect("a folder");
+    let copy = folder.path().join(format!("tables/{}.safetensors", Digest::of(&table).hex()));
+    fs::write(copy, &table).expect("a copy");
+    for kept in [".git", ".vscode", ".hg"] {
+        fs::create_dir(project.join(kept)).expect("a folder");
+        fs::write(project.join(kept).join("config"), "ours").expect("a file");
+    }
+    for (link, to) in [("git", ".git".into()), ("nested", "git".into()), ("editor", project.join(".vscode"))] {
+        symlink::<std::path::PathBuf, _>(to, project.join(link)).expect("a link");
+    }
+    let before = files_of(&project);
+    for path in ["git/config", "nested/config", "editor/config", "git/new/config", ".hg/config", ".vscode/x"] {
+        fs::write(project.join("other.lock"), format!("version = 1\n{}", old_pin("metal", path, &table)))
+            .expect("a lock file");
+        for command in
+            [&["pull", "--offline", "--from", "../tables"][..], &["lock", "--offline", "--from", "../tables"]]
+        {
+            let refused = run(&project, command.iter().chain(&["--lock", "other.lock"])).exited(2);
+            assert!(refused.stderr.contains("keep their own files"), "{path}: {refused:#?}");
+        }
+        fs::remove_file(project.join("other.lock")).expect("a file");
+        assert_eq!(files_of(&project), before, "{path}");
+    }
+}
+
+#[test]
+fn only_what_a_pin_says_is_placed() {
+    let (folder, project) = project();
+    let right = read(&project.join("ltcforge.lock"));
+    let table = fs::read(project.join("assets/metal.safetensors")).expect("the table");
+    let script = b"#!/bin/sh\ntouch stranger\n";
+    fs::write(folder.path().join("other.json"), SMALL.replace("\"alpha\":2", "\"alpha\":3")).expect("a recipe");
+    run(folder.path(), ["lock", "other", "--recipe", "other.json", "--to", "other"]).exited(0);
+    let other = fs::read(folder.path().join("other")).expect("a table");
+    fs::create_dir(folder.path().join("tables")).expect("a folder");
+    for bytes in [&script[..], &other] {
+        let name = format!("tables/{}.safetensors", Digest::of(bytes).hex());
+        fs::write(folder.path().join(name), bytes).expect("a file");
+    }
+    let table_as = |bytes: &[u8]| {
+        right.replace(
+            &format!("digest = \"{}\"\nbytes = {}\n", Digest::of(&table), table.len()),
+            &format!("digest = \"{}\"\nbytes = {}\n", Digest::of(bytes), bytes.len()),
+        )
+    };
+    let line = |path: &str, bytes: &[u8]| {
+        format!("    {{ path = \"{path}\", bytes = {}, digest = \"{}\" }},\n", bytes.len(), Digest::of(bytes))
+    };
+    let export_as = |path: &str| {
+        let old = right.lines().find(|line| line.contains(path)).expect("a line");
+        right.replace(&format!("{old}\n"), &line(path, script))
+    };
+    let (first, _) = right.split_once("    { path").expect("an export");
+    let added = format!("{first}{}{}", line("assets/ltc/Makefile", script), &right[first.len()..]);
+    let before = files_of(&project);
+    for (wrong, missing, said) in [
+        (table_as(script), "assets/metal.safetensors", "metal.safetensors: "),
+        (table_as(&other), "assets/metal.safetensors", "the table's recipe hashes to"),
+        (export_as("assets/ltc/ltc_terms.ktx2"), "assets/ltc/ltc_terms.ktx2", "not those of export wgpu"),
+        (export_as("assets/ltc/ltc.json"), "assets/ltc/ltc.json", "not those of export wgpu"),
+        (export_as("assets/ltc/ltcforge.json"), "assets/ltc/ltcforge.json", "not those of export wgpu"),
+        (added, "assets/ltc/Makefile", "makes no such file"),
+    ] {
+        assert_ne!(wrong, right, "{said}");
+        fs::write(project.join("ltcforge.lock"), wrong).expect("a lock file");
+        let _ = fs::remove_file(project.join(missing));
+        let held = files_of(&project);
+        let server = answering("200 OK", script);
+        let refused = run(&project, ["pull", "--from", "../tables", "--from", &server]).exited(3);
+        assert!(refused.stderr.contains(said), "{said}: {refused:#?}");
+        assert_eq!(files_of(&project), held, "{said}");
+        for (path, bytes) in &before {
+            fs::write(path, bytes).expect("a file");
+        }
+    }
     run(&project, ["pull", "--locked"]).exited(0);
 }

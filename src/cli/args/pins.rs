@@ -1,14 +1,10 @@
 //! `lock` and `pull`: tables that a project pins.
 
-use std::{num::NonZeroU64, path::PathBuf};
+use std::{ffi::OsString, num::NonZeroU64, path::PathBuf};
 
-use clap::{
-    Args,
-    builder::{OsStringValueParser, TypedValueParser},
-};
+use clap::Args;
 
 use super::{ExportChoice, TableLimit, Threads};
-use ltcforge_client::Source;
 
 /// The sources of pinned tables.
 #[derive(Debug, Args)]
@@ -18,8 +14,8 @@ pub struct SourceArgs {
     pub lock: PathBuf,
     /// Look for tables here: the URL of a service, or a folder of `<digest>.safetensors` files; give it several times
     /// to look in several places, in this order [default: --server, or what the lock file and the configuration name]
-    #[arg(long, value_name = "URL|DIR", value_parser = source())]
-    pub from: Vec<Source>,
+    #[arg(long, value_name = "URL|DIR")]
+    pub from: Vec<OsString>,
     /// Use no server, only folders
     #[arg(long)]
     pub offline: bool,
@@ -32,11 +28,6 @@ pub struct SourceArgs {
     /// Number of threads that fit and measure
     #[command(flatten)]
     pub threads: Threads,
-}
-
-/// A folder's path need not be UTF-8.
-fn source() -> impl TypedValueParser<Value = Source> {
-    OsStringValueParser::new().try_map(Source::try_from)
 }
 
 /// `lock`.

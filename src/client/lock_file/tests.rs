@@ -168,3 +168,47 @@ fn other_files_are_refused() {
         assert!(matches!(parse(text), Err(LockFileError::Syntax(_))), "{text}");
     }
 }
+
+#[test]
+fn two_names_that_some_system_takes_for_one_are_told() {
+    for (one, other) in [
+        ("Metal", "metal"),
+        ("caf\u{e9}", "cafe\u{301}"),
+        ("CAF\u{c9}", "cafe\u{301}"),
+        ("stra\u{df}e", "STRASSE"),
+        ("\u{3a3}\u{3c2}", "\u{3c3}\u{3a3}"),
+        ("\u{212b}", "\u{e5}"),
+    ] {
+        let said = |refused: Result<String, LockFileError>| {
+            let refused = refused.expect_err(one);
+            assert!(matches!(refused, LockFileError::Alike { .. }), "{refused}");
+            refused.to_string()
+        };
+        let names = said(with_pins("", &[pin(one, "x"), pin(other, "y")]));
+        assert!(names.contains(one) && names.contains(other) && names.contains("two tables have the names"), "{names}");
+        let paths = said(with_pins("", &[pin("a", &format!("d/{one}")), pin("b", &format!("./d/{other}"))]));
+        assert!(paths.contains("two files have the paths"), "{paths}");
+        said(with_pins("", &[Pin { exports: vec![export(&[other])], ..pin("a", one) }]));
+        with_pins("", &[pin("a", &format!("{one}/x")), pin("b", &format!("{other}/y"))]).expect("other files");
+    }
+}
+
+#[test]
+fn what_git_and_editors_leave_in_a_lock_file_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("ltcforge.lock");
+    let right = with_pins("", &[pin("a", "x")]).expect("a lock file");
+    std::fs::write(&path, format!("\u{feff}{}", right.replace('\n', "\r\n"))).expect("a file");
+    assert_eq!(LockFile::read(&path).expect("a mark and line ends").pins, [pin("a", "x")]);
+    let merged = format!("{right}<<<<<<< HEAD\n# a\n=======\n# b\n>>>>>>> other\n");
+    let utf_16: Vec<u8> = "\u{feff}version = 2".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n";
+    for (bytes, said) in [(merged.as_bytes(), "merge marker"), (&utf_16, "UTF-16"), (&pointer[..], "git lfs pull")] {
+        std::fs::write(&path, bytes).expect("a file");
+        let refused = LockFile::read(&path).expect_err(said).to_string();
+        assert!(refused.contains(said), "{refused}");
+    }
+    let secret = "version = 2\nsources = [\"http://user:secret@h:99999\"]\n";
+    let refused = parse(secret).expect_err("a password").to_string();
+    assert!(!refused.contains("secret"), "{refused}");
+}

@@ -10,7 +10,7 @@
 
 use safetensors::{Dtype, SafeTensors, serialize, tensor::Metadata};
 
-use crate::{recipe_document, tabulated::FindBrdf, tensor::Tensor};
+use crate::{recipe_document, tabulated::FindBrdf, tensor::Tensor, text::other_form};
 use ltcforge_fit::{
     BrdfModel, Precision, Recipe, Table, Terms,
     math::{from_half_bits, from_row_major, half_bits},
@@ -164,7 +164,9 @@ fn recipe_of(header: &Metadata) -> Result<Recipe, TableFileError> {
 /// # Errors
 /// The error names the fault: container, recipe, a tensor's type, shape or numbers, or the form.
 pub fn decode(bytes: &[u8]) -> Result<TableFile, TableFileError> {
-    let container = |error: safetensors::SafeTensorError| TableFileError::Container(error.to_string());
+    let container = |error: safetensors::SafeTensorError| {
+        TableFileError::Container(other_form(bytes).unwrap_or_else(|| error.to_string()))
+    };
     let (_, header) = SafeTensors::read_metadata(bytes).map_err(container)?;
     let file = SafeTensors::deserialize(bytes).map_err(container)?;
     let recipe = recipe_of(&header)?;

@@ -13,6 +13,7 @@ use self::strict::Strict;
 use crate::{
     digest::Digest,
     tabulated::{FindBrdf, no_files},
+    text::{other_form, without_mark},
 };
 use ltcforge_fit::{FITTER_VERSION, Recipe, TabulatedFile};
 
@@ -71,7 +72,9 @@ fn read(
     fitters: RangeInclusive<u32>,
     find: &FindBrdf<'_>,
 ) -> Result<Recipe, RecipeError> {
-    let Strict(document) = serde_json::from_slice(json).map_err(|error| RecipeError::Json(error.to_string()))?;
+    let json = without_mark(json);
+    let Strict(document) = serde_json::from_slice(json)
+        .map_err(|error| RecipeError::Json(other_form(json).unwrap_or_else(|| error.to_string())))?;
     document::read(&document, entry_limit, fitters, find).map_err(RecipeError::Faults)
 }
 

@@ -226,3 +226,12 @@ fn what_gaussians_need_is_told_all_at_once() {
     assert_eq!(found, ["/fit/solver", "/layout", "/terms"]);
     assert_eq!(pointers(r#"{"lobe": "asg", "fit": {"metric": "l3"}}"#), ["/fit/metric"]);
 }
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_a_document() {
+    let marked = parse("\u{feff}{\"layout\": \"ltc2017\"}".as_bytes(), u64::MAX).expect("a recipe");
+    assert_eq!(digest(&marked), digest(&parse(br#"{"layout": "ltc2017"}"#, u64::MAX).expect("a recipe")));
+    assert!(parse("\u{feff}\u{feff}{}".as_bytes(), u64::MAX).is_err());
+    let utf_16 = parse(b"\xff\xfe{\0}\0", u64::MAX).expect_err("UTF-16").to_string();
+    assert!(utf_16.contains("UTF-8"), "{utf_16}");
+}

@@ -17,7 +17,7 @@ use safetensors::{
     tensor::{Metadata, TensorView},
 };
 
-use crate::{digest::Digest, tensor::Tensor};
+use crate::{digest::Digest, tensor::Tensor, text::other_form};
 use ltcforge_fit::{TabulatedAxes, TabulatedBrdf, TabulatedFile};
 
 pub use find::{FindBrdf, Located, kept_name, locate, no_files};
@@ -44,7 +44,7 @@ pub struct TabulatedError(pub Vec<String>);
 /// All faults at once: of the container, of tensors that are missing, unknown, or of another type or shape; of axes and
 /// values, see [`TabulatedBrdf::new`].
 pub fn decode(bytes: &[u8]) -> Result<TabulatedFile, TabulatedError> {
-    let brdf = read(bytes).map_err(TabulatedError)?;
+    let brdf = read(bytes).map_err(|faults| TabulatedError(other_form(bytes).map_or(faults, |form| vec![form])))?;
     Ok(TabulatedFile::new(*Digest::of(bytes).as_bytes(), Arc::new(brdf)))
 }
 

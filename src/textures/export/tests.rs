@@ -6,7 +6,7 @@ use ltcforge_files::{
     digest::Digest,
     recipe_document,
 };
-use ltcforge_fit::{Layout, Plan, fit_plan};
+use ltcforge_fit::{Layout, LobeModel, Plan, Recipe, Terms, fit_plan};
 
 fn table(document: &str) -> Table {
     let recipe = recipe_document::parse(document.as_bytes(), 10_000).expect("a recipe");
@@ -132,6 +132,34 @@ fn every_export_has_a_manifest_of_its_files() {
     }
 }
 
+#[test]
+fn the_forms_of_an_export_are_those_of_its_files() {
+    let own = planted(Layout::Reflected, [3, 2, 3, 2], true, |_, _| 0.0);
+    let theirs = planted(Layout::Ltc2017, [64, 1, 64, 1], true, |_, _| 0.0);
+    let mut seen = 0;
+    for (table, export) in [&own, &theirs].iter().flat_map(|table| Export::all().map(move |export| (table, export))) {
+        let about = About::new(["table 1234"]);
+        let made = match export {
+            Export::Compact(container) => Export::compact_bundle(container, unmeasured(table), &about).ok(),
+            // Layouts differ in numbers alone.
+            Export::Textures { layout, .. } if layout.sampling().table != table.layout => None,
+            Export::Engine(_) | Export::Textures { .. } => export.bundle(table, about).ok(),
+        };
+        let Some(Bundle { files, .. }) = made else { continue };
+        let forms = export.forms(table).expect("the table has the files");
+        let paths = |files: &[TextureFile]| files.iter().map(|file| file.path.clone()).collect::<Vec<_>>();
+        assert_eq!(paths(&forms), paths(&files), "{export}");
+        for (form, file) in forms.iter().zip(&files) {
+            assert!(form.resembles(&file.bytes), "{export}: {}", file.path);
+            for other in [&b"\x7fELF\0"[..], b"[core]\n\tfsmonitor = \"\xff\"\n", b""] {
+                assert!(!form.resembles(other), "{export}: {}: {other:?}", file.path);
+            }
+            seen += 1;
+        }
+    }
+    assert!(seen > 200, "{seen} files");
+}
+
 /// The texels of a KTX2 file with four channels of 32 bits, and its sides.
 fn texels(bundle: &Bundle, path: &str) -> ([usize; 3], Vec<f32>) {
     let file = bundle.files.iter().find(|file| file.path == path).expect(path);
@@ -176,5 +204,78 @@ fn our_shader_finds_every_number_of_a_table_of_every_layout() {
             }
         }
         assert_eq!(entry, table.matrix.len(), "{layout}");
+    }
+}
+
+/// A table of a recipe whose lobes are all the same.
+fn uniform(recipe: &Recipe) -> Table {
+    let entries = recipe.entries() as usize;
+    Table {
+        brdf: recipe.brdf.clone(),
+        lobe: recipe.lobe,
+        layout: recipe.layout,
+        axes: recipe.nodes(),
+        matrix: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]; entries],
+        terms: recipe.terms.then(|| Terms { amplitude: vec![1.0; entries], fresnel: vec![0.5; entries] }),
+        node_error: vec![0.0; entries],
+    }
+}
+
+/// Every export of every BRDF, layout and lobe model.
+#[test]
+fn a_refusal_names_a_recipe_or_an_export_only_if_it_is_taken() {
+    let (mut named, mut advised) = (BTreeSet::new(), 0);
+    let file = format!("\"tabulated\":\"{}\",", Digest::of(b"brdf"));
+    for (&brdf, &layout, &lobe) in BrdfKind::ALL.iter().flat_map(|brdf| {
+        Layout::ALL.iter().flat_map(move |layout| LobeModel::ALL.iter().map(move |lobe| (brdf, layout, lobe)))
+    }) {
+        let file = if brdf == BrdfKind::Tabulated { &file } else { "" };
+        for has_terms in [true, false] {
+            let document = format!(
+                r#"{{"brdf":"{brdf}",{file}"layout":"{layout}","lobe":"{lobe}","terms":{has_terms},"resolution":{{"alpha":2,"theta":2}}}}"#
+            );
+            let recipe = match recipe_document::parse_stored(document.as_bytes()) {
+                Ok(recipe) => recipe,
+                Err(error) => {
+                    let lacks_terms = !has_terms && lobe.gaussian().is_some();
+                    assert!(!layout.takes(brdf) || !layout.stores(lobe) || lacks_terms, "{document}: {error:?}");
+                    continue;
+                }
+            };
+            let table = uniform(&recipe);
+            let exports = Export::all().filter(|export| match export {
+                Export::Textures { container, precision, .. } => {
+                    (*container, *precision) == (TextureContainer::Ktx2, Precision::F32)
+                }
+                Export::Engine(_) | Export::Compact(_) => true,
+            });
+            for export in exports {
+                let Err(error) = export.layout(&table).and_then(|_| export.forms(&table)) else { continue };
+                let message = error.to_string();
+                if let Some(recipe) = error.recipe() {
+                    assert!(message.ends_with(recipe), "{export} of {document}: {message}");
+                    named.insert((export.to_string(), recipe.to_owned()));
+                } else {
+                    assert!(!message.contains('{'), "{export} of {document}: {message}");
+                }
+                if let Some((_, advice)) = message.split_once("--layout ") {
+                    let words: Vec<&str> = advice.split(' ').collect();
+                    let [layout, "--container", container] = words[..] else { panic!("{message}") };
+                    let other: Export = format!("{layout}.{container}.f32").parse().expect("an export");
+                    assert!(message.contains(&format!("export {other}:")), "{message}");
+                    other.layout(&table).unwrap_or_else(|error| panic!("{export} of {document}: {message}: {error}"));
+                    advised += 1;
+                }
+            }
+        }
+    }
+    assert!(named.len() > 100 && advised > 50, "{} recipes, {advised} exports", named.len());
+    for (name, document) in named {
+        let export: Export = name.parse().expect("an export");
+        let recipe = recipe_document::parse_stored(document.as_bytes())
+            .unwrap_or_else(|error| panic!("{name}: {document}: {error}"));
+        let table = uniform(&recipe);
+        let made = export.layout(&table).and_then(|_| export.forms(&table));
+        made.unwrap_or_else(|error| panic!("{name}: {document}: {error}"));
     }
 }

@@ -38,28 +38,28 @@ pub enum NoTextures {
     },
     /// An engine lights GGX with its files, and the table is of another scattering model.
     #[error(
-        "{engine} takes its textures for those of GGX, and the table is of brdf {brdf}; the same numbers in files of one's own: \
-         --layout {layout} --container ktx2"
+        "{engine} takes its textures for those of GGX, and the table is of brdf {brdf}; its numbers in files of one's own \
+         are export {layout}.ktx2.f32: --layout {layout} --container ktx2"
     )]
     OtherBrdf {
         /// The engine.
         engine: &'static str,
         /// The scattering model of the table.
         brdf: BrdfKind,
-        /// The layout of the engine's textures.
+        /// A layout of textures that the table has.
         layout: &'static str,
     },
     /// An engine lights by LTCs, and the table is of another lobe model.
     #[error(
-        "{engine} takes its textures for those of LTCs, and the table has lobe {lobe}; the same numbers in files of one's own: \
-         --layout {layout} --container ktx2"
+        "{engine} takes its textures for those of LTCs, and the table has lobe {lobe}; its numbers in files of one's own \
+         are export {layout}.ktx2.f32: --layout {layout} --container ktx2"
     )]
     OtherLobe {
         /// The engine.
         engine: &'static str,
         /// The lobe model of the table.
         lobe: LobeModel,
-        /// The layout of its textures.
+        /// A layout of textures that the table has.
         layout: &'static str,
     },
     /// A table whose axes are longer than textures.

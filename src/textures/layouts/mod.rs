@@ -107,15 +107,13 @@ impl TextureLayout {
     /// Whether the table has these textures.
     pub(super) fn check(self, table: &Table) -> Result<(), NoTextures> {
         let TextureSampling { table: needed, recipe, .. } = self.sampling();
+        let is_kept = self.rules().takes(table.brdf());
+        let recipe = || if is_kept { recipe_like(recipe, needed, table) } else { recipe.to_owned() };
         if table.layout != needed {
-            let recipe = recipe_like(recipe, needed, table);
-            return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe });
+            return Err(NoTextures::OtherLayout { table: table.layout, asked: self.name(), recipe: recipe() });
         }
         let lacking = self.rules().lacks(table);
-        lacking.map_or(Ok(()), |lacking| {
-            let recipe = recipe_like(recipe, needed, table);
-            Err(NoTextures::Lacking { asked: self.name(), lacking, recipe })
-        })
+        lacking.map_or(Ok(()), |lacking| Err(NoTextures::Lacking { asked: self.name(), lacking, recipe: recipe() }))
     }
 }
 

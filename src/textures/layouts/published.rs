@@ -7,7 +7,7 @@ use super::{
     rules::{TextureAxis, TextureRules, TextureSampling, TexturesOf, made},
 };
 use crate::texture::Texture;
-use ltcforge_fit::{Layout, PerAxis, Table};
+use ltcforge_fit::{BrdfKind, Layout, PerAxis, Table};
 
 /// The texture of the demo of KT et al. 2022.
 pub(super) struct Kt2022Volume;
@@ -42,6 +42,11 @@ impl TextureRules for Kt2022Volume {
         let is_whole = table.axes == Layout::Kt2022.nodes(&whole, &nodes);
         let counts = table.axes.lengths().named().map(|(_, n)| n.to_string()).join(" x ");
         (!is_whole).then(|| format!("8 x 8 x 8 x 8 nodes over the whole domain; the table has {counts} over its own"))
+    }
+
+    /// Tables of isotropic surfaces have one ratio.
+    fn takes(&self, brdf: BrdfKind) -> bool {
+        !brdf.is_isotropic()
     }
 
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures> {

@@ -2,7 +2,7 @@
 
 use super::error::NoTextures;
 use crate::texture::{Texture, TextureError};
-use ltcforge_fit::{Layout, Table};
+use ltcforge_fit::{BrdfKind, Layout, Table};
 
 /// The coordinate along one axis of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +46,11 @@ pub(crate) trait TextureRules: Sync {
 
     /// The parts that a table of the right layout lacks; `None` if it has all.
     fn lacks(&self, table: &Table) -> Option<String>;
+
+    /// Whether a recipe of this scattering model gives a table that has them, if the table's layout takes the model.
+    fn takes(&self, _: BrdfKind) -> bool {
+        true
+    }
 
     /// The numbers of a texel: entry and texture.
     fn textures(&self, table: &Table) -> Result<Vec<Texture>, NoTextures>;

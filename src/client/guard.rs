@@ -1,0 +1,47 @@
+//! One writer of a lock file at a time.
+
+use std::{
+    env,
+    fs::{self, File, OpenOptions},
+    io,
+    path::Path,
+};
+
+use ltcforge_files::digest::Digest;
+
+/// The right to change the lock files of a folder. The system takes it back when it is dropped or its process ends.
+#[derive(Debug)]
+pub struct Guard {
+    _held: File,
+}
+
+impl Guard {
+    /// Waits until no other process has the right. `on_wait` is called before, if one has it.
+    ///
+    /// # Errors
+    /// When the folder is missing, or the system cannot lock any file for it.
+    pub fn of(folder: &Path, on_wait: impl FnOnce()) -> io::Result<Self> {
+        let mut on_wait = Some(on_wait);
+        let mut locked = |file: File| match file.try_lock() {
+            Ok(()) => Ok(Self { _held: file }),
+            Err(fs::TryLockError::WouldBlock) => {
+                on_wait.take().into_iter().for_each(|on_wait| on_wait());
+                while let Err(error) = file.lock() {
+                    // A signal came.
+                    if error.kind() != io::ErrorKind::Interrupted {
+                        return Err(error);
+                    }
+                }
+                Ok(Self { _held: file })
+            }
+            Err(fs::TryLockError::Error(error)) => Err(error),
+        };
+        // The folder itself leaves no file behind, but Windows opens no folders, and NFS locks none.
+        if let Ok(held) = File::open(folder).and_then(&mut locked) {
+            return Ok(held);
+        }
+        let name = Digest::of(fs::canonicalize(folder)?.as_os_str().as_encoded_bytes()).hex();
+        let path = env::temp_dir().join(format!("ltcforge-{name}.lock"));
+        OpenOptions::new().create(true).truncate(false).write(true).open(path).and_then(locked)
+    }
+}

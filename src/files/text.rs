@@ -1,0 +1,53 @@
+//! Texts and files as editors and version control leave them.
+
+/// The mark that some editors put before a text in UTF-8.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+/// The first line of the text that Git LFS leaves in place of a file.
+const LFS: &[u8] = b"version https://git-lfs.github.com/spec/";
+/// The longest text in which merge markers are looked for.
+const TEXT_LIMIT_BYTES: usize = 4 << 20;
+
+/// A text without the byte-order mark before it.
+#[must_use]
+pub fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(MARK).unwrap_or(text)
+}
+
+/// What bytes are that are not the expected file, and what to do: a pointer of Git LFS, a text in UTF-16, or a text with
+/// merge markers. `None` for anything else. It is for files that were refused.
+#[must_use]
+pub fn other_form(bytes: &[u8]) -> Option<String> {
+    if without_mark(bytes).starts_with(LFS) {
+        return Some("this is a pointer of Git LFS in place of the file: `git lfs pull` fetches the file".to_owned());
+    }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Some("this is a text in UTF-16: save it in UTF-8".to_owned());
+    }
+    let text = str::from_utf8(bytes).ok().filter(|text| text.len() <= TEXT_LIMIT_BYTES)?;
+    let is_marker = |line: &str| ["<<<<<<<", "=======", ">>>>>>>", "|||||||"].iter().any(|mark| line.starts_with(mark));
+    let line = text.lines().position(is_marker)? + 1;
+    Some(format!(
+        "line {line} is a merge marker: keep what both sides should give, and delete the lines of the markers"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_editors_and_git_leave_is_known() {
+        assert_eq!(without_mark(b"\xef\xbb\xbf{}"), b"{}");
+        assert_eq!(without_mark(b"{}"), b"{}");
+        let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n";
+        assert!(other_form(pointer).expect("a pointer").contains("git lfs pull"));
+        assert!(other_form(b"\xff\xfe{\0}\0").expect("UTF-16").contains("UTF-8"));
+        for text in ["<<<<<<< HEAD\r\na\r\n=======\r\nb\r\n>>>>>>> other\r\n", "||||||| base", "a\n=======\n"] {
+            assert!(other_form(text.as_bytes()).expect(text).contains("merge marker"), "{text}");
+        }
+        assert!(other_form(b"a\n\n<<<<<<< HEAD").expect("a marker").starts_with("line 3 "));
+        for other in [&b""[..], b"{", b"# <<<<<<<", b"<<<<<<", b"\xef\xbb\xbf{", b"\0\0<<<<<<<", b"version = 2"] {
+            assert_eq!(other_form(other), None, "{other:?}");
+        }
+    }
+}

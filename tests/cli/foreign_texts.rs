@@ -1,0 +1,134 @@
+//! Texts and URLs as people, editors and Git leave them.
+
+use std::fs;
+
+use super::project::{project, read};
+use crate::common::{
+    SMALL,
+    command::{Run, run, run_with_stdin},
+    server::Server,
+};
+
+#[test]
+fn what_git_makes_of_pinned_files_is_told_by_name() {
+    let (_folder, project) = project();
+    let manifest = project.join("assets/ltc/ltcforge.json");
+    let right = read(&manifest);
+    fs::write(&manifest, right.replace('\n', "\r\n")).expect("a file");
+    let told = run(&project, ["pull", "--locked"]).exited(3);
+    let line = "/assets/ltc/ltcforge.json -text";
+    assert!(told.stderr.contains("core.autocrlf") && told.stderr.contains(&format!("«{line}»")), "{told:#?}");
+    run(&project, ["pull", "--offline"]).exited(0);
+    assert_eq!(read(&manifest), right);
+
+    // In a checkout `lock` tells the lines, until they are there.
+    fs::create_dir(project.join(".git")).expect("a folder");
+    let told = run(&project, ["lock"]).exited(0);
+    let (_, lines) = told.stdout.split_once("of these files:\n").expect("lines");
+    assert!(lines.contains(line) && !lines.contains("ktx2") && !lines.contains("safetensors"), "{told:#?}");
+    let json = run(&project, ["lock", "--json"]).exited(0);
+    assert!(json.last_line().contains(r#""gitattributes":["#), "{json:#?}");
+    fs::write(project.join(".gitattributes"), lines).expect("a file");
+    let told = run(&project, ["lock"]).exited(0);
+    assert!(!told.stdout.contains("-text"), "{told:#?}");
+
+    // Pointers of Git LFS, of tables, exports and recipes.
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 7\n";
+    let table = project.join("assets/metal.safetensors");
+    fs::write(&table, pointer).expect("a file");
+    fs::write(project.join("x.npy"), pointer).expect("a file");
+    fs::write(project.join("brdf.safetensors"), pointer).expect("a file");
+    fs::write(project.join("recipe.json"), pointer).expect("a file");
+    fs::write(project.join("of.json"), r#"{"brdf":"tabulated","tabulated":"brdf.safetensors","layout":"kt2022"}"#)
+        .expect("a recipe");
+    for words in [
+        &["pull", "--locked"][..],
+        &["lock", "--offline"],
+        &["verify", "assets/metal.safetensors"],
+        &["export", "x.npy", "--for", "wgpu", "-o", "out"],
+        &["fit", "recipe.json"],
+        &["fit", "of.json"],
+    ] {
+        let told = run(&project, words);
+        assert!(told.code != Some(0) && told.stderr.contains("git lfs pull"), "{words:?}: {told:#?}");
+    }
+    fs::write(project.join("recipe.json"), format!("<<<<<<< HEAD\n{SMALL}\n=======\n{SMALL}\n>>>>>>> other\n"))
+        .expect("a recipe");
+    let told = run(&project, ["fit", "recipe.json"]).exited(2);
+    assert!(told.stderr.contains("merge marker"), "{told:#?}");
+    let lock = read(&project.join("ltcforge.lock"));
+    fs::write(project.join("ltcforge.lock"), format!("{lock}<<<<<<< HEAD\n=======\n>>>>>>> other\n")).expect("a file");
+    let told = run(&project, ["pull"]).exited(2);
+    assert!(told.stderr.contains("ltcforge.lock: line ") && told.stderr.contains("merge marker"), "{told:#?}");
+}
+
+#[test]
+fn a_byte_order_mark_is_read_past() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let marked = format!("\u{feff}{}", SMALL.replace('\n', "\r\n"));
+    fs::write(folder.path().join("small.json"), &marked).expect("a recipe");
+    fs::write(folder.path().join("ltcforge.toml"), "\u{feff}sources = ['tables']\r\n").expect("a configuration");
+    run(folder.path(), ["fit", "small.json", "-o", "file"]).exited(0);
+    run_with_stdin(folder.path(), ["fit", "-", "-o", "stdin"], &marked).exited(0);
+    let server = Server::start(&folder.path().join("data"), &[]);
+    let submitted = run(folder.path(), ["jobs", "submit", "small.json", "--server", &server.url]);
+    submitted.exited(0);
+    let utf_16: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    fs::write(folder.path().join("small.json"), utf_16).expect("a recipe");
+    let told = run(folder.path(), ["fit", "small.json"]).exited(2);
+    assert!(told.stderr.contains("save it in UTF-8"), "{told:#?}");
+}
+
+/// Whatever is wrong, and wherever the URL stands.
+#[test]
+fn no_error_shows_a_password_and_no_port_becomes_another() {
+    let (_folder, project) = project();
+    fs::remove_file(project.join("assets/metal.safetensors")).expect("a file");
+    for url in ["http://127.0.0.1:99999", "http://127.0.0.1:0", "http://[::1]:65536"] {
+        for words in [&["pull", "--from", url][..], &["pull", "--server", url], &["jobs", "list", "--server", url]] {
+            let told = run(&project, words).exited(2);
+            assert!(told.stderr.contains("a port is a number from 1 to 65535"), "{told:#?}");
+        }
+    }
+    let other = run(&project, ["pull", "--from", "ftp://host"]).exited(2);
+    assert!(other.stderr.contains("ftp://host: this is not the URL of a server"), "{other:#?}");
+    let lock = read(&project.join("ltcforge.lock"));
+    for url in [
+        "http://user:secret@127.0.0.1:9",
+        "http://user:secret@127.0.0.1:99999",
+        "http://user:sec ret@127.0.0.1:9",
+        "ftp://user:secret@h",
+        "http://user:secret/x@h",
+    ] {
+        let hidden = |told: &Run| {
+            assert!(!told.stderr.contains("ret") && !told.stdout.contains("ret"), "{told:#?}");
+        };
+        let from = format!("--from={url}");
+        for words in [
+            &["pull", "--from", url][..],
+            &["pull", &from],
+            &["pull", "--server", url],
+            &["pull", "--server", url, "--json"],
+            &["lock", "--from", url],
+            &["jobs", "list", "--server", url],
+            &["pull", url],
+            &["pull", url, "--json"],
+            &["pull", &from, "--locked"],
+        ] {
+            let told = run(&project, words).exited(2);
+            hidden(&told);
+        }
+        fs::write(
+            project.join("ltcforge.lock"),
+            lock.replace("version = 2", &format!("version = 2\nsources = [\"{url}\"]")),
+        )
+        .expect("a lock file");
+        hidden(&run(&project, ["pull"]).exited(2));
+        fs::write(project.join("ltcforge.lock"), &lock).expect("a lock file");
+        for text in [format!("sources = [\"{url}\"]"), format!("server = \"{url}\"")] {
+            fs::write(project.join("ltcforge.toml"), text).expect("a configuration");
+            hidden(&run(&project, ["pull"]).exited(2));
+        }
+        fs::remove_file(project.join("ltcforge.toml")).expect("a file");
+    }
+}
