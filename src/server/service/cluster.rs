@@ -151,6 +151,7 @@ fn brdfs_named_since(queue: &dyn Queue, since: Timestamp) -> Result<BTreeSet<Dig
 /// When the database or the blob store cannot be used.
 pub fn sweep(config: &Config, shared: &Shared) -> Result<usize, OpenError> {
     let (database, blobs) = shared.open(config, Access::Write)?;
+    database.without_limit();
     let process = Process { name: "gc".to_owned(), fitter: FITTER_VERSION };
     let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;
     let catalogue = Catalogue::new(Arc::new(PostgresRows::new(database)));

@@ -79,10 +79,10 @@ impl Service {
         }
     }
 
-    /// Whether the service accepts jobs and works on them.
+    /// Why the service does not accept jobs now, in words; `None` if it does.
     #[must_use]
-    pub fn is_ready(&self) -> bool {
-        !self.state.is_stopping() && self.state.queue.is_reachable()
+    pub fn fault(&self) -> Option<String> {
+        if self.is_stopping() { Some("the service is stopping".to_owned()) } else { self.state.queue.fault() }
     }
 
     /// Whether [`Self::stop`] was called.
