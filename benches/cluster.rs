@@ -79,7 +79,7 @@ fn timed(repeated: usize, mut work: impl FnMut()) -> String {
 }
 
 fn lease(queue: &PostgresQueue, most: usize) -> Vec<Lease> {
-    match queue.lease(0, Demand::Any, NonZeroUsize::new(most).expect("at least one")) {
+    match queue.lease(Demand::Any, NonZeroUsize::new(most).expect("at least one")) {
         Offer::Tasks(tasks) => tasks.iter().map(|task| task.lease).collect(),
         Offer::Nothing { .. } | Offer::Closed => vec![],
     }

@@ -8,7 +8,7 @@ use crate::{
     Shared, Worker,
     common::{
         LARGE, SMALL,
-        command::run_with_stdin,
+        command::{Run, ltcforge, run_with_stdin},
         eventually, seeded,
         server::{Server, text},
         tell_skipped,
@@ -190,6 +190,57 @@ fn workers_clocks_that_are_an_hour_off_have_no_effect() {
     });
     let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
     assert_eq!((&job["state"], &job["attempts"]), (&"done".into(), &1.into()), "{job:#}");
+}
+
+/// The folder's tables and jobs are whole.
+#[test]
+fn a_clock_before_1970_is_told_and_damages_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(library) = faketime() else {
+        tell_skipped("faketime is not installed, which gives a process another clock");
+        return;
+    };
+    let data = folder.path().join("data");
+    let server = Server::start(&data, &[]);
+    let table = server.fit(SMALL);
+    assert_eq!(server.stop("TERM").code, Some(0));
+    let mut command = ltcforge(folder.path(), ["serve", "--listen", "127.0.0.1:0", "--data", "data"]);
+    command.env("LD_PRELOAD", library).env("FAKETIME", "@1969-12-31 12:00:00").env("FAKETIME_DONT_FAKE_MONOTONIC", "1");
+    let run: Run = command.output().expect("the binary runs").into();
+    let run = run.exited(1);
+    assert!(run.stderr.contains("before 1970; set the clock"), "{run:#?}");
+    assert!(!data.join("quarantine").exists(), "{run:#?}");
+    let server = Server::start(&data, &[]);
+    assert_eq!(server.submit(SMALL).with_status(200).json()["table"], table);
+}
+
+#[test]
+fn a_replica_whose_role_cannot_write_is_not_ready_and_says_why() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(mut shared) = Shared::new(folder.path()) else { return };
+    let Some(database) = throwaway::Server::start("-c fsync=off") else { return };
+    shared.database = database.empty_database();
+    let name = shared.database.split(['/', '?']).nth(3).expect("a name").to_owned();
+    drop(shared.replica(&folder.path().join("owner")));
+    database.psql(
+        &name,
+        "CREATE ROLE reader LOGIN; GRANT USAGE ON SCHEMA ltcforge TO reader;
+         GRANT SELECT ON ALL TABLES IN SCHEMA ltcforge TO reader",
+    );
+    shared.database = shared.database.replace("postgres@", "reader@");
+    let replica = shared.replica(&folder.path().join("reader"));
+    for path in ["/readyz", "/v1/jobs"] {
+        let answer = if path == "/readyz" { replica.get(path) } else { replica.submit(SMALL) };
+        let problem = answer.with_status(503).json();
+        assert_eq!(problem["type"], "/problems/unavailable", "{problem:#}");
+        assert!(text(&problem["detail"]).contains("jobs"), "{problem:#}");
+    }
+    database.psql(
+        &name,
+        "GRANT ALL ON ALL TABLES IN SCHEMA ltcforge TO reader; GRANT ALL ON ALL SEQUENCES IN SCHEMA ltcforge TO reader",
+    );
+    replica.get("/readyz").with_status(200);
+    replica.submit(SMALL).with_status(202);
 }
 
 /// The library that gives a program another clock, where Debian installs it.

@@ -23,6 +23,7 @@ fn tables_and_jobs_are_taken_along_once() {
     let server = Server::start(&data, &["--workers", "1"]);
     let table = server.fit(SMALL);
     let endless = text(&server.submit(ENDLESS).with_status(202).json()["id"]).to_owned();
+    let running = server.job_when(&endless, |job| job["state"] == "running");
     assert_eq!(server.stop("TERM").code, Some(0));
 
     let migrate = || -> Value {
@@ -38,7 +39,13 @@ fn tables_and_jobs_are_taken_along_once() {
     let replica = Server::start(&folder.path().join("replica"), &args);
     assert_eq!(replica.submit(SMALL).with_status(200).json()["table"], table);
     replica.get(&format!("/v1/tables/{table}")).with_status(200);
-    assert_eq!(replica.get(&format!("/v1/jobs/{endless}")).with_status(200).json()["state"], "queued");
+    let job = replica.get(&format!("/v1/jobs/{endless}")).with_status(200).json();
+    assert_eq!(job["state"], "running");
+    // The database has microseconds.
+    let microseconds = |time: &Value| text(time)[.."2026-03-01T12:00:00.123456".len()].to_owned();
+    for field in ["created_at", "started_at"] {
+        assert_eq!(microseconds(&job[field]), microseconds(&running[field]), "{field} of {job:#}");
+    }
 }
 
 /// Tables are copied newest first. A folder is where the oldest table's file would be, so that the migration fails

@@ -5,7 +5,7 @@ use ureq::Agent;
 use crate::{
     Shared, Worker,
     common::{
-        SMALL,
+        LARGE, SMALL,
         command::run,
         eventually,
         server::{Server, text},
@@ -65,6 +65,18 @@ fn uploads_are_tried_until_the_store_takes_them_and_readers_get_no_wrong_bytes()
     // From its cache.
     link.set(Link::Down);
     assert_eq!(other.get(&path).with_status(200).body, whole.body);
+}
+
+/// Storing the table takes several leases.
+#[test]
+fn a_slow_link_to_the_store_is_only_slow() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some((shared, _server, link)) = shared_on_s3(folder.path()) else { return };
+    let replica = shared.replica(&folder.path().join("one"));
+    let _worker = Worker::start(&shared, folder.path(), "1");
+    link.set(Link::Slow);
+    let job = replica.finished(text(&replica.submit(LARGE).with_status(202).json()["id"]));
+    assert_eq!((&job["state"], &job["attempts"]), (&"done".into(), &1.into()), "{job:#}");
 }
 
 #[test]

@@ -21,9 +21,9 @@ pub(super) fn stopping() -> Problem {
     Problem::new(ProblemKind::Stopping, "the service is stopping").with_retry_after(RESTART)
 }
 
-/// The problem of a service whose database does not answer.
-pub(super) fn unavailable() -> Problem {
-    Problem::new(ProblemKind::Unavailable, "the storage does not answer, or its disk is full").with_retry_after(RESTART)
+/// The problem of a service that cannot be used for a reason outside of it.
+pub(super) fn unavailable(fault: String) -> Problem {
+    Problem::new(ProblemKind::Unavailable, fault).with_retry_after(RESTART)
 }
 
 /// The problem of a machine that is short of a resource for a moment. It is logged as a warning: the service itself is

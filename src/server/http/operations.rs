@@ -41,12 +41,11 @@ pub(super) async fn healthz(_: QueryOf<NoParameters>) -> Json<Status> {
 
 /// `GET /readyz`: the service accepts jobs and works on them.
 pub(super) async fn readyz(State(api): State<Api>, _: QueryOf<NoParameters>) -> Result<Json<Status>, Problem> {
-    let ready = api.call(|service| Ok::<_, ServiceError>(service.is_ready())).await?;
-    match (ready, *api.stopping.borrow()) {
-        (_, true) => Err(error::stopping()),
-        (false, false) if api.service.is_stopping() => Err(error::stopping()),
-        (false, false) => Err(error::unavailable()),
-        (true, false) => Ok(Json(Status { status: "ready" })),
+    let fault = api.call(|service| Ok::<_, ServiceError>(service.fault())).await?;
+    match fault {
+        _ if *api.stopping.borrow() || api.service.is_stopping() => Err(error::stopping()),
+        Some(fault) => Err(error::unavailable(fault)),
+        None => Ok(Json(Status { status: "ready" })),
     }
 }
 

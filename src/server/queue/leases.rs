@@ -1,16 +1,24 @@
 //! Tasks under leases, and their outcomes.
 
+use std::hash::{BuildHasher as _, RandomState};
+
 use super::JobId;
 use crate::store::StoreError;
 use ltcforge_files::digest::Digest;
 
-/// The right to deliver one task. It names the submission and the attempt, so that a lease that has expired, or one
-/// from before the job was submitted again, is not taken for the current one.
+/// The right to deliver one task, under a name that is given once. A lease that has expired, one from before the job was
+/// submitted again and one of a database that was restored since are not taken for the current one: numbers of
+/// submissions come again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Lease {
     pub(super) submission: u64,
     pub(super) task: u32,
-    pub(super) attempt: u32,
+    pub(super) name: u64,
+}
+
+/// A number that no other call gives, of this process or another. Names of leases are counted from there.
+pub(super) fn unique_number() -> u64 {
+    RandomState::new().hash_one(())
 }
 
 /// A transition that the task's state does not allow, because the lease is not the current one.

@@ -16,6 +16,7 @@ mod submission;
 mod tests;
 
 pub use job::{Failure, FailureKind, Job, JobState};
+use leases::unique_number;
 pub use leases::{Demand, Lease, LeaseError, LeasedTask, Offer, StaleLease, TaskKind};
 pub use limits::Limits;
 use limits::{MOST_DEATHS, SUSPECT_DEATHS};

@@ -40,7 +40,7 @@ pub trait Queue: Send + Sync + Debug {
     /// Leases up to `most` waiting tasks, each of the job that has the fewest leased, and of such jobs the one that was
     /// served longest ago: jobs share the workers evenly, and a new one is served next. Of the tasks during which
     /// process after process ended one is leased at a time.
-    fn lease(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer;
+    fn lease(&self, demand: Demand, most: NonZeroUsize) -> Offer;
 
     /// Records the entries done so far and renews the lease, which need not be durable. Nothing waits for it: while the
     /// queue is writing, this may do nothing.
@@ -149,9 +149,9 @@ pub trait Queue: Send + Sync + Debug {
         true
     }
 
-    /// Whether the queue can be used now.
-    fn is_reachable(&self) -> bool {
-        true
+    /// Why the queue cannot be used now, in words; `None` if it can.
+    fn fault(&self) -> Option<String> {
+        None
     }
 
     /// Whether a job is queued or running.

@@ -189,6 +189,7 @@ pub struct Swept {
 pub fn sweep(config: &Config, shared: &Shared, removal: Removal) -> Result<Swept, OpenError> {
     let access = if removal == Removal::Nothing { Access::Read } else { Access::Write };
     let (database, blobs) = shared.connect(config, access)?;
+    database.without_limit();
     pair(&database, &blobs, None)?;
     let process = Process { name: "gc".to_owned(), fitter: FITTER_VERSION };
     let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;

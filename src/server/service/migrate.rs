@@ -46,6 +46,7 @@ pub fn migrate(config: &Config, shared: &Shared) -> Result<Migrated, OpenError> 
     }
     let store = Store::open(folder).map_err(|error| OpenError::of(folder, error))?;
     let (database, blobs) = shared.open(config, Access::Write)?;
+    database.without_limit();
     let process = Process { name: "migrate".to_owned(), fitter: FITTER_VERSION };
     let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).map_err(OpenError::Shared)?;
     let to = Arc::new(PostgresRows::new(database));

@@ -10,8 +10,6 @@ use std::{
     },
 };
 
-use jiff::Timestamp;
-
 use super::{
     Config, OpenError, Service,
     backend::{Backend, FitBackend},
@@ -46,14 +44,13 @@ impl Service {
 
     /// As [`Service::open`], on a given store and backend.
     pub(super) fn open_with(config: Config, store: Store, backend: Arc<dyn Backend>) -> Result<Arc<Self>, OpenError> {
-        let clock: Clock = Arc::new(Timestamp::now);
         let check = {
             let (blobs, backend) = (Arc::clone(&store.blobs), Arc::clone(&backend));
             move |rows: &Arc<dyn Rows>| reconcile(rows, blobs.as_ref(), backend.as_ref()).map(drop)
         };
         let prepared = (|| {
             check(&store.rows)?;
-            EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), clock)
+            EmbeddedQueue::open(Arc::clone(&store.rows), limits(&config), Clock::system())
         })();
         let queue = prepared.map_err(|error| refusal(&config, error.into()))?;
         // It is set here alone, so this cannot fail.
@@ -100,7 +97,7 @@ impl Service {
         let (results, stored) = mpsc::sync_channel(MOST_RESULTS);
         for thread in 0..u32::try_from(threads).unwrap_or(u32::MAX) {
             let results = results.clone();
-            self.spawn(format!("fit-{thread}"), move |state| state.work(thread, &results))?;
+            self.spawn(format!("fit-{thread}"), move |state| state.work(&results))?;
         }
         self.spawn("store-results".to_owned(), move |state| state.store_results(&stored))?;
         self.spawn("keep-leases".to_owned(), ServiceState::keep_leases)

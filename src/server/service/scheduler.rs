@@ -55,7 +55,7 @@ impl Scheduler {
 
     /// The next task for a thread, which calls [`Self::end`] after it; waits until there is one. `None` when the queue
     /// is closed.
-    pub(super) fn next(&self, thread: u32, queue: &dyn Queue) -> Option<LeasedTask> {
+    pub(super) fn next(&self, queue: &dyn Queue) -> Option<LeasedTask> {
         if let Some(task) = self.lock().begin_ahead(self.workers) {
             return Some(task);
         }
@@ -71,7 +71,7 @@ impl Scheduler {
                 continue;
             };
             drop(state);
-            match queue.lease(thread, demand, most) {
+            match queue.lease(demand, most) {
                 Offer::Tasks(tasks) => {
                     let mut state = self.lock();
                     state.ahead.extend(tasks.into_iter().map(|task| (task, Instant::now())));
@@ -171,7 +171,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        queue::{Limits, NewJob, TaskKind, embedded::EmbeddedQueue},
+        queue::{
+            Limits, NewJob, TaskKind,
+            embedded::{Clock, EmbeddedQueue},
+        },
         store::memory::MemoryRows,
     };
     use ltcforge_files::digest::Digest;
@@ -186,8 +189,7 @@ mod tests {
             max_attempts: NonZeroU32::new(3).unwrap(),
             keep_ended: None,
         };
-        let clock = Arc::new(|| jiff::Timestamp::UNIX_EPOCH);
-        let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, clock).unwrap();
+        let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, Clock::system()).unwrap();
         for (name, shards) in jobs {
             let recipe_digest = Digest::of(name.as_bytes());
             let new = NewJob { recipe: (*name).to_owned(), recipe_digest, shard_entries: vec![1; *shards] };
@@ -209,7 +211,7 @@ mod tests {
         assert_eq!((leased_after(0, 2), leased_after(0, 100)), (any(MOST_AHEAD), any(100)));
         assert_eq!((leased_after(201, 1), leased_after(201, 5)), (any(1), any(5)));
         let (scheduler, queue) = (Scheduler::new(TWO), queue(&[("a", 9)]));
-        scheduler.next(0, &queue).unwrap();
+        scheduler.next(&queue).unwrap();
         scheduler.lock().last = Some(Duration::from_millis(50));
         scheduler.have_run(Duration::from_secs(1));
         assert_eq!(scheduler.lock().demand(2), any(1), "another one takes long");
@@ -225,15 +227,15 @@ mod tests {
     #[test]
     fn a_job_without_a_worker_is_begun_beside_long_tasks() {
         let (scheduler, queue) = (Scheduler::new(TWO), queue(&[("a", 9), ("b", 9), ("c", 9), ("d", 9)]));
-        let mut begun: Vec<_> = (0..2).map(|thread| scheduler.next(thread, &queue).unwrap()).collect();
+        let mut begun: Vec<_> = (0..2).map(|_| scheduler.next(&queue).unwrap()).collect();
         assert_eq!(scheduler.lock().demand(2), None, "they may soon end");
         scheduler.have_run(LONG);
-        begun.extend((2..4).map(|thread| scheduler.next(thread, &queue).unwrap()));
+        begun.extend((2..4).map(|_| scheduler.next(&queue).unwrap()));
         let recipes: Vec<_> = begun.iter().map(|task| task.recipe.as_str()).collect();
         assert_eq!((recipes, scheduler.share()), (vec!["a", "b", "c", "d"], 0.5));
         // It waits until a job without a worker has a task again.
         std::thread::scope(|scope| {
-            let next = scope.spawn(|| scheduler.next(4, &queue).unwrap());
+            let next = scope.spawn(|| scheduler.next(&queue).unwrap());
             queue.complete(&[(begun[2].lease, b"result")]).unwrap();
             scheduler.end(&begun[2].lease);
             let next = next.join().unwrap();
@@ -249,10 +251,10 @@ mod tests {
     fn tasks_leased_ahead_begin_in_their_order_and_are_given_back_if_they_wait_too_long() {
         let (scheduler, queue) = (Scheduler::new(NonZeroUsize::MIN), queue(&[("a", 9)]));
         scheduler.lock().last = Some(Duration::from_millis(40));
-        let first = scheduler.next(0, &queue).unwrap();
+        let first = scheduler.next(&queue).unwrap();
         assert_eq!(scheduler.overdue(Duration::from_secs(3600)), []);
         scheduler.end(&first.lease);
-        let second = scheduler.next(0, &queue).unwrap();
+        let second = scheduler.next(&queue).unwrap();
         let waiting: Vec<_> = scheduler.overdue(Duration::ZERO).into_iter().map(|task| task.kind).collect();
         assert_eq!([first.kind, second.kind], [0, 1].map(TaskKind::Shard));
         assert_eq!(waiting, [2, 3, 4].map(TaskKind::Shard));
@@ -262,12 +264,12 @@ mod tests {
     #[test]
     fn all_threads_end_with_the_queue() {
         let (scheduler, queue) = (Scheduler::new(NonZeroUsize::MIN), queue(&[("a", 9)]));
-        scheduler.next(0, &queue).unwrap();
+        scheduler.next(&queue).unwrap();
         std::thread::scope(|scope| {
-            let threads = [1, 2].map(|thread| {
+            let threads = [1, 2].map(|_| {
                 scope.spawn({
                     let (scheduler, queue) = (&scheduler, &queue);
-                    move || scheduler.next(thread, queue)
+                    move || scheduler.next(queue)
                 })
             });
             queue.close();

@@ -79,14 +79,19 @@ impl Service {
         }
     }
 
-    /// Whether the service accepts jobs and works on them.
+    /// Why the service does not accept jobs now, in words; `None` if it does.
     #[must_use]
-    pub fn is_ready(&self) -> bool {
+    pub fn fault(&self) -> Option<String> {
         let ServiceState { queue, tables, .. } = self.state.as_ref();
-        !self.state.is_stopping()
-            && tables.store.rows.is_writable()
-            && queue.is_reachable()
-            && tables.store.blobs.is_reachable()
+        if self.state.is_stopping() {
+            Some("the service is stopping".to_owned())
+        } else if !tables.store.rows.is_writable() {
+            Some("the disk of the data folder is full".to_owned())
+        } else if !tables.store.blobs.is_reachable() {
+            Some("the store of tables does not answer".to_owned())
+        } else {
+            queue.fault()
+        }
     }
 
     /// Whether [`Self::stop`] was called.

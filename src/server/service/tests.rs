@@ -74,7 +74,7 @@ fn a_recipe_becomes_a_table_once() {
     let dir = tempfile::tempdir().unwrap();
     let shared = Arc::new(Shared::default());
     let service = start(dir.path(), &shared);
-    assert!(service.is_ready());
+    assert_eq!(service.fault(), None);
     assert!(matches!(service.submit(b"nonsense"), Err(SubmitError::Recipe(_))));
     let table = fitted(&service, "gold 5");
     assert_eq!(service.table(table).unwrap().unwrap().as_slice(), b"TABLE gold 5 0 1 2 3 4");
@@ -181,7 +181,7 @@ fn stopping_gives_back_and_the_next_start_goes_on_where_it_was() {
         let service = Arc::clone(&service);
         std::thread::spawn(move || service.stop())
     };
-    while service.is_ready() {
+    while service.fault().is_none() {
         std::thread::yield_now();
     }
     shared.set(|b| b.held = false);

@@ -7,13 +7,18 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     slice,
     sync::{
+        Arc,
         atomic::Ordering,
         mpsc::{Receiver, SyncSender},
     },
     time::{Duration, Instant},
 };
 
-use super::{TableRow, backend::PlanError, state::ServiceState};
+use super::{
+    TableRow,
+    backend::{PlanError, PlannedFit},
+    state::ServiceState,
+};
 use crate::{
     queue::{Failure, FailureKind, Lease, LeaseError, LeasedTask, StaleLease, TaskKind},
     store::{Catalogue, StoreError},
@@ -71,8 +76,8 @@ pub(super) struct ShardResult {
 
 impl ServiceState {
     /// Does tasks until the queue is closed.
-    pub(super) fn work(&self, thread: u32, results: &SyncSender<ShardResult>) {
-        while let Some(task) = self.scheduler.next(thread, self.queue.as_ref()) {
+    pub(super) fn work(&self, results: &SyncSender<ShardResult>) {
+        while let Some(task) = self.scheduler.next(self.queue.as_ref()) {
             self.publish_changes();
             self.attempt(&task, || match task.kind {
                 _ if self.is_stopping() => Ok(self.queue.give_back(&task.lease)?),
@@ -146,7 +151,8 @@ impl ServiceState {
     fn fit(&self, task: &LeasedTask, shard: u32, results: &SyncSender<ShardResult>) -> Result<(), TaskError> {
         // It may have waited, and its job may have ended meanwhile.
         self.queue.progress(&task.lease, 0)?;
-        let plan = self.backend.load(task.into())?;
+        let plan = self.load(task)?;
+        self.scheduler.stored(&task.lease);
         let (mut fitted, mut seconds, mut reported) = (0, 0.0, Instant::now());
         let mut on_progress = |done: u64| {
             self.entries_fitted.fetch_add(done.saturating_sub(fitted), Ordering::Relaxed);
@@ -195,7 +201,7 @@ impl ServiceState {
     /// is waited out, because the shard may have taken minutes.
     fn store_alone(&self, result: &ShardResult) {
         let ShardResult { task, bytes } = result;
-        if self.is_stopping() && !self.queue.is_reachable() {
+        if self.is_stopping() && self.queue.fault().is_some() {
             // Its lease will expire.
             return;
         }
@@ -227,21 +233,26 @@ impl ServiceState {
         }
     }
 
+    /// The plan of a task, whose lease is kept from now on: plans, results and tables may be on their way to and from a
+    /// store for longer than a lease lasts.
+    fn load(&self, task: &LeasedTask) -> Result<Arc<dyn PlannedFit>, PlanError> {
+        self.scheduler.storing(task.lease, 0);
+        self.backend.load(task.into())
+    }
+
     fn assemble(&self, task: &LeasedTask) -> Result<(), TaskError> {
-        let plan = self.backend.load(task.into())?;
+        let plan = self.load(task)?;
         let mut parts = plan.assembly();
         if !self.queue.results(&task.lease, &mut |result| parts.add(result))? {
             return Ok(());
         }
         let file = self.measuring_pool.install(|| parts.file()).map_err(TaskError::Failed)?;
-        // The lease ends with a cancelled job. Until then it is renewed: a table may take long to measure.
+        // The lease ends with a cancelled job.
         let go_on = || !self.is_stopping() && self.queue.progress(&task.lease, 0).is_ok();
         let manifest = self.make_manifest(&file, &go_on).map_err(|error| TaskError::Failed(error.to_string()))?;
         let Some(manifest) = manifest else {
             return Ok(self.queue.give_back(&task.lease)?);
         };
-        // That may take longer than the lease.
-        self.scheduler.storing(task.lease, 0);
         let digest = self.retried(task, || self.tables.store.blobs.put(&file))?;
         let row = TableRow {
             digest,

@@ -40,8 +40,8 @@ pub enum StoreError {
     /// The database failed.
     #[error("database: {0}")]
     Database(String),
-    /// The blob store refuses the credentials.
-    #[error("the blob store refuses: {0}")]
+    /// The database or the store of blobs refuses the credentials.
+    #[error("the storage refuses: {0}")]
     Refused(String),
     /// The database or the store of blobs does not answer, or not now.
     #[error("the storage cannot be reached: {0}")]

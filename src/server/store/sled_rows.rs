@@ -20,7 +20,7 @@ use std::{
         atomic::{AtomicU64, Ordering},
     },
     thread,
-    time::{Duration, Instant},
+    time::{Duration, Instant, SystemTime},
 };
 
 use sled::transaction::{TransactionError, Transactional as _};
@@ -49,6 +49,14 @@ const RELEASE: Duration = Duration::from_secs(2);
 
 /// Makes the file's contents durable: `File::sync_all`, or a test's replacement.
 pub(super) type SyncFn = Arc<dyn Fn(&File) -> io::Result<()> + Send + Sync>;
+
+/// sled panics where the clock is before 1970, which would pass for damage.
+fn check_clock(now: SystemTime) -> io::Result<()> {
+    match now.duration_since(SystemTime::UNIX_EPOCH) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(io::Error::other("this machine's clock says a time before 1970; set the clock")),
+    }
+}
 
 /// Why the database did not open.
 #[derive(Debug, thiserror::Error)]
@@ -303,6 +311,7 @@ fn open_copy(folder: &Path, full: io::Error) -> Result<Handle, SledOpenError> {
 
 /// Opens the database on a separate thread, so that a panic inside sled becomes an error.
 fn open_caught(folder: &Path) -> Result<Handle, SledOpenError> {
+    check_clock(SystemTime::now()).map_err(SledOpenError::Unusable)?;
     let folder = folder.to_owned();
     let opening = thread::Builder::new().name("open-database".to_owned()).spawn(move || open(&folder));
     match opening.map_err(SledOpenError::Unusable)?.join() {

@@ -1,6 +1,9 @@
 //! A queued or running job in memory, from which tasks are leased.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::Duration,
+};
 
 use jiff::Timestamp;
 
@@ -94,10 +97,10 @@ impl ActiveJob {
     }
 
     /// The current leases and the expiry of each.
-    pub(super) fn leases(&self) -> impl Iterator<Item = (Lease, Timestamp)> + '_ {
+    pub(super) fn leases(&self) -> impl Iterator<Item = (Lease, Duration)> + '_ {
         self.leased.keys().filter_map(|number| match *self.tasks.get(*number as usize)? {
-            Task { attempt, state: TaskState::Leased { until }, .. } => {
-                Some((Lease { submission: self.record.submission, task: *number, attempt }, until))
+            Task { state: TaskState::Leased { until, name }, .. } => {
+                Some((Lease { submission: self.record.submission, task: *number, name }, until))
             }
             _ => None,
         })

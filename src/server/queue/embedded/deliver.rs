@@ -38,7 +38,7 @@ impl EmbeddedQueue {
             self.commit(&mut state, Batch::default())?;
         }
         let staged = self.rows.stage(&batch)?;
-        let until = self.expiry((self.clock)());
+        let until = self.expiry();
         for lease in accepted.keys() {
             // It was current a moment ago.
             let _ = state.renew(lease, until);
@@ -95,9 +95,7 @@ mod tests {
         time::Duration,
     };
 
-    use jiff::Timestamp;
-
-    use super::*;
+    use super::{super::state::Clock, *};
     use crate::{
         queue::{Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue as _, Submitted, TaskKind},
         store::{
@@ -123,9 +121,7 @@ mod tests {
             max_attempts: NonZeroU32::new(3).unwrap(),
             keep_ended: None,
         };
-        let seconds = Arc::clone(seconds);
-        let clock = Arc::new(move || Timestamp::from_second(seconds.load(Ordering::Relaxed)).unwrap());
-        Arc::new(EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, clock).unwrap())
+        Arc::new(EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Clock::at(seconds)).unwrap())
     }
 
     impl Slow {
@@ -165,7 +161,7 @@ mod tests {
     }
 
     fn leased(queue: &EmbeddedQueue) -> Option<LeasedTask> {
-        match queue.lease(0, Demand::Any, NonZeroUsize::MIN) {
+        match queue.lease(Demand::Any, NonZeroUsize::MIN) {
             Offer::Tasks(mut tasks) => tasks.pop(),
             Offer::Nothing { .. } => None,
             Offer::Closed => panic!("the queue is closed"),

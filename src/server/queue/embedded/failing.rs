@@ -12,7 +12,7 @@ use crate::{
 
 impl EmbeddedQueue {
     pub(super) fn take_back_expired(&self, state: &mut QueueState) {
-        let now = (self.clock)();
+        let now = (self.clock.steady)();
         if state.next_expiry.is_none_or(|expiry| now < expiry) {
             return;
         }
@@ -29,7 +29,7 @@ impl EmbeddedQueue {
     pub(super) fn fail_task(&self, state: &mut QueueState, lease: &Lease, error: &str) -> Result<(), StaleLease> {
         let (active, task) = state.current(lease)?;
         let failures = task.failures + 1;
-        let Lease { task: number, attempt, .. } = *lease;
+        let (number, attempt) = (lease.task, task.attempt);
         tracing::warn!(job = %active.record.job.id, task = number, attempt, failures, error, "a task failed");
         state.failures += 1;
         let is_last = failures >= self.limits.max_attempts.get();
@@ -42,7 +42,7 @@ impl EmbeddedQueue {
     pub(super) fn count_death(&self, state: &mut QueueState, lease: &Lease) -> Result<(), StaleLease> {
         let (active, task) = state.current(lease)?;
         let deaths = task.deaths + 1;
-        let Lease { task: number, attempt, .. } = *lease;
+        let (number, attempt) = (lease.task, task.attempt);
         let id = active.record.job.id;
         tracing::warn!(job = %id, task = number, attempt, deaths, "the process ended while the task was leased");
         let is_last = deaths >= MOST_DEATHS;
@@ -73,7 +73,7 @@ impl EmbeddedQueue {
     /// Fails a job. If that cannot be written, it is kept in memory and written with a later change.
     pub(super) fn fail_job(&self, state: &mut QueueState, submission: u64, error: Failure) {
         let Some(active) = state.active.get(&submission) else { return };
-        let record = active.concluded(JobState::Failed { error }, (self.clock)());
+        let record = active.concluded(JobState::Failed { error }, (self.clock.wall)());
         let id = record.job.id;
         tracing::error!(job = %id, state = ?record.job.state, "the job failed");
         let mut batch = Batch::default();
@@ -90,13 +90,14 @@ impl EmbeddedQueue {
 mod tests {
     use std::{
         num::{NonZeroU32, NonZeroUsize},
-        sync::Arc,
+        sync::{
+            Arc,
+            atomic::{AtomicI64, Ordering},
+        },
         time::Duration,
     };
 
-    use jiff::Timestamp;
-
-    use super::*;
+    use super::{super::state::Clock, *};
     use crate::{
         queue::{Demand, JobId, LeasedTask, Limits, NewJob, Offer, Queue as _},
         store::memory::MemoryRows,
@@ -104,24 +105,45 @@ mod tests {
     use ltcforge_files::digest::Digest;
 
     fn lease(queue: &EmbeddedQueue) -> LeasedTask {
-        match queue.lease(0, Demand::Any, NonZeroUsize::MIN) {
+        match queue.lease(Demand::Any, NonZeroUsize::MIN) {
             Offer::Tasks(mut tasks) => tasks.remove(0),
             other => panic!("{other:?}"),
         }
+    }
+
+    /// Somebody sets the clock of the day, or the machine is suspended, in which the steady clock stands still.
+    #[test]
+    fn a_wall_clock_that_is_set_ends_no_lease_and_keeps_none() {
+        let (wall, steady) = (Arc::new(AtomicI64::new(1_700_000_000)), Arc::new(AtomicI64::new(0)));
+        let clock = Clock { steady: Clock::at(&steady).steady, ..Clock::at(&wall) };
+        let limits =
+            Limits { jobs: 1, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
+        let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, clock).unwrap();
+        let recipe_digest = Digest::of(b"recipe");
+        let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1, 1] };
+        queue.submit(new, &|_| false).unwrap();
+        let [first, second] = [lease(&queue).lease, lease(&queue).lease];
+        for seconds in [1_700_000_120, 1_700_000_240, 1_700_000_360, 4_000_000_000, -4_000_000_000, 0] {
+            wall.store(seconds, Ordering::Relaxed);
+            assert!(matches!(queue.lease(Demand::Any, NonZeroUsize::MIN), Offer::Nothing { .. }), "{seconds}");
+        }
+        steady.fetch_add(59, Ordering::Relaxed);
+        assert_eq!((queue.progress(&first, 1), queue.failures()), (Ok(()), (0, 0)));
+        steady.fetch_add(1, Ordering::Relaxed);
+        assert_eq!((queue.progress(&second, 1), queue.failures()), (Err(StaleLease), (1, 1)));
     }
 
     #[test]
     fn only_the_current_lease_changes_a_task_and_giving_back_is_no_failure() {
         let max_attempts = NonZeroU32::new(2).unwrap();
         let limits = Limits { jobs: 1, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
-        let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, Arc::new(Timestamp::now)).unwrap();
+        let queue = EmbeddedQueue::open(Arc::new(MemoryRows::default()), limits, Clock::system()).unwrap();
         let recipe_digest = Digest::of(b"recipe");
         let new = NewJob { recipe: "recipe".to_owned(), recipe_digest, shard_entries: vec![1] };
         queue.submit(new, &|_| false).unwrap();
         let first = lease(&queue).lease;
         queue.fail(&first, "no luck").unwrap();
         let second = lease(&queue).lease;
-        assert_eq!((first.attempt, second.attempt), (1, 2));
         let stale: [Result<(), StaleLease>; 4] = [
             queue.fail(&first, "late"),
             queue.give_back(&first),

@@ -5,6 +5,8 @@
 //! remove the others, some with each lease and the rest when there is nothing else to do. Rows that a process leaves
 //! are removed at the next start.
 
+use std::time::Duration;
+
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
@@ -18,7 +20,7 @@ use crate::{
 
 /// How often old jobs are looked for. Only submissions add jobs, so they are looked for at the start and then at
 /// submissions.
-const INTERVAL: SignedDuration = SignedDuration::from_hours(1);
+const INTERVAL: Duration = Duration::from_secs(3600);
 
 /// Jobs that are removed in one transaction.
 const JOBS_AT_ONCE: usize = 256;
@@ -30,24 +32,26 @@ impl EmbeddedQueue {
     /// Forgets jobs that ended longer ago than the limit, once an hour at most. A failure is logged: the caller does
     /// not depend on it.
     pub(super) fn forget_old(&self, state: &mut QueueState) {
-        let now = (self.clock)();
+        let now = (self.clock.steady)();
         let Some(keep) = self.limits.keep_ended.and_then(|keep| SignedDuration::try_from(keep).ok()) else { return };
         if state.next_forgetting.is_some_and(|next| now < next) {
             return;
         }
-        state.next_forgetting = now.checked_add(INTERVAL).ok();
-        let Ok(before) = now.checked_sub(keep) else { return };
+        state.next_forgetting = Some(now + INTERVAL);
+        // A clock that is wrong is believed when it still says so the next time.
+        let wall = (self.clock.wall)();
+        let Ok(before) = std::mem::replace(&mut state.last_seen, wall).min(wall).checked_sub(keep) else { return };
         match self.forget_ended(state, before) {
             Ok(0) => {}
-            Ok(jobs) => tracing::info!(jobs, %before, "jobs that ended before this time were forgotten"),
+            Ok(jobs) => tracing::info!(jobs, %before, "jobs that ended by this time were forgotten"),
             Err(error) => tracing::warn!(%error, "old jobs could not be forgotten"),
         }
         self.remove_leftovers(state);
     }
 
-    /// Forgets every job that ended before `before`. Returns how many there were.
+    /// Forgets every job that ended by `before`. Returns how many there were.
     fn forget_ended(&self, state: &mut QueueState, before: Timestamp) -> Result<usize, StoreError> {
-        let is_old = |ended: Option<Timestamp>| ended.is_some_and(|ended| ended < before);
+        let is_old = |ended: Option<Timestamp>| ended.is_some_and(|ended| ended <= before);
         let old = state.ended.values().filter(|record| is_old(record.job.finished_at));
         let old: Vec<JobId> = old.map(|record| record.job.id).collect();
         for ids in old.chunks(JOBS_AT_ONCE) {
@@ -113,13 +117,13 @@ impl EmbeddedQueue {
 mod tests {
     use std::{
         num::NonZeroU32,
-        sync::{Arc, atomic::Ordering},
-        time::Duration,
+        sync::{
+            Arc,
+            atomic::{AtomicI64, Ordering},
+        },
     };
 
-    use jiff::Timestamp;
-
-    use super::*;
+    use super::{super::state::Clock, *};
     use crate::{
         queue::{Demand, Job, Lease, Limits, NewJob, Offer, Queue as _, Submitted},
         store::{Rows, memory::MemoryRows},
@@ -132,7 +136,7 @@ mod tests {
     fn open(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
         let limits =
             Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
-        EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Arc::new(Timestamp::now)).unwrap()
+        EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Clock::system()).unwrap()
     }
 
     fn submit(queue: &EmbeddedQueue) -> Job {
@@ -145,7 +149,7 @@ mod tests {
     }
 
     fn lease(queue: &EmbeddedQueue, most: usize) -> Vec<Lease> {
-        match queue.lease(0, Demand::Any, most.try_into().unwrap()) {
+        match queue.lease(Demand::Any, most.try_into().unwrap()) {
             Offer::Tasks(tasks) => tasks.into_iter().map(|task| task.lease).collect(),
             Offer::Nothing { .. } => vec![],
             Offer::Closed => panic!("the queue is closed"),
@@ -181,7 +185,7 @@ mod tests {
         rows.full.store(true, Ordering::Relaxed);
         assert_eq!((lease(&queue, 1), left(&rows)), (vec![], 2 * TASKS_AT_ONCE), "nothing is lost on a full disk");
         rows.full.store(false, Ordering::Relaxed);
-        let Offer::Nothing { seen } = queue.lease(0, Demand::Any, 1.try_into().unwrap()) else { panic!("a task") };
+        let Offer::Nothing { seen } = queue.lease(Demand::Any, 1.try_into().unwrap()) else { panic!("a task") };
         assert_eq!(left(&rows), TASKS_AT_ONCE);
         std::thread::scope(|scope| {
             let idle = scope.spawn(|| queue.wait(seen));
@@ -209,6 +213,42 @@ mod tests {
         let queue = open(&rows);
         assert_eq!(all_left(&rows), 0);
         assert!(matches!(queue.job(job.id).unwrap().unwrap().state, JobState::Done { .. }));
+    }
+
+    /// The hour of the look comes by the steady clock.
+    #[test]
+    fn a_clock_that_is_wrong_for_a_while_forgets_no_job() {
+        const DAY: i64 = 86_400;
+        let (wall, steady) = (Arc::new(AtomicI64::new(1_700_000_000)), Arc::new(AtomicI64::new(0)));
+        let clock = Clock { steady: Clock::at(&steady).steady, ..Clock::at(&wall) };
+        let limits = Limits {
+            jobs: 99,
+            lease_ttl: Duration::from_secs(60),
+            max_attempts: NonZeroU32::MIN,
+            keep_ended: Some(Duration::from_secs(30 * DAY.cast_unsigned())),
+        };
+        let rows = Arc::new(MemoryRows::default());
+        let open = || EmbeddedQueue::open(Arc::clone(&rows) as Arc<dyn Rows>, limits, clock.clone()).unwrap();
+        let queue = open();
+        let old = submit(&queue).id;
+        queue.cancel(old).unwrap();
+        let mut looks = 0;
+        let mut look = |queue: &EmbeddedQueue| {
+            looks += 1;
+            steady.fetch_add(3600, Ordering::Relaxed);
+            let recipe_digest = Digest::of(&[looks]);
+            queue.submit(NewJob { recipe: String::new(), recipe_digest, shard_entries: vec![1] }, &|_| false).unwrap();
+            queue.job(old).unwrap().is_some()
+        };
+        for jump in [1000 * DAY, -100_000 * DAY] {
+            wall.fetch_add(jump, Ordering::Relaxed);
+            assert!(open().job(old).unwrap().is_some(), "a process that starts meanwhile");
+            assert!(look(&queue), "{jump}");
+            wall.fetch_sub(jump, Ordering::Relaxed);
+            assert!(look(&queue) && look(&queue), "{jump}");
+        }
+        wall.fetch_add(31 * DAY, Ordering::Relaxed);
+        assert!(look(&queue) && !look(&queue), "time that has passed");
     }
 
     #[test]

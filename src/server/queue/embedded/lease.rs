@@ -1,8 +1,6 @@
 //! Leasing tasks, renewing leases, giving tasks back.
 
-use std::{num::NonZeroUsize, sync::TryLockError};
-
-use jiff::Timestamp;
+use std::{num::NonZeroUsize, sync::TryLockError, time::Duration};
 
 use super::{
     active::ActiveJob,
@@ -28,8 +26,7 @@ impl EmbeddedQueue {
     }
 
     fn lease_of(&self, state: &mut QueueState, of: impl Fn(&ActiveJob) -> bool) -> Option<LeasedTask> {
-        let now = (self.clock)();
-        let until = self.expiry(now);
+        let until = self.expiry();
         let with_suspects = !state.active.values().any(ActiveJob::has_suspect_leased);
         let waiting = state.active.iter().filter(|(_, active)| of(active));
         let waiting =
@@ -39,20 +36,21 @@ impl EmbeddedQueue {
         let (submission, _, number) = next?;
         let active = state.active.get_mut(&submission)?;
         let task = *active.tasks.get(number as usize)?;
-        let task = Task { attempt: task.attempt + 1, state: TaskState::Leased { until }, ..task };
         state.leases += 1;
+        let name = self.first_name.wrapping_add(state.leases);
+        let task = Task { attempt: task.attempt + 1, state: TaskState::Leased { until, name }, ..task };
         active.last_served = state.leases;
         active.set(number, task);
         let job = &mut active.record.job;
         let first = job.state == JobState::Queued;
         if first {
             job.state = JobState::Running;
-            job.started_at = Some(now);
+            job.started_at = Some((self.clock.wall)());
         }
         let id = job.id;
         // A lease ends with the process. Its row only serves to count that, so the disk is waited for only while a
         // task may have ended the last process: within moments of its lease, and again and again.
-        let is_careful = state.careful_until.is_some_and(|until| now < until);
+        let is_careful = state.careful_until.is_some_and(|until| (self.clock.steady)() < until);
         let mut batch = Batch::default();
         let mut stored = record::put_task(&mut batch, id, number, &task);
         if first {
@@ -64,7 +62,7 @@ impl EmbeddedQueue {
             tracing::warn!(job = %id, task = number, %error, "the lease could not be recorded");
         }
         let leased = LeasedTask {
-            lease: Lease { submission, task: number, attempt: task.attempt },
+            lease: Lease { submission, task: number, name },
             kind: if number == active.assembly() { TaskKind::Assemble } else { TaskKind::Shard(number) },
             job: id,
             recipe: active.record.job.recipe.clone(),
@@ -77,7 +75,7 @@ impl EmbeddedQueue {
     }
 
     pub(super) fn record_progress(&self, lease: &Lease, entries_done: u64) -> Result<(), StaleLease> {
-        let until = self.expiry((self.clock)());
+        let until = self.expiry();
         // While a change is written, work goes on: the next report comes soon.
         let mut state = match self.state.try_lock() {
             Ok(state) => state,
@@ -89,7 +87,8 @@ impl EmbeddedQueue {
         Ok(())
     }
 
-    pub(super) fn expiry(&self, now: Timestamp) -> Timestamp {
-        now.checked_add(self.limits.lease_ttl).unwrap_or(Timestamp::MAX)
+    /// When a lease expires that is given or renewed now.
+    pub(super) fn expiry(&self) -> Duration {
+        (self.clock.steady)().saturating_add(self.limits.lease_ttl)
     }
 }

@@ -31,7 +31,7 @@ impl Queue for EmbeddedQueue {
         Ok(state.job(id))
     }
 
-    fn lease(&self, _worker: u32, demand: Demand, most: NonZeroUsize) -> Offer {
+    fn lease(&self, demand: Demand, most: NonZeroUsize) -> Offer {
         self.lease_tasks(demand, most)
     }
 
@@ -132,7 +132,7 @@ impl Queue for EmbeddedQueue {
     }
 
     fn now(&self) -> Timestamp {
-        (self.clock)()
+        (self.clock.wall)()
     }
 
     fn is_active(&self, id: JobId) -> Result<bool, StoreError> {

@@ -12,7 +12,7 @@ use super::{
     task::{Task, TaskState},
 };
 use crate::{
-    queue::Limits,
+    queue::{Limits, unique_number},
     store::{Rows, StoreError},
 };
 
@@ -27,7 +27,8 @@ impl EmbeddedQueue {
     /// # Errors
     /// When the database fails.
     pub fn open(rows: Arc<dyn Rows>, limits: Limits, clock: Clock) -> Result<Self, StoreError> {
-        let queue = Self { rows, limits, clock, state: Mutex::new(QueueState::default()), changed: Condvar::new() };
+        let (state, changed) = (Mutex::new(QueueState::default()), Condvar::new());
+        let queue = Self { rows, limits, clock, first_name: unique_number(), state, changed };
         {
             let mut state = queue.lock();
             for mut record in record::stored_jobs(queue.rows.as_ref())? {
@@ -35,6 +36,7 @@ impl EmbeddedQueue {
                 record.submission = record.submission.max(state.next_submission);
                 state.next_submission = record.submission + 1;
                 state.by_id.insert(record.job.id, record.submission);
+                state.last_seen = state.last_seen.max(record.job.finished_at.unwrap_or(record.job.created_at));
                 if record.job.state.name().is_final() {
                     state.ended.insert(record.submission, record);
                 } else {
@@ -44,7 +46,7 @@ impl EmbeddedQueue {
             queue.sweep(&state)?;
             queue.forget_old(&mut state);
             if !state.active.is_empty() {
-                state.careful_until = (queue.clock)().checked_add(CAREFUL).ok();
+                state.careful_until = Some((queue.clock.steady)() + CAREFUL);
             }
         }
         Ok(queue)
@@ -78,8 +80,6 @@ mod tests {
         path::Path,
     };
 
-    use jiff::Timestamp;
-
     use super::*;
     use crate::{
         queue::{
@@ -93,7 +93,7 @@ mod tests {
         let store = Store::open(dir).unwrap();
         let max_attempts = NonZeroU32::new(max_attempts).unwrap();
         let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
-        (EmbeddedQueue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap(), store)
+        (EmbeddedQueue::open(Arc::clone(&store.rows), limits, Clock::system()).unwrap(), store)
     }
 
     fn submit(queue: &EmbeddedQueue) -> JobId {
@@ -104,7 +104,7 @@ mod tests {
     }
 
     fn ask(queue: &EmbeddedQueue) -> Offer {
-        queue.lease(0, Demand::Any, NonZeroUsize::MIN)
+        queue.lease(Demand::Any, NonZeroUsize::MIN)
     }
 
     fn complete(queue: &EmbeddedQueue, lease: Lease) {
@@ -136,8 +136,23 @@ mod tests {
         let (task, void) = lease(&again);
         assert_eq!(task, TaskKind::Shard(0), "the dead process's lease does not hold it");
         assert_eq!(lease(&again).0, TaskKind::Shard(2), "the second shard is not fitted again");
-        assert_ne!(void, first, "another attempt");
+        assert_ne!(void, first, "another lease");
         assert_eq!(again.complete(&[(first, b"late")]).unwrap(), [Err(StaleLease)]);
+    }
+
+    /// Numbers of submissions and attempts come again then, for other jobs too.
+    #[test]
+    fn a_lease_from_before_the_folder_was_restored_is_refused() {
+        let rows = Arc::new(MemoryRows::default());
+        submit_one(&after_kill(&rows), "job");
+        let backup = Arc::new(rows.after_power_cut());
+        let late = lease(&after_kill(&rows)).1;
+        let queue = after_kill(&backup);
+        let (_, current) = lease(&queue);
+        assert_eq!((late.submission, late.task), (current.submission, current.task));
+        assert_eq!(queue.complete(&[(late, b"late")]).unwrap(), [Err(StaleLease)]);
+        assert_eq!([queue.progress(&late, 1), queue.give_back(&late), queue.fail(&late, "late")], [Err(StaleLease); 3]);
+        complete(&queue, current);
     }
 
     #[test]
@@ -162,7 +177,7 @@ mod tests {
     fn after_kill(rows: &Arc<MemoryRows>) -> EmbeddedQueue {
         let max_attempts = NonZeroU32::new(3).unwrap();
         let limits = Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts, keep_ended: None };
-        EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Arc::new(Timestamp::now)).unwrap()
+        EmbeddedQueue::open(Arc::clone(rows) as Arc<dyn Rows>, limits, Clock::system()).unwrap()
     }
 
     fn submit_one(queue: &EmbeddedQueue, name: &str) -> JobId {

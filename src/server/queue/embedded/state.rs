@@ -5,10 +5,10 @@ use std::{
     ops::Range,
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
     thread,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 
 use super::{
     active::ActiveJob,
@@ -20,8 +20,24 @@ use crate::{
     store::{Batch, Rows, StoreError},
 };
 
-/// The current time; tests have their own clock.
-pub type Clock = Arc<dyn Fn() -> Timestamp + Send + Sync>;
+/// The clocks of a queue; tests have their own.
+#[derive(Clone)]
+pub struct Clock {
+    /// The time of the day, as jobs have it. Somebody may set it at any time, ahead or back.
+    pub wall: Arc<dyn Fn() -> Timestamp + Send + Sync>,
+    /// The time since some beginning, by which leases expire: nobody sets it, and it stands still while the machine is
+    /// suspended.
+    pub steady: Arc<dyn Fn() -> Duration + Send + Sync>,
+}
+
+impl Clock {
+    /// The clocks of this machine.
+    #[must_use]
+    pub fn system() -> Self {
+        let began = Instant::now();
+        Self { wall: Arc::new(Timestamp::now), steady: Arc::new(move || began.elapsed()) }
+    }
+}
 
 /// Durable jobs, which share the workers evenly.
 ///
@@ -31,6 +47,7 @@ pub struct EmbeddedQueue {
     pub(super) rows: Arc<dyn Rows>,
     pub(super) limits: Limits,
     pub(super) clock: Clock,
+    pub(super) first_name: u64,
     pub(super) state: Mutex<QueueState>,
     pub(super) changed: Condvar,
 }
@@ -44,10 +61,10 @@ pub(super) struct QueueState {
     /// The submission of each job.
     pub(super) by_id: HashMap<JobId, u64>,
     pub(super) next_submission: u64,
-    /// Leases given so far.
+    /// Leases given so far. Their names are counted from [`EmbeddedQueue::first_name`] on.
     pub(super) leases: u64,
     /// Until then leases are written to the disk before work begins, see `Queue::lease`.
-    pub(super) careful_until: Option<Timestamp>,
+    pub(super) careful_until: Option<Duration>,
     /// Submissions that failed while their job could not be written. Each later commit writes it too.
     pub(super) unsaved: BTreeSet<u64>,
     /// Tasks of ended jobs whose rows may still be stored.
@@ -58,9 +75,11 @@ pub(super) struct QueueState {
     pub(super) generation: u64,
     pub(super) closed: bool,
     /// No lease expires before this.
-    pub(super) next_expiry: Option<Timestamp>,
+    pub(super) next_expiry: Option<Duration>,
     /// Old jobs are looked for no earlier than this.
-    pub(super) next_forgetting: Option<Timestamp>,
+    pub(super) next_forgetting: Option<Duration>,
+    /// The time of the day when they were last looked for; at the start the latest that a job has.
+    pub(super) last_seen: Timestamp,
     pub(super) leases_expired: u64,
     pub(super) failures: u64,
 }
@@ -133,9 +152,8 @@ impl EmbeddedQueue {
             state = self.lock();
         }
         while state.generation == seen && !state.closed {
-            let now = (self.clock)();
-            let left = state.next_expiry.map(|expiry| now.duration_until(expiry).max(SignedDuration::ZERO));
-            state = match left.and_then(|left| Duration::try_from(left).ok()) {
+            let left = state.next_expiry.map(|expiry| expiry.saturating_sub((self.clock.steady)()));
+            state = match left {
                 Some(left) => self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0,
                 None => self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
             };
@@ -164,7 +182,7 @@ impl QueueState {
     pub(super) fn current(&self, lease: &Lease) -> Result<(&ActiveJob, Task), StaleLease> {
         let active = self.active.get(&lease.submission).ok_or(StaleLease)?;
         match active.tasks.get(lease.task as usize) {
-            Some(task) if task.attempt == lease.attempt && matches!(task.state, TaskState::Leased { .. }) => {
+            Some(task) if matches!(task.state, TaskState::Leased { name, .. } if name == lease.name) => {
                 Ok((active, *task))
             }
             _ => Err(StaleLease),
@@ -172,10 +190,11 @@ impl QueueState {
     }
 
     /// Renews a lease; returns its job.
-    pub(super) fn renew(&mut self, lease: &Lease, until: Timestamp) -> Result<&mut ActiveJob, StaleLease> {
+    pub(super) fn renew(&mut self, lease: &Lease, until: Duration) -> Result<&mut ActiveJob, StaleLease> {
         self.current(lease)?;
         let active = self.active.get_mut(&lease.submission).ok_or(StaleLease)?;
-        active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.state = TaskState::Leased { until };
+        active.tasks.get_mut(lease.task as usize).ok_or(StaleLease)?.state =
+            TaskState::Leased { until, name: lease.name };
         Ok(active)
     }
 

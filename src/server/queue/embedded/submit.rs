@@ -58,7 +58,7 @@ impl EmbeddedQueue {
             entries_total: new.shard_entries.iter().copied().map(u64::from).sum(),
             entries_done: 0,
             attempts: 0,
-            created_at: (self.clock)(),
+            created_at: (self.clock.wall)(),
             started_at: None,
             finished_at: None,
         };

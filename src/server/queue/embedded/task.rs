@@ -1,6 +1,7 @@
 //! A task, which fits a shard or assembles the table, and its states.
 
-use jiff::Timestamp;
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 use crate::queue::SUSPECT_DEATHS;
@@ -8,8 +9,7 @@ use crate::queue::SUSPECT_DEATHS;
 /// A task and the outcome of its leases. Failures and deaths are limited.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Task {
-    /// Leases so far, the current one included. It never decreases within one submission, so that a result can be
-    /// matched with its lease.
+    /// Leases so far, the current one included.
     pub(super) attempt: u32,
     /// How many of them ended in an error or an expiry.
     #[serde(default)]
@@ -30,9 +30,12 @@ pub(super) enum TaskState {
     Waiting,
     /// A worker has it.
     Leased {
-        /// When the lease expires unless the worker renews it.
+        /// When the lease expires unless the worker renews it, by the steady clock.
         #[serde(skip)]
-        until: Timestamp,
+        until: Duration,
+        /// Its name.
+        #[serde(skip)]
+        name: u64,
     },
     /// Its result is stored.
     Finished,
@@ -53,7 +56,7 @@ mod tests {
     fn rows_of_earlier_versions_are_read() {
         let leased = r#"{"state":"leased","attempt":3,"failures":1,"deaths":2,"last_error":"x","worker":1,
             "lease_until":"2024-01-01T00:00:00Z"}"#;
-        let state = TaskState::Leased { until: Timestamp::default() };
+        let state = TaskState::Leased { until: Duration::ZERO, name: 0 };
         assert_eq!(serde_json::from_str::<Task>(leased).unwrap(), Task { attempt: 3, failures: 1, deaths: 2, state });
         let finished = serde_json::from_str::<Task>(r#"{"state":"finished","attempt":2}"#).unwrap();
         assert_eq!(finished, Task { attempt: 2, state: TaskState::Finished, ..Task::default() });

@@ -1,10 +1,6 @@
 //! Results of shards, and the table that is assembled from them.
 
-use super::{
-    PostgresQueue,
-    fence::{fence, is_of_assembly},
-    jobs,
-};
+use super::{PostgresQueue, jobs};
 use crate::{
     queue::{JobState, Lease, LeaseError, StaleLease},
     store::{Batch, StoreError, apply},
@@ -26,12 +22,12 @@ pub(super) const COMPLETE: &str = "
         UPDATE ltcforge.tasks AS t
         SET state = 'finished', result = g.result, lease_until = NULL, worker = NULL, last_error = NULL
         FROM (
-            SELECT DISTINCT ON (submission, task, attempt) *
-            FROM unnest($1::bigint[], $2::integer[], $3::integer[], $4::bytea[]) WITH ORDINALITY
-                AS g (submission, task, attempt, result, n)
-            ORDER BY submission, task, attempt, n
+            SELECT DISTINCT ON (submission, task, worker) *
+            FROM unnest($1::bigint[], $2::integer[], $3::text[], $4::bytea[]) WITH ORDINALITY
+                AS g (submission, task, worker, result, n)
+            ORDER BY submission, task, worker, n
         ) AS g
-        WHERE t.submission = g.submission AND t.task = g.task AND t.attempt = g.attempt AND NOT t.is_assembly
+        WHERE t.submission = g.submission AND t.task = g.task AND t.worker = g.worker AND NOT t.is_assembly
             AND t.lease_until > (SELECT ltcforge.clock())
         RETURNING g.n, t.submission, t.entries
     ), counted AS (
@@ -56,12 +52,12 @@ fn unseal(sealed: &[u8]) -> Option<&[u8]> {
 
 impl PostgresQueue {
     pub(super) fn store_results(&self, done: &[(Lease, &[u8])]) -> Result<Vec<Result<(), StaleLease>>, StoreError> {
-        let (submissions, tasks, attempts): (Vec<_>, Vec<_>, Vec<_>) =
-            done.iter().map(|(lease, _)| fence(lease)).collect();
+        let (submissions, tasks, names): (Vec<_>, Vec<_>, Vec<_>) =
+            done.iter().map(|(lease, _)| self.process.fence(lease)).collect();
         let results: Vec<Vec<u8>> = done.iter().map(|(_, result)| seal(result)).collect();
         let rows = self.database.run(async |client| {
             let statement = client.prepare_cached(COMPLETE).await?;
-            Ok(client.query(&statement, &[&submissions, &tasks, &attempts, &results, &SLOTS]).await?)
+            Ok(client.query(&statement, &[&submissions, &tasks, &names, &results, &SLOTS]).await?)
         })?;
         let mut answers = vec![Err(StaleLease); done.len()];
         for row in &rows {
@@ -78,12 +74,12 @@ impl PostgresQueue {
     }
 
     pub(super) fn read_results(&self, lease: &Lease, take: &mut dyn FnMut(&[u8])) -> Result<bool, LeaseError> {
-        let (submission, shards, _) = fence(lease);
+        let (submission, shards, _) = self.process.fence(lease);
         let mut lost = vec![];
         for from in (0..shards).step_by(PAGE as usize) {
             let to = shards.min(from + PAGE);
             let page = self.database.run(async |client| {
-                if is_of_assembly(client, lease).await? != Some(true) {
+                if self.process.is_of_assembly(client, lease).await? != Some(true) {
                     return Ok(None);
                 }
                 let statement = client.prepare_cached(RESULTS).await?;
@@ -106,11 +102,11 @@ impl PostgresQueue {
     }
 
     pub(super) fn finish_job(&self, lease: &Lease, table: Digest, with: &Batch) -> Result<(), LeaseError> {
-        let (submission, ..) = fence(lease);
+        let (submission, ..) = self.process.fence(lease);
         let done = self.database.run(async |client| {
             let transaction = client.transaction().await?;
             let Some(job) = jobs::lock_open(&transaction, submission).await? else { return Ok(None) };
-            if is_of_assembly(&transaction, lease).await? != Some(true) {
+            if self.process.is_of_assembly(&transaction, lease).await? != Some(true) {
                 return Ok(None);
             }
             apply(&transaction, with).await?;

@@ -1,10 +1,6 @@
 //! Tasks that are put back, and jobs that fail.
 
-use super::{
-    PostgresQueue,
-    fence::{fence, is_of_assembly},
-    jobs,
-};
+use super::{PostgresQueue, jobs};
 use crate::{
     queue::{Failure, FailureKind, JobId, JobState, Lease, LeaseError, MOST_DEATHS, StaleLease},
     store::StoreError,
@@ -14,7 +10,7 @@ use crate::{
 const PUT_BACK: &str = "
     UPDATE ltcforge.tasks SET state = 'waiting', lease_until = NULL, worker = NULL, entries_reported = 0,
         failures = failures + CASE WHEN $4::text IS NULL THEN 0 ELSE 1 END, last_error = coalesce($4, last_error)
-    WHERE submission = $1 AND task = $2 AND attempt = $3 AND lease_until > (SELECT ltcforge.clock())
+    WHERE submission = $1 AND task = $2 AND worker = $3 AND lease_until > (SELECT ltcforge.clock())
     RETURNING is_assembly, failures";
 
 /// `$2` are the shards whose results are lost.
@@ -48,13 +44,13 @@ impl PostgresQueue {
     /// Puts a leased task back. With an `error` the task has failed, and its job fails if that was too often. The
     /// shards `lost`, whose results are lost or damaged, are queued again.
     pub(super) fn put_back(&self, lease: &Lease, error: Option<&str>, lost: &[i32]) -> Result<(), LeaseError> {
-        let (submission, task, attempt) = fence(lease);
+        let (submission, task, name) = self.process.fence(lease);
         // PostgreSQL's texts have no NUL.
         let error = error.map(|error| error.replace('\0', "\u{fffd}"));
         let put_back = self.database.run(async |client| {
             let transaction = client.transaction().await?;
             let Some(job) = jobs::lock_open(&transaction, submission).await? else { return Ok(None) };
-            let row = transaction.query_opt(PUT_BACK, &[&submission, &task, &attempt, &error]).await?;
+            let row = transaction.query_opt(PUT_BACK, &[&submission, &task, &name, &error]).await?;
             let Some(row) = row else { return Ok(None) };
             transaction.execute(LOSE, &[&submission, &lost]).await?;
             let times = row.get::<_, i32>("failures").cast_unsigned();
@@ -91,7 +87,7 @@ impl PostgresQueue {
             let transaction = client.transaction().await?;
             let Some(job) = jobs::lock_open(&transaction, submission).await? else { return Ok(None) };
             if let Some(lease) = lease
-                && is_of_assembly(&transaction, lease).await?.is_none()
+                && self.process.is_of_assembly(&transaction, lease).await?.is_none()
             {
                 return Ok(None);
             }

@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::fence::fence;
+use super::Process;
 use crate::{
     queue::{Lease, StaleLease},
     store::{Database, StoreError},
@@ -19,9 +19,9 @@ pub(super) const RENEW: &str = "
     UPDATE ltcforge.tasks AS t
     SET entries_reported = least(g.entries, t.entries),
         lease_until = (SELECT ltcforge.clock()) + make_interval(secs => $5)
-    FROM unnest($1::bigint[], $2::integer[], $3::integer[], $4::bigint[]) WITH ORDINALITY
-        AS g (submission, task, attempt, entries, n)
-    WHERE t.submission = g.submission AND t.task = g.task AND t.attempt = g.attempt
+    FROM unnest($1::bigint[], $2::integer[], $3::text[], $4::bigint[]) WITH ORDINALITY
+        AS g (submission, task, worker, entries, n)
+    WHERE t.submission = g.submission AND t.task = g.task AND t.worker = g.worker
         AND t.lease_until > (SELECT ltcforge.clock())
     RETURNING g.n - 1";
 
@@ -66,7 +66,13 @@ impl Held {
     }
 
     /// Renews the leases whose workers have reported, until `ended` has no sender any more.
-    pub(super) fn renew_until(&self, ended: &mpsc::Receiver<()>, database: &Database, lease_ttl: Duration) {
+    pub(super) fn renew_until(
+        &self,
+        ended: &mpsc::Receiver<()>,
+        database: &Database,
+        process: &Process,
+        lease_ttl: Duration,
+    ) {
         let every = RENEWAL.min(lease_ttl / 8);
         while ended.recv_timeout(every / 2) == Err(mpsc::RecvTimeoutError::Timeout) {
             let is_due = |progress: &Progress| progress.is_reported && every <= progress.renewed.elapsed();
@@ -78,7 +84,7 @@ impl Held {
                 continue;
             }
             let at = Instant::now();
-            match renew(database, &due, lease_ttl) {
+            match renew(database, process, &due, lease_ttl) {
                 Ok(renewed) => {
                     let mut held = self.lock();
                     for (lease, _) in &due {
@@ -99,16 +105,17 @@ impl Held {
 /// Renews leases; returns those that were current.
 pub(super) fn renew(
     database: &Database,
+    process: &Process,
     leases: &[(Lease, u64)],
     lease_ttl: Duration,
 ) -> Result<Vec<Lease>, StoreError> {
-    let (submissions, tasks, attempts): (Vec<_>, Vec<_>, Vec<_>) =
-        leases.iter().map(|(lease, _)| fence(lease)).collect();
+    let (submissions, tasks, names): (Vec<_>, Vec<_>, Vec<_>) =
+        leases.iter().map(|(lease, _)| process.fence(lease)).collect();
     let entries: Vec<i64> = leases.iter().map(|(_, entries)| i64::try_from(*entries).unwrap_or(i64::MAX)).collect();
     let rows = database.run(async |client| {
         let statement = client.prepare_cached(RENEW).await?;
         let seconds = lease_ttl.as_secs_f64();
-        Ok(client.query(&statement, &[&submissions, &tasks, &attempts, &entries, &seconds]).await?)
+        Ok(client.query(&statement, &[&submissions, &tasks, &names, &entries, &seconds]).await?)
     })?;
     let place = |row: &tokio_postgres::Row| usize::try_from(row.get::<_, i64>(0)).ok();
     Ok(rows.iter().filter_map(|row| Some(leases.get(place(row)?)?.0)).collect())

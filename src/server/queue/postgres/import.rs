@@ -26,12 +26,7 @@ impl PostgresQueue {
         shard_entries: &[u32],
         finished: &[(u32, Vec<u8>)],
     ) -> Result<bool, StoreError> {
-        let mut job = job.clone();
         let is_open = !job.state.name().is_final();
-        if is_open {
-            // No worker has it here.
-            (job.state, job.started_at) = (JobState::Queued, None);
-        }
         let keeps_tasks = is_open || matches!(job.state, JobState::Failed { .. });
         let entries_of = |shard: &u32| shard_entries.get(*shard as usize).map(|entries| entries.cast_signed());
         let kept =
@@ -40,7 +35,7 @@ impl PostgresQueue {
         let finished: HashSet<i32> = tasks.iter().copied().collect();
         self.database.run(async |client| {
             let transaction = client.transaction().await?;
-            let inserted = jobs::insert(&transaction, &job, fitter, shard_entries).await?;
+            let inserted = jobs::insert(&transaction, job, fitter, shard_entries).await?;
             let Some(submission) = inserted else { return Ok(false) };
             if keeps_tasks {
                 transaction.execute(INSERT_FINISHED, &[&submission, &tasks, &entries, &results]).await?;

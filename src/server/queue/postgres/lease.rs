@@ -73,14 +73,14 @@ pub(super) static LEASE: LazyLock<String> = LazyLock::new(|| {
         SET state = 'leased', attempt = t.attempt + 1, worker = $4, entries_reported = 0,
             lease_until = (SELECT ltcforge.clock()) + make_interval(secs => $3)
         FROM taken AS p WHERE t.submission = p.submission AND t.task = p.task AND (NOT p.is_suspect OR p.n = 1)
-        RETURNING t.submission, t.task, t.attempt, t.is_assembly
+        RETURNING t.submission, t.task, t.is_assembly
     ), served AS (
         UPDATE ltcforge.serving SET last_served = nextval('ltcforge.servings') WHERE submission IN (
             SELECT submission FROM ltcforge.serving WHERE submission IN (SELECT submission FROM leased)
             FOR UPDATE SKIP LOCKED
         )
     )
-    SELECT l.submission, l.task, l.attempt, l.is_assembly, j.id, j.recipe, j.recipe_digest, j.state, j.entries_total
+    SELECT l.submission, l.task, l.is_assembly, j.id, j.recipe, j.recipe_digest, j.state, j.entries_total
     FROM (SELECT FROM jobs LIMIT 1) AS any_job
     LEFT JOIN (leased AS l JOIN ltcforge.jobs AS j ON j.submission = l.submission) ON true
     ORDER BY l.submission, l.task";
@@ -102,7 +102,7 @@ const READY: &str = "t.state = 'waiting' AND (t.deaths < $6 OR NOT (SELECT is_le
 
 /// The tasks of a lease whose answer was lost: `$1` its name.
 const LEASED_BEFORE: &str = "
-    SELECT t.submission, t.task, t.attempt, t.is_assembly, j.id, j.recipe, j.recipe_digest, j.state, j.entries_total
+    SELECT t.submission, t.task, t.is_assembly, j.id, j.recipe, j.recipe_digest, j.state, j.entries_total
     FROM ltcforge.tasks AS t JOIN ltcforge.jobs AS j ON j.submission = t.submission
     WHERE t.state = 'leased' AND t.worker = $1 AND t.lease_until > (SELECT ltcforge.clock())
     ORDER BY t.submission, t.task";
@@ -112,25 +112,20 @@ const START: &str = "
     WHERE submission = ANY ($1) AND state = 'queued'";
 
 impl PostgresQueue {
-    pub(super) fn lease_tasks(
-        &self,
-        worker: u32,
-        demand: Demand,
-        most: NonZeroUsize,
-    ) -> Result<Vec<LeasedTask>, StoreError> {
+    pub(super) fn lease_tasks(&self, demand: Demand, most: NonZeroUsize) -> Result<Vec<LeasedTask>, StoreError> {
         if self.sweep.is_due() {
             self.take_back_expired()?;
             self.database.run(async |client| Ok(make_rows(client).await?))?;
         }
-        // Unique among the leases of all processes.
-        let worker = format!("{}/{worker}/{}", self.process.name, self.leases_asked.fetch_add(1, Ordering::Relaxed));
+        let name = self.lease_names.fetch_add(1, Ordering::Relaxed);
+        let worker = self.process.lease_name(name);
         for _ in 0..LOOKS {
             let rows = self.lease_rows(&worker, demand == Demand::Unserved, most.get().min(AT_ONCE))?;
             if rows.is_empty() {
                 return Ok(vec![]);
             }
             let tasks: Vec<LeasedTask> =
-                rows.iter().filter_map(|row| task(row).transpose()).collect::<Result<_, _>>()?;
+                rows.iter().filter_map(|row| task(row, name).transpose()).collect::<Result<_, _>>()?;
             if !tasks.is_empty() {
                 self.held.add(tasks.iter().map(|task| task.lease));
                 self.start_jobs(&rows);
@@ -171,12 +166,12 @@ impl PostgresQueue {
 }
 
 /// The task of a row of [`LEASE`], if it has one.
-fn task(row: &Row) -> Result<Option<LeasedTask>, StoreError> {
+fn task(row: &Row, name: u64) -> Result<Option<LeasedTask>, StoreError> {
     let Some(submission) = row.get::<_, Option<i64>>("submission") else { return Ok(None) };
-    let [task, attempt] = ["task", "attempt"].map(|column| row.get::<_, i32>(column).cast_unsigned());
+    let task = row.get::<_, i32>("task").cast_unsigned();
     let kind = if row.get("is_assembly") { TaskKind::Assemble } else { TaskKind::Shard(task) };
     Ok(Some(LeasedTask {
-        lease: Lease { submission: submission.cast_unsigned(), task, attempt },
+        lease: Lease { submission: submission.cast_unsigned(), task, name },
         kind,
         job: job_id(row)?,
         recipe: row.get("recipe"),

@@ -48,7 +48,7 @@ mod tests {
     #[test]
     fn notifications_wake_callers_and_the_end_of_a_job_voids_its_leases() {
         let (job, held, changes) = (JobId::of_recipe(&Digest::of(b"recipe")), Held::default(), Changes::default());
-        let lease = |submission| Lease { submission, task: 0, attempt: 1 };
+        let lease = |submission| Lease { submission, task: 0, name: 1 };
         held.add([lease(7), lease(8)].into_iter());
         for text in ["work", "", "later", &format!("begin {job}"), "end x y"] {
             let before = changes.generation();

@@ -1,6 +1,6 @@
 //! The queue of any number of processes, in PostgreSQL.
 //!
-//! Invariant: leases expire by the database's clock alone, and nothing is written for an attempt that is not the
+//! Invariant: leases expire by the database's clock alone, and nothing is written under a lease that is not the
 //! current one, whatever the processes believe. A notification may be lost without harm: each process also asks now and
 //! then.
 //!

@@ -5,7 +5,7 @@ use std::{
     num::NonZeroUsize,
     sync::{
         Arc,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicU32, AtomicU64, Ordering},
         mpsc,
     },
     thread,
@@ -24,7 +24,7 @@ use super::{
 use crate::{
     queue::{
         Demand, Failure, Job, JobId, JobPage, Lease, LeaseError, Limits, NewJob, Offer, Queue, QueueError, StaleLease,
-        StateName, Submitted,
+        StateName, Submitted, unique_number,
     },
     store::{Batch, Database, StoreError},
 };
@@ -35,6 +35,11 @@ const HOUSEKEEPING: Duration = Duration::from_secs(600);
 
 /// How often expired leases are looked for, and jobs with few rows, at most.
 const SWEEP: Duration = Duration::from_secs(1);
+
+/// How long a worker waits after so many leases that the database refused, longer each time.
+pub(super) fn back_off(refusals: u32) -> Duration {
+    Duration::from_secs(1 << refusals.min(6))
+}
 
 /// A process that uses the queue.
 #[derive(Debug, Clone)]
@@ -55,8 +60,10 @@ pub struct PostgresQueue {
     pub(super) changes: Arc<Changes>,
     pub(super) sweep: Periodic,
     housekeeping: Periodic,
-    /// How often this process has asked for tasks.
-    pub(super) leases_asked: AtomicU64,
+    /// The name of the next lease.
+    pub(super) lease_names: AtomicU64,
+    /// How often in a row the database refused a lease.
+    pub(super) refusals: AtomicU32,
     leases_expired: AtomicU64,
     failures: AtomicU64,
     listener: Option<tokio::task::JoinHandle<()>>,
@@ -78,9 +85,9 @@ impl PostgresQueue {
     pub fn open(database: Arc<Database>, limits: Limits, process: Process) -> Result<Self, StoreError> {
         let mut queue = Self::new(database, limits, process, (SWEEP, HOUSEKEEPING));
         let (ends, ended) = mpsc::channel();
-        let (held, database) = (Arc::clone(&queue.held), Arc::clone(&queue.database));
+        let (held, database, process) = (Arc::clone(&queue.held), Arc::clone(&queue.database), queue.process.clone());
         let renewer = thread::Builder::new().name("renew".to_owned());
-        let renewer = renewer.spawn(move || held.renew_until(&ended, &database, limits.lease_ttl));
+        let renewer = renewer.spawn(move || held.renew_until(&ended, &database, &process, limits.lease_ttl));
         renewer.map_err(|error| StoreError::Unavailable(format!("no thread for renewing leases: {error}")))?;
         let (held, changes, database) =
             (Arc::clone(&queue.held), Arc::clone(&queue.changes), Arc::clone(&queue.database));
@@ -108,7 +115,8 @@ impl PostgresQueue {
             changes: Arc::default(),
             sweep: Periodic::new(every.0),
             housekeeping: Periodic::new(every.1),
-            leases_asked: AtomicU64::new(0),
+            lease_names: AtomicU64::new(unique_number()),
+            refusals: AtomicU32::new(0),
             leases_expired: AtomicU64::new(0),
             failures: AtomicU64::new(0),
             listener: None,
@@ -172,13 +180,19 @@ impl Queue for PostgresQueue {
         self.cancel_job(id)
     }
 
-    fn lease(&self, worker: u32, demand: Demand, most: NonZeroUsize) -> Offer {
+    fn lease(&self, demand: Demand, most: NonZeroUsize) -> Offer {
         let Some(seen) = self.changes.generation() else { return Offer::Closed };
-        match self.lease_tasks(worker, demand, most) {
-            Ok(tasks) if tasks.is_empty() => Offer::Nothing { seen },
-            Ok(tasks) => Offer::Tasks(tasks),
+        match self.lease_tasks(demand, most) {
+            Ok(tasks) => {
+                self.refusals.store(0, Ordering::Relaxed);
+                if tasks.is_empty() { Offer::Nothing { seen } } else { Offer::Tasks(tasks) }
+            }
             Err(error) => {
                 tracing::warn!(%error, "no task could be leased");
+                // A database that does not answer was waited for; one that refuses needs somebody.
+                if !error.is_passing() {
+                    self.changes.pause(back_off(self.refusals.fetch_add(1, Ordering::Relaxed)));
+                }
                 Offer::Nothing { seen }
             }
         }
@@ -188,7 +202,7 @@ impl Queue for PostgresQueue {
         if self.renewer.is_some() {
             return self.held.report(lease, entries_done);
         }
-        let renewed = renew(&self.database, &[(*lease, entries_done)], self.limits.lease_ttl);
+        let renewed = renew(&self.database, &self.process, &[(*lease, entries_done)], self.limits.lease_ttl);
         if renewed.is_ok_and(|renewed| renewed == [*lease]) { Ok(()) } else { Err(StaleLease) }
     }
 
@@ -285,8 +299,8 @@ impl Queue for PostgresQueue {
         false
     }
 
-    fn is_reachable(&self) -> bool {
-        self.database.is_reachable()
+    fn fault(&self) -> Option<String> {
+        self.database.fault()
     }
 
     fn take_changed(&self) -> BTreeSet<JobId> {

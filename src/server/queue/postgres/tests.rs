@@ -13,8 +13,8 @@ use std::{
 use super::{PostgresQueue, Process};
 use crate::{
     queue::{
-        Demand, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _, StaleLease, Submitted,
-        TaskKind, tests::world::results,
+        Demand, Failure, FailureKind, JobId, JobState, LeaseError, LeasedTask, Limits, NewJob, Offer, Queue as _,
+        StaleLease, Submitted, TaskKind, tests::world::results,
     },
     store::{Batch, Database, throwaway},
 };
@@ -52,7 +52,7 @@ fn new(name: &str, shards: usize) -> NewJob {
 }
 
 fn lease(queue: &PostgresQueue) -> Option<LeasedTask> {
-    match queue.lease(0, Demand::Any, NonZeroUsize::MIN) {
+    match queue.lease(Demand::Any, NonZeroUsize::MIN) {
         Offer::Tasks(mut tasks) => tasks.pop(),
         Offer::Nothing { .. } | Offer::Closed => None,
     }
@@ -133,6 +133,83 @@ fn another_fitter_leaves_the_job_alone() {
     assert!(lease(&old).is_some());
 }
 
+/// A restored database gives the numbers of submissions and attempts again, to other jobs.
+#[test]
+fn a_lease_from_before_the_database_was_restored_is_refused() {
+    let Some(queues) = queues(2, Duration::from_secs(600)) else { return };
+    let [late, other] = &queues[..] else { panic!("two") };
+    let leased = |queue: &PostgresQueue, name: &str, is_assembly: bool| {
+        queue.submit(new(name, 1), &|_| false).unwrap();
+        let shard = lease(queue).unwrap();
+        if !is_assembly {
+            return shard;
+        }
+        assert_eq!(queue.complete(&[(shard.lease, b"result")]).unwrap(), [Ok(())]);
+        lease(queue).unwrap()
+    };
+    for is_assembly in [false, true] {
+        let lost = leased(late, "lost", is_assembly);
+        // The backup is of the empty database.
+        let restore = "TRUNCATE ltcforge.jobs, ltcforge.tasks, ltcforge.blocks, ltcforge.serving,
+            ltcforge.finished_entries; ALTER SEQUENCE ltcforge.submissions RESTART";
+        execute(other, restore);
+        let current = leased(other, "new", is_assembly);
+        assert_eq!((lost.lease.submission, lost.lease.task), (current.lease.submission, current.lease.task));
+        let held = [(lost.lease, 1)];
+        let renewed = super::held::renew(&late.database, &late.process, &held, Duration::from_secs(1)).unwrap();
+        assert!(renewed.is_empty(), "{renewed:?}");
+        assert_eq!(late.complete(&[(lost.lease, b"late")]).unwrap(), [Err(StaleLease)]);
+        assert!(!is_assembly || matches!(results(late, &lost.lease), Err(LeaseError::Stale(_))));
+        let finished = late.finish(&lost.lease, Digest::of(b"lost"), Batch::default());
+        assert!(matches!(finished, Err(LeaseError::Stale(_))));
+        let failure = Failure { kind: FailureKind::Attempts, detail: "late".to_owned() };
+        let answers = [late.give_back(&lost.lease), late.fail(&lost.lease, "late"), late.abort(&lost.lease, failure)];
+        assert_eq!(answers, [Err(StaleLease); 3]);
+        if is_assembly {
+            other.finish(&current.lease, Digest::of(b"new"), Batch::default()).unwrap();
+        } else {
+            assert_eq!(other.complete(&[(current.lease, b"in time")]).unwrap(), [Ok(())]);
+        }
+        execute(other, restore);
+    }
+}
+
+#[test]
+fn a_worker_without_rights_waits_longer_each_time_and_goes_on_once_it_has_them() {
+    let Some(url) = throwaway::empty_database() else { return };
+    let open = |url: &str| {
+        let (lease_ttl, max_attempts) = (Duration::from_secs(600), NonZeroU32::MIN);
+        let limits = Limits { jobs: 9, lease_ttl, max_attempts, keep_ended: None };
+        PostgresQueue::open_eager(Database::open(url).unwrap(), limits)
+    };
+    let (owner, role) = (open(&url), format!("worker{}", std::process::id()));
+    execute(
+        &owner,
+        &format!(
+            "CREATE ROLE {role} LOGIN; GRANT USAGE ON SCHEMA ltcforge TO {role};
+            GRANT SELECT ON ALL TABLES IN SCHEMA ltcforge TO {role}"
+        ),
+    );
+    owner.submit(new("a", 1), &|_| false).unwrap();
+    let queue = open(&url.replace("postgres@", &format!("{role}@")));
+    for refusals in 1..3 {
+        assert_eq!(lease(&queue), None);
+        assert_eq!(queue.refusals.load(Ordering::Relaxed), refusals);
+    }
+    assert!(queue.fault().unwrap().contains("may not write"));
+    execute(
+        &owner,
+        &format!(
+            "GRANT INSERT, UPDATE, DELETE ON ALL TABLES IN SCHEMA ltcforge TO {role};
+            GRANT USAGE ON ALL SEQUENCES IN SCHEMA ltcforge TO {role}"
+        ),
+    );
+    assert!(lease(&queue).is_some());
+    assert_eq!(queue.refusals.load(Ordering::Relaxed), 0);
+    let waits: Vec<u64> = (0..9).map(|refusals| super::queue::back_off(refusals).as_secs()).collect();
+    assert_eq!(waits, [1, 2, 4, 8, 16, 32, 64, 64, 64]);
+}
+
 fn execute(queue: &PostgresQueue, statement: &str) {
     queue.database.run(async |client| Ok(client.batch_execute(statement).await?)).unwrap();
 }
@@ -143,7 +220,7 @@ fn suspect_shards_run_one_at_a_time_beside_all_others() {
     let queue = &queues[0];
     queue.submit(new("a", 3), &|_| false).unwrap();
     execute(queue, "UPDATE ltcforge.tasks SET deaths = 3 WHERE task < 2");
-    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
+    let Offer::Tasks(tasks) = queue.lease(Demand::Any, NonZeroUsize::new(9).unwrap()) else { panic!("no tasks") };
     assert_eq!(tasks.iter().map(|task| task.kind).collect::<Vec<_>>(), [TaskKind::Shard(0), TaskKind::Shard(2)]);
     assert_eq!(lease(queue), None, "shard 1 is suspect too");
     queue.submit(new("b", 1), &|_| false).unwrap();
@@ -171,7 +248,7 @@ fn a_shard_that_ends_its_worker_each_time_fails_its_job_in_the_end() {
 /// All tasks that can be leased, in order.
 fn lease_all(queue: &PostgresQueue) -> Vec<LeasedTask> {
     let mut tasks = vec![];
-    while let Offer::Tasks(more) = queue.lease(0, Demand::Any, NonZeroUsize::new(256).unwrap()) {
+    while let Offer::Tasks(more) = queue.lease(Demand::Any, NonZeroUsize::new(256).unwrap()) {
         tasks.extend(more);
     }
     tasks.sort_by_key(|task| task.lease);
@@ -230,7 +307,7 @@ fn a_job_that_an_earlier_version_began_goes_on() {
 /// Works until all jobs are done; returns the shards that were completed, each as often as it was.
 fn work(queue: &PostgresQueue, jobs: &[JobId], completed: &Mutex<Vec<(JobId, u32)>>) {
     eventually(|| {
-        let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, NonZeroUsize::new(3).unwrap()) else {
+        let Offer::Tasks(tasks) = queue.lease(Demand::Any, NonZeroUsize::new(3).unwrap()) else {
             let is_done = |id: &JobId| queue.job(*id).unwrap().is_some_and(|job| job.state.name().is_final());
             return jobs.iter().all(is_done).then_some(());
         };
@@ -346,9 +423,9 @@ fn statements_go_by_indexes_however_long_the_queue_is() {
     for (statement, arguments) in [
         (super::lease::LEASE.as_str(), "1, 16, 60, 'me', false, 3"),
         (super::blocks::MAKE_ROWS, "NULL, 2048, 64, 1"),
-        (super::deliver::COMPLETE, "'{1}', '{0}', '{1}', '{abc}', 8"),
-        (super::fence::IS_CURRENT, "1, 0, 1"),
-        (super::held::RENEW, "'{1}', '{0}', '{1}', '{1}', 60"),
+        (super::deliver::COMPLETE, "'{1}', '{0}', '{a}', '{abc}', 8"),
+        (super::fence::IS_CURRENT, "1, 0, 'a'"),
+        (super::held::RENEW, "'{1}', '{0}', '{a}', '{1}', 60"),
         (of_submission.as_str(), "9, 20"),
     ] {
         let plan = explain(statement, arguments);

@@ -55,6 +55,7 @@ pub(super) fn a_start_forgets_too_and_without_a_limit_nothing_is_forgotten<W: Wo
     let Some(mut world) = W::new(keeping(None)) else { return };
     let [cancelled, failed, running] = one_of_each(world.queue());
     world.pass(1000 * DAY);
+    submit(world.queue(), "young", 2);
     world.reopen(keeping(None));
     assert!([cancelled, failed, running].iter().all(|id| world.queue().job(*id).unwrap().is_some()));
     world.reopen(keeping(Some(DAY)));

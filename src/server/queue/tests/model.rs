@@ -208,7 +208,7 @@ impl<W: World> Run<W> {
             }
             Action::Lease(most) => {
                 let most = NonZeroUsize::new(*most).unwrap();
-                let Offer::Tasks(tasks) = self.world.queue().lease(7, Demand::Any, most) else { return };
+                let Offer::Tasks(tasks) = self.world.queue().lease(Demand::Any, most) else { return };
                 assert!((1..=most.get()).contains(&tasks.len()));
                 for leased in tasks {
                     self.leased(leased);
@@ -362,7 +362,7 @@ fn agrees<W: World>(world: W, actions: &[Action]) -> TestCaseResult {
     run.may_fail = true;
     loop {
         run.notice_failures(false);
-        let Offer::Tasks(tasks) = run.world.queue().lease(7, Demand::Any, NonZeroUsize::MIN) else { break };
+        let Offer::Tasks(tasks) = run.world.queue().lease(Demand::Any, NonZeroUsize::MIN) else { break };
         for leased in tasks {
             run.deliver(&leased).unwrap();
             run.delivered(&leased);

@@ -78,7 +78,7 @@ pub(super) fn a_job_without_workers_is_told_from_others<W: World>() {
     complete(queue, &other);
     assert_eq!(tasks(queue, Demand::Unserved, 1).len(), 1);
     queue.close();
-    assert_eq!(queue.lease(3, Demand::Unserved, NonZeroUsize::MIN), Offer::Closed);
+    assert_eq!(queue.lease(Demand::Unserved, NonZeroUsize::MIN), Offer::Closed);
 }
 
 pub(super) fn several_results_have_an_answer_each<W: World>() {

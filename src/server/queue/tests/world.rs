@@ -70,11 +70,20 @@ pub(super) struct EmbeddedWorld {
     seconds: Arc<AtomicI64>,
 }
 
+impl Clock {
+    /// Both at the seconds that a test sets.
+    pub(in crate::queue) fn at(seconds: &Arc<AtomicI64>) -> Self {
+        let (wall, steady) = (Arc::clone(seconds), Arc::clone(seconds));
+        Self {
+            wall: Arc::new(move || Timestamp::from_second(wall.load(Ordering::Relaxed)).unwrap()),
+            steady: Arc::new(move || Duration::from_secs(steady.load(Ordering::Relaxed).cast_unsigned())),
+        }
+    }
+}
+
 impl EmbeddedWorld {
     fn open(rows: &Arc<MemoryRows>, limits: Limits, seconds: &Arc<AtomicI64>) -> Arc<EmbeddedQueue> {
-        let seconds = Arc::clone(seconds);
-        let clock: Clock = Arc::new(move || Timestamp::from_second(seconds.load(Ordering::Relaxed)).unwrap());
-        Arc::new(EmbeddedQueue::open(rows.clone(), limits, clock).unwrap())
+        Arc::new(EmbeddedQueue::open(rows.clone(), limits, Clock::at(seconds)).unwrap())
     }
 }
 
@@ -146,7 +155,7 @@ pub(super) fn submit(queue: &dyn Queue, name: &str, shards: usize) -> JobId {
 /// Up to `most` tasks.
 #[track_caller]
 pub(super) fn tasks(queue: &dyn Queue, demand: Demand, most: usize) -> Vec<LeasedTask> {
-    match queue.lease(0, demand, most.try_into().unwrap()) {
+    match queue.lease(demand, most.try_into().unwrap()) {
         Offer::Tasks(tasks) => tasks,
         Offer::Nothing { .. } => vec![],
         Offer::Closed => panic!("the queue is closed"),

@@ -43,6 +43,8 @@ pub(super) struct Behaviour {
     pub(super) endless: Option<String>,
     /// Measuring the table of this recipe does not end.
     pub(super) endless_measure: Option<String>,
+    /// How long a plan is on its way from the store.
+    pub(super) loading: Duration,
     /// Endless fits that asked so often.
     pub(super) gave_up: u32,
 }
@@ -151,6 +153,8 @@ impl Backend for FakeBackend {
     }
 
     fn load(&self, recipe: StoredRecipe<'_>) -> Result<Arc<dyn PlannedFit>, PlanError> {
+        let loading = self.0.behaviour.lock().unwrap().loading;
+        thread::sleep(loading);
         Ok(Arc::new(FakePlan { recipe: recipe.text.to_owned(), shared: Arc::clone(&self.0) }))
     }
 

@@ -9,7 +9,10 @@ use super::{
     fake_backend::FakeBackend,
 };
 use crate::{
-    queue::{Limits, NewJob, Queue as _, embedded::EmbeddedQueue},
+    queue::{
+        Limits, NewJob, Queue as _,
+        embedded::{Clock, EmbeddedQueue},
+    },
     store::{Batch, Catalogue, Store, Tree},
 };
 use ltcforge_files::digest::Digest;
@@ -86,7 +89,7 @@ fn a_tabulated_brdf_that_recipes_name_and_that_is_missing_is_told() {
     store.rows.commit(&Catalogue::entry(&row, &recipes[0]).unwrap()).unwrap();
     let limits =
         Limits { jobs: 9, lease_ttl: Duration::from_secs(60), max_attempts: NonZeroU32::MIN, keep_ended: None };
-    let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits, Arc::new(Timestamp::now)).unwrap();
+    let queue = EmbeddedQueue::open(Arc::clone(&store.rows), limits, Clock::system()).unwrap();
     let recipe_digest = Digest::of(recipes[1].as_bytes());
     let new = NewJob { recipe: recipes[1].clone(), recipe_digest, shard_entries: vec![1] };
     queue.submit(new, &|_| false).unwrap();

@@ -4,7 +4,7 @@ use std::{
     fs,
     sync::{
         Arc,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicU64, AtomicUsize, Ordering},
     },
     thread,
     time::Duration,
@@ -16,10 +16,16 @@ use super::{
     fitted, start, submit, *,
 };
 use crate::{
-    queue::{JobId, JobState},
+    queue::{
+        JobId, JobState, Queue,
+        embedded::{Clock, EmbeddedQueue},
+        postgres::{PostgresQueue, Process},
+    },
+    service::open::{ServiceParts, limits},
     store::{
-        Batch, BlobInfo, Blobs, Catalogue, ManifestRow, Rows, Store, StoreError, Tree,
+        Batch, BlobInfo, Blobs, Catalogue, Database, ManifestRow, PostgresRows, Rows, Store, StoreError, Tree,
         memory::{Meanwhile, MemoryRows},
+        throwaway,
     },
 };
 use ltcforge_files::{digest::Digest, manifest::MANIFEST_VERSION};
@@ -40,12 +46,12 @@ fn a_job_waits_for_room_on_a_full_disk_and_keeps_its_shards() {
     while rows.refused.load(Ordering::Relaxed) < 3 {
         thread::yield_now();
     }
-    assert!(!service.is_ready());
+    assert!(service.fault().is_some_and(|fault| fault.contains("full")));
     assert_eq!(service.job(id).unwrap().unwrap().job.state, JobState::Running);
     assert!(matches!(service.submit(b"copper 1"), Err(SubmitError::Store(ServiceError::DiskFull))));
     assert!(service.table(first).unwrap().is_some(), "a stored table is served");
     rows.full.store(false, Ordering::Relaxed);
-    assert!(service.is_ready());
+    assert_eq!(service.fault(), None);
     assert!(matches!(end_of(&service, id), JobState::Done { .. }));
     assert_eq!(shared.begun(), 5, "no shard was fitted twice");
     assert_eq!(rows.len(Tree::Results) + rows.len(Tree::Shards), 0);
@@ -153,6 +159,74 @@ fn a_lease_is_kept_while_its_result_is_being_stored() {
     assert!(rows.while_settling.lock().unwrap().is_none());
     let metrics = service.metrics().unwrap();
     assert_eq!((metrics.leases_expired, metrics.shard_failures, shared.begun()), (0, 0, 4));
+}
+
+/// Blobs behind a slow link: storing and reading one takes longer than a lease lasts.
+#[derive(Debug)]
+struct SlowBlobs {
+    blobs: Arc<dyn Blobs>,
+    time: Duration,
+    puts: AtomicUsize,
+}
+
+impl Blobs for SlowBlobs {
+    fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
+        thread::sleep(self.time);
+        self.puts.fetch_add(1, Ordering::Relaxed);
+        self.blobs.put(bytes)
+    }
+
+    fn get(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
+        self.blobs.get(digest)
+    }
+
+    fn contains(&self, digest: Digest) -> Result<bool, StoreError> {
+        self.blobs.contains(digest)
+    }
+
+    fn list(&self) -> Result<Vec<BlobInfo>, StoreError> {
+        self.blobs.list()
+    }
+}
+
+/// Fits a table whose way to the store, and whose plan's from there, take longer than a lease; in the queue that
+/// `queue` makes.
+fn a_slow_store_is_only_slow(queue: impl FnOnce(&Config) -> Option<(Box<dyn Queue>, Arc<dyn Rows>)>) {
+    let dir = tempfile::tempdir().unwrap();
+    let lease_ttl = Duration::from_secs(1);
+    let config = Config { lease_ttl, ..config(dir.path()) };
+    let Some((queue, rows)) = queue(&config) else { return };
+    let folder = Store::open(dir.path()).unwrap();
+    let slow =
+        Arc::new(SlowBlobs { blobs: Arc::clone(&folder.blobs), time: lease_ttl * 5 / 2, puts: AtomicUsize::new(0) });
+    let shared = Arc::new(Shared::default());
+    shared.set(|b| b.loading = lease_ttl * 5 / 2);
+    let backend = Arc::new(FakeBackend(Arc::clone(&shared)));
+    let store = Store::shared(Arc::clone(&slow) as _, rows);
+    let service = Service::start(config, ServiceParts { queue, store, backend, works: true }).unwrap();
+    fitted(&service, "gold 1");
+    let metrics = service.metrics().unwrap();
+    assert_eq!((metrics.leases_expired, metrics.shard_failures), (0, 0));
+    assert_eq!((shared.begun(), slow.puts.load(Ordering::Relaxed)), (1, 1), "it was made once and stored once");
+}
+
+#[test]
+fn a_lease_is_kept_while_the_store_is_slow() {
+    a_slow_store_is_only_slow(|config| {
+        let rows: Arc<dyn Rows> = Arc::new(MemoryRows::default());
+        let queue = EmbeddedQueue::open(Arc::clone(&rows), limits(config), Clock::system()).unwrap();
+        Some((Box::new(queue), rows))
+    });
+}
+
+#[test]
+fn a_lease_of_a_shared_queue_is_kept_while_the_store_is_slow() {
+    a_slow_store_is_only_slow(|config| {
+        let database = Database::open(&throwaway::empty_database()?).unwrap();
+        let process = Process { name: "test".to_owned(), fitter: 1 };
+        let queue = PostgresQueue::open(Arc::clone(&database), limits(config), process).unwrap();
+        Some((Box::new(queue), Arc::new(PostgresRows::new(database))))
+    });
 }
 
 #[test]

@@ -1,12 +1,22 @@
 //! Connections to PostgreSQL.
 
-use std::{fmt, future::poll_fn, sync::Arc, time::Duration};
+use std::{
+    fmt,
+    future::poll_fn,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Duration,
+};
 
-use deadpool_postgres::{Manager, ManagerConfig, Pool, PoolError, RecyclingMethod, Runtime as PoolRuntime, Timeouts};
+use deadpool_postgres::{
+    Manager, ManagerConfig, Pool, PoolError, QueueMode, RecyclingMethod, Runtime as PoolRuntime, Timeouts,
+};
 use tokio::{
     io::{AsyncRead, AsyncWrite},
     runtime::{Builder, Runtime},
-    time::Instant,
+    time::{Instant, timeout_at},
 };
 use tokio_postgres::{
     AsyncMessage, Config, Connection, NoTls, Socket,
@@ -27,12 +37,18 @@ pub(crate) type Client = deadpool_postgres::Client;
 /// Connections of one process, at most. Callers of the service share them; workers need two or three.
 const CONNECTIONS: usize = 16;
 
-/// Settings of every connection.
+/// Settings of every connection. The last ends a statement whose connection was given up.
 const PLANS: &str = "-c jit=off -c enable_seqscan=off -c enable_bitmapscan=off -c enable_hashjoin=off \
-    -c enable_mergejoin=off -c plan_cache_mode=force_generic_plan";
+    -c enable_mergejoin=off -c plan_cache_mode=force_generic_plan -c client_connection_check_interval=5s";
 
 /// How long connecting may take, and how long the server may not respond.
 const TIMEOUT: Duration = Duration::from_secs(5);
+
+/// How long an operation may take, with waiting for a connection and all retries.
+const LIMIT: Duration = Duration::from_secs(20);
+
+/// How long a connection that nobody uses is kept.
+const IDLE: Duration = Duration::from_secs(60);
 
 /// How long an operation is retried after its connection was lost.
 const RETRY: Duration = Duration::from_secs(5);
@@ -60,7 +76,20 @@ pub struct Database {
     tls: Option<MakeRustlsConnect>,
     /// Host, port and name.
     name: String,
+    /// Whether an operation may take no longer than [`LIMIT`].
+    is_limited: AtomicBool,
 }
+
+/// Why a process cannot write, in words; NULL if it can.
+const FAULT: &str = "
+    SELECT CASE WHEN current_setting('transaction_read_only') = 'on' THEN 'its transactions are read-only' ELSE (
+        SELECT 'the role ' || current_user || ' may not write ' || string_agg(relname, ', ' ORDER BY relname)
+        FROM pg_catalog.pg_class WHERE relnamespace = 'ltcforge'::regnamespace AND (
+            relkind = 'r' AND relname <> 'migrations' AND NOT (has_table_privilege(oid, 'SELECT')
+                AND has_table_privilege(oid, 'INSERT') AND has_table_privilege(oid, 'UPDATE')
+                AND has_table_privilege(oid, 'DELETE'))
+            OR relkind = 'S' AND NOT has_sequence_privilege(oid, 'USAGE'))
+    ) END";
 
 impl fmt::Debug for Database {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -111,9 +140,17 @@ impl Database {
             Some(tls) => Manager::from_config(config.clone(), tls.clone(), manager_config),
         };
         let timeouts = Timeouts { wait: Some(6 * TIMEOUT), create: Some(2 * TIMEOUT), recycle: Some(TIMEOUT) };
-        let pool = Pool::builder(manager).max_size(CONNECTIONS).timeouts(timeouts).runtime(PoolRuntime::Tokio1).build();
-        let pool = pool.map_err(|error| failed(&error))?;
-        let database = Self { runtime: Some(runtime), pool, config, tls, name };
+        let pool = Pool::builder(manager).max_size(CONNECTIONS).timeouts(timeouts).runtime(PoolRuntime::Tokio1);
+        // The last one used is used next, so that the others are idle.
+        let pool = pool.queue_mode(QueueMode::Lifo).build().map_err(|error| failed(&error))?;
+        let idle = pool.clone();
+        runtime.spawn(async move {
+            loop {
+                tokio::time::sleep(IDLE / 2).await;
+                end_idle(&idle, IDLE);
+            }
+        });
+        let database = Self { runtime: Some(runtime), pool, config, tls, name, is_limited: AtomicBool::new(true) };
         database.block_on(async {
             let mut client = database.pool.get().await.map_err(|error| database.refusal(&error))?;
             migrations::apply(&mut client, migrations::ALL).await
@@ -166,6 +203,11 @@ impl Database {
         })
     }
 
+    /// Lets operations take as long as they take, for a command that copies or looks at all there is.
+    pub(crate) fn without_limit(&self) {
+        self.is_limited.store(false, Ordering::Relaxed);
+    }
+
     /// Runs `work` on a connection. If the connection is lost, or a transaction conflicts with another, `work` is
     /// retried for some seconds. Its transaction may have been committed the first time.
     ///
@@ -174,12 +216,12 @@ impl Database {
     #[expect(clippy::needless_pass_by_value, reason = "callers pass closures")]
     pub(crate) fn run<T>(&self, work: impl AsyncFn(&mut Client) -> Result<T, StoreError>) -> Result<T, StoreError> {
         self.block_on(async {
-            let until = Instant::now() + RETRY;
+            let began = Instant::now();
+            let limit = self.is_limited.load(Ordering::Relaxed).then_some(LIMIT);
             let mut pause = PAUSES.0;
             loop {
-                let done = async { work(&mut self.client().await?).await };
-                match done.await {
-                    Err(StoreError::Unavailable(_)) if Instant::now() + pause < until => {
+                match self.tried(limit.map(|limit| began + limit), &work).await {
+                    Err(StoreError::Unavailable(_)) if began.elapsed() + pause < RETRY => {
                         tokio::time::sleep(pause).await;
                         pause = (2 * pause).min(PAUSES.1);
                     }
@@ -189,10 +231,32 @@ impl Database {
         })
     }
 
-    /// Whether it responds.
-    pub(crate) fn is_reachable(&self) -> bool {
-        let asked = async { self.client().await.ok()?.query_one("SELECT 1", &[]).await.ok() };
-        self.block_on(async { tokio::time::timeout(TIMEOUT, asked).await }).is_ok_and(|answer| answer.is_some())
+    /// Runs `work` once. A connection that does not answer in time is given up: it may never answer, and others would
+    /// wait for it too.
+    async fn tried<T>(
+        &self,
+        until: Option<Instant>,
+        work: &impl AsyncFn(&mut Client) -> Result<T, StoreError>,
+    ) -> Result<T, StoreError> {
+        let Some(until) = until else { return work(&mut self.client().await?).await };
+        let late = |_| StoreError::Unavailable(format!("{} does not answer in time", self.name));
+        let mut client = timeout_at(until, self.client()).await.map_err(late)??;
+        let done = timeout_at(until, work(&mut client)).await;
+        if done.is_err() {
+            drop(Client::take(client));
+        }
+        done.map_err(late)?
+    }
+
+    /// Why it cannot be used now, in words: it does not answer, or nothing can be written.
+    pub(crate) fn fault(&self) -> Option<String> {
+        let ask = async |client: &mut Client| {
+            Ok(client.query_one(&client.prepare_cached(FAULT).await?, &[]).await?.get::<_, Option<String>>(0))
+        };
+        match self.block_on(self.tried(Some(Instant::now() + TIMEOUT), &ask)) {
+            Ok(fault) => fault.map(|fault| format!("nothing can be written to {}: {fault}", self.name)),
+            Err(error) => Some(error.to_string()),
+        }
     }
 
     /// Opens another connection, runs `statement`, and passes all messages to `on_message`. Returns when the connection
@@ -204,6 +268,11 @@ impl Database {
         }
         Ok(())
     }
+}
+
+/// Ends the connections of `pool` that nobody has used for so long.
+fn end_idle(pool: &Pool, idle: Duration) {
+    pool.retain(|_, metrics| metrics.last_used() < idle);
 }
 
 async fn listen<S: AsyncRead + AsyncWrite + Unpin>(
@@ -244,7 +313,76 @@ fn name(config: &Config) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{
+        super::tests::{database, throwaway},
+        *,
+    };
+
+    #[test]
+    fn connections_that_nobody_uses_are_ended_and_made_again() {
+        let Some(database) = database() else { return };
+        let select =
+            || database.run(async |client| Ok(client.query_one("SELECT pg_sleep(.1)", &[]).await.map(drop)?));
+        std::thread::scope(|scope| (0..8).for_each(|_| drop(scope.spawn(select))));
+        assert!(database.pool.status().size > 1, "{:?}", database.pool.status());
+        end_idle(&database.pool, Duration::from_secs(3600));
+        assert!(database.pool.status().size > 1, "they were just used");
+        end_idle(&database.pool, Duration::ZERO);
+        assert_eq!(database.pool.status().size, 0);
+        select().unwrap();
+        assert_eq!(database.pool.status().size, 1);
+    }
+
+    #[test]
+    fn a_connection_that_does_not_answer_is_given_up_and_its_statement_is_ended() {
+        let Some(database) = database() else { return };
+        let sleep = async |client: &mut Client| Ok(client.batch_execute("SELECT pg_sleep(3600)").await?);
+        let soon = Instant::now() + Duration::from_millis(200);
+        let Err(StoreError::Unavailable(reason)) = database.block_on(database.tried(Some(soon), &sleep)) else {
+            panic!("it slept")
+        };
+        assert!(reason.ends_with("does not answer in time"), "{reason}");
+        assert_eq!(database.pool.status().size, 0, "nobody else waits for it");
+        let sleeping = || {
+            let count = "SELECT count(*) FROM pg_stat_activity WHERE query LIKE 'SELECT pg_sleep(3600)%'
+                AND datname = current_database() AND state = 'active'";
+            database.run(async |client| Ok(client.query_one(count, &[]).await?.get::<_, i64>(0))).unwrap()
+        };
+        while sleeping() > 0 {
+            std::thread::yield_now();
+        }
+    }
+
+    /// The sequence of privileges is that of an operator who goes on where it still does not work.
+    #[test]
+    fn a_role_that_cannot_write_is_told_with_what_it_lacks() {
+        let Some(url) = throwaway::empty_database() else { return };
+        let owner = Database::open(&url).unwrap();
+        let execute = |statement: &str| {
+            owner.run(async |client| Ok(client.batch_execute(statement).await?)).unwrap();
+        };
+        assert_eq!(owner.fault(), None);
+        let role = format!("reader{}", std::process::id());
+        execute(&format!(
+            "CREATE ROLE {role} LOGIN; GRANT USAGE ON SCHEMA ltcforge TO {role};
+            GRANT SELECT ON ALL TABLES IN SCHEMA ltcforge TO {role}"
+        ));
+        let reader = Database::open(&url.replace("postgres@", &format!("{role}@"))).unwrap();
+        let fault = reader.fault().unwrap();
+        assert!(fault.contains(&format!("the role {role} may not write blocks, finished_entries, jobs")), "{fault}");
+        let write = || reader.run(async |client| Ok(client.batch_execute("DELETE FROM ltcforge.jobs").await?));
+        assert!(matches!(write(), Err(StoreError::Refused(_))));
+        execute(&format!("GRANT INSERT, UPDATE, DELETE ON ALL TABLES IN SCHEMA ltcforge TO {role}"));
+        assert!(reader.fault().unwrap().ends_with("may not write servings, submissions"));
+        execute(&format!("GRANT USAGE ON ALL SEQUENCES IN SCHEMA ltcforge TO {role}"));
+        assert_eq!(reader.fault(), None);
+        execute(&format!("ALTER ROLE {role} SET default_transaction_read_only = on"));
+        end_idle(&reader.pool, Duration::ZERO);
+        assert!(reader.fault().unwrap().ends_with("its transactions are read-only"));
+        execute(&format!("DROP OWNED BY {role}; DROP ROLE {role}"));
+        end_idle(&reader.pool, Duration::ZERO);
+        assert!(reader.fault().unwrap().contains("does not exist"));
+    }
 
     #[test]
     fn a_url_whose_password_would_show_is_refused() {

@@ -98,6 +98,9 @@ impl From<Error> for StoreError {
             return Self::DiskFull;
         }
         let text = text(&error);
+        if error.code() == Some(&SqlState::INSUFFICIENT_PRIVILEGE) {
+            return Self::Refused(text);
+        }
         if is_temporary(&error) { Self::Unavailable(text) } else { Self::Database(text) }
     }
 }

@@ -221,3 +221,12 @@ fn a_database_that_was_damaged_while_it_was_closed_is_an_error() {
     let error = rows.scan(Tree::Jobs, b"").unwrap_err().to_string();
     assert!(error.contains("stays closed"), "{error}");
 }
+
+#[test]
+fn a_clock_before_1970_is_told_and_no_damage() {
+    let second = Duration::from_secs(1);
+    for (now, is_taken) in [(SystemTime::UNIX_EPOCH - second, false), (SystemTime::UNIX_EPOCH, true)] {
+        assert_eq!(check_clock(now).is_ok(), is_taken, "{now:?}");
+    }
+    assert!(check_clock(SystemTime::now()).is_ok());
+}

@@ -91,11 +91,11 @@ fn a_lease_waits_a_moment_for_tasks_that_another_lease_has_locked() {
         let transaction = client.transaction().await.unwrap();
         assert_eq!(lease(&transaction, 9).await.unwrap().len(), 3);
         thread::scope(|scope| {
-            let leased = scope.spawn(|| queue.lease(0, Demand::Any, all));
+            let leased = scope.spawn(|| queue.lease(Demand::Any, all));
             assert!(matches!(leased.join().unwrap(), Offer::Nothing { .. }));
         });
         transaction.rollback().await.unwrap();
     });
-    let Offer::Tasks(tasks) = queue.lease(0, Demand::Any, all) else { panic!("no tasks") };
+    let Offer::Tasks(tasks) = queue.lease(Demand::Any, all) else { panic!("no tasks") };
     assert_eq!(tasks.len(), 3);
 }
