@@ -55,7 +55,7 @@ impl<T: Scalar> SphericalGaussian<T> {
     }
 
     /// As [`SphericalGaussian::of_columns`], with x of a round one along the first deviation. It is the same Gaussian,
-    /// but a fit's samples lie along x and y: with other ones, a recipe would give other bytes.
+    /// but a fit's samples and sums lie along x and y: with other ones, a recipe would give other bytes.
     #[must_use]
     pub(crate) fn along_first(gaussian: Gaussian, columns: [Triple<T>; 3]) -> Self {
         let (axis, [first, second]) = axis_and_deviations(columns);
