@@ -34,7 +34,9 @@ fn gaussians_around(kind: u32, axis: vec3<f32>, first: vec3<f32>, second: vec3<f
     let oriented = select(size, -size, area < 0.0);
     var view = GaussiansView(axis, cross(second, axis) / oriented, cross(axis, first) / oriented, vec2(0.0));
     if (kind == GAUSSIANS_SG) {
-        let x = normalize(first);
+        // Neither deviation comes first: x and y are the perpendicular vectors closest to the directions of both.
+        let turned = cross(second, axis);
+        let x = normalize(first + select(turned, -turned, area < 0.0));
         view.x = x / sqrt(size);
         view.y = cross(axis, x) / sqrt(size);
     }
@@ -118,7 +120,7 @@ fn gaussians_turn(a: vec2<f32>, b: vec2<f32>) -> f32 {
 fn gaussians_beyond_foot(a: vec3<f32>, b: vec3<f32>, ends: vec2<f32>, s: f32) -> f32 {
     let change = (ends.y - ends.x) - s * (b.z - a.z);
     let is_there = abs(change) >= 1e-30;
-    return select(0.0, clamp((s * a.z - ends.x) / select(1.0, change, is_there), 0.0, 1.0), is_there);
+    return select(0.5, clamp((s * a.z - ends.x) / select(1.0, change, is_there), 0.0, 1.0), is_there);
 }
 
 /// Twice the area between the origin and the image of an edge. It has two more points, 0.7 deviations before and after its foot.
@@ -135,12 +137,14 @@ fn gaussians_under(
     let line = cross(a, b);
     let ends = vec2(line.y * a.x - line.x * a.y, line.y * b.x - line.x * b.y) / max(length(line.xy), 1e-30);
     var parts = vec2(gaussians_beyond_foot(a, b, ends, -0.7), gaussians_beyond_foot(a, b, ends, 0.7));
-    // An edge to behind the axis turns by up to half a turn around it: its points are the foot and where it passes.
+    // An edge to behind the axis turns by up to half a turn around it: its points are the foot and where it passes, in the
+    // order in which the edge has them.
     let sizes = max(vec2(length(start), length(end)), vec2(1e-36));
     let passes = (a.z > 0.0) != (b.z > 0.0);
     let behind = select(0.0, min(-4.0 * min(a.z / sizes.x, b.z / sizes.y), 1.0), passes);
     let passing = a.z / select(1.0, a.z - b.z, passes);
-    parts = mix(parts, vec2(gaussians_beyond_foot(a, b, ends, 0.0), passing), vec2(behind));
+    let crossed = vec2(gaussians_beyond_foot(a, b, ends, 0.0), passing);
+    parts = mix(parts, select(crossed.yx, crossed, a.z > 0.0), vec2(behind));
     // A foot a quarter of a turn away may be anywhere: there the middle of the edge takes its place.
     let normal = cross(start, end);
     let height = dot(normal, view.axis);
@@ -210,7 +214,10 @@ fn gaussians_polygon(view: GaussiansView, vertices: array<vec3<f32>, 8>, count: 
     var list = vertices;
     let number = clamp(count, 3u, 8u);
     var outline = gaussians_outline_begin(view, list[number - 1u]);
-    for (var i = 0u; i < number; i++) {
+    for (var i = 0u; i < 8u; i++) {
+        if (i >= number) {
+            break;
+        }
         outline = gaussians_outline_edge(view, outline, list[i]);
     }
     return gaussians_outline_finish(view, outline, two_sided);

@@ -1,6 +1,9 @@
 //! `light`: the light that surfaces reflect from area lights.
 
-use std::io::{self, BufWriter, Write};
+use std::{
+    collections::BTreeMap,
+    io::{self, BufWriter, Write},
+};
 
 use serde_json::json;
 
@@ -9,20 +12,24 @@ use super::{
     args::LightArgs,
     csv::{CsvLines, LineFailure},
     input::AnyTable,
-    light_case, tabulated,
+    light_case,
+    out_of_range::{Clamped, OutOfRangeCount, clamped},
+    tabulated,
 };
-use ltcforge_fit::{BrdfKind, Table};
+use ltcforge_fit::BrdfKind;
 use ltcforge_light::{LightError, LightModel, Lighting, ReflectedLight, TRUTH_TOLERANCE, truth_of};
 
 /// Prints the reflected light of each line as soon as it is read.
 pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Result<Exit, CommandFailure> {
-    let table = choose(args)?;
-    let lighting = table.as_ref().map(Lighting::Table);
+    let chosen = choose(args)?;
+    let table = chosen.as_ref().map(|chosen| &chosen.table);
+    let lighting = table.map(Lighting::Table);
     let formula = args.model.closed_form(args.weight).map(Lighting::ClosedForm);
     let lighting = lighting.or(formula).ok_or_else(|| needs_table(args.model))?;
-    let brdf = table.as_ref().map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
+    let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let lines = CsvLines::open(&args.cases, "lights")?;
     let mut out = BufWriter::new(&mut *context.stdout);
+    let mut out_of_range = OutOfRangeCount::default();
     if !json {
         let header = if args.truth { "energy,fresnel,true_energy,true_fresnel" } else { "energy,fresnel" };
         writeln!(out, "{header}").map_err(|error| CommandFailure::stdout(&error))?;
@@ -35,14 +42,20 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
         let reflected = lighting.reflected(&at, light).map_err(refuse)?;
         let true_light =
             if args.truth { Some(truth_of(&brdf, TRUTH_TOLERANCE, &at, light).map_err(refuse)?) } else { None };
+        let clamped = chosen.as_ref().map(|AnyTable { table, origin, .. }| clamped(&at, table, origin.range()));
+        out_of_range.count(clamped.as_deref().unwrap_or_default());
         let written = if json {
-            write_json(&mut out, &reflected, true_light.as_ref())
+            write_json(&mut out, &reflected, true_light.as_ref(), clamped.as_deref())
         } else {
             write_row(&mut out, &reflected, true_light.as_ref())
         };
         written.map_err(|error| LineFailure::stdout(&error))
     })?;
     out.flush().map_err(|error| CommandFailure::stdout(&error))?;
+    // In JSON, each line lists the clamped axes.
+    if !json && !out_of_range.is_empty() {
+        eprintln!("{out_of_range}");
+    }
     Ok(Exit::Ok)
 }
 
@@ -51,7 +64,7 @@ fn needs_table(model: LightModel) -> CommandFailure {
 }
 
 /// The table that the model lights by; `None` for a model without one.
-fn choose(args: &LightArgs) -> Result<Option<Table>, CommandFailure> {
+fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     let usage = |message: String| Err(CommandFailure::new(Exit::Usage, message));
     let model = args.model;
     if args.table.is_some() && model.lobe().is_none() {
@@ -68,19 +81,20 @@ fn choose(args: &LightArgs) -> Result<Option<Table>, CommandFailure> {
         return usage(format!("--weight is of model {weighed}; {has} one rule"));
     }
     let Some(name) = &args.table else { return Ok(None) };
-    let AnyTable { path, table, .. } = AnyTable::named(name, &args.folder)?;
+    let chosen = AnyTable::named(name, &args.folder)?;
+    let AnyTable { path, table, .. } = &chosen;
     if Some(table.lobe) != model.lobe() {
         let (path, lobe) = (path.display(), table.lobe);
         return usage(format!("{path}: the table has lobe {lobe}, not {model}: choose --model {lobe}"));
     }
     if args.truth {
-        tabulated::check_complete(&table, &path)?;
+        tabulated::check_complete(table, path)?;
     }
     if table.terms.is_none() {
         let message = format!("{}: {}", path.display(), LightError::NoTerms);
         return Err(CommandFailure::new(Exit::Failed, message));
     }
-    Ok(Some(table))
+    Ok(Some(chosen))
 }
 
 /// One line of CSV. Numbers are the shortest that read back as the same f64.
@@ -92,11 +106,22 @@ fn write_row(out: &mut dyn Write, found: &ReflectedLight, true_light: Option<&Re
     writeln!(out)
 }
 
-fn write_json(out: &mut dyn Write, found: &ReflectedLight, true_light: Option<&ReflectedLight>) -> io::Result<()> {
+/// One line of JSON. By a table, `clamped` holds the axes on which the surface and its view lie outside of it, with the
+/// value used instead.
+fn write_json(
+    out: &mut dyn Write,
+    found: &ReflectedLight,
+    true_light: Option<&ReflectedLight>,
+    clamped: Option<&[Clamped]>,
+) -> io::Result<()> {
     let mut line = json!({ "energy": found.energy, "fresnel": found.fresnel });
     if let Some(ReflectedLight { energy, fresnel }) = true_light {
         line["true_energy"] = json!(energy);
         line["true_fresnel"] = json!(fresnel);
+    }
+    if let Some(clamped) = clamped {
+        let clamped: BTreeMap<&str, f64> = clamped.iter().map(|clamped| (clamped.axis, clamped.to)).collect();
+        line["clamped"] = json!(clamped);
     }
     writeln!(out, "{line}")
 }

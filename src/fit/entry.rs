@@ -228,7 +228,7 @@ impl Fitter {
     /// The Gaussian of a matrix, if the lobe model is one.
     fn gaussian(&self, matrix: &DMat3) -> Option<SphericalGaussian<f64>> {
         let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|column| column.to_array());
-        self.lobe.gaussian().map(|gaussian| SphericalGaussian::of_columns(gaussian, columns))
+        self.lobe.gaussian().map(|gaussian| SphericalGaussian::along_first(gaussian, columns))
     }
 
     /// Distance between a lobe of held-out samples and the lobe model of `matrix`.

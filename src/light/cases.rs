@@ -43,7 +43,44 @@ impl Lit {
     pub fn wo(&self) -> DVec3 {
         direction(self.at.theta, self.at.phi)
     }
+
+    /// The same scene told in other ways: as it is and mirrored by x, by y, by both and by the diagonal, each from
+    /// every corner of the light on, in both orders.
+    pub fn tellings(&self) -> impl Iterator<Item = Self> + '_ {
+        let mirrored = MIRRORS.iter().map(|(phi, is_swapped, mirror)| {
+            let Configuration { alpha_x, alpha_y, theta, phi: own } = self.at;
+            let [alpha_x, alpha_y] = if *is_swapped { [alpha_y, alpha_x] } else { [alpha_x, alpha_y] };
+            let at = Configuration { alpha_x, alpha_y, theta, phi: phi(own) };
+            Self { at, vertices: self.vertices.iter().map(|v| mirror(*v)).collect() }
+        });
+        mirrored.flat_map(|lit| {
+            let orders = (0..lit.vertices.len()).flat_map(|from| [(from, false), (from, true)]);
+            let told: Vec<Self> = orders
+                .map(|(from, is_reversed)| {
+                    let mut vertices = lit.vertices.clone();
+                    vertices.rotate_left(from);
+                    if is_reversed {
+                        vertices.reverse();
+                    }
+                    Self { vertices, ..lit }
+                })
+                .collect();
+            told
+        })
+    }
 }
+
+/// What a mirror does to an azimuth, whether it swaps x and y, and what it does to a vector.
+type Mirror = (fn(f64) -> f64, bool, fn(DVec3) -> DVec3);
+
+/// No mirror, those of the tangent frame's axes, and that of its diagonal.
+const MIRRORS: [Mirror; 5] = [
+    (|phi| phi, false, |v| v),
+    (|phi| 0.5 * TAU - phi, false, |v| DVec3::new(-v.x, v.y, v.z)),
+    (|phi| -phi, false, |v| DVec3::new(v.x, -v.y, v.z)),
+    (|phi| 0.5 * TAU + phi, false, |v| DVec3::new(-v.x, -v.y, v.z)),
+    (|phi| 0.25 * TAU - phi, true, |v| DVec3::new(v.y, v.x, v.z)),
+];
 
 /// A table with the clamped cosine in place of every lobe of a model.
 #[must_use]

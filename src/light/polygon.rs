@@ -1,9 +1,11 @@
 //! Polygon lights.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use super::LightError;
-use ltcforge_fit::Sides;
+use ltcforge_fit::{Sides, math::atan2};
 
 /// Three vertices run the wrong way round where the volume between them and the shaded point is below zero by more than
 /// this part of their farthest distance squared times their longest edge: rounding to f32 moves vertices less.
@@ -28,7 +30,8 @@ impl PolygonLight {
     /// turn the same way as seen from the shaded point.
     ///
     /// # Errors
-    /// [`LightError::TooFewVertices`], [`LightError::NotFinite`], [`LightError::OnOutline`], [`LightError::NotConvex`].
+    /// [`LightError::TooFewVertices`], [`LightError::NotFinite`], [`LightError::OnOutline`], [`LightError::Inside`] for
+    /// a shaded point in the polygon, [`LightError::NotConvex`].
     pub fn new(vertices: Vec<DVec3>, sides: Sides) -> Result<Self, LightError> {
         if vertices.len() < 3 {
             return Err(LightError::TooFewVertices(vertices.len()));
@@ -43,6 +46,9 @@ impl PolygonLight {
         let ends = |edge: usize| (vertices[edge], vertices[(edge + 1) % vertices.len()]);
         if let Some(edge) = (0..vertices.len()).find(|edge| from_origin(ends(*edge)) < TOUCHING) {
             return Err(LightError::OnOutline { edge });
+        }
+        if has_inside(&vertices) {
+            return Err(LightError::Inside);
         }
         match wrong_turn(&vertices) {
             Some(vertices) => Err(LightError::NotConvex { vertices }),
@@ -70,6 +76,23 @@ fn from_origin((a, b): (DVec3, DVec3)) -> f64 {
     let length2 = along.length_squared();
     let t = if length2 > 0.0 { (-a.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
     (a + along * t).length()
+}
+
+/// Whether the origin lies in a polygon: in its plane, as far as rounding tells, and an outline goes around it.
+///
+/// A polygon that is seen from within its plane has no side and covers no solid angle or half of all directions,
+/// depending on the last digit. Outside the outline it is seen edge on, and covers nothing.
+fn has_inside(vertices: &[DVec3]) -> bool {
+    let edges = || vertices.iter().zip(vertices.iter().cycle().skip(1));
+    let normal: DVec3 = edges().map(|(a, b)| (*a - vertices[0]).cross(*b - vertices[0])).sum();
+    let normal = normal.normalize_or_zero();
+    let farthest = vertices.iter().map(|v| v.length()).fold(0.0, f64::max);
+    if normal == DVec3::ZERO || vertices.iter().any(|v| v.dot(normal).abs() > STRAIGHT * farthest) {
+        return false;
+    }
+    // The outline goes around a whole turn if the origin is inside, half of one on an edge, and none outside.
+    let around: f64 = edges().map(|(a, b)| atan2(a.cross(*b).dot(normal), a.dot(*b))).sum();
+    around.abs() > 0.75 * TAU
 }
 
 /// Three vertices, in their order, that turn the other way than the first three that turn at all.
@@ -100,9 +123,8 @@ fn wrong_turn(vertices: &[DVec3]) -> Option<[usize; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use super::*;
+    use glam::{DQuat, EulerRot};
 
     fn outline(angles: impl Iterator<Item = f64>) -> Vec<DVec3> {
         angles.map(|angle| DVec3::new(angle.cos() + 0.3, angle.sin(), 2.0)).collect()
@@ -153,14 +175,61 @@ mod tests {
                 .map(|(x, z)| centre + DVec3::new(x, 0.5 * z, z))
                 .to_vec()
         };
-        // A vertex at the shaded point, an edge through it, one that passes a hair beside it, and one within the light.
+        // A vertex at the shaded point, an edge through it, and one that passes a hair beside it.
         let vertex = PolygonLight::new(square(DVec3::new(1.0, 0.5, 1.0)), Sides::Two);
         assert_eq!(vertex, Err(LightError::OnOutline { edge: 0 }));
         let through = PolygonLight::new(square(DVec3::new(-1.0, 0.0, 0.0)), Sides::Two);
         assert_eq!(through, Err(LightError::OnOutline { edge: 1 }));
-        assert!(PolygonLight::new(square(DVec3::new(-1.0, 1e-6, 0.0)), Sides::Two).is_ok());
-        assert!(PolygonLight::new(square(DVec3::ZERO), Sides::Two).is_ok());
+        assert!(PolygonLight::new(square(DVec3::new(-1.0 - 1e-6, 0.0, 0.0)), Sides::Two).is_ok());
         assert_eq!(PolygonLight::new(vec![DVec3::ZERO; 4], Sides::Two), Err(LightError::OnOutline { edge: 0 }));
+    }
+
+    /// Polygons of every count, in any plane, in both orders, with one vertex twice, in f64 and rounded to f32 and to six
+    /// digits.
+    #[test]
+    fn a_shaded_point_within_a_polygon_is_refused_and_one_beside_or_above_is_not() {
+        let mut refused = 0;
+        for (count, k) in (3..=9_u32).flat_map(|count| (0..8_u32).map(move |k| (count, k))) {
+            let turned = DQuat::from_euler(EulerRot::XYZ, f64::from(k), 0.7 * f64::from(k), 0.3);
+            let scale = [1e-3, 1.0, 4e4][k as usize % 3];
+            let at = |centre: DVec3| -> Vec<DVec3> {
+                let corners = regular(count, 1).into_iter().map(|v| v - DVec3::new(0.3, 0.0, 2.0));
+                corners.map(|v| turned * (v + centre) * scale).collect()
+            };
+            let tellings = |vertices: Vec<DVec3>| {
+                let as_f32 = vertices.iter().map(|v| v.as_vec3().as_dvec3()).collect();
+                let digits = |v: &DVec3| DVec3::from(v.to_array().map(|x| (x / scale * 1e6).round() / 1e6));
+                let written = vertices.iter().map(digits).collect();
+                let reversed = vertices.iter().rev().copied().collect();
+                let twice = vertices.iter().chain(vertices.last()).copied().collect();
+                [vertices, as_f32, written, reversed, twice]
+            };
+            // A triangle of this size reaches .5 from its centre.
+            for within in [DVec3::ZERO, DVec3::new(0.3, 0.1, 0.0), DVec3::new(-0.1, -0.4, 0.0)] {
+                for vertices in tellings(at(within)) {
+                    for sides in [Sides::One, Sides::Two] {
+                        let light = PolygonLight::new(vertices.clone(), sides);
+                        assert_eq!(light, Err(LightError::Inside), "{count} {k} {within}");
+                        refused += 1;
+                    }
+                }
+            }
+            for without in [
+                DVec3::new(1.2, 0.5, 0.0),
+                DVec3::new(0.0, -7.0, 0.0),
+                DVec3::new(0.1, 0.2, 1e-4),
+                DVec3::new(0.0, 0.0, -0.5),
+            ] {
+                for vertices in tellings(at(without)) {
+                    let light = PolygonLight::new(vertices, Sides::Two);
+                    assert_ne!(light, Err(LightError::Inside), "{count} {k} {without}");
+                }
+            }
+        }
+        assert_eq!(refused, 7 * 8 * 3 * 5 * 2);
+        // A tiny light straight ahead has the shaded point in front of all of it.
+        let tiny = regular(4, 1).into_iter().map(|v| (v - DVec3::new(0.3, 0.0, 2.0)) * 1e-9 + DVec3::Z).collect();
+        assert!(PolygonLight::new(tiny, Sides::Two).is_ok());
     }
 
     #[test]

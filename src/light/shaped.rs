@@ -175,7 +175,8 @@ impl ShapedLight {
     /// [`line()`].
     ///
     /// # Errors
-    /// [`LightError::OnOutline`] for a shaded point on the polygon that stands for an ellipse.
+    /// [`LightError::OnOutline`] and [`LightError::Inside`] for a shaded point on the polygon that stands for an
+    /// ellipse, or in it.
     pub fn outline(&self) -> Result<PolygonLight, LightError> {
         match self.0 {
             Form::Ellipse { centre, half_axes, sides } => ellipse(centre, half_axes, sides),

@@ -108,6 +108,40 @@ fn light_names_the_line_and_the_column_that_is_wrong() {
     run(folder.path(), ["light", "none.csv"]).exited(1);
 }
 
+/// Configurations out of a table's range, by each model that has a table, told as `lookup` tells them.
+#[test]
+fn light_by_a_table_tells_what_lies_out_of_its_range() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let light = "2,-1,-1,2,-1,1,2,1,1,2,1,-1,2";
+    let points = ["0.5,0.4,0.7,0.3", "0.01,0.01,0.7,0", "0.5,0.4,1.2,0", "0.02,0.02,1.2,0.1"];
+    let lights: String = points.map(|point| format!("{point},{light}\n")).concat();
+    for lobe in ["ltc", "sg", "asg"] {
+        let head = format!(r#"{{"lobe":"{lobe}","range":{{"alpha":[0.25,1],"theta":[0,1]}},"#);
+        let recipe = SMALL.replacen('{', &head, 1);
+        let digest = run_with_stdin(folder.path(), ["fit", "-"], &recipe).exited(0).last_line().to_owned();
+        let words = ["light", "-", "--model", lobe, "--table", &digest];
+        let printed = run_with_stdin(folder.path(), words, &lights).exited(0);
+        let looked_up =
+            run_with_stdin(folder.path(), ["lookup", "--points", "-", &digest], &(points.join("\n") + "\n")).exited(0);
+        let said = [
+            "3 of 4 points lie outside the table's range and were moved to its nearest end:",
+            "  alpha below 0.25: 2 clamped to 0.25",
+            "  theta above 1: 2 clamped to 1",
+        ];
+        assert_eq!(printed.stderr.lines().collect::<Vec<_>>(), said);
+        assert_eq!(printed.stderr, looked_up.stderr);
+        assert_eq!(rows(&printed.stdout).len(), 4);
+        let printed = run_with_stdin(folder.path(), words.iter().chain(&["--json"]), &lights).exited(0);
+        assert_eq!(printed.stderr, "");
+        let told: Vec<Value> = printed.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+        let clamped: Vec<String> = told.iter().map(|told| told["clamped"].to_string()).collect();
+        assert_eq!(clamped, ["{}", r#"{"alpha":0.25}"#, r#"{"theta":1.0}"#, r#"{"alpha":0.25,"theta":1.0}"#]);
+    }
+    // A closed form has no range.
+    let printed = run_with_stdin(folder.path(), ["light", "-", "--json", "--model", "asg"], &lights).exited(0);
+    assert!(printed.stderr.is_empty() && !printed.stdout.contains("clamped"), "{printed:#?}");
+}
+
 /// A surface and a view, with a light of each shape but polygons.
 const SHAPES: [(&str, &str); 4] = [
     ("disk", "0.5,0.25,0.7,0.3,2,-1,0.2,1.5,0.6,0,0,0,0.4,0.2"),
@@ -156,6 +190,30 @@ fn every_shape_is_lit_by_every_model() {
             .stderr
             .contains("[possible values: polygon, disk")
     );
+}
+
+/// A shaded point in the middle of a polygon, and in the plane of one and within its outline, by every model.
+#[test]
+fn light_refuses_a_shaded_point_within_a_polygon() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let digest = run_with_stdin(folder.path(), ["fit", "-"], SMALL).exited(0).last_line().to_owned();
+    let within = [
+        "0.5,0.5,0.7,0,2,-1,-1,0,-1,1,0,1,1,0,1,-1,0",
+        "0.5,0.5,0.7,0,1,-0.3,-1,-1,-0.3,1,-1,0.6,1,2,0.6,-1,2",
+        "0.5,0.5,0.7,0,2,0,-1,-2,0,-1,1,0,2,1",
+    ];
+    for options in [&[][..], &["--truth"], &["--model", "asg"], &["--model", "ltc", "--table", &digest, "--truth"]] {
+        for line in within {
+            let refused =
+                run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), &format!("{line}\n")).exited(2);
+            let said = ["standard input, line 1: the shaded point lies inside the light"];
+            assert_eq!(refused.complaints(), said, "{line} {options:?}");
+        }
+        // Beside the outline it is seen edge on, and nothing is seen of it.
+        let beside = "0.5,0.5,0.7,0,2,0,1,-2,0,1,1,0,2,1\n";
+        let lit = run_with_stdin(folder.path(), ["light", "-"].iter().chain(options), beside).exited(0);
+        assert!(rows(&lit.stdout)[0].iter().all(|x| x.abs() < 0.01), "{options:?} {}", lit.stdout);
+    }
 }
 
 /// The example of the documentation, as it stands there.

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use super::*;
+use crate::cases::{Draw, Lit, Roughness};
 use ltcforge_fit::math::{cos, direction, exp, sin_cos};
 
 /// Surfaces from the sharpest to the roughest, needles among them.
@@ -325,4 +326,39 @@ fn the_light_of_gaussians_is_as_far_off_as_the_docs_say() {
     println!("sg {sg:.4}, asg {asg:.4}; around the surface's normal {sg_warp:.4}, {asg_warp:.4}");
     println!("{count} lights, of which {:.3} is reflected on average", energy / f64::from(count));
     assert!(asg < 0.053 && asg < asg_warp && sg < 0.078 && sg < sg_warp, "{sg} {asg} {sg_warp} {asg_warp}");
+}
+
+/// The largest difference between the tellings of one scene that is lit from both sides, over several scenes, and the
+/// sum of the light.
+fn between_tellings(scenes: &[Lit], of: impl Fn(&Lit) -> f64) -> (f64, f64) {
+    scenes.iter().fold((0.0, 0.0), |(most, sum), scene| {
+        let energy = of(scene);
+        let off = scene.tellings().map(|told| (of(&told) - energy).abs()).fold(most, f64::max);
+        (off, sum + energy)
+    })
+}
+
+#[test]
+fn a_scene_is_lit_equally_however_it_is_told() {
+    for roughness in [Roughness::All, Roughness::Anisotropic] {
+        // Half of the lights are as large as the sky, with edges that pass behind the lobe.
+        let mut draw = Draw::new(7);
+        let scenes: Vec<Lit> =
+            (0..600).map(|k| draw.lit_by(roughness, if k % 2 == 0 { [0.05, 1.2] } else { [1.0, 8.0] })).collect();
+        for &gaussian in Gaussian::ALL {
+            let wide = |lit: &Lit| {
+                let vertices: Vec<[f64; 3]> = lit.vertices.iter().map(DVec3::to_array).collect();
+                reflected(gaussian, lit.alpha(), lit.wo().to_array(), &vertices, Sides::Two)[0]
+            };
+            let narrow = |lit: &Lit| {
+                let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
+                let (alpha, wo) = (lit.alpha().map(|alpha| alpha as f32), lit.wo().as_vec3().to_array());
+                f64::from(reflected(gaussian, alpha, wo, &vertices, Sides::Two)[0])
+            };
+            let (off, sum) = between_tellings(&scenes, wide);
+            let (off32, _) = between_tellings(&scenes, narrow);
+            println!("{gaussian} {roughness:?}: {off:e} in f64, {off32:e} in f32");
+            assert!(off < 1e-9 && off32 < 2e-4 && sum > 60.0, "{gaussian} {roughness:?}: {off} {off32} {sum}");
+        }
+    }
 }

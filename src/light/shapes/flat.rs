@@ -14,7 +14,7 @@ pub const ELLIPSE_VERTICES: u32 = 32;
 /// `half[0] x half[1]`.
 ///
 /// # Errors
-/// [`LightError::NotFinite`].
+/// Those of [`PolygonLight::new`].
 pub fn rectangle(centre: DVec3, half: [DVec3; 2], sides: Sides) -> Result<PolygonLight, LightError> {
     let [x, y] = half;
     PolygonLight::new(vec![centre - x - y, centre - x + y, centre + x + y, centre + x - y], sides)
@@ -28,7 +28,7 @@ pub fn rectangle(centre: DVec3, half: [DVec3; 2], sides: Sides) -> Result<Polygo
 /// 3.8e-5 and 1.1e-3.
 ///
 /// # Errors
-/// [`LightError::NotFinite`].
+/// Those of [`PolygonLight::new`].
 pub fn ellipse(centre: DVec3, half: [DVec3; 2], sides: Sides) -> Result<PolygonLight, LightError> {
     let step = TAU / f64::from(ELLIPSE_VERTICES);
     // A regular polygon's area over that of its circle is sin(step) / step.
@@ -44,7 +44,8 @@ pub fn ellipse(centre: DVec3, half: [DVec3; 2], sides: Sides) -> Result<PolygonL
 /// The disk around `centre` whose lit side is that of `normal`, of any length; see [`ellipse`].
 ///
 /// # Errors
-/// [`LightError::Length`] for a radius below zero and a normal without a direction, [`LightError::NotFinite`].
+/// [`LightError::Length`] for a radius below zero and a normal without a direction, and those of
+/// [`PolygonLight::new`].
 pub fn disk(centre: DVec3, normal: DVec3, radius: f64, sides: Sides) -> Result<PolygonLight, LightError> {
     check_length("the radius", radius)?;
     let Some(normal) = normal.try_normalize() else {

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::{
     EVERYWHERE, Gaussian, LightError, LightModel, Lighting, RandomLights, ReflectedLight, by_gaussian, by_table,
+    cases::{Draw, Lit, Roughness},
     light_error, rectangle, truth,
 };
 use ltcforge_fit::{
@@ -91,6 +92,25 @@ fn fitted_gaussians_are_nearer_than_closed_forms() {
             light_error(Lighting::Table(&Table { terms: None, ..table }), &lights).err(),
             Some(LightError::NoTerms)
         );
+    }
+}
+
+/// Mirrored scenes and reversed corners, by tables of Gaussians.
+#[test]
+fn a_table_of_gaussians_lights_a_scene_equally_however_it_is_told() {
+    let mut draw = Draw::new(11);
+    let scenes: Vec<Lit> =
+        (0..200).map(|k| draw.lit_by(Roughness::All, if k % 2 == 0 { [0.05, 1.2] } else { [1.0, 8.0] })).collect();
+    for lobe in [LobeModel::Sg, LobeModel::Asg] {
+        let table = fitted(lobe);
+        let energy = |lit: &Lit| by_table(&table, &lit.at, &lit.light(Sides::Two)).expect("a table").energy;
+        let (mut most, mut sum) = (0.0_f64, 0.0);
+        for scene in &scenes {
+            let wanted = energy(scene);
+            most = scene.tellings().map(|told| (energy(&told) - wanted).abs()).fold(most, f64::max);
+            sum += wanted;
+        }
+        assert!(most < 1e-9 && sum > 20.0, "{lobe}: {most:e}, {sum}");
     }
 }
 

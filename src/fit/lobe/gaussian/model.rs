@@ -27,8 +27,8 @@ impl LobeModelRules for GaussianLobeModel {
         let m = from_row_major(numbers);
         let determinant = m.determinant();
         let regular = determinant != 0.0 && determinant.is_finite();
-        let shape = || SphericalGaussian::of_columns(self.0, [m.x_axis, m.y_axis, m.z_axis].map(|v| v.to_array()));
-        regular.then(|| Box::new(AboveHorizon::of(shape())) as Box<dyn LobeDistribution>)
+        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|v| v.to_array());
+        regular.then(|| Box::new(AboveHorizon::of(self.0, columns)) as Box<dyn LobeDistribution>)
     }
 
     fn gaussian(&self) -> Option<Gaussian> {
@@ -48,7 +48,7 @@ impl LobeModelRules for GaussianLobeModel {
     fn relative_to(&self, reflection: &DMat3, matrix: &DMat3) -> DMat3 {
         let columns = |m: &DMat3| [m.x_axis, m.y_axis, m.z_axis].map(|column| column.to_array());
         let area = |shape: &SphericalGaussian<f64>| shape.peak();
-        let own = SphericalGaussian::of_columns(self.0, columns(matrix));
+        let own = SphericalGaussian::along_first(self.0, columns(matrix));
         let with_axis = DMat3::from_cols(reflection.x_axis, reflection.y_axis, own.axis.into());
         if self.0 == Gaussian::Asg || with_axis.determinant() <= 0.0 {
             return *matrix;
@@ -66,6 +66,8 @@ const SECTORS: usize = 256;
 /// A Gaussian cut at the horizon, as a distribution: its part above the horizon integrates to one.
 struct AboveHorizon {
     shape: SphericalGaussian<f64>,
+    /// The same with the axes by which polygons are integrated.
+    over_polygons: SphericalGaussian<f64>,
     deviations: [DVec3; 2],
     /// The part of the distribution above the horizon in the sectors before each edge.
     before: Vec<f64>,
@@ -74,11 +76,13 @@ struct AboveHorizon {
 }
 
 impl AboveHorizon {
-    fn of(shape: SphericalGaussian<f64>) -> Self {
+    fn of(gaussian: Gaussian, columns: [[f64; 3]; 3]) -> Self {
+        let shape = SphericalGaussian::along_first(gaussian, columns);
         let mut found = Self {
             deviations: shape.deviations().map(DVec3::from),
             before: vec![0.0],
             above: above_horizon(&shape).max(f64::MIN_POSITIVE),
+            over_polygons: SphericalGaussian::of_columns(gaussian, columns),
             shape,
         };
         let mut sum = 0.0;
@@ -114,7 +118,7 @@ impl LobeDistribution for AboveHorizon {
 
     fn covered(&self, polygon: &[DVec3]) -> f64 {
         let vertices: Vec<[f64; 3]> = polygon.iter().map(DVec3::to_array).collect();
-        (covered(&self.shape, &vertices, Sides::Two) / self.above).min(1.0)
+        (covered(&self.over_polygons, &vertices, Sides::Two) / self.above).min(1.0)
     }
 
     fn above_horizon(&self) -> f64 {

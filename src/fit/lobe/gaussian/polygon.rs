@@ -138,7 +138,7 @@ fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Trip
     let (start, end) = (along(a), along(b));
     let beyond_foot = |s: T| {
         let change = (end - start) - s * (b[2] - a[2]);
-        let part = if change.abs() < T::of(1e-30) { T::ZERO } else { (s * a[2] - start) / change };
+        let part = if change.abs() < T::of(1e-30) { T::of(0.5) } else { (s * a[2] - start) / change };
         part.max(T::ZERO).min(T::ONE)
     };
     let mixed = |from: T, to: T, share: T| from + (to - from) * share;
@@ -150,8 +150,10 @@ fn around_foot<T: Scalar>(lobe: &SphericalGaussian<T>, from: Triple<T>, to: Trip
     if (a[2] > T::ZERO) != (b[2] > T::ZERO) {
         let behind = -(a[2] / from).min(b[2] / to) / T::of(BEHIND);
         let behind = behind.min(T::ONE);
-        let passing = a[2] / (a[2] - b[2]);
-        parts = [mixed(parts[0], beyond_foot(T::ZERO), behind), mixed(parts[1], passing, behind)];
+        let (foot, passing) = (beyond_foot(T::ZERO), a[2] / (a[2] - b[2]));
+        // In the order in which the edge has them: the foot is on the side that is in front of the axis.
+        let [first, second] = if a[2] > T::ZERO { [foot, passing] } else { [passing, foot] };
+        parts = [mixed(parts[0], first, behind), mixed(parts[1], second, behind)];
     }
     let [t, u] = parts.map(|part| mixed(part, middle, far));
     if t <= u { [t, u] } else { [u, t] }

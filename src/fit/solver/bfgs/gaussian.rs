@@ -90,7 +90,7 @@ impl<'a> Family<'a> {
             z.z = middle.z * exp(moved.z / middle.z);
         }
         let columns = [frame * block.x_axis.extend(0.0), frame * block.y_axis.extend(0.0), z];
-        SphericalGaussian::of_columns(self.gaussian, columns.map(|column| column.to_array()))
+        SphericalGaussian::along_first(self.gaussian, columns.map(|column| column.to_array()))
     }
 
     fn free(&self) -> [bool; VARIABLES] {

@@ -16,6 +16,7 @@ use ltcforge_fit::{
 };
 use ltcforge_light::{
     CosineSpace, Gaussian, LightModel,
+    cases::{Draw, Lit, Roughness},
     gaussians::{self, SgLight},
     normals::{WeightRule, reflected},
 };
@@ -245,6 +246,50 @@ fn the_shader_of_a_gaussian_gives_what_f64_does() {
         lit += usize::from(expected[0] > 0.05);
     }
     assert!(lit > 30, "{lit}");
+}
+
+/// Scenes lit by the shader equally, mirrored and with their corners in any order, and as in f64.
+#[test]
+fn the_shader_of_a_gaussian_lights_a_scene_equally_however_it_is_told() {
+    let wgsl = port(Language::Wgsl, lit_by(LightModel::Asg, None)).expect("WGSL");
+    let wgsl = String::from_utf8(wgsl).expect("UTF-8");
+    let mut draw = Draw::new(7);
+    let scenes: Vec<Lit> = (0..12)
+        .map(|k| draw.lit_by(Roughness::Anisotropic, if k % 2 == 0 { [0.05, 1.2] } else { [1.0, 8.0] }))
+        .collect();
+    for gaussian in Gaussian::ALL {
+        // One of seven: a case takes a submission. Over eight orders, these have them all.
+        let told: Vec<(usize, Lit)> = scenes
+            .iter()
+            .enumerate()
+            .flat_map(|(k, scene)| scene.tellings().step_by(7).map(move |told| (k, told)))
+            .collect();
+        let words: Vec<[f32; 40]> = told
+            .iter()
+            .map(|(_, lit)| {
+                let [alpha_x, alpha_y] = lit.alpha();
+                let given = lit.vertices.clone();
+                let light = ExampleLight { count: 4, given, outline: Vec::new(), size: 0.0 };
+                let mut words = case_words(&Case { alpha_x, alpha_y, wo: lit.wo().to_array() }, &light, true);
+                words[7] = f32::from(*gaussian as u8);
+                words
+            })
+            .collect();
+        let found: Vec<[f32; 4]> = match example::run(&wgsl, "gaussians_example", None, &words) {
+            Ok(found) => found,
+            Err(GpuFailure::Absent(reason)) => return tell_skipped(&reason),
+            Err(error) => panic!("{error}"),
+        };
+        let mut lit = 0;
+        for ((scene, told), [energy, ..]) in told.iter().zip(found) {
+            let outline: Vec<[f64; 3]> = scenes[*scene].vertices.iter().map(DVec3::to_array).collect();
+            let wo = scenes[*scene].wo().to_array();
+            let [wanted, _] = gaussians::reflected(*gaussian, scenes[*scene].alpha(), wo, &outline, Sides::Two);
+            assert!((f64::from(energy) - wanted).abs() < 1e-4, "{gaussian} {told:?}: {energy}, not {wanted}");
+            lit += usize::from(energy > 0.1);
+        }
+        assert!(lit > 40, "{lit}");
+    }
 }
 
 /// The file that lights by a table of Gaussians: by its twin on the CPU, and on the GPU.
