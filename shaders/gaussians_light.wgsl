@@ -214,7 +214,10 @@ fn gaussians_polygon(view: GaussiansView, vertices: array<vec3<f32>, 8>, count: 
     var list = vertices;
     let number = clamp(count, 3u, 8u);
     var outline = gaussians_outline_begin(view, list[number - 1u]);
-    for (var i = 0u; i < number; i++) {
+    for (var i = 0u; i < 8u; i++) {
+        if (i >= number) {
+            break;
+        }
         outline = gaussians_outline_edge(view, outline, list[i]);
     }
     return gaussians_outline_finish(view, outline, two_sided);

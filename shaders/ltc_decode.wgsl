@@ -85,18 +85,21 @@ fn ltc_integer(at: u32, i: u32, lengths: vec4<u32>, model: u32) -> i32 {
         + ltc_before(at, place.z, strides.z) + ltc_before(at, place.w, strides.w);
     let neighbourhood = min(32u - countLeadingZeros(sum), 12u);
     var bits = 0u;
-    while (bits < LTC_MOST_BITS) {
-        if (ltc_bit(model + neighbourhood * LTC_MOST_BITS + bits) == 0u) {
+    for (var bit = 0u; bit < LTC_MOST_BITS; bit++) {
+        if (ltc_bit(model + neighbourhood * LTC_MOST_BITS + bit) == 0u) {
             break;
         }
-        bits++;
+        bits = bit + 1u;
     }
     if (bits == 0u) {
         return 0i;
     }
     var number = 1i;
-    for (var below = bits - 1u; below > 0u; below--) {
-        let is_second = below + 1u == bits;
+    for (var above = 1u; above < LTC_MOST_BITS; above++) {
+        if (above >= bits) {
+            break;
+        }
+        let is_second = above == 1u;
         number = 2i * number + i32(ltc_bit(model + select(LTC_LOW, LTC_SECONDS + bits, is_second)));
     }
     if (ltc_bit(model + LTC_SIGN) == 1u) {
@@ -121,7 +124,10 @@ fn ltc_read() {
         }
     }
     let coefficients = LTC_COUNTS.x * LTC_COUNTS.y * LTC_COUNTS.z * LTC_COUNTS.w;
-    for (var k = 0u; k < LTC_AT_ONCE && next < LTC_STATE; k++) {
+    for (var k = 0u; k < LTC_AT_ONCE; k++) {
+        if (next >= LTC_STATE) {
+            break;
+        }
         let channel = next / LTC_SLOT;
         let within = next % LTC_SLOT;
         let is_correction = within >= coefficients;
@@ -149,7 +155,10 @@ fn ltc_gram(n: u32, count: u32, i: u32) -> array<f32, 28> {
     let t = f32(i) - 0.5 * (nodes - 1.0);
     values[0] = 1.0 / sqrt(nodes);
     var before = 0.0;
-    for (var k = 1u; k < min(count, LTC_MOST_POLYNOMIALS); k++) {
+    for (var k = 1u; k < LTC_MOST_POLYNOMIALS; k++) {
+        if (k >= count) {
+            break;
+        }
         let square = f32(k * k);
         let weight = sqrt(square * (nodes * nodes - square) / (4.0 * (4.0 * square - 1.0)));
         var value = t * values[k - 1u];

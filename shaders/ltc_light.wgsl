@@ -134,7 +134,10 @@ fn ltc_polygon(inverse: LtcInverse, vertices: array<vec3<f32>, 8>, count: u32, t
     var outline = vertices;
     let number = clamp(count, 3u, 8u);
     var clip = ltc_clip_begin(inverse.m * outline[number - 1u]);
-    for (var i = 0u; i < number; i++) {
+    for (var i = 0u; i < 8u; i++) {
+        if (i >= number) {
+            break;
+        }
         clip = ltc_clip_edge(clip, inverse.m * outline[i]);
     }
     return ltc_clip_finish(clip, inverse.side, two_sided);

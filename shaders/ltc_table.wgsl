@@ -75,6 +75,9 @@ struct LtcPlace {
     nearest: f32,
 }
 
+/// How often the most nodes of an axis, 16384, can be halved. A loop without a constant bound may keep a compiler busy for long.
+const LTC_MOST_HALVINGS: u32 = 14u;
+
 /// Where x lies among the `count` ascending nodes of an axis, from `first` on; outside them, at the nearest. The weight is
 /// linear in the variable that the layout says.
 fn ltc_between(axis: u32, first: u32, count: u32, x: f32) -> LtcPlace {
@@ -82,7 +85,10 @@ fn ltc_between(axis: u32, first: u32, count: u32, x: f32) -> LtcPlace {
     var lower = 0u;
     var below = ltc_node(first);
     var span = count;
-    while (span > 1u) {
+    for (var halving = 0u; halving < LTC_MOST_HALVINGS; halving++) {
+        if (span <= 1u) {
+            break;
+        }
         let part = span / 2u;
         let node = ltc_node(first + lower + part);
         lower = select(lower, lower + part, node <= x);

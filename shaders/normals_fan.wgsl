@@ -191,7 +191,10 @@ fn normals_add_setting(view: NormalsView, fan: NormalsFan, sum: NormalsSum, sett
     var added = sum;
     var before = normals_spoke_to_setting(fan, setting.begin);
     var second = vec3(0.0);
-    for (var i = 0u; i < pairs; i++) {
+    for (var i = 0u; i < 8u; i++) {
+        if (i >= pairs) {
+            break;
+        }
         let part = select(i, i / 2u, is_wide);
         let low = select(setting.parts[0], setting.parts[1], part == 1u);
         let high = select(setting.parts[2], setting.parts[3], part == 3u);

@@ -217,4 +217,51 @@ mod tests {
         parts.dedup();
         assert_eq!(SHADERS.len() + parts.len(), texts.count());
     }
+
+    /// Those that only the preview runs: their loops go over what a scene has.
+    const OF_THE_PREVIEW: [&str; 3] = ["ggx_reference", "reference_solids", "sphere"];
+
+    /// Whether a line begins a loop from one constant to another: `for (var i = 0u; i < 8u; i++) {`.
+    fn is_bounded(line: &str) -> bool {
+        let parts = || {
+            let head = line.strip_prefix("for (var ")?.strip_suffix("++) {")?;
+            let (name, rest) = head.split_once(" = ")?;
+            let (from, rest) = rest.split_once("; ")?;
+            let (condition, counted) = rest.split_once("; ")?;
+            let to = condition.strip_prefix(name)?.strip_prefix(" < ")?;
+            Some([from, to].into_iter().all(is_constant) && counted == name)
+        };
+        parts().unwrap_or(false)
+    }
+
+    /// A number, or a constant of the text by its name.
+    fn is_constant(word: &str) -> bool {
+        let is_name = |c: char| c.is_ascii_uppercase() || "_.xyzw".contains(c);
+        word.trim_end_matches('u').parse::<u32>().is_ok() || (word.starts_with("LTC_") && word.chars().all(is_name))
+    }
+
+    /// A loop without a constant bound can keep the compiler of a driver busy for minutes.
+    #[test]
+    fn every_loop_of_an_emitted_shader_has_constant_bounds() {
+        let layouts = Layout::ALL.iter().map(|layout| layout.shader().source);
+        let emitted = SHADERS.iter().filter(|shader| !OF_THE_PREVIEW.contains(&shader.name));
+        let mut loops = 0;
+        for line in emitted.map(|shader| shader.source).chain(layouts).flat_map(str::lines).map(str::trim) {
+            let follows = |rest: &str| rest.starts_with([' ', '(', '{']);
+            let is_loop = ["for", "while", "loop"].iter().any(|word| line.strip_prefix(word).is_some_and(follows));
+            assert!(!is_loop || is_bounded(line), "{line}");
+            loops += u32::from(is_loop);
+        }
+        assert!(loops > 20, "{loops}");
+        for unbounded in [
+            "while (span > 1u) {",
+            "loop {",
+            "for (var i = 0u; i < number; i++) {",
+            "for (var i = first; i < 8u; i++) {",
+            "for (var i = 0u; i < 8u && j < 3u; i++) {",
+            "for (var below = bits - 1u; below > 0u; below--) {",
+        ] {
+            assert!(!is_bounded(unbounded), "{unbounded}");
+        }
+    }
 }

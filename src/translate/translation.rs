@@ -2,6 +2,7 @@
 
 mod cut;
 mod fold;
+mod zeros;
 
 use std::fmt::Display;
 
@@ -171,7 +172,7 @@ fn hlsl(module: &Module, info: &ModuleInfo, entry: &Entry<'_>) -> Result<String,
     let pipeline = hlsl::PipelineOptions { entry_point: Some((entry.stage, entry.name.to_owned())) };
     let mut out = String::new();
     hlsl::Writer::new(&mut out, &options, &pipeline).write(module, info, None).map_err(text)?;
-    Ok(out)
+    Ok(zeros::listed(&out))
 }
 
 fn msl(module: &Module, info: &ModuleInfo, entry: &Entry<'_>) -> Result<String, String> {

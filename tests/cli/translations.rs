@@ -28,22 +28,24 @@ fn assert_sound(output: &Output) {
 }
 
 /// The kinds of shaders: by each layout of tables, and without a table.
-const LIT_BY: [[&str; 2]; 10] = [
-    ["--layout", "kt2022"],
-    ["--layout", "reflected"],
-    ["--layout", "ltc2017"],
-    ["--layout", "ltc2016"],
-    ["--layout", "godot"],
-    ["--layout", "hdrp"],
-    ["--layout", "inverse"],
-    ["--layout", "matrix33"],
-    ["--model", "normals"],
-    ["--model", "asg"],
+const LIT_BY: [&[&str]; 12] = [
+    &["--layout", "kt2022"],
+    &["--layout", "reflected"],
+    &["--layout", "ltc2017"],
+    &["--layout", "ltc2016"],
+    &["--layout", "godot"],
+    &["--layout", "hdrp"],
+    &["--layout", "inverse"],
+    &["--layout", "matrix33"],
+    &["--model", "normals"],
+    &["--model", "asg"],
+    &["--model", "asg", "--layout", "reflected"],
+    &["--model", "sg", "--layout", "kt2022"],
 ];
 
 /// Writes a shader.
-fn write(folder: &Path, language: &str, lit_by: [&str; 2], file: &str) {
-    run(folder, ["shader", "--as", "example", "--language", language, "-o", file].iter().chain(&lit_by)).exited(0);
+fn write(folder: &Path, language: &str, lit_by: &[&str], file: &str) {
+    run(folder, ["shader", "--as", "example", "--language", language, "-o", file].iter().chain(lit_by)).exited(0);
 }
 
 #[test]
@@ -72,6 +74,49 @@ fn glsl_is_what_opengl_takes() {
     }
 }
 
+#[test]
+fn hlsl_is_what_direct3d_takes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    for lit_by in LIT_BY {
+        write(here, "hlsl", lit_by, "ltc.hlsl");
+        let text = fs::read_to_string(here.join("ltc.hlsl")).expect("a shader");
+        let (_, after) = text.split_once("[numthreads(").expect("a compute shader");
+        let entry = after.split_once("void ").and_then(|(_, rest)| rest.split_once('(')).expect("its function").0;
+        let args = ["-D", "-V", "-S", "comp", "-e", entry, "-o", "out.spv", "ltc.hlsl"];
+        let Some(output) = checked("glslang-tools", "glslangValidator", &args, here) else { return };
+        assert_sound(&output);
+        let args = ["--target-env", "vulkan1.0", "out.spv"];
+        let Some(output) = checked("spirv-tools", "spirv-val", &args, here) else { return };
+        assert_sound(&output);
+    }
+}
+
+#[test]
+fn wgsl_is_what_webgpu_takes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (lit_by, form) in LIT_BY.into_iter().flat_map(|lit_by| ["example", "include"].map(|form| (lit_by, form))) {
+        let words = ["shader", "--as", form, "--language", "wgsl", "-o", "ltc.wgsl"];
+        run(folder.path(), words.iter().chain(lit_by)).exited(0);
+        let Some(output) = checked("none; cargo install naga-cli", "naga", &["ltc.wgsl"], folder.path()) else {
+            return;
+        };
+        assert_sound(&output);
+    }
+}
+
+#[test]
+fn msl_is_what_metal_takes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (lit_by, form) in LIT_BY.into_iter().flat_map(|lit_by| ["example", "include"].map(|form| (lit_by, form))) {
+        let words = ["shader", "--as", form, "--language", "msl", "-o", "ltc.metal"];
+        run(folder.path(), words.iter().chain(lit_by)).exited(0);
+        let args = ["-sdk", "macosx", "metal", "-std=macos-metal2.0", "-c", "ltc.metal", "-o", "ltc.air"];
+        let Some(output) = checked("none; Xcode has it", "xcrun", &args, folder.path()) else { return };
+        assert_sound(&output);
+    }
+}
+
 /// Programs that call what is included, as a renderer's own shader does.
 const TABLE_CALL: &str = "
     LtcLobe lobe = ltc_lookup(0.4, 0.2, normalize(vec3(place, 1.0)));
@@ -86,6 +131,12 @@ const NORMALS_CALL: &str = "
 ";
 const GAUSSIANS_CALL: &str = "
     GaussiansView view = gaussians_view(1u, 0.4, 0.2, normalize(vec3(place, 1.0)));
+    vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
+    colour = vec4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
+";
+
+const GAUSSIANS_TABLE_CALL: &str = "
+    GaussiansView view = gaussians_lookup(1u, 0.4, 0.2, normalize(vec3(place, 1.0)));
     vec3 corners[4] = vec3[4](vec3(-1, -1, 1), vec3(-1, 1, 1), vec3(1, 1, 1), vec3(1, -1, 1));
     colour = vec4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
 ";
@@ -108,15 +159,22 @@ const GAUSSIANS_CALL_HLSL: &str = "
     return float4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
 ";
 
+const GAUSSIANS_TABLE_CALL_HLSL: &str = "
+    GaussiansView view = gaussians_lookup(1u, 0.4, 0.2, normalize(float3(place, 1.0)));
+    float3 corners[4] = { float3(-1, -1, 1), float3(-1, 1, 1), float3(1, 1, 1), float3(1, -1, 1) };
+    return float4(gaussians_rectangle(view, corners, true), gaussians_sg(view, normalize(corners[0]), 20.0, 1.0));
+";
+
 /// Ways to read a table.
 const READINGS: [&[&str]; 4] =
     [&[], &["--hardware-filter"], &["--texture-array"], &["--hardware-filter", "--texture-array"]];
 
 /// The call for what a shader lights by, in GLSL and in HLSL.
-fn calls_of(lit_by: [&str; 2]) -> [&'static str; 2] {
+fn calls_of(lit_by: &[&str]) -> [&'static str; 2] {
     match lit_by {
         ["--layout", _] => [TABLE_CALL, TABLE_CALL_HLSL],
         [_, "normals"] => [NORMALS_CALL, NORMALS_CALL_HLSL],
+        [_, _, "--layout", _] => [GAUSSIANS_TABLE_CALL, GAUSSIANS_TABLE_CALL_HLSL],
         _ => [GAUSSIANS_CALL, GAUSSIANS_CALL_HLSL],
     }
 }
@@ -125,9 +183,10 @@ fn calls_of(lit_by: [&str; 2]) -> [&'static str; 2] {
 fn hlsl_that_is_included_compiles_within_a_pixel_shader() {
     let folder = tempfile::tempdir().expect("a folder");
     for lit_by in LIT_BY {
-        let is_table = lit_by[0] == "--layout";
-        for reading in if is_table { &READINGS[..] } else { &[&[] as &[&str]] } {
-            let arguments = ["shader", "--language", "hlsl"].into_iter().chain(lit_by).chain(reading.iter().copied());
+        let is_table = lit_by.contains(&"--layout");
+        for reading in if is_table { &READINGS[..] } else { &READINGS[..1] } {
+            let words = ["shader", "--language", "hlsl"];
+            let arguments = words.iter().chain(lit_by).chain(*reading);
             let functions = run(folder.path(), arguments).exited(0).stdout;
             let [_, call] = calls_of(lit_by);
             let whole = format!("{functions}\nfloat4 main(float2 place : TEXCOORD0) : SV_Target {{{call}}}\n");
@@ -190,7 +249,7 @@ fn several_lights_compile_in_one_shader() {
         ("hlsl", "", hlsl),
     ] {
         let functions = together(folder.path(), language);
-        let call = |lit_by| calls_of(lit_by)[usize::from(language == "hlsl")];
+        let call = |lit_by: [&str; 2]| calls_of(&lit_by)[usize::from(language == "hlsl")];
         let [table, normals, gaussians] = [["--layout", ""], ["--model", "normals"], ["--model", "sg"]].map(call);
         let iso = table.replace("ltc_", "iso_").replace("Ltc", "Iso");
         let calls = [table, &iso, normals, gaussians];
@@ -232,11 +291,11 @@ fn what_is_included_compiles_within_a_fragment_shader() {
         ("glsl-es", "#version 300 es", &[]),
     ];
     for lit_by in LIT_BY {
-        let is_table = lit_by[0] == "--layout";
-        for reading in if is_table { &READINGS[..] } else { &[&[] as &[&str]] } {
+        let is_table = lit_by.contains(&"--layout");
+        for reading in if is_table { &READINGS[..] } else { &READINGS[..1] } {
             for (language, version, args) in versions {
-                let arguments =
-                    ["shader", "--language", language].into_iter().chain(lit_by).chain(reading.iter().copied());
+                let words = ["shader", "--language", language];
+                let arguments = words.iter().chain(lit_by).chain(*reading);
                 let functions = run(folder.path(), arguments).exited(0).stdout;
                 let precision = if language == "glsl-es" { "precision highp float;\nprecision highp int;" } else { "" };
                 let ends = if version.contains("450") { ["layout(location = 0) "; 2] } else { [""; 2] };

@@ -55,25 +55,13 @@ fn loose_uniform(line: &str) -> Option<String> {
     (before.is_empty() || before.starts_with("layout(std140")).then(|| format!("uniform {member}"))
 }
 
-/// naga reaches samplers by way of a heap, since HLSL has no array of them by binding. Its zeros of arrays are casts,
-/// which glslang does not take.
+/// naga reaches samplers by way of a heap, since HLSL has no array of them by binding.
 fn hlsl_line(bound: Bound, line: &str) -> Option<String> {
-    if let Some(listed) = listed_zeros(line) {
-        return Some(listed);
-    }
     let is_heap = line.contains("nagaSamplerHeap") || line.contains("nagaComparisonSamplerHeap");
     if line.starts_with("static const SamplerState ltc_sampler") {
         return Some(format!("SamplerState ltc_sampler : register(s{});", names(bound).len()));
     }
     (!is_heap && !line.contains("SamplerIndexArray")).then(|| line.to_owned())
-}
-
-/// `T name[N] = (T[N])0;` with its zeros in a list.
-fn listed_zeros(line: &str) -> Option<String> {
-    let (declaration, cast) = line.split_once(" = (")?;
-    let (kind, rest) = cast.split_once('[')?;
-    let count: usize = rest.strip_suffix("])0;")?.parse().ok()?;
-    Some(format!("{declaration} = {{ {} }};", vec![format!("({kind})0"); count].join(", ")))
 }
 
 /// naga numbers the bindings of OpenGL.
@@ -82,18 +70,4 @@ fn named(bound: Bound, text: &str) -> String {
         .iter()
         .enumerate()
         .fold(text.to_owned(), |text, (binding, name)| text.replace(&format!("_group_0_binding_{binding}_fs"), name))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn zeros_of_an_array_are_listed_and_other_lines_stay() {
-        let listed = hlsl_line(Bound::Volumes, "    float3 outline[3] = (float3[3])0;");
-        assert_eq!(listed.as_deref(), Some("    float3 outline[3] = { (float3)0, (float3)0, (float3)0 };"));
-        for line in ["    LtcFold fold = (LtcFold)0;", "    float x = (a[1])*2.0;", "    uint y = (b[2] + c[0]);"] {
-            assert_eq!(hlsl_line(Bound::Volumes, line).as_deref(), Some(line));
-        }
-    }
 }
