@@ -757,50 +757,54 @@ NormalsSum normals_add_setting(NormalsView view_21, NormalsFan fan_9, NormalsSum
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e99 = i_5;
-            i_5 = (_e99 + 1u);
+            uint _e102 = i_5;
+            i_5 = (_e102 + 1u);
         }
         loop_init = false;
         uint _e31 = i_5;
-        if ((_e31 < pairs)) {
+        if ((_e31 < 8u)) {
         } else {
             break;
         }
         {
-            uint _e33 = i_5;
             uint _e34 = i_5;
-            uint part_1 = (is_wide ? (_e34 / 2u) : _e33);
+            if ((_e34 >= pairs)) {
+                break;
+            }
+            uint _e36 = i_5;
+            uint _e37 = i_5;
+            uint part_1 = (is_wide ? (_e37 / 2u) : _e36);
             vec3 low_1 = ((part_1 == 1u) ? setting_2.parts[1] : setting_2.parts[0]);
             vec3 high_1 = ((part_1 == 3u) ? setting_2.parts[3] : setting_2.parts[2]);
             vec3 whole_2 = ((part_1 >= 2u) ? high_1 : low_1);
-            uint _e55 = i_5;
-            bool is_second_2 = ((_e55 % 2u) == 1u);
-            uint _e60 = i_5;
-            float t_2 = float(_e60);
-            vec3 _e67 = normals_on_setting(setting_2, (step_ * (t_2 + (is_second_2 ? to_middle : (1.0 - to_middle)))));
-            vec3 _e71 = normals_on_setting(setting_2, (step_ * (t_2 + 1.0)));
-            vec3 _e75 = normals_on_setting(setting_2, (step_ * (t_2 + 2.0)));
-            vec3 _e77 = before_1.c;
-            mat2x3 _e78 = normals_shared(_e77, _e71, _e75, whole_2);
-            vec3 _e80 = second_4;
-            vec3 half_ = (is_second_2 ? _e80 : _e78[0]);
-            second_4 = _e78[1];
-            vec3 _e84 = before_1.c;
-            mat2x3 _e86 = normals_shared(_e84, _e67, _e71, (is_wide ? half_ : whole_2));
-            NormalsSpoke _e87 = normals_spoke_to_setting(fan_9, _e67);
-            NormalsSpoke _e88 = normals_spoke_to_setting(fan_9, _e71);
-            NormalsSum _e89 = added;
-            NormalsSpoke _e90 = before_1;
-            NormalsSum _e93 = normals_add_on_setting(view_21, fan_9, _e89, _e90, _e87, _e86[0], setting_2.share);
-            added = _e93;
-            NormalsSum _e94 = added;
-            NormalsSum _e97 = normals_add_on_setting(view_21, fan_9, _e94, _e87, _e88, _e86[1], setting_2.share);
-            added = _e97;
-            before_1 = _e88;
+            uint _e58 = i_5;
+            bool is_second_2 = ((_e58 % 2u) == 1u);
+            uint _e63 = i_5;
+            float t_2 = float(_e63);
+            vec3 _e70 = normals_on_setting(setting_2, (step_ * (t_2 + (is_second_2 ? to_middle : (1.0 - to_middle)))));
+            vec3 _e74 = normals_on_setting(setting_2, (step_ * (t_2 + 1.0)));
+            vec3 _e78 = normals_on_setting(setting_2, (step_ * (t_2 + 2.0)));
+            vec3 _e80 = before_1.c;
+            mat2x3 _e81 = normals_shared(_e80, _e74, _e78, whole_2);
+            vec3 _e83 = second_4;
+            vec3 half_ = (is_second_2 ? _e83 : _e81[0]);
+            second_4 = _e81[1];
+            vec3 _e87 = before_1.c;
+            mat2x3 _e89 = normals_shared(_e87, _e70, _e74, (is_wide ? half_ : whole_2));
+            NormalsSpoke _e90 = normals_spoke_to_setting(fan_9, _e70);
+            NormalsSpoke _e91 = normals_spoke_to_setting(fan_9, _e74);
+            NormalsSum _e92 = added;
+            NormalsSpoke _e93 = before_1;
+            NormalsSum _e96 = normals_add_on_setting(view_21, fan_9, _e92, _e93, _e90, _e89[0], setting_2.share);
+            added = _e96;
+            NormalsSum _e97 = added;
+            NormalsSum _e100 = normals_add_on_setting(view_21, fan_9, _e97, _e90, _e91, _e89[1], setting_2.share);
+            added = _e100;
+            before_1 = _e91;
         }
     }
-    NormalsSum _e101 = added;
-    return _e101;
+    NormalsSum _e104 = added;
+    return _e104;
 }
 
 vec2 normals_total(NormalsFan fan_10, NormalsSum sum_6, float seen) {

@@ -100,6 +100,7 @@ struct LtcClip {
     vec3 ahead;
 };
 const float LTC_LEAST_ALPHA = 1e-5;
+const uint LTC_MOST_HALVINGS = 14u;
 const bool LTC_CHEAP_HORIZON = false;
 const bool ltc_hardware_filter = false;
 
@@ -182,41 +183,52 @@ LtcPlace ltc_between(uint axis_1, uint first, uint count, float x_2) {
     uint lower = 0u;
     float below = 0.0;
     uint span = 0u;
+    uint halving = 0u;
     float _e6 = ltc_node(first);
     below = _e6;
     span = count;
+    bool loop_init = true;
     while(true) {
-        uint _e9 = span;
-        if ((_e9 > 1u)) {
+        if (!loop_init) {
+            uint _e35 = halving;
+            halving = (_e35 + 1u);
+        }
+        loop_init = false;
+        uint _e11 = halving;
+        if ((_e11 < LTC_MOST_HALVINGS)) {
         } else {
             break;
         }
         {
-            uint _e12 = span;
-            uint part = (_e12 / 2u);
-            uint _e15 = lower;
-            float _e18 = ltc_node(((first + _e15) + part));
-            uint _e19 = lower;
+            uint _e14 = span;
+            if ((_e14 <= 1u)) {
+                break;
+            }
+            uint _e17 = span;
+            uint part = (_e17 / 2u);
             uint _e20 = lower;
-            lower = ((_e18 <= x_2) ? (_e20 + part) : _e19);
-            float _e24 = below;
-            below = ((_e18 <= x_2) ? _e18 : _e24);
-            uint _e27 = span;
-            span = (_e27 - part);
+            float _e23 = ltc_node(((first + _e20) + part));
+            uint _e24 = lower;
+            uint _e25 = lower;
+            lower = ((_e23 <= x_2) ? (_e25 + part) : _e24);
+            float _e29 = below;
+            below = ((_e23 <= x_2) ? _e23 : _e29);
+            uint _e32 = span;
+            span = (_e32 - part);
         }
     }
-    uint _e29 = lower;
-    float _e36 = ltc_node((first + min((_e29 + 1u), (count - 1u))));
-    float _e37 = below;
-    float nearest = clamp(x_2, _e37, _e36);
-    float _e39 = below;
-    float _e40 = ltc_even(axis_1, _e39);
-    float _e41 = ltc_even(axis_1, _e36);
-    float step_ = (_e41 - _e40);
-    uint _e43 = lower;
-    float _e44 = ltc_even(axis_1, nearest);
+    uint _e37 = lower;
+    float _e44 = ltc_node((first + min((_e37 + 1u), (count - 1u))));
+    float _e45 = below;
+    float nearest = clamp(x_2, _e45, _e44);
     float _e47 = below;
-    return LtcPlace(_e43, ((_e36 > _e47) ? ((_e44 - _e40) / step_) : 0.0), nearest);
+    float _e48 = ltc_even(axis_1, _e47);
+    float _e49 = ltc_even(axis_1, _e44);
+    float step_ = (_e49 - _e48);
+    uint _e51 = lower;
+    float _e52 = ltc_even(axis_1, nearest);
+    float _e55 = below;
+    return LtcPlace(_e51, ((_e44 > _e55) ? ((_e52 - _e48) / step_) : 0.0), nearest);
 }
 
 LtcTexels ltc_fetch_weighed(LtcPlace alpha, LtcPlace ratio, LtcPlace theta, LtcPlace phi) {
@@ -226,13 +238,13 @@ LtcTexels ltc_fetch_weighed(LtcPlace alpha, LtcPlace ratio, LtcPlace theta, LtcP
     uvec4 last = (_e14 - uvec4(1u));
     uvec4 lower_1 = uvec4(alpha.lower, ratio.lower, theta.lower, phi.lower);
     vec4 upper = vec4(alpha.weight, ratio.weight, theta.weight, phi.weight);
-    bool loop_init = true;
+    bool loop_init_1 = true;
     while(true) {
-        if (!loop_init) {
+        if (!loop_init_1) {
             uint _e88 = corner;
             corner = (_e88 + 1u);
         }
-        loop_init = false;
+        loop_init_1 = false;
         uint _e30 = corner;
         if ((_e30 < 16u)) {
         } else {
@@ -503,27 +515,31 @@ float ltc_polygon(LtcInverse inverse_1, vec3 vertices_1[8], uint count_1, bool t
     vec3 _e12 = outline[(number - 1u)];
     LtcClip _e14 = ltc_clip_begin((inverse_1.m * _e12));
     clip_3 = _e14;
-    bool loop_init_1 = true;
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_1) {
-            uint _e28 = i;
-            i = (_e28 + 1u);
+        if (!loop_init_2) {
+            uint _e31 = i;
+            i = (_e31 + 1u);
         }
-        loop_init_1 = false;
+        loop_init_2 = false;
         uint _e18 = i;
-        if ((_e18 < number)) {
+        if ((_e18 < 8u)) {
         } else {
             break;
         }
         {
-            LtcClip _e20 = clip_3;
-            uint _e22 = i;
-            vec3 _e24 = outline[_e22];
-            LtcClip _e26 = ltc_clip_edge(_e20, (inverse_1.m * _e24));
-            clip_3 = _e26;
+            uint _e21 = i;
+            if ((_e21 >= number)) {
+                break;
+            }
+            LtcClip _e23 = clip_3;
+            uint _e25 = i;
+            vec3 _e27 = outline[_e25];
+            LtcClip _e29 = ltc_clip_edge(_e23, (inverse_1.m * _e27));
+            clip_3 = _e29;
         }
     }
-    LtcClip _e30 = clip_3;
-    float _e32 = ltc_clip_finish(_e30, inverse_1.side, two_sided_2);
-    return _e32;
+    LtcClip _e33 = clip_3;
+    float _e35 = ltc_clip_finish(_e33, inverse_1.side, two_sided_2);
+    return _e35;
 }
