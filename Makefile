@@ -84,18 +84,20 @@ test: packages browser cluster
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-units test-suites
 	@$(MAKE) --no-print-directory -j2 --output-sync=target test-native
 
+# Beside another cargo: it would look for the jobs of make.
+CARGO_BESIDE = env -u MAKEFLAGS $(CARGO)
 test-units:
-	$(CARGO) test --locked --workspace --lib --bins
+	$(CARGO_BESIDE) test --locked --workspace --lib --bins
 test-suites:
-	$(CARGO) test --locked --workspace --test '*'
-	$(CARGO) test --locked --workspace --doc
+	$(CARGO_BESIDE) test --locked --workspace --test '*'
+	$(CARGO_BESIDE) test --locked --workspace --doc
 
 # The pinned bytes again, by the core alone, compiled for this machine's own processor, and for one with AVX2 and no AVX-512.
 # Each in a folder of its own, so that both are compiled at once: a chain of few crates does not fill two cores.
 NATIVE_CPUS := native $(if $(filter x86_64,$(shell uname -m)),$(shell grep -qw avx2 /proc/cpuinfo && echo x86-64-v3))
 test-native: $(addprefix test-for-,$(NATIVE_CPUS))
 test-for-%:
-	CARGO_TARGET_DIR=$(NATIVE_TARGET)/$* RUSTFLAGS="-C target-cpu=$*" $(CARGO) test --locked -p ltcforge-library-test
+	CARGO_TARGET_DIR=$(NATIVE_TARGET)/$* RUSTFLAGS="-C target-cpu=$*" $(CARGO_BESIDE) test --locked -p ltcforge-library-test
 
 # One pass over the workspace, and the core alone, which the rest must not hide. There are no examples: asked for them, cargo
 # takes the features that tests need too, so that the docs use what clippy has checked rather than check it all again.
