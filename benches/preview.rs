@@ -14,7 +14,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ltcforge::{
     files::recipe_document::{self, DEFAULT_ENTRY_LIMIT},
     fit::{Plan, Table, assemble, fit_shard},
-    light::{LightModel, normals::WeightRule},
+    light::{LightModel, normals::NormalsRule},
     view::preview::{
         Adapter, Light, LightKind, Material, Mode, Preview, Scene, ShaderTable, TexelFormat, Variant, Weights,
     },
@@ -73,10 +73,10 @@ fn frames(_: &mut Criterion) {
         ("ltc, weights by the sampler", weights(Weights::Sampler), &single, ltc.clone()),
         ("ltc, lookup replaced by a constant", variant(constant), &single, ltc.clone()),
         ("ltc, eight edges", usual(), &single, octagon(ltc.clone())),
-        ("normals, weight fan", usual(), &single, normals(WeightRule::Fan)),
-        ("normals, weight mean", usual(), &single, normals(WeightRule::Mean)),
-        ("normals, weight fine", usual(), &single, normals(WeightRule::Fine)),
-        ("normals, eight edges", usual(), &single, octagon(normals(WeightRule::Fan))),
+        ("normals, weight fan", usual(), &single, normals(NormalsRule::Balanced)),
+        ("normals, weight mean", usual(), &single, normals(NormalsRule::Fast)),
+        ("normals, weight fine", usual(), &single, normals(NormalsRule::Fine)),
+        ("normals, eight edges", usual(), &single, octagon(normals(NormalsRule::Balanced))),
         ("sg", usual(), &single, by(LightModel::Sg)),
         ("asg", usual(), &single, by(LightModel::Asg)),
         ("asg, eight edges", usual(), &single, octagon(by(LightModel::Asg))),

@@ -36,20 +36,30 @@ pub const LTC_TABLE: &str = include_str!("ltc_table.wgsl");
 pub const NODES_STORAGE: &str = include_str!("nodes_storage.wgsl");
 /// `nodes_uniform.wgsl`.
 pub const NODES_UNIFORM: &str = include_str!("nodes_uniform.wgsl");
-/// `normals_corner.wgsl`.
-pub const NORMALS_CORNER: &str = include_str!("normals_corner.wgsl");
+/// `normals_arcs.wgsl`.
+pub const NORMALS_ARCS: &str = include_str!("normals_arcs.wgsl");
+/// `normals_arcs_rough.wgsl`.
+pub const NORMALS_ARCS_ROUGH: &str = include_str!("normals_arcs_rough.wgsl");
+/// `normals_balanced.wgsl`.
+pub const NORMALS_BALANCED: &str = include_str!("normals_balanced.wgsl");
+/// `normals_disk.wgsl`.
+pub const NORMALS_DISK: &str = include_str!("normals_disk.wgsl");
 /// `normals_edge.wgsl`.
 pub const NORMALS_EDGE: &str = include_str!("normals_edge.wgsl");
 /// `normals_example.wgsl`.
 pub const NORMALS_EXAMPLE: &str = include_str!("normals_example.wgsl");
-/// `normals_fan.wgsl`.
-pub const NORMALS_FAN: &str = include_str!("normals_fan.wgsl");
-/// `normals_light.wgsl`.
-pub const NORMALS_LIGHT: &str = include_str!("normals_light.wgsl");
-/// `normals_outline.wgsl`.
-pub const NORMALS_OUTLINE: &str = include_str!("normals_outline.wgsl");
-/// `normals_weight.wgsl`.
-pub const NORMALS_WEIGHT: &str = include_str!("normals_weight.wgsl");
+/// `normals_fast.wgsl`.
+pub const NORMALS_FAST: &str = include_str!("normals_fast.wgsl");
+/// `normals_fine.wgsl`.
+pub const NORMALS_FINE: &str = include_str!("normals_fine.wgsl");
+/// `normals_network_balanced.wgsl`.
+pub const NORMALS_NETWORK_BALANCED: &str = include_str!("normals_network_balanced.wgsl");
+/// `normals_network_fast.wgsl`.
+pub const NORMALS_NETWORK_FAST: &str = include_str!("normals_network_fast.wgsl");
+/// `normals_network_fine.wgsl`.
+pub const NORMALS_NETWORK_FINE: &str = include_str!("normals_network_fine.wgsl");
+/// `normals_view.wgsl`.
+pub const NORMALS_VIEW: &str = include_str!("normals_view.wgsl");
 /// `reference_solids.wgsl`.
 pub const REFERENCE_SOLIDS: &str = include_str!("reference_solids.wgsl");
 /// `sphere.wgsl`.

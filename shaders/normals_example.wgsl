@@ -1,11 +1,10 @@
-// Lights one surface by one light, without a table. It shows how to call normals_light.wgsl, and checks a port. Needs
-// ltc_math.wgsl and normals_light.wgsl. Replace it by your own; NormalsExample* go with it.
+// Lights one surface by one light, without a table. It shows how to call a rule's functions, and checks a port. Replace it by
+// your own; NormalsExample* go with it.
 
 struct NormalsExampleCase {
     /// View direction in the tangent frame, of unit length. w: alpha_x.
     wo: vec4<f32>,
-    /// x: alpha_y. y: how many vertices the light has, 3 to 8; 0 for a disk. z: 1 if it is lit from both sides. w: how the
-    /// weight is averaged, 0 for NORMALS_FAN.
+    /// x: alpha_y. y: how many vertices the light has, 3 to 8; 0 for a disk. z: 1 if it is lit from both sides.
     light: vec4<f32>,
     /// xyz: the vertices around the shaded point, in the tangent frame; of a disk centre and half axes.
     vertices: array<vec4<f32>, 8>,
@@ -20,19 +19,18 @@ fn normals_example() {
     let view = normals_view(normals_case.wo.w, normals_case.light.x, normals_case.wo.xyz);
     let count = u32(normals_case.light.y);
     let two_sided = normals_case.light.z == 1.0;
-    let rule = u32(normals_case.light.w);
     var vertices: array<vec3<f32>, 8>;
     for (var i = 0u; i < 8u; i++) {
         vertices[i] = normals_case.vertices[i].xyz;
     }
     var parts: vec2<f32>;
     if (count == 0u) {
-        parts = normals_disk(view, vertices[0], vertices[1], vertices[2], two_sided, rule);
+        parts = normals_disk(view, vertices[0], vertices[1], vertices[2], two_sided);
     } else if (count == 4u) {
         let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
-        parts = normals_rectangle(view, corners, two_sided, rule);
+        parts = normals_rectangle(view, corners, two_sided);
     } else {
-        parts = normals_polygon(view, &vertices, count, two_sided, rule);
+        parts = normals_polygon(view, &vertices, count, two_sided);
     }
     // Light of radiance L: L (f0 (parts.x - parts.y) + f90 parts.y).
     normals_result = vec4(parts, 0.0, 0.0);

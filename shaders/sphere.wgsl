@@ -30,9 +30,8 @@ struct Scene {
 
 /// Puts a constant in place of the table, to measure what a lookup costs.
 override lookup_is_constant: bool = false;
-/// How model normals averages its weight, which Gaussian lights and whether a table has it, and whether the light of these
-/// models has other than four vertices. These are constants of the pipeline, since software drivers run both sides of a branch.
-override normals_rule: u32 = 0u;
+/// Which Gaussian lights and whether a table has it, and whether the light of models without a table is other than a
+/// rectangle. These are constants of the pipeline, since software drivers run both sides of a branch.
 override gaussian: u32 = 0u;
 override gaussian_is_fitted: bool = false;
 override light_is_polygon: bool = true;
@@ -169,15 +168,40 @@ fn outline_of(at: Shaded) -> array<vec3<f32>, 8> {
     return vertices;
 }
 
-/// Radiance towards the eye, by the closed form in the space of normals.
-fn shade_by_normals(at: Shaded) -> vec3<f32> {
+/// Radiance towards the eye, by model normals, rule balanced.
+fn shade_by_balanced(at: Shaded) -> vec3<f32> {
     var vertices = outline_of(at);
-    let view = normals_view(at.alpha.x, at.alpha.y, at.wo);
+    let view = balanced_view(at.alpha.x, at.alpha.y, at.wo);
     let two_sided = light.options.y == 1u;
     if (light_is_polygon) {
-        return reflected(normals_polygon(view, &vertices, light.options.x, two_sided, normals_rule));
+        return reflected(balanced_polygon(view, &vertices, light.options.x, two_sided));
     }
-    return reflected(normals_polygon(view, &vertices, 4u, two_sided, normals_rule));
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    return reflected(balanced_rectangle(view, corners, two_sided));
+}
+
+/// Radiance towards the eye, by model normals, rule fast.
+fn shade_by_fast(at: Shaded) -> vec3<f32> {
+    var vertices = outline_of(at);
+    let view = fast_view(at.alpha.x, at.alpha.y, at.wo);
+    let two_sided = light.options.y == 1u;
+    if (light_is_polygon) {
+        return reflected(fast_polygon(view, &vertices, light.options.x, two_sided));
+    }
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    return reflected(fast_rectangle(view, corners, two_sided));
+}
+
+/// Radiance towards the eye, by model normals, rule fine.
+fn shade_by_fine(at: Shaded) -> vec3<f32> {
+    var vertices = outline_of(at);
+    let view = fine_view(at.alpha.x, at.alpha.y, at.wo);
+    let two_sided = light.options.y == 1u;
+    if (light_is_polygon) {
+        return reflected(fine_polygon(view, &vertices, light.options.x, two_sided));
+    }
+    let corners = array<vec3<f32>, 4>(vertices[0], vertices[1], vertices[2], vertices[3]);
+    return reflected(fine_rectangle(view, corners, two_sided));
 }
 
 /// Radiance towards the eye, by a Gaussian.
@@ -237,7 +261,7 @@ fn surface_by_table(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invo
 }
 
 @compute @workgroup_size(8, 8)
-fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+fn surface_by_balanced(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
     let pixel = pixel_of(group, local);
     if (any(pixel >= vec2(scene.options.x))) {
         return;
@@ -245,7 +269,35 @@ fn surface_by_normals(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_in
     let seen = see(place_of(pixel));
     var radiance = scene.background.xyz;
     if (seen.coverage > 0.0) {
-        radiance = mix(radiance, shade_by_normals(seen.at), seen.coverage);
+        radiance = mix(radiance, shade_by_balanced(seen.at), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_fast(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_fast(seen.at), seen.coverage);
+    }
+    write(pixel, radiance);
+}
+
+@compute @workgroup_size(8, 8)
+fn surface_by_fine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
+    let pixel = pixel_of(group, local);
+    if (any(pixel >= vec2(scene.options.x))) {
+        return;
+    }
+    let seen = see(place_of(pixel));
+    var radiance = scene.background.xyz;
+    if (seen.coverage > 0.0) {
+        radiance = mix(radiance, shade_by_fine(seen.at), seen.coverage);
     }
     write(pixel, radiance);
 }

@@ -24,7 +24,7 @@ pub(super) fn run(args: &LightArgs, json: bool, context: &mut Context<'_>) -> Re
     let chosen = choose(args)?;
     let table = chosen.as_ref().map(|chosen| &chosen.table);
     let lighting = table.map(Lighting::Table);
-    let formula = args.model.closed_form(args.weight).map(Lighting::ClosedForm);
+    let formula = args.model.closed_form(args.rule).map(Lighting::ClosedForm);
     let lighting = lighting.or(formula).ok_or_else(|| needs_table(args.model))?;
     let brdf = table.map_or(BrdfKind::Ggx.into(), |table| table.model().clone());
     let lines = CsvLines::open(&args.cases, "lights")?;
@@ -73,12 +73,13 @@ fn choose(args: &LightArgs) -> Result<Option<AnyTable>, CommandFailure> {
     if args.table.is_none() && model.needs_table() {
         return Err(needs_table(model));
     }
-    if args.weight.is_some() && model.weights().is_empty() {
-        let weighed = LightModel::names_of(|other| !other.weights().is_empty());
-        let is_alike = |other: LightModel| other.weights().is_empty() && other.needs_table() == model.needs_table();
+    if args.rule.is_some() && model.rule_choices().is_empty() {
+        let ruled = LightModel::names_of(|other| !other.rule_choices().is_empty());
+        let is_alike =
+            |other: LightModel| other.rule_choices().is_empty() && other.needs_table() == model.needs_table();
         let alike = LightModel::names_of(is_alike);
         let has = if alike == model.name() { format!("model {model} has") } else { format!("models {alike} have") };
-        return usage(format!("--weight is of model {weighed}; {has} one rule"));
+        return usage(format!("--rule is of model {ruled}; {has} one rule"));
     }
     let Some(name) = &args.table else { return Ok(None) };
     let chosen = AnyTable::named(name, &args.folder)?;

@@ -10,7 +10,7 @@ use super::{
     print, shown, tabulated,
 };
 use ltcforge_fit::BrdfKind;
-use ltcforge_light::WeightRule;
+use ltcforge_light::NormalsRule;
 use ltcforge_view::{
     picture::Picture,
     plots::{ErrorSlice, GlassError, IsotropicFigure, NamedTable, Plot, frosted_glass, gaussian_plots, light_errors},
@@ -69,9 +69,9 @@ fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailur
         PlotName::Light => {
             if let Some(any) = read {
                 tabulated::check_complete(&any.table, &any.path)?;
-                if args.weight.is_some() && any.table.brdf != BrdfKind::Ggx {
+                if args.rule.is_some() && any.table.brdf != BrdfKind::Ggx {
                     let message = format!(
-                        "{}: --weight is of model normals, which is of brdf ggx and not drawn beside brdf {}: leave it out",
+                        "{}: --rule is of model normals, which is of brdf ggx and not drawn beside brdf {}: leave it out",
                         any.path.display(),
                         any.table.brdf()
                     );
@@ -80,7 +80,7 @@ fn draw(args: &PlotArgs, read: Option<&AnyTable>) -> Result<Drawn, CommandFailur
             }
             let named =
                 read.map(|AnyTable { table, origin, .. }| NamedTable { table, digest: &digest, range: origin.range() });
-            light_errors(named, args.weight.unwrap_or(WeightRule::ALL[0]), args.lights.unwrap_or(LIGHTS) as usize)
+            light_errors(named, args.rule.unwrap_or(NormalsRule::ALL[0]), args.lights.unwrap_or(LIGHTS) as usize)
                 .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?
         }
         PlotName::Gaussians => gaussian_plots(args.lights.unwrap_or(CURVE_LIGHTS) as usize)
@@ -106,8 +106,8 @@ fn check_options(args: &PlotArgs) -> Result<(), CommandFailure> {
         (PlotName::Gaussians, Some(_)) => refused("gaussians shows no table; leave it out"),
         (PlotName::Isotropic, Some(_)) => refused("isotropic shows no table; leave it out"),
         (PlotName::Error | PlotName::Matrix, None) => refused("this picture is of a table: name one before it"),
-        _ if args.weight.is_some() && args.name != PlotName::Light => {
-            refused("--weight belongs to light, the errors of models")
+        _ if args.rule.is_some() && args.name != PlotName::Light => {
+            refused("--rule belongs to light, the errors of models")
         }
         _ if args.lights.is_some() && !matches!(args.name, PlotName::Light | PlotName::Gaussians) => {
             refused("--lights belongs to light and gaussians, the errors of models")

@@ -33,8 +33,8 @@ pub(super) fn run(args: &ReportArgs, json: bool, context: &mut Context<'_>) -> R
     if let Some(model) = args.model {
         return report_models::run(args, model, read.as_ref(), json, context);
     }
-    if args.weight.is_some() || args.lights.is_some() {
-        return Err(CommandFailure::new(Exit::Usage, "--weight and --lights belong to a measured model: add --model"));
+    if args.rule.is_some() || args.lights.is_some() {
+        return Err(CommandFailure::new(Exit::Usage, "--rule and --lights belong to a measured model: add --model"));
     }
     let read = read.ok_or_else(|| CommandFailure::new(Exit::Usage, "name a table, or choose --model normals"))?;
     tabulated::check_complete(&read.table, &read.path)?;

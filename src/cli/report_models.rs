@@ -30,9 +30,9 @@ pub(super) fn run(
     if model.needs_table() && read.is_none() {
         return usage(&LightError::NeedsTable(model).to_string());
     }
-    if args.weight.is_some() && model.weights().is_empty() {
-        let name = LightModel::names_of(|model| !model.weights().is_empty());
-        return usage(&format!("--weight belongs to model {name}"));
+    if args.rule.is_some() && model.rule_choices().is_empty() {
+        let name = LightModel::names_of(|model| !model.rule_choices().is_empty());
+        return usage(&format!("--rule belongs to model {name}"));
     }
     if let Some(any) = read.filter(|any| !model.needs_table() && any.table.brdf != BrdfKind::Ggx) {
         return usage(&format!("{}: {}", any.path.display(), LightError::OtherBrdf(any.table.brdf())));
@@ -56,10 +56,10 @@ pub(super) fn run(
             let error = light_error(Lighting::Table(&any.table), &lights).map_err(failed)?;
             rows.push(Row { name, model: LightModel::Ltc, error });
         }
-        let is_asked = |form: &ClosedForm| args.weight.is_none_or(|weight| form.rule() == weight);
+        let is_asked = |form: &ClosedForm| args.rule.is_none_or(|rule| form.rule() == rule);
         for form in model.closed_forms().filter(is_asked) {
             let error = light_error(Lighting::ClosedForm(form), &lights).map_err(failed)?;
-            let name = form.weight().map_or(model.to_string(), |rule| format!("{model}, weight {rule}"));
+            let name = form.chosen_rule().map_or(model.to_string(), |rule| format!("{model}, rule {rule}"));
             rows.push(Row { name, model, error });
         }
         Ok((lights, rows))

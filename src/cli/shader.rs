@@ -27,8 +27,9 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
     if let Some(table) = &args.without_textures {
         return without_textures(args, language, table, json, context);
     }
-    let lit_by =
-        LitBy::new(args.model, args.layout).map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
+    let lit_by = LitBy::new(args.model, args.layout)
+        .and_then(|lit_by| lit_by.by_rule(args.rule))
+        .map_err(|error| CommandFailure::new(Exit::Usage, error.to_string()))?;
     check_form(args, language)?;
     if language == Language::Spirv && args.out.is_none() && (json || context.stdout_is_terminal) {
         return Err(CommandFailure::new(
@@ -47,7 +48,9 @@ pub(super) fn run(args: &ShaderArgs, json: bool, context: &mut Context<'_>) -> R
         ShaderForm::Example => port(language, lit_by),
     }
     .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
-    let value = json!({ "language": language.name(), "model": lit_by.model(), "layout": lit_by.layout() });
+    let value = json!({
+        "language": language.name(), "model": lit_by.model(), "rule": lit_by.rule(), "layout": lit_by.layout()
+    });
     hand_out(args, out.as_ref(), &shader, value, json, context)
 }
 

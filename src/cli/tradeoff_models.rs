@@ -8,7 +8,7 @@ use ltcforge_files::{
     recipe_document,
 };
 use ltcforge_fit::{Layout, Precision, Recipe, Spread, Table};
-use ltcforge_light::{ClosedForm, LightError, LightModel, Lighting, RandomLights, WeightRule, light_error};
+use ltcforge_light::{ClosedForm, LightError, LightModel, Lighting, NormalsRule, RandomLights, light_error};
 use ltcforge_shaders::{LitBy, wgsl};
 use ltcforge_view::{
     preview::{Adapter, Material, Preview, PreviewError, Scene, ShaderTable, TexelFormat},
@@ -78,9 +78,9 @@ fn rounds(size: Size) -> usize {
     }
 }
 
-fn scene(model: LightModel, weight: WeightRule) -> Scene {
+fn scene(model: LightModel, rule: NormalsRule) -> Scene {
     let materials = vec![Material { alpha_x: 0.3, alpha_y: 0.08, rotation: 0.4 }];
-    Scene { materials, size: FRAME_SIZE, model, weight, ..Scene::default() }
+    Scene { materials, size: FRAME_SIZE, model, rule, ..Scene::default() }
 }
 
 fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
@@ -95,7 +95,7 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
     let lit_by = lit_by(LightModel::of_lobe(table.lobe()), Some(recipe.layout))?;
     let row = ModelRow {
         model: lit_by.model(),
-        weight: None,
+        rule: None,
         layout: Some(recipe.layout),
         recipe_digest: Some(recipe_document::digest(recipe)),
         light_error: error(Lighting::Table(table), lights)?,
@@ -105,13 +105,13 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
         shader_bytes: wgsl(lit_by).len() as u64,
         fit_seconds: *fit_seconds,
     };
-    Ok(Candidate { scene: scene(LightModel::Ltc, WeightRule::Fan), table: shader_table, row })
+    Ok(Candidate { scene: scene(LightModel::Ltc, NormalsRule::Balanced), table: shader_table, row })
 }
 
 fn by_formula(form: ClosedForm, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
     let row = ModelRow {
         model: form.model(),
-        weight: form.weight(),
+        rule: form.chosen_rule(),
         layout: None,
         recipe_digest: None,
         light_error: error(Lighting::ClosedForm(form), lights)?,

@@ -2,7 +2,7 @@
 
 use super::Error;
 use ltcforge_fit::{Configuration, Table};
-use ltcforge_light::{AreaLight, ReflectedLight, WeightRule, by_normals, by_table};
+use ltcforge_light::{AreaLight, NormalsRule, ReflectedLight, by_normals, by_table};
 
 /// The reflection of a light of radiance one, in closed form and without a table; see [`mod@ltcforge_light`] for other
 /// rules and the truth by quadrature. The light is a [`PolygonLight`](ltcforge_light::PolygonLight) or a
@@ -11,7 +11,7 @@ use ltcforge_light::{AreaLight, ReflectedLight, WeightRule, by_normals, by_table
 /// # Errors
 /// [`Error::Light`] for a roughness outside [0, 1] or a view direction on or below the horizon.
 pub fn light<'a>(at: &Configuration, light: impl Into<AreaLight<'a>>) -> Result<ReflectedLight, Error> {
-    Ok(by_normals(at, light, WeightRule::Fan)?)
+    Ok(by_normals(at, light, NormalsRule::Balanced)?)
 }
 
 /// The same by a table of LTCs, as a shader would: disks, spheres, tubes and lines as they are.

@@ -27,7 +27,7 @@ pub use gaussians::{Gaussian, by_gaussian};
 pub use ltc::{CosineSpace, by_table};
 pub use measure::{EVERYWHERE, LightMap, RandomLights, light_error, light_error_by, light_map};
 pub use model::{ClosedForm, LightModel, Lighting};
-pub use normals::{WeightRule, by_normals};
+pub use normals::{NormalsRule, by_normals};
 pub use polygon::PolygonLight;
 pub use refracted::by_refraction;
 pub use rules::{LitPoint, ReflectedLight};

@@ -225,10 +225,10 @@ mod tests {
 
     use super::*;
     use crate::cases::cosine;
-    use crate::{LightModel, WeightRule};
+    use crate::{LightModel, NormalsRule};
     use ltcforge_fit::BrdfKind;
 
-    fn normals(rule: WeightRule) -> Lighting<'static> {
+    fn normals(rule: NormalsRule) -> Lighting<'static> {
         Lighting::ClosedForm(LightModel::Normals.closed_form(Some(rule)).expect("a formula"))
     }
 
@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn a_map_tells_where_a_model_is_off() {
-        let (wrong, rules) = (cosine(BrdfKind::Ggx.into()), WeightRule::Fan);
+        let (wrong, rules) = (cosine(BrdfKind::Ggx.into()), NormalsRule::Balanced);
         let map = light_map(&[Lighting::Table(&wrong), normals(rules)], &BrdfKind::Ggx.into(), &EVERYWHERE, 3, 12)
             .expect("a surface");
         assert_eq!((map.errors.len(), map.errors[0].len()), (2, 9));
@@ -278,7 +278,7 @@ mod tests {
     fn more_normals_are_nearer_and_a_wrong_model_is_found_out() {
         let lights = lights(&RANGE, 400);
         let error = |rule| light_error(normals(rule), &lights).expect("a surface").mean;
-        let [mean, fan, fine] = [WeightRule::Mean, WeightRule::Fan, WeightRule::Fine].map(error);
+        let [mean, fan, fine] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine].map(error);
         assert!(10.0 * TOLERANCE < fine && fine < fan && 2.0 * fan < mean && mean < 0.01, "{fine} {fan} {mean}");
         let wrong = light_error(Lighting::Table(&cosine(BrdfKind::Ggx.into())), &lights).expect("a lobe");
         assert!(wrong.mean > 0.05 && wrong.max > 0.5, "{wrong:?}");

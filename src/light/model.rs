@@ -4,7 +4,7 @@ use super::{
     AreaLight, LightError, gaussians, ltc,
     ltc::by_table,
     normals,
-    normals::WeightRule,
+    normals::NormalsRule,
     rules::{Formula, LitPoint, ModelOfLight, ReflectedLight, lit},
 };
 use ltcforge_fit::{BrdfKind, BrdfModel, Configuration, LobeModel, Table, named_list};
@@ -27,7 +27,7 @@ named_list! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClosedForm {
     model: LightModel,
-    rule: WeightRule,
+    rule: NormalsRule,
 }
 
 /// A model of light, and the table that it reads.
@@ -58,24 +58,24 @@ impl LightModel {
         self.rules().formula().is_none()
     }
 
-    /// The rules among which option `--weight` chooses, the default first; empty for a model without the option.
+    /// The rules among which option `--rule` chooses, the default first; empty for a model without the option.
     #[must_use]
-    pub fn weights(self) -> &'static [WeightRule] {
-        self.rules().formula().map_or(&[], Formula::weights)
+    pub fn rule_choices(self) -> &'static [NormalsRule] {
+        self.rules().formula().map_or(&[], Formula::choices)
     }
 
     /// The model without a table; `None` where it needs one. The rule is the default where none is chosen, and where
     /// the model has no choice.
     #[must_use]
-    pub fn closed_form(self, rule: Option<WeightRule>) -> Option<ClosedForm> {
-        let usual = WeightRule::ALL[0];
-        let rule = if self.weights().is_empty() { usual } else { rule.unwrap_or(usual) };
+    pub fn closed_form(self, rule: Option<NormalsRule>) -> Option<ClosedForm> {
+        let usual = NormalsRule::ALL[0];
+        let rule = if self.rule_choices().is_empty() { usual } else { rule.unwrap_or(usual) };
         (!self.needs_table()).then_some(ClosedForm { model: self, rule })
     }
 
     /// The model without a table, under each of its rules; none where it needs one.
     pub fn closed_forms(self) -> impl Iterator<Item = ClosedForm> {
-        let rules = if self.weights().is_empty() { &WeightRule::ALL[..1] } else { self.weights() };
+        let rules = if self.rule_choices().is_empty() { &NormalsRule::ALL[..1] } else { self.rule_choices() };
         rules.iter().filter_map(move |rule| self.closed_form(Some(*rule)))
     }
 
@@ -115,16 +115,16 @@ impl ClosedForm {
         self.model
     }
 
-    /// The rule of the weight; the default where the model has no choice.
+    /// The rule; the default where the model has no choice.
     #[must_use]
-    pub fn rule(self) -> WeightRule {
+    pub fn rule(self) -> NormalsRule {
         self.rule
     }
 
-    /// The rule of the weight; `None` where the model has no choice.
+    /// The rule that was chosen; `None` where the model has no choice.
     #[must_use]
-    pub fn weight(self) -> Option<WeightRule> {
-        (!self.model.weights().is_empty()).then_some(self.rule)
+    pub fn chosen_rule(self) -> Option<NormalsRule> {
+        (!self.model.rule_choices().is_empty()).then_some(self.rule)
     }
 
     /// The light that a surface reflects. Shapes are lit as the polygons that

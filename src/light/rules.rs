@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-use super::{AreaLight, LightError, normals::WeightRule};
+use super::{AreaLight, LightError, normals::NormalsRule};
 use ltcforge_fit::{
     Configuration, LEAST_ALPHA, LobeModel, Sides,
     math::{Triple, direction},
@@ -30,8 +30,8 @@ pub(crate) trait ModelOfLight: Sync {
 
 /// The light of GGX in closed form.
 pub(crate) trait Formula: Sync {
-    /// The rules among which option `--weight` chooses, the default first; empty for a formula without the option.
-    fn weights(&self) -> &'static [WeightRule] {
+    /// The rules among which option `--rule` chooses, the default first; empty for a formula without the option.
+    fn choices(&self) -> &'static [NormalsRule] {
         &[]
     }
 
@@ -40,10 +40,10 @@ pub(crate) trait Formula: Sync {
 
     /// The reflected light of a polygon of radiance one: for a Fresnel factor of one, and its part weighed by Schlick's
     /// `(1 - wo . h)^5`.
-    fn reflected(&self, lit: &LitPoint<'_, f64>, rule: WeightRule) -> [f64; 2];
+    fn reflected(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> [f64; 2];
 
     /// The same in the numbers of a shader.
-    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: WeightRule) -> [f32; 2];
+    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: NormalsRule) -> [f32; 2];
 }
 
 /// A surface, a view of it, and the vertices of a light around the shaded point, in its tangent frame.

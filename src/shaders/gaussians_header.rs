@@ -12,7 +12,7 @@ use ltcforge_light::gaussians::{Gaussian, SgLight, reflected, reflected_sg};
 /// The light of a Gaussian.
 pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
-    functions: |_| &["gaussians_light"],
+    functions: |_| &["ltc_math", "gaussians_light"],
     example: "gaussians_example",
     caller: |_| gaussians_caller("gaussians_view"),
     program_comment: |language, _| gaussians_header(language),

@@ -17,7 +17,7 @@ use ltcforge_light::Gaussian;
 /// The light of a table of Gaussians.
 pub(super) const SHADER: ModelShader = ModelShader {
     prefix: "gaussians",
-    functions: |_| &["gaussians_light", "gaussians_table"],
+    functions: |_| &["ltc_math", "gaussians_light", "gaussians_table"],
     example: "gaussians_table_example",
     caller: |_| gaussians_caller("gaussians_lookup"),
     program_comment: gaussians_table_header,

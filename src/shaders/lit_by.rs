@@ -1,7 +1,7 @@
 //! Models of light with the layouts of their tables, as shaders know them.
 
 use ltcforge_fit::{Layout, named_list};
-use ltcforge_light::LightModel;
+use ltcforge_light::{LightModel, NormalsRule};
 
 /// How a shader for other renderers lights: by a model, and by tables of a layout if the model reads any. The
 /// text of models `sg` and `asg` is the same: which one is an argument of its functions.
@@ -9,6 +9,7 @@ use ltcforge_light::LightModel;
 pub struct LitBy {
     model: LightModel,
     layout: Option<Layout>,
+    rule: Option<NormalsRule>,
 }
 
 /// Why a model has no shader.
@@ -20,6 +21,14 @@ pub enum LitByError {
     /// It reads no table.
     #[error("model {0} reads no table: leave out --layout")]
     NoTable(LightModel),
+    /// It has no rules, or no shader of this one.
+    #[error("model {model} has no shader of rule {rule}{}", rules_of(*model))]
+    NoRule {
+        /// The model.
+        model: LightModel,
+        /// The rule.
+        rule: NormalsRule,
+    },
     /// A layout does not store its lobes.
     #[error(
         "layout {layout} has tables of LTCs only: model {model} has those of {layouts}",
@@ -31,6 +40,14 @@ pub enum LitByError {
         /// The layout.
         layout: Layout,
     },
+}
+
+/// The rules that shaders of a model have, after a colon.
+fn rules_of(model: LightModel) -> String {
+    if model.rule_choices().is_empty() {
+        return String::new();
+    }
+    format!(": its rules are {}", NormalsRule::SHADED.map(NormalsRule::name).join(", "))
 }
 
 /// The layouts of a model's tables.
@@ -49,8 +66,28 @@ impl LitBy {
             (_, None) if model.needs_table() => Err(LitByError::NeedsLayout(model)),
             (None, Some(_)) => Err(LitByError::NoTable(model)),
             (Some(lobe), Some(layout)) if !layout.stores(lobe) => Err(LitByError::NotStored { model, layout }),
-            _ => Ok(Self { model, layout }),
+            _ => Ok(Self { model, layout, rule: model.rule_choices().first().copied() }),
         }
+    }
+
+    /// The same by a rule; by the model's default where none is chosen.
+    ///
+    /// # Errors
+    /// [`LitByError::NoRule`].
+    pub fn by_rule(self, rule: Option<NormalsRule>) -> Result<Self, LitByError> {
+        match rule {
+            None => Ok(self),
+            Some(rule) if self.rule.is_some() && NormalsRule::SHADED.contains(&rule) => {
+                Ok(Self { rule: Some(rule), ..self })
+            }
+            Some(rule) => Err(LitByError::NoRule { model: self.model, rule }),
+        }
+    }
+
+    /// The rule, of a model that has any.
+    #[must_use]
+    pub fn rule(self) -> Option<NormalsRule> {
+        self.rule
     }
 
     /// The model.
@@ -122,6 +159,6 @@ pub enum Filter {
 
 impl From<Layout> for LitBy {
     fn from(layout: Layout) -> Self {
-        Self { model: LightModel::Ltc, layout: Some(layout) }
+        Self { model: LightModel::Ltc, layout: Some(layout), rule: None }
     }
 }

@@ -5,7 +5,7 @@ use super::{
     normals_header,
 };
 use ltcforge_fit::Layout;
-use ltcforge_light::LightModel;
+use ltcforge_light::{LightModel, NormalsRule};
 
 impl LitBy {
     /// The parts of the shader.
@@ -13,7 +13,7 @@ impl LitBy {
     pub fn shader(self) -> &'static ModelShader {
         match (self.model(), self.layout()) {
             (LightModel::Ltc, _) => &header::SHADER,
-            (LightModel::Normals, _) => &normals_header::SHADER,
+            (LightModel::Normals, _) => normals_header::shader(self.rule().unwrap_or(NormalsRule::ALL[0])),
             (LightModel::Sg | LightModel::Asg, None) => &gaussians_header::SHADER,
             (LightModel::Sg | LightModel::Asg, Some(_)) => &gaussians_table_header::SHADER,
         }

@@ -117,6 +117,11 @@ fn capital(text: &str) -> String {
     text[..1].to_uppercase() + &text[1..]
 }
 
+/// The text with `to` in place of `from` at the beginning of names.
+pub(super) fn prefixed(text: &str, from: &str, to: &str) -> String {
+    identifiers(text, |name, _| with_prefix(name, from, to))
+}
+
 /// The name that begins with `to` where `name` begins with `from`, as a function, a type or a constant does.
 fn with_prefix(name: &str, from: &str, to: &str) -> Option<String> {
     if let Some(rest) = name.strip_prefix(from).filter(|rest| rest.starts_with('_')) {

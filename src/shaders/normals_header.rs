@@ -7,40 +7,71 @@ use super::{
     model_shader::{ModelShader, caller},
 };
 use ltcforge_fit::Sides;
-use ltcforge_light::normals::{WeightRule, reflected};
+use ltcforge_light::normals::{NormalsRule, reflected};
 
-/// The light in the space of normals.
-pub(super) const SHADER: ModelShader = ModelShader {
-    prefix: "normals",
-    functions: |_| {
-        &["normals_corner", "normals_edge", "normals_outline", "normals_weight", "normals_fan", "normals_light"]
-    },
-    example: "normals_example",
-    caller: |_| caller("let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));", CALLS),
-    program_comment: |language, _| normals_header(language),
-    include_comment: |_, _, _, _, _| normals_include_header(),
-};
+/// The files of a rule's text.
+pub(super) fn normals_files(rule: NormalsRule) -> &'static [&'static str] {
+    match rule {
+        NormalsRule::Fast => &[
+            "normals_view",
+            "normals_arcs_rough",
+            "normals_edge",
+            "normals_fast",
+            "normals_network_fast",
+            "normals_disk",
+        ],
+        NormalsRule::Balanced => &[
+            "normals_view",
+            "normals_arcs",
+            "normals_edge",
+            "normals_balanced",
+            "normals_network_balanced",
+            "normals_disk",
+        ],
+        NormalsRule::Fine | NormalsRule::Exact => {
+            &["normals_view", "normals_arcs", "normals_edge", "normals_fine", "normals_network_fine", "normals_disk"]
+        }
+    }
+}
 
-const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1], vertices[2], true, 0u);
-    return vec4(normals_rectangle(view, corners, true, 0u) + normals_polygon(view, &vertices, 4u, true, 0u), disk);
+/// The light in the space of normals, by a rule.
+pub(super) fn shader(rule: NormalsRule) -> &'static ModelShader {
+    match rule {
+        NormalsRule::Fast => &FAST,
+        NormalsRule::Balanced => &BALANCED,
+        NormalsRule::Fine | NormalsRule::Exact => &FINE,
+    }
+}
+
+/// The shader of a rule. Its comments differ by the rule's name and the values of the check.
+macro_rules! by_rule {
+    ($rule:expr) => {
+        ModelShader {
+            prefix: "normals",
+            functions: |_| normals_files($rule),
+            example: "normals_example",
+            caller: |_| caller("let view = normals_view(0.5, 0.5, vec3(0.0, 0.0, 1.0));", CALLS),
+            program_comment: |language, _| normals_header($rule, language),
+            include_comment: |_, _, _, _, _| normals_include_header($rule),
+        }
+    };
+}
+static FAST: ModelShader = by_rule!(NormalsRule::Fast);
+static BALANCED: ModelShader = by_rule!(NormalsRule::Balanced);
+static FINE: ModelShader = by_rule!(NormalsRule::Fine);
+
+const CALLS: &str = "    let disk = normals_disk(view, vertices[0], vertices[1], vertices[2], true);
+    return vec4(normals_rectangle(view, corners, true) + normals_polygon(view, &vertices, 4u, true), disk);
 ";
 
 /// The opening comment: what the shader is, and its licence.
 const ABOUT: &str = "\
-Area lights on anisotropic GGX in closed form, in the space of its normals: no table.
-Made by ltcforge {version}. SPDX-License-Identifier: MIT OR Apache-2.0
+SPDX-License-Identifier: MIT OR Apache-2.0
+Area lights on GGX without a table, in the space of its normals, by rule {rule}. Made by ltcforge {version}.
 
-FUNCTIONS
-  normals_view(alpha_x, alpha_y, wo)  a surface seen from a direction, for all lights at the point. GGX roughness along
-      x and y; wo is the view direction in the tangent frame, normal +z, of unit length.
-  normals_rectangle(view, corners, two_sided, rule), normals_polygon(view, vertices, count, two_sided, rule),
-  normals_disk(view, centre, half_x, half_y, two_sided, rule)
-      what is reflected of a light of radiance one: for a Fresnel factor of one, and the part of it that Schlick's
-      (1 - cos)^5 weighs. The light's vertices are relative to the shaded point, in the tangent frame, convex, and run
-      clockwise seen from the lit side; a disk's is towards half_x x half_y.
-  rule  how the weight of shadowing is averaged: 0 over triangles between the mean normal and each edge; 1 at the mean
-      normal, which is cheaper; 2 over twice as many triangles. Give it as a constant: compilers then drop the others.
-  Light of radiance L arrives as L (f0 (x - y) + f90 y).
+  normals_view(alpha_x, alpha_y, wo)  once for a point and view: roughness, and the view in the tangent frame, normal +z.
+  normals_rectangle, normals_polygon, normals_disk  for each light. Vertices are relative to the point in that frame and
+      run clockwise seen from the lit side. Light of radiance L arrives as L (f0 (x - y) + f90 y).
 ";
 
 /// The program beside the functions.
@@ -49,15 +80,8 @@ const EXAMPLE: &str = "\
 
 EXAMPLE
   Case: 10 x vec4 of f32. wo and alpha_x; alpha_y, how many vertices the light has (3 to 8, or 0 for a disk), 1 if it is
-  lit from both sides, else 0, and the rule; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
+  lit from both sides, else 0, and 0; then eight vertices with 0 after each, of a disk centre, half_x and half_y.
   Result: a vec4 of f32, the two parts and 0, 0.
-";
-
-/// How the functions are used where they are included.
-const USE: &str = "
-USE
-  normals_view once for a point and view, then one call for each light. Isotropic surfaces have alpha_x = alpha_y. Nothing
-  is bound. Diffuse light is not here: it is Lambert's form factor of the light.
 ";
 
 fn bindings(language: Language) -> &'static str {
@@ -71,39 +95,28 @@ fn bindings(language: Language) -> &'static str {
 }
 
 /// The comment of the program, in lines that begin with `//`.
-fn normals_header(language: Language) -> String {
-    commented(&format!("{}{EXAMPLE}{}\n\n{}", about(), bindings(language), check()))
+fn normals_header(rule: NormalsRule, language: Language) -> String {
+    commented(&format!("{}\n{EXAMPLE}{}\n\n{}", about(rule), bindings(language), check(rule)))
 }
 
 /// The comment of the text to include.
-fn normals_include_header() -> String {
-    commented(&format!("{}{USE}\n{}", about(), check()))
+fn normals_include_header(rule: NormalsRule) -> String {
+    commented(&format!("{}\n{}", about(rule), check(rule)))
 }
 
-fn about() -> String {
-    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION"))
+fn about(rule: NormalsRule) -> String {
+    ABOUT.replace("{version}", env!("CARGO_PKG_VERSION")).replace("{rule}", rule.name())
 }
 
 /// The values to check a port against.
-fn check() -> String {
+fn check(rule: NormalsRule) -> String {
     let corners = CORNERS.map(|corner| format!("({})", listed(&corner))).join(" ");
     let values: Vec<String> = CASES
         .iter()
         .map(|case| {
-            let of = |rule| reflected([case.alpha_x, case.alpha_y], case.wo, &CORNERS, Sides::One, rule).map(fixed);
-            let parts = WeightRule::ALL.iter().map(|rule| of(*rule).join(" ")).collect::<Vec<_>>();
-            format!(
-                "  alpha_x {} alpha_y {} wo ({})\n    parts {}\n",
-                case.alpha_x,
-                case.alpha_y,
-                listed(&case.wo),
-                parts.join(" | ")
-            )
+            let parts = reflected([case.alpha_x, case.alpha_y], case.wo, &CORNERS, Sides::One, rule).map(fixed);
+            format!("  {} {} ({}): {}\n", case.alpha_x, case.alpha_y, listed(&case.wo), parts.join(" "))
         })
         .collect();
-    format!(
-        "CHECK\n  The parts of the one-sided rectangle {corners},\n  by rules 0 | 1 | 2. A port in 32 bits \
-         comes within 0.00002 of each number.\n{}",
-        values.concat()
-    )
+    format!("Check, of the rectangle {corners}, alpha_x alpha_y (wo): x y, within 0.00002\n{}", values.concat())
 }

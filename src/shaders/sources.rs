@@ -4,8 +4,10 @@ use super::Bound;
 use super::Lights;
 use super::LitBy;
 use super::header::light_files;
+use super::namespace::prefixed;
+use super::normals_header::normals_files;
 use ltcforge_fit::{Layout, LayoutShader};
-use ltcforge_light::LightModel;
+use ltcforge_light::{LightModel, NormalsRule};
 
 /// A file of `shaders/`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 26] = [
+pub const SHADERS: [Shader; 31] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "nodes_storage", source: ltcforge_wgsl::NODES_STORAGE },
     Shader { name: "nodes_uniform", source: ltcforge_wgsl::NODES_UNIFORM },
@@ -29,12 +31,17 @@ pub const SHADERS: [Shader; 26] = [
     Shader { name: "ltc_table", source: ltcforge_wgsl::LTC_TABLE },
     Shader { name: "ltc_light", source: ltcforge_wgsl::LTC_LIGHT },
     Shader { name: "ltc_shapes", source: ltcforge_wgsl::LTC_SHAPES },
-    Shader { name: "normals_corner", source: ltcforge_wgsl::NORMALS_CORNER },
+    Shader { name: "normals_view", source: ltcforge_wgsl::NORMALS_VIEW },
+    Shader { name: "normals_arcs", source: ltcforge_wgsl::NORMALS_ARCS },
+    Shader { name: "normals_arcs_rough", source: ltcforge_wgsl::NORMALS_ARCS_ROUGH },
     Shader { name: "normals_edge", source: ltcforge_wgsl::NORMALS_EDGE },
-    Shader { name: "normals_outline", source: ltcforge_wgsl::NORMALS_OUTLINE },
-    Shader { name: "normals_weight", source: ltcforge_wgsl::NORMALS_WEIGHT },
-    Shader { name: "normals_fan", source: ltcforge_wgsl::NORMALS_FAN },
-    Shader { name: "normals_light", source: ltcforge_wgsl::NORMALS_LIGHT },
+    Shader { name: "normals_balanced", source: ltcforge_wgsl::NORMALS_BALANCED },
+    Shader { name: "normals_fast", source: ltcforge_wgsl::NORMALS_FAST },
+    Shader { name: "normals_fine", source: ltcforge_wgsl::NORMALS_FINE },
+    Shader { name: "normals_network_balanced", source: ltcforge_wgsl::NORMALS_NETWORK_BALANCED },
+    Shader { name: "normals_network_fast", source: ltcforge_wgsl::NORMALS_NETWORK_FAST },
+    Shader { name: "normals_network_fine", source: ltcforge_wgsl::NORMALS_NETWORK_FINE },
+    Shader { name: "normals_disk", source: ltcforge_wgsl::NORMALS_DISK },
     Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
     Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },
     Shader { name: "ltc_example", source: ltcforge_wgsl::LTC_EXAMPLE },
@@ -98,18 +105,26 @@ fn body(layouts: &[Layout], default: &str, of: impl Fn(&Layout) -> String) -> St
     format!("    switch ltc_table.reading.x {{\n{cases}        default: {{ {default} }}\n    }}\n")
 }
 
-/// The shaders of the preview: all models, and its own entry points in place of their examples.
+/// The shaders of the preview but those of model `normals`: all other models, and its own entry points in place of their
+/// examples.
 fn previewed() -> Vec<&'static str> {
     let layouts = [None, Some(Layout::ALL[0])];
     let models = layouts.iter().flat_map(|layout| LightModel::ALL.iter().map(|model| LitBy::new(*model, *layout)));
-    let lights = models.flatten().flat_map(|lit_by| (lit_by.shader().functions)(Lights::All));
+    let others = models.flatten().filter(|lit_by| lit_by.rule().is_none());
+    let lights = others.flat_map(|lit_by| (lit_by.shader().functions)(Lights::All));
     TABLE.iter().chain(lights).chain(&["ggx_reference", "reference_solids", "sphere"]).copied().collect()
 }
 
-/// The module of the preview, which reads tables of every layout.
+/// The module of the preview, which reads tables of every layout, and has model `normals` by each of its rules: the names
+/// of a rule's text begin with the rule's.
 #[must_use]
 pub fn preview_module() -> String {
-    module(&previewed(), Layout::ALL)
+    let by_rule = |rule: &NormalsRule| {
+        let functions = normals_files(*rule);
+        prefixed(&joined(functions), "normals", rule.name())
+    };
+    let rules: Vec<String> = NormalsRule::SHADED.iter().map(by_rule).collect();
+    format!("{}\n{}", module(&previewed(), Layout::ALL), rules.join("\n"))
 }
 
 /// The module that reads tables of every layout, without an entry point.
@@ -129,7 +144,7 @@ fn assembled(lit_by: LitBy, reader: [&str; 4], lights: Lights, others: &[&str]) 
     let functions = (lit_by.shader().functions)(lights);
     match lit_by.layout() {
         Some(layout) => module(&[&reader, functions, others].concat(), &[layout]),
-        None => joined(&[&reader[..1], functions, others].concat()),
+        None => joined(&[functions, others].concat()),
     }
 }
 
@@ -196,13 +211,16 @@ mod tests {
         for lit_by in
             layouts.iter().flat_map(|of| LightModel::ALL.iter().map(|model| LitBy::new(*model, *of))).flatten()
         {
-            let reader = if lit_by.layout().is_some() { &TABLE[..] } else { &TABLE[..1] };
+            let reader = if lit_by.layout().is_some() { &TABLE[..] } else { &[] };
             let functions = [reader, (lit_by.shader().functions)(Lights::All)].concat();
             validate(&functions);
             validate(&[&functions[..], &[lit_by.shader().example]].concat());
         }
         validate(&["ltc_math", "ltc_light", "ggx_reference", "reference_solids"]);
-        validate(&previewed());
+        for rule in NormalsRule::SHADED {
+            validate(normals_files(rule));
+        }
+        validate_text(&["preview"], &preview_module());
     }
 
     #[test]

@@ -14,7 +14,6 @@ pub mod lights;
 pub mod linear;
 pub mod markdown;
 pub mod models;
-pub mod search;
+pub mod networks;
 pub mod source;
 pub mod tables;
-pub mod weight;

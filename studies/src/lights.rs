@@ -51,11 +51,21 @@ pub enum Kind {
     Sliver,
     /// Views from 75 to 89 degrees.
     Grazing,
+    /// Views from 80 to 89 degrees.
+    Steep,
+    /// Low, wide walls that stand on the surface, across from the viewer: strips of light on a floor.
+    Strip,
+    /// Alpha from 0.01 to 0.05.
+    Sharp,
+    /// Rectangles whose middle is about as high as the horizon.
+    Across,
+    /// Rectangles that are seen at 0.3 to 3 degrees.
+    Tiny,
 }
 
 impl Kind {
-    /// The ten kinds of which the numbers of a weight are found.
-    pub const ALL: [Self; 10] = [
+    /// The kinds of which the numbers of networks are found.
+    pub const ALL: [Self; 15] = [
         Self::Random,
         Self::Anisotropic,
         Self::Huge,
@@ -66,6 +76,11 @@ impl Kind {
         Self::Around,
         Self::Sliver,
         Self::Grazing,
+        Self::Steep,
+        Self::Strip,
+        Self::Sharp,
+        Self::Across,
+        Self::Tiny,
     ];
 
     /// Its name in tables.
@@ -82,6 +97,11 @@ impl Kind {
             Self::Around => "around the shaded point",
             Self::Sliver => "slivers",
             Self::Grazing => "grazing views",
+            Self::Steep => "views from 80 to 89 degrees",
+            Self::Strip => "strips on the surface",
+            Self::Sharp => "sharp lobes",
+            Self::Across => "across the horizon",
+            Self::Tiny => "tiny",
         }
     }
 }
@@ -203,6 +223,8 @@ const EXTREME: Surfaces = Surfaces {
     theta: [0.0, 89.9],
 };
 const GRAZING: Surfaces = Surfaces { theta: [75.0, 89.0], ..ALL };
+const STEEP: Surfaces = Surfaces { theta: [80.0, 89.0], ..ALL };
+const SHARP: Surfaces = Surfaces { alpha: |draw| draw.within(0.01, 0.05), ratio: |draw| draw.within(0.2, 1.0), ..ALL };
 
 /// Half the width of a light at distance one, before one side is stretched by up to e and the other shrunk.
 const USUAL: [f64; 2] = [0.05, 1.2];
@@ -254,6 +276,24 @@ impl Draw {
                 let size = self.logarithmic(2.0, 50.0);
                 let centre = self.vector().normalize() * self.within(0.2, 1.0);
                 (at, self.rectangle(centre, [size, size]))
+            }
+            Kind::Steep => self.around_lobe(&STEEP, USUAL, 1.0),
+            Kind::Sharp => self.around_lobe(&SHARP, USUAL, 1.0),
+            Kind::Tiny => self.around_lobe(&ALL, [0.005, 0.05], 1.0),
+            Kind::Across => {
+                let (at, vertices) = self.around_lobe(&ALL, USUAL, 1.0);
+                let centre = 0.5 * (vertices[0] + vertices[2]);
+                let height = 0.2 * self.within(-1.0, 1.0);
+                (at, vertices.map(|v| v + DVec3::Z * (height - centre.z)))
+            }
+            Kind::Strip => {
+                let at = self.configuration(&ALL);
+                let towards = at.phi + TAU * self.within(0.4, 0.6);
+                let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * self.logarithmic(0.5, 4.0);
+                let turned = towards + self.within(-0.6, 0.6);
+                let x = DVec3::new(-turned.sin(), turned.cos(), 0.0) * self.logarithmic(0.5, 4.0);
+                let top = DVec3::Z * self.logarithmic(0.02, 0.5);
+                (at, [middle - x, middle + x, middle + x + top, middle - x + top])
             }
             Kind::Wall { foot, tilt } => self.wall([0.1, 1.2], [0.1, 2.0], foot, tilt),
             Kind::NearHorizon => {

@@ -1,7 +1,5 @@
 //! Least squares with numbers that are not negative.
 
-use crate::search::solve;
-
 /// One measurement: what each number is multiplied by, and what their sum was measured to be.
 #[derive(Debug, Clone)]
 pub struct Measured<const N: usize> {
@@ -36,6 +34,33 @@ pub fn least_squares<const N: usize>(measured: &[Measured<N>]) -> [f64; N] {
     }
 }
 
+/// The solution of a symmetric positive system, row-major, by Cholesky's factors; `None` where it is not positive.
+#[must_use]
+pub fn solve(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
+    let count = right.len();
+    for i in 0..count {
+        for j in 0..=i {
+            let sum = (0..j).fold(matrix[i * count + j], |sum, k| sum - matrix[i * count + k] * matrix[j * count + k]);
+            matrix[i * count + j] = if i > j {
+                sum / matrix[j * count + j]
+            } else if sum > 0.0 {
+                sum.sqrt()
+            } else {
+                return None;
+            };
+        }
+    }
+    for i in 0..count {
+        let sum = (0..i).fold(right[i], |sum, k| sum - matrix[i * count + k] * right[k]);
+        right[i] = sum / matrix[i * count + i];
+    }
+    for i in (0..count).rev() {
+        let sum = (i + 1..count).fold(right[i], |sum, k| sum - matrix[k * count + i] * right[k]);
+        right[i] = sum / matrix[i * count + i];
+    }
+    Some(right)
+}
+
 /// The sum that `numbers` predict.
 #[must_use]
 pub fn predicted<const N: usize>(factors: &[f64; N], numbers: &[f64; N]) -> f64 {
@@ -64,5 +89,12 @@ mod tests {
         assert!((found[2] / 2e6 - 1.0).abs() < 1e-6, "{found:?}");
         let found = least_squares(&at(|x, y| 30.0 + 3.0 * x - 2.0 * y));
         assert!(found[2] == 0.0 && found[1] > 0.0, "{found:?}");
+    }
+
+    #[test]
+    fn systems_are_solved_and_those_that_are_not_positive_refused() {
+        let found = solve(vec![4.0, 2.0, 2.0, 3.0], vec![10.0, 8.0]).expect("positive");
+        assert!((found[0] - 1.75).abs() < 1e-12 && (found[1] - 1.5).abs() < 1e-12, "{found:?}");
+        assert_eq!(solve(vec![1.0, 2.0, 2.0, 1.0], vec![1.0, 1.0]), None);
     }
 }

@@ -8,14 +8,14 @@ use std::{
 
 use clap::{Parser, Subcommand};
 use ltcforge::{
-    light::WeightRule,
+    light::NormalsRule,
     view::preview::{Adapter, Preview},
 };
 use ltcforge_studies::{
     best, costs, expected,
     figures::Figure,
     glass, l3, models,
-    weight::{self, Asked},
+    networks::{self, Asked, Numbers},
 };
 
 #[derive(Parser)]
@@ -27,20 +27,20 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Study {
-    /// The numbers of the weight of model `normals`: Forms in src/light/normals, and `shaders/normals_weight.wgsl`
-    Weight {
-        /// The rule: fan or fine
-        #[arg(default_value = "fan", value_parser = rule)]
-        rule: WeightRule,
-        /// Start from constants, not from the numbers that stand
-        #[arg(long)]
-        cold: bool,
+    /// The numbers of a rule of model `normals`: src/light/normals/numbers.rs and shaders/normals_network_RULE.wgsl
+    Networks {
+        /// The rule: fast, balanced or fine
+        #[arg(value_parser = rule)]
+        rule: NormalsRule,
         /// Lights of the search, and as many that it does not see
-        #[arg(long, default_value_t = 10_000)]
+        #[arg(long, default_value_t = 240_000)]
         lights: usize,
-        /// Most steps
-        #[arg(long, default_value_t = 60)]
+        /// How often each light is seen
+        #[arg(long, default_value_t = 150)]
         rounds: usize,
+        /// How many networks are tried
+        #[arg(long, default_value_t = 4)]
+        starts: u64,
         /// Seed of the lights
         #[arg(long, default_value_t = 1)]
         seed: u64,
@@ -100,11 +100,9 @@ fn names<T: ToString>(all: &[T]) -> String {
     all.iter().map(T::to_string).collect::<Vec<_>>().join(", ")
 }
 
-fn rule(name: &str) -> Result<WeightRule, String> {
-    match WeightRule::from_name(name) {
-        Some(rule) if rule != WeightRule::Mean => Ok(rule),
-        _ => Err("a rule with numbers is fan or fine".to_owned()),
-    }
+fn rule(name: &str) -> Result<NormalsRule, String> {
+    let rule = NormalsRule::SHADED.into_iter().find(|rule| rule.name() == name);
+    rule.ok_or_else(|| format!("a rule with numbers is {}", names(&NormalsRule::SHADED)))
 }
 
 fn main() -> ExitCode {
@@ -132,17 +130,16 @@ fn run(study: Study) -> Result<(), Box<dyn Error>> {
                 println!("{}", figure.write(&mut preview, &out)?.display());
             }
         }
-        Study::Weight { rule, standing: true, .. } => print_numbers(rule, &weight::numbers(rule.forms())),
-        Study::Weight { rule, cold, lights, rounds, seed, .. } => {
-            let asked = Asked { rule, is_cold: cold, lights, rounds, seed };
-            let found = weight::find(&asked, |round, objective| eprintln!("{round:3}  {objective:.7}"));
-            let standing = weight::numbers(rule.forms());
-            println!("mean error of energy and Schlick's part   start     standing  found");
-            for (name, [start, standing, found]) in [("seen", found.seen), ("held out", found.held_out)] {
-                println!("{name:40}  {start:.6}  {standing:.6}  {found:.6}");
+        Study::Networks { rule, standing: true, .. } => print_numbers(rule, &Numbers::from(rule.network())),
+        Study::Networks { rule, lights, rounds, starts, seed, .. } => {
+            let found = networks::find(&Asked { rule, lights, rounds, starts, seed });
+            println!("mean error of energy and Schlick's part   standing  found");
+            for (name, [standing, found]) in [("seen", found.seen), ("held out", found.held_out)] {
+                println!("{name:40}  {standing:.6}  {found:.6}");
             }
-            let candidates: [(&str, &[f64]); 2] = [("standing", &standing), ("found", &found.numbers)];
-            println!("\n{}", weight::by_kind(rule, seed, lights, &candidates));
+            let standing = Numbers::from(rule.network());
+            let candidates = [("standing", &standing), ("found", &found.numbers)];
+            println!("\n{}", networks::by_kind(rule, seed + 1, lights.min(60_000), &candidates));
             print_numbers(rule, &found.numbers);
         }
     }
@@ -156,8 +153,6 @@ fn pair(paths: Option<&[PathBuf]>) -> Option<[&Path; 2]> {
     }
 }
 
-fn print_numbers(rule: WeightRule, numbers: &[f64]) {
-    let forms = weight::forms(numbers);
-    println!("{}", weight::as_rust(&rule.name().to_uppercase(), &forms));
-    print!("{}", weight::as_wgsl(&forms, rule == WeightRule::Fine));
+fn print_numbers(rule: NormalsRule, numbers: &Numbers) {
+    println!("{}\n{}", numbers.as_rust(rule), numbers.as_wgsl(rule));
 }

@@ -6,21 +6,19 @@ use std::fmt::Write as _;
 use ltcforge::{
     Preset, Recipe, RecipeDocument as _,
     fit::{Sides, Table},
-    light::{
-        WeightRule, by_table,
-        normals::{reflected, reflected_with},
-    },
+    light::{NormalsRule, by_table, normals::reflected},
 };
 
 use crate::{
     lights::{Case, Kind, Lit, Spread, cases, errors},
     markdown::{short, spread},
+    networks::Numbers,
     tables::fitted,
 };
 
 /// Lights of a row of the first table, of its tail, and of a row of walls.
 const LIGHTS: [usize; 3] = [4000, 20_000, 600];
-const RULES: [WeightRule; 3] = [WeightRule::Mean, WeightRule::Fan, WeightRule::Fine];
+const RULES: [NormalsRule; 3] = [NormalsRule::Fast, NormalsRule::Balanced, NormalsRule::Fine];
 /// The rows of walls: what they are called, and height and tilt of the lower edge.
 const WALLS: [(&str, f64, f64); 7] = [
     ("on the surface", 0.0, 0.0),
@@ -32,9 +30,9 @@ const WALLS: [(&str, f64, f64); 7] = [
     ("one end .01 above, the other .05 below", -0.02, 0.03),
 ];
 
-/// By a rule of the weight.
+/// By a rule of model `normals`.
 #[must_use]
-pub fn by_rule(rule: WeightRule, lit: &Lit) -> [f64; 2] {
+pub fn by_rule(rule: NormalsRule, lit: &Lit) -> [f64; 2] {
     reflected(lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, rule)
 }
 
@@ -53,18 +51,32 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(out, "docs/normals.md, {lights} lights a row:\n");
-    out += "| lights | LTC, default table | `mean` | `fan` | `fine` |\n|---|---|---|---|---|\n";
+    out += "| lights | LTC, default table | `fast` | `balanced` | `fine` |\n|---|---|---|---|---|\n";
     let mut fresnel = Vec::new();
-    for (i, kind) in [Kind::Random, Kind::Anisotropic, Kind::Huge, Kind::Extreme].into_iter().enumerate() {
+    for (i, kind) in [
+        Kind::Random,
+        Kind::Anisotropic,
+        Kind::Sharp,
+        Kind::Steep,
+        Kind::Across,
+        Kind::Huge,
+        Kind::Tiny,
+        Kind::Strip,
+        Kind::Extreme,
+    ]
+    .into_iter()
+    .enumerate()
+    {
         let cases = cases(kind, 1000 + i as u64, lights);
         let [ltc, _] = errors(&cases, |lit| by_ltc(&table, lit));
-        let [mean, fan, fine] = RULES.map(|rule| errors(&cases, |lit| by_rule(rule, lit)));
-        fresnel.push(short(fan[1].mean, 2));
-        let cells = [ltc, mean[0], fan[0], fine[0]].map(spread).join(" | ");
+        let by_rules = RULES.map(|rule| errors(&cases, |lit| by_rule(rule, lit)));
+        fresnel.push(short(by_rules[1][1].mean, 2));
+        let cells = [ltc, by_rules[0][0], by_rules[1][0], by_rules[2][0]].map(spread).join(" | ");
         let _ = writeln!(out, "| {} | {cells} |", kind.name());
     }
-    let _ = writeln!(out, "\nSchlick's part, mean of `fan`: {}", fresnel.join(", "));
-    let [Spread { p999, max, .. }, _] = errors(&cases(Kind::Random, 1010, tail), |lit| by_rule(WeightRule::Fan, lit));
+    let _ = writeln!(out, "\nSchlick's part, mean of `balanced`: {}", fresnel.join(", "));
+    let [Spread { p999, max, .. }, _] =
+        errors(&cases(Kind::Random, 1010, tail), |lit| by_rule(NormalsRule::Balanced, lit));
     let _ = writeln!(
         out,
         "of {tail} more of the first row: one in a thousand {}, largest {}",
@@ -73,17 +85,18 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     );
 
     let _ = writeln!(out, "\ndocs/normals.md, {walls} walls a row:\n");
-    out += "| lower edge, in heights of the wall | `fan` | `fine` |\n|---|---|---|\n";
+    out += "| lower edge, in heights of the wall | `balanced` | `fine` |\n|---|---|---|\n";
     for (i, (name, foot, tilt)) in WALLS.into_iter().enumerate() {
         let cases = cases(Kind::Wall { foot, tilt }, 1020 + i as u64, walls);
-        let cells = [WeightRule::Fan, WeightRule::Fine].map(|rule| spread(errors(&cases, |lit| by_rule(rule, lit))[0]));
+        let cells =
+            [NormalsRule::Balanced, NormalsRule::Fine].map(|rule| spread(errors(&cases, |lit| by_rule(rule, lit))[0]));
         let _ = writeln!(out, "| {name} | {} |", cells.join(" | "));
     }
 
     out += "\ndocs/light.md:\n\n| lights | rule | energy: mean, p95, max | Fresnel part: mean, p95, max |\n|---|---|---|---|\n";
     for (kind, seed, count) in [(Kind::Random, 1030, 10 * lights / 4), (Kind::Anisotropic, 1031, 3 * lights / 4)] {
         let cases = cases(kind, seed, count);
-        for rule in [WeightRule::Fan, WeightRule::Fine, WeightRule::Mean] {
+        for rule in [NormalsRule::Balanced, NormalsRule::Fine, NormalsRule::Fast] {
             let [energy, fresnel] = errors(&cases, |lit| by_rule(rule, lit)).map(|x| spread(x).replace(" /", ","));
             let _ = writeln!(out, "| {}, {count} | `{rule}` | {energy} | {fresnel} |", kind.name());
         }
@@ -91,11 +104,10 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
     Ok(out)
 }
 
-/// Mean errors of the energy by the numbers that stand, and by those of another rule with the same triangles, which are
-/// wrong.
+/// Mean errors of the energy by the numbers that stand, and by a network that tells nothing.
 #[must_use]
 pub fn standing_and_wrong(cases: &[Case]) -> [f64; 2] {
-    let wrong = WeightRule::Fine.forms();
-    let by_wrong = |lit: &Lit| reflected_with(wrong, lit.alpha(), lit.wo(), &lit.vertices, Sides::Two, WeightRule::Fan);
-    [errors(cases, |lit| by_rule(WeightRule::Fan, lit))[0].mean, errors(cases, by_wrong)[0].mean]
+    let rule = NormalsRule::Balanced;
+    let nothing = Numbers { units: Vec::new(), outputs: Vec::new() };
+    [Numbers::from(rule.network()), nothing].map(|numbers| errors(cases, |lit| numbers.reflected(rule, lit))[0].mean)
 }

@@ -1,6 +1,6 @@
 //! Shortened studies find what the sources have, and print what the documents have.
 
-use ltcforge::{Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver, light::WeightRule};
+use ltcforge::{Layout, Metric, Preset, Recipe, RecipeDocument as _, Solver, light::NormalsRule};
 use ltcforge_studies::{
     best, expected,
     expected::Extent,
@@ -20,13 +20,13 @@ const REFRACTION_PAGE: &str = include_str!("../../docs/refraction.md");
 /// The numbers are printed as they stand, in Rust and in the shader, which have the same ones.
 #[test]
 fn the_numbers_of_the_weight_are_printed_as_the_sources_have_them() {
-    for (rule, name) in [(WeightRule::Fan, "FAN"), (WeightRule::Fine, "FINE")] {
+    for (rule, name) in [(NormalsRule::Balanced, "FAN"), (NormalsRule::Fine, "FINE")] {
         let numbers = weight::numbers(rule.forms());
         let forms = weight::forms(&numbers);
         assert_eq!((numbers.len(), &forms, weight::rounded(&numbers)), (weight::COUNT, rule.forms(), numbers.clone()));
         let rust = weight::as_rust(name, &forms);
         assert!(NORMALS.contains(&rust), "{rust}");
-        let shader = weight::as_wgsl(&forms, rule == WeightRule::Fine);
+        let shader = weight::as_wgsl(&forms, rule == NormalsRule::Fine);
         assert!(SHADER.contains(&shader), "{shader}");
     }
 }
@@ -35,7 +35,7 @@ fn the_numbers_of_the_weight_are_printed_as_the_sources_have_them() {
 /// that neither saw.
 #[test]
 fn a_short_search_comes_near_to_the_numbers_of_the_weight() {
-    for (rule, is_cold, most) in [(WeightRule::Fan, true, 1.2), (WeightRule::Fine, false, 1.15)] {
+    for (rule, is_cold, most) in [(NormalsRule::Balanced, true, 1.2), (NormalsRule::Fine, false, 1.15)] {
         let found = find(&Asked { rule, is_cold, lights: 1000, rounds: 8, seed: 7 }, |_, _| {});
         let [start, standing, end] = found.held_out;
         println!("{rule}: {start:.6} to {end:.6}; stands: {standing:.6}; seen: {:.6?}", found.seen);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{named::named, tables::TableFolder};
-use ltcforge_light::{LightModel, LightShape, WeightRule};
+use ltcforge_light::{LightModel, LightShape, NormalsRule};
 
 /// `light`.
 #[derive(Debug, Args)]
@@ -32,9 +32,9 @@ pub struct LightArgs {
     /// The folder of tables
     #[command(flatten)]
     pub folder: TableFolder,
-    /// How model `normals` averages shadowing over a light [default: fan]
-    #[arg(long, value_parser = named(WeightRule::ALL, WeightRule::name))]
-    pub weight: Option<WeightRule>,
+    /// The rule of model `normals` [default: balanced]
+    #[arg(long, value_parser = named(NormalsRule::ALL, NormalsRule::name))]
+    pub rule: Option<NormalsRule>,
     /// Print the truth as well, for the table's scattering model or GGX, by adaptive quadrature: milliseconds a line
     #[arg(long)]
     pub truth: bool,

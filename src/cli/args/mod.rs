@@ -206,7 +206,7 @@ mod tests {
             "ltcforge export table --for three --precision half -o out",
             "ltcforge export table --layout kt2022 --container ktx2 --precision double -o out",
             "ltcforge light - --model sum",
-            "ltcforge light - --weight most",
+            "ltcforge light - --rule most",
             "ltcforge tradeoff paper",
             "ltcforge plot table colours -o x.png",
             "ltcforge plot table error -o x.png --ratio 1.5",

@@ -9,7 +9,7 @@ use clap::{
 
 use super::{TableFolder, Threads, named::named};
 use ltcforge_fit::Layout;
-use ltcforge_light::{LightModel, WeightRule};
+use ltcforge_light::{LightModel, NormalsRule};
 use ltcforge_shaders::{Language, Lights, Prefix};
 use ltcforge_view::{
     plots::{Azimuth, IsotropicFigure, Ratio},
@@ -108,9 +108,9 @@ pub struct PlotArgs {
     /// Azimuth of the view direction at which errors are shown, radians, likewise [default: 0.7]
     #[arg(long, value_name = "ANGLE", allow_negative_numbers = true)]
     pub phi: Option<Azimuth>,
-    /// How model `normals` averages shadowing over a light, for light [default: fan]
-    #[arg(long, value_parser = named(WeightRule::ALL, WeightRule::name))]
-    pub weight: Option<WeightRule>,
+    /// The rule of model `normals`, for light [default: balanced]
+    #[arg(long, value_parser = named(NormalsRule::ALL, NormalsRule::name))]
+    pub rule: Option<NormalsRule>,
     /// Random rectangles in each cell of light [default: 24], and for each angle of gaussians [default: 150]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub lights: Option<u32>,
@@ -151,6 +151,9 @@ pub struct ShaderArgs {
     /// The model of light
     #[arg(long, value_parser = named(LightModel::ALL, LightModel::name), default_value = "ltc")]
     pub model: LightModel,
+    /// The rule of model normals, each a text of its own [default: balanced]
+    #[arg(long, value_parser = named(&NormalsRule::SHADED, NormalsRule::name))]
+    pub rule: Option<NormalsRule>,
     /// Functions to include in your own shader, or a program that calls them
     #[arg(long = "as", value_enum, default_value = "include")]
     pub form: ShaderForm,

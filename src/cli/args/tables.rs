@@ -7,7 +7,7 @@ use clap::Args;
 use super::{Threads, named::named};
 use ltcforge_client::Limits;
 use ltcforge_files::digest::Digest;
-use ltcforge_light::{LightModel, WeightRule};
+use ltcforge_light::{LightModel, NormalsRule};
 
 /// The choice of a table.
 #[derive(Debug, Args)]
@@ -64,9 +64,9 @@ pub struct ReportArgs {
     /// light of random rectangles, a measure that all share [default: ltc, by its lobes]
     #[arg(long, value_parser = named(LightModel::ALL, LightModel::name))]
     pub model: Option<LightModel>,
-    /// How model `normals` averages shadowing over a light [default: all ways]
-    #[arg(long, value_parser = named(WeightRule::ALL, WeightRule::name))]
-    pub weight: Option<WeightRule>,
+    /// The rule of model `normals` [default: all of them]
+    #[arg(long, value_parser = named(NormalsRule::ALL, NormalsRule::name))]
+    pub rule: Option<NormalsRule>,
     /// Random rectangles that a model is measured by [default: 2000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     pub lights: Option<u32>,

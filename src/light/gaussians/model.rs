@@ -2,7 +2,7 @@
 
 use super::{Gaussian, Warp, reflected, reflected_around};
 use crate::{
-    AreaLight, LightError, ReflectedLight, WeightRule,
+    AreaLight, LightError, NormalsRule, ReflectedLight,
     rules::{Formula, LitPoint, ModelOfLight, lit},
 };
 use ltcforge_fit::{Configuration, LobeModel};
@@ -34,11 +34,11 @@ impl Formula for GaussianModel {
         6
     }
 
-    fn reflected(&self, lit: &LitPoint<'_, f64>, _: WeightRule) -> [f64; 2] {
+    fn reflected(&self, lit: &LitPoint<'_, f64>, _: NormalsRule) -> [f64; 2] {
         reflected(self.0, lit.alpha, lit.wo, lit.vertices, lit.sides)
     }
 
-    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, _: WeightRule) -> [f32; 2] {
+    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, _: NormalsRule) -> [f32; 2] {
         reflected(self.0, lit.alpha, lit.wo, lit.vertices, lit.sides)
     }
 }

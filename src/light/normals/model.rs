@@ -1,6 +1,6 @@
 //! The closed form as a model of light.
 
-use super::{WeightRule, reflected};
+use super::{NormalsRule, reflected};
 use crate::{
     AreaLight, LightError, ReflectedLight,
     rules::{Formula, LitPoint, ModelOfLight, lit},
@@ -17,19 +17,19 @@ impl ModelOfLight for NormalsModel {
 }
 
 impl Formula for NormalsModel {
-    fn weights(&self) -> &'static [WeightRule] {
-        WeightRule::ALL
+    fn choices(&self) -> &'static [NormalsRule] {
+        NormalsRule::ALL
     }
 
     fn cost(&self) -> u32 {
         10
     }
 
-    fn reflected(&self, lit: &LitPoint<'_, f64>, rule: WeightRule) -> [f64; 2] {
+    fn reflected(&self, lit: &LitPoint<'_, f64>, rule: NormalsRule) -> [f64; 2] {
         reflected(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
     }
 
-    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: WeightRule) -> [f32; 2] {
+    fn reflected_f32(&self, lit: &LitPoint<'_, f32>, rule: NormalsRule) -> [f32; 2] {
         reflected(lit.alpha, lit.wo, lit.vertices, lit.sides, rule)
     }
 }
@@ -43,7 +43,7 @@ impl Formula for NormalsModel {
 pub fn by_normals<'a>(
     at: &Configuration,
     light: impl Into<AreaLight<'a>>,
-    rule: WeightRule,
+    rule: NormalsRule,
 ) -> Result<ReflectedLight, LightError> {
     lit(at, light.into(), |lit| NormalsModel.reflected(lit, rule))
 }

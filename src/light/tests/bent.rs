@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::cases::Lit;
-use crate::{WeightRule, by_normals, truth};
+use crate::{NormalsRule, by_normals, truth};
 use ltcforge_fit::{Configuration, Sides};
 
 /// `alpha_x`, `alpha_y`, `theta` and `phi`, and the vertices, of five among hundreds of
@@ -44,7 +44,7 @@ fn bent_images_are_no_darker_and_no_brighter() {
         let at = Configuration { alpha_x, alpha_y, theta, phi };
         let light = Lit { at, vertices: vertices.map(DVec3::from_array).to_vec() }.light(Sides::Two);
         let wanted = truth(&at, &light).expect("a surface").energy;
-        for (rule, limit) in [(WeightRule::Fan, 0.035), (WeightRule::Fine, 0.03)] {
+        for (rule, limit) in [(NormalsRule::Balanced, 0.035), (NormalsRule::Fine, 0.03)] {
             let found = by_normals(&at, &light, rule).expect("a surface").energy;
             assert!((found - wanted).abs() < limit, "{rule}: {found} in place of {wanted}, {at:?}");
             assert!(found > 0.5 * wanted, "{rule}: {found} in place of {wanted}, {at:?}");

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness};
 use crate::{
-    ReflectedLight, WeightRule, by_normals,
+    NormalsRule, ReflectedLight, by_normals,
     normals::{reflected, visible},
     truth::integral,
     truth_within,
@@ -19,11 +19,11 @@ fn triples(vertices: &[DVec3]) -> Vec<[f64; 3]> {
     vertices.iter().map(DVec3::to_array).collect()
 }
 
-fn found(lit: &Lit, rule: WeightRule) -> ReflectedLight {
+fn found(lit: &Lit, rule: NormalsRule) -> ReflectedLight {
     by_normals(&lit.at, &lit.light(Sides::Two), rule).expect("a surface")
 }
 
-fn in_f32(lit: &Lit, rule: WeightRule) -> [f32; 2] {
+fn in_f32(lit: &Lit, rule: NormalsRule) -> [f32; 2] {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
     reflected(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices, Sides::Two, rule)
 }
@@ -40,7 +40,7 @@ const USUAL: [f64; 2] = [0.05, 1.2];
 const HUGE: [f64; 2] = [50.0, 50.0];
 
 /// Errors of energy and Fresnel part under each rule.
-fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec<(WeightRule, [f64; 3], [f64; 3])> {
+fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec<(NormalsRule, [f64; 3], [f64; 3])> {
     let mut draw = Draw::new(seed);
     let cases: Vec<Lit> = (0..count).map(|_| draw.lit_by(roughness, sizes)).collect();
     let wanted: Vec<ReflectedLight> = cases
@@ -49,7 +49,7 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
         .collect();
     let mean = wanted.iter().map(|wanted| wanted.energy).sum::<f64>() / count as f64;
     assert!(mean > 0.2, "lights that lobes miss tell nothing: {mean}");
-    let of = |rule: WeightRule| {
+    let of = |rule: NormalsRule| {
         let found: Vec<ReflectedLight> = cases.par_iter().map(|lit| found(lit, rule)).collect();
         let pairs = || found.iter().zip(&wanted);
         let energy = spread(pairs().map(|(found, wanted)| (found.energy - wanted.energy).abs()).collect());
@@ -57,20 +57,20 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
         println!("seed {seed} {roughness:?} {sizes:?} {rule}: energy {energy:.5?} fresnel {fresnel:.5?}");
         (rule, energy, fresnel)
     };
-    WeightRule::ALL.iter().map(|rule| of(*rule)).collect()
+    NormalsRule::ALL.iter().map(|rule| of(*rule)).collect()
 }
 
 /// The errors of the weight, as the documentation states them: the limits are a tenth to a half above those measured.
 #[test]
 fn errors_are_those_of_the_weight() {
-    let limits = |roughness: Roughness, sizes: [f64; 2], rule: WeightRule| match (roughness, rule) {
-        (_, WeightRule::Fan) if sizes == HUGE => [0.0017, 0.008, 0.06],
-        (_, WeightRule::Fine) if sizes == HUGE => [0.0014, 0.007, 0.06],
-        (_, WeightRule::Mean) if sizes == HUGE => [0.04, 0.12, 0.3],
-        (Roughness::All, WeightRule::Fan) => [0.0004, 0.0018, 0.04],
-        (_, WeightRule::Fan) => [0.0005, 0.003, 0.04],
-        (_, WeightRule::Fine) => [0.0004, 0.0025, 0.035],
-        (_, WeightRule::Mean) => [0.006, 0.04, 0.2],
+    let limits = |roughness: Roughness, sizes: [f64; 2], rule: NormalsRule| match (roughness, rule) {
+        (_, NormalsRule::Balanced) if sizes == HUGE => [0.0017, 0.008, 0.06],
+        (_, NormalsRule::Fine) if sizes == HUGE => [0.0014, 0.007, 0.06],
+        (_, NormalsRule::Fast) if sizes == HUGE => [0.04, 0.12, 0.3],
+        (Roughness::All, NormalsRule::Balanced) => [0.0004, 0.0018, 0.04],
+        (_, NormalsRule::Balanced) => [0.0005, 0.003, 0.04],
+        (_, NormalsRule::Fine) => [0.0004, 0.0025, 0.035],
+        (_, NormalsRule::Fast) => [0.006, 0.04, 0.2],
     };
     for (seed, count, roughness, sizes) in [
         (11, 3000, Roughness::All, USUAL),
@@ -168,8 +168,8 @@ fn f32_tells_the_same_as_f64() {
         let sizes = |i: u32| if i.is_multiple_of(4) { HUGE } else { USUAL };
         let cases: Vec<Lit> = (0..20_000).map(|i| draw.lit_by(roughness, sizes(i))).collect();
         let difference = |lit: &Lit| {
-            let single = in_f32(lit, WeightRule::Fan).map(f64::from);
-            let double = found(lit, WeightRule::Fan);
+            let single = in_f32(lit, NormalsRule::Balanced).map(f64::from);
+            let double = found(lit, NormalsRule::Balanced);
             (single[0] - double.energy).abs().max((single[1] - double.fresnel).abs())
         };
         let mut differences: Vec<f64> = cases.par_iter().map(difference).collect();
@@ -187,12 +187,12 @@ fn lights_of_any_size_are_right() {
     let cases: Vec<Lit> = (0..1200).map(|_| draw.lit_by(Roughness::Extreme, [0.0005, 50.0])).collect();
     let error = |lit: &Lit| {
         let wanted = truth_within(1e-6, &lit.at, &lit.light(Sides::Two)).expect("a surface");
-        [WeightRule::Fan, WeightRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())
+        [NormalsRule::Balanced, NormalsRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())
     };
     let errors: Vec<[f64; 2]> = cases.par_iter().map(error).collect();
     for (i, limits) in [[0.0004, 0.002, 0.06], [0.0003, 0.0018, 0.04]].into_iter().enumerate() {
         let found = spread(errors.iter().map(|errors| errors[i]).collect());
-        println!("any size, {}: {found:.5?}", [WeightRule::Fan, WeightRule::Fine][i]);
+        println!("any size, {}: {found:.5?}", [NormalsRule::Balanced, NormalsRule::Fine][i]);
         assert!(found.iter().zip(limits).all(|(found, limit)| *found < limit), "{i}: {found:?}");
     }
 }
@@ -205,13 +205,13 @@ fn a_hundred_thousand_configurations_are_right() {
     let seen = [Roughness::All, Roughness::Anisotropic, Roughness::Extreme].map(|roughness| {
         let cases = Draw::many(41 + roughness as u64, COUNT / 3 + 1, roughness);
         let error = |(i, lit): (usize, &Lit)| {
-            let double = found(lit, WeightRule::Fan);
-            let [energy, fresnel] = in_f32(lit, WeightRule::Fan).map(f64::from);
+            let double = found(lit, NormalsRule::Balanced);
+            let [energy, fresnel] = in_f32(lit, NormalsRule::Balanced).map(f64::from);
             let fan = ReflectedLight { energy, fresnel };
             for part in [double.energy, double.fresnel, energy, fresnel] {
                 assert!((0.0..=1.0).contains(&part), "{fan:?} {double:?} {lit:?}");
             }
-            let [fine, mean] = [WeightRule::Fine, WeightRule::Mean].map(|rule| found(lit, rule).energy);
+            let [fine, mean] = [NormalsRule::Fine, NormalsRule::Fast].map(|rule| found(lit, rule).energy);
             let (to_fine, to_mean) = ((energy - fine).abs(), (energy - mean).abs());
             if i % 20 > 0 && to_fine < 0.01 && to_mean < 0.05 {
                 return to_fine;

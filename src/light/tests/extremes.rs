@@ -8,22 +8,22 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness};
 use crate::{
-    WeightRule, by_normals,
+    NormalsRule, by_normals,
     normals::{reflected, visible},
     truth,
 };
 use ltcforge_fit::{Configuration, MAX_VERTICES, Sides};
 
 fn energy(lit: &Lit, sides: Sides) -> f64 {
-    energy_by(lit, sides, WeightRule::Fan)
+    energy_by(lit, sides, NormalsRule::Balanced)
 }
 
-fn energy_by(lit: &Lit, sides: Sides, rule: WeightRule) -> f64 {
+fn energy_by(lit: &Lit, sides: Sides, rule: NormalsRule) -> f64 {
     by_normals(&lit.at, &lit.light(sides), rule).expect("a surface").energy
 }
 
 /// The same as shaders compute it.
-fn energy_in_f32(lit: &Lit, sides: Sides, rule: WeightRule) -> f64 {
+fn energy_in_f32(lit: &Lit, sides: Sides, rule: NormalsRule) -> f64 {
     let vertices: Vec<[f32; 3]> = lit.vertices.iter().map(|v| v.as_vec3().to_array()).collect();
     let [energy, _] = reflected(lit.alpha().map(|x| x as f32), lit.wo().as_vec3().to_array(), &vertices, sides, rule);
     f64::from(energy)
@@ -72,7 +72,7 @@ fn a_mirror_within_a_light_reflects_all_of_it() {
         },
     ];
     for lit in cases {
-        for rule in WeightRule::ALL {
+        for rule in NormalsRule::ALL {
             let found = by_normals(&lit.at, &lit.light(Sides::Two), *rule).expect("a surface").energy;
             assert!(found > 0.999, "{rule}: {found} of {:?}", lit.at);
         }
@@ -86,8 +86,8 @@ fn a_mirror_within_a_light_reflects_all_of_it() {
 /// over pi. The weight changes as fast.
 #[test]
 fn small_steps_make_small_changes() {
-    for rule in WeightRule::ALL {
-        let by_rule = |by: fn(&Lit, Sides, WeightRule) -> f64| move |lit: &Lit| by(lit, Sides::Two, *rule);
+    for rule in NormalsRule::ALL {
+        let by_rule = |by: fn(&Lit, Sides, NormalsRule) -> f64| move |lit: &Lit| by(lit, Sides::Two, *rule);
         for roughness in [Roughness::All, Roughness::Anisotropic] {
             for (digits, energy) in [("f64", by_rule(energy_by)), ("f32", by_rule(energy_in_f32))] {
                 let steepest = steepest_step(roughness, &energy);
@@ -161,7 +161,7 @@ fn below_the_surface_is_exactly_nothing() {
     for mut lit in Draw::many(61, 500, Roughness::Extreme) {
         let top = lit.vertices.iter().map(|v| v.z).fold(f64::MIN, f64::max);
         lit.vertices.iter_mut().for_each(|v| v.z -= top);
-        for rule in WeightRule::ALL {
+        for rule in NormalsRule::ALL {
             let found = by_normals(&lit.at, &lit.light(Sides::Two), *rule).expect("a surface");
             assert_eq!([found.energy, found.fresnel], [0.0; 2], "{lit:?}");
         }
@@ -247,7 +247,7 @@ proptest! {
         let wo = ltcforge_fit::math::direction(theta, phi);
         let double: Vec<[f64; 3]> = vertices.iter().map(|(x, y, z)| [*x, *y, *z]).collect();
         let single: Vec<[f32; 3]> = double.iter().map(|v| v.map(|x| x as f32)).collect();
-        for rule in WeightRule::ALL {
+        for rule in NormalsRule::ALL {
             for sides in [Sides::One, Sides::Two] {
                 let exact = reflected([alpha_x, alpha_y], wo.to_array(), &double, sides, *rule);
                 prop_assert!(exact.iter().all(|part| (0.0..=1.0).contains(part)), "{:?}", exact);

@@ -4,7 +4,7 @@ use glam::DQuat;
 use rayon::prelude::*;
 
 use crate::cases::{Draw, Roughness};
-use crate::{WeightRule, by_normals};
+use crate::{NormalsRule, by_normals};
 use ltcforge_fit::Sides;
 
 /// A hundredth of a path is halved so often that lobes of roughness 1e-5 change over it by 1e-8.
@@ -32,7 +32,7 @@ pub(super) fn jump(of: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn nothing_jumps_along_random_paths() {
     for roughness in [Roughness::All, Roughness::Anisotropic, Roughness::Extreme] {
-        for rule in WeightRule::ALL {
+        for rule in NormalsRule::ALL {
             let most = |seed: u64| {
                 let mut draw = Draw::new(2000 + seed);
                 let lit = draw.lit_by(roughness, [0.05, 50.0]);

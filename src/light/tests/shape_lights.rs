@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness};
 use crate::{
-    LightError, PolygonLight, TubeEnds, WeightRule, by_normals, disk, ellipse, line, normals::visible, rectangle,
+    LightError, NormalsRule, PolygonLight, TubeEnds, by_normals, disk, ellipse, line, normals::visible, rectangle,
     truth_within, tube,
 };
 use ltcforge_fit::{
@@ -35,7 +35,7 @@ fn solid_angle(vertices: &[DVec3]) -> f64 {
 #[test]
 fn a_rectangle_is_lit_on_the_side_of_its_normal() {
     let (centre, x, y) = (DVec3::new(-0.8, 0.1, 1.0), 0.4 * DVec3::X, 0.3 * DVec3::Y);
-    let energy = |light: PolygonLight| by_normals(&AT, &light, WeightRule::Fan).expect("a surface").energy;
+    let energy = |light: PolygonLight| by_normals(&AT, &light, NormalsRule::Balanced).expect("a surface").energy;
     assert!(energy(rectangle(centre, [y, x], Sides::One).expect("a light")) > 0.01);
     assert_eq!(energy(rectangle(centre, [x, y], Sides::One).expect("a light")), 0.0);
     assert!(energy(disk(centre, -DVec3::Z, 0.4, Sides::One).expect("a light")) > 0.01);
@@ -179,11 +179,11 @@ fn a_line_light_is_an_integral_over_the_line() {
         let light = line(ends, WIDTH).expect("a light");
         let found = exact_thin(&at, &light) / WIDTH;
         assert!((found - wanted).abs() < 1e-3 * wanted + 1e-4, "{found} {wanted} {at:?} {ends:?}");
-        let closed = by_normals(&at, &light, WeightRule::Fan).expect("a surface").energy / WIDTH;
+        let closed = by_normals(&at, &light, NormalsRule::Balanced).expect("a surface").energy / WIDTH;
         assert!((closed - wanted).abs() < 0.05 * wanted + 0.02, "{closed} {wanted} {at:?} {ends:?}");
         // A thin tube is the same.
         let thin = tube(ends, 0.5 * WIDTH, TubeEnds::Flat).expect("a light");
-        let thin = by_normals(&at, &thin, WeightRule::Fan).expect("a surface").energy / WIDTH;
+        let thin = by_normals(&at, &thin, NormalsRule::Balanced).expect("a surface").energy / WIDTH;
         assert!((thin - closed).abs() < 2e-3 * closed + 1e-3, "{thin} {closed}");
     }
 }
@@ -210,7 +210,7 @@ fn degenerate_shapes_are_nothing_or_refused() {
     ];
     for light in nothing {
         let light = light.expect("a light of no size");
-        let found = by_normals(&AT, &light, WeightRule::Fan).expect("a surface");
+        let found = by_normals(&AT, &light, NormalsRule::Balanced).expect("a surface");
         assert!(found.energy.abs() < 1e-12 && found.fresnel.abs() < 1e-12, "{light:?}: {found:?}");
         assert!(exact(&AT, &light).abs() < 1e-12, "{light:?}");
     }

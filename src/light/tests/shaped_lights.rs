@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Roughness};
 use crate::{
-    CosineSpace, Gaussian, LightError, LightShape, ReflectedLight, ShapedLight, WeightRule, by_gaussian, by_normals,
+    CosineSpace, Gaussian, LightError, LightShape, NormalsRule, ReflectedLight, ShapedLight, by_gaussian, by_normals,
     by_table, truth, truth_within,
 };
 use ltcforge_fit::{
@@ -225,7 +225,7 @@ fn a_table_lights_by_the_shape_and_other_models_by_its_outline() {
         let outline = light.outline().expect("an outline");
         let asg = table(rows, LobeModel::Asg);
         let model = Gaussian::Asg;
-        assert_eq!(by_normals(&at, &light, WeightRule::Fan), by_normals(&at, &outline, WeightRule::Fan));
+        assert_eq!(by_normals(&at, &light, NormalsRule::Balanced), by_normals(&at, &outline, NormalsRule::Balanced));
         assert_eq!(by_gaussian(&at, &light, model), by_gaussian(&at, &outline, model));
         assert_eq!(by_table(&asg, &at, &light), by_table(&asg, &at, &outline));
     }

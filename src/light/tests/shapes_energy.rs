@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::cases::{Draw, Roughness};
-use crate::{PolygonLight, TubeEnds, WeightRule, by_normals, disk, truth_within, tube};
+use crate::{NormalsRule, PolygonLight, TubeEnds, by_normals, disk, truth_within, tube};
 use ltcforge_fit::{Configuration, Sides};
 
 /// A light of a kind around a direction that the lobe reflects.
@@ -56,7 +56,7 @@ fn every_shape_reflects_what_the_truth_does() {
             cases.par_iter().map(|(at, light)| truth_within(1e-5, at, light).expect("a surface").energy).collect();
         let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
         assert!(mean > 0.1, "lights that lobes miss tell nothing: {mean}");
-        for rule in [WeightRule::Fan, WeightRule::Fine] {
+        for rule in [NormalsRule::Balanced, NormalsRule::Fine] {
             let mut errors: Vec<f64> = cases
                 .iter()
                 .zip(&wanted)

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness};
 use crate::{
-    WeightRule, by_normals,
-    normals::{WeightRule as Rule, reflected},
+    NormalsRule, by_normals,
+    normals::{NormalsRule as Rule, reflected},
 };
 use ltcforge_fit::Sides;
 
@@ -25,7 +25,7 @@ fn in_both(lit: &Lit, rule: Rule) -> [f64; 2] {
 fn small_lights_have_digits_in_f32() {
     for (size, limits) in [(0.03, [3e-6, 3e-4]), (0.01, [1e-5, 1.2e-3]), (0.003, [3e-5, 4e-3]), (0.001, [1e-4, 1.2e-2])]
     {
-        for rule in WeightRule::ALL {
+        for rule in NormalsRule::ALL {
             let mut draw = Draw::new(101);
             let lights: Vec<Lit> = (0..2000).map(|_| draw.lit_by(Roughness::All, [size, 1.5 * size])).collect();
             let mut errors: Vec<f64> = lights
@@ -62,7 +62,7 @@ fn small_lights_tend_to_a_point() {
         let mut half = lit.clone();
         half.vertices.iter_mut().for_each(|v| *v = centre + 0.5 * (*v - centre));
         let [whole, half] = [lit, half]
-            .map(|lit| by_normals(&lit.at, &lit.light(Sides::Two), WeightRule::Fan).expect("a surface").energy);
+            .map(|lit| by_normals(&lit.at, &lit.light(Sides::Two), NormalsRule::Balanced).expect("a surface").energy);
         assert!((4.0 * half / whole - 1.0).abs() < 0.02, "{half} {whole}");
     }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::cases::{Draw, Lit, Roughness, over_area};
-use crate::{PolygonLight, ReflectedLight, WeightRule, by_normals, truth, truth_within};
+use crate::{NormalsRule, PolygonLight, ReflectedLight, by_normals, truth, truth_within};
 use ltcforge_fit::{
     Configuration, Sides,
     brdf::{Brdf, Ggx},
@@ -93,7 +93,7 @@ fn extremes_are_finite_and_known_ones_right() {
         let found = truth(&at, light).expect("a surface");
         assert!(found.energy.is_finite() && (0.0..=found.energy + 1e-9).contains(&found.fresnel), "{at:?} {found:?}");
         // The closed form knows these as well: its error is that of its weight, largest where light is all around.
-        let normals = by_normals(&at, light, WeightRule::Fan).expect("a surface");
+        let normals = by_normals(&at, light, NormalsRule::Balanced).expect("a surface");
         assert!((normals.energy - found.energy).abs() < 0.035, "{at:?} {normals:?} {found:?}");
         found.energy
     };

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::jumps::jump;
 use crate::cases::{Draw, Lit, Roughness};
-use crate::{WeightRule, by_normals, truth_within};
+use crate::{NormalsRule, by_normals, truth_within};
 use ltcforge_fit::Sides;
 
-fn energy(lit: &Lit, rule: WeightRule) -> f64 {
+fn energy(lit: &Lit, rule: NormalsRule) -> f64 {
     by_normals(&lit.at, &lit.light(Sides::Two), rule).expect("a surface").energy
 }
 
@@ -38,7 +38,9 @@ fn walls_on_the_surface_are_right() {
             .collect();
         let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
         assert!(mean > 0.1, "lights that lobes miss tell nothing: {mean}");
-        for (rule, limits) in [(WeightRule::Fan, [0.0012, 0.006, 0.05]), (WeightRule::Fine, [0.001, 0.005, 0.04])] {
+        for (rule, limits) in
+            [(NormalsRule::Balanced, [0.0012, 0.006, 0.05]), (NormalsRule::Fine, [0.001, 0.005, 0.04])]
+        {
             let mut errors: Vec<f64> =
                 walls.iter().zip(&wanted).map(|(lit, wanted)| (energy(lit, rule) - wanted).abs()).collect();
             errors.sort_by(f64::total_cmp);
@@ -57,7 +59,7 @@ fn walls_on_the_surface_are_right() {
 #[test]
 fn a_level_edge_sets_without_a_jump() {
     const HEIGHT: f64 = 1e-9;
-    let mut seen = [0.0; WeightRule::ALL.len()];
+    let mut seen = [0.0; NormalsRule::ALL.len()];
     let mut draw = Draw::new(71);
     for _ in 0..2000 {
         let on_surface = draw.wall(Roughness::All, 0.0, 0.0);
@@ -66,7 +68,7 @@ fn a_level_edge_sets_without_a_jump() {
             lit.vertices.iter_mut().for_each(|v| v.z += z);
             lit
         };
-        for (rule, seen) in WeightRule::ALL.iter().zip(&mut seen) {
+        for (rule, seen) in NormalsRule::ALL.iter().zip(&mut seen) {
             let [above, below] = [HEIGHT, -HEIGHT].map(|z| energy(&at_height(z), *rule));
             assert!((above - below).abs() < 1e-6, "{rule:?}, {on_surface:?}: {above} and {below}");
             *seen += above;
@@ -79,7 +81,7 @@ fn a_level_edge_sets_without_a_jump() {
 #[test]
 fn nothing_jumps_while_walls_sink_and_tilt() {
     for roughness in [Roughness::All, Roughness::Extreme] {
-        for rule in WeightRule::ALL {
+        for rule in NormalsRule::ALL {
             let most = |seed: u64| {
                 let mut draw = Draw::new(1000 + seed);
                 let (feet, tilts) =

@@ -1,6 +1,6 @@
 //! Images of arcs that are nearly straight.
 
-use crate::normals::arc_bend;
+use super::bend::arc_bend;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// An image is flat where the determinant of its two ends and its control point is below this, and its ends are less

@@ -1,12 +1,12 @@
 //! The integral of `c x dc` along the image of an arc, in closed form.
 
+use super::bend::arc_bend;
 use super::{
     arc::{Arc, ArcKind, Extent},
     cone::{Cone, ConeArc},
     flat::{flat, is_flat},
     interface::Interface,
 };
-use crate::normals::arc_bend;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, scaled, unit};
 
 /// An angle about an axis that is negative by less than this is zero, rounded; more is a whole turn less.

@@ -20,6 +20,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN counts as what the comparison denies")]
 
 mod arc;
+mod bend;
 #[cfg(any(test, feature = "testing"))]
 pub mod cases;
 mod clip;
@@ -42,7 +43,7 @@ use self::{
     interface::Interface,
     outline::outline,
 };
-use super::normals::arc_bend;
+use bend::arc_bend;
 use ltcforge_fit::{
     Sides,
     math::{Scalar, Triple, cross, dot, minus, plus, scaled, unit},

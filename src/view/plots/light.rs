@@ -3,7 +3,7 @@
 use super::chart::Chart;
 use crate::picture::{Panel, Picture, bar, colour, grid, headed, short_digest};
 use ltcforge_fit::{BrdfKind, BrdfModel, PerAxis, Table};
-use ltcforge_light::{EVERYWHERE, LightError, LightModel, Lighting, WeightRule, light_map};
+use ltcforge_light::{EVERYWHERE, LightError, LightModel, Lighting, NormalsRule, light_map};
 
 /// Cells a side.
 const CELLS: usize = 25;
@@ -27,7 +27,7 @@ pub struct NamedTable<'a> {
 ///
 /// # Errors
 /// [`LightError`] for a table that does not tell, and one of a tabulated model without its numbers.
-pub fn light_errors(table: Option<NamedTable<'_>>, rule: WeightRule, count: usize) -> Result<Picture, LightError> {
+pub fn light_errors(table: Option<NamedTable<'_>>, rule: NormalsRule, count: usize) -> Result<Picture, LightError> {
     let ggx = BrdfModel::from(BrdfKind::Ggx);
     let brdf = table.map_or(&ggx, |named| named.table.model());
     let closed = LightModel::Normals.closed_form(Some(rule)).filter(|_| *brdf == BrdfKind::Ggx);
@@ -40,7 +40,7 @@ pub fn light_errors(table: Option<NamedTable<'_>>, rule: WeightRule, count: usiz
     let titles = table
         .iter()
         .map(|named| format!("LTC, table {}", short_digest(named.digest)))
-        .chain(closed.map(|_| format!("model normals, weight {rule}")));
+        .chain(closed.map(|_| format!("model normals, rule {rule}")));
     let titles: Vec<String> = titles
         .zip(&map.errors)
         .map(|(title, errors)| format!("{title}: mean {:.5}", errors.iter().sum::<f64>() / errors.len() as f64))

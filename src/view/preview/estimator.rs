@@ -2,7 +2,7 @@
 
 use super::ShaderTable;
 use ltcforge_fit::LobeModel;
-use ltcforge_light::{ClosedForm, LightModel, WeightRule};
+use ltcforge_light::{ClosedForm, LightModel, NormalsRule};
 
 /// Asked between parts of a picture whether to stop.
 pub type Stop<'a> = &'a dyn Fn() -> bool;
@@ -30,10 +30,10 @@ impl Estimator {
         tables.chain(formulas).chain([Self::Reference, Self::TableLobe, Self::ReferenceLobe])
     }
 
-    /// That of light by a model, under a rule of the weight where it has several; by a table as by its lobes.
+    /// That of light by a model, by a rule where it has several; by a table as by its lobes.
     #[must_use]
-    pub fn of(model: LightModel, weight: WeightRule, table: &ShaderTable) -> Self {
-        model.closed_form(Some(weight)).map_or(Self::Table(table.lobe), Self::ClosedForm)
+    pub fn of(model: LightModel, rule: NormalsRule, table: &ShaderTable) -> Self {
+        model.closed_form(Some(rule)).map_or(Self::Table(table.lobe), Self::ClosedForm)
     }
 
     /// The work of a pixel, in samples of the reference, which takes `spp` of them.

@@ -7,7 +7,7 @@ use super::{
     LightKind, Material, Mode, NamedScene, Scene,
     parameter::{Parameter, ParameterForm},
 };
-use ltcforge_light::{LightModel, normals::WeightRule};
+use ltcforge_light::{LightModel, normals::NormalsRule};
 
 /// Where things may stand, in radii of the sphere.
 const PLACE: f64 = 100.0;
@@ -45,11 +45,11 @@ pub static PARAMETERS: [Parameter; 25] = [
         |s, i| s.model = LightModel::ALL[i],
     ),
     name(
-        "weight",
-        "How model normals averages the weight of shadowing",
-        || names(WeightRule::ALL, WeightRule::name),
-        |s| WeightRule::ALL.iter().position(|rule| *rule == s.weight),
-        |s, i| s.weight = WeightRule::ALL[i],
+        "rule",
+        "The rule of model normals: how much it costs and how near to the truth it is",
+        || names(&NormalsRule::SHADED, NormalsRule::name),
+        |s| NormalsRule::SHADED.iter().position(|rule| *rule == s.rule),
+        |s, i| s.rule = NormalsRule::SHADED[i],
     ),
     whole("size", "Pixels a side of each panel", [64, 2048], |s| &mut s.size),
     whole("spp", "Samples a pixel of the reference", [1, 4096], |s| &mut s.spp),

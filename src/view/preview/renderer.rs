@@ -149,12 +149,12 @@ impl Preview {
         let mut errors = Vec::new();
         let picture = match scene.mode {
             Mode::Ltc => {
-                let picture = self.picture(table, &frame, Estimator::of(scene.model, scene.weight, table), stop)?;
+                let picture = self.picture(table, &frame, Estimator::of(scene.model, scene.rule, table), stop)?;
                 compose::warned(picture, scene, &out_of_range)
             }
             Mode::Reference => self.picture(table, &frame, Estimator::Reference, stop)?,
             Mode::Difference | Mode::Strip => {
-                let lit = self.radiances(table, &frame, Estimator::of(scene.model, scene.weight, table), stop)?;
+                let lit = self.radiances(table, &frame, Estimator::of(scene.model, scene.rule, table), stop)?;
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 errors = panel_errors(scene, &frame, scene.model, &lit, &reference);
                 compose::compared(scene, table, &out_of_range, [&lit, &reference], &errors)
@@ -163,7 +163,7 @@ impl Preview {
                 let reference = self.radiances(table, &frame, Estimator::Reference, stop)?;
                 let mut lit = Vec::new();
                 for model in COMPARED {
-                    let radiances = self.radiances(table, &frame, Estimator::of(model, scene.weight, table), stop)?;
+                    let radiances = self.radiances(table, &frame, Estimator::of(model, scene.rule, table), stop)?;
                     errors.extend(panel_errors(scene, &frame, model, &radiances, &reference));
                     lit.push((model, radiances));
                 }

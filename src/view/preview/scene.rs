@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use ltcforge_fit::named_list;
-use ltcforge_light::{LightModel, LightShape, normals::WeightRule};
+use ltcforge_light::{LightModel, LightShape, normals::NormalsRule};
 
 /// Materials that a picture can hold.
 pub(super) const MAX_MATERIALS: usize = 4;
@@ -35,8 +35,8 @@ pub struct Scene {
     pub mode: Mode,
     /// The model of light.
     pub model: LightModel,
-    /// How model `normals` averages the weight of shadowing.
-    pub weight: WeightRule,
+    /// The rule of model `normals`.
+    pub rule: NormalsRule,
     /// Radiance is multiplied by this before it is displayed.
     pub exposure: f64,
     /// The difference, in radiance, at the end of the colour bar.
@@ -151,19 +151,19 @@ impl Scene {
     #[must_use]
     pub fn canonical(self) -> Self {
         let usual = Self { mode: self.mode, size: self.size, ..Self::default() };
-        let weight = if self.shows(LightModel::Normals) { self.weight } else { usual.weight };
+        let rule = if self.shows(LightModel::Normals) { self.rule } else { usual.rule };
         match self.mode {
             Mode::Ltc => {
                 let Self { lobe, spp, difference_scale, .. } = usual;
-                Self { lobe, spp, weight, difference_scale, ..self }
+                Self { lobe, spp, rule, difference_scale, ..self }
             }
             Mode::Reference => {
                 let Self { lobe, model, difference_scale, .. } = usual;
-                Self { lobe, model, weight, difference_scale, ..self }
+                Self { lobe, model, rule, difference_scale, ..self }
             }
             // False colours are of radiance, whatever it is displayed like.
-            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, weight, ..self },
-            Mode::Strip => Self { lobe: usual.lobe, weight, ..self },
+            Mode::Difference => Self { lobe: usual.lobe, exposure: usual.exposure, rule, ..self },
+            Mode::Strip => Self { lobe: usual.lobe, rule, ..self },
             Mode::Models => Self { lobe: usual.lobe, model: usual.model, ..self },
             Mode::Lobe => {
                 let roughness = |material: &Material| Material { rotation: 0.0, ..*material };
@@ -221,7 +221,7 @@ impl Default for Scene {
             spp: 64,
             mode: Mode::Ltc,
             model: LightModel::Ltc,
-            weight: WeightRule::Fan,
+            rule: NormalsRule::Balanced,
             exposure: 1.0,
             difference_scale: 0.2,
         }

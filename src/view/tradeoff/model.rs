@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use ltcforge_files::{digest::Digest, recipe_document::Preset};
 use ltcforge_fit::{FitSettings, Layout, LobeModel, Recipe, Spread};
-use ltcforge_light::{LightModel, normals::WeightRule};
+use ltcforge_light::{LightModel, normals::NormalsRule};
 
 /// Random lights by which every model is measured, the same for all.
 pub const LIGHTS: usize = 2048;
@@ -18,8 +18,8 @@ pub const FRAME_SIZE: u32 = 512;
 pub struct ModelRow {
     /// The model.
     pub model: LightModel,
-    /// How model `normals` averages the weight of shadowing.
-    pub weight: Option<WeightRule>,
+    /// The rule of model `normals`.
+    pub rule: Option<NormalsRule>,
     /// The layout of the table that it lights by; the Gaussians have closed forms too.
     pub layout: Option<Layout>,
     /// The recipe of that table; that of model `ltc` is one of the family.
@@ -57,7 +57,7 @@ impl ModelRow {
     /// Its name in pictures: the model, and its layout or rule where it has one.
     #[must_use]
     pub fn name(&self) -> String {
-        match self.layout.map(Layout::name).or(self.weight.map(WeightRule::name)) {
+        match self.layout.map(Layout::name).or(self.rule.map(NormalsRule::name)) {
             Some(kind) => format!("{} {kind}", self.model),
             None => self.model.name().to_owned(),
         }
@@ -158,9 +158,9 @@ pub(super) mod tests {
     }
 
     pub(crate) fn rows() -> ModelRows {
-        let row = |model, weight, layout, mean: f64, bytes| ModelRow {
+        let row = |model, rule, layout, mean: f64, bytes| ModelRow {
             model,
-            weight,
+            rule,
             layout,
             recipe_digest: layout.map(|_| Digest::of(b"")),
             light_error: Spread { mean, p95: 4.0 * mean, max: 20.0 * mean },
@@ -173,9 +173,9 @@ pub(super) mod tests {
         let normals = |rule, mean| row(LightModel::Normals, Some(rule), None, mean, 0);
         let rows = vec![
             row(LightModel::Ltc, None, Some(Layout::Reflected), 0.0061, 181_440),
-            normals(WeightRule::Fan, 0.0009),
-            normals(WeightRule::Mean, 0.004),
-            normals(WeightRule::Fine, 0.0005),
+            normals(NormalsRule::Balanced, 0.0009),
+            normals(NormalsRule::Fast, 0.004),
+            normals(NormalsRule::Fine, 0.0005),
             row(LightModel::Sg, None, None, 0.06, 0),
             row(LightModel::Asg, None, None, 0.03, 0),
             row(LightModel::Asg, None, Some(Layout::Reflected), 0.02, 181_440),

@@ -197,7 +197,7 @@ mod tests {
     use super::*;
     use crate::preview::NamedScene;
     use ltcforge_fit::Configuration;
-    use ltcforge_light::{PolygonLight, WeightRule, normals, truth_within};
+    use ltcforge_light::{NormalsRule, PolygonLight, normals, truth_within};
 
     /// Mean error of the closed form's light over the pixels, for white metal under a light of radiance one.
     fn error(scene: NamedScene) -> f64 {
@@ -211,7 +211,8 @@ mod tests {
             let vertices: Vec<Vec3> = frame.light.vertices.iter().map(|v| to_local * (*v - at.position)).collect();
             let sides = if frame.light.two_sided { Sides::Two } else { Sides::One };
             let arrays: Vec<[f32; 3]> = vertices.iter().map(Vec3::to_array).collect();
-            let [found, _] = normals::reflected(at.alpha.to_array(), at.wo.to_array(), &arrays, sides, WeightRule::Fan);
+            let [found, _] =
+                normals::reflected(at.alpha.to_array(), at.wo.to_array(), &arrays, sides, NormalsRule::Balanced);
             let wo = at.wo.as_dvec3().normalize();
             let [alpha_x, alpha_y] = at.alpha.to_array().map(f64::from);
             let seen = Configuration { alpha_x, alpha_y, theta: wo.z.acos(), phi: wo.y.atan2(wo.x) };

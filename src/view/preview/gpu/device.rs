@@ -7,7 +7,7 @@ use crate::preview::{
     estimator::Estimator,
     frame::{Frame, FrameShape},
 };
-use ltcforge_light::{Gaussian, LightModel};
+use ltcforge_light::{Gaussian, LightModel, NormalsRule};
 use ltcforge_shaders::{Bound, preview_module};
 
 /// A device of the first adapter that Vulkan lists: a GPU, or lavapipe.
@@ -137,14 +137,13 @@ impl Device {
         if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == key) {
             return pipeline.clone();
         }
-        let Program { entry_point, gaussian, rule } = Program::of(estimator);
+        let Program { entry_point, gaussian } = Program::of(estimator);
         let flag = |is_so: bool| f64::from(u8::from(is_so));
         let constants = [
             ("ltc_hardware_filter", flag(self.samples_weighed)),
             ("lookup_is_constant", flag(self.lookup_is_constant)),
             ("light_shape", f64::from(key.shape)),
             ("light_is_polygon", flag(key.is_polygon)),
-            ("normals_rule", f64::from(rule)),
             ("gaussian", f64::from(gaussian as u32)),
             ("gaussian_is_fitted", flag(matches!(estimator, Estimator::Table(_)))),
         ];
@@ -174,29 +173,31 @@ struct Program {
     entry_point: &'static str,
     /// The Gaussian, for an estimator that lights by one.
     gaussian: Gaussian,
-    /// The number of the rule by which model `normals` averages its weight.
-    rule: u32,
 }
 
 impl Program {
     fn of(estimator: Estimator) -> Self {
         let (model, rule) = match estimator {
-            Estimator::ClosedForm(form) => (form.model(), form.rule() as u32),
-            Estimator::Table(lobe) => (LightModel::of_lobe(lobe), 0),
+            Estimator::ClosedForm(form) => (form.model(), form.rule()),
+            Estimator::Table(lobe) => (LightModel::of_lobe(lobe), NormalsRule::ALL[0]),
             Estimator::Reference => return Self::new("surface_by_reference"),
             Estimator::TableLobe => return Self::new("lobe_by_table"),
             Estimator::ReferenceLobe => return Self::new("lobe_by_reference"),
         };
         match model {
             LightModel::Ltc => Self::new("surface_by_table"),
-            LightModel::Normals => Self { rule, ..Self::new("surface_by_normals") },
+            LightModel::Normals => Self::new(match rule {
+                NormalsRule::Balanced => "surface_by_balanced",
+                NormalsRule::Fast => "surface_by_fast",
+                NormalsRule::Fine | NormalsRule::Exact => "surface_by_fine",
+            }),
             LightModel::Sg => Self::new("surface_by_gaussian"),
             LightModel::Asg => Self { gaussian: Gaussian::Asg, ..Self::new("surface_by_gaussian") },
         }
     }
 
     fn new(entry_point: &'static str) -> Self {
-        Self { entry_point, gaussian: Gaussian::Sg, rule: 0 }
+        Self { entry_point, gaussian: Gaussian::Sg }
     }
 }
 

@@ -11,7 +11,7 @@ use ltcforge_fit::Sides;
 use ltcforge_light::{
     LightModel,
     cases::{Draw, Lit, Roughness},
-    normals::{WeightRule, reflected},
+    normals::{NormalsRule, reflected},
 };
 use ltcforge_shaders::{Bound, Lights, LitBy, functions};
 
@@ -52,7 +52,7 @@ fn polygons(@builtin(local_invocation_index) index: u32) {
 }
 ";
 
-const RULES: usize = WeightRule::ALL.len();
+const RULES: usize = NormalsRule::ALL.len();
 
 /// Random lights, and as many walls that stand on the surface, above it and in it.
 fn lights(roughness: Roughness) -> Vec<Lit> {
@@ -106,7 +106,7 @@ impl Single {
     }
 
     /// The result in f64 for the same numbers.
-    fn exact(&self, rule: WeightRule) -> [f64; 2] {
+    fn exact(&self, rule: NormalsRule) -> [f64; 2] {
         let corners: Vec<[f64; 3]> = self.corners.iter().map(|v| v.as_dvec3().to_array()).collect();
         let wo = self.wo.as_dvec3().normalize().to_array();
         reflected(self.alpha.map(f64::from), wo, &corners, Sides::Two, rule)
@@ -141,7 +141,7 @@ fn check(entry: &str, lights: &[Lit], limits: [f64; 2]) {
         };
     let mut differences = Vec::new();
     for (light, found) in lights.iter().zip(found) {
-        for (rule, found) in WeightRule::ALL.iter().zip(found) {
+        for (rule, found) in NormalsRule::ALL.iter().zip(found) {
             for (found, expected) in found.into_iter().zip(light.exact(*rule)) {
                 assert!((0.0..=1.0).contains(&found), "{found} by {rule} of {:?} {:?}", light.alpha, light.corners);
                 differences.push((f64::from(found) - expected).abs());

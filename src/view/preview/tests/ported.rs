@@ -18,7 +18,7 @@ use ltcforge_light::{
     CosineSpace, Gaussian, LightModel,
     cases::{Draw, Lit, Roughness},
     gaussians::{self, SgLight},
-    normals::{WeightRule, reflected},
+    normals::{NormalsRule, reflected},
 };
 use ltcforge_shaders::{Bound, CASES, CORNERS, Case, Golden, Language, LitBy, SG_LIGHT, TOLERANCE, golden_table};
 use ltcforge_translate::port;
@@ -159,7 +159,7 @@ fn the_shader_without_a_table_gives_what_f64_does() {
     for case in CASES {
         for light in &lights {
             for (two_sided, rule) in
-                [false, true].into_iter().flat_map(|two| WeightRule::ALL.iter().map(move |r| (two, *r)))
+                [false, true].into_iter().flat_map(|two| NormalsRule::ALL.iter().map(move |r| (two, *r)))
             {
                 tried.push((case, light, two_sided, rule));
             }

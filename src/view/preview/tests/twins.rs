@@ -5,7 +5,7 @@ use crate::{
     picture::Picture,
     preview::{Camera, Choices, Light, LightKind, Material, Mode, NamedScene, Rendered, Scene, Variant, Weights},
 };
-use ltcforge_light::{LightModel, WeightRule};
+use ltcforge_light::{LightModel, NormalsRule};
 
 pub(super) const GO_ON: &dyn Fn() -> bool = &|| false;
 
@@ -172,7 +172,8 @@ fn gpu_and_cpu_agree_on_mirrors_and_needles_by_normals() {
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
     let table = shader_table(TexelFormat::F32);
     let extremes = [(0.0, 0.0), (1e-4, 1e-4), (1.0, 1e-3), (0.001, 0.3), (1.0, 1.0)];
-    for (weight, (alpha_x, alpha_y)) in WeightRule::ALL.iter().flat_map(|rule| extremes.map(|alphas| (*rule, alphas))) {
+    for (weight, (alpha_x, alpha_y)) in NormalsRule::ALL.iter().flat_map(|rule| extremes.map(|alphas| (*rule, alphas)))
+    {
         let materials = vec![Material { alpha_x, alpha_y, rotation: 1.0 }];
         let scene = Scene { size: 128, model: LightModel::Normals, weight, materials, ..Scene::default() };
         let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));
@@ -208,7 +209,7 @@ fn gpu_and_cpu_agree_in_every_scene_by_normals() {
     let [gpu, cpu] = renderers.as_mut_slice() else { return };
     let table = shader_table(TexelFormat::F32);
     for (named, weight) in
-        NamedScene::ALL.iter().flat_map(|named| WeightRule::ALL.iter().map(move |rule| (named, *rule)))
+        NamedScene::ALL.iter().flat_map(|named| NormalsRule::ALL.iter().map(move |rule| (named, *rule)))
     {
         let scene = Scene { size: 96, spp: 4, model: LightModel::Normals, weight, ..named.scene() };
         let (a, b) = (render(gpu, &table, &scene), render(cpu, &table, &scene));

@@ -1,6 +1,7 @@
 //! The integral of `c x dc` along the image of a light's edge, in closed form.
 
-use super::{cone::EdgeCone, outline::Corner};
+use super::cone::EdgeCone;
+use crate::normals::outline::Corner;
 use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
 
 /// The contribution of the edge from `a` to `b` to the integral of `c x dc`, beyond the plane triangle's `a.c x b.c`.
@@ -13,59 +14,6 @@ pub(super) fn curved_part<T: Scalar>(alpha: [T; 2], wo: Triple<T>, a: &Corner<T>
         return [T::ZERO; 3];
     }
     minus(exact(alpha, wo, a, b, apart), cross(a.c, b.c))
-}
-
-/// The contributions of two parts, from a to m and from m to b, beyond their plane triangles, of the image of an edge
-/// whose `whole` is known.
-///
-/// A part is the arc of the great circle between its ends, and of what the two arcs leave of the whole it has a share
-/// by the cube of its chord, as lies between an arc and a chord of any curve. The shares decide only which part has
-/// which weight. So beyond a right angle, where [`acute_bend`] falls short, it stands for the arc too: what it lacks is
-/// in the rest.
-pub(super) fn shared<T: Scalar>([a, m, b]: [Triple<T>; 3], whole: Triple<T>) -> [Triple<T>; 2] {
-    let arc = |from: Triple<T>, to: Triple<T>| {
-        let chord = minus(to, from);
-        scaled(cross(from, to), acute_bend(dot(chord, chord)))
-    };
-    let arcs = [arc(a, m), arc(m, b)];
-    // a x b less a x m and m x b.
-    let plane = scaled(cross(minus(m, a), minus(b, a)), -T::ONE);
-    let rest = minus(plus(whole, plane), plus(arcs[0], arcs[1]));
-    let cubes = [minus(m, a), minus(b, m)].map(|chord| {
-        let length2 = dot(chord, chord);
-        length2 * length2.sqrt()
-    });
-    let per_cube = T::ONE / (cubes[0] + cubes[1]).max(T::of(1e-36));
-    [0, 1].map(|i| plus(arcs[i], scaled(rest, cubes[i] * per_cube)))
-}
-
-/// `a x b (acos(a . b) / |a x b| - 1)`: what the arc of a great circle from `a` to `b` adds to `a x b`.
-///
-/// Beyond a right angle it is computed from the supplement.
-pub(crate) fn arc_bend<T: Scalar>(a: Triple<T>, b: Triple<T>) -> Triple<T> {
-    let across = cross(a, b);
-    let is_acute = dot(a, b) >= T::ZERO;
-    let chord = if is_acute { minus(a, b) } else { plus(a, b) };
-    let bend = acute_bend(dot(chord, chord));
-    let bend = if is_acute {
-        bend
-    } else {
-        // pi / sin - (pi - angle) / sin, and - 1.
-        T::TAU * T::of(0.5) / dot(across, across).max(T::of(1e-18)).sqrt() - bend - T::of(2.0)
-    };
-    scaled(across, bend)
-}
-
-/// An angle over its sine, less one, by the square of its chord, for up to a right angle: [0, 2].
-///
-/// With `z` a quarter of that, half of the versed sine, it is
-/// `asin(sqrt z) / sqrt(z (1 - z)) - 1 = 2/3 z + 8/15 z^2 + ...`; here a polynomial that is 6e-7 off at most. It is
-/// finite beyond, but too small: by 2 % of itself at 120 degrees.
-fn acute_bend<T: Scalar>(chord2: T) -> T {
-    let z = chord2 * T::of(0.25);
-    let series = [0.529_126_37, 0.524_055_84, -0.089_545_56, 2.271_551, -3.406_860_7, 3.516_457_1];
-    let [c1, c2, c3, c4, c5, c6] = series.map(T::of);
-    z * (T::of(0.666_755_35) + z * (c1 + z * (c2 + z * (c3 + z * (c4 + z * (c5 + z * c6))))))
 }
 
 /// The integral of `c x dc` along an edge's image, from `a.c` to `b.c`.
@@ -147,6 +95,7 @@ fn per_sine<T: Scalar>(x: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::normals::view::View;
     use ltcforge_fit::math::{direction, unit};
 
     /// Inverse functions of the standard library, on either side of one and of the series' ends.
@@ -185,9 +134,10 @@ mod tests {
             let wi = minus(scaled(h, 2.0 * dot(h, wo)), wo);
             let along = scaled(unit(cross(wi, direction(g.acos(), 7.0 * g).to_array())), 10_f64.powf(-6.9 + 3.0 * g));
             let single = |v: Triple<f64>| v.map(|x| x as f32);
-            let ends = [minus(wi, along), plus(wi, along)].map(|v| Corner::new(v, alpha, wo));
+            let view = View::new(alpha, wo);
+            let ends = [minus(wi, along), plus(wi, along)].map(|v| Corner::new(&view, v));
             let singles = [minus(wi, along), plus(wi, along)]
-                .map(|v| Corner::new(single(v), alpha.map(|x| x as f32), single(wo)));
+                .map(|v| Corner::new(&View::new(alpha.map(|x| x as f32), single(wo)), single(v)));
             let exact = curved_part(alpha, wo, &ends[0], &ends[1]);
             let found = curved_part(alpha.map(|x| x as f32), single(wo), &singles[0], &singles[1]).map(f64::from);
             if dot(exact, exact) < 0.1 {

@@ -1,0 +1,13 @@
+/// An angle over its sine, off by 2e-5 of itself at most.
+fn normals_angle(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let h = a.x * b.x + (a.y * b.y + (a.z * b.z + 1.0000002));
+    let over_root = 2.2214415 + h * (0.53970425 + h * 0.10004498);
+    return over_root * inverseSqrt(h) + (-0.99856362 + h * (-0.27447702 + h * -0.017381236));
+}
+
+/// Adds the integral of c x dc along the great circles' arcs from a to q to n.
+fn normals_arcs(flux: vec3<f32>, a: vec3<f32>, q: vec3<f32>, n: vec3<f32>) -> vec3<f32> {
+    // q x q is zero; differences keep the digits of short arcs.
+    let s = normals_angle(q, n) * (n - q) - normals_angle(a, q) * (a - q);
+    return vec3(flux.x + q.y * s.z - q.z * s.y, flux.y + q.z * s.x - q.x * s.z, flux.z + q.x * s.y - q.y * s.x);
+}

@@ -1,0 +1,172 @@
+/// The normal at which all triangles of a light meet, its mean normal, and what they have in common.
+struct NormalsTip {
+    c: vec3<f32>,
+    /// The part of the visible normals, and what makes it of an integral along A wo; negative for a light that turns right.
+    part: f32,
+    side: f32,
+    /// The view's rise, the larger and the smaller alpha, and the weight of the tip.
+    shared_inputs: vec4<f32>,
+}
+
+/// Sums over triangles: parts times the means of the weight and of Schlick's part; sizes of parts times these, and sizes.
+struct NormalsSum {
+    signed: vec2<f32>,
+    sizes: vec3<f32>,
+}
+
+/// An edge's part above the surface.
+struct NormalsSide {
+    begin: NormalsCorner,
+    end: NormalsCorner,
+}
+
+fn normals_side(view: NormalsView, a: vec3<f32>, b: vec3<f32>) -> NormalsSide {
+    let cut = vec3(a.xy * abs(b.z) + b.xy * abs(a.z), 0.0);
+    let begin = normals_corner(view, select(cut, a, a.z > 0.0));
+    return NormalsSide(begin, normals_corner(view, select(cut, b, b.z > 0.0)));
+}
+
+fn normals_tip(view: NormalsView, flux: vec3<f32>) -> NormalsTip {
+    let seen = dot(flux, view.stretched);
+    let side = select(0.31830989, -0.31830989, seen < 0.0) / (view.wo.z + view.length);
+    let c = flux * (select(1.0, -1.0, seen < 0.0) * normals_per_length(flux));
+    let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
+    return NormalsTip(c, saturate(seen * side), side, vec4(view.rise, alpha, normals_weight(view, c).x));
+}
+
+/// The integral of c x dc along the great circle's arc from the tip to a corner.
+fn normals_spoke(tip: NormalsTip, corner: NormalsCorner) -> vec3<f32> {
+    return normals_angle(tip.c, corner.c) * cross(tip.c, corner.c);
+}
+
+/// Adds a triangle between the tip and an edge's image, around which the integral of c x dc is flux: its part of the visible
+/// normals times their mean weight. That is the weight of its mean normal, shares of those of its outer corners and of the
+/// tip, and more by its part. A network of rectified linear units tells these.
+fn normals_triangle(
+    view: NormalsView,
+    tip: NormalsTip,
+    sum: NormalsSum,
+    flux: vec3<f32>,
+    begin: NormalsCorner,
+    end: NormalsCorner,
+    is_horizon: f32,
+) -> NormalsSum {
+    let seen = dot(flux, view.stretched);
+    let part = seen * tip.side;
+    let size = abs(part);
+    // A triangle that runs back is turned around.
+    let c = flux * (select(1.0, -1.0, seen < 0.0) * normals_per_length(flux));
+    let at_mean = normals_weight(view, c);
+    let at_corners = normals_weight_of(view, 0.5 * (normals_rise(view, begin.w) + normals_rise(view, end.w)));
+    let first = vec4(size, at_mean, at_corners);
+    let second = vec4(dot(c, tip.c), dot(c, begin.c + end.c), abs(c.z), is_horizon);
+    let told = normals_network(first, second, tip.shared_inputs);
+    let known = at_mean.x + told.z * (at_corners - at_mean.x) + told.w * (tip.shared_inputs.w - at_mean.x);
+    let weight = saturate(known + size * told.x);
+    let m2 = at_mean.y * at_mean.y;
+    let means = vec2(weight, clamp(weight * m2 * m2 * at_mean.y + size * told.y, 0.0, weight));
+    return NormalsSum(sum.signed + part * means, sum.sizes + size * vec3(means, 1.0));
+}
+
+/// What triangles add up to. Where they overlap, they may take all of it from each other, although it is reflected.
+fn normals_total(tip: NormalsTip, sum: NormalsSum, is_lit: bool) -> vec2<f32> {
+    let both = max(sum.signed, sum.sizes.xy * (0.5 * tip.part / max(sum.sizes.z, 1e-30)));
+    let energy = min(both.x, tip.part);
+    return select(vec2(0.0), vec2(energy, clamp(both.y, 0.0, energy)), is_lit);
+}
+
+/// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
+fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
+    // Both sides are turned to rise. A corner below the surface slides up along its side.
+    let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
+    let along = corners[1] - corners[0];
+    let across = corners[3] - corners[0];
+    let x = (1.0 - 2.0 * falls.x) * along;
+    let y = (1.0 - 2.0 * falls.y) * across;
+    let low = corners[0] + falls.x * along + falls.y * across;
+    let right = low + x;
+    let left = low + y;
+    if (right.z + y.z <= 0.0) {
+        return vec2(0.0);
+    }
+    let slide = -1.0 / max(vec2(x.z, y.z), vec2(1e-15));
+    let right_up = right + saturate(right.z * slide.y) * y;
+    let left_up = left + saturate(left.z * slide.x) * x;
+    // The side on the horizon, or one point.
+    let a = normals_corner(view, select(low + saturate(low.z * slide.y) * y, left_up, left.z <= 0.0));
+    let b = normals_corner(view, select(low + saturate(low.z * slide.x) * x, right_up, right.z <= 0.0));
+    let c = normals_corner(view, right_up);
+    let high = normals_corner(view, right + y);
+    let d = normals_corner(view, left_up);
+    let none = vec3(0.0);
+    let ab = normals_edge(view, none, a, b);
+    let bc = normals_edge(view, none, b, c);
+    let ch = normals_edge(view, none, c, high);
+    let hd = normals_edge(view, none, high, d);
+    let da = normals_edge(view, none, d, a);
+    let tip = normals_tip(view, ab + bc + ch + hd + da);
+    let to_a = normals_spoke(tip, a);
+    let to_b = normals_spoke(tip, b);
+    var sum = normals_triangle(view, tip, NormalsSum(vec2(0.0), vec3(0.0)), ab + to_a - to_b, a, b, 1.0);
+    let to_c = normals_spoke(tip, c);
+    sum = normals_triangle(view, tip, sum, bc + to_b - to_c, b, c, 0.0);
+    let to_high = normals_spoke(tip, high);
+    sum = normals_triangle(view, tip, sum, ch + to_c - to_high, c, high, 0.0);
+    let to_d = normals_spoke(tip, d);
+    sum = normals_triangle(view, tip, sum, hd + to_high - to_d, high, d, 0.0);
+    sum = normals_triangle(view, tip, sum, da + to_d - to_a, d, a, 0.0);
+    return normals_total(tip, sum, two_sided || (tip.side > 0.0) == (falls.x == falls.y));
+}
+
+/// The same of a convex polygon of 3 to 8 vertices.
+fn normals_polygon(
+    view: NormalsView,
+    vertices: ptr<function, array<vec3<f32>, 8>>,
+    count: u32,
+    two_sided: bool,
+) -> vec2<f32> {
+    let number = clamp(count, 3u, 8u);
+    var a = (*vertices)[number - 1u];
+    var setting = normals_corner(view, a);
+    var rising = setting;
+    var flux = vec3(0.0);
+    var highest = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        if (i < number) {
+            let b = (*vertices)[i];
+            if (a.z > 0.0 || b.z > 0.0) {
+                let side = normals_side(view, a, b);
+                flux = normals_edge(view, flux, side.begin, side.end);
+                if (a.z <= 0.0) {
+                    rising = side.begin;
+                }
+                if (b.z <= 0.0) {
+                    setting = side.end;
+                }
+            }
+            highest = max(highest, b.z);
+            a = b;
+        }
+    }
+    if (highest <= 0.0) {
+        return vec2(0.0);
+    }
+    let horizon = normals_edge(view, vec3(0.0), setting, rising);
+    let tip = normals_tip(view, flux + horizon);
+    let spokes = normals_spoke(tip, setting) - normals_spoke(tip, rising);
+    var sum = NormalsSum(vec2(0.0), vec3(0.0));
+    sum = normals_triangle(view, tip, sum, horizon + spokes, setting, rising, 1.0);
+    for (var i = 0u; i < 8u; i++) {
+        if (i < number) {
+            let b = (*vertices)[i];
+            if (a.z > 0.0 || b.z > 0.0) {
+                let side = normals_side(view, a, b);
+                let spokes = normals_spoke(tip, side.begin) - normals_spoke(tip, side.end);
+                let triangle = normals_edge(view, spokes, side.begin, side.end);
+                sum = normals_triangle(view, tip, sum, triangle, side.begin, side.end, 0.0);
+            }
+            a = b;
+        }
+    }
+    return normals_total(tip, sum, two_sided || tip.side > 0.0);
+}

@@ -1,0 +1,42 @@
+/// A surface seen from a direction. A = diag(alpha, 1).
+struct NormalsView {
+    alpha: vec2<f32>,
+    per_alpha: vec2<f32>,
+    wo: vec3<f32>,
+    image: vec3<f32>, // A^-1 wo
+    stretched: vec3<f32>, // A wo
+    length: f32, // of A wo
+    rise: f32, // of wo
+}
+
+/// alpha in (0, 1]; wo of length one in the tangent frame.
+fn normals_view(alpha_x: f32, alpha_y: f32, wo: vec3<f32>) -> NormalsView {
+    let alpha = max(vec2(alpha_x, alpha_y), vec2(1e-5));
+    let stretched = vec3(alpha * wo.xy, wo.z);
+    let length = sqrt(dot(stretched, stretched));
+    return NormalsView(alpha, 1.0 / alpha, wo, vec3(wo.xy / alpha, wo.z), stretched, length, wo.z / length);
+}
+
+/// One over the length; finite for no length.
+fn normals_per_length(v: vec3<f32>) -> f32 {
+    return inverseSqrt(v.x * v.x + (v.y * v.y + (v.z * v.z + 1e-30)));
+}
+
+/// Height z / |A w| of a direction, zero below the surface.
+fn normals_rise(view: NormalsView, w: vec3<f32>) -> f32 {
+    return max(w.z, 0.0) * normals_per_length(vec3(view.alpha * w.xy, w.z));
+}
+
+/// What is not shadowed, G2/G1, by a direction's rise.
+fn normals_weight_of(view: NormalsView, rise: f32) -> f32 {
+    return (1.0 + view.rise) * rise / (rise + view.rise);
+}
+
+/// The same of the normal A c, of any length and sign, and 1 - wo . h.
+fn normals_weight(view: NormalsView, c: vec3<f32>) -> vec2<f32> {
+    let normal = vec3(view.alpha * c.xy, c.z);
+    let h = normal * normals_per_length(normal);
+    let cosine = dot(view.wo, h);
+    let rise = normals_rise(view, 2.0 * cosine * h - view.wo);
+    return vec2(normals_weight_of(view, rise), saturate(1.0 - abs(cosine)));
+}

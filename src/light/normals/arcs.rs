@@ -1,0 +1,88 @@
+//! The image of a light's edge as four arcs of great circles.
+
+use super::{outline::Corner, view::View};
+use ltcforge_fit::math::{Scalar, Triple, cross, dot, minus, plus, scaled};
+
+/// An angle over its sine, by `h = 1 + cosine`, to a straight angle:
+/// `psi = (pi / sqrt 2 + a h + b h^2) / sqrt h + c + d h + e h^2`, whose first term is what it is close to a straight
+/// angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AnglePerSine {
+    /// a and b.
+    pub(super) over_root: [f64; 2],
+    /// c, d and e.
+    pub(super) plain: [f64; 3],
+}
+
+/// Off by 8e-4 of itself at most.
+pub(super) const ROUGH: AnglePerSine =
+    AnglePerSine { over_root: [0.415_202_7, 0.0], plain: [-0.972_074_3, -0.093_373_49, 0.0] };
+/// Off by 2e-5 of itself at most.
+pub(super) const CLOSE: AnglePerSine =
+    AnglePerSine { over_root: [0.539_704_25, 0.100_044_98], plain: [-0.998_563_62, -0.274_477_02, -0.017_381_236] };
+
+/// Keeps the root of an angle of half a turn finite.
+const STRAIGHT: f64 = 2e-7;
+
+impl AnglePerSine {
+    /// The quotient for the angle between two vectors of length one.
+    pub(super) fn between<T: Scalar>(&self, a: Triple<T>, b: Triple<T>) -> T {
+        let h = dot(a, b) + T::of(1.0 + STRAIGHT);
+        let [a, b] = self.over_root.map(T::of);
+        let [c, d, e] = self.plain.map(T::of);
+        (T::of(std::f64::consts::PI * std::f64::consts::FRAC_1_SQRT_2) + h * (a + h * b)) / h.sqrt()
+            + (c + h * (d + h * e))
+    }
+}
+
+/// How far beyond the chord's middle, in multiples of the control point, the two arcs of a half meet: the first number,
+/// and the second times the square of the control point's length.
+const BULGE: [f64; 2] = [3.3, 0.6];
+/// Ends that are as near to each other as this, squared, are so in all digits that matter: where between them the image
+/// is halved does not.
+const NEAR2: f64 = 1e-8;
+
+/// The integral of `c x dc` along the image of the edge between two corners, by four arcs of great circles.
+///
+/// The image is a conic with the control points `a`, `b` and `c`, of which the ends have length one
+/// (`docs/normals.md`, section 4). It is halved at the point n that is equally far from both ends, and each half is two
+/// arcs that meet in q, a little outside of it, so that they enclose the same area as the half.
+pub(super) fn four_arcs<T: Scalar>(psi: &AnglePerSine, view: &View<T>, from: &Corner<T>, to: &Corner<T>) -> Triple<T> {
+    let (a, c) = (from.c, to.c);
+    let b = control_point(view, from, to);
+    // The curve is a + 2 t b + t^2 c. Its distance from both ends is equal where (a - c) . (a + 2 t b + t^2 c) = 0.
+    let apart = minus(a, c);
+    let bend = dot(b, apart) / (T::of(0.5) * (dot(apart, apart) + T::of(NEAR2)));
+    let t = bend + (bend * bend + T::ONE).sqrt();
+    let (left, right) = (plus(a, scaled(b, t)), plus(b, scaled(c, t)));
+    let middle = plus(left, scaled(right, t));
+    let length = dot(middle, middle).max(T::of(1e-30)).sqrt();
+    let n = scaled(middle, T::ONE / length);
+    let half = |end: Triple<T>, control: Triple<T>| {
+        let [least, more] = BULGE.map(T::of);
+        let bulge = (least + more * dot(control, control) / length) / length.sqrt();
+        let q = plus(plus(end, n), scaled(control, bulge));
+        scaled(q, T::ONE / dot(q, q).max(T::of(1e-30)).sqrt())
+    };
+    let (q, r) = (half(a, left), half(c, right));
+    plus(two_arcs(psi, a, q, n), two_arcs(psi, n, r, c))
+}
+
+/// The control point b of the image of the edge between two corners, scaled so that the ends have length one:
+/// `((y / 2 - 2) A^-1 wo + A^-1 (wo + w_a) + A^-1 (wo + w_c)) / sqrt(y L_a L_c)` with `y = |w_a + w_c|^2` and the
+/// images' lengths L before they were scaled.
+fn control_point<T: Scalar>(view: &View<T>, from: &Corner<T>, to: &Corner<T>) -> Triple<T> {
+    let sum = plus(from.w, to.w);
+    let y = dot(sum, sum) + T::of(1e-10);
+    let ends = plus(from.unscaled(), to.unscaled());
+    let middle = plus(ends, scaled(view.image(view.wo), T::of(0.5) * y - T::of(2.0)));
+    scaled(middle, T::ONE / (y * (from.length * to.length)).sqrt())
+}
+
+/// The integral of `c x dc` along the arcs of great circles from a to q and from q to n.
+///
+/// It is `psi(a, q) a x q + psi(q, n) q x n`, here as the product of q with a sum of differences, which keeps the digits
+/// of short arcs.
+fn two_arcs<T: Scalar>(psi: &AnglePerSine, a: Triple<T>, q: Triple<T>, n: Triple<T>) -> Triple<T> {
+    cross(q, minus(scaled(minus(n, q), psi.between(q, n)), scaled(minus(a, q), psi.between(a, q))))
+}

@@ -1,0 +1,62 @@
+//! A surface seen from a direction, and the weight of shadowing.
+
+use ltcforge_fit::math::{Scalar, Triple, dot, minus, scaled};
+
+/// A surface of GGX seen from a direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View<T> {
+    /// Roughness along x and y: A is `diag(alpha_x, alpha_y, 1)`.
+    pub(super) alpha: [T; 2],
+    /// The view direction.
+    pub(super) wo: Triple<T>,
+    /// `A wo`, and its length.
+    pub(super) stretched: Triple<T>,
+    pub(super) length: T,
+    /// The view's rise, see [`View::rise`].
+    pub(super) rise: T,
+}
+
+/// The weight of a normal's light, and its angle of incidence.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weighted<T> {
+    /// `G2 / G1`: the part that is not shadowed.
+    pub(super) weight: T,
+    /// `1 - wo . h`, whose fifth power is Schlick's factor.
+    pub(super) incidence: T,
+}
+
+impl<T: Scalar> View<T> {
+    pub(super) fn new([alpha_x, alpha_y]: [T; 2], wo: Triple<T>) -> Self {
+        let stretched = [alpha_x * wo[0], alpha_y * wo[1], wo[2]];
+        let length = dot(stretched, stretched).sqrt();
+        Self { alpha: [alpha_x, alpha_y], wo, stretched, length, rise: wo[2] / length }
+    }
+
+    /// `A^-1 h`.
+    pub(super) fn image(&self, h: Triple<T>) -> Triple<T> {
+        [h[0] / self.alpha[0], h[1] / self.alpha[1], h[2]]
+    }
+
+    /// How high a direction is above the surface, in the space where the surface is as rough as can be:
+    /// `mu = z / |A w|`, in [0, 1]; zero below. For `w` of any length.
+    pub(super) fn rise(&self, w: Triple<T>) -> T {
+        let stretched = [self.alpha[0] * w[0], self.alpha[1] * w[1], w[2]];
+        w[2].max(T::ZERO) / dot(stretched, stretched).max(T::of(1e-30)).sqrt()
+    }
+
+    /// `G2 / G1` of a light direction by its rise: `(1 + mu_o) mu_i / (mu_i + mu_o)`, which is zero at the horizon
+    /// [Heitz 2014, height-correlated].
+    pub(super) fn weight_of(&self, rise: T) -> T {
+        (T::ONE + self.rise) * rise / (rise + self.rise)
+    }
+
+    /// The weight of the normal `h = A c`, by the direction `wi` to which it reflects, for `c` of any length and either
+    /// side.
+    pub(super) fn at(&self, c: Triple<T>) -> Weighted<T> {
+        let h = [self.alpha[0] * c[0], self.alpha[1] * c[1], c[2]];
+        let (length2, cosine) = (dot(h, h).max(T::of(1e-30)), dot(self.wo, h));
+        let wi = minus(scaled(h, T::of(2.0) * cosine), scaled(self.wo, length2));
+        let incidence = (T::ONE - cosine.abs() / length2.sqrt()).max(T::ZERO).min(T::ONE);
+        Weighted { weight: self.weight_of(self.rise(wi)), incidence }
+    }
+}
