@@ -61,7 +61,7 @@ fn frames(_: &mut Criterion) {
     let variant = |variant| Preview::with_variant(Adapter::Any, variant);
     let constant = Variant { lookup_is_constant: true, ..Variant::default() };
     let weights = |weights| variant(Variant { weights, ..Variant::default() });
-    let normals = |weight| Scene { model: LightModel::Normals, weight, ..scene(Mode::Ltc) };
+    let normals = |rule| Scene { model: LightModel::Normals, rule, ..scene(Mode::Ltc) };
     let by = |model| Scene { model, ..scene(Mode::Ltc) };
     let octagon = |scene: Scene| Scene { light: Light { kind: LightKind::Polygon(8), ..scene.light }, ..scene };
     let usual = || variant(Variant::default());
@@ -73,9 +73,9 @@ fn frames(_: &mut Criterion) {
         ("ltc, weights by the sampler", weights(Weights::Sampler), &single, ltc.clone()),
         ("ltc, lookup replaced by a constant", variant(constant), &single, ltc.clone()),
         ("ltc, eight edges", usual(), &single, octagon(ltc.clone())),
-        ("normals, weight fan", usual(), &single, normals(NormalsRule::Balanced)),
-        ("normals, weight mean", usual(), &single, normals(NormalsRule::Fast)),
-        ("normals, weight fine", usual(), &single, normals(NormalsRule::Fine)),
+        ("normals, rule balanced", usual(), &single, normals(NormalsRule::Balanced)),
+        ("normals, rule fast", usual(), &single, normals(NormalsRule::Fast)),
+        ("normals, rule fine", usual(), &single, normals(NormalsRule::Fine)),
         ("normals, eight edges", usual(), &single, octagon(normals(NormalsRule::Balanced))),
         ("sg", usual(), &single, by(LightModel::Sg)),
         ("asg", usual(), &single, by(LightModel::Asg)),

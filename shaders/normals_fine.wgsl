@@ -49,7 +49,6 @@ fn normals_triangle(
     flux: vec3<f32>,
     begin: NormalsCorner,
     end: NormalsCorner,
-    is_horizon: f32,
 ) -> NormalsSum {
     let seen = dot(flux, view.stretched);
     let part = seen * tip.side;
@@ -57,9 +56,10 @@ fn normals_triangle(
     // A triangle that runs back is turned around.
     let c = flux * (select(1.0, -1.0, seen < 0.0) * normals_per_length(flux));
     let at_mean = normals_weight(view, c);
-    let at_corners = normals_weight_of(view, 0.5 * (normals_rise(view, begin.w) + normals_rise(view, end.w)));
+    let rises = vec2(normals_rise(view, begin.w), normals_rise(view, end.w));
+    let at_corners = normals_weight_of(view, 0.5 * (rises.x + rises.y));
     let first = vec4(size, at_mean, at_corners);
-    let second = vec4(dot(c, tip.c), dot(c, begin.c + end.c), abs(c.z), is_horizon);
+    let second = vec4(dot(c, tip.c), dot(c, begin.c + end.c), abs(c.z), abs(rises.x - rises.y));
     let told = normals_network(first, second, tip.shared_inputs);
     let known = at_mean.x + told.z * (at_corners - at_mean.x) + told.w * (tip.shared_inputs.w - at_mean.x);
     let weight = saturate(known + size * told.x);
@@ -107,14 +107,14 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let tip = normals_tip(view, ab + bc + ch + hd + da);
     let to_a = normals_spoke(tip, a);
     let to_b = normals_spoke(tip, b);
-    var sum = normals_triangle(view, tip, NormalsSum(vec2(0.0), vec3(0.0)), ab + to_a - to_b, a, b, 1.0);
+    var sum = normals_triangle(view, tip, NormalsSum(vec2(0.0), vec3(0.0)), ab + to_a - to_b, a, b);
     let to_c = normals_spoke(tip, c);
-    sum = normals_triangle(view, tip, sum, bc + to_b - to_c, b, c, 0.0);
+    sum = normals_triangle(view, tip, sum, bc + to_b - to_c, b, c);
     let to_high = normals_spoke(tip, high);
-    sum = normals_triangle(view, tip, sum, ch + to_c - to_high, c, high, 0.0);
+    sum = normals_triangle(view, tip, sum, ch + to_c - to_high, c, high);
     let to_d = normals_spoke(tip, d);
-    sum = normals_triangle(view, tip, sum, hd + to_high - to_d, high, d, 0.0);
-    sum = normals_triangle(view, tip, sum, da + to_d - to_a, d, a, 0.0);
+    sum = normals_triangle(view, tip, sum, hd + to_high - to_d, high, d);
+    sum = normals_triangle(view, tip, sum, da + to_d - to_a, d, a);
     return normals_total(tip, sum, two_sided || (tip.side > 0.0) == (falls.x == falls.y));
 }
 
@@ -155,7 +155,7 @@ fn normals_polygon(
     let tip = normals_tip(view, flux + horizon);
     let spokes = normals_spoke(tip, setting) - normals_spoke(tip, rising);
     var sum = NormalsSum(vec2(0.0), vec3(0.0));
-    sum = normals_triangle(view, tip, sum, horizon + spokes, setting, rising, 1.0);
+    sum = normals_triangle(view, tip, sum, horizon + spokes, setting, rising);
     for (var i = 0u; i < 8u; i++) {
         if (i < number) {
             let b = (*vertices)[i];
@@ -163,7 +163,7 @@ fn normals_polygon(
                 let side = normals_side(view, a, b);
                 let spokes = normals_spoke(tip, side.begin) - normals_spoke(tip, side.end);
                 let triangle = normals_edge(view, spokes, side.begin, side.end);
-                sum = normals_triangle(view, tip, sum, triangle, side.begin, side.end, 0.0);
+                sum = normals_triangle(view, tip, sum, triangle, side.begin, side.end);
             }
             a = b;
         }

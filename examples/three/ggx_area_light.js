@@ -50,7 +50,7 @@ const glossOf = ( reflected ) => /* glsl */ `
 `;
 
 const BY_NORMALS = glossOf( /* glsl */ `
-		vec2 parts = normals_rectangle( normals_view( alphas.x, alphas.y, wo ), corners, false, NORMALS_FAN );
+		vec2 parts = normals_rectangle( normals_view( alphas.x, alphas.y, wo ), corners, false );
 
 		// Schlick: y is the part of x that (1 - cos)^5 weighs.
 		return material.specularColorBlended * ( parts.x - parts.y ) + material.specularF90 * parts.y;` );

@@ -52,7 +52,9 @@ pub(super) fn measure(
         candidates.push(by_table(fitted, lights)?);
     }
     let none = Arc::new(ShaderTable::none());
-    for form in LightModel::ALL.iter().flat_map(|model| model.closed_forms()) {
+    // Rules without a shader have no frame.
+    let has_shader = |form: &ClosedForm| form.chosen_rule().is_none_or(|rule| NormalsRule::SHADED.contains(&rule));
+    for form in LightModel::ALL.iter().flat_map(|model| model.closed_forms()).filter(has_shader) {
         candidates.push(by_formula(form, &none, lights)?);
     }
 
@@ -109,6 +111,9 @@ fn by_table(fitted: &FittedTable, lights: &RandomLights) -> Result<Candidate, Co
 }
 
 fn by_formula(form: ClosedForm, none: &Arc<ShaderTable>, lights: &RandomLights) -> Result<Candidate, CommandFailure> {
+    let by_rule = lit_by(form.model(), None)?
+        .by_rule(form.chosen_rule())
+        .map_err(|error| CommandFailure::new(Exit::Failed, error.to_string()))?;
     let row = ModelRow {
         model: form.model(),
         rule: form.chosen_rule(),
@@ -118,7 +123,7 @@ fn by_formula(form: ClosedForm, none: &Arc<ShaderTable>, lights: &RandomLights) 
         frame_milliseconds: 0.0,
         gpu_bytes: 0,
         file_bytes: 0,
-        shader_bytes: wgsl(lit_by(form.model(), None)?).len() as u64,
+        shader_bytes: wgsl(by_rule).len() as u64,
         fit_seconds: 0.0,
     };
     Ok(Candidate { scene: scene(form.model(), form.rule()), table: Arc::clone(none), row })

@@ -6,7 +6,10 @@ use std::fmt::Write as _;
 use ltcforge::{
     Preset, Recipe, RecipeDocument as _,
     fit::{Sides, Table},
-    light::{NormalsRule, by_table, normals::reflected},
+    light::{
+        NormalsRule, by_table,
+        normals::{reflected, regions, visible},
+    },
 };
 
 use crate::{
@@ -29,6 +32,20 @@ const WALLS: [(&str, f64, f64); 7] = [
     ("one end .05 above, the other .01 below", 0.02, 0.03),
     ("one end .01 above, the other .05 below", -0.02, 0.03),
 ];
+
+/// Kinds for which the visible part by four arcs is told.
+const ARCS: [Kind; 6] = [Kind::Random, Kind::Anisotropic, Kind::Huge, Kind::Steep, Kind::Strip, Kind::Sliver];
+
+/// Errors of V by four arcs an edge, against the exact integrals.
+fn visible_errors(cases: &[Case]) -> Spread {
+    let error = |case: &Case| {
+        let Lit { vertices, .. } = &case.lit;
+        let (alpha, wo) = (case.lit.alpha(), case.lit.wo());
+        let found = regions(alpha, wo, vertices, Sides::Two, NormalsRule::Balanced).map_or(0.0, |found| found.visible);
+        (found - visible(alpha, wo, vertices).abs()).abs()
+    };
+    Spread::of(cases.iter().map(error).collect())
+}
 
 /// By a rule of model `normals`.
 #[must_use]
@@ -83,6 +100,12 @@ pub fn tables(part: f64) -> Result<String, ltcforge::Error> {
         short(p999, 2),
         short(max, 2)
     );
+
+    let _ = writeln!(out, "\ndocs/normals.md, V by four arcs an edge:\n\n| light | four arcs |\n|---|---|");
+    for (i, kind) in ARCS.into_iter().enumerate() {
+        let cases = cases(kind, 1040 + i as u64, lights);
+        let _ = writeln!(out, "| {} | {} |", kind.name(), spread(visible_errors(&cases)));
+    }
 
     let _ = writeln!(out, "\ndocs/normals.md, {walls} walls a row:\n");
     out += "| lower edge, in heights of the wall | `balanced` | `fine` |\n|---|---|---|\n";

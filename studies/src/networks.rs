@@ -30,7 +30,7 @@ const KEPT: [f32; 2] = [0.9, 0.999];
 /// Errors below this are as good as none: squares take the place of sizes there.
 const NEGLIGIBLE: f32 = 2e-4;
 /// How much an error's square counts beside its size, so that no light is far off.
-const LARGE: f32 = 8.0;
+const LARGE: f32 = 16.0;
 /// How much an error of Schlick's part counts beside one of the energy.
 const SCHLICK: f32 = 0.7;
 

@@ -34,7 +34,7 @@ fn light_tells_energy_and_fresnel_part_of_each_line() {
     for row in rows(&printed.stdout) {
         assert!((row[0] - row[2]).abs() < 0.01 && (row[1] - row[3]).abs() < 0.005, "{row:?}");
     }
-    let texts = ["mean", "fan", "fine"].map(|rule| with(&["--weight", rule]).stdout);
+    let texts = ["fast", "balanced", "fine"].map(|rule| with(&["--rule", rule]).stdout);
     assert!(texts[0] != texts[1] && texts[1] != texts[2]);
     assert_eq!(with(&["--model", "normals"]).stdout, texts[1]);
     let gaussians = ["sg", "asg"].map(|model| with(&["--model", model, "--truth"]).stdout);
@@ -71,11 +71,11 @@ fn light_by_a_table_takes_a_table_and_only_then() {
     for (options, said) in [
         (&["--model", "ltc"][..], "needs a table"),
         (&["--table", &digest], "--table is of model ltc"),
-        (&["--model", "ltc", "--table", &digest, "--weight", "mean"], "--weight is of model normals"),
+        (&["--model", "ltc", "--table", &digest, "--rule", "fast"], "--rule is of model normals"),
         (&["--model", "asg", "--table", &digest], "the table has lobe ltc, not asg: choose --model ltc"),
         (&["--model", "ltc", "--table", gaussians], "the table has lobe asg, not ltc: choose --model asg"),
-        (&["--model", "asg", "--table", gaussians, "--weight", "mean"], "--weight is of model normals"),
-        (&["--model", "sg", "--weight", "mean"], "--weight is of model normals"),
+        (&["--model", "asg", "--table", gaussians, "--rule", "fast"], "--rule is of model normals"),
+        (&["--model", "sg", "--rule", "fast"], "--rule is of model normals"),
     ] {
         let refused = with(options).exited(2);
         assert!(refused.complaints().len() == 1 && refused.complaints()[0].contains(said), "{refused:#?}");

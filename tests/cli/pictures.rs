@@ -84,7 +84,7 @@ fn a_table_of_another_scattering_model_is_shown_beside_its_own() {
     for of_ggx in [
         &["report", table, "--model", "normals"][..],
         &["report", table, "--model", "sg"],
-        &["plot", table, "light", "--weight", "fan", "-o", "x.png"],
+        &["plot", table, "light", "--rule", "balanced", "-o", "x.png"],
     ] {
         let refused = run(folder.path(), of_ggx).exited(2);
         assert!(refused.stderr.contains("of brdf ggx") && refused.stderr.contains("brdf charlie"), "{refused:#?}");
@@ -243,14 +243,14 @@ fn models_of_light_are_drawn_and_measured_with_and_without_a_table() {
         .iter()
         .map(|model| model["error"]["mean"].as_f64().expect("a mean"))
         .collect();
-    let [table, fan, mean, fine] = errors[..] else { panic!("{measured}") };
-    assert!(table > mean && mean > fan && fan > fine && fine > 0.0, "{measured}");
+    let [table, balanced, fast, fine, exact] = errors[..] else { panic!("{measured}") };
+    assert!(table > fast && fast > balanced && balanced > fine && fine > 0.0 && exact > 0.0, "{measured}");
     let measured = json(&["report", "--model", "asg", "--lights", "60"]);
     let [row] = measured["models"].as_array().expect("models").as_slice() else { panic!("{measured}") };
     let error = row["error"]["mean"].as_f64().expect("a mean");
     assert!(row["name"] == "asg" && row["model"] == "asg" && error > mean && error < 0.06, "{measured}");
-    let people = run(folder.path(), ["report", "--model", "normals", "--weight", "mean", "--lights", "20"]).exited(0);
-    assert!(people.stdout.contains("normals, weight mean") && !people.stdout.contains("fan"), "{people:#?}");
+    let people = run(folder.path(), ["report", "--model", "normals", "--rule", "fast", "--lights", "20"]).exited(0);
+    assert!(people.stdout.contains("normals, rule fast") && !people.stdout.contains("balanced"), "{people:#?}");
 
     for (arguments, told) in [
         (&["plot", "matrix", "-o", "x.png"][..], "name one"),
@@ -259,11 +259,11 @@ fn models_of_light_are_drawn_and_measured_with_and_without_a_table() {
         (&["plot", "glass", "--lights", "2", "-o", "x.png"], "--lights"),
         (&["plot", "light", "--spp", "2", "-o", "x.png"], "--spp"),
         (&["plot", beginning, "gaussians", "-o", "x.png"], "no table"),
-        (&["plot", "gaussians", "--weight", "fan", "-o", "x.png"], "--weight"),
+        (&["plot", "gaussians", "--rule", "balanced", "-o", "x.png"], "--rule"),
         (&["report", "--model", "ltc"], "--model normals"),
         (&["report", beginning, "--lights", "20"], "--model"),
         (&["report", "--model", "normals", "--extremes"], "--extremes"),
-        (&["report", "--model", "sg", "--weight", "fan"], "--weight"),
+        (&["report", "--model", "sg", "--rule", "balanced"], "--rule"),
     ] {
         let refused = run(folder.path(), arguments).exited(2);
         assert!(refused.stderr.contains(told), "{arguments:?}: {}", refused.stderr);

@@ -67,11 +67,19 @@ fn models_are_measured(document: &Value, svg: &str, stdout: &str) {
     assert_eq!((&models["lights"], &models["frame_size"]), (&2048.into(), &512.into()));
     assert!((0.1..0.9).contains(&models["mean_energy"].as_f64().expect("a number")), "{models}");
     let rows = models["rows"].as_array().expect("rows");
-    let names =
-        ["ltc reflected", "sg reflected", "asg reflected", "normals fan", "normals mean", "normals fine", "sg", "asg"];
+    let names = [
+        "ltc reflected",
+        "sg reflected",
+        "asg reflected",
+        "normals balanced",
+        "normals fast",
+        "normals fine",
+        "sg",
+        "asg",
+    ];
     assert_eq!(rows.len(), names.len());
     for (row, name) in rows.iter().zip(names) {
-        let kind = if row["layout"].is_null() { &row["weight"] } else { &row["layout"] };
+        let kind = if row["layout"].is_null() { &row["rule"] } else { &row["layout"] };
         let told = [row["model"].as_str().expect("a name"), kind.as_str().unwrap_or_default()].join(" ");
         assert_eq!(told.trim_end(), name);
         assert!(row["frame_milliseconds"].as_f64().expect("a number") > 0.0, "{row}");

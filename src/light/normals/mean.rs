@@ -96,15 +96,15 @@ pub(super) fn triangles<T: Scalar>(
     let at_tip = view.at(tip).weight;
     let [larger, smaller] = roughness(view);
     let spoke = |corner: &Corner<T>| scaled(cross(tip, corner.c), psi.between(tip, corner.c));
-    let triangle = |(i, ((from, to), edge)): (usize, ((&Corner<T>, &Corner<T>), &Triple<T>))| {
+    let triangle = |((from, to), edge): ((&Corner<T>, &Corner<T>), &Triple<T>)| {
         let flux = plus(*edge, minus(spoke(from), spoke(to)));
         let part = to_part * dot(flux, view.stretched);
         let is_back = (part < T::ZERO) != (to_part < T::ZERO);
         let length = dot(flux, flux).max(T::of(1e-30)).sqrt();
         let m = scaled(flux, if is_back { -T::ONE } else { T::ONE } / length);
         let at = view.at(m);
-        let at_corners = view.weight_of(T::of(0.5) * (view.rise(from.w) + view.rise(to.w)));
-        let is_horizon = outline.is_cut && i + 1 == edges.len();
+        let rises = [view.rise(from.w), view.rise(to.w)];
+        let at_corners = view.weight_of(T::of(0.5) * (rises[0] + rises[1]));
         Region {
             part,
             at_mean: at.weight,
@@ -119,7 +119,7 @@ pub(super) fn triangles<T: Scalar>(
                 dot(m, tip),
                 dot(m, plus(from.c, to.c)),
                 m[2].abs(),
-                if is_horizon { T::ONE } else { T::ZERO },
+                (rises[0] - rises[1]).abs(),
                 view.rise,
                 larger,
                 smaller,
@@ -127,7 +127,7 @@ pub(super) fn triangles<T: Scalar>(
             ],
         }
     };
-    outline.edges().zip(edges).enumerate().map(triangle).collect()
+    outline.edges().zip(edges).map(triangle).collect()
 }
 
 fn schlick<T: Scalar>(at: &Weighted<T>) -> T {

@@ -64,13 +64,15 @@ fn errors(seed: u64, count: usize, roughness: Roughness, sizes: [f64; 2]) -> Vec
 #[test]
 fn errors_are_those_of_the_weight() {
     let limits = |roughness: Roughness, sizes: [f64; 2], rule: NormalsRule| match (roughness, rule) {
-        (_, NormalsRule::Balanced) if sizes == HUGE => [0.0017, 0.008, 0.06],
-        (_, NormalsRule::Fine) if sizes == HUGE => [0.0014, 0.007, 0.06],
-        (_, NormalsRule::Fast) if sizes == HUGE => [0.04, 0.12, 0.3],
-        (Roughness::All, NormalsRule::Balanced) => [0.0004, 0.0018, 0.04],
-        (_, NormalsRule::Balanced) => [0.0005, 0.003, 0.04],
-        (_, NormalsRule::Fine) => [0.0004, 0.0025, 0.035],
-        (_, NormalsRule::Fast) => [0.006, 0.04, 0.2],
+        (_, NormalsRule::Fast) if sizes == HUGE => [0.006, 0.026, 0.12],
+        (_, NormalsRule::Balanced) if sizes == HUGE => [0.0038, 0.016, 0.1],
+        (_, _) if sizes == HUGE => [0.0026, 0.01, 0.08],
+        (Roughness::All, NormalsRule::Fast) => [0.0011, 0.0055, 0.1],
+        (_, NormalsRule::Fast) => [0.0015, 0.0075, 0.1],
+        (Roughness::All, NormalsRule::Balanced) => [0.0007, 0.0035, 0.08],
+        (_, NormalsRule::Balanced) => [0.0009, 0.0048, 0.08],
+        (Roughness::All, _) => [0.0004, 0.002, 0.08],
+        (_, _) => [0.0006, 0.0031, 0.06],
     };
     for (seed, count, roughness, sizes) in [
         (11, 3000, Roughness::All, USUAL),
@@ -154,14 +156,13 @@ fn the_visible_part_is_exact() {
     }
 }
 
-/// The numbers that shaders compute. An edge that passes within 1e-7 of the horizon or of a sharp lobe's middle may
-/// fall on its other side, so a few in a thousand are off by more.
+/// The numbers that shaders compute.
 #[test]
 fn f32_tells_the_same_as_f64() {
     let limits = [
-        (Roughness::All, 31, [3e-6, 1.5e-5]),
-        (Roughness::Anisotropic, 32, [3e-6, 1.5e-5]),
-        (Roughness::Extreme, 33, [1e-5, 5e-4]),
+        (Roughness::All, 31, [1e-4, 5e-4]),
+        (Roughness::Anisotropic, 32, [1e-4, 5e-4]),
+        (Roughness::Extreme, 33, [2e-4, 2e-3]),
     ];
     for (roughness, seed, [most, all]) in limits {
         let mut draw = Draw::new(seed);
@@ -190,7 +191,7 @@ fn lights_of_any_size_are_right() {
         [NormalsRule::Balanced, NormalsRule::Fine].map(|rule| (found(lit, rule).energy - wanted.energy).abs())
     };
     let errors: Vec<[f64; 2]> = cases.par_iter().map(error).collect();
-    for (i, limits) in [[0.0004, 0.002, 0.06], [0.0003, 0.0018, 0.04]].into_iter().enumerate() {
+    for (i, limits) in [[0.0006, 0.0025, 0.06], [0.0004, 0.002, 0.05]].into_iter().enumerate() {
         let found = spread(errors.iter().map(|errors| errors[i]).collect());
         println!("any size, {}: {found:.5?}", [NormalsRule::Balanced, NormalsRule::Fine][i]);
         assert!(found.iter().zip(limits).all(|(found, limit)| *found < limit), "{i}: {found:?}");

@@ -25,8 +25,7 @@ const FEET: [(f64, f64); 10] = [
     (-0.02, 0.03),
 ];
 
-/// The limits are a tenth to a half above the measured errors; with the rule of other edges, walls on the surface are
-/// off by three times as much on average, and by .14 at most.
+/// The limits are a tenth to a half above the measured errors.
 #[test]
 fn walls_on_the_surface_are_right() {
     for (i, (foot, tilt)) in FEET.into_iter().enumerate() {
@@ -39,7 +38,7 @@ fn walls_on_the_surface_are_right() {
         let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
         assert!(mean > 0.1, "lights that lobes miss tell nothing: {mean}");
         for (rule, limits) in
-            [(NormalsRule::Balanced, [0.0012, 0.006, 0.05]), (NormalsRule::Fine, [0.001, 0.005, 0.04])]
+            [(NormalsRule::Balanced, [0.0015, 0.007, 0.08]), (NormalsRule::Fine, [0.0012, 0.006, 0.05])]
         {
             let mut errors: Vec<f64> =
                 walls.iter().zip(&wanted).map(|(lit, wanted)| (energy(lit, rule) - wanted).abs()).collect();

@@ -33,6 +33,8 @@ impl Estimator {
     /// That of light by a model, by a rule where it has several; by a table as by its lobes.
     #[must_use]
     pub fn of(model: LightModel, rule: NormalsRule, table: &ShaderTable) -> Self {
+        // There is no shader of the exact integrals.
+        let rule = if NormalsRule::SHADED.contains(&rule) { rule } else { NormalsRule::Fine };
         model.closed_form(Some(rule)).map_or(Self::Table(table.lobe), Self::ClosedForm)
     }
 
