@@ -52,12 +52,6 @@ pub const NORMALS_EXAMPLE: &str = include_str!("normals_example.wgsl");
 pub const NORMALS_FAST: &str = include_str!("normals_fast.wgsl");
 /// `normals_fine.wgsl`.
 pub const NORMALS_FINE: &str = include_str!("normals_fine.wgsl");
-/// `normals_network_balanced.wgsl`.
-pub const NORMALS_NETWORK_BALANCED: &str = include_str!("normals_network_balanced.wgsl");
-/// `normals_network_fast.wgsl`.
-pub const NORMALS_NETWORK_FAST: &str = include_str!("normals_network_fast.wgsl");
-/// `normals_network_fine.wgsl`.
-pub const NORMALS_NETWORK_FINE: &str = include_str!("normals_network_fine.wgsl");
 /// `normals_view.wgsl`.
 pub const NORMALS_VIEW: &str = include_str!("normals_view.wgsl");
 /// `reference_solids.wgsl`.

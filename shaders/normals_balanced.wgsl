@@ -1,6 +1,6 @@
 /// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Both sides are turned to rise. A corner below the surface slides up along its side.
+    // Sides are turned to rise. A corner below slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -29,24 +29,19 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
     let rises = vec4(normals_rise(view, a.w), normals_rise(view, c.w), normals_rise(view, d.w), normals_rise(view, high.w));
     let least = min(min(rises.x, rises.y), min(rises.z, rises.w));
     let most = max(max(rises.x, rises.y), max(rises.z, rises.w));
-    let mean = 0.25 * (rises.x + rises.y + rises.z + rises.w);
-    let apart = a.w - b.w;
-    return normals_mean(view, flux, seen, vec3(mean, least, most), 0.5 * dot(apart, apart), two_sided);
+    let sums = vec2(rises.x + rises.y + rises.z + rises.w, dot(rises, rises));
+    return normals_mean(view, flux, seen, 0.25 * sums, vec2(least, most), two_sided);
 }
 
 /// The same of a convex polygon of 3 to 8 vertices.
-fn normals_polygon(
-    view: NormalsView,
-    vertices: ptr<function, array<vec3<f32>, 8>>,
-    count: u32,
-    two_sided: bool,
-) -> vec2<f32> {
+fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
     var setting = normals_corner(view, a);
     var rising = setting;
     var flux = vec3(0.0);
-    var rises = vec3(0.0, 1.0, 0.0);
+    var sums = vec2(0.0);
+    var ends = vec2(1.0, 0.0);
     for (var i = 0u; i < 8u; i++) {
         if (i < number) {
             let b = (*vertices)[i];
@@ -63,21 +58,18 @@ fn normals_polygon(
                 }
             }
             let rise = normals_rise(view, b);
-            rises = vec3(rises.x + rise, min(rises.y, rise), max(rises.z, rise));
+            sums += rise * vec2(1.0, rise);
+            ends = vec2(min(ends.x, rise), max(ends.y, rise));
             a = b;
         }
     }
-    if (rises.z <= 0.0) {
-        return vec2(0.0);
-    }
     flux = normals_edge(view, flux, setting, rising);
-    let apart = setting.w - rising.w;
-    return normals_mean(view, flux, dot(flux, view.stretched), vec3(rises.x / f32(number), rises.yz), 0.5 * dot(apart, apart), two_sided);
+    return normals_mean(view, flux, dot(flux, view.stretched), sums / f32(number), ends, two_sided);
 }
 
 /// The part of the visible normals times their mean weight: that of the mean normal, a share of that of the vertices, and more
-/// by the part. A network of rectified linear units tells these.
-fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rises: vec3<f32>, width: f32, two_sided: bool) -> vec2<f32> {
+/// by the part, as a network tells.
+fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rises: vec2<f32>, ends: vec2<f32>, two_sided: bool) -> vec2<f32> {
     let part = saturate(select(seen, abs(seen), two_sided) * 0.31830989 / (view.wo.z + view.length));
     let at_mean = normals_weight(view, flux);
     let at_vertices = normals_weight_of(view, rises.x);
@@ -85,8 +77,32 @@ fn normals_mean(view: NormalsView, flux: vec3<f32>, seen: f32, rises: vec3<f32>,
     let alpha = vec2(max(view.alpha.x, view.alpha.y), min(view.alpha.x, view.alpha.y));
     let first = vec4(part, view.rise, at_mean);
     let second = vec4(abs(flux.z) * per_length, alpha, at_vertices);
-    let third = vec4(abs(seen) * per_length / view.length, rises.yz, width);
-    let told = normals_network(first, second, third);
+    let third = vec4(abs(seen) * per_length / view.length, ends, rises.y);
+    let units_0 = max(
+        mat4x4(-0.9354, 0.3392, 0.901, 0.8184, 0.06939, 1.973, 0.7174, -0.5905, -5.548, -1.308, -4.657, -10.01, -1.921, 0.03933, 3.627, 2.526) * first
+        + mat4x4(-2.568, 0.1459, 3.309, -0.128, -0.1699, 1.817, -0.2266, -0.4018, 0.2633, 0.7666, -1.943, -0.4549, 1.911, 0.623, 0.03777, 0.02032) * second
+        + mat4x4(2.098, -1.183, -2.054, -0.7316, -4.466, -0.07308, -0.3089, -0.215, -0.109, -0.1926, -0.002601, 0.2204, 0.04332, 0.06559, -0.02132, -0.01499) * third
+        + vec4(4.547, -0.7266, -0.8663, 8.579),
+        vec4(0.0),
+    );
+    let units_1 = max(
+        mat4x4(0.6477, 1.515, -2.204, -3.046, -0.694, 0.0419, 2.159, 2.215, 0.1061, 2.5, -1.076, -1.853, 1.589, -0.03674, 4.327, 4.146) * first
+        + mat4x4(0.2575, -2.166, -0.949, -0.4878, -0.5416, 2.396, 2.191, 2.432, -0.3327, -0.9711, 2.921, -2.265, -0.5585, 0.2379, 2.755, 3.295) * second
+        + mat4x4(-3.606, 1.975, -0.4173, 0.2039, -0.9847, 0.1395, -3.315, -3.135, 1.333, 0.7253, 0.4845, 0.6164, -0.01515, 0.01943, 0.5687, 0.6633) * third
+        + vec4(0.3426, -5.247, -5.019, -4.998),
+        vec4(0.0),
+    );
+    let units_2 = max(
+        mat4x4(0.74, -0.1652, -1.324, -8.85, 0.9079, -0.2555, -2.65, 0.8941, -11.14, 12.12, -13.68, -1.982, 0.4566, -0.02314, -2.036, 4.191) * first
+        + mat4x4(-1.068, 0.1236, 2.726, -0.09983, 1.252, -0.5095, 0.3149, 2.472, 1.543, -0.1216, -0.6891, -0.6191, 0.988, -0.01941, -0.4513, -0.3021) * second
+        + mat4x4(-0.4826, 0.2351, 4.428, 0.4689, -0.5691, 0.007494, -0.7105, -1.696, -0.07313, 0.0004897, 0.4579, -2.729, 0.006034, -0.002308, 0.008641, -0.3128) * third
+        + vec4(9.743, -11.63, 10.16, 0.8425),
+        vec4(0.0),
+    );
+    let told = mat4x3(-0.02834, -0.02664, 0.1041, -0.01883, -0.01512, 0.09821, 0.007351, 0.06988, 0.01708, -0.01147, -0.1042, -0.02192) * units_0
+        + mat4x3(-0.001762, -0.0824, -0.02879, -0.008193, 0.01041, 0.1278, -0.01512, 0.005387, 0.1031, 0.00705, -0.001201, -0.1004) * units_1
+        + mat4x3(-0.04486, 0.01646, 0.09211, 0.02413, -0.01387, -0.1807, -0.01519, -0.01256, -0.1395, 0.03092, 0.0857, 0.1504) * units_2
+        + vec3(-0.009406, 0.005604, 0.06389);
     let weight = saturate(at_mean.x + told.z * (at_vertices - at_mean.x) + told.x * part);
     let m2 = at_mean.y * at_mean.y;
     return part * vec2(weight, clamp(weight * m2 * m2 * at_mean.y + told.y * part, 0.0, weight));

@@ -1,3 +1,25 @@
+/// More of the weight and of Schlick's part, and the shares of the outer corners and of the tip.
+fn normals_network(first: vec4<f32>, second: vec4<f32>, third: vec4<f32>) -> vec4<f32> {
+    let units_0 = max(
+        mat4x4(0.002458, -0.3085, 0.4481, -0.2037, 4.334, 8.807, -0.178, -1.829, -0.021, -0.1121, -0.5536, 0.7055, -0.2705, -0.7018, 1.211, -0.7771) * first
+        + mat4x4(0.06174, 6.212, -2.993, 0.1471, 0.006822, 0.4145, 1.069, 0.2788, -0.006708, 0.1209, 0.8084, 0.8091, -0.2165, 1.82, -1.944, -0.05929) * second
+        + mat4x4(-0.2034, 1.687, -5.491, -1.371, -0.4874, 2.243, 1.753, -0.9754, -0.1453, 0.3208, 2.159, -1.791, 5.038, -6.212, 13.25, -2.874) * third
+        + vec4(-8.279, -12.7, -13.67, 4.934),
+        vec4(0.0),
+    );
+    let units_1 = max(
+        mat4x4(-1.506, -1.09, 0.3733, -1.398, 1.812, -2.525, 2.187, 0.6716, 0.5547, 0.799, 0.167, -0.4288, 0.02498, 1.141, -0.4547, 0.2108) * first
+        + mat4x4(-0.2243, -0.364, 0.7185, -0.3129, -0.02329, 0.225, 0.05971, -0.2066, 0.2175, -0.5217, -0.9236, 1.052, -0.5081, -0.4998, -0.2099, -2.278) * second
+        + mat4x4(-0.2047, 0.252, 0.5268, -0.1954, -0.4169, 0.0728, 1.437, 1.193, 0.4758, 2.545, 1.127, -0.1801, 0.6371, 1.09, -6.474, 0.4106) * third
+        + vec4(-3.017, 0.0739, 3.512, -1.3),
+        vec4(0.0),
+    );
+    let told = mat4x4(0.02167, -0.003482, -0.07942, -0.7569, 0.01344, -0.009918, 0.08061, -0.01264, 0.01744, 0.03595, -0.1031, -0.4409, -0.04171, -0.1199, -0.02374, 0.02207) * units_0
+        + mat4x4(0.09729, 0.01279, -0.1212, -0.05903, -0.001573, -0.0185, 0.08699, 0.3479, -0.02264, 0.01916, 0.06157, -0.04364, 0.002402, -0.02149, -0.08563, -0.33) * units_1
+        + vec4(-0.01374, 0.002538, 0.05454, 0.0326);
+    return told;
+}
+
 /// The normal at which all triangles of a light meet, its mean normal, and what they have in common.
 struct NormalsTip {
     c: vec3<f32>,
@@ -77,7 +99,7 @@ fn normals_total(tip: NormalsTip, sum: NormalsSum, is_lit: bool) -> vec2<f32> {
 
 /// What is reflected of a rectangle of radiance one: for a Fresnel factor of one, and by Schlick's (1 - wo . h)^5.
 fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided: bool) -> vec2<f32> {
-    // Both sides are turned to rise. A corner below the surface slides up along its side.
+    // Sides are turned to rise. A corner below slides up along its side.
     let falls = select(vec2(0.0), vec2(1.0), vec2(corners[1].z, corners[3].z) < corners[0].zz);
     let along = corners[1] - corners[0];
     let across = corners[3] - corners[0];
@@ -119,12 +141,7 @@ fn normals_rectangle(view: NormalsView, corners: array<vec3<f32>, 4>, two_sided:
 }
 
 /// The same of a convex polygon of 3 to 8 vertices.
-fn normals_polygon(
-    view: NormalsView,
-    vertices: ptr<function, array<vec3<f32>, 8>>,
-    count: u32,
-    two_sided: bool,
-) -> vec2<f32> {
+fn normals_polygon(view: NormalsView, vertices: ptr<function, array<vec3<f32>, 8>>, count: u32, two_sided: bool) -> vec2<f32> {
     let number = clamp(count, 3u, 8u);
     var a = (*vertices)[number - 1u];
     var setting = normals_corner(view, a);

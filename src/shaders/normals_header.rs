@@ -12,24 +12,10 @@ use ltcforge_light::normals::{NormalsRule, reflected};
 /// The files of a rule's text.
 pub(super) fn normals_files(rule: NormalsRule) -> &'static [&'static str] {
     match rule {
-        NormalsRule::Fast => &[
-            "normals_view",
-            "normals_arcs_rough",
-            "normals_edge",
-            "normals_fast",
-            "normals_network_fast",
-            "normals_disk",
-        ],
-        NormalsRule::Balanced => &[
-            "normals_view",
-            "normals_arcs",
-            "normals_edge",
-            "normals_balanced",
-            "normals_network_balanced",
-            "normals_disk",
-        ],
+        NormalsRule::Fast => &["normals_view", "normals_arcs_rough", "normals_edge", "normals_fast", "normals_disk"],
+        NormalsRule::Balanced => &["normals_view", "normals_arcs", "normals_edge", "normals_balanced", "normals_disk"],
         NormalsRule::Fine | NormalsRule::Exact => {
-            &["normals_view", "normals_arcs", "normals_edge", "normals_fine", "normals_network_fine", "normals_disk"]
+            &["normals_view", "normals_arcs", "normals_edge", "normals_fine", "normals_disk"]
         }
     }
 }

@@ -19,7 +19,7 @@ pub struct Shader {
 }
 
 /// Every shader but the layouts' parts, each after those it needs.
-pub const SHADERS: [Shader; 31] = [
+pub const SHADERS: [Shader; 28] = [
     Shader { name: "ltc_math", source: ltcforge_wgsl::LTC_MATH },
     Shader { name: "nodes_storage", source: ltcforge_wgsl::NODES_STORAGE },
     Shader { name: "nodes_uniform", source: ltcforge_wgsl::NODES_UNIFORM },
@@ -38,9 +38,6 @@ pub const SHADERS: [Shader; 31] = [
     Shader { name: "normals_balanced", source: ltcforge_wgsl::NORMALS_BALANCED },
     Shader { name: "normals_fast", source: ltcforge_wgsl::NORMALS_FAST },
     Shader { name: "normals_fine", source: ltcforge_wgsl::NORMALS_FINE },
-    Shader { name: "normals_network_balanced", source: ltcforge_wgsl::NORMALS_NETWORK_BALANCED },
-    Shader { name: "normals_network_fast", source: ltcforge_wgsl::NORMALS_NETWORK_FAST },
-    Shader { name: "normals_network_fine", source: ltcforge_wgsl::NORMALS_NETWORK_FINE },
     Shader { name: "normals_disk", source: ltcforge_wgsl::NORMALS_DISK },
     Shader { name: "gaussians_light", source: ltcforge_wgsl::GAUSSIANS_LIGHT },
     Shader { name: "gaussians_table", source: ltcforge_wgsl::GAUSSIANS_TABLE },

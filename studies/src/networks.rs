@@ -30,7 +30,7 @@ const KEPT: [f32; 2] = [0.9, 0.999];
 /// Errors below this are as good as none: squares take the place of sizes there.
 const NEGLIGIBLE: f32 = 2e-4;
 /// How much an error's square counts beside its size, so that no light is far off.
-const LARGE: f32 = 16.0;
+const LARGE: f32 = 10.0;
 /// How much an error of Schlick's part counts beside one of the energy.
 const SCHLICK: f32 = 0.7;
 
@@ -138,7 +138,7 @@ impl Numbers {
             .map(|i| format!("{} * units_{i}", matrix(&self.outputs, i * group, (i + 1) * group)))
             .collect();
         let bias = listed(&self.outputs.iter().map(|row| row[self.units.len()]).collect::<Vec<_>>());
-        let _ = writeln!(out, "    return {}\n        + vec{outputs}({bias});", terms.join("\n        + "));
+        let _ = writeln!(out, "    let told = {}\n        + vec{outputs}({bias});", terms.join("\n        + "));
         out
     }
 }
@@ -178,6 +178,11 @@ struct Seen {
     inputs: [f32; INPUTS],
 }
 
+/// How much the cases of a kind count.
+fn weight(kind: Kind) -> f64 {
+    if matches!(kind, Kind::Random | Kind::Anisotropic | Kind::Strip) { 3.0 } else { 1.0 }
+}
+
 /// A case in the numbers of the search.
 struct Lesson {
     truth: [f32; 2],
@@ -198,7 +203,7 @@ impl Lesson {
             beside: [region.at_corners - region.at_mean, region.at_tip - region.at_mean].map(|x| x as f32),
             inputs: region.inputs.map(|x| x as f32),
         };
-        let count = if matches!(kind, Kind::Random | Kind::Anisotropic) { 2.0 } else { 1.0 };
+        let count = weight(kind) as f32;
         Self {
             truth: truth.map(|x| x as f32),
             count,
@@ -378,7 +383,7 @@ fn trained(asked: &Asked, start: u64, lessons: &[Lesson]) -> Search {
 pub fn objective(rule: NormalsRule, numbers: &Numbers, cases: &[(usize, Case)]) -> f64 {
     let error = |(kind, case): &(usize, Case)| {
         let found = numbers.reflected(rule, &case.lit);
-        let count = if matches!(Kind::ALL[*kind], Kind::Random | Kind::Anisotropic) { 2.0 } else { 1.0 };
+        let count = weight(Kind::ALL[*kind]);
         count * ((found[0] - case.truth[0]).abs() + f64::from(SCHLICK) * (found[1] - case.truth[1]).abs())
     };
     let errors: Vec<f64> = cases.par_iter().map(error).collect();

@@ -12,9 +12,9 @@ use ltcforge_studies::{
 const NUMBERS: &str = include_str!("../../src/light/normals/numbers.rs");
 /// In the order of [`NormalsRule::SHADED`].
 const SHADERS: [&str; 3] = [
-    include_str!("../../shaders/normals_network_balanced.wgsl"),
-    include_str!("../../shaders/normals_network_fast.wgsl"),
-    include_str!("../../shaders/normals_network_fine.wgsl"),
+    include_str!("../../shaders/normals_balanced.wgsl"),
+    include_str!("../../shaders/normals_fast.wgsl"),
+    include_str!("../../shaders/normals_fine.wgsl"),
 ];
 const NORMALS_PAGE: &str = include_str!("../../docs/normals.md");
 const LIGHT_PAGE: &str = include_str!("../../docs/light.md");

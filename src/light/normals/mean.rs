@@ -47,7 +47,6 @@ impl<T: Scalar> Region<T> {
 /// visible normals is positive.
 pub(super) fn whole<T: Scalar>(
     view: &View<T>,
-    outline: &Outline<T>,
     vertices: &[Triple<T>],
     flux: Triple<T>,
     visible: T,
@@ -55,7 +54,9 @@ pub(super) fn whole<T: Scalar>(
     let at = view.at(flux);
     let per_length = T::ONE / dot(flux, flux).max(T::of(1e-30)).sqrt();
     let rises = || vertices.iter().map(|v| view.rise(*v));
-    let mean_rise = rises().fold(T::ZERO, |sum, rise| sum + rise) / T::of(vertices.len() as f64);
+    let count = T::of(vertices.len() as f64);
+    let mean_rise = rises().fold(T::ZERO, |sum, rise| sum + rise) / count;
+    let mean_square = rises().fold(T::ZERO, |sum, rise| sum + rise * rise) / count;
     let lowest = rises().fold(T::ONE, |least, rise| least.min(rise));
     let highest = rises().fold(T::ZERO, |most, rise| most.max(rise));
     let at_corners = view.weight_of(mean_rise);
@@ -78,7 +79,7 @@ pub(super) fn whole<T: Scalar>(
             dot(flux, view.stretched) * per_length / view.length,
             lowest,
             highest,
-            outline.horizon_width(),
+            mean_square,
         ],
     }
 }

@@ -176,7 +176,7 @@ pub fn regions<T: Scalar>(
         let tip = scaled(flux, T::ONE / dot(flux, flux).max(T::of(1e-30)).sqrt());
         mean::triangles(&view, &outline, psi, &edges, tip, to_part)
     } else {
-        vec![mean::whole(&view, &outline, vertices, flux, visible)]
+        vec![mean::whole(&view, vertices, flux, visible)]
     };
     Some(Regions { visible, regions })
 }

@@ -1,7 +1,7 @@
 //! The outline of a light above the surface, and the images of its corners among the normals.
 
 use super::view::View;
-use ltcforge_fit::math::{Scalar, Triple, dot, minus, plus, scaled, unit};
+use ltcforge_fit::math::{Scalar, Triple, dot, plus, scaled, unit};
 
 /// A corner of a light's outline.
 #[derive(Debug, Clone, Copy)]
@@ -35,47 +35,33 @@ pub(super) struct Outline<T> {
     /// The corners in the polygon's order; none where nothing is above the surface. Where the outline crosses the
     /// surface, it does so in the first and in the last of them.
     pub(super) corners: Vec<Corner<T>>,
-    /// Whether it crosses the surface: then the edge from the last corner to the first lies along the horizon.
-    pub(super) is_cut: bool,
 }
 
 impl<T: Scalar> Outline<T> {
     pub(super) fn new(view: &View<T>, vertices: &[Triple<T>]) -> Self {
-        let (ends, is_cut) = above(vertices);
-        Self { corners: ends.into_iter().map(|v| Corner::new(view, v)).collect(), is_cut }
+        Self { corners: above(vertices).into_iter().map(|v| Corner::new(view, v)).collect() }
     }
 
-    /// Each edge's two corners. The edge along the horizon, if there is one, is the last.
+    /// Each edge's two corners.
     pub(super) fn edges(&self) -> impl Iterator<Item = (&Corner<T>, &Corner<T>)> {
         self.corners.iter().zip(self.corners.iter().cycle().skip(1))
     }
-
-    /// How wide the edge along the horizon is: one less the cosine of its angle, from 0 to 2.
-    pub(super) fn horizon_width(&self) -> T {
-        match (self.corners.first(), self.corners.last()) {
-            (Some(rising), Some(setting)) if self.is_cut => {
-                let apart = minus(rising.w, setting.w);
-                T::of(0.5) * dot(apart, apart)
-            }
-            _ => T::ZERO,
-        }
-    }
 }
 
-/// The vertices above the surface, in order, and whether the outline crosses it: then the crossings are first and last.
-fn above<T: Scalar>(vertices: &[Triple<T>]) -> (Vec<Triple<T>>, bool) {
+/// The vertices above the surface, in order; where the outline crosses it, the crossings are first and last.
+fn above<T: Scalar>(vertices: &[Triple<T>]) -> Vec<Triple<T>> {
     let count = vertices.len();
     let is_up = |i: usize| vertices[i % count][2] > T::ZERO;
-    let Some(first) = (0..count).find(|i| is_up(*i)) else { return (Vec::new(), false) };
+    let Some(first) = (0..count).find(|i| is_up(*i)) else { return Vec::new() };
     let Some(below) = (first..first + count).find(|i| !is_up(*i) && is_up(i + 1)) else {
-        return (vertices.to_vec(), false);
+        return vertices.to_vec();
     };
     let mut ends = vec![crossing(vertices[below % count], vertices[(below + 1) % count])];
     let ups = (below + 1..).take_while(|i| is_up(*i)).map(|i| vertices[i % count]);
     ends.extend(ups);
     let last = below + ends.len();
     ends.push(crossing(vertices[(last - 1) % count], vertices[last % count]));
-    (ends, true)
+    ends
 }
 
 /// The direction in which the edge between vertices on either side of the horizon meets it.
