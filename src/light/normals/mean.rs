@@ -45,12 +45,7 @@ impl<T: Scalar> Region<T> {
 
 /// The whole region of a light whose integral of `c x dc` around the image is `flux`, turned so that its part V of the
 /// visible normals is positive.
-pub(super) fn whole<T: Scalar>(
-    view: &View<T>,
-    vertices: &[Triple<T>],
-    flux: Triple<T>,
-    visible: T,
-) -> Region<T> {
+pub(super) fn whole<T: Scalar>(view: &View<T>, vertices: &[Triple<T>], flux: Triple<T>, visible: T) -> Region<T> {
     let at = view.at(flux);
     let per_length = T::ONE / dot(flux, flux).max(T::of(1e-30)).sqrt();
     let rises = || vertices.iter().map(|v| view.rise(*v));

@@ -27,6 +27,8 @@ mod exact;
 mod mean;
 mod model;
 mod network;
+/// A row of a network is a line.
+#[rustfmt::skip]
 mod numbers;
 mod outline;
 mod view;

@@ -10,5 +10,6 @@ mod shape_lights;
 mod shaped_lights;
 mod shapes_energy;
 mod small_lights;
+mod strips;
 mod true_light;
 mod walls;

@@ -1,0 +1,103 @@
+//! Low, wide lights that stand on the surface, and lights that grow: nothing turns dark.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::cases::{Draw, Lit, Roughness};
+use crate::{NormalsRule, by_normals, truth_within};
+use ltcforge_fit::{Configuration, Sides};
+
+fn energy(lit: &Lit, rule: NormalsRule) -> f64 {
+    by_normals(&lit.at, &lit.light(Sides::Two), rule).expect("a surface").energy
+}
+
+fn truth(lit: &Lit) -> f64 {
+    truth_within(1e-6, &lit.at, &lit.light(Sides::Two)).expect("a surface").energy
+}
+
+/// A strip across from the viewer, from .02 to .5 high and 1 to 8 wide, .5 to 4 away.
+fn strip(draw: &mut Draw) -> Lit {
+    let wall = draw.wall(Roughness::All, 0.0, 0.0);
+    let towards = wall.at.phi + TAU * draw.within(0.4, 0.6);
+    let turned = towards + draw.within(-0.6, 0.6);
+    let mut logarithmic = |low: f64, high: f64| draw.within(low.ln(), high.ln()).exp();
+    let middle = DVec3::new(towards.cos(), towards.sin(), 0.0) * logarithmic(0.5, 4.0);
+    let x = DVec3::new(-turned.sin(), turned.cos(), 0.0) * logarithmic(0.5, 4.0);
+    let top = DVec3::Z * logarithmic(0.02, 0.5);
+    Lit { at: wall.at, vertices: vec![middle - x, middle + x, middle + x + top, middle - x + top] }
+}
+
+/// Strips of light on a floor, of which triangles around the mean normal showed nothing at all.
+#[test]
+fn strips_on_a_floor_are_lit() {
+    let strips = [(0.3, 1.5, 0.1, 0.0145), (0.3, 1.55, 0.1, 0.0172), (0.5, 1.2, 0.2, 0.0059)];
+    for (roughness, theta, height, known) in strips {
+        let alpha: f64 = roughness * roughness;
+        let vertices = [(-4.0, 0.0), (-4.0, height), (4.0, height), (4.0, 0.0)];
+        let vertices = vertices.map(|(y, z)| DVec3::new(-3.0, y, z)).to_vec();
+        let lit = Lit { at: Configuration { alpha_x: alpha, alpha_y: alpha, theta, phi: 0.0 }, vertices };
+        let wanted = truth(&lit);
+        assert!((wanted - known).abs() < 1e-4, "{wanted} {known}");
+        for rule in NormalsRule::ALL {
+            let found = energy(&lit, *rule);
+            println!("{rule}: {found:.5} of {wanted:.5}");
+            assert!((found - wanted).abs() < 0.008 && found > 0.2 * wanted, "{rule}: {found}, not {wanted}");
+        }
+    }
+}
+
+/// Of random strips none is nearly black, and their errors are those of other lights.
+#[test]
+fn no_strip_is_dark() {
+    let mut draw = Draw::new(211);
+    let strips: Vec<Lit> = (0..4000).map(|_| strip(&mut draw)).collect();
+    let wanted: Vec<f64> = strips.par_iter().map(truth).collect();
+    for (rule, limits) in [
+        (NormalsRule::Fast, [0.0025, 0.009]),
+        (NormalsRule::Balanced, [0.0018, 0.007]),
+        (NormalsRule::Fine, [0.0012, 0.0045]),
+    ] {
+        let found: Vec<f64> = strips.par_iter().map(|lit| energy(lit, rule)).collect();
+        let dark = found.iter().zip(&wanted).filter(|(found, wanted)| **wanted > 0.001 && **found < 0.2 * **wanted);
+        let dark = dark.count();
+        let mut errors: Vec<f64> = found.iter().zip(&wanted).map(|(found, wanted)| (found - wanted).abs()).collect();
+        errors.sort_by(f64::total_cmp);
+        let spread = [errors.iter().sum::<f64>() / errors.len() as f64, errors[errors.len() * 95 / 100]];
+        println!("{rule}: {spread:.5?}, {dark} dark");
+        assert!(
+            spread.iter().zip(limits).all(|(found, limit)| *found < limit) && dark <= 4,
+            "{rule}: {spread:?} {dark}"
+        );
+    }
+}
+
+/// A light that grows around its middle lights no less, but for the errors of the two.
+#[test]
+fn a_light_that_grows_darkens_nothing() {
+    for rule in NormalsRule::SHADED {
+        let drop = |seed: u64| {
+            let mut draw = Draw::new(3000 + seed);
+            let lit = if seed.is_multiple_of(3) { strip(&mut draw) } else { draw.lit_by(Roughness::All, [0.02, 0.2]) };
+            let middle = lit.vertices[0].midpoint(lit.vertices[2]);
+            let grown = |by: f64| {
+                let mut lit = lit.clone();
+                lit.vertices.iter_mut().for_each(|v| *v = middle + (*v - middle) * by);
+                energy(&lit, rule)
+            };
+            let seen: Vec<f64> = (0..60).map(|i| grown(1.1_f64.powi(i))).collect();
+            let mut most = 0.0_f64;
+            seen.iter()
+                .map(|energy| {
+                    most = most.max(*energy);
+                    most - energy
+                })
+                .fold(0.0, f64::max)
+        };
+        let mut drops: Vec<f64> = (0..2000).into_par_iter().map(drop).collect();
+        drops.sort_by(f64::total_cmp);
+        println!("{rule}: drops by {:.4} (p99), {:.4} at most", drops[1980], drops[1999]);
+        assert!(drops[1980] < 0.01 && drops[1999] < 0.1, "{rule}: {} {}", drops[1980], drops[1999]);
+    }
+}
