@@ -53,10 +53,11 @@ impl<T: Scalar> View<T> {
     /// The weight of the normal `h = A c`, by the direction `wi` to which it reflects, for `c` of any length and either
     /// side.
     pub(super) fn at(&self, c: Triple<T>) -> Weighted<T> {
-        let h = [self.alpha[0] * c[0], self.alpha[1] * c[1], c[2]];
-        let (length2, cosine) = (dot(h, h).max(T::of(1e-30)), dot(self.wo, h));
-        let wi = minus(scaled(h, T::of(2.0) * cosine), scaled(self.wo, length2));
-        let incidence = (T::ONE - cosine.abs() / length2.sqrt()).max(T::ZERO).min(T::ONE);
+        let normal = [self.alpha[0] * c[0], self.alpha[1] * c[1], c[2]];
+        let h = scaled(normal, T::ONE / dot(normal, normal).max(T::of(1e-30)).sqrt());
+        let cosine = dot(self.wo, h);
+        let wi = minus(scaled(h, T::of(2.0) * cosine), self.wo);
+        let incidence = (T::ONE - cosine.abs()).max(T::ZERO).min(T::ONE);
         Weighted { weight: self.weight_of(self.rise(wi)), incidence }
     }
 }

@@ -211,7 +211,7 @@ fn parts_add_up() {
     for roughness in [Roughness::All, Roughness::Anisotropic, Roughness::Extreme] {
         let [visible, energy] = differences(roughness);
         println!("{roughness:?}: parts add up to {visible:.1e} in V, {energy:.4} in energy");
-        assert!(visible < 1e-9 && energy < 0.06, "{roughness:?}: {visible} {energy}");
+        assert!(visible < 1e-9 && energy < 0.09, "{roughness:?}: {visible} {energy}");
     }
 }
 
