@@ -98,10 +98,10 @@ fn a_bad_file_is_refused_with_all_its_faults() {
     server.get(&format!("/v1/brdfs/{}", "0".repeat(64))).with_status(404);
 }
 
-/// A file of 60 MB with the header of a tabulated BRDF, where the store keeps it.
-fn plant_large(data: &Path) -> (Digest, Vec<u8>) {
+/// A file of 60 MB with one tensor, where the store keeps it: by the name `value` a tabulated BRDF, by others a table.
+fn plant_large(data: &Path, tensor: &str) -> (Digest, Vec<u8>) {
     let numbers = 15 << 20;
-    let header = format!(r#"{{"value":{{"dtype":"F32","shape":[{numbers}],"data_offsets":[0,{}]}}}}"#, 4 * numbers);
+    let header = format!(r#"{{"{tensor}":{{"dtype":"F32","shape":[{numbers}],"data_offsets":[0,{}]}}}}"#, 4 * numbers);
     let mut bytes = [&(header.len() as u64).to_le_bytes(), header.as_bytes()].concat();
     bytes.extend((0..4 * numbers).map(|i: u32| (i >> 8) as u8));
     let digest = Digest::of(&bytes);
@@ -111,16 +111,30 @@ fn plant_large(data: &Path) -> (Digest, Vec<u8>) {
     (digest, bytes)
 }
 
+/// A connection on which a whole download has begun, and what was read of it.
+fn begun(server: &Server, path: &str) -> (TcpStream, Vec<u8>) {
+    let address = server.url.strip_prefix("http://").expect("an address");
+    let mut client = TcpStream::connect(address).expect("a connection");
+    write!(client, "GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").expect("a request");
+    let mut answer = vec![0; 16 << 10];
+    client.read_exact(&mut answer).expect("a head");
+    (client, answer)
+}
+
 #[test]
 fn large_files_are_sent_in_parts_within_bounded_memory() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (digest, bytes) = plant_large(folder.path());
-    let server = Server::start(folder.path(), &[]);
-    let path = format!("/v1/brdfs/{digest}");
+    let [brdf, table] = ["value", "matrix"].map(|tensor| plant_large(folder.path(), tensor));
+    for (kind, (digest, bytes)) in [("brdfs", brdf), ("tables", table)] {
+        let server = Server::start(folder.path(), &[]);
+        sent_in_parts(&server, &format!("/v1/{kind}/{digest}"), &bytes);
+    }
+}
+
+fn sent_in_parts(server: &Server, path: &str, bytes: &[u8]) {
     let before = server.most_memory();
     thread::scope(|scope| {
         for at in 0..32 {
-            let (server, path, bytes) = (&server, &path, &bytes);
             scope.spawn(move || {
                 let range = format!("bytes={}-{}", at << 20, at << 20);
                 let part = server.request("GET", path, &[("range", &range)], None).with_status(206);
@@ -129,14 +143,17 @@ fn large_files_are_sent_in_parts_within_bounded_memory() {
             });
         }
     });
-    let head = server.request("HEAD", &path, &[], None).with_status(200);
+    let head = server.request("HEAD", path, &[], None).with_status(200);
     assert_eq!(head.header("content-length"), Some(bytes.len().to_string().as_str()));
     let tag = head.header("etag").expect("a tag").to_owned();
     for method in ["GET", "HEAD"] {
-        let known = server.request(method, &path, &[("if-none-match", &tag)], None).with_status(304);
+        let known = server.request(method, path, &[("if-none-match", &tag)], None).with_status(304);
         assert_ne!(known.header("content-length"), Some("0"), "{method}");
     }
-    assert!(server.get(&path).with_status(200).body == bytes);
+    // They are at work on whole downloads at the same time, which no client reads on.
+    let unread: Vec<TcpStream> = (0..16).map(|_| begun(server, path).0).collect();
+    assert!(server.get(path).with_status(200).body == bytes);
+    drop(unread);
     let grown = server.most_memory() - before;
     assert!(grown < bytes.len() as u64, "{grown} bytes more");
 }
@@ -162,14 +179,9 @@ fn what_was_sent_is_not_sent_back_at_length() {
 #[test]
 fn a_client_that_reads_slowly_but_steadily_is_not_cut() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (digest, bytes) = plant_large(folder.path());
+    let (digest, bytes) = plant_large(folder.path(), "value");
     let server = Server::start(folder.path(), &["--client-seconds", "1"]);
-    let address = server.url.strip_prefix("http://").expect("an address");
-    let mut client = TcpStream::connect(address).expect("a connection");
-    write!(client, "GET /v1/brdfs/{digest} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n")
-        .expect("a request");
-    let mut answer = vec![0; 16 << 10];
-    client.read_exact(&mut answer).expect("a head");
+    let (mut client, mut answer) = begun(&server, &format!("/v1/brdfs/{digest}"));
     // 320 kB a second for three times the limit; the pace is what is tested.
     for _ in 0..60 {
         thread::sleep(Duration::from_millis(50));

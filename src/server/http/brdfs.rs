@@ -11,11 +11,11 @@ use super::{
     api::Api,
     conditional::check_untagged,
     extract::{BrdfBody, NoParameters, PathOf, QueryOf},
-    file::{Contents, FOREVER, File},
-    kind::ProblemKind,
+    file,
     problem::Problem,
 };
-use ltcforge_files::{digest::Digest, tabulated::kept_name};
+use crate::service::FileKind;
+use ltcforge_files::digest::Digest;
 
 /// `POST /v1/brdfs`.
 pub(super) async fn store(
@@ -45,10 +45,5 @@ pub(super) async fn download(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let unknown = || Problem::new(ProblemKind::UnknownBrdf, format!("no BRDF with the digest {digest} is stored"));
-    let length = api.call(move |service| service.brdf_length(digest)).await?.ok_or_else(unknown)?;
-    let name = Some(kept_name(digest.as_bytes()));
-    let contents = Contents::Stored { api, length };
-    let file = File { digest, contents, media_type: "application/octet-stream", caching: FOREVER, name };
-    file.respond(&method, &headers)
+    file::download(api, FileKind::Brdf, digest, &method, &headers).await
 }

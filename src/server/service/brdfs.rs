@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::{Service, ServiceError, tables::START};
+use super::{Service, ServiceError};
 use ltcforge_files::{
     digest::Digest,
-    tabulated::{TabulatedError, decode, is_tabulated},
+    tabulated::{TabulatedError, decode},
 };
 use ltcforge_fit::{Asymmetry, TabulatedFile};
 
@@ -62,15 +62,5 @@ impl Service {
         let was_there = blobs.contains(digest).map_err(ServiceError::from)?;
         blobs.put(bytes).map_err(ServiceError::from)?;
         Ok((stored(bytes, &file), was_there))
-    }
-
-    /// The length of the stored file of a tabulated BRDF; `None` where there is none, also for the digest of a table.
-    ///
-    /// # Errors
-    /// When the store fails.
-    pub fn brdf_length(&self, digest: Digest) -> Result<Option<u64>, ServiceError> {
-        let blobs = &self.state.tables.store.blobs;
-        let is_one = blobs.part(digest, 0, START)?.is_some_and(|start| is_tabulated(&start));
-        Ok(if is_one { blobs.length(digest)? } else { None })
     }
 }

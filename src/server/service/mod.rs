@@ -27,7 +27,7 @@ mod tests;
 mod watch;
 mod work;
 
-pub use crate::store::TableRow;
+pub use crate::store::{Checked, SHORT_BYTES, TableRow};
 pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
     SubmitReply,
@@ -41,3 +41,4 @@ pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;
 pub use state::Service;
+pub use tables::FileKind;

@@ -36,7 +36,7 @@ mod tree;
 #[cfg(test)]
 pub(crate) use files::copy_folder;
 
-pub use blob::{BlobInfo, Blobs, FileBlobs};
+pub use blob::{BlobInfo, Blobs, Checked, FileBlobs, SHORT_BYTES};
 pub use catalogue::{Catalogue, ManifestRow, TableRow};
 pub use damage::Damage;
 pub use dry_run::DryRun;
