@@ -192,3 +192,63 @@ fn a_client_that_reads_slowly_but_steadily_is_not_cut() {
     client.read_to_end(&mut answer).expect("the rest");
     assert!(answer.ends_with(&bytes), "{} bytes", answer.len());
 }
+
+#[test]
+fn stored_files_are_counted_listed_and_deleted_where_nothing_names_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (here, data) = (folder.path(), folder.path().join("data"));
+    let made = ["0.2,1", "0.3,1", "0.4,1"].map(|alpha| {
+        let digest = run(here, ["tabulate", "oren_nayar", "--alpha", alpha, "-o", "brdf.safetensors"]).exited(0);
+        (digest.last_line().to_owned(), fs::read(here.join("brdf.safetensors")).expect("the file"))
+    });
+    let [(fitted, _), (other, other_bytes), (third, third_bytes)] = &made;
+    let server = Server::start(&data, &["--brdf-limit", "2"]);
+    let send = |server: &Server, bytes: &[u8]| server.request("POST", "/v1/brdfs", &[OCTETS], Some(bytes));
+    for (_, bytes) in &made[..2] {
+        send(&server, bytes).with_status(201);
+    }
+    let full = send(&server, third_bytes).with_status(507).json();
+    assert_eq!(text(&full["type"]), "/problems/brdf-limit");
+    assert!(text(&full["detail"]).contains("`--brdf-limit`"), "{full:#}");
+    send(&server, other_bytes).with_status(200);
+    server.get(&format!("/v1/brdfs/{third}")).with_status(404);
+
+    let table = server.fit(&recipe(fitted));
+    let listed = |server: &Server| {
+        let (mut digests, mut next) = (Vec::new(), String::new());
+        loop {
+            let page = server.get(&format!("/v1/brdfs?limit=1{next}")).with_status(200).json();
+            digests.extend(page["items"].as_array().expect("items").iter().map(|row| text(&row["digest"]).to_owned()));
+            match page["next"].as_str() {
+                Some(cursor) => next = format!("&cursor={cursor}"),
+                None => return digests,
+            }
+        }
+    };
+    assert_eq!(listed(&server), [other.as_str(), fitted], "newest first, and no table");
+    let row = &server.get("/v1/brdfs?limit=1").with_status(200).json()["items"][0];
+    assert_eq!(row["bytes"], other_bytes.len());
+
+    let delete = |server: &Server, digest: &str| server.request("DELETE", &format!("/v1/brdfs/{digest}"), &[], None);
+    assert_eq!(text(&delete(&server, fitted).with_status(409).json()["type"]), "/problems/brdf-in-use");
+    // No page of a table is one of a BRDF.
+    delete(&server, &table).with_status(404);
+    // A job that waits names it, a cancelled one does not.
+    let slow = recipe(other).replace("\"samples\": 64", "\"samples\": 4096").replace("\"theta\": 3", "\"theta\": 2000");
+    let job = server.submit(&slow).with_status(202).json();
+    delete(&server, other).with_status(409);
+    server.request("DELETE", &format!("/v1/jobs/{}", text(&job["id"])), &[], None).with_status(200);
+    let path = format!("/v1/brdfs/{other}");
+    server.request("DELETE", &path, &[("if-match", "\"x\"")], None).with_status(412);
+    server.request("DELETE", &path, &[("if-match", &format!("\"{other}\""))], None).with_status(204);
+    server.get(&path).with_status(404);
+    delete(&server, other).with_status(404);
+    let refused = server.submit(&slow).with_status(422).json();
+    assert!(text(&refused["errors"][0]["detail"]).contains("send its file to /v1/brdfs first"), "{refused:#}");
+    send(&server, third_bytes).with_status(201);
+    server.kill();
+
+    let server = Server::start(&data, &[]);
+    assert_eq!(listed(&server), [third.as_str(), fitted]);
+    assert_eq!(server.fit(&recipe(fitted)), table);
+}

@@ -1,4 +1,4 @@
-//! Files of tabulated BRDFs: store, and download by digest.
+//! Files of tabulated BRDFs: store, list, download by digest, delete.
 
 use axum::{
     Json,
@@ -9,12 +9,14 @@ use axum::{
 
 use super::{
     api::Api,
-    conditional::check_untagged,
+    conditional::{EntityTag, check_untagged},
     extract::{BrdfBody, NoParameters, PathOf, QueryOf},
     file,
     problem::Problem,
+    tables::ListParameters,
+    views::PageView,
 };
-use crate::service::FileKind;
+use crate::service::{BrdfRow, FileKind};
 use ltcforge_files::digest::Digest;
 
 /// `POST /v1/brdfs`.
@@ -46,4 +48,27 @@ pub(super) async fn download(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     file::download(api, FileKind::Brdf, digest, &method, &headers).await
+}
+
+/// `GET /v1/brdfs`.
+pub(super) async fn list(
+    State(api): State<Api>,
+    QueryOf(parameters): QueryOf<ListParameters>,
+) -> Result<Json<PageView<BrdfRow>>, Problem> {
+    let ListParameters { cursor, limit } = parameters;
+    let page = api.read(move |service| service.brdfs(cursor.as_ref(), limit.0)).await?;
+    Ok(Json(PageView::new(page, Ok)?))
+}
+
+/// `DELETE /v1/brdfs/{digest}`.
+pub(super) async fn delete(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    PathOf(digest): PathOf<Digest>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let tag = EntityTag::strong(digest);
+    tag.check_if_match(&headers)?;
+    api.read(move |service| service.delete_brdf(digest)).await?;
+    Ok((StatusCode::NO_CONTENT, [(header::ETAG, tag.as_str())]).into_response())
 }

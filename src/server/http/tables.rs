@@ -22,9 +22,9 @@ use ltcforge_files::digest::Digest;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ListParameters {
-    cursor: Option<TableCursor>,
+    pub(super) cursor: Option<TableCursor>,
     #[serde(default)]
-    limit: PageLimit,
+    pub(super) limit: PageLimit,
 }
 
 /// `GET /v1/tables`.

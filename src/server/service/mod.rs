@@ -32,7 +32,7 @@ pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
     SubmitReply,
 };
-pub use brdfs::{StoreBrdfError, StoredBrdf};
+pub use brdfs::{BrdfRow, DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
 pub use cluster::{DatabaseUrl, Removal, Shared, Swept, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};

@@ -97,6 +97,12 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
         Ok(())
     }
 
+    /// Removes a blob, durably when this returns; a missing one is no error.
+    ///
+    /// # Errors
+    /// When the storage fails.
+    fn delete(&self, digest: Digest) -> Result<(), StoreError>;
+
     /// All blobs that are regular files, by digest.
     ///
     /// # Errors
@@ -214,6 +220,12 @@ impl Blobs for FileBlobs {
     fn part(&self, digest: Digest, from: u64, length: usize) -> Result<Option<Vec<u8>>, StoreError> {
         let path = self.path(digest);
         regular(files::read_part(&path, from, length), path)
+    }
+
+    fn delete(&self, digest: Digest) -> Result<(), StoreError> {
+        let path = self.path(digest);
+        let removed = fs::remove_file(&path).and_then(|()| path.parent().map_or(Ok(()), files::sync_folder));
+        regular(removed, path).map(drop)
     }
 
     fn contains(&self, digest: Digest) -> Result<bool, StoreError> {

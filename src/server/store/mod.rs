@@ -37,7 +37,7 @@ mod tree;
 pub(crate) use files::copy_folder;
 
 pub use blob::{BlobInfo, Blobs, Checked, FileBlobs, SHORT_BYTES};
-pub use catalogue::{Catalogue, ManifestRow, TableRow};
+pub use catalogue::{Catalogue, ManifestRow, TableRow, age_key};
 pub use damage::Damage;
 pub use dry_run::DryRun;
 pub use error::StoreError;

@@ -253,6 +253,13 @@ impl Blobs for ObjectBlobs {
         Ok(is_there)
     }
 
+    fn delete(&self, digest: Digest) -> Result<(), StoreError> {
+        found(self.block_on(self.connected.store.delete(&self.path(digest))))?;
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner).remove(&digest);
+        self.cache.remove(digest);
+        Ok(())
+    }
+
     fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner).remove(&digest);
         if !self.contains(digest)? {
