@@ -5,6 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use flate2::read::MultiGzDecoder;
 use ureq::{Body, http::Response};
 
 use super::{
@@ -58,13 +59,17 @@ pub(super) fn copy(
     sink: &mut dyn Write,
 ) -> Result<(), CopyError> {
     let too_long = || ClientError::TooLong { url: url.to_owned(), limit_bytes: size.bytes, origin: size.origin };
+    let coding = response.headers().get("content-encoding").and_then(|name| name.to_str().ok()).unwrap_or_default();
+    // One that ureq undoes it also takes out of the head. It knows gzip in this spelling alone.
+    let is_gzip = ["gzip", "x-gzip"].iter().any(|name| coding.eq_ignore_ascii_case(name));
     let body = response.into_body();
-    if body.content_length().is_some_and(|length| length > size.bytes) {
+    if !is_gzip && body.content_length().is_some_and(|length| length > size.bytes) {
         return Err(too_long().into());
     }
     let start = Instant::now();
     let mut pace = Pace::new(limits, time);
-    let mut reader = body.into_reader();
+    let plain = body.into_reader();
+    let mut reader: Box<dyn io::Read> = if is_gzip { Box::new(MultiGzDecoder::new(plain)) } else { Box::new(plain) };
     let mut chunk = vec![0; 1 << 16];
     let mut total = 0;
     loop {

@@ -90,6 +90,32 @@ fn bytes_of_another_digest_are_refused() {
     );
 }
 
+/// Codings have no case, and x-gzip is another name of gzip [RFC 9110, section 8.4.1.3].
+#[test]
+fn gzip_is_undone_under_each_of_its_names() {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(b"abc").expect("memory");
+    let packed = encoder.finish().expect("memory");
+    for name in ["gzip", "x-gzip", "GZip", "X-GZIP"] {
+        let length = packed.len();
+        let head = format!("HTTP/1.1 200 OK\r\ncontent-encoding: {name}\r\ncontent-length: {length}\r\n\r\n");
+        let file = [head.as_bytes(), &packed].concat();
+        let send = move |mut stream: TcpStream| stream.write_all(&file).expect("the client listens");
+        let (url, _requests) = server_of(vec![Box::new(send)]);
+        assert_eq!(table(&Client::new(&url).expect("a URL"), b"abc", Some(3)).expect(name), b"abc");
+    }
+    // A file that unpacks to more than it may have is cut as any other.
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    encoder.write_all(&[0; 1 << 16]).expect("memory");
+    let packed = encoder.finish().expect("memory");
+    let head = "HTTP/1.1 200 OK\r\ncontent-encoding: x-gzip\r\nconnection: close\r\n\r\n";
+    let file = [head.as_bytes(), &packed].concat();
+    let send = move |mut stream: TcpStream| stream.write_all(&file).expect("the client listens");
+    let (url, _requests) = server_of(vec![Box::new(send)]);
+    let refused = table(&Client::new(&url).expect("a URL"), &[0; 1 << 16], Some(1000)).expect_err("it is longer");
+    assert!(matches!(refused, DownloadError::Client(ClientError::TooLong { limit_bytes: 1000, .. })), "{refused:?}");
+}
+
 #[test]
 fn a_broken_stream_is_resumed_where_it_broke() {
     let running = document("running");

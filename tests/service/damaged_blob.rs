@@ -5,6 +5,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use ltcforge::Digest;
+
 use crate::common::{
     SMALL,
     server::{Server, text},
@@ -141,4 +143,40 @@ fn exports_are_made_of_no_damaged_table_and_those_in_memory_are_served() {
     let damaged = server.get(&path("reflected.npz.f32")).with_status(500).json();
     assert_eq!(damaged["type"], "/problems/damaged-blob");
     assert_eq!(server.get(&path("wgpu/ltc.json")).with_status(200).body, kept);
+}
+
+/// Whatever the fields of a request are: an answer that is the whole file is the file of its digest, small or large.
+#[test]
+fn no_request_gets_all_of_a_damaged_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = Server::start(folder.path(), &[]);
+    for (kind, tensor) in [("tables", "matrix"), ("brdfs", "value")] {
+        for numbers in [8, 1 << 20] {
+            let bytes = 4 * numbers;
+            let header = format!(r#"{{"{tensor}":{{"dtype":"F32","shape":[{numbers}],"data_offsets":[0,{bytes}]}}}}"#);
+            let file = [&(header.len() as u64).to_le_bytes(), header.as_bytes(), &vec![7; bytes]].concat();
+            let digest = Digest::of(&file);
+            let blob = folder.path().join("blobs").join(&digest.hex()[..2]).join(digest.hex());
+            fs::create_dir_all(blob.parent().expect("a folder")).expect("a folder");
+            let mut bad = file.clone();
+            bad[header.len() + 20] ^= 1;
+            for fields in [
+                &[][..],
+                &[("if-none-match", "\"x\"")],
+                &[("if-match", "*")],
+                &[("range", "bytes=0-1,3-4")],
+                &[("range", "nonsense")],
+                &[("range", "bytes=0-1"), ("if-range", "\"x\"")],
+            ] {
+                let path = format!("/v1/{kind}/{digest}");
+                fs::write(&blob, &file).expect("a blob");
+                let whole = server.request("GET", &path, fields, None).with_status(200);
+                assert!(whole.body == file, "{path} {fields:?}");
+                fs::write(&blob, &bad).expect("a damaged blob");
+                let refused = server.request("GET", &path, fields, None).with_status(500).json();
+                assert_eq!(refused["type"], "/problems/damaged-blob", "{path} {fields:?}");
+                server.request("GET", &path, fields, None).with_status(404);
+            }
+        }
+    }
 }

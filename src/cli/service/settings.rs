@@ -73,6 +73,9 @@ pub(crate) struct ServeSettings {
     /// Days after which a job that has ended is forgotten; 0 keeps it for good. Tables stay [default: 90]
     #[arg(long, env = "LTCFORGE_JOB_DAYS", value_name = "N")]
     pub job_days: u32,
+    /// Tabulated BRDFs that may be stored, of up to 64 MiB each [default: 256]
+    #[arg(long, env = "LTCFORGE_BRDF_LIMIT", value_name = "N")]
+    pub brdf_limit: NonZeroUsize,
     /// Bytes of exports that are kept in memory, so that they are not made again; 0 keeps none [default: 268435456]
     #[arg(long, env = "LTCFORGE_EXPORT_BYTES", value_name = "N")]
     pub export_bytes: usize,
@@ -124,6 +127,7 @@ impl Default for ServeSettings {
             entry_limit: const { NonZeroU64::new(DEFAULT_ENTRY_LIMIT).unwrap() },
             job_seconds: const { NonZeroU64::new(86_400).unwrap() },
             job_days: 90,
+            brdf_limit: const { NonZeroUsize::new(256).unwrap() },
             export_bytes: 256 << 20,
             adapter: Adapter::Any,
             picture_seconds: WaitSeconds::clamped(pictures.time.as_secs()),
@@ -207,6 +211,7 @@ impl ServeSettings {
                 queue: self.picture_queue,
                 memory_bytes: (self.picture_memory as usize).saturating_mul(1 << 20),
             },
+            brdf_limit: self.brdf_limit.get(),
             export_bytes: self.export_bytes,
         }
     }
@@ -280,7 +285,7 @@ mod tests {
         let file = "listen = '[::1]:80'\ndata = 'd'\nworkers = 3\nqueue_limit = 4\nentry_limit = 5\njob_seconds = 6\n\
                     job_days = 7\nexport_bytes = 8\nadapter = 'gpu'\npicture_seconds = 9\npicture_queue = 10\n\
                     picture_memory = 11\nallow_host = ['h']\nallow_origin = ['https://o']\nconnections = 12\n\
-                    connections_per_address = 13\nclient_seconds = 14";
+                    connections_per_address = 13\nclient_seconds = 14\nbrdf_limit = 15";
         let flags: Vec<String> = file
             .lines()
             .map(|line| {

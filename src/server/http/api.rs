@@ -19,11 +19,35 @@ pub(super) struct Api {
     pub(super) stopping: watch::Receiver<bool>,
     /// Files of BRDFs that may be received at once.
     pub(super) uploads: Arc<Semaphore>,
+    /// Files that may be read whole at once.
+    pub(super) reads: Arc<Semaphore>,
     /// Whether downloads are answered with URLs of the store of blobs.
     pub(super) redirects: bool,
 }
 
+/// Files that are read whole at once. A table takes up to some 100 MB where it comes from a store elsewhere or is decoded.
+pub(super) const READS: usize = 4;
+
 impl Api {
+    /// As [`Self::call`], for a call that reads a file whole: a few do at once, and a client that leaves ends its wait.
+    pub(super) async fn read<T, E>(
+        &self,
+        use_case: impl FnOnce(&Service) -> Result<T, E> + Send + 'static,
+    ) -> Result<T, Problem>
+    where
+        T: Send + 'static,
+        E: Into<Problem> + Send + 'static,
+    {
+        // The semaphore is never closed. The call has its place until it ends, even if the client has left.
+        let room = Arc::clone(&self.reads).acquire_owned().await.ok();
+        let in_room = move |service: &Service| {
+            let read = use_case(service);
+            drop(room);
+            read
+        };
+        self.call(in_room).await
+    }
+
     /// Runs a call into the service on a blocking thread.
     pub(super) async fn call<T, E>(
         &self,

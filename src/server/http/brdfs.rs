@@ -1,4 +1,4 @@
-//! Files of tabulated BRDFs: store, and download by digest.
+//! Files of tabulated BRDFs: store, list, download by digest, delete.
 
 use axum::{
     Json,
@@ -9,13 +9,15 @@ use axum::{
 
 use super::{
     api::Api,
-    conditional::check_untagged,
+    conditional::{EntityTag, check_untagged},
     extract::{BrdfBody, NoParameters, PathOf, QueryOf},
-    file::{Contents, FOREVER, File},
-    kind::ProblemKind,
+    file,
     problem::Problem,
+    tables::ListParameters,
+    views::PageView,
 };
-use ltcforge_files::{digest::Digest, tabulated::kept_name};
+use crate::service::{BrdfRow, FileKind};
+use ltcforge_files::digest::Digest;
 
 /// `POST /v1/brdfs`.
 pub(super) async fn store(
@@ -45,10 +47,28 @@ pub(super) async fn download(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let unknown = || Problem::new(ProblemKind::UnknownBrdf, format!("no BRDF with the digest {digest} is stored"));
-    let length = api.call(move |service| service.brdf_length(digest)).await?.ok_or_else(unknown)?;
-    let name = Some(kept_name(digest.as_bytes()));
-    let contents = Contents::Stored { api, length };
-    let file = File { digest, contents, media_type: "application/octet-stream", caching: FOREVER, name };
-    file.respond(&method, &headers)
+    file::download(api, FileKind::Brdf, digest, &method, &headers).await
+}
+
+/// `GET /v1/brdfs`.
+pub(super) async fn list(
+    State(api): State<Api>,
+    QueryOf(parameters): QueryOf<ListParameters>,
+) -> Result<Json<PageView<BrdfRow>>, Problem> {
+    let ListParameters { cursor, limit } = parameters;
+    let page = api.read(move |service| service.brdfs(cursor.as_ref(), limit.0)).await?;
+    Ok(Json(PageView::new(page, Ok)?))
+}
+
+/// `DELETE /v1/brdfs/{digest}`.
+pub(super) async fn delete(
+    State(api): State<Api>,
+    _: QueryOf<NoParameters>,
+    PathOf(digest): PathOf<Digest>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let tag = EntityTag::strong(digest);
+    tag.check_if_match(&headers)?;
+    api.read(move |service| service.delete_brdf(digest)).await?;
+    Ok((StatusCode::NO_CONTENT, [(header::ETAG, tag.as_str())]).into_response())
 }

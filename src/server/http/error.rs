@@ -5,7 +5,7 @@ use std::{fmt, time::Duration};
 use super::{kind::ProblemKind, problem::Problem};
 use crate::{
     queue::{Failure, FailureKind},
-    service::{ExportFailure, PictureError, ServiceError, StoreBrdfError, SubmitError},
+    service::{DeleteBrdfError, ExportFailure, PictureError, ServiceError, StoreBrdfError, SubmitError},
 };
 use ltcforge_files::{
     recipe_document::{Fault, RecipeError},
@@ -67,7 +67,19 @@ impl From<StoreBrdfError> for Problem {
                 let faults = faults.into_iter().map(|detail| Fault { pointer: String::new(), detail });
                 Self::new(ProblemKind::BadBrdf, detail).with_errors(faults)
             }
+            too_many @ StoreBrdfError::TooMany(_) => Self::new(ProblemKind::BrdfLimit, too_many.to_string()),
             StoreBrdfError::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<DeleteBrdfError> for Problem {
+    fn from(error: DeleteBrdfError) -> Self {
+        let detail = error.to_string();
+        match error {
+            DeleteBrdfError::Unknown(_) => Self::new(ProblemKind::UnknownBrdf, detail),
+            DeleteBrdfError::InUse(_) => Self::new(ProblemKind::BrdfInUse, detail),
+            DeleteBrdfError::Store(error) => error.into(),
         }
     }
 }

@@ -95,7 +95,7 @@ pub(super) async fn list(
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let exports = api.call(move |service| service.exports(table)).await?.ok_or_else(|| unknown(table))?;
+    let exports = api.read(move |service| service.exports(table)).await?.ok_or_else(|| unknown(table))?;
     let item = |export: Export| ItemView { name: export.to_string(), url: url(table, export) };
     document(&ExportsView { table, items: exports.into_iter().map(item).collect() })?.respond(&method, &headers)
 }

@@ -16,20 +16,18 @@ use futures_util::stream;
 use http_range_header::{RangeUnsatisfiableError, parse_range_header};
 
 use super::{api::Api, conditional::EntityTag, kind::ProblemKind, problem::Problem};
-use ltcforge_files::digest::Digest;
+use crate::service::{Checked, FileKind, SHORT_BYTES, Service};
+use ltcforge_files::{digest::Digest, tabulated::kept_name};
 
 /// The bytes never change under their address, because the address has their digest or that of all they follow from.
 pub(super) const FOREVER: &str = "public, max-age=31536000, immutable";
-
-/// Bytes of a stored file that are in memory at once for each client.
-const STEP: u64 = 1 << 20;
 
 /// The bytes of a file.
 #[derive(Debug)]
 pub(super) enum Contents {
     /// In memory.
     Memory(Arc<Vec<u8>>),
-    /// In the store, from where they are read as they are sent. They are not checked against their digest.
+    /// In the store, from where they are read as they are sent.
     Stored { api: Api, length: u64 },
 }
 
@@ -60,13 +58,48 @@ async fn step(api: &Api, digest: Digest, left: Range<u64>) -> io::Result<Option<
     if left.is_empty() {
         return Ok(None);
     }
-    let (from, length) = (left.start, STEP.min(left.end - left.start));
+    let (from, length) = (left.start, SHORT_BYTES.min(left.end - left.start));
     let read = api.call(move |service| service.part(digest, from, length as usize)).await;
     // The connection ends before the announced length, which tells the client.
     let read = read.ok().flatten().filter(|read| !read.is_empty());
     let read = read.ok_or_else(|| io::Error::other(format!("{digest} cannot be read any more")))?;
     let next = from + read.len() as u64;
     Ok(Some((read.into(), next..left.end)))
+}
+
+/// A stored file, all of it or less. All of it is checked against its digest before it is sent; for anything less it is
+/// not read whole.
+pub(super) async fn download(
+    api: Api,
+    kind: FileKind,
+    digest: Digest,
+    method: &Method,
+    headers: &HeaderMap,
+) -> Result<Response, Problem> {
+    let hex = digest.hex();
+    let (problem, noun, name) = match kind {
+        FileKind::Table => (ProblemKind::UnknownTable, "table", format!("{hex}.safetensors")),
+        FileKind::Brdf => (ProblemKind::UnknownBrdf, "BRDF", kept_name(digest.as_bytes())),
+    };
+    let unknown = || Problem::new(problem, format!("no {noun} with the digest {digest} is stored"));
+    let check = move |service: &Service| service.checked(kind, digest);
+    let is_plain = [header::IF_NONE_MATCH, header::IF_MATCH, header::RANGE].iter().all(|f| !headers.contains_key(f));
+    let asks_for_all = method == Method::GET && is_plain;
+    let contents = if asks_for_all {
+        match api.read(check).await?.ok_or_else(unknown)? {
+            Checked::Bytes(bytes) => Contents::Memory(Arc::new(bytes)),
+            Checked::Long(length) => Contents::Stored { api: api.clone(), length },
+        }
+    } else {
+        let length = api.call(move |service| service.length(kind, digest)).await?.ok_or_else(unknown)?;
+        Contents::Stored { api: api.clone(), length }
+    };
+    let file = File { digest, contents, media_type: "application/octet-stream", caching: FOREVER, name: Some(name) };
+    let response = file.respond(method, headers)?;
+    if !asks_for_all && method == Method::GET && response.status() == StatusCode::OK {
+        api.read(check).await?.ok_or_else(unknown)?;
+    }
+    Ok(response)
 }
 
 /// A file and how it is sent.

@@ -62,6 +62,8 @@ problem_kinds! {
     UnknownTable: NOT_FOUND, "unknown-table", "There is no such table";
     UnknownRecipe: NOT_FOUND, "unknown-recipe", "There is no such recipe";
     UnknownBrdf: NOT_FOUND, "unknown-brdf", "There is no such BRDF";
+    BrdfInUse: CONFLICT, "brdf-in-use", "The BRDF is named by a recipe";
+    BrdfLimit: INSUFFICIENT_STORAGE, "brdf-limit", "As many BRDFs are stored as may be";
     BadBrdf: UNPROCESSABLE_ENTITY, "bad-brdf", "The BRDF has faults";
     UnknownExport: NOT_FOUND, "unknown-export", "There is no such export";
     UnknownFile: NOT_FOUND, "unknown-file", "The export has no such file";

@@ -8,15 +8,18 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::kind::ProblemKind;
 
 /// Faults that a problem lists: more would only repeat the faults that a client has to mend first.
 const MOST_FAULTS: usize = 100;
 
-/// Letters of a `detail`.
+/// Letters of a `detail`, and of each text of a fault.
 const LONGEST_DETAIL: usize = 2000;
+
+/// Letters of a word in them. No word of the service's own is as long.
+const LONGEST_WORD: usize = 200;
 
 /// An error as it is reported to a client, and the document that the client reads.
 #[derive(Debug, Serialize)]
@@ -38,7 +41,7 @@ pub(super) struct Problem {
 impl Problem {
     /// A problem of `kind`; `detail` is one sentence on this occurrence.
     pub(super) fn new(kind: ProblemKind, detail: impl Into<String>) -> Self {
-        Self { kind, detail: bounded(detail.into()), errors: Vec::new(), recipe: None, retry_after: None }
+        Self { kind, detail: bounded(&detail.into()), errors: Vec::new(), recipe: None, retry_after: None }
     }
 
     /// The same with a list of the request's faults, the first [`MOST_FAULTS`] of them.
@@ -51,7 +54,15 @@ impl Problem {
             Some(more @ 1..) => format!("{}; the first {MOST_FAULTS} are listed, {more} more are not", self.detail),
             _ => self.detail,
         };
-        let listed = errors.take(MOST_FAULTS).filter_map(|fault| serde_json::to_value(fault).ok());
+        let listed = errors.take(MOST_FAULTS).filter_map(|fault| {
+            let mut fault = serde_json::to_value(fault).ok()?;
+            for text in fault.as_object_mut().into_iter().flat_map(Map::values_mut) {
+                if let Value::String(text) = text {
+                    *text = bounded(text);
+                }
+            }
+            Some(fault)
+        });
         Self { detail, errors: listed.collect(), ..self }
     }
 
@@ -77,10 +88,15 @@ impl Problem {
 }
 
 /// A text without most of what a client sent, if that is long.
-fn bounded(text: String) -> String {
-    match text.char_indices().nth(LONGEST_DETAIL) {
-        Some((end, _)) => format!("{}... ({} bytes)", &text[..end], text.len()),
-        None => text,
+fn bounded(text: &str) -> String {
+    let shown: String = text.split_inclusive(char::is_whitespace).map(|word| cut(word, LONGEST_WORD)).collect();
+    cut(&shown, LONGEST_DETAIL)
+}
+
+fn cut(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}... ({} bytes) ", &text[..end], text.len()),
+        None => text.to_owned(),
     }
 }
 

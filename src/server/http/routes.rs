@@ -49,8 +49,10 @@ pub static ROUTES: &[Route] = &[
     route(Method::POST, "/v1/brdfs", |on| {
         on.post(brdfs::store.layer(DefaultBodyLimit::max(TABULATED_LIMIT_BYTES as usize)))
     }),
+    route(Method::GET, "/v1/brdfs", |on| on.get(brdfs::list)),
     route(Method::GET, "/v1/brdfs/{digest}", |on| on.get(brdfs::download)),
     route(Method::HEAD, "/v1/brdfs/{digest}", |on| on.head(brdfs::download)),
+    route(Method::DELETE, "/v1/brdfs/{digest}", |on| on.delete(brdfs::delete)),
     route(Method::GET, "/v1/recipes/{digest}", |on| on.get(tables::recipe)),
     route(Method::GET, "/healthz", |on| on.get(operations::healthz)),
     route(Method::GET, "/readyz", |on| on.get(operations::readyz)),

@@ -15,7 +15,7 @@ use tower_http::trace::{DefaultMakeSpan, DefaultOnFailure, DefaultOnResponse, Tr
 use tracing::Level;
 
 use super::{
-    api::Api,
+    api::{Api, READS},
     conditional, connection,
     extract::{BODY_LIMIT_BYTES, UPLOADS},
     limits::ConnectionLimits,
@@ -50,6 +50,7 @@ pub async fn serve(
         limits: Arc::clone(&limits),
         stopping: stopping.clone(),
         uploads: Arc::new(Semaphore::new(UPLOADS)),
+        reads: Arc::new(Semaphore::new(READS)),
         redirects: options.redirects,
     };
     let served = connection::serve(listener, router(api, options.origins), limits, stopping);

@@ -11,20 +11,20 @@ use serde::Deserialize;
 use super::{
     api::Api,
     extract::{NoParameters, PageLimit, PathOf, QueryOf},
-    file::{Contents, FOREVER, File},
+    file,
     kind::ProblemKind,
     problem::Problem,
     views::{PageView, RecipeView},
 };
-use crate::service::{TableCursor, TableRow};
+use crate::service::{FileKind, TableCursor, TableRow};
 use ltcforge_files::digest::Digest;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ListParameters {
-    cursor: Option<TableCursor>,
+    pub(super) cursor: Option<TableCursor>,
     #[serde(default)]
-    limit: PageLimit,
+    pub(super) limit: PageLimit,
 }
 
 /// `GET /v1/tables`.
@@ -54,17 +54,7 @@ pub(super) async fn download(
     {
         return Ok((StatusCode::TEMPORARY_REDIRECT, [(header::LOCATION, url)]).into_response());
     }
-    // All of the file is checked against its digest before it is sent. For anything less it is not read whole.
-    let contents = if method == Method::GET && !is_conditional && !headers.contains_key(header::RANGE) {
-        let bytes = api.call(move |service| service.table(digest)).await?.ok_or_else(|| unknown(digest))?;
-        Contents::Memory(bytes)
-    } else {
-        let length = api.call(move |service| service.table_length(digest)).await?.ok_or_else(|| unknown(digest))?;
-        Contents::Stored { api, length }
-    };
-    let name = format!("{}.safetensors", digest.hex());
-    let file = File { digest, contents, media_type: "application/octet-stream", caching: FOREVER, name: Some(name) };
-    file.respond(&method, &headers)
+    file::download(api, FileKind::Table, digest, &method, &headers).await
 }
 
 /// `GET /v1/tables/{digest}/manifest`.

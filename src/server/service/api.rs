@@ -39,6 +39,8 @@ pub struct Config {
     pub adapter: Adapter,
     /// The limits of pictures.
     pub pictures: PictureLimits,
+    /// Tabulated BRDFs that may be stored.
+    pub brdf_limit: usize,
     /// Bytes of exports that are kept in memory.
     pub export_bytes: usize,
 }

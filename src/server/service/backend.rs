@@ -42,6 +42,9 @@ pub(super) trait Backend: Send + Sync {
     /// pool.
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError>;
 
+    /// Forgets the files of tabulated BRDFs that it keeps: one of them was deleted.
+    fn forget_files(&self);
+
     /// The exports for which the table of a canonical file has the layout.
     fn exports(&self, file: &[u8]) -> Result<Vec<Export>, ExportFailure>;
 
@@ -248,6 +251,10 @@ impl Backend for FitBackend {
 
     fn manifest(&self, file: &[u8], go_on: &GoOn) -> Result<Option<String>, TableFileError> {
         manifest_json_while(go_on, file, &|name| self.file(name).map_err(FindBrdfError::lines))
+    }
+
+    fn forget_files(&self) {
+        self.files.clear();
     }
 
     fn exports(&self, file: &[u8]) -> Result<Vec<Export>, ExportFailure> {

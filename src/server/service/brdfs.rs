@@ -1,11 +1,15 @@
 //! The files of tabulated BRDFs. They are blobs beside those of tables, named by their digests alike.
 
+use std::sync::PoisonError;
+
+use jiff::Timestamp;
 use serde::Serialize;
 
-use super::{Service, ServiceError, tables::START};
+use super::{FileKind, Page, Service, ServiceError, TableCursor, find_brdf::used_brdfs};
+use crate::store::{BlobInfo, StoreError, age_key};
 use ltcforge_files::{
     digest::Digest,
-    tabulated::{TabulatedError, decode, is_tabulated},
+    tabulated::{TabulatedError, decode},
 };
 use ltcforge_fit::{Asymmetry, TabulatedFile};
 
@@ -24,12 +28,49 @@ pub struct StoredBrdf {
     pub asymmetry: Option<Asymmetry>,
 }
 
+/// A stored file in the list.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct BrdfRow {
+    /// Its digest.
+    pub digest: Digest,
+    /// Its size.
+    pub bytes: u64,
+    /// When it was stored.
+    pub created_at: Timestamp,
+}
+
+/// Why a file was not deleted.
+#[derive(Debug, thiserror::Error)]
+pub enum DeleteBrdfError {
+    /// It is not stored.
+    #[error("no BRDF with the digest {0} is stored")]
+    Unknown(Digest),
+    /// It is needed.
+    #[error("the recipe of a table, or of a job that waits or runs, names {0}")]
+    InUse(Digest),
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] ServiceError),
+}
+
+impl From<StoreError> for DeleteBrdfError {
+    fn from(error: StoreError) -> Self {
+        Self::Store(error.into())
+    }
+}
+
 /// Why a file was not stored.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreBrdfError {
     /// It is no tabulated BRDF; all faults are listed.
     #[error(transparent)]
     Faults(#[from] TabulatedError),
+    /// As many are stored as may be.
+    #[error(
+        "{0} BRDFs are stored, as many as the service keeps; DELETE /v1/brdfs/{{digest}} removes one that nothing names, and \
+         `--brdf-limit` of the service raises the limit"
+    )]
+    TooMany(usize),
     /// The service is stopping, or the store failed.
     #[error(transparent)]
     Store(#[from] ServiceError),
@@ -59,18 +100,72 @@ impl Service {
         let file = decode(bytes)?;
         let blobs = &self.state.tables.store.blobs;
         let digest = Digest::from_bytes(*file.digest());
+        let _storing = self.state.storing.lock().unwrap_or_else(PoisonError::into_inner);
         let was_there = blobs.contains(digest).map_err(ServiceError::from)?;
+        let limit = self.state.config.brdf_limit;
+        if !was_there && self.stored_brdfs().map_err(ServiceError::from)?.len() >= limit {
+            return Err(StoreBrdfError::TooMany(limit));
+        }
         blobs.put(bytes).map_err(ServiceError::from)?;
         Ok((stored(bytes, &file), was_there))
     }
 
-    /// The length of the stored file of a tabulated BRDF; `None` where there is none, also for the digest of a table.
+    /// Stored files, newest first.
     ///
     /// # Errors
     /// When the store fails.
-    pub fn brdf_length(&self, digest: Digest) -> Result<Option<u64>, ServiceError> {
-        let blobs = &self.state.tables.store.blobs;
-        let is_one = blobs.part(digest, 0, START)?.is_some_and(|start| is_tabulated(&start));
-        Ok(if is_one { blobs.length(digest)? } else { None })
+    pub fn brdfs(&self, cursor: Option<&TableCursor>, limit: usize) -> Result<Page<BrdfRow>, ServiceError> {
+        let mut rows = self.stored_brdfs()?;
+        rows.retain(|(key, _)| cursor.is_none_or(|cursor| *key < cursor.0));
+        let mut newest = rows.into_iter().rev();
+        let page: Vec<_> = newest.by_ref().take(limit).collect();
+        let next = newest.next().and_then(|_| Some(TableCursor(page.last()?.0.clone()).to_string()));
+        Ok(Page { items: page.into_iter().map(|(_, row)| row).collect(), next })
+    }
+
+    /// All stored files with their places in the list, oldest first.
+    fn stored_brdfs(&self) -> Result<Vec<(Vec<u8>, BrdfRow)>, StoreError> {
+        let tables = &self.state.tables;
+        let known = tables.catalogue.keys()?;
+        let mut rows = Vec::new();
+        for BlobInfo { digest, stored_at } in tables.store.blobs.list()? {
+            if known.contains(digest.as_bytes().as_slice()) {
+                continue;
+            }
+            if let Some(bytes) = tables.length(FileKind::Brdf, digest)? {
+                rows.push((age_key(stored_at, digest), BrdfRow { digest, bytes, created_at: stored_at }));
+            }
+        }
+        rows.sort_by(|(a, _), (b, _)| a.cmp(b));
+        Ok(rows)
+    }
+
+    /// Deletes a stored file that no recipe of a table, or of a job that waits or runs, names.
+    ///
+    /// # Errors
+    /// See [`DeleteBrdfError`]; then nothing has changed.
+    pub fn delete_brdf(&self, digest: Digest) -> Result<(), DeleteBrdfError> {
+        let state = &self.state;
+        let _deleting = state.naming.write().unwrap_or_else(PoisonError::into_inner);
+        let blobs = &state.tables.store.blobs;
+        let is_used =
+            || Ok::<_, StoreError>(used_brdfs(&state.tables.catalogue, state.queue.as_ref())?.contains(&digest));
+        if state.tables.length(FileKind::Brdf, digest)?.is_none() {
+            return Err(DeleteBrdfError::Unknown(digest));
+        }
+        if is_used()? {
+            return Err(DeleteBrdfError::InUse(digest));
+        }
+        // Another process may make a job of it meanwhile, and then keeps the file too.
+        let bytes = if state.queue.is_local() { None } else { blobs.get(digest)? };
+        blobs.delete(digest)?;
+        state.backend.forget_files();
+        match bytes {
+            Some(bytes) if is_used()? => {
+                blobs.put(&bytes)?;
+                Err(DeleteBrdfError::InUse(digest))
+            }
+            _ => Ok(()),
+        }
     }
 }

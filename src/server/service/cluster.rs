@@ -13,13 +13,13 @@ use serde::Serialize;
 use super::{
     Config, OpenError, Service,
     backend::FitBackend,
-    find_brdf::named_in,
+    find_brdf::{named_in, used_brdfs},
     open::{ServiceParts, limits},
     state::ServiceState,
 };
 use crate::{
     queue::{
-        Queue, StateName,
+        Queue,
         postgres::{PostgresQueue, Process},
     },
     store::{
@@ -133,16 +133,6 @@ impl ServiceState {
             self.queue.pause(FOLLOW);
         }
     }
-}
-
-/// The tabulated BRDFs that are named by recipes of tables and of queued or running jobs.
-fn used_brdfs(catalogue: &Catalogue, queue: &dyn Queue) -> Result<BTreeSet<Digest>, StoreError> {
-    let mut used: BTreeSet<Digest> = catalogue.recipes()?.iter().filter_map(|recipe| named_in(recipe)).collect();
-    for state in [StateName::Queued, StateName::Running] {
-        let (jobs, _) = queue.list(Some(state), None, usize::MAX >> 1)?;
-        used.extend(jobs.iter().filter_map(|job| named_in(&job.recipe)));
-    }
-    Ok(used)
 }
 
 /// The tabulated BRDFs that are named by recipes of jobs submitted `since`, whatever their state is now.

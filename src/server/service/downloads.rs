@@ -3,8 +3,8 @@
 use std::{sync::Arc, time::Duration};
 
 use super::{
-    ExportFailure, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject, TableCursor, TableRow,
-    reconcile::unless_full, state::ServiceState,
+    Checked, ExportFailure, FileKind, MadeExport, Page, PictureError, PictureReply, Service, ServiceError, Subject,
+    TableCursor, TableRow, reconcile::unless_full, state::ServiceState,
 };
 use crate::{
     queue::JobId,
@@ -27,12 +27,20 @@ impl Service {
         self.state.tables.read(digest)
     }
 
-    /// The length of a table's file, which is not read.
+    /// A file checked against its digest, of which a long one is read and not kept.
+    ///
+    /// # Errors
+    /// As [`Self::table`].
+    pub fn checked(&self, kind: FileKind, digest: Digest) -> Result<Option<Checked>, ServiceError> {
+        self.state.tables.checked(kind, digest)
+    }
+
+    /// The length of a file, which is not read.
     ///
     /// # Errors
     /// When the store fails.
-    pub fn table_length(&self, digest: Digest) -> Result<Option<u64>, ServiceError> {
-        Ok(self.state.tables.length(digest)?)
+    pub fn length(&self, kind: FileKind, digest: Digest) -> Result<Option<u64>, ServiceError> {
+        Ok(self.state.tables.length(kind, digest)?)
     }
 
     /// At most `length` bytes of a stored file, from the byte `from` on, not checked against its digest.
@@ -50,11 +58,11 @@ impl Service {
     /// As [`Self::table`]: the manifest of a damaged table is not served.
     pub fn manifest(&self, digest: Digest) -> Result<Option<String>, ServiceError> {
         let state = &self.state;
-        // The blob is read and hashed as for the table itself: a damaged table has no manifest.
-        let Some(file) = self.table(digest)? else { return Ok(None) };
+        // The blob is hashed as for the table itself: a damaged table has no manifest.
         if let Some(text) = state.tables.stored_manifest(digest)? {
-            return Ok(Some(text));
+            return Ok(self.checked(FileKind::Table, digest)?.map(|_| text));
         }
+        let Some(file) = self.table(digest)? else { return Ok(None) };
         let made = state.make_manifest(&file, &|| !state.is_stopping());
         let made = made.map_err(|error| ServiceError::Storage(format!("the blob {digest}: {error}")))?;
         let manifest = made.ok_or(ServiceError::Stopping)?;

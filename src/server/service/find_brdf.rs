@@ -1,6 +1,11 @@
 //! The file of the tabulated BRDF that a recipe names.
 
-use crate::store::{Blobs, StoreError};
+use std::collections::BTreeSet;
+
+use crate::{
+    queue::{Queue, StateName},
+    store::{Blobs, Catalogue, StoreError},
+};
 use ltcforge_files::{
     digest::Digest,
     tabulated::{TabulatedError, decode},
@@ -43,4 +48,14 @@ pub(super) fn find(blobs: &dyn Blobs, name: &str) -> Result<TabulatedFile, FindB
 pub(super) fn named_in(recipe: &str) -> Option<Digest> {
     let recipe: serde_json::Value = serde_json::from_str(recipe).ok()?;
     recipe.get("tabulated")?.as_str()?.parse().ok()
+}
+
+/// The tabulated BRDFs that are named by recipes of tables and of queued or running jobs.
+pub(super) fn used_brdfs(catalogue: &Catalogue, queue: &dyn Queue) -> Result<BTreeSet<Digest>, StoreError> {
+    let mut used: BTreeSet<Digest> = catalogue.recipes()?.iter().filter_map(|recipe| named_in(recipe)).collect();
+    for state in [StateName::Queued, StateName::Running] {
+        let (jobs, _) = queue.list(Some(state), None, usize::MAX >> 1)?;
+        used.extend(jobs.iter().filter_map(|job| named_in(&job.recipe)));
+    }
+    Ok(used)
 }

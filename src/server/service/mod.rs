@@ -27,12 +27,12 @@ mod tests;
 mod watch;
 mod work;
 
-pub use crate::store::TableRow;
+pub use crate::store::{Checked, SHORT_BYTES, TableRow};
 pub use api::{
     Config, Expected, JobSnapshot, Metrics, OpenError, Page, PictureCounts, PictureLimits, ServiceError, SubmitError,
     SubmitReply,
 };
-pub use brdfs::{StoreBrdfError, StoredBrdf};
+pub use brdfs::{BrdfRow, DeleteBrdfError, StoreBrdfError, StoredBrdf};
 pub use check::{CheckReport, check};
 pub use cluster::{DatabaseUrl, Removal, Shared, Swept, sweep};
 pub use cursor::{CursorError, JobCursor, TableCursor};
@@ -41,3 +41,4 @@ pub use migrate::{Migrated, migrate};
 pub use pictures::{PendingPicture, PictureError, PictureFile, PictureReply, Subject};
 pub use reconcile::Reconciled;
 pub use state::Service;
+pub use tables::FileKind;

@@ -4,7 +4,7 @@ use std::{
     io,
     num::NonZeroU32,
     sync::{
-        Arc, Mutex,
+        Arc, Mutex, RwLock,
         atomic::{AtomicBool, AtomicU64},
         mpsc,
     },
@@ -78,6 +78,8 @@ impl Service {
             scheduler: Scheduler::new(config.workers),
             pictures: Pictures::new(tables, config.adapter, config.pictures),
             exports: Exports::new(config.export_bytes),
+            storing: Mutex::default(),
+            naming: RwLock::default(),
             stopping: AtomicBool::new(false),
             entries_fitted: AtomicU64::new(0),
             config,

@@ -3,7 +3,7 @@
 use std::{
     io,
     sync::{
-        Arc, Mutex, PoisonError,
+        Arc, Mutex, PoisonError, RwLock,
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::{self, JoinHandle},
@@ -39,6 +39,10 @@ pub(super) struct ServiceState {
     pub(super) scheduler: Scheduler,
     pub(super) pictures: Pictures,
     pub(super) exports: Exports,
+    /// Held while a tabulated BRDF is counted and stored.
+    pub(super) storing: Mutex<()>,
+    /// Read while a recipe that may name a tabulated BRDF becomes a job, written while one is deleted.
+    pub(super) naming: RwLock<()>,
     pub(super) stopping: AtomicBool,
     pub(super) entries_fitted: AtomicU64,
 }

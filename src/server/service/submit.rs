@@ -1,6 +1,6 @@
 //! Submitting jobs, and looking them up.
 
-use std::time::Duration;
+use std::{sync::PoisonError, time::Duration};
 
 use tokio::sync::watch;
 
@@ -26,6 +26,7 @@ impl Service {
         if self.state.is_stopping() {
             return Err(SubmitError::Stopping);
         }
+        let _naming = self.state.naming.read().unwrap_or_else(PoisonError::into_inner);
         let new = self.state.backend.plan(document, self.state.config.entry_limit)?;
         let file = self.state.old_file(&new.recipe)?;
         let submission = self.state.submit(new);

@@ -9,15 +9,31 @@ use std::{
 };
 
 use super::{ServiceError, reconcile::unless_full};
-use crate::store::{Catalogue, Store, StoreError};
+use crate::store::{Catalogue, Checked, Store, StoreError};
 use ltcforge_files::{
     digest::Digest,
     manifest::MANIFEST_VERSION,
     tabulated::{TABULATED_HEADER_LIMIT_BYTES, is_tabulated},
 };
 
+/// The kinds of stored files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    /// A table, or whatever is no tabulated BRDF.
+    Table,
+    /// A tabulated BRDF.
+    Brdf,
+}
+
+impl FileKind {
+    /// Whether a file that begins so is of this kind.
+    fn begins(self, start: &[u8]) -> bool {
+        is_tabulated(start) == (self == Self::Brdf)
+    }
+}
+
 /// The bytes at the start of a file that tell a tabulated BRDF from a table.
-pub(super) const START: usize = 8 + TABULATED_HEADER_LIMIT_BYTES as usize;
+const START: usize = 8 + TABULATED_HEADER_LIMIT_BYTES as usize;
 
 /// The store and its catalogue.
 #[derive(Debug)]
@@ -47,11 +63,27 @@ impl Tables {
     /// When the blob is damaged or unreadable. A damaged one is moved to quarantine and removed from the catalogue, so
     /// that the next equal job fits the table again.
     pub(super) fn read(&self, digest: Digest) -> Result<Option<Arc<Vec<u8>>>, ServiceError> {
-        match self.store.blobs.get(digest) {
-            Ok(Some(bytes)) if is_tabulated(&bytes) => Ok(None),
-            Ok(Some(bytes)) => {
+        let bytes = self.told(digest, self.store.blobs.get(digest))?;
+        Ok(bytes.filter(|bytes| FileKind::Table.begins(bytes)).map(Arc::new))
+    }
+
+    /// As [`Self::read`], of any kind of file, but a long one is not kept in memory.
+    pub(super) fn checked(&self, kind: FileKind, digest: Digest) -> Result<Option<Checked>, ServiceError> {
+        let checked = self.told(digest, self.store.blobs.checked(digest))?;
+        let is_one = match &checked {
+            Some(Checked::Bytes(bytes)) => kind.begins(bytes),
+            Some(Checked::Long(_)) => self.length(kind, digest)?.is_some(),
+            None => false,
+        };
+        Ok(checked.filter(|_| is_one))
+    }
+
+    /// What was read of a blob; notes that it is there, missing or damaged.
+    fn told<T>(&self, digest: Digest, read: Result<Option<T>, StoreError>) -> Result<Option<T>, ServiceError> {
+        match read {
+            Ok(Some(read)) => {
                 self.missing().remove(&digest);
-                Ok(Some(Arc::new(bytes)))
+                Ok(Some(read))
             }
             Ok(None) => {
                 self.tell_missing(digest)?;
@@ -67,16 +99,16 @@ impl Tables {
         }
     }
 
-    /// The length of a table's file, by its storage alone.
+    /// The length of a file, by its storage alone; `None` for a file of another kind.
     ///
     /// # Errors
     /// When the store fails.
-    pub(super) fn length(&self, digest: Digest) -> Result<Option<u64>, StoreError> {
+    pub(super) fn length(&self, kind: FileKind, digest: Digest) -> Result<Option<u64>, StoreError> {
         let start = self.store.blobs.part(digest, 0, START)?;
         if start.is_none() {
             self.tell_missing(digest)?;
         }
-        if start.is_none_or(|start| is_tabulated(&start)) { Ok(None) } else { self.store.blobs.length(digest) }
+        if start.is_some_and(|start| kind.begins(&start)) { self.store.blobs.length(digest) } else { Ok(None) }
     }
 
     /// The stored manifest of a table, if it is of the current version. Whether the table is intact is not checked.

@@ -28,6 +28,7 @@ pub(super) fn config(dir: &Path) -> Config {
         adapter: ltcforge_view::preview::Adapter::Cpu,
         max_attempts: 3,
         pictures: PictureLimits::default(),
+        brdf_limit: 2,
         export_bytes: 100,
     }
 }

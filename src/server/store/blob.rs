@@ -7,6 +7,7 @@ use std::{
 };
 
 use jiff::Timestamp;
+use sha2::{Digest as _, Sha256};
 
 use super::{StoreError, files};
 use ltcforge_files::digest::Digest;
@@ -19,6 +20,18 @@ pub struct BlobInfo {
     /// When it was stored.
     pub stored_at: Timestamp,
 }
+
+/// A blob whose bytes have its digest.
+#[derive(Debug)]
+pub enum Checked {
+    /// At most [`SHORT_BYTES`], or more where the storage cannot read parts of it.
+    Bytes(Vec<u8>),
+    /// The length of a longer one, to be read in parts.
+    Long(u64),
+}
+
+/// Bytes of a blob that may be in memory for each client.
+pub const SHORT_BYTES: u64 = 1 << 20;
 
 /// A content-addressed store. What [`Blobs::put`] returned survives a power cut.
 pub trait Blobs: Send + Sync + std::fmt::Debug {
@@ -51,6 +64,23 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
         Ok(self.get(digest)?.map(part))
     }
 
+    /// A blob checked against its digest, as by [`Self::get`]. A long one is read part by part, of which none is kept.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    fn checked(&self, digest: Digest) -> Result<Option<Checked>, StoreError> {
+        if let Some(length) = self.length(digest)?.filter(|length| *length > SHORT_BYTES) {
+            let mut hasher = Sha256::new();
+            for from in (0..length).step_by(SHORT_BYTES as usize) {
+                hasher.update(self.part(digest, from, SHORT_BYTES as usize)?.unwrap_or_default());
+            }
+            if hasher.finalize().as_slice() == digest.as_bytes() {
+                return Ok(Some(Checked::Long(length)));
+            }
+        }
+        Ok(self.get(digest)?.map(Checked::Bytes))
+    }
+
     /// Whether there is a blob of that name; its bytes are not read.
     ///
     /// # Errors
@@ -66,6 +96,12 @@ pub trait Blobs: Send + Sync + std::fmt::Debug {
         let _ = (digest, bytes);
         Ok(())
     }
+
+    /// Removes a blob, durably when this returns; a missing one is no error.
+    ///
+    /// # Errors
+    /// When the storage fails.
+    fn delete(&self, digest: Digest) -> Result<(), StoreError>;
 
     /// All blobs that are regular files, by digest.
     ///
@@ -184,6 +220,12 @@ impl Blobs for FileBlobs {
     fn part(&self, digest: Digest, from: u64, length: usize) -> Result<Option<Vec<u8>>, StoreError> {
         let path = self.path(digest);
         regular(files::read_part(&path, from, length), path)
+    }
+
+    fn delete(&self, digest: Digest) -> Result<(), StoreError> {
+        let path = self.path(digest);
+        let removed = fs::remove_file(&path).and_then(|()| path.parent().map_or(Ok(()), files::sync_folder));
+        regular(removed, path).map(drop)
     }
 
     fn contains(&self, digest: Digest) -> Result<bool, StoreError> {

@@ -56,7 +56,7 @@ impl Catalogue {
     pub fn entry(row: &TableRow, recipe: &str) -> Result<Batch, StoreError> {
         let mut batch = Batch::default();
         batch.put(Tree::Tables, *row.digest.as_bytes(), encode(row)?);
-        batch.put(Tree::TablesByAge, age_key(row), []);
+        batch.put(Tree::TablesByAge, age_key(row.created_at, row.digest), []);
         let recipe = RecipeRow { recipe: recipe.to_owned(), table: row.digest };
         batch.put(Tree::Recipes, *row.recipe_digest.as_bytes(), encode(&recipe)?);
         Ok(batch)
@@ -120,7 +120,10 @@ impl Catalogue {
         for row in keys.iter().take(limit) {
             let Some(digest) = row.key.get(8..) else { continue };
             // A table that was lost and found again has another age than it had.
-            tables.extend(self.read::<TableRow>(Tree::Tables, digest)?.filter(|table| age_key(table) == row.key));
+            tables.extend(
+                self.read::<TableRow>(Tree::Tables, digest)?
+                    .filter(|table| age_key(table.created_at, table.digest) == row.key),
+            );
         }
         Ok((tables, next))
     }
@@ -134,12 +137,21 @@ impl Catalogue {
         for row in self.rows.scan(Tree::Tables, &[])? {
             let row = row.value.and_then(|value| serde_json::from_slice::<TableRow>(&value).ok());
             let Some(row) = row else { continue };
-            let is_listed = matches!(self.rows.get(Tree::TablesByAge, &age_key(&row)), Ok(Some(_)));
+            let is_listed =
+                matches!(self.rows.get(Tree::TablesByAge, &age_key(row.created_at, row.digest)), Ok(Some(_)));
             if is_listed && self.recipe(row.recipe_digest)?.is_some() {
                 complete.insert(row.digest);
             }
         }
         Ok(complete)
+    }
+
+    /// The digests of all tables, as they stand in the database.
+    ///
+    /// # Errors
+    /// When the database fails.
+    pub fn keys(&self) -> Result<BTreeSet<Vec<u8>>, StoreError> {
+        Ok(self.rows.scan(Tree::Tables, &[])?.into_iter().map(|row| row.key).collect())
     }
 
     /// Number of tables, and the size of all their files in bytes.
@@ -163,7 +175,7 @@ impl Catalogue {
         let Some(row) = self.table(digest)? else { return Ok(false) };
         let mut batch = Batch::default();
         batch.remove(Tree::Tables, *digest.as_bytes());
-        batch.remove(Tree::TablesByAge, age_key(&row));
+        batch.remove(Tree::TablesByAge, age_key(row.created_at, row.digest));
         if self.recipe(row.recipe_digest)?.is_none_or(|(_, table)| table == digest) {
             batch.remove(Tree::Recipes, *row.recipe_digest.as_bytes());
         }
@@ -189,9 +201,10 @@ fn encode(row: &impl Serialize) -> Result<Vec<u8>, StoreError> {
     serde_json::to_vec(row).map_err(|error| StoreError::Database(error.to_string()))
 }
 
-fn age_key(row: &TableRow) -> Vec<u8> {
-    let age = u64::try_from(row.created_at.as_microsecond()).unwrap_or(0);
-    [age.to_be_bytes().as_slice(), row.digest.as_bytes()].concat()
+/// The place of a file in a list by age.
+pub fn age_key(stored_at: Timestamp, digest: Digest) -> Vec<u8> {
+    let age = u64::try_from(stored_at.as_microsecond()).unwrap_or(0);
+    [age.to_be_bytes().as_slice(), digest.as_bytes()].concat()
 }
 
 #[cfg(test)]

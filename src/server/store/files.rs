@@ -88,20 +88,22 @@ pub(super) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
 pub(super) fn read_part(path: &Path, from: u64, length: usize) -> io::Result<Vec<u8>> {
     let mut file = open_regular(path)?;
     file.seek(io::SeekFrom::Start(from))?;
-    let mut bytes = Vec::new();
+    let mut bytes = Vec::with_capacity(length);
     file.take(length as u64).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
 /// The length of a regular file.
 pub(super) fn regular_length(path: &Path) -> io::Result<u64> {
-    Ok(open_regular(path)?.metadata()?.len())
+    let metadata = path.symlink_metadata()?;
+    if !metadata.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not a regular file"));
+    }
+    Ok(metadata.len())
 }
 
 fn open_regular(path: &Path) -> io::Result<fs::File> {
-    if !path.symlink_metadata()?.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not a regular file"));
-    }
+    regular_length(path)?;
     // It may have been replaced since.
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
     fs::File::options().read(true).custom_flags(flags).open(path)

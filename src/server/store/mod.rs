@@ -36,8 +36,8 @@ mod tree;
 #[cfg(test)]
 pub(crate) use files::copy_folder;
 
-pub use blob::{BlobInfo, Blobs, FileBlobs};
-pub use catalogue::{Catalogue, ManifestRow, TableRow};
+pub use blob::{BlobInfo, Blobs, Checked, FileBlobs, SHORT_BYTES};
+pub use catalogue::{Catalogue, ManifestRow, TableRow, age_key};
 pub use damage::Damage;
 pub use dry_run::DryRun;
 pub use error::StoreError;

@@ -39,7 +39,10 @@ pub(super) fn in_place_of(written: &[u8]) -> Option<Vec<u8>> {
     let (kind, detail) = match status {
         "400" => (ProblemKind::BadRequest, "the head of the request is not that of HTTP/1.1"),
         "414" => (ProblemKind::UriTooLong, "path and query of a request take at most 65534 bytes"),
-        "431" => (ProblemKind::HeadTooLarge, "the head of a request takes at most 131072 bytes and 100 fields"),
+        "431" => (
+            ProblemKind::HeadTooLarge,
+            "the head of a request takes at most 131072 bytes and 100 fields, and its Content-Length is below 2^64 - 2",
+        ),
         _ => return None,
     };
     Some(answer(&Problem::new(kind, detail)))

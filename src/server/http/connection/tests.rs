@@ -128,6 +128,7 @@ async fn a_head_that_cannot_be_read_gets_a_problem() {
         (format!("GET /{long} HTTP/1.1\r\nhost: h\r\n\r\n"), 414, "uri-too-long"),
         (format!("GET / HTTP/1.1\r\nhost: h\r\nx: {long}\r\ny: {long}\r\n\r\n"), 431, "head-too-large"),
         (format!("GET / HTTP/1.1\r\nhost: h\r\n{}\r\n", "x: y\r\n".repeat(101)), 431, "head-too-large"),
+        (format!("POST / HTTP/1.1\r\nhost: h\r\ncontent-length: {}\r\n\r\n", u64::MAX), 431, "head-too-large"),
     ];
     for (head, status, kind) in cases {
         let shown = &head[..head.len().min(60)];
@@ -137,6 +138,8 @@ async fn a_head_that_cannot_be_read_gets_a_problem() {
         let problem: serde_json::Value = serde_json::from_str(body).expect("a document");
         assert_eq!(problem["type"], format!("/problems/{kind}"), "{shown}");
         assert!(answer.contains("content-type: application/problem+json\r\n"), "{answer}");
+        // The same status has two causes, and the text names both.
+        assert_eq!(answer.contains("Content-Length is below 2^64 - 2"), status == 431, "{answer}");
     }
 }
 

@@ -40,6 +40,7 @@ fn start(folder: &Path, time: Duration) -> (Arc<Service>, Digest) {
         max_attempts: 1,
         adapter: Adapter::Cpu,
         pictures: PictureLimits { time, ..PictureLimits::default() },
+        brdf_limit: 1,
         export_bytes: 0,
     });
     let service = service.expect("a service");

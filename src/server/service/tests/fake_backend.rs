@@ -166,6 +166,8 @@ impl Backend for FakeBackend {
         Some((recipe, digest))
     }
 
+    fn forget_files(&self) {}
+
     fn exports(&self, _file: &[u8]) -> Result<Vec<Export>, ExportFailure> {
         Ok(vec![Export::Engine(Engine::Three)])
     }

@@ -170,6 +170,10 @@ struct SlowBlobs {
 }
 
 impl Blobs for SlowBlobs {
+    fn delete(&self, digest: Digest) -> Result<(), StoreError> {
+        self.blobs.delete(digest)
+    }
+
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
         thread::sleep(self.time);
         self.puts.fetch_add(1, Ordering::Relaxed);
@@ -294,6 +298,10 @@ struct Swept {
 }
 
 impl Blobs for Swept {
+    fn delete(&self, digest: Digest) -> Result<(), StoreError> {
+        self.blobs.delete(digest)
+    }
+
     fn put(&self, bytes: &[u8]) -> Result<Digest, StoreError> {
         Ok(Digest::of(bytes))
     }

@@ -18,7 +18,7 @@ use super::{
     connect::{Access, Connected, ObjectsOpenError, connect, probe, text},
 };
 use crate::store::{
-    BlobInfo, Blobs, StoreError,
+    BlobInfo, Blobs, Checked, SHORT_BYTES, StoreError,
     files::{read_part, regular_length},
 };
 use ltcforge_files::digest::Digest;
@@ -214,6 +214,16 @@ impl Blobs for ObjectBlobs {
         Err(StoreError::Unavailable(format!("the object store gives other bytes for {digest} than were stored")))
     }
 
+    /// One that is not in the cache is fetched whole, and sent from the cache if there is room for it.
+    fn checked(&self, digest: Digest) -> Result<Option<Checked>, StoreError> {
+        let fetched = self.get(digest)?;
+        let is_cached = || self.cache.file(digest).is_some();
+        Ok(fetched.map(|bytes| match bytes.len() as u64 {
+            length if length > SHORT_BYTES && is_cached() => Checked::Long(length),
+            _ => Checked::Bytes(bytes),
+        }))
+    }
+
     fn length(&self, digest: Digest) -> Result<Option<u64>, StoreError> {
         if let Some(length) = self.cache.file(digest).and_then(|file| regular_length(&file).ok()) {
             return Ok(Some(length));
@@ -241,6 +251,13 @@ impl Blobs for ObjectBlobs {
             self.see(digest);
         }
         Ok(is_there)
+    }
+
+    fn delete(&self, digest: Digest) -> Result<(), StoreError> {
+        found(self.block_on(self.connected.store.delete(&self.path(digest))))?;
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner).remove(&digest);
+        self.cache.remove(digest);
+        Ok(())
     }
 
     fn keep(&self, digest: Digest, bytes: &[u8]) -> Result<(), StoreError> {

@@ -62,6 +62,11 @@ impl BlobCache {
         Some(self.path(digest)).filter(|path| path.is_file())
     }
 
+    /// Removes a blob. If that fails, it is removed as the others are.
+    pub(super) fn remove(&self, digest: Digest) {
+        let _ = fs::remove_file(self.path(digest));
+    }
+
     /// Keeps a blob. A failure is logged: this is only a cache.
     pub(super) fn put(&self, digest: Digest, bytes: &[u8]) {
         let length = bytes.len() as u64;
