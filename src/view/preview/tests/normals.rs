@@ -127,7 +127,7 @@ fn the_shader_gives_what_f64_does_for_any_light() {
 /// second.
 fn check(entry: &str, lights: &[Lit], limits: [f64; 2]) {
     let normals = LitBy::new(LightModel::Normals, None).expect("a formula");
-    let source = functions(normals, Bound::Volumes, Lights::All, true) + ENTRY;
+    let source = functions(normals, Bound::Volumes, Lights::All) + ENTRY;
     let table = shader_table(TexelFormat::F32);
     let lights: Vec<Single> = lights.iter().map(Single::of).collect();
     let words: Vec<[f32; 40]> = lights.iter().map(Single::words).collect();
